@@ -1,0 +1,42 @@
+// A bump allocator for trees that live and die together (the syntax tree).
+//
+// Only trivially destructible objects: nothing is ever destroyed one by one.
+#pragma once
+#include <cstring>
+#include <memory>
+#include <memory_resource>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace bip {
+
+class Arena {
+ public:
+  template <class T>
+  T* make(T value) {
+    static_assert(std::is_trivially_destructible_v<T>);
+    return new (pool_.allocate(sizeof(T), alignof(T))) T(std::move(value));
+  }
+  /// Copies `items` into the arena.
+  template <class T>
+  std::span<const T> list(const std::vector<T>& items) {
+    static_assert(std::is_trivially_destructible_v<T>);
+    if (items.empty()) return {};
+    T* to = static_cast<T*>(pool_.allocate(sizeof(T) * items.size(), alignof(T)));
+    std::uninitialized_copy(items.begin(), items.end(), to);
+    return {to, items.size()};
+  }
+  std::string_view text(std::string_view s) {
+    if (s.empty()) return {};
+    char* to = static_cast<char*>(pool_.allocate(s.size(), 1));
+    std::memcpy(to, s.data(), s.size());
+    return {to, s.size()};
+  }
+
+ private:
+  std::pmr::monotonic_buffer_resource pool_{64 * 1024};
+};
+
+}  // namespace bip

@@ -1,0 +1,40 @@
+// From the System to the runtime's image: layout of slots, bindings as offsets, one code unit per guard, action or
+// transfer of a type. All executors start here.
+#pragma once
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "compiler/system/system.hpp"
+#include "runtime/include/bip/image.hpp"
+
+namespace bip::lower {
+
+enum class CodeKind : std::uint8_t { Guard, Action };
+enum class CodeOwner : std::uint8_t { Atom, Connector, Priority };
+/// Row k describes Image::codes[k].
+struct CodeUnit {
+  CodeKind kind = CodeKind::Guard;
+  CodeOwner owner = CodeOwner::Atom;
+  std::uint32_t owner_row = 0;  // AtomTypeId, ConnectorTypeId or PriorityId
+  std::string name;             // unique C identifier, readable: "Fork_on_take_from_free_guard"
+  ExprId expr;                  // Guard
+  StmtId body;                  // Action
+  Loc loc{};
+};
+
+/// Owns what an Image points to. `codes` starts empty (null functions); an executor fills it before running.
+struct LoweredSystem {
+  const System* system = nullptr;  // must outlive this
+  std::vector<CodeUnit> units;
+  std::vector<rt::Code> codes;     // one a unit
+  std::vector<std::uint32_t> site_of_expr;  // by ExprId: row of Image::sites, or rt::kNone if it cannot fault
+  rt::Image image;                 // image.codes points to `codes`
+  struct Pools;
+  std::unique_ptr<Pools, void (*)(Pools*)> pools{nullptr, nullptr};  // owner of all arrays behind `image`
+};
+
+[[nodiscard]] std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& name);
+
+}  // namespace bip::lower

@@ -1,0 +1,109 @@
+// The rows of the type model that instances share: port, connector and atom types with their code.
+//
+// Names are resolved, expressions are typed, all checks that need no instance are done. `model` builds them, `system`
+// carries them unchanged, executors read them.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/model/code.hpp"
+
+namespace bip {
+
+using PortTypeId = Id<struct PortTypeTag>;
+using AtomTypeId = Id<struct AtomTypeTag>;
+using ConnectorTypeId = Id<struct ConnectorTypeTag>;
+
+struct Variable {
+  std::string name;
+  Type type = Type::Int;
+  Loc loc{};
+};
+
+struct PortType {
+  std::string name;  // "?" + number for the anonymous ones of the paper's notation
+  std::vector<Variable> variables;
+  Loc loc{};
+};
+
+// ---- atoms ---------------------------------------------------------------------------------------------------
+/// A slot of an atom: parameters first (read-only), then data in declaration order.
+struct Slot {
+  std::string name;
+  Type type = Type::Int;
+  bool is_param = false;
+  bool exported = false;
+  Loc loc{};
+};
+struct Port {
+  std::string name;
+  PortTypeId type;
+  std::vector<std::uint32_t> slots;  // one a variable of the port type
+  bool exported = false;             // false: its transitions are steps of their own
+  Loc loc{};
+};
+struct Transition {
+  static constexpr std::uint32_t kInternal = 0xffffffffu;
+  std::uint32_t port = kInternal;   // row of ports
+  std::vector<std::uint32_t> from;  // places, at least one
+  std::vector<std::uint32_t> to;
+  ExprId guard;                     // invalid: true. Reads Self
+  StmtId action;                    // invalid: nothing. Reads and writes Self
+  Loc loc{};
+};
+struct AtomType {
+  std::string name;
+  std::vector<Slot> slots;
+  std::vector<Port> ports;
+  std::vector<std::string> places;
+  std::vector<std::uint32_t> initial;  // places
+  StmtId initial_action;               // initialisers of data, then `initial … do`; Self
+  std::vector<Transition> transitions; // in source order
+  Loc loc{};
+};
+
+// ---- connectors ----------------------------------------------------------------------------------------------
+/// The `define` tree in preorder: node 0 is the root group. A leaf names a parameter.
+struct DefineNode {
+  bool is_leaf = false;
+  bool trigger = false;
+  std::uint32_t param = 0;               // leaf
+  std::vector<std::uint32_t> children;   // group: rows of ConnectorType::define, all greater than this one
+};
+struct ConnectorParam {
+  std::string name;       // for inline connectors the path, "a.p"
+  PortTypeId type;
+  std::uint32_t first_bind = 0;  // its variables are Bind first_bind … + variables of the port type
+  Loc loc{};
+};
+/// Exported data of a participating component that the code reads (inline connectors).
+struct DataRead {
+  std::string path;       // "battery.totalPwr"
+  Type type = Type::Int;
+};
+struct Clause {
+  std::vector<std::uint32_t> params;  // sorted; an interaction that `define` gives
+  ExprId guard;                       // invalid: true. Reads Bind and Self
+  StmtId up;                          // writes Self only
+  StmtId down;                        // writes Bind and Self
+  Loc loc{};
+};
+struct ConnectorType {
+  std::string name;
+  std::vector<ConnectorParam> params;
+  std::vector<DataRead> data_reads;     // Bind numbers after the port variables
+  std::vector<Slot> slots;              // its own data
+  std::vector<DefineNode> define;
+  std::vector<Clause> clauses;          // at most one an interaction
+  bool exports = false;
+  std::string export_name;
+  PortTypeId export_type;
+  std::vector<std::uint32_t> export_slots;  // one a variable of export_type
+  Loc loc{};
+
+  /// Number of Bind variables.
+  [[nodiscard]] std::uint32_t bind_count(const IndexVector<PortTypeId, PortType>& types) const;
+};
+
+}  // namespace bip

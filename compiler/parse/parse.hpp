@@ -1,0 +1,29 @@
+// From text to the syntax tree. The only folder that knows ANTLR.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "compiler/diag/diagnostics.hpp"
+#include "compiler/syntax/syntax.hpp"
+
+namespace bip::parse {
+
+/// Deepest nesting of parentheses, blocks and groups that is read; deeper is diagnostic B0xxx, not a crash.
+inline constexpr int kMaxDepth = 500;
+
+/// Parses one file. Reports all that it can find and returns the declarations that could be read;
+/// nullopt only if nothing is usable. Never throws, never prints.
+[[nodiscard]] std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags);
+
+/// One token a line: `line:column  KIND  text` (for --emit=tokens).
+[[nodiscard]] std::string dump_tokens(const SourceMap& sources, FileId file);
+
+/// `Root(1, 2.5, true, "s")` of --root. The expression must be a call or a name.
+struct RootSpec {
+  std::string type;
+  std::vector<const syntax::Expr*> args;
+  std::unique_ptr<Arena> arena;
+};
+[[nodiscard]] std::optional<RootSpec> parse_root(SourceMap& sources, const std::string& text, Diagnostics& diags);
+
+}  // namespace bip::parse

@@ -1,0 +1,100 @@
+// The System: the instance model, flat, symbolic, and the contract between the front end and every back end.
+//
+// Plain tables in a deterministic order (declaration order, depth first), typed ids, no pointers. Components are
+// flattened, interactions are never enumerated: a connector stays its tree of synchrons and triggers. Its text form is
+// .bsys (print.hpp, parse_bsys.hpp): parse(print(s)) == s and print(parse(t)) == t.
+#pragma once
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "compiler/model/types.hpp"
+
+namespace bip {
+
+using AtomId = Id<struct AtomTag>;
+using ConnectorId = Id<struct ConnectorTag>;
+using CompoundId = Id<struct CompoundTag>;
+using PriorityId = Id<struct PriorityTag>;
+
+/// A compound instance: only its name and place in the hierarchy are left after flattening.
+struct Compound {
+  std::string path;  // "ROOT", "ROOT.left"
+  std::string type;  // "Ring"
+  CompoundId parent; // invalid for the root, which is row 0
+  Loc loc{};
+};
+
+struct Atom {
+  std::string path;         // "ROOT.phil[0]"
+  AtomTypeId type;
+  CompoundId parent;
+  std::vector<Value> args;  // one a parameter
+  Loc loc{};                // of the `component` line
+};
+
+/// What a connector's parameter is bound to: a port of an atom, or another connector's exported port.
+struct PortRef {
+  enum class Kind : std::uint8_t { Atom, Connector };
+  Kind kind = Kind::Atom;
+  AtomId atom;
+  std::uint32_t port = 0;     // Atom: row of the atom type's ports
+  ConnectorId connector;      // Connector
+  // Connector reached through a compound's exported port: only its maximal interactions are seen.
+  bool maximal_only = false;
+  friend bool operator==(const PortRef&, const PortRef&) = default;
+};
+/// A data slot of an atom.
+struct DataRef {
+  AtomId atom;
+  std::uint32_t slot = 0;
+  friend bool operator==(const DataRef&, const DataRef&) = default;
+};
+
+/// A connector. Rows are in an order where a connector comes after those it is bound to.
+struct Connector {
+  std::string path;  // "ROOT.conn"
+  ConnectorTypeId type;
+  CompoundId parent;
+  std::vector<PortRef> ports;  // one a parameter
+  std::vector<DataRef> data;   // one a data_read
+  // Its exported port is bound by another connector: it never runs by itself. A connector that exports a port which
+  // nobody binds never runs at all.
+  bool bound = false;
+  Loc loc{};
+};
+
+/// One side of a priority rule.
+struct Pattern {
+  bool any_connector = false;           // *:*  every interaction (of the compound's connectors) not on the other side
+  ConnectorId connector;
+  bool any_interaction = false;         // c:*
+  std::vector<std::uint32_t> params;    // sorted: parameters of the connector
+  friend bool operator==(const Pattern&, const Pattern&) = default;
+};
+/// low < high provided guard: every interaction contained in low's loses against every one that contains high's.
+struct Priority {
+  std::string name;
+  CompoundId parent;
+  Pattern low, high;
+  ExprId guard;                 // invalid: true. Reads Bind = data
+  std::vector<DataRef> data;
+  Loc loc{};
+};
+
+struct System {
+  std::vector<std::string> files;  // rows of Loc::file
+  CodeTable code;
+  IndexVector<PortTypeId, PortType> port_types;
+  IndexVector<AtomTypeId, AtomType> atom_types;
+  IndexVector<ConnectorTypeId, ConnectorType> connector_types;
+  IndexVector<CompoundId, Compound> compounds;
+  IndexVector<AtomId, Atom> atoms;
+  IndexVector<ConnectorId, Connector> connectors;
+  IndexVector<PriorityId, Priority> priorities;
+
+  /// True if the connector's interactions are steps: it exports no port.
+  [[nodiscard]] bool is_top(ConnectorId id) const { return !connector_types[connectors[id].type].exports; }
+};
+
+}  // namespace bip

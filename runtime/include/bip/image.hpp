@@ -1,0 +1,183 @@
+// The image: a System as the runtime sees it. Constant tables plus native (or interpreted) code for guards, actions and
+// transfers. The compiler fills it in memory for `run`; `build` and `emit` print the same tables as C++.
+//
+// Plain structs over spans, no ownership, no allocation: an emitted program keeps them in static storage.
+// Every executor hands its image to the same core (core.hpp), which alone says what is enabled and what firing does.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace bip::rt {
+
+template <class T>
+struct Span {
+  const T* data = nullptr;
+  std::uint32_t size = 0;
+  const T& operator[](std::size_t i) const { return data[i]; }
+  const T* begin() const { return data; }
+  const T* end() const { return data + size; }
+};
+/// Rows [first, first + count) of a pool that the comment names.
+struct Slice {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
+enum class SlotType : std::uint8_t { Int, Bool, Float, String };
+/// One variable. Bool is 0 or 1 in i; String is a row of Image::strings in i. Unused bits are zero.
+union Slot {
+  std::uint64_t bits;
+  std::int32_t i;
+  double f;
+};
+static_assert(sizeof(Slot) == 8);
+
+/// Code over variables. `self`: slots of the atom or the connector's own data; `all`: all slots of the system;
+/// `bind[k]`: row in `all` of the k-th bound variable (null for atoms). Never throws, never blocks.
+/// Returns 0 = false (guards), 1 = true (guards) or done (actions), else a fault: see `fault_status`.
+using CodeFn = std::int32_t (*)(const void* context, Slot* self, Slot* all, const std::uint32_t* bind);
+struct Code {
+  CodeFn fn = nullptr;
+  const void* context = nullptr;
+};
+inline constexpr std::uint32_t kNone = 0xffffffffu;  // no row, no code
+
+enum class FaultKind : std::uint8_t { DivisionByZero, DivisionOverflow };
+/// The status of a fault at row `site` of Image::sites.
+constexpr std::int32_t fault_status(std::uint32_t site, FaultKind kind) {
+  return static_cast<std::int32_t>(2 + 2 * site + static_cast<std::uint32_t>(kind));
+}
+
+struct Loc {  // file: row of Image::files; line 0: none
+  std::uint32_t file = 0, line = 0, column = 0;
+};
+/// A division or modulo in the source.
+struct Site {
+  Loc loc;
+};
+
+struct Var {
+  const char* name;
+  SlotType type;
+  bool is_param;
+  bool exported;
+};
+struct PortType {
+  const char* name;
+  Span<Var> vars;
+};
+struct Port {
+  const char* name;
+  std::uint32_t type;
+  Span<std::uint32_t> slots;  // one a variable of the port type
+  bool exported;
+  Loc loc;
+};
+struct Transition {
+  std::uint32_t port;  // kNone: internal
+  Span<std::uint32_t> from, to;
+  std::uint32_t guard, action;  // rows of Image::codes or kNone
+  Loc loc;
+};
+struct AtomType {
+  const char* name;
+  Span<Var> slots;  // parameters first
+  Span<Port> ports;
+  Span<const char*> places;
+  Span<std::uint32_t> initial;
+  std::uint32_t initial_action;  // code or kNone; data slots are zero before it
+  Span<Transition> transitions;
+  Loc loc;
+};
+/// Preorder; node 0 is the root group. children are rows of the same array.
+struct DefineNode {
+  bool is_leaf;
+  bool trigger;
+  std::uint32_t param;
+  Span<std::uint32_t> children;
+};
+struct ConnectorParam {
+  const char* name;
+  std::uint32_t type;
+  std::uint32_t first_bind;
+};
+struct Clause {
+  Span<std::uint32_t> params;  // sorted
+  std::uint32_t guard, up, down;
+  Loc loc;
+};
+struct ConnectorType {
+  const char* name;
+  Span<ConnectorParam> params;
+  Span<Var> slots;
+  Span<DefineNode> define;
+  Span<Clause> clauses;
+  bool exports;
+  const char* export_name;
+  std::uint32_t export_type;
+  Span<std::uint32_t> export_slots;
+  Loc loc;
+};
+
+struct Compound {
+  const char* path;
+  std::uint32_t parent;  // kNone for the root
+};
+struct Atom {
+  const char* path;
+  std::uint32_t type;
+  std::uint32_t slot_base;  // row in `all` of its slot 0
+  std::uint32_t args;       // first row of Image::args; one a parameter
+  Loc loc;
+};
+struct PortRef {
+  std::uint32_t atom;        // kNone: a connector's exported port
+  std::uint32_t port;        // of the atom's type
+  std::uint32_t connector;
+  bool maximal_only;         // through a compound's exported port
+};
+struct Connector {
+  const char* path;
+  std::uint32_t type;
+  std::uint32_t slot_base;   // of its own data in `all`
+  std::uint32_t ports;       // first row of Image::port_refs; one a parameter
+  std::uint32_t binds;       // first row of Image::binds; bind_count rows
+  std::uint32_t bind_count;
+  bool bound;                // its exported port is bound by another connector
+  Loc loc;
+};
+struct Pattern {
+  bool any_connector;
+  std::uint32_t connector;
+  bool any_interaction;
+  Span<std::uint32_t> params;  // sorted
+};
+struct Priority {
+  const char* name;
+  std::uint32_t parent;  // compound
+  Pattern low, high;
+  std::uint32_t guard;   // code or kNone
+  std::uint32_t binds, bind_count;
+  Loc loc;
+};
+
+struct Image {
+  const char* name = "";                 // of the root type, "Ring(10)"
+  Span<const char*> files;
+  Span<const char*> strings;             // row 0 is always ""
+  Span<Code> codes;
+  Span<Site> sites;
+  Span<PortType> port_types;
+  Span<AtomType> atom_types;
+  Span<ConnectorType> connector_types;
+  Span<Compound> compounds;              // row 0: the root
+  Span<Atom> atoms;
+  Span<Slot> args;
+  Span<Connector> connectors;            // a connector comes after those it is bound to
+  Span<PortRef> port_refs;
+  Span<std::uint32_t> binds;
+  Span<Priority> priorities;
+  std::uint32_t slot_count = 0;          // of all atoms, then of all connectors
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,41 @@
+// Running an image: options, one call, and the main() of emitted programs.
+#pragma once
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include "bip/image.hpp"
+
+namespace bip::rt {
+
+enum class Policy : std::uint8_t { Uniform, First, Fair };
+enum class TraceFormat : std::uint8_t { Steps, Json, Bip2 };
+
+struct RunOptions {
+  std::uint64_t seed = 0;
+  bool has_seed = false;           // false: one is drawn from the operating system; it is always printed
+  std::uint64_t limit = ~0ull;     // steps
+  Policy policy = Policy::Uniform;
+  bool maximal_progress = true;
+  bool silent = false;             // no step lines; the seed and the end are still told
+  bool stats = false;              // steps, seconds, ns/step at the end
+  bool debug = false;              // every state's candidates
+  TraceFormat format = TraceFormat::Steps;  // of standard output: Steps or Bip2
+  std::string trace_path;          // JSON lines, or the bip2 format if `format` is Bip2; empty: none
+};
+
+enum class End : std::uint8_t { Limit, Deadlock, Fault, Interrupted };
+struct RunResult {
+  End end = End::Limit;
+  std::uint64_t steps = 0;
+  int exit_code = 0;  // 0 also for a deadlock (a normal end of a run); 1 for a run-time error
+};
+
+/// Runs from the initial state to the end that comes first. Writes steps to `out`, run-time errors to `err`.
+RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err);
+
+/// main() of an emitted program: --seed N --limit N --policy P --silent --stats --trace FILE --trace-format F
+/// --disable-maximal-progress --help; exit code as bipc run's.
+int run_main(const Image& image, int argc, char** argv);
+
+}  // namespace bip::rt
