@@ -40,7 +40,7 @@ struct Expr {
   std::uint32_t index = 0;      // LoadSelf, LoadBind
   std::int32_t int_value = 0;   // ConstInt, ConstBool, ConstString
   double float_value = 0;       // ConstFloat
-  ExprId a, b;
+  ExprId a{}, b{};
   Loc loc{};
 };
 
@@ -50,9 +50,9 @@ struct Stmt {
   StmtOp op = StmtOp::StoreSelf;
   Type type = Type::Int;        // Store: type of the slot
   std::uint32_t index = 0;
-  ExprId value;                 // Store: the value; If: the condition
-  StmtId then_body, else_body;  // If: first statements, invalid if empty
-  StmtId next;                  // invalid: the last one
+  ExprId value{};               // Store: the value; If: the condition
+  StmtId then_body{}, else_body{};  // If: first statements, invalid if empty
+  StmtId next{};                // invalid: the last one
   Loc loc{};
 };
 

@@ -1,10 +1,10 @@
-// The type model: names resolved, types checked, code built. What needs an instance (array sizes, bindings of arrays,
-// values of arguments) stays as syntax plus scopes in CompoundType and is done by system/.
+// The type model: names resolved, types checked, code built. What needs an instance (array sizes, elements, values of
+// arguments) is typed code over a compound's parameters here and is evaluated by system/.
 #pragma once
-#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/model/types.hpp"
@@ -14,14 +14,106 @@ namespace bip {
 
 using CompoundTypeId = Id<struct CompoundTypeTag>;
 
+/// `a[i].p` inside a compound: a component or connector of the compound, then what it exports.
+/// Index code reads Self = the compound's parameters, then the loop variables in scope.
+struct ElementRef {
+  std::uint32_t family = 0;   // row of CompoundType::components or ::connectors
+  ExprId index;               // invalid: no index
+  bool star = false;          // [*]: all elements
+};
+struct PortPath {
+  bool is_connector = false;  // the family is a connector: its exported port
+  ElementRef element;
+  std::uint32_t port = 0;     // component: row of the atom type's ports or of the compound type's exports
+  PortTypeId type;
+  const syntax::Path* path = nullptr;
+  SourceRange range;
+};
+struct DataPath {
+  ElementRef element;         // a component
+  std::uint32_t slot = 0;     // atom: slot; compound: row of data_exports
+  Type type = Type::Int;
+  SourceRange range;
+};
+
+/// A name in a compound with one instance, or an array of instances, of one type.
+struct ComponentFamily {
+  std::string name;
+  bool is_compound = false;
+  AtomTypeId atom;
+  CompoundTypeId compound;
+  bool is_array = false;
+  SourceRange range;
+};
+struct ConnectorFamily {
+  std::string name;
+  bool is_array = false;
+  bool exports = false;
+  PortTypeId export_type;
+  SourceRange range;
+};
+
+enum class ItemKind : std::uint8_t { Component, Connector, For };
+struct CompoundItem {
+  ItemKind kind = ItemKind::Component;
+  SourceRange range;
+  std::uint32_t family = 0;
+  ExprId index;                // array size (outside For), element (inside), invalid: neither
+  std::vector<ExprId> args;    // Component: one a parameter, of the parameter's type
+  ConnectorTypeId type;        // Connector
+  std::vector<PortPath> ports; // Connector: as written; a star path stands for several parameters
+  std::vector<DataPath> data;  // Connector: one a data read of the type
+  const syntax::CompoundItem* syntax = nullptr;
+  bool has_star = false;       // Connector: a path with [*]; an inline one gets its type when its ports are counted
+  std::uint32_t loop_slot = 0; // For: Self slot of the variable
+  ExprId low, high;
+  std::vector<CompoundItem> items;
+};
+/// One port of a pattern: by what the connector binds (`a.p`) or by the name of its parameter (`p`).
+struct PatternPort {
+  std::string param;  // empty: by path
+  PortPath path;
+  SourceRange range;
+};
+struct PatternPath {
+  bool any_connector = false;
+  ElementRef connector;
+  bool any_interaction = false;
+  std::vector<PatternPort> ports;
+  SourceRange range;
+};
+struct PriorityRule {
+  std::string name;
+  PatternPath low, high;
+  ExprId guard;                // reads Bind = data
+  std::vector<DataPath> data;
+  SourceRange range;
+};
+struct PortExport {
+  std::string name;
+  std::vector<PortPath> targets;
+  PortTypeId type;
+  SourceRange range;
+};
+struct DataExport {
+  std::string name;
+  DataPath target;
+  SourceRange range;
+};
 struct CompoundType {
   std::string name;
-  std::vector<Slot> params;               // read-only; loop variables take the slots after them
-  const syntax::Decl* decl = nullptr;     // items, priorities, exports: instantiated by system/
+  std::vector<Slot> params;
+  std::vector<ComponentFamily> components;
+  std::vector<ConnectorFamily> connectors;
+  std::vector<CompoundItem> items;
+  std::vector<PriorityRule> priorities;
+  std::vector<PortExport> exports;
+  std::vector<DataExport> data_exports;
+  const syntax::Decl* decl = nullptr;
   Loc loc{};
 };
 
-/// Which kind a type name has.
+/// What a type name stands for.
 struct TypeName {
   enum class Kind : std::uint8_t { Port, Connector, Atom, Compound } kind = Kind::Port;
   std::uint32_t row = 0;
@@ -30,18 +122,34 @@ struct TypeName {
 
 struct Model {
   const SourceMap* sources = nullptr;
+  const syntax::Syntax* syntax = nullptr;
+  std::string package;
   std::vector<std::string> files;
   CodeTable code;
   IndexVector<PortTypeId, PortType> port_types;
-  IndexVector<ConnectorTypeId, ConnectorType> connector_types;
+  IndexVector<ConnectorTypeId, ConnectorType> connector_types;  // typed ones, then those of inline connectors
   IndexVector<AtomTypeId, AtomType> atom_types;
   IndexVector<CompoundTypeId, CompoundType> compound_types;
   std::unordered_map<std::string, TypeName> type_names;
+  std::unordered_map<std::string, PortTypeId> anonymous_port_types;  // by names and types of their variables
+  std::unordered_map<std::string, std::pair<ExprId, Type>> constants;  // const data
+  std::unordered_map<std::string, const syntax::Decl*> functions;
+
+  [[nodiscard]] Loc loc(SourceRange r) const { return sources->loc(r); }
 };
 
 namespace model {
-/// Names, types and all checks that need no instance. nullopt if there were errors.
+/// Names, types and all checks that need no instance. nullopt if there were errors. The syntax must outlive the model.
 [[nodiscard]] std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& sources, Diagnostics& diags);
+/// The type of an inline connector whose paths with [*] stand for `counts[k]` ports; `data` as in CompoundItem.
+[[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundType& compound, const CompoundItem& item,
+                                                      const std::vector<std::uint32_t>& counts, std::vector<DataPath>& data);
+/// True if `define` gives the interaction of these parameters (sorted).
+[[nodiscard]] bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
+/// The largest interaction within `params` (sorted); empty if there is none.
+[[nodiscard]] std::vector<std::uint32_t> largest_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
+/// True if a port of type `given` can be used where `wanted` is asked for.
+[[nodiscard]] bool fits(const Model& model, PortTypeId given, PortTypeId wanted);
 /// Text of the tables, for --emit=model.
 [[nodiscard]] std::string dump(const Model& model);
 }  // namespace model

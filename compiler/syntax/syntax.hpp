@@ -245,7 +245,7 @@ struct CompoundExport {
 
 // ---- declarations ----------------------------------------------------------------------------------------------
 enum class DeclKind : std::uint8_t {
-  ConstData, ExternType, ExternFunction, ExternOperator, PortType, ConnectorType, AtomType, CompoundType
+  ConstData, ExternType, ExternFunction, ExternOperator, Function, PortType, ConnectorType, AtomType, CompoundType
 };
 enum class Notation : std::uint8_t { Bip2, Paper };
 struct Decl {
@@ -262,9 +262,10 @@ struct Decl {
   // ExternType
   std::span<const Path> refines;
   std::string_view cpp_name;
-  // ExternFunction, ExternOperator
+  // ExternFunction, ExternOperator, Function
   TypeRef result;
   Name op{};
+  const Expr* body = nullptr;  // Function: `function int f(int x) = x + 1`, a function without C++ (an extension)
 
   // ConnectorType
   const ConnectorBody* connector = nullptr;

@@ -145,6 +145,7 @@ struct Connector {
   std::uint32_t bind_count;
   bool bound;                // its exported port is bound by another connector
   Loc loc;
+  std::uint32_t parent = 0;  // row of Image::compounds: the compound that declares it
 };
 struct Pattern {
   bool any_connector;

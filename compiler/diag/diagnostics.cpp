@@ -1,0 +1,79 @@
+// The registry as a table, and the store of diagnostics with its order.
+//
+// Promises: `sorted` is by file, offset and then order of report, so output does not depend on the order in which a
+// stage walks its tables. Cost: n log n at rendering, nothing while reporting.
+#include "compiler/diag/diagnostics.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace bip {
+namespace {
+
+constexpr DiagInfo kInfos[] = {
+#define BIP_DIAG(code, severity, slug, message) {#code, Severity::severity, slug, message},
+#include "compiler/diag/kinds.def"
+#undef BIP_DIAG
+};
+
+// What has no place comes first: a file that is not there explains all that follows.
+auto place(const Diagnostic& d) {
+  const bool placed = d.range.is_valid();
+  return std::tuple(placed, placed ? d.range.file.value : 0u, placed ? d.range.begin : 0u);
+}
+
+bool is_duplicate(const Diagnostic& a, const Diagnostic& b) {
+  return a.kind == b.kind && place(a) == place(b) && a.range.end == b.range.end && a.message == b.message;
+}
+
+}  // namespace
+
+const DiagInfo& info(Diag kind) { return kInfos[static_cast<std::size_t>(kind)]; }
+
+const std::vector<Diag>& all_diags() {
+  static const std::vector<Diag> all = [] {
+    std::vector<Diag> kinds;
+    for (std::size_t i = 0; i < std::size(kInfos); ++i) kinds.push_back(static_cast<Diag>(i));
+    return kinds;
+  }();
+  return all;
+}
+
+std::optional<Diag> find_diag(std::string_view code) {
+  for (const Diag kind : all_diags()) {
+    if (code == info(kind).code) return kind;
+  }
+  return std::nullopt;
+}
+
+DiagnosticBuilder Diagnostics::add(Diag kind, SourceRange range, std::string message) {
+  Diagnostic d{};
+  d.kind = kind;
+  d.severity = info(kind).severity;
+  d.range = range;
+  d.message = std::move(message);
+  ++(d.severity == Severity::Error ? error_count_ : warning_count_);
+  all_.push_back(std::make_unique<Diagnostic>(std::move(d)));
+  return DiagnosticBuilder(*all_.back());
+}
+
+std::vector<const Diagnostic*> Diagnostics::sorted() const {
+  std::vector<const Diagnostic*> order;
+  order.reserve(all_.size());
+  for (const auto& d : all_) order.push_back(d.get());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Diagnostic* a, const Diagnostic* b) { return place(*a) < place(*b); });
+  // Equal places are neighbours now, but two equal messages may have a third between them.
+  std::vector<const Diagnostic*> kept;
+  kept.reserve(order.size());
+  for (const Diagnostic* d : order) {
+    bool seen = false;
+    for (auto it = kept.rbegin(); it != kept.rend() && place(**it) == place(*d) && !seen; ++it) {
+      seen = is_duplicate(**it, *d);
+    }
+    if (!seen) kept.push_back(d);
+  }
+  return kept;
+}
+
+}  // namespace bip

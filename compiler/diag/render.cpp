@@ -1,0 +1,76 @@
+// Chooses the renderer, caps what a person has to read, and closes with the counts.
+//
+// Frame and short show at most `max_errors` errors and as many warnings; JSON is for machines and shows all of them
+// without a closing line.
+#include "compiler/diag/render.hpp"
+
+namespace bip {
+namespace {
+
+std::string count_of(std::size_t n, std::string_view what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
+std::string closing_line(std::size_t errors, std::size_t warnings, std::size_t hidden) {
+  std::string line;
+  if (errors > 0) line += count_of(errors, "error");
+  if (warnings > 0) line += (errors > 0 ? ", " : "") + count_of(warnings, "warning");
+  if (hidden > 0) line += fmt::format(" ({} not shown)", hidden);
+  return line + "\n";
+}
+
+}  // namespace
+
+namespace diag {
+
+const char* severity_name(Severity severity) { return severity == Severity::Error ? "error" : "warning"; }
+
+Palette palette(bool color) {
+  if (!color) return {};
+  return {.error = "\x1b[1;31m", .warning = "\x1b[1;33m", .note = "\x1b[1;36m", .gutter = "\x1b[34m", .bold = "\x1b[1m",
+          .reset = "\x1b[0m"};
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte == '\n') {
+      out += "\\n";
+    } else if (byte < 0x20 || byte == 0x7f) {
+      out += "\xEF\xBF\xBD";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+}  // namespace diag
+
+std::string render(const Diagnostics& diags, const SourceMap& sources, const RenderOptions& options) {
+  const diag::Palette colors = diag::palette(options.color);
+  std::string out;
+  std::size_t shown[2] = {0, 0};
+  std::size_t total[2] = {0, 0};
+  for (const Diagnostic* d : diags.sorted()) {
+    const auto which = static_cast<std::size_t>(d->severity);
+    ++total[which];
+    if (options.format == DiagnosticFormat::Json) {
+      diag::render_json(out, *d, sources);
+      continue;
+    }
+    if (shown[which] == options.max_errors) continue;
+    ++shown[which];
+    if (options.format == DiagnosticFormat::Frame) {
+      diag::render_frame(out, *d, sources, colors);
+    } else {
+      diag::render_short(out, *d, sources, colors);
+    }
+  }
+  if (options.format == DiagnosticFormat::Json || total[0] + total[1] == 0) return out;
+  return out + closing_line(total[0], total[1], total[0] + total[1] - shown[0] - shown[1]);
+}
+
+}  // namespace bip

@@ -1,0 +1,27 @@
+// What the three renderers share. Inside compiler/diag only; everyone else calls `render` of diagnostics.hpp.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/diag/diagnostics.hpp"
+
+namespace bip::diag {
+
+[[nodiscard]] const char* severity_name(Severity severity);  // "error", "warning"
+
+/// ANSI escapes, empty strings when colour is off.
+struct Palette {
+  std::string_view error, warning, note, gutter, bold, reset;
+  [[nodiscard]] std::string_view of(Severity severity) const { return severity == Severity::Error ? error : warning; }
+};
+[[nodiscard]] Palette palette(bool color);
+
+/// `text` on one line: control characters (which could drive the reader's terminal) are shown as U+FFFD.
+[[nodiscard]] std::string printable(std::string_view text);
+
+void render_frame(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
+void render_short(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
+void render_json(std::string& out, const Diagnostic& d, const SourceMap& sources);
+
+}  // namespace bip::diag

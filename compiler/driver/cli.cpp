@@ -1,0 +1,86 @@
+// From argv to a command. CLI11 reads the options; what is wrong with them is exit code 2 with one line and a hint.
+#include "compiler/driver/cli.hpp"
+
+#include <cstdio>
+#include <string_view>
+
+#include "compiler/driver/cli_options.hpp"
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/exit_codes.hpp"
+
+namespace bip::driver {
+namespace {
+
+int usage_error(const std::string& problem, const std::string& hint) {
+  const std::string text = fmt::format("bipc: {}\n  = help: {}\n", problem, hint);
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  return kUsage;
+}
+
+bool is_command(const CLI::App& app, const std::string& word) {
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (command->get_name() == word) return true;
+  }
+  return false;
+}
+
+// A first argument that is neither an option nor a command: CLI11 would only call it unexpected.
+int unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) known.push_back(command->get_name());
+  if (word.ends_with(".bip") || word.ends_with(".bsys")) {
+    return usage_error(fmt::format("`{}` is a file, a command comes first", word), fmt::format("`bipc run {}`", word));
+  }
+  const std::vector<std::string> similar = similar_names(word, known);
+  return usage_error(fmt::format("no command `{}`", word),
+                     similar.empty() ? "`bipc --help` lists the commands" : fmt::format("there is `{}`", similar.front()));
+}
+
+int dispatch(const CLI::App& app, const Arguments& arguments) {
+  if (app.got_subcommand("check")) return command_check(arguments.check);
+  if (app.got_subcommand("run")) return command_run(arguments.run);
+  if (app.got_subcommand("build")) return command_build(arguments.build);
+  if (app.got_subcommand("emit")) return command_emit(arguments.emit);
+  if (app.got_subcommand("fmt")) return command_fmt(arguments.fmt);
+  if (app.got_subcommand("explain")) return command_explain(arguments.explain_code, arguments.explain_color);
+  return command_version();
+}
+
+// Which command the person was in, for the hint.
+std::string help_of(const CLI::App& app, int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  return is_command(app, first) ? fmt::format("`bipc {} --help`", first) : "`bipc --help`";
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app{"bipc: compiler and runtime for BIP models", "bipc"};
+  app.require_subcommand(0, 1);
+  app.footer("Example:\n  bipc run model.bip\nEach command has its own --help.");
+  Arguments arguments;
+  add_commands(app, arguments);
+  for (CLI::App* command : app.get_subcommands(nullptr)) {
+    // Options of -O and --color kind may be repeated: the last one counts, as compilers do.
+    for (CLI::Option* option : command->get_options()) {
+      if (option->get_positional() || option->get_expected_max() == 0) continue;
+      option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    }
+  }
+  if (argc > 1 && argv[1][0] != '-' && !is_command(app, argv[1])) return unknown_command(app, argv[1]);
+  if (argc > 1 && std::string_view(argv[1]) == "--version") return command_version();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    return usage_error(e.what(), help_of(app, argc, argv));
+  }
+  if (app.get_subcommands().empty()) {
+    std::fputs(app.help().c_str(), stdout);
+    return argc > 1 ? kUsage : kOk;
+  }
+  return dispatch(app, arguments);
+}
+
+}  // namespace bip::driver

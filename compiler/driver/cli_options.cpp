@@ -1,0 +1,145 @@
+// One function a command: its description, its options, its example.
+#include "compiler/driver/cli_options.hpp"
+
+#include <map>
+
+namespace bip::driver {
+namespace {
+
+template <class T>
+using Names = std::map<std::string, T>;
+
+const Names<DiagnosticFormat> kFormats{
+    {"frame", DiagnosticFormat::Frame}, {"short", DiagnosticFormat::Short}, {"json", DiagnosticFormat::Json}};
+const Names<ColorChoice> kColors{{"auto", ColorChoice::Auto}, {"always", ColorChoice::Always}, {"never", ColorChoice::Never}};
+const Names<EmitKind> kEmits{{"tokens", EmitKind::Tokens}, {"syntax", EmitKind::Syntax}, {"model", EmitKind::Model},
+                             {"system", EmitKind::System}, {"llvm", EmitKind::Llvm},     {"asm", EmitKind::Asm},
+                             {"cpp", EmitKind::Cpp},       {"dot", EmitKind::Dot},       {"json", EmitKind::Json}};
+const Names<Backend> kBackends{{"jit", Backend::Jit}, {"interp", Backend::Interp}};
+const Names<rt::Policy> kPolicies{{"uniform", rt::Policy::Uniform}, {"first", rt::Policy::First}, {"fair", rt::Policy::Fair}};
+const Names<rt::TraceFormat> kTraceFormats{
+    {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}};
+
+// An option with a closed set of values; `shown` is how the help writes them.
+template <class T>
+void add_choice(CLI::App& app, const std::string& name, T& value, const Names<T>& names, const std::string& shown,
+                const std::string& help) {
+  app.add_option_function<std::string>(
+         name, [&value, &names](const std::string& text) { value = names.at(text); }, help)
+      ->check(CLI::Validator(
+          [&names, shown](std::string& text) { return names.contains(text) ? std::string() : text + " is not one of " + shown; }, shown))
+      ->type_name("");
+}
+
+void add_color(CLI::App& app, ColorChoice& color) {
+  add_choice(app, "--color", color, kColors, "auto|always|never", "colour; auto is a terminal without NO_COLOR");
+}
+
+void add_diagnostics(CLI::App& app, CompileOptions& options) {
+  add_choice(app, "--diagnostics", options.render.format, kFormats, "frame|short|json", "how errors and warnings look");
+  add_color(app, options.color);
+  app.add_flag("--Werror", options.warnings_are_errors, "warnings count as errors");
+}
+
+void add_compile(CLI::App& app, CompileOptions& options) {
+  app.add_option("--root", options.root, "root component, 'Ring(10)'; else the one parameterless compound nobody instantiates")
+      ->type_name("TYPE(ARGS)");
+  add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp",
+             "print this stage's product and stop");
+  app.add_flag("--time-passes", options.time_passes, "print how long each pass took to standard error");
+  app.add_flag("--verify-each", options.verify_each, "check the compiler's own promises after each pass");
+  add_diagnostics(app, options);
+}
+
+void add_optimisation(CLI::App& app, Optimisation& level, bool with_o1, const std::string& help) {
+  const std::string shown = with_o1 ? "0|1|2" : "0|2";
+  app.add_option_function<std::string>(
+         "-O", [&level](const std::string& text) { level = text == "0" ? Optimisation::O0 : text == "1" ? Optimisation::O1 : Optimisation::O2; },
+         help)
+      ->check(CLI::IsMember(with_o1 ? std::vector<std::string>{"0", "1", "2"} : std::vector<std::string>{"0", "2"}))
+      ->type_name(shown);
+}
+
+void add_check(CLI::App& app, CheckArguments& a) {
+  CLI::App* command = app.add_subcommand("check", "report all errors and warnings of models, nothing else");
+  command->add_option("FILE", a.files, ".bip or .bsys files")->required()->type_name("");
+  add_compile(*command, a.compile);
+  command->footer("Example:\n  bipc check --diagnostics=short model.bip");
+}
+
+void add_run(CLI::App& app, RunArguments& a) {
+  CLI::App* command = app.add_subcommand("run", "run a model and print its steps");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option_function<std::uint64_t>(
+             "--seed", [&a](const std::uint64_t& seed) { a.run.seed = seed; a.run.has_seed = true; },
+             "of the random choices; without it one is drawn and printed")
+      ->type_name("N");
+  command->add_option("--limit", a.run.limit, "stop after N steps")->type_name("N");
+  add_choice(*command, "--policy", a.run.policy, kPolicies, "uniform|first|fair", "which of the possible steps is taken");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
+  add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
+  command->add_option("--trace", a.run.trace_path, "write the run to PATH, as JSON lines or as --trace-format says")->type_name("PATH");
+  add_choice(*command, "--trace-format", a.run.format, kTraceFormats, "steps|json|bip2",
+             "form of the steps; bip2 is the reference engine's");
+  command->add_flag("--silent", a.run.silent, "no step lines; seed and end are still told");
+  command->add_flag("--stats", a.run.stats, "steps, seconds and time a step at the end");
+  command->add_flag("--debug", a.run.debug, "print every state's possible steps");
+  command->add_flag_callback("--disable-maximal-progress", [&a] { a.run.maximal_progress = false; },
+                             "smaller interactions may run although a larger one could");
+  add_compile(*command, a.compile);
+  command->footer(
+      "A deadlock is a normal end: exit code 0. A run-time error (division by zero ...) ends with 1.\n"
+      "Example:\n  bipc run --seed 42 --limit 20 --root 'Ring(5)' model.bip");
+}
+
+void add_build(CLI::App& app, BuildArguments& a) {
+  CLI::App* command = app.add_subcommand("build", "make a stand-alone program with the host's C++ compiler");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option("-o,--output", a.output, "the program to write")->required()->type_name("EXE");
+  add_optimisation(*command, a.optimisation, true, "optimisation of the C++ compiler (default 2)");
+  add_compile(*command, a.compile);
+  command->footer("The compiler is $CXX, else c++, g++ or clang++.\nExample:\n  bipc build model.bip -o model && ./model --seed 42");
+}
+
+void add_emit(CLI::App& app, EmitArguments& a) {
+  CLI::App* command = app.add_subcommand("emit", "write the C++ of a model, or print a stage");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option("-o,--output", a.directory, "write model.cpp, CMakeLists.txt and the runtime's sources to DIR")->type_name("DIR");
+  add_optimisation(*command, a.optimisation, false, "for --emit=llvm and --emit=asm (default 2)");
+  add_compile(*command, a.compile);
+  command->footer("Without -o the C++ (or what --emit names) goes to standard output.\nExample:\n  bipc emit model.bip -o generated");
+}
+
+void add_fmt(CLI::App& app, FmtArguments& a) {
+  CLI::App* command = app.add_subcommand("fmt", "print models in house style");
+  command->add_option("FILE", a.files, ".bip files")->required()->type_name("");
+  CLI::Option* check = command->add_flag("--check", a.check, "print nothing but the names of files that would change; exit 1 if any");
+  command->add_flag("-i,--in-place", a.in_place, "rewrite the files")->excludes(check);
+  add_diagnostics(*command, a.compile);
+  command->footer("Example:\n  bipc fmt -i model.bip");
+}
+
+void add_explain(CLI::App& app, Arguments& a) {
+  CLI::App* command = app.add_subcommand("explain", "what a diagnostic code means, with a wrong and a right example");
+  command->add_option("CODE", a.explain_code, "B1001, R0005 ...; without it all codes are listed")->type_name("");
+  add_color(*command, a.explain_color);
+  command->footer("Example:\n  bipc explain R0005");
+}
+
+void add_version(CLI::App& app) {
+  app.add_subcommand("version", "version and back ends")->footer("Example:\n  bipc version");
+}
+
+}  // namespace
+
+void add_commands(CLI::App& app, Arguments& arguments) {
+  add_check(app, arguments.check);
+  add_run(app, arguments.run);
+  add_build(app, arguments.build);
+  add_emit(app, arguments.emit);
+  add_fmt(app, arguments.fmt);
+  add_explain(app, arguments);
+  add_version(app);
+}
+
+}  // namespace bip::driver

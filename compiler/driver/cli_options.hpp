@@ -1,0 +1,23 @@
+// The options of each command, bound to its arguments. Help texts here are what compiler/docs/cli.md holds.
+#pragma once
+#include <CLI/CLI.hpp>
+
+#include "compiler/driver/options.hpp"
+
+namespace bip::driver {
+
+/// Everything that the command line can fill; one command's part is used.
+struct Arguments {
+  CheckArguments check;
+  RunArguments run;
+  BuildArguments build;
+  EmitArguments emit;
+  FmtArguments fmt;
+  std::string explain_code;
+  ColorChoice explain_color = ColorChoice::Auto;
+};
+
+/// Adds all commands to `app`, in the order of the help.
+void add_commands(CLI::App& app, Arguments& arguments);
+
+}  // namespace bip::driver

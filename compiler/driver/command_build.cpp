@@ -1,0 +1,133 @@
+// `bipc build`: the emitted C++, the runtime and the host compiler make a program of their own.
+//
+// Needs a C++20 compiler on the host. The C++ is written to a temporary directory that is removed in any case; the
+// compiler's own messages go to standard error as they are.
+#include <algorithm>
+#include <filesystem>
+
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/report.hpp"
+#include "compiler/emit_cpp/emit_cpp.hpp"
+
+namespace bip::driver {
+namespace {
+
+const char* flag_of(Optimisation optimisation) {
+  switch (optimisation) {
+    case Optimisation::O0: return "-O0";
+    case Optimisation::O1: return "-O1";
+    case Optimisation::O2:
+    case Optimisation::Auto: break;
+  }
+  return "-O2";
+}
+
+// Sorted, so that the compiler sees the same command every time.
+std::vector<std::string> runtime_sources(const std::string& directory) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> sources;
+  for (const char* folder : {"core", "engine", "trace"}) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(fs::path(directory) / folder, ignored)) {
+      if (entry.path().extension() == ".cpp") sources.push_back(entry.path().string());
+    }
+  }
+  std::sort(sources.begin(), sources.end());
+  return sources;
+}
+
+std::string joined(const std::vector<std::string>& words, std::string_view between) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : std::string(between)) + word;
+  return text;
+}
+
+bool build_program(Compilation& c, const BuildArguments& arguments) {
+  std::string tried;
+  std::vector<std::string> command = find_host_compiler(tried);
+  if (command.empty()) {
+    c.diags.report(Diag::kB5002, {}, tried)
+        .help("install one (`apt-get install g++`) or name one in the environment variable CXX")
+        .help("`bipc emit FILE -o DIR` writes the C++ without compiling it");
+    return false;
+  }
+  const std::string compiler = command.front();
+  const RuntimeLocation runtime = find_runtime();
+  if (runtime.directory.empty()) {
+    c.diags.report(Diag::kB5006, {}, joined(runtime.tried, "`, `"));
+    return false;
+  }
+  const Result<TemporaryDirectory> work = TemporaryDirectory::make();
+  if (!work) {
+    c.diags.report(Diag::kB5004, {}, arguments.output, work.error());
+    return false;
+  }
+  const std::string source = (*work).path() + "/model.cpp";
+  if (const auto written = write_file(source, emit_cpp::emit(*c.lowered, {})); !written) {
+    c.diags.report(Diag::kB5004, {}, source, written.error());
+    return false;
+  }
+  const std::string parent = std::filesystem::path(runtime.directory).parent_path().string();
+  for (const std::string& word : {std::string("-std=c++20"), std::string(flag_of(arguments.optimisation)), std::string("-pthread"),
+                                  "-I" + runtime.directory + "/include", "-I" + parent, source}) {
+    command.push_back(word);
+  }
+  if (runtime.library.empty()) {
+    for (std::string& file : runtime_sources(runtime.directory)) command.push_back(std::move(file));
+  } else {
+    command.push_back(runtime.library);
+  }
+  // Beside the goal, then renamed over it: a program that runs just now is replaced, not written into.
+  const std::string fresh = arguments.output + ".bipc-new";
+  command.insert(command.end(), {"-o", fresh});
+  const Result<int> status = run_program(command);
+  std::error_code error;
+  if (!status || *status != 0) {
+    std::filesystem::remove(fresh, error);
+    auto problem = c.diags.report(Diag::kB5003, {}, compiler);
+    problem.note(status ? fmt::format("exit code {}", *status) : status.error());
+    return false;
+  }
+  std::filesystem::rename(fresh, arguments.output, error);
+  if (error) {
+    c.diags.report(Diag::kB5004, {}, arguments.output, error.message());
+    std::filesystem::remove(fresh, error);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+int command_build(const BuildArguments& arguments) {
+  Compilation c(arguments.compile);
+  if (arguments.compile.emit != EmitKind::None) {
+    emit_stage(c, arguments.file, arguments.optimisation);
+  } else if (compile(c, arguments.file, Stage::Image)) {
+    (void)build_program(c, arguments);
+  }
+  return report(c);
+}
+
+int command_emit(const EmitArguments& arguments) {
+  Compilation c(arguments.compile);
+  if (arguments.directory.empty()) {
+    if (c.options.emit == EmitKind::None) c.options.emit = EmitKind::Cpp;
+    emit_stage(c, arguments.file, arguments.optimisation);
+    return report(c);
+  }
+  const RuntimeLocation runtime = find_runtime();
+  if (runtime.directory.empty()) {
+    c.diags.report(Diag::kB5006, {}, joined(runtime.tried, "`, `"));
+  } else if (compile(c, arguments.file, Stage::Image)) {
+    const std::string program = std::filesystem::path(arguments.file).stem().string();
+    const auto written = emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program);
+    if (!written) c.diags.report(Diag::kB5004, {}, arguments.directory, written.error());
+  }
+  return report(c);
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,22 @@
+// `bipc check`: everything that can be wrong without running. Silent if nothing is.
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/report.hpp"
+
+namespace bip::driver {
+
+int command_check(const CheckArguments& arguments) {
+  int worst = 0;
+  for (const std::string& file : arguments.files) {
+    Compilation c(arguments.compile);
+    if (arguments.compile.emit != EmitKind::None) {
+      emit_stage(c, file, Optimisation::Auto);
+    } else {
+      (void)check(c, file);
+    }
+    worst = std::max(worst, report(c));
+  }
+  return worst;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,20 @@
+// `bipc version`: one line a fact, so that a bug report can hold all of them.
+#include <cstdio>
+
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/jit_loader.hpp"
+
+#ifndef BIPC_VERSION
+#define BIPC_VERSION "unknown"
+#endif
+
+namespace bip::driver {
+
+int command_version() {
+  std::printf("bipc %s\n", BIPC_VERSION);
+  std::printf("back ends: %sinterp, c++\n", is_jit_built() ? "jit, " : "");
+  return kOk;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,18 @@
+// The commands. Each prints what it has to say and returns the exit code.
+#pragma once
+#include <string>
+
+#include "compiler/driver/options.hpp"
+
+namespace bip::driver {
+
+[[nodiscard]] int command_check(const CheckArguments& arguments);
+[[nodiscard]] int command_run(const RunArguments& arguments);
+[[nodiscard]] int command_build(const BuildArguments& arguments);
+[[nodiscard]] int command_emit(const EmitArguments& arguments);
+[[nodiscard]] int command_fmt(const FmtArguments& arguments);
+/// `code` empty: the list of codes.
+[[nodiscard]] int command_explain(const std::string& code, ColorChoice color);
+[[nodiscard]] int command_version();
+
+}  // namespace bip::driver

@@ -1,0 +1,76 @@
+// Prints one stage's product. Which stage a kind needs, and what makes its text, is the switch below.
+#include "compiler/driver/emit_stage.hpp"
+
+#include <cstdio>
+
+#include "compiler/driver/executor.hpp"
+#include "compiler/driver/jit_loader.hpp"
+#include "compiler/emit_cpp/emit_cpp.hpp"
+#include "compiler/syntax/print.hpp"
+#include "compiler/system/bsys.hpp"
+
+namespace bip::driver {
+namespace {
+
+Stage stage_of(EmitKind kind) {
+  switch (kind) {
+    case EmitKind::None:
+    case EmitKind::Tokens: return Stage::Source;
+    case EmitKind::Syntax: return Stage::Syntax;
+    case EmitKind::Model: return Stage::Model;
+    case EmitKind::System:
+    case EmitKind::Dot:
+    case EmitKind::Json: return Stage::System;
+    case EmitKind::Llvm:
+    case EmitKind::Asm:
+    case EmitKind::Cpp: return Stage::Image;
+  }
+  return Stage::Image;
+}
+
+// The text of the last stage, or a failure that says which part could not make it.
+Result<std::string> text_of(const Compilation& c, EmitKind kind, Optimisation optimisation) {
+  switch (kind) {
+    case EmitKind::Tokens: return parse::dump_tokens(c.sources, c.file);
+    case EmitKind::Syntax: return syntax::dump(*c.syntax, c.sources);
+    case EmitKind::Model: return model::dump(*c.model);
+    case EmitKind::System: return system::print(*c.system);
+    case EmitKind::Llvm: return emit_llvm(*c.lowered, opt_level(*c.lowered, optimisation));
+    case EmitKind::Asm: return emit_asm(*c.lowered, opt_level(*c.lowered, optimisation));
+    case EmitKind::Cpp: return emit_cpp::emit(*c.lowered, {});
+    case EmitKind::None:
+    case EmitKind::Dot:
+    case EmitKind::Json: break;
+  }
+  return Failure{"no such stage"};
+}
+
+}  // namespace
+
+const char* name_of(EmitKind kind) {
+  static constexpr const char* kNames[] = {"none", "tokens", "syntax", "model", "system", "llvm", "asm", "cpp", "dot", "json"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+void emit_stage(Compilation& c, const std::string& path, Optimisation optimisation) {
+  const EmitKind kind = c.options.emit;
+  const bool needs_graph = kind == EmitKind::Dot || kind == EmitKind::Json;
+  const bool needs_jit = kind == EmitKind::Llvm || kind == EmitKind::Asm;
+  if (needs_graph || (needs_jit && !is_jit_built())) {
+    c.diags.report(Diag::kB5001, {}, fmt::format("`--emit={}`", name_of(kind)));
+    return;
+  }
+  if (path.ends_with(".bsys") && stage_of(kind) < Stage::System) {
+    c.diags.report(Diag::kB5008, {}, path, name_of(kind));
+    return;
+  }
+  if (!compile(c, path, stage_of(kind))) return;
+  const Result<std::string> text = text_of(c, kind, optimisation);
+  if (!text) {
+    c.diags.report(Diag::kB5007, {}, name_of(kind), text.error());
+    return;
+  }
+  std::fwrite((*text).data(), 1, (*text).size(), stdout);
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,10 @@
+// --emit=KIND: one stage's product as text on standard output, instead of what the command does otherwise.
+#pragma once
+#include "compiler/driver/pipeline.hpp"
+
+namespace bip::driver {
+
+/// Compiles as far as options.emit needs and prints it. Problems are in c.diags afterwards; nothing is printed then.
+void emit_stage(Compilation& c, const std::string& path, Optimisation optimisation);
+
+}  // namespace bip::driver

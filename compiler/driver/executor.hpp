@@ -1,0 +1,27 @@
+// The choice of an executor: fills the image's code from the interpreter or the JIT.
+#pragma once
+#include <memory>
+
+#include "compiler/driver/jit_loader.hpp"
+#include "compiler/driver/pipeline.hpp"
+#include "compiler/interp/interp.hpp"
+
+namespace bip::driver {
+
+/// Up to this many guards, actions and transfers `run` takes -O2 by itself: about 0.1 s (LLVM 19: 3 ms a function).
+inline constexpr std::size_t kMaxUnitsForO2 = 32;
+
+[[nodiscard]] jit::OptLevel opt_level(const lower::LoweredSystem& lowered, Optimisation optimisation);
+
+/// Owns what the image's code pointers need; keep alive as long as the image runs.
+class Executor {
+ public:
+  /// False if the back end failed; c.diags says why.
+  [[nodiscard]] bool prepare(Compilation& c, Backend backend, Optimisation optimisation);
+
+ private:
+  std::unique_ptr<interp::Interpreter> interpreter_;
+  JitCode jit_;
+};
+
+}  // namespace bip::driver

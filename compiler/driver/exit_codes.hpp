@@ -1,0 +1,9 @@
+// Exit codes of every command, in one place.
+#pragma once
+
+namespace bip::driver {
+inline constexpr int kOk = 0;
+inline constexpr int kModelErrors = 1;  // errors in the model, or a run-time error
+inline constexpr int kUsage = 2;        // the command line is wrong
+inline constexpr int kInterrupted = 130;
+}  // namespace bip::driver

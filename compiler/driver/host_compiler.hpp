@@ -1,0 +1,45 @@
+// The C++ compiler of the host, for `bipc build`.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/base/result.hpp"
+
+namespace bip::driver {
+
+/// $CXX (may hold arguments, e.g. "ccache g++"), else the first of c++, g++, clang++ on PATH; as an argument vector.
+/// Empty if there is none; `tried` says what was looked for.
+[[nodiscard]] std::vector<std::string> find_host_compiler(std::string& tried);
+
+/// Runs a program with its output on our standard error. The exit code; 128 + signal if a signal ended it; a Failure if
+/// it could not be started. Ctrl-C ends the child, not us, so that the caller can tidy up.
+[[nodiscard]] Result<int> run_program(const std::vector<std::string>& command);
+
+/// Where the runtime is: `include`, `core`, `engine`, `trace` below `directory`, and the library made by our own build
+/// (empty: compile the sources). Looked for beside the bipc program: in a build tree and in an installation.
+struct RuntimeLocation {
+  std::string directory;
+  std::string library;
+  std::vector<std::string> tried;
+};
+[[nodiscard]] RuntimeLocation find_runtime();
+
+/// A directory that disappears with the object.
+class TemporaryDirectory {
+ public:
+  [[nodiscard]] static Result<TemporaryDirectory> make();
+  TemporaryDirectory(TemporaryDirectory&& other) noexcept : path_(std::move(other.path_)) { other.path_.clear(); }
+  TemporaryDirectory& operator=(TemporaryDirectory&&) = delete;
+  ~TemporaryDirectory();
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  explicit TemporaryDirectory(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+};
+
+/// Writes a whole file through a neighbour that is renamed over it: readers see the old text or the new one.
+[[nodiscard]] Result<bool> write_file(const std::string& path, const std::string& text);
+
+}  // namespace bip::driver

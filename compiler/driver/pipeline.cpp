@@ -1,0 +1,124 @@
+// The pipeline: the table of passes below, a line a pass, is the whole of it.
+//
+// Each pass reads the product before it and leaves its own in the Compilation; it says `false` if it reported errors.
+// With --verify-each the System's promises are checked right after it was made; a broken one is our bug.
+#include "compiler/driver/pipeline.hpp"
+
+#include <chrono>
+
+#include "compiler/base/assert.hpp"
+#include "compiler/driver/roots.hpp"
+#include "compiler/system/bsys.hpp"
+#include "compiler/system/instantiate.hpp"
+
+namespace bip::driver {
+namespace {
+
+bool load_source(Compilation& c) {
+  const Result<FileId> file = c.sources.load(c.path);
+  if (!file) {
+    c.diags.report(Diag::kB0090, {}, c.path, file.error());
+    return false;
+  }
+  c.file = *file;
+  return true;
+}
+
+bool parse_source(Compilation& c) {
+  if (c.is_bsys()) return true;
+  c.syntax = parse::parse_file(c.sources, c.file, c.diags);
+  return c.syntax.has_value() && !c.diags.has_errors();
+}
+
+bool parse_root(Compilation& c) {
+  if (c.options.root.empty()) {
+    c.root_range = {.file = c.file, .begin = 0, .end = 0};
+    return true;
+  }
+  c.root = parse::parse_root(c.sources, c.options.root, c.diags);
+  if (!c.root) return false;
+  const FileId text{c.sources.size() - 1};
+  c.root_range = {.file = text, .begin = 0, .end = static_cast<std::uint32_t>(c.sources.text(text).size())};
+  return !c.diags.has_errors();
+}
+
+bool build_model(Compilation& c) {
+  if (c.is_bsys()) return true;
+  c.model = model::build_model(*c.syntax, c.sources, c.diags);
+  return c.model.has_value() && !c.diags.has_errors();
+}
+
+bool instantiate(Compilation& c) {
+  if (c.is_bsys()) {
+    Result<System> system = system::parse_bsys(c.sources.text(c.file));
+    if (system) {
+      c.system = std::move(*system);
+    } else {
+      c.diags.report(Diag::kB5005, {}, c.path, system.error());
+    }
+    return c.system.has_value();
+  }
+  static const std::vector<const syntax::Expr*> kNoArguments;
+  c.system = system::instantiate(*c.model, c.root ? c.root->type : "", c.root ? c.root->args : kNoArguments, c.diags,
+                                 c.root_range);
+  return c.system.has_value() && !c.diags.has_errors();
+}
+
+bool verify_system(Compilation& c) {
+  if (!c.options.verify_each) return true;
+  const std::vector<std::string> broken = system::validate(*c.system);
+  if (!broken.empty()) BIP_UNREACHABLE(broken.front().c_str());
+  return true;
+}
+
+bool lower_system(Compilation& c) {
+  c.root_name = name_of_root(c);
+  c.lowered = lower::lower(*c.system, c.root_name);
+  return true;
+}
+
+struct Pass {
+  Stage stage;
+  const char* name;
+  bool (*run)(Compilation&);
+};
+constexpr Pass kPasses[] = {
+    {Stage::Source, "load", load_source},
+    {Stage::Syntax, "parse", parse_source},
+    {Stage::Model, "parse root", parse_root},
+    {Stage::Model, "build model", build_model},
+    {Stage::System, "instantiate", instantiate},
+    {Stage::System, "verify system", verify_system},
+    {Stage::Image, "lower", lower_system},
+};
+
+}  // namespace
+
+bool compile(Compilation& c, const std::string& path, Stage last) {
+  using Clock = std::chrono::steady_clock;
+  c.path = path;
+  for (const Pass& pass : kPasses) {
+    if (pass.stage > last) break;
+    const StageScope doing(pass.name, c.path);
+    const Clock::time_point start = Clock::now();
+    const bool sound = pass.run(c);
+    c.times.push_back({pass.name, std::chrono::duration<double>(Clock::now() - start).count()});
+    if (!sound) return false;
+  }
+  return true;
+}
+
+bool check(Compilation& c, const std::string& path) {
+  if (!c.options.root.empty() || path.ends_with(".bsys")) return compile(c, path, Stage::System);
+  if (!compile(c, path, Stage::Model)) return false;
+  const StageScope doing("checking", c.path);
+  for (const std::string& root : root_candidates(*c.model)) {
+    // `instantiate` may take the model's code with it, so each root gets a model of its own.
+    c.model = model::build_model(*c.syntax, c.sources, c.diags);
+    c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range);
+    if (c.system) (void)verify_system(c);
+  }
+  return !c.diags.has_errors();
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,59 @@
+// One compilation and the pipeline that drives it from a file to what an executor runs.
+//
+// A Compilation owns everything: texts, diagnostics, and the product of each stage. Nothing is global, so two of them
+// in one process never meet. The pipeline never prints and never exits: commands do (report.hpp).
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/driver/options.hpp"
+#include "compiler/lower/lower.hpp"
+#include "compiler/model/model.hpp"
+#include "compiler/parse/parse.hpp"
+#include "compiler/syntax/syntax.hpp"
+#include "compiler/system/system.hpp"
+
+namespace bip::driver {
+
+/// How far to go; each stage needs those before it.
+enum class Stage : std::uint8_t { Source, Syntax, Model, System, Image };
+
+struct PassTime {
+  std::string name;
+  double seconds = 0;
+};
+
+struct Compilation {
+  explicit Compilation(CompileOptions o) : options(std::move(o)) {}
+  Compilation(const Compilation&) = delete;
+  Compilation& operator=(const Compilation&) = delete;
+
+  CompileOptions options;
+  SourceMap sources;
+  Diagnostics diags;
+  std::vector<PassTime> times;
+
+  // Products, in the order of the stages. A .bsys file has no syntax and no model.
+  std::string path;
+  FileId file;
+  std::optional<parse::RootSpec> root;
+  SourceRange root_range;
+  std::string root_name;  // "Ring(10)"
+  std::optional<syntax::Syntax> syntax;
+  std::optional<Model> model;
+  std::optional<System> system;
+  std::unique_ptr<lower::LoweredSystem> lowered;
+
+  [[nodiscard]] bool is_bsys() const { return path.ends_with(".bsys"); }
+};
+
+/// Runs the stages up to `last` on a .bip or .bsys file. False as soon as one reported an error.
+[[nodiscard]] bool compile(Compilation& c, const std::string& path, Stage last);
+
+/// As `compile` up to System, but a file of types without a root is fine: `bipc check`. Every parameterless compound
+/// that nobody instantiates is instantiated.
+[[nodiscard]] bool check(Compilation& c, const std::string& path);
+
+}  // namespace bip::driver

@@ -1,0 +1,14 @@
+// What commands print for a compilation, and the exit code that follows from it.
+#pragma once
+#include "compiler/driver/pipeline.hpp"
+
+namespace bip::driver {
+
+/// Decides colour from the choice, NO_COLOR and whether standard error is a terminal.
+[[nodiscard]] bool wants_color(ColorChoice choice, int file_descriptor);
+
+/// Writes diagnostics and, if asked for, the time table to standard error. Call once, before a run starts.
+/// 1 if there are errors (or warnings under --Werror), else 0.
+[[nodiscard]] int report(const Compilation& c);
+
+}  // namespace bip::driver

@@ -1,0 +1,16 @@
+// Roots: which compounds a file offers as one, and how a root is named in traces.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/driver/pipeline.hpp"
+
+namespace bip::driver {
+
+/// The parameterless compounds that nobody in the file instantiates, in source order.
+[[nodiscard]] std::vector<std::string> root_candidates(const Model& model);
+
+/// "Ring(10)": the type with the arguments as written; "Ring()" without.
+[[nodiscard]] std::string name_of_root(const Compilation& c);
+
+}  // namespace bip::driver

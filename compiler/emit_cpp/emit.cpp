@@ -1,0 +1,63 @@
+// One .cpp file: functions, tables, image() and, if wanted, main().
+//
+// Everything but image() is in an unnamed namespace inside the options' one, so files of several models can be one
+// translation unit. The file is made for `g++ -std=c++20 -ffp-contract=off`: floats must not be contracted.
+#include "compiler/emit_cpp/emit_cpp.hpp"
+#include "compiler/emit_cpp/functions.hpp"
+#include "compiler/emit_cpp/tables.hpp"
+
+namespace bip::emit_cpp {
+
+namespace {
+
+bool has_places(const lower::LoweredSystem& lowered) {
+  for (const lower::CodeUnit& unit : lowered.units) {
+    if (unit.loc.line != 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
+  Writer out(lowered.system->files, options.line_directives && has_places(lowered));
+  out.line("// " + comment_text(lowered.image.name) + ": emitted by bipc; the source is in the .bip that the rows name.");
+  out.line("// First the code of the types, then the constant tables that bip::rt reads.");
+  out.line("// Compile with -ffp-contract=off: floats are IEEE doubles, rounded after each operation.");
+  out.line("#include <cstdint>");
+  out.line("#include <limits>");
+  out.line();
+  out.line("#include \"bip/emitted.hpp\"");
+  if (options.with_main) out.line("#include \"bip/run.hpp\"");
+  out.line();
+  out.line("namespace " + options.namespace_name + " {");
+  out.line("namespace {");
+  out.line();
+  // Not the whole namespace yet: a variable of the model may be called like one of its types.
+  for (const char* name : {"BoolVar", "divide", "Fault", "FloatVar", "IntVar", "modulo", "Slot", "StringVar", "wrap_add",
+                           "wrap_mul", "wrap_neg", "wrap_sub"}) {
+    out.line(std::string("using bip::rt::") + name + ";");
+  }
+  emit_functions(lowered, out);
+  out.line();
+  out.line("using namespace bip::rt;");
+  out.line();
+  TableWriter tables(lowered, out);
+  tables.types();
+  tables.instances();
+  tables.image();
+  out.line();
+  out.line("}  // namespace");
+  out.line();
+  out.line("const bip::rt::Image& image() { return kImage; }");
+  out.line();
+  out.line("}  // namespace " + options.namespace_name);
+  if (options.with_main) {
+    out.line();
+    out.line("int main(int argc, char** argv) { return bip::rt::run_main(" + options.namespace_name +
+             "::image(), argc, argv); }");
+  }
+  return out.take();
+}
+
+}  // namespace bip::emit_cpp

@@ -1,0 +1,225 @@
+// Guards, actions and transfers as C++ functions with the model's names.
+//
+// A function names the variables it uses, each a reference into the slots, then reads like its source. One that divides
+// ints is a function-try-block: the first fault ends it with the site's status, as rt::CodeFn wants it.
+// Cost: linear in the code. Recursion follows nested ifs and expressions, whose depth the parser caps; else-if chains
+// are followed in a loop.
+#include "compiler/emit_cpp/functions.hpp"
+
+#include <algorithm>
+
+namespace bip::emit_cpp {
+
+LocalNames::LocalNames() {
+  for (const std::string_view word : reserved_words()) names_.reserve(word);
+}
+
+std::string LocalNames::make(std::string_view name) {
+  std::string text(name);
+  // A name without small letters could be a macro of some header.
+  const bool small = std::any_of(text.begin(), text.end(), [](char c) { return c >= 'a' && c <= 'z'; });
+  if (!small && text.size() > 1) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return names_.make(text);
+}
+
+namespace {
+
+const char* variable_type(Type type) {
+  switch (type) {
+    case Type::Bool: return "BoolVar";
+    case Type::Float: return "FloatVar";
+    case Type::String: return "StringVar";
+    case Type::Int: break;
+  }
+  return "IntVar";
+}
+
+// The model's names of all Bind variables of a unit's owner, in order.
+std::vector<std::string> bind_names(const System& system, const lower::CodeUnit& unit) {
+  std::vector<std::string> names;
+  if (unit.owner == lower::CodeOwner::Connector) {
+    const ConnectorType& type = system.connector_types[ConnectorTypeId(unit.owner_row)];
+    for (const ConnectorParam& param : type.params) {
+      for (const Variable& v : system.port_types[param.type].variables) names.push_back(param.name + "." + v.name);
+    }
+    for (const DataRead& read : type.data_reads) names.push_back(read.path);
+  } else if (unit.owner == lower::CodeOwner::Priority) {
+    for (const DataRef& ref : system.priorities[PriorityId(unit.owner_row)].data) {
+      const Atom& atom = system.atoms[ref.atom];
+      names.push_back(atom.path + "." + system.atom_types[atom.type].slots[ref.slot].name);
+    }
+  }
+  return names;
+}
+
+const std::vector<Slot>* self_slots(const System& system, const lower::CodeUnit& unit) {
+  switch (unit.owner) {
+    case lower::CodeOwner::Atom: return &system.atom_types[AtomTypeId(unit.owner_row)].slots;
+    case lower::CodeOwner::Connector: return &system.connector_types[ConnectorTypeId(unit.owner_row)].slots;
+    case lower::CodeOwner::Priority: break;
+  }
+  return nullptr;
+}
+
+// The variables that one unit uses, found in one walk over its code.
+class Uses {
+ public:
+  Uses(const CodeTable& code, std::size_t self_count, std::size_t bind_count)
+      : self(self_count), bind(bind_count), code_(code) {}
+
+  void add(ExprId id) {
+    if (!id.is_valid()) return;
+    const Expr& e = code_.exprs[id];
+    if (e.op == Op::LoadSelf) note(self, e.index, e.type, false);
+    if (e.op == Op::LoadBind) note(bind, e.index, e.type, false);
+    if (e.op >= Op::IntToFloat) add(e.a);
+    if (e.op >= Op::Add) add(e.b);
+    faults = faults || ((e.op == Op::Div || e.op == Op::Mod) && e.type == Type::Int);
+  }
+  void add(StmtId first) {
+    for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
+      const Stmt& s = code_.stmts[id];
+      add(s.value);
+      if (s.op == StmtOp::StoreSelf) note(self, s.index, s.type, true);
+      if (s.op == StmtOp::StoreBind) note(bind, s.index, s.type, true);
+      if (s.op != StmtOp::If) continue;
+      add(s.then_body);
+      add(s.else_body);
+    }
+  }
+  /// Names the used variables, each by its row.
+  void name(LocalNames& names, const std::vector<Slot>* slots, const std::vector<std::string>& binds) {
+    for (std::size_t k = 0; k < self.size(); ++k) {
+      if (used(self[k])) self[k].name = names.make((*slots)[k].name);
+    }
+    for (std::size_t k = 0; k < bind.size(); ++k) {
+      if (used(bind[k])) bind[k].name = names.make(binds[k]);
+    }
+  }
+  [[nodiscard]] static bool used(const Local& local) { return local.index != rt::kNone; }
+  [[nodiscard]] static bool any(const std::vector<Local>& locals) {
+    return std::any_of(locals.begin(), locals.end(), used);
+  }
+
+  std::vector<Local> self, bind;
+  bool faults = false;
+
+ private:
+  static void note(std::vector<Local>& locals, std::uint32_t index, Type type, bool write) {
+    Local& local = locals[index];
+    local.index = index;
+    local.type = type;
+    local.written = local.written || write;
+  }
+  const CodeTable& code_;
+};
+
+class FunctionEmitter {
+ public:
+  FunctionEmitter(const lower::LoweredSystem& lowered, Writer& out)
+      : lowered_(lowered), code_(lowered.system->code), out_(out), faults_(lowered) {}
+
+  void emit(const lower::CodeUnit& unit);
+
+ private:
+  void declare(const std::vector<Local>& locals, bool is_bind);
+  void body(ExprContext& context, StmtId first, int depth);
+  void if_chain(ExprContext& context, StmtId id, int depth);
+  void indented(int depth, const std::string& text) { out_.line(std::string(static_cast<std::size_t>(depth) * 2, ' ') + text); }
+
+  const lower::LoweredSystem& lowered_;
+  const CodeTable& code_;
+  Writer& out_;
+  FaultInfo faults_;
+};
+
+void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
+  for (const Local& local : locals) {
+    if (!Uses::used(local)) continue;
+    const std::string row = std::to_string(local.index);
+    const std::string slot = is_bind ? "all[bind[" + row + "]]" : "self[" + row + "]";
+    indented(1, std::string(local.written ? "" : "const ") + variable_type(local.type) + " " + local.name + "{" + slot + "};");
+  }
+}
+
+void FunctionEmitter::if_chain(ExprContext& context, StmtId id, int depth) {
+  const Stmt* stmt = &code_.stmts[id];
+  out_.at(stmt->loc);
+  indented(depth, "if (" + expr_text(context, stmt->value) + ") {");
+  body(context, stmt->then_body, depth + 1);
+  while (stmt->else_body.is_valid()) {
+    const Stmt& next = code_.stmts[stmt->else_body];
+    if (next.op != StmtOp::If || next.next.is_valid()) {
+      indented(depth, "} else {");
+      body(context, stmt->else_body, depth + 1);
+      break;
+    }
+    stmt = &next;
+    out_.at(stmt->loc);
+    indented(depth, "} else if (" + expr_text(context, stmt->value) + ") {");
+    body(context, stmt->then_body, depth + 1);
+  }
+  indented(depth, "}");
+}
+
+void FunctionEmitter::body(ExprContext& context, StmtId first, int depth) {
+  for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
+    const Stmt& stmt = code_.stmts[id];
+    if (stmt.op == StmtOp::If) {
+      if_chain(context, id, depth);
+      continue;
+    }
+    const auto& locals = stmt.op == StmtOp::StoreSelf ? context.self_locals : context.bind_locals;
+    out_.at(stmt.loc);
+    indented(depth, locals[stmt.index].name + " = " + expr_text(context, stmt.value) + ";");
+  }
+}
+
+void FunctionEmitter::emit(const lower::CodeUnit& unit) {
+  const System& system = *lowered_.system;
+  const std::vector<Slot>* slots = self_slots(system, unit);
+  const std::vector<std::string> binds = bind_names(system, unit);
+  Uses uses(code_, slots != nullptr ? slots->size() : 0, binds.size());
+  uses.add(unit.expr);
+  uses.add(unit.body);
+  LocalNames names;
+  uses.name(names, slots, binds);
+  const bool has_self = Uses::any(uses.self);
+  const bool has_bind = Uses::any(uses.bind);
+
+  std::string head = "std::int32_t " + unit.name + "(const void*, Slot*";
+  head += has_self ? " self" : "";
+  head += has_bind ? ", Slot* all, const std::uint32_t* bind)" : ", Slot*, const std::uint32_t*)";
+  out_.line();
+  if (!out_.has_line_directives()) out_.line("// " + out_.place(unit.loc));
+  out_.at(unit.loc);
+  out_.line(head + (uses.faults ? " try {" : " {"));
+  declare(uses.self, false);
+  declare(uses.bind, true);
+  ExprContext context{lowered_, faults_, names, uses.self, uses.bind};
+  if (unit.kind == lower::CodeKind::Guard) {
+    const std::string value = expr_text(context, unit.expr);
+    out_.at(unit.loc);
+    indented(1, "return " + value + ";");
+  } else {
+    body(context, unit.body, 1);
+    indented(1, "return 1;");
+  }
+  if (uses.faults) {
+    out_.line("} catch (const Fault& fault) {");
+    indented(1, "return fault.status;");
+  }
+  out_.line("}");
+}
+
+}  // namespace
+
+void emit_functions(const lower::LoweredSystem& lowered, Writer& out) {
+  FunctionEmitter emitter(lowered, out);
+  for (const lower::CodeUnit& unit : lowered.units) emitter.emit(unit);
+  out.at_emitted();
+}
+
+}  // namespace bip::emit_cpp

@@ -1,0 +1,107 @@
+// A directory that builds alone: model.cpp, CMakeLists.txt, a copy of the runtime.
+//
+// Files whose text is already there are left untouched, so a second emission rebuilds only what changed.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "compiler/emit_cpp/emit_cpp.hpp"
+
+namespace bip::emit_cpp {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<std::string> read_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return std::nullopt;
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+Result<bool> write_file(const fs::path& path, const std::string& text) {
+  if (read_file(path) == text) return true;
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  if (!out) return Failure{"cannot write " + path.string()};
+  return true;
+}
+
+// Paths below `runtime_dir` of all its C++ files, sorted.
+Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
+  std::vector<fs::path> files;
+  for (const char* part : {"include", "core", "engine", "trace"}) {
+    std::error_code error;
+    fs::recursive_directory_iterator it(runtime_dir / part, error);
+    for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+      const fs::path extension = it->path().extension();
+      if (extension == ".cpp" || extension == ".hpp") files.push_back(fs::relative(it->path(), runtime_dir, error));
+    }
+    if (error) return Failure{"cannot read the runtime's sources in " + (runtime_dir / part).string()};
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// A file name that needs no quoting anywhere.
+std::string plain_name(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+                       (c == '.' && !out.empty());
+    out += plain ? c : '_';
+  }
+  return out.empty() ? "model" : out;
+}
+
+std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& program_name) {
+  std::ostringstream out;
+  out << "# Emitted by bipc. Build: cmake -S . -B build && cmake --build build; run: build/" << plain_name(program_name) << "\n"
+      << "cmake_minimum_required(VERSION 3.16)\n"
+      << "project(bip_program LANGUAGES CXX)\n\n"
+      << "if(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release)\nendif()\n"
+      << "set(CMAKE_CXX_STANDARD 20)\n"
+      << "set(CMAKE_CXX_STANDARD_REQUIRED ON)\n"
+      << "set(CMAKE_CXX_EXTENSIONS OFF)\n"
+      << "set(CMAKE_CXX_FLAGS_RELEASE \"-O2\")\n"
+      << "find_package(Threads REQUIRED)\n\n"
+      << "add_executable(bip_program\n  model.cpp\n";
+  for (const fs::path& file : runtime) {
+    if (file.extension() == ".cpp") out << "  runtime/" << file.generic_string() << "\n";
+  }
+  out << ")\n"
+      << "target_include_directories(bip_program PRIVATE . runtime/include)\n"
+      << "# Floats are rounded after each operation, as in every other executor.\n"
+      << "target_compile_options(bip_program PRIVATE -ffp-contract=off)\n"
+      << "target_link_libraries(bip_program PRIVATE Threads::Threads)\n"
+      << "set_target_properties(bip_program PROPERTIES OUTPUT_NAME \"" << plain_name(program_name) << "\")\n";
+  return out.str();
+}
+
+}  // namespace
+
+Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
+                          const std::string& runtime_dir, const std::string& program_name) {
+  const Result<std::vector<fs::path>> runtime = runtime_files(runtime_dir);
+  if (!runtime) return Failure{runtime.error()};
+  const fs::path root(directory);
+  for (const fs::path& file : *runtime) {
+    const std::optional<std::string> text = read_file(fs::path(runtime_dir) / file);
+    if (!text) return Failure{"cannot read " + (fs::path(runtime_dir) / file).string()};
+    Result<bool> written = write_file(root / "runtime" / file, *text);
+    if (!written) return written;
+  }
+  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name));
+  if (!written) return written;
+  return write_file(root / "model.cpp", emit(lowered, Options{}));
+}
+
+}  // namespace bip::emit_cpp

@@ -1,0 +1,166 @@
+// Tables of types and of the image; those of instances are in tables_instances.cpp.
+//
+// Everything is a constant aggregate, one row a line, so that a compiler only copies it: 10,000 atoms compile in about a
+// second. Cost: linear in the image.
+#include "compiler/emit_cpp/tables.hpp"
+
+#include "compiler/emit_cpp/table_text.hpp"
+
+namespace bip::emit_cpp {
+
+namespace {
+
+const char* slot_type_text(rt::SlotType type) {
+  switch (type) {
+    case rt::SlotType::Bool: return "SlotType::Bool";
+    case rt::SlotType::Float: return "SlotType::Float";
+    case rt::SlotType::String: return "SlotType::String";
+    case rt::SlotType::Int: break;
+  }
+  return "SlotType::Int";
+}
+
+std::vector<std::string> texts(const rt::Span<const char*>& items) {
+  std::vector<std::string> rows;
+  for (const char* text : items) rows.push_back(string_literal(text));
+  return rows;
+}
+
+}  // namespace
+
+TableWriter::TableWriter(const lower::LoweredSystem& lowered, Writer& out)
+    : lowered_(lowered), image_(lowered.image), out_(out) {
+  for (const lower::CodeUnit& unit : lowered.units) names_.reserve(unit.name);
+  for (const char* taken : {"image", "kImage", "main", "span", "rows"}) names_.reserve(taken);
+}
+
+std::string TableWriter::table(const std::string& type, const std::string& name, const std::vector<std::string>& rows) {
+  if (rows.empty()) return "{}";
+  const std::string unique = names_.make(name);
+  out_.line("constexpr " + type + " " + unique + "[] = {");
+  for (const std::string& row : rows) out_.line("    " + row + ",");
+  out_.line("};");
+  return "span(" + unique + ")";
+}
+
+std::string TableWriter::list(const std::string& name, const rt::Span<std::uint32_t>& items) {
+  constexpr std::uint32_t kShort = 12;
+  if (items.size == 0) return "{}";
+  if (items.size <= kShort) return "rows<" + join(items) + ">";
+  const std::string unique = names_.make(name);
+  out_.line("constexpr std::uint32_t " + unique + "[] = {" + join(items) + "};");
+  return "span(" + unique + ")";
+}
+
+std::string TableWriter::vars(const std::string& name, const rt::Span<rt::Var>& items) {
+  std::vector<std::string> rows;
+  for (const rt::Var& v : items) {
+    rows.push_back(braces({string_literal(v.name), slot_type_text(v.type), bool_text(v.is_param), bool_text(v.exported)}));
+  }
+  return table("Var", name, rows);
+}
+
+void TableWriter::port_types() {
+  std::vector<std::string> rows;
+  for (const rt::PortType& type : image_.port_types) {
+    const std::string name = type.name;
+    rows.push_back(braces({string_literal(name), vars(name + "_vars", type.vars)}));
+  }
+  port_types_ = table("PortType", "port_types", rows);
+}
+
+void TableWriter::types() {
+  out_.line("// ---- port types");
+  port_types();
+  for (const rt::AtomType& type : image_.atom_types) atom_type(type);
+  atom_types_ = table("AtomType", "atom_types", atom_rows_);
+  for (const rt::ConnectorType& type : image_.connector_types) connector_type(type);
+  connector_types_ = table("ConnectorType", "connector_types", connector_rows_);
+}
+
+void TableWriter::atom_type(const rt::AtomType& type) {
+  const std::string name = type.name;
+  out_.line();
+  out_.line("// ---- atom type " + comment_text(name));
+  const std::string slots = vars(name + "_vars", type.slots);
+  std::vector<std::string> rows;
+  for (const rt::Port& port : type.ports) {
+    const std::string port_slots = list(name + "_" + port.name + "_slots", port.slots);
+    rows.push_back(braces({string_literal(port.name), row_text(port.type), port_slots, bool_text(port.exported), loc_text(port.loc)}));
+  }
+  const std::string ports = table("Port", name + "_ports", rows);
+  const std::string places = table("const char*", name + "_places", texts(type.places));
+  const std::string initial = list(name + "_initial_places", type.initial);
+  rows.clear();
+  for (const rt::Transition& t : type.transitions) {
+    const std::string from = list(name + "_from", t.from);
+    const std::string to = list(name + "_to", t.to);
+    rows.push_back(braces({row_text(t.port), from, to, row_text(t.guard), row_text(t.action), loc_text(t.loc)}));
+  }
+  const std::string transitions = table("Transition", name + "_transitions", rows);
+  atom_rows_.push_back(braces({string_literal(name), slots, ports, places, initial, row_text(type.initial_action), transitions,
+                               loc_text(type.loc)}));
+}
+
+void TableWriter::connector_type(const rt::ConnectorType& type) {
+  const std::string name = type.name;
+  out_.line();
+  out_.line("// ---- connector type " + comment_text(name));
+  std::vector<std::string> rows;
+  for (const rt::ConnectorParam& p : type.params) {
+    rows.push_back(braces({string_literal(p.name), row_text(p.type), row_text(p.first_bind)}));
+  }
+  const std::string params = table("ConnectorParam", name + "_params", rows);
+  const std::string slots = vars(name + "_vars", type.slots);
+  rows.clear();
+  for (const rt::DefineNode& node : type.define) {
+    const std::string children = list(name + "_children", node.children);
+    rows.push_back(braces({bool_text(node.is_leaf), bool_text(node.trigger), row_text(node.param), children}));
+  }
+  const std::string define = table("DefineNode", name + "_define", rows);
+  rows.clear();
+  for (const rt::Clause& c : type.clauses) {
+    const std::string clause_params = list(name + "_clause_params", c.params);
+    rows.push_back(braces({clause_params, row_text(c.guard), row_text(c.up), row_text(c.down), loc_text(c.loc)}));
+  }
+  const std::string clauses = table("Clause", name + "_clauses", rows);
+  const std::string export_slots = list(name + "_export_slots", type.export_slots);
+  connector_rows_.push_back(braces({string_literal(name), params, slots, define, clauses, bool_text(type.exports),
+                                    string_literal(type.export_name), row_text(type.export_type), export_slots,
+                                    loc_text(type.loc)}));
+}
+
+void TableWriter::image() {
+  out_.line();
+  out_.line("// ---- the image");
+  std::vector<std::string> codes, sites;
+  for (const lower::CodeUnit& unit : lowered_.units) codes.push_back("{&" + unit.name + ", nullptr}");
+  for (const rt::Site& site : image_.sites) sites.push_back("{" + loc_text(site.loc) + "}");
+  const std::string files = table("const char*", "files", texts(image_.files));
+  const std::string strings = table("const char*", "strings", texts(image_.strings));
+  const std::string code_span = table("Code", "codes", codes);
+  const std::string site_span = table("Site", "sites", sites);
+  out_.line("constexpr bip::rt::Image kImage = {");
+  const auto field = [&](const char* name, const std::string& value) {
+    out_.line(std::string("    .") + name + " = " + value + ",");
+  };
+  field("name", string_literal(image_.name));
+  field("files", files);
+  field("strings", strings);
+  field("codes", code_span);
+  field("sites", site_span);
+  field("port_types", port_types_);
+  field("atom_types", atom_types_);
+  field("connector_types", connector_types_);
+  field("compounds", compounds_);
+  field("atoms", atoms_);
+  field("args", args_);
+  field("connectors", connectors_);
+  field("port_refs", port_refs_);
+  field("binds", binds_);
+  field("priorities", priorities_);
+  field("slot_count", std::to_string(image_.slot_count));
+  out_.line("};");
+}
+
+}  // namespace bip::emit_cpp

@@ -1,0 +1,93 @@
+// Tables of instances: compounds, atoms with their arguments, connectors with ports and bound slots, priorities.
+//
+// One row a line; rows that carry no path say in a comment whose they are.
+#include "compiler/emit_cpp/table_text.hpp"
+#include "compiler/emit_cpp/tables.hpp"
+
+namespace bip::emit_cpp {
+
+namespace {
+
+std::string slot_text(const rt::Slot& slot, Type type) {
+  if (type == Type::Float) return "float_slot(" + float_literal(slot.f) + ")";
+  return "int_slot(" + int_literal(slot.i) + ")";
+}
+
+// A row with whose it is in front.
+std::string with_owner(const std::string& row, const std::string& owner) {
+  return "/* " + comment_text(owner) + " */ " + row;
+}
+
+std::string joined(const std::vector<std::string>& cells) {
+  std::string out;
+  for (const std::string& cell : cells) {
+    if (!out.empty()) out += ", ";
+    out += cell;
+  }
+  return out;
+}
+
+}  // namespace
+
+void TableWriter::instances() {
+  const System& system = *lowered_.system;
+  out_.line();
+  out_.line("// ---- instances");
+  std::vector<std::string> rows;
+  for (const rt::Compound& c : image_.compounds) rows.push_back(braces({string_literal(c.path), row_text(c.parent)}));
+  compounds_ = table("Compound", "compounds", rows);
+
+  rows.clear();
+  std::vector<std::string> args;
+  for (std::uint32_t row = 0; row < image_.atoms.size; ++row) {
+    const rt::Atom& a = image_.atoms[row];
+    rows.push_back(braces({string_literal(a.path), row_text(a.type), row_text(a.slot_base), row_text(a.args), loc_text(a.loc)}));
+    const std::vector<Value>& values = system.atoms[AtomId(row)].args;
+    std::vector<std::string> cells;
+    for (std::size_t k = 0; k < values.size(); ++k) cells.push_back(slot_text(image_.args[a.args + k], values[k].type));
+    if (!cells.empty()) args.push_back(with_owner(joined(cells), a.path));
+  }
+  atoms_ = table("Atom", "atoms", rows);
+  args_ = table("Slot", "args", args);
+
+  rows.clear();
+  std::vector<std::string> refs, binds;
+  for (const rt::Connector& c : image_.connectors) {
+    rows.push_back(braces({string_literal(c.path), row_text(c.type), row_text(c.slot_base), row_text(c.ports),
+                           row_text(c.binds), row_text(c.bind_count), bool_text(c.bound), loc_text(c.loc),
+                           row_text(c.parent)}));
+    const rt::ConnectorType& type = image_.connector_types[c.type];
+    for (std::uint32_t k = 0; k < type.params.size; ++k) {
+      const rt::PortRef& ref = image_.port_refs[c.ports + k];
+      const std::string owner = std::string(c.path) + " " + type.params[k].name;
+      refs.push_back(with_owner(
+          braces({row_text(ref.atom), row_text(ref.port), row_text(ref.connector), bool_text(ref.maximal_only)}), owner));
+    }
+    if (c.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + c.binds, c.bind_count}), c.path));
+  }
+  for (const rt::Priority& p : image_.priorities) {
+    if (p.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + p.binds, p.bind_count}), p.name));
+  }
+  connectors_ = table("Connector", "connectors", rows);
+  port_refs_ = table("PortRef", "port_refs", refs);
+  binds_ = table("std::uint32_t", "binds", binds);
+  priorities();
+}
+
+void TableWriter::priorities() {
+  std::vector<std::string> rows;
+  for (const rt::Priority& p : image_.priorities) {
+    const std::string low = pattern(std::string(p.name) + "_low", p.low);
+    const std::string high = pattern(std::string(p.name) + "_high", p.high);
+    rows.push_back(braces({string_literal(p.name), row_text(p.parent), low, high, row_text(p.guard), row_text(p.binds),
+                           row_text(p.bind_count), loc_text(p.loc)}));
+  }
+  priorities_ = table("Priority", "priorities", rows);
+}
+
+std::string TableWriter::pattern(const std::string& name, const rt::Pattern& pattern) {
+  const std::string params = list(name, pattern.params);
+  return braces({bool_text(pattern.any_connector), row_text(pattern.connector), bool_text(pattern.any_interaction), params});
+}
+
+}  // namespace bip::emit_cpp

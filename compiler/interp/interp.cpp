@@ -1,0 +1,204 @@
+// The reference executor. One evaluator over the code IR serves guards, actions, transfers and compile-time values.
+//
+// Operands are evaluated left to right, && and || stop early, and the first fault ends the unit at once: nothing after it
+// is read or stored. Statements are followed in a loop; expressions and nested ifs recurse, and the parser caps their
+// depth. Float operations are plain IEEE double: this file is compiled without fast-math or contraction.
+#include "compiler/interp/interp.hpp"
+
+#include <vector>
+
+#include "runtime/include/bip/arith.hpp"
+
+namespace bip::interp {
+
+namespace {
+
+rt::Slot int_slot(std::int32_t value) {
+  rt::Slot slot{};
+  slot.bits = static_cast<std::uint32_t>(value);
+  return slot;
+}
+rt::Slot bool_slot(bool value) { return int_slot(value ? 1 : 0); }
+rt::Slot float_slot(double value) {
+  rt::Slot slot{};
+  slot.f = value;
+  return slot;
+}
+
+class Evaluator {
+ public:
+  Evaluator(const CodeTable& code, const std::uint32_t* sites, const rt::Slot* self_read, rt::Slot* self, rt::Slot* all,
+            const std::uint32_t* bind)
+      : code_(code), sites_(sites), self_read_(self_read), self_(self), all_(all), bind_(bind) {}
+
+  /// The value; meaningless once status() is not 0.
+  rt::Slot eval(ExprId id);
+  void execute(StmtId first);
+  /// 0, or the status of the first fault.
+  [[nodiscard]] std::int32_t status() const { return status_; }
+
+ private:
+  rt::Slot unary(const Expr& e, rt::Slot a);
+  rt::Slot binary(ExprId id, const Expr& e, rt::Slot a, rt::Slot b);
+  rt::Slot int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b);
+  rt::Slot short_circuit(const Expr& e);
+  rt::Slot divide(ExprId id, Op op, std::int32_t a, std::int32_t b);
+
+  const CodeTable& code_;
+  const std::uint32_t* sites_;  // null: the expression's own row is the site
+  const rt::Slot* self_read_;
+  rt::Slot* self_;
+  rt::Slot* all_;
+  const std::uint32_t* bind_;
+  std::int32_t status_ = 0;
+};
+
+rt::Slot Evaluator::eval(ExprId id) {
+  const Expr& e = code_.exprs[id];
+  switch (e.op) {
+    case Op::ConstInt:
+    case Op::ConstBool:
+    case Op::ConstString: return int_slot(e.int_value);
+    case Op::ConstFloat: return float_slot(e.float_value);
+    case Op::LoadSelf: return self_read_[e.index];
+    case Op::LoadBind: return all_[bind_[e.index]];
+    case Op::And:
+    case Op::Or: return short_circuit(e);
+    case Op::IntToFloat:
+    case Op::Neg:
+    case Op::Not:
+    case Op::BitNot: {
+      const rt::Slot a = eval(e.a);
+      return status_ != 0 ? a : unary(e, a);
+    }
+    default: break;
+  }
+  const rt::Slot a = eval(e.a);
+  if (status_ != 0) return a;
+  const rt::Slot b = eval(e.b);
+  if (status_ != 0) return b;
+  return binary(id, e, a, b);
+}
+
+rt::Slot Evaluator::unary(const Expr& e, rt::Slot a) {
+  switch (e.op) {
+    case Op::IntToFloat: return float_slot(static_cast<double>(a.i));
+    case Op::Not: return bool_slot(a.i == 0);
+    case Op::BitNot: return int_slot(~a.i);
+    default: return e.type == Type::Float ? float_slot(-a.f) : int_slot(rt::wrap_neg(a.i));
+  }
+}
+
+rt::Slot Evaluator::short_circuit(const Expr& e) {
+  const rt::Slot a = eval(e.a);
+  const bool decided = e.op == Op::And ? a.i == 0 : a.i != 0;
+  return status_ != 0 || decided ? a : eval(e.b);
+}
+
+rt::Slot Evaluator::binary(ExprId id, const Expr& e, rt::Slot a, rt::Slot b) {
+  if (code_.exprs[e.a].type != Type::Float) return int_binary(id, e, a.i, b.i);
+  switch (e.op) {
+    case Op::Add: return float_slot(a.f + b.f);
+    case Op::Sub: return float_slot(a.f - b.f);
+    case Op::Mul: return float_slot(a.f * b.f);
+    case Op::Div: return float_slot(a.f / b.f);
+    case Op::Eq: return bool_slot(a.f == b.f);
+    case Op::Ne: return bool_slot(a.f != b.f);
+    case Op::Lt: return bool_slot(a.f < b.f);
+    case Op::Gt: return bool_slot(a.f > b.f);
+    case Op::Le: return bool_slot(a.f <= b.f);
+    case Op::Ge: return bool_slot(a.f >= b.f);
+    default: return a;
+  }
+}
+
+rt::Slot Evaluator::int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b) {
+  switch (e.op) {
+    case Op::Add: return int_slot(rt::wrap_add(a, b));
+    case Op::Sub: return int_slot(rt::wrap_sub(a, b));
+    case Op::Mul: return int_slot(rt::wrap_mul(a, b));
+    case Op::Div:
+    case Op::Mod: return divide(id, e.op, a, b);
+    case Op::BitAnd: return int_slot(a & b);
+    case Op::BitOr: return int_slot(a | b);
+    case Op::BitXor: return int_slot(a ^ b);
+    case Op::Eq: return bool_slot(a == b);
+    case Op::Ne: return bool_slot(a != b);
+    case Op::Lt: return bool_slot(a < b);
+    case Op::Gt: return bool_slot(a > b);
+    case Op::Le: return bool_slot(a <= b);
+    case Op::Ge: return bool_slot(a >= b);
+    default: return int_slot(0);
+  }
+}
+
+rt::Slot Evaluator::divide(ExprId id, Op op, std::int32_t a, std::int32_t b) {
+  status_ = rt::division_status(a, b, sites_ != nullptr ? sites_[id.value] : id.value);
+  if (status_ != 0) return int_slot(0);
+  return int_slot(op == Op::Div ? a / b : a % b);
+}
+
+void Evaluator::execute(StmtId first) {
+  for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
+    const Stmt& stmt = code_.stmts[id];
+    const rt::Slot value = eval(stmt.value);
+    if (status_ != 0) return;
+    switch (stmt.op) {
+      case StmtOp::StoreSelf: self_[stmt.index] = value; break;
+      case StmtOp::StoreBind: all_[bind_[stmt.index]] = value; break;
+      case StmtOp::If:
+        execute(value.i != 0 ? stmt.then_body : stmt.else_body);
+        if (status_ != 0) return;
+        break;
+    }
+  }
+}
+
+struct Context {
+  const CodeTable* code;
+  const std::uint32_t* sites;
+  ExprId expr;
+  StmtId body;
+};
+
+std::int32_t run_guard(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
+  const auto& c = *static_cast<const Context*>(context);
+  Evaluator evaluator(*c.code, c.sites, self, self, all, bind);
+  const rt::Slot value = evaluator.eval(c.expr);
+  return evaluator.status() != 0 ? evaluator.status() : value.i;
+}
+
+std::int32_t run_action(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
+  const auto& c = *static_cast<const Context*>(context);
+  Evaluator evaluator(*c.code, c.sites, self, self, all, bind);
+  evaluator.execute(c.body);
+  return evaluator.status() != 0 ? evaluator.status() : 1;
+}
+
+}  // namespace
+
+struct Interpreter::Impl {
+  std::vector<Context> contexts;  // one a unit
+};
+
+Interpreter::Interpreter(lower::LoweredSystem& lowered) : impl_(std::make_unique<Impl>()) {
+  impl_->contexts.reserve(lowered.units.size());
+  std::size_t row = 0;
+  for (const lower::CodeUnit& unit : lowered.units) {
+    impl_->contexts.push_back({&lowered.system->code, lowered.site_of_expr.data(), unit.expr, unit.body});
+    const bool is_guard = unit.kind == lower::CodeKind::Guard;
+    lowered.codes[row++] = {is_guard ? &run_guard : &run_action, &impl_->contexts.back()};
+  }
+}
+
+Interpreter::~Interpreter() = default;
+
+std::int32_t evaluate(const CodeTable& code, ExprId expr, const rt::Slot* self, rt::Slot& out) {
+  Evaluator evaluator(code, nullptr, self, nullptr, nullptr, nullptr);
+  const rt::Slot value = evaluator.eval(expr);
+  if (evaluator.status() != 0) return evaluator.status();
+  out = value;
+  return 1;
+}
+
+}  // namespace bip::interp

@@ -1,0 +1,84 @@
+// System to image: fills the pools, then lets the image point to them.
+//
+// Needs a System that `validate` accepts. Promises the same image for the same System; time and memory are linear,
+// code is per type. Functions stay null until an executor fills `codes`.
+#include "compiler/lower/lower.hpp"
+
+#include "compiler/base/assert.hpp"
+#include "compiler/lower/pools.hpp"
+
+namespace bip::lower {
+
+std::uint32_t Lowering::guard(CodeOwner owner, std::uint32_t row, const std::string& name, ExprId expr) {
+  if (!expr.is_valid()) return rt::kNone;
+  out.units.push_back({CodeKind::Guard, owner, row, names.make(name), expr, StmtId{}, system.code.exprs[expr].loc});
+  return static_cast<std::uint32_t>(out.units.size() - 1);
+}
+
+std::uint32_t Lowering::action(CodeOwner owner, std::uint32_t row, const std::string& name, StmtId body) {
+  if (!body.is_valid()) return rt::kNone;
+  out.units.push_back({CodeKind::Action, owner, row, names.make(name), ExprId{}, body, system.code.stmts[body].loc});
+  return static_cast<std::uint32_t>(out.units.size() - 1);
+}
+
+namespace {
+
+// One site an int division or modulo, in the order of the expressions.
+void number_sites(Lowering& l) {
+  const auto& exprs = l.system.code.exprs;
+  l.out.site_of_expr.assign(exprs.size(), rt::kNone);
+  std::size_t row = 0;
+  for (const Expr& expr : exprs) {
+    if ((expr.op == Op::Div || expr.op == Op::Mod) && expr.type == Type::Int) {
+      l.out.site_of_expr[row] = static_cast<std::uint32_t>(l.pools.sites.size());
+      l.pools.sites.push_back({loc_of(expr.loc)});
+    }
+    ++row;
+  }
+}
+
+void lower_texts(Lowering& l) {
+  for (const std::string& file : l.system.files) l.pools.files.push_back(file.c_str());
+  for (const std::string& text : l.system.code.strings) l.pools.strings.push_back(text.c_str());
+  if (l.pools.strings.empty()) l.pools.strings.push_back("");
+  // Zeroed variables read row 0.
+  BIP_ASSERT(*l.pools.strings[0] == '\0');
+}
+
+void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools) {
+  rt::Image& image = out.image;
+  image.name = pools.name.c_str();
+  image.files = span_of(pools.files);
+  image.strings = span_of(pools.strings);
+  image.codes = span_of(out.codes);
+  image.sites = span_of(pools.sites);
+  image.port_types = span_of(pools.port_types);
+  image.atom_types = span_of(pools.atom_types);
+  image.connector_types = span_of(pools.connector_types);
+  image.compounds = span_of(pools.compounds);
+  image.atoms = span_of(pools.atoms);
+  image.args = span_of(pools.args);
+  image.connectors = span_of(pools.connectors);
+  image.port_refs = span_of(pools.port_refs);
+  image.binds = span_of(pools.binds);
+  image.priorities = span_of(pools.priorities);
+}
+
+}  // namespace
+
+std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& name) {
+  auto out = std::make_unique<LoweredSystem>();
+  out->system = &system;
+  out->pools = {new LoweredSystem::Pools, [](LoweredSystem::Pools* p) { delete p; }};
+  out->pools->name = name;
+  Lowering l{system, *out, *out->pools, {}};
+  number_sites(l);
+  lower_texts(l);
+  lower_types(l);
+  lower_instances(l);
+  out->codes.resize(out->units.size());
+  point_image_to_pools(*out, *out->pools);
+  return out;
+}
+
+}  // namespace bip::lower

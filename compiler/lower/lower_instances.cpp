@@ -1,0 +1,131 @@
+// Instances to rows: slot bases, port references and tables of bound slots.
+//
+// Slots are laid out atoms first, then connectors, each in the System's order; a connector comes after those it is
+// bound to, so one pass knows every base that a binding needs. Linear in the number of instances and bindings.
+#include "compiler/lower/pools.hpp"
+
+namespace bip::lower {
+
+namespace {
+
+rt::Slot slot_of(const Value& value) {
+  rt::Slot slot{};
+  if (value.type == Type::Float) {
+    slot.f = value.float_value;
+  } else {
+    slot.bits = static_cast<std::uint32_t>(value.int_value);
+  }
+  return slot;
+}
+
+template <class Row>
+std::uint32_t size_of(const std::vector<Row>& rows) {
+  return static_cast<std::uint32_t>(rows.size());
+}
+
+void lower_atoms(Lowering& l) {
+  const System& s = l.system;
+  l.pools.atoms.reserve(s.atoms.size());
+  for (const Atom& atom : s.atoms) {
+    rt::Atom to{};
+    to.path = atom.path.c_str();
+    to.type = atom.type.value;
+    to.slot_base = l.out.image.slot_count;
+    to.args = size_of(l.pools.args);
+    to.loc = loc_of(atom.loc);
+    for (const Value& arg : atom.args) l.pools.args.push_back(slot_of(arg));
+    l.out.image.slot_count += size_of(s.atom_types[atom.type].slots);
+    l.pools.atoms.push_back(to);
+  }
+}
+
+std::uint32_t data_row(const Lowering& l, const DataRef& ref) {
+  return l.pools.atoms[ref.atom.value].slot_base + ref.slot;
+}
+
+// The port reference of one parameter, and the rows of its variables.
+void lower_port_ref(Lowering& l, const PortRef& ref) {
+  const System& s = l.system;
+  rt::PortRef to{rt::kNone, rt::kNone, rt::kNone, ref.maximal_only};
+  if (ref.kind == PortRef::Kind::Atom) {
+    to.atom = ref.atom.value;
+    to.port = ref.port;
+    const std::uint32_t base = l.pools.atoms[ref.atom.value].slot_base;
+    for (const std::uint32_t slot : s.atom_types[s.atoms[ref.atom].type].ports[ref.port].slots) {
+      l.pools.binds.push_back(base + slot);
+    }
+  } else {
+    to.connector = ref.connector.value;
+    const std::uint32_t base = l.pools.connectors[ref.connector.value].slot_base;
+    for (const std::uint32_t slot : s.connector_types[s.connectors[ref.connector].type].export_slots) {
+      l.pools.binds.push_back(base + slot);
+    }
+  }
+  l.pools.port_refs.push_back(to);
+}
+
+// `parent` is the compound's row; images without that column leave it out.
+template <class Row>
+void set_parent(Row& row, std::uint32_t parent) {
+  if constexpr (requires { row.parent; }) row.parent = parent;
+}
+
+void lower_connectors(Lowering& l) {
+  const System& s = l.system;
+  l.pools.connectors.reserve(s.connectors.size());
+  for (const Connector& connector : s.connectors) {
+    rt::Connector to{};
+    to.path = connector.path.c_str();
+    to.type = connector.type.value;
+    to.slot_base = l.out.image.slot_count;
+    to.ports = size_of(l.pools.port_refs);
+    to.binds = size_of(l.pools.binds);
+    to.bound = connector.bound;
+    set_parent(to, connector.parent.value);
+    to.loc = loc_of(connector.loc);
+    for (const PortRef& ref : connector.ports) lower_port_ref(l, ref);
+    for (const DataRef& ref : connector.data) l.pools.binds.push_back(data_row(l, ref));
+    to.bind_count = size_of(l.pools.binds) - to.binds;
+    l.out.image.slot_count += size_of(s.connector_types[connector.type].slots);
+    l.pools.connectors.push_back(to);
+  }
+}
+
+rt::Pattern lower_pattern(Lowering& l, const Pattern& pattern) {
+  return {pattern.any_connector, pattern.any_connector ? rt::kNone : pattern.connector.value, pattern.any_interaction,
+          l.pools.list(pattern.params)};
+}
+
+void lower_priorities(Lowering& l) {
+  const System& s = l.system;
+  l.pools.priorities.reserve(s.priorities.size());
+  std::uint32_t row = 0;
+  for (const Priority& priority : s.priorities) {
+    rt::Priority to{};
+    to.name = priority.name.c_str();
+    to.parent = priority.parent.value;
+    to.low = lower_pattern(l, priority.low);
+    to.high = lower_pattern(l, priority.high);
+    const std::string name = s.compounds[priority.parent].type + "_" + priority.name + "_guard";
+    to.guard = l.guard(CodeOwner::Priority, row++, name, priority.guard);
+    to.binds = size_of(l.pools.binds);
+    to.bind_count = size_of(priority.data);
+    to.loc = loc_of(priority.loc);
+    for (const DataRef& ref : priority.data) l.pools.binds.push_back(data_row(l, ref));
+    l.pools.priorities.push_back(to);
+  }
+}
+
+}  // namespace
+
+void lower_instances(Lowering& l) {
+  l.pools.compounds.reserve(l.system.compounds.size());
+  for (const Compound& compound : l.system.compounds) {
+    l.pools.compounds.push_back({compound.path.c_str(), compound.parent.value});
+  }
+  lower_atoms(l);
+  lower_connectors(l);
+  lower_priorities(l);
+}
+
+}  // namespace bip::lower

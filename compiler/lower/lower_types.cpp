@@ -1,0 +1,99 @@
+// Types to their runtime tables, and one code unit for each guard, action and transfer of a type.
+//
+// Cost: linear in the text of the types; instances play no part.
+#include "compiler/lower/pools.hpp"
+
+namespace bip::lower {
+
+namespace {
+
+rt::Span<rt::Var> lower_slots(Lowering& l, const std::vector<Slot>& slots) {
+  std::vector<rt::Var> vars;
+  vars.reserve(slots.size());
+  for (const Slot& slot : slots) {
+    vars.push_back({slot.name.c_str(), slot_type_of(slot.type), slot.is_param, slot.exported});
+  }
+  return l.pools.list(vars);
+}
+
+void lower_port_type(Lowering& l, const PortType& type) {
+  std::vector<rt::Var> vars;
+  for (const Variable& v : type.variables) vars.push_back({v.name.c_str(), slot_type_of(v.type), false, false});
+  l.pools.port_types.push_back({type.name.c_str(), l.pools.list(vars)});
+}
+
+void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
+  rt::AtomType to{};
+  to.name = type.name.c_str();
+  to.slots = lower_slots(l, type.slots);
+  std::vector<rt::Port> ports;
+  for (const Port& port : type.ports) {
+    ports.push_back({port.name.c_str(), port.type.value, l.pools.list(port.slots), port.exported, loc_of(port.loc)});
+  }
+  to.ports = l.pools.list(ports);
+  std::vector<const char*> places;
+  for (const std::string& place : type.places) places.push_back(place.c_str());
+  to.places = l.pools.list(places);
+  to.initial = l.pools.list(type.initial);
+  to.initial_action = l.action(CodeOwner::Atom, row, type.name + "_initial", type.initial_action);
+  std::vector<rt::Transition> transitions;
+  for (const Transition& t : type.transitions) {
+    const std::string name = transition_name(type, t);
+    rt::Transition out{};
+    out.port = t.port == Transition::kInternal ? rt::kNone : t.port;
+    out.from = l.pools.list(t.from);
+    out.to = l.pools.list(t.to);
+    out.guard = l.guard(CodeOwner::Atom, row, name + "_guard", t.guard);
+    out.action = l.action(CodeOwner::Atom, row, name + "_action", t.action);
+    out.loc = loc_of(t.loc);
+    transitions.push_back(out);
+  }
+  to.transitions = l.pools.list(transitions);
+  to.loc = loc_of(type.loc);
+  l.pools.atom_types.push_back(to);
+}
+
+void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& type) {
+  rt::ConnectorType to{};
+  to.name = type.name.c_str();
+  std::vector<rt::ConnectorParam> params;
+  for (const ConnectorParam& p : type.params) params.push_back({p.name.c_str(), p.type.value, p.first_bind});
+  to.params = l.pools.list(params);
+  to.slots = lower_slots(l, type.slots);
+  std::vector<rt::DefineNode> define;
+  for (const DefineNode& node : type.define) {
+    define.push_back({node.is_leaf, node.trigger, node.param, l.pools.list(node.children)});
+  }
+  to.define = l.pools.list(define);
+  std::vector<rt::Clause> clauses;
+  for (const Clause& clause : type.clauses) {
+    const std::string name = clause_name(type, clause);
+    rt::Clause out{};
+    out.params = l.pools.list(clause.params);
+    out.guard = l.guard(CodeOwner::Connector, row, name + "_guard", clause.guard);
+    out.up = l.action(CodeOwner::Connector, row, name + "_up", clause.up);
+    out.down = l.action(CodeOwner::Connector, row, name + "_down", clause.down);
+    out.loc = loc_of(clause.loc);
+    clauses.push_back(out);
+  }
+  to.clauses = l.pools.list(clauses);
+  to.exports = type.exports;
+  to.export_name = type.export_name.c_str();
+  to.export_type = type.exports ? type.export_type.value : rt::kNone;
+  to.export_slots = l.pools.list(type.export_slots);
+  to.loc = loc_of(type.loc);
+  l.pools.connector_types.push_back(to);
+}
+
+}  // namespace
+
+void lower_types(Lowering& l) {
+  const System& s = l.system;
+  for (const PortType& type : s.port_types) lower_port_type(l, type);
+  std::uint32_t row = 0;
+  for (const AtomType& type : s.atom_types) lower_atom_type(l, row++, type);
+  row = 0;
+  for (const ConnectorType& type : s.connector_types) lower_connector_type(l, row++, type);
+}
+
+}  // namespace bip::lower

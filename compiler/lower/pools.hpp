@@ -1,0 +1,64 @@
+// What an Image points to, and the context of one lowering. Private to lower/.
+//
+// Small arrays of types live in an arena, the instance tables in vectors that are sized before anything points to them.
+// Names are not copied: the System owns them and outlives the image.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/base/arena.hpp"
+#include "compiler/lower/lower.hpp"
+#include "compiler/lower/unit_names.hpp"
+
+namespace bip::lower {
+
+struct LoweredSystem::Pools {
+  Arena arena;
+  std::string name;
+  std::vector<const char*> files, strings;
+  std::vector<rt::Site> sites;
+  std::vector<rt::PortType> port_types;
+  std::vector<rt::AtomType> atom_types;
+  std::vector<rt::ConnectorType> connector_types;
+  std::vector<rt::Compound> compounds;
+  std::vector<rt::Atom> atoms;
+  std::vector<rt::Slot> args;
+  std::vector<rt::Connector> connectors;
+  std::vector<rt::PortRef> port_refs;
+  std::vector<std::uint32_t> binds;
+  std::vector<rt::Priority> priorities;
+
+  /// A copy of `items` that stays where it is.
+  template <class T>
+  rt::Span<T> list(const std::vector<T>& items) {
+    const std::span<const T> copy = arena.list(items);
+    return {copy.data(), static_cast<std::uint32_t>(copy.size())};
+  }
+};
+
+/// A finished vector as the image sees it.
+template <class T>
+[[nodiscard]] rt::Span<T> span_of(const std::vector<T>& items) {
+  return {items.data(), static_cast<std::uint32_t>(items.size())};
+}
+
+struct Lowering {
+  const System& system;
+  LoweredSystem& out;
+  LoweredSystem::Pools& pools;
+  UniqueNames names;
+
+  /// Adds a unit and returns its row; rt::kNone for absent code.
+  std::uint32_t guard(CodeOwner owner, std::uint32_t row, const std::string& name, ExprId expr);
+  std::uint32_t action(CodeOwner owner, std::uint32_t row, const std::string& name, StmtId body);
+};
+
+[[nodiscard]] inline rt::Loc loc_of(const Loc& loc) { return {loc.file, loc.line, loc.column}; }
+[[nodiscard]] inline rt::SlotType slot_type_of(Type type) { return static_cast<rt::SlotType>(type); }
+
+/// Port, atom and connector types, and the units of their code.
+void lower_types(Lowering& l);
+/// Compounds, atoms, connectors, bindings, priorities, and the units of priority guards.
+void lower_instances(Lowering& l);
+
+}  // namespace bip::lower

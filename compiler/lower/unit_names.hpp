@@ -1,0 +1,34 @@
+// Readable C identifiers for code units, each used once.
+//
+// Names come from the model ("Fork_on_take_from_free_guard"); what is not a letter, a digit or `_` becomes one `_`.
+// Long names are cut, equal ones numbered from _2 on. Linear in the text: counters are kept by stem.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "compiler/system/system.hpp"
+
+namespace bip::lower {
+
+class UniqueNames {
+ public:
+  /// `text` as a C identifier that was not given before and is no reserved one (no leading or double underscore).
+  [[nodiscard]] std::string make(std::string_view text);
+  /// Words that `make` shall not return.
+  void reserve(std::string_view word) { used_.emplace(word); }
+
+ private:
+  std::unordered_set<std::string> used_;
+  std::unordered_map<std::string, std::uint32_t> next_;
+};
+
+/// "Fork_on_take_from_free" or "Fork_internal_from_free".
+[[nodiscard]] std::string transition_name(const AtomType& type, const Transition& transition);
+/// "Broadcast_on_p_q".
+[[nodiscard]] std::string clause_name(const ConnectorType& type, const Clause& clause);
+
+}  // namespace bip::lower

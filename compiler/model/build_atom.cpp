@@ -1,0 +1,213 @@
+// Atom types: slots, ports, places, transitions with their code.
+#include <algorithm>
+
+#include "compiler/model/builder.hpp"
+
+namespace bip::model {
+
+namespace {
+
+struct AtomBuilder {
+  Builder& b;
+  const syntax::Decl& decl;
+  AtomType out{};
+  NameSpace names;
+  Scope scope;
+  std::unordered_map<std::string, std::uint32_t> slots, ports, places;
+  StmtId initialisers;  // declared initial values, in reverse while collecting
+  struct Init {
+    std::uint32_t slot;
+    const syntax::Expr* value;
+    std::uint32_t param;  // hidden parameter that gives it, or kNone
+    Loc loc;
+  };
+  std::vector<Init> inits;
+
+  AtomBuilder(Builder& builder, const syntax::Decl& d)
+      : b(builder), decl(d), names(builder.diags, fmt::format("atom type `{}`", d.name.text)) {
+    out.name = std::string(decl.name.text);
+    out.loc = b.loc(decl.name.range);
+    scope.owner = fmt::format("atom type `{}`", decl.name.text);
+  }
+
+  void add_slot(const syntax::Name& name, Type type, bool is_param, bool exported) {
+    const std::uint32_t row = static_cast<std::uint32_t>(out.slots.size());
+    out.slots.push_back({std::string(name.text), type, is_param, exported, b.loc(name.range)});
+    slots[std::string(name.text)] = row;
+    scope.names[std::string(name.text)] = {.load = Op::LoadSelf, .index = row, .type = type,
+                                           .read_only = is_param ? "a parameter" : "", .value = {}, .declared = name.range};
+  }
+
+  void build_slots() {
+    for (const syntax::Param& p : decl.params) {
+      names.declare(p.name, "parameter");
+      add_slot(p.name, require_native_type(p.type, b.sources, b.diags), true, false);
+    }
+    const auto given = b.initialised_data.find(out.name);
+    std::unordered_map<std::string, std::uint32_t> hidden;
+    if (given != b.initialised_data.end()) {
+      for (const syntax::DataDecl& d : decl.data) {
+        for (const syntax::Var& v : d.vars) {
+          if (!given->second.contains(std::string(v.name.text))) continue;
+          Diagnostics quiet;
+          hidden[std::string(v.name.text)] = static_cast<std::uint32_t>(out.slots.size());
+          out.slots.push_back({fmt::format("initial {}", v.name.text), native_type(d.type, quiet).value_or(Type::Int), true, false, b.loc(v.name.range)});
+        }
+      }
+    }
+    for (const syntax::DataDecl& d : decl.data) {
+      const Type type = require_native_type(d.type, b.sources, b.diags);
+      for (const syntax::Var& v : d.vars) {
+        names.declare(v.name, "data");
+        add_slot(v.name, type, false, d.exported);
+        const auto h = hidden.find(std::string(v.name.text));
+        const std::uint32_t param = h == hidden.end() ? Id<void>::kNone : h->second;
+        if (v.init != nullptr || h != hidden.end()) inits.push_back({slots[std::string(v.name.text)], v.init, param, b.loc(v.name.range)});
+      }
+    }
+  }
+
+  void build_port(const syntax::PortDecl& d, const syntax::PortItem& item) {
+    names.declare(item.name, "port");
+    Port port{.name = std::string(item.name.text), .type = {}, .slots = {}, .exported = d.role == syntax::PortRole::Exported, .loc = b.loc(item.name.range)};
+    std::vector<Variable> variables;
+    for (const syntax::Name& var : item.vars) {
+      const auto slot = slots.find(std::string(var.text));
+      if (slot == slots.end()) {
+        std::vector<std::string> known;
+        for (const Slot& s : out.slots) known.push_back(s.name);
+        help_similar(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var.text, var.range, known);
+        port.slots.push_back(0);
+        variables.push_back({std::string(var.text), Type::Int, {}});
+        continue;
+      }
+      const Slot& s = out.slots[slot->second];
+      if (s.is_param) b.diags.report(Diag::kB2002, var.range, port.name, var.text).help("copy the parameter into `data`");
+      port.slots.push_back(slot->second);
+      variables.push_back({s.name, s.type, s.loc});
+    }
+    if (!d.type.is_written()) {
+      port.type = b.anonymous_port_type(variables);
+    } else {
+      port.type = b.port_type(d.type);
+      if (port.type.is_valid()) check_variables(port, variables, item, d.type);
+    }
+    ports[port.name] = static_cast<std::uint32_t>(out.ports.size());
+    out.ports.push_back(std::move(port));
+  }
+
+  void check_variables(const Port& port, const std::vector<Variable>& given, const syntax::PortItem& item, const syntax::TypeRef& type) {
+    const PortType& wanted = b.model.port_types[port.type];
+    if (wanted.variables.size() != given.size()) {
+      b.diags.report(Diag::kB2003, item.name.range, port.name, given.size(), wanted.name, wanted.variables.size());
+      return;
+    }
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      if (given[i].type == wanted.variables[i].type) continue;
+      b.diags.report(Diag::kB2004, item.vars[i].range, given[i].name, name_of(given[i].type), wanted.variables[i].name, b.text(type.name), name_of(wanted.variables[i].type));
+    }
+  }
+
+  void build_ports() {
+    NameSpace exported(b.diags, fmt::format("the exports of atom type `{}`", decl.name.text));
+    for (const syntax::PortDecl& d : decl.ports) {
+      if (d.role == syntax::PortRole::External) {
+        b.not_yet(d.range, "an `extern port`");
+        continue;
+      }
+      if (!d.merged_as.text.empty() && d.items.size() > 1) {
+        b.not_yet(d.merged_as.range, "merging ports with `as`");
+        continue;
+      }
+      for (const syntax::PortItem& item : d.items) {
+        build_port(d, item);
+        if (d.role != syntax::PortRole::Exported) continue;
+        exported.declare(d.merged_as.text.empty() ? item.name : d.merged_as, "port");
+        // What connectors see is the exported name; transitions still use the port's own.
+        if (!d.merged_as.text.empty() && !out.ports.empty()) out.ports.back().name = std::string(d.merged_as.text);
+      }
+    }
+    for (const syntax::ClockDecl& c : decl.clocks) b.not_yet(c.range, "a clock");
+    for (const syntax::AtomPriority& p : decl.atom_priorities) b.not_yet(p.range, "a priority between the ports of an atom");
+    for (const syntax::Invariant& i : decl.invariants) b.not_yet(i.range, "an invariant");
+  }
+
+  std::vector<std::uint32_t> place_rows(std::span<const syntax::Name> list) {
+    std::vector<std::uint32_t> rows;
+    for (const syntax::Name& name : list) {
+      const auto it = places.find(std::string(name.text));
+      if (it == places.end()) {
+        help_similar(b.diags.report(Diag::kB1020, name.range, name.text, scope.owner), name.text, name.range, out.places);
+      } else if (std::find(rows.begin(), rows.end(), it->second) != rows.end()) {
+        b.diags.report(Diag::kB1021, name.range, name.text);
+      } else {
+        rows.push_back(it->second);
+      }
+    }
+    return rows;
+  }
+
+  void build_transition(const syntax::Transition& t) {
+    Transition row{.port = Transition::kInternal, .from = place_rows(t.from), .to = place_rows(t.to), .guard = {}, .action = {}, .loc = b.loc(t.range)};
+    if (!t.internal) {
+      const auto port = ports.find(std::string(t.port.text));
+      if (port == ports.end()) {
+        std::vector<std::string> known;
+        for (const Port& p : out.ports) known.push_back(p.name);
+        help_similar(b.diags.report(Diag::kB1022, t.port.range, t.port.text, scope.owner), t.port.text, t.port.range, known);
+      } else {
+        row.port = port->second;
+      }
+    }
+    if (!t.urgency.text.empty()) b.not_yet(t.urgency.range, fmt::format("urgency `{}`", t.urgency.text));
+    if (t.resumes) b.not_yet(t.range, "`resume`");
+    CodeBuilder code(b.model, b.diags, scope);
+    row.guard = code.guard(t.guard);
+    row.action = code.block(t.action.stmts);
+    out.transitions.push_back(std::move(row));
+  }
+
+  AtomType build() {
+    build_slots();
+    build_ports();
+    for (const syntax::Name& place : decl.places) {
+      names.declare(place, "place");
+      if (places.try_emplace(std::string(place.text), static_cast<std::uint32_t>(out.places.size())).second) out.places.emplace_back(place.text);
+    }
+    if (!decl.initial.present) {
+      b.diags.report(Diag::kB1023, decl.name.range, decl.name.text);
+    } else {
+      out.initial = place_rows(decl.initial.to);
+    }
+    if (decl.initial.resumes) b.not_yet(decl.initial.range, "`resume`");
+    CodeBuilder code(b.model, b.diags, scope);
+    StmtId next = code.block(decl.initial.action.stmts);
+    for (std::size_t i = inits.size(); i-- > 0;) {
+      const Init& init = inits[i];
+      const Type type = out.slots[init.slot].type;
+      ExprId value;
+      if (init.param != Id<void>::kNone) {
+        value = b.model.code.exprs.push({.op = Op::LoadSelf, .type = type, .index = init.param, .a = {}, .b = {}, .loc = init.loc});
+      } else {
+        value = code.expr_as(init.value, type, fmt::format("`{}`", out.slots[init.slot].name));
+      }
+      next = code.store_self(init.slot, type, value, init.loc, next);
+    }
+    out.initial_action = next;
+    for (const syntax::Transition& t : decl.transitions) build_transition(t);
+    return std::move(out);
+  }
+};
+
+}  // namespace
+
+void build_atom_types(Builder& b) {
+  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+    if (decl->kind != syntax::DeclKind::AtomType) continue;
+    AtomType atom = AtomBuilder(b, *decl).build();
+    check_atom(b, atom, *decl);
+    b.model.atom_types.push(std::move(atom));
+  }
+}
+
+}  // namespace bip::model

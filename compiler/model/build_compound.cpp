@@ -1,0 +1,172 @@
+// Compound types: families of names first, then items, priorities, exports. A compound is built after those it contains.
+#include <algorithm>
+
+#include "compiler/model/compound_builder.hpp"
+
+namespace bip::model {
+
+// A component of the paper's notation that an instance does not initialise keeps its declared value.
+ExprId Builder::initial_value(const ComponentFamily& family, const std::string& param, Type type) {
+  const Scope empty{.names = {}, .owner = "an initial value"};
+  CodeBuilder code(model, diags, empty);
+  if (!family.atom.is_valid() || !param.starts_with("initial ")) return code.poison(type);
+  for (const syntax::Decl* decl : model.syntax->package->decls) {
+    if (decl->kind != syntax::DeclKind::AtomType || decl->name.text != model.atom_types[family.atom].name) continue;
+    for (const syntax::DataDecl& d : decl->data) {
+      for (const syntax::Var& v : d.vars) {
+        if (v.init != nullptr && "initial " + std::string(v.name.text) == param) return code.expr_as(v.init, type, fmt::format("`{}`", v.name.text));
+      }
+    }
+  }
+  return code.poison(type);
+}
+
+bool CompoundBuilders::ensure(CompoundTypeId id) {
+  BuildState& state = states[id.value];
+  if (state != BuildState::Untouched) return state == BuildState::Done;
+  state = BuildState::Building;
+  CompoundType out;  // built aside: rows move while others are built
+  CompoundBuilder{*this, b, *decls[id.value], out}.build();
+  b.model.compound_types[id] = std::move(out);
+  states[id.value] = BuildState::Done;
+  return true;
+}
+
+void CompoundBuilder::build() {
+  out.name = std::string(decl.name.text);
+  out.decl = &decl;
+  out.loc = b.loc(decl.name.range);
+  scope.owner = fmt::format("compound type `{}`", out.name);
+  NameSpace names(b.diags, scope.owner);
+  for (const syntax::Param& p : decl.params) {
+    names.declare(p.name, "parameter");
+    const Type type = require_native_type(p.type, b.sources, b.diags);
+    scope.names[std::string(p.name.text)] = {.load = Op::LoadSelf, .index = static_cast<std::uint32_t>(out.params.size()), .type = type, .read_only = "a parameter", .value = {}, .declared = p.name.range};
+    out.params.push_back({std::string(p.name.text), type, true, false, b.loc(p.name.range)});
+  }
+  for (const syntax::DataDecl& d : decl.data) b.not_yet(d.range, "data of a compound");
+  declare_families(decl.items, names, false);
+  connector_states.assign(out.connectors.size(), BuildState::Untouched);
+  for (const syntax::CompoundItem* i : decl.items) out.items.push_back(item(*i));
+  for (const syntax::CompoundPriority& p : decl.priorities) names.declare(p.name, "priority");
+  build_priorities();
+  build_exports();
+  if (!b.diags.has_errors()) warn_unbound();
+}
+
+void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& row) {
+  row.any_connector = p.any_connector;
+  row.any_interaction = p.any_interaction;
+  row.range = p.range;
+  if (p.any_connector) return;
+  const syntax::PathPart& part = p.connector.parts[0];
+  const auto it = connectors.find(std::string(part.name.text));
+  if (it == connectors.end() || p.connector.parts.size() != 1) {
+    std::vector<std::string> known;
+    for (const auto& [name, family] : connectors) known.push_back(name);
+    help_similar(b.diags.report(Diag::kB3001, p.connector.range, b.text(p.connector), out.name), part.name.text, p.connector.range, known);
+    return;
+  }
+  row.connector.family = it->second;
+  if (part.star) return void(b.not_yet(p.connector.range, "`[*]` in a priority"));
+  element(part, out.connectors[it->second].is_array, row.connector, fmt::format("connector `{}`", part.name.text));
+  if (out.connectors[it->second].exports) {
+    b.diags.report(Diag::kB3002, p.connector.range, part.name.text).help("a priority orders interactions of connectors that export no port");
+  }
+  for (const syntax::Path& path : p.ports) {
+    PatternPort& port = row.ports.emplace_back();
+    port.range = path.range;
+    if (path.parts.size() == 1) {
+      port.param = std::string(path.parts[0].name.text);
+    } else {
+      port_path(path, port.path);
+    }
+  }
+}
+
+void CompoundBuilder::build_priorities() {
+  for (const syntax::CompoundPriority& p : decl.priorities) {
+    PriorityRule row{.name = std::string(p.name.text), .low = {}, .high = {}, .guard = {}, .data = {}, .range = p.range};
+    pattern(p.low, row.low);
+    pattern(p.high, row.high);
+    if (p.low.any_connector && p.high.any_connector) b.diags.report(Diag::kB3003, p.range);
+    if (p.guard != nullptr) {
+      // Every exported datum of every component is in scope; those that are read become Bind rows.
+      Scope data{.names = {}, .owner = fmt::format("priority `{}`", p.name.text)};
+      struct Reader {
+        CompoundBuilder& self;
+        Scope& data;
+        PriorityRule& row;
+        void visit(const syntax::Expr* e) {
+          for (const syntax::Expr* operand : e->operands) visit(operand);
+          DataPath ref;
+          if (e->kind != syntax::ExprKind::Path || data.names.contains(self.b.text(e->path)) || e->path.parts.size() < 2) return;
+          if (!self.data_path(e->path, ref, true)) {
+            data.names[self.b.text(e->path)] = {.read_only = "unknown", .value = {}, .declared = {}};
+            return;
+          }
+          data.names[self.b.text(e->path)] = {.load = Op::LoadBind, .index = static_cast<std::uint32_t>(row.data.size()), .type = ref.type, .read_only = "a guard", .value = {}, .declared = {}};
+          row.data.push_back(ref);
+        }
+      };
+      Reader{*this, data, row}.visit(p.guard);
+      row.guard = CodeBuilder(b.model, b.diags, data).guard(p.guard);
+    }
+    out.priorities.push_back(std::move(row));
+  }
+}
+
+void CompoundBuilder::build_exports() {
+  NameSpace names(b.diags, fmt::format("the exports of compound type `{}`", out.name));
+  for (const syntax::CompoundExport& e : decl.exports) {
+    names.declare(e.name, e.is_data ? "data" : "port");
+    if (e.is_data) {
+      DataExport row{.name = std::string(e.name.text), .target = {}, .range = e.range};
+      if (data_path(e.targets[0], row.target, true)) out.data_exports.push_back(std::move(row));
+      continue;
+    }
+    if (e.targets.size() > 1) {
+      b.not_yet(e.range, "merging several ports into one export");
+      continue;
+    }
+    PortExport row{.name = std::string(e.name.text), .targets = {}, .type = {}, .range = e.range};
+    PortPath& target = row.targets.emplace_back();
+    if (!port_path(e.targets[0], target)) continue;
+    if (target.element.star) b.not_yet(target.range, "exporting `[*]`");
+    row.type = target.type;
+    out.exports.push_back(std::move(row));
+  }
+}
+
+void CompoundBuilder::warn_unbound() {
+  std::vector<const syntax::CompoundItem*> todo(decl.items.begin(), decl.items.end());
+  for (std::size_t n = 0; n < todo.size(); ++n) {
+    const syntax::CompoundItem& i = *todo[n];
+    todo.insert(todo.end(), i.items.begin(), i.items.end());
+    if (i.kind == syntax::ItemKind::Component && !is_suppressed(i.annotations, "unboundcomponentport")) {
+      const ComponentFamily& family = out.components[components[std::string(i.name.text)]];
+      const auto& bound = bound_ports[components[std::string(i.name.text)]];
+      for (std::size_t p = 0; p < bound.size(); ++p) {
+        if (bound[p] || (!family.is_compound && !b.model.atom_types[family.atom].ports[p].exported)) continue;
+        const std::string& port = family.is_compound ? b.model.compound_types[family.compound].exports[p].name : b.model.atom_types[family.atom].ports[p].name;
+        b.diags.report(Diag::kB2025, i.name.range, port, family.name);
+      }
+    } else if (i.kind == syntax::ItemKind::Connector && !is_suppressed(i.annotations, "unboundconnectorport")) {
+      const std::uint32_t family = connectors[std::string(i.name.text)];
+      if (out.connectors[family].exports && !bound_connectors[family]) b.diags.report(Diag::kB2026, i.name.range, i.name.text);
+    }
+  }
+}
+
+void build_compound_types(Builder& b) {
+  CompoundBuilders all{b, {}, {}};
+  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+    if (decl->kind != syntax::DeclKind::CompoundType) continue;
+    all.decls.push_back(decl);
+    all.states.push_back(BuildState::Untouched);
+    b.model.compound_types.push({.name = std::string(decl->name.text), .params = {}, .components = {}, .connectors = {}, .items = {}, .priorities = {}, .exports = {}, .data_exports = {}, .decl = decl});
+  }
+  for (std::size_t i = 0; i < all.decls.size(); ++i) all.ensure(CompoundTypeId(i));
+}
+
+}  // namespace bip::model

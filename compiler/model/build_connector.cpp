@@ -1,0 +1,245 @@
+// Connector bodies, typed and inline: own data, exported port, `define`, and one clause an interaction with its code.
+#include <algorithm>
+
+#include "compiler/model/builder.hpp"
+
+namespace bip::model {
+
+namespace {
+
+struct BodyBuilder {
+  Builder& b;
+  const syntax::ConnectorBody& body;
+  const ConnectorPorts& ports;
+  bool is_inline;
+  ConnectorType& out;
+  Scope down_scope{}, up_scope{};
+  std::unordered_map<std::string, std::uint32_t> slots{};
+
+  void build_scopes() {
+    NameSpace names(b.diags, down_scope.owner);
+    for (const syntax::DataDecl& d : body.data) {
+      const Type type = require_native_type(d.type, b.sources, b.diags);
+      for (const syntax::Var& v : d.vars) {
+        if (ports.rows.contains(std::string(v.name.text))) {
+          b.diags.report(Diag::kB1002, v.name.range, v.name.text, down_scope.owner).label("a port has this name");
+        }
+        names.declare(v.name, "data");
+        if (v.init != nullptr) b.diags.report(Diag::kB2021, v.init->range, v.name.text).help("assign it in `up`");
+        const std::uint32_t row = static_cast<std::uint32_t>(out.slots.size());
+        slots[std::string(v.name.text)] = row;
+        down_scope.names[std::string(v.name.text)] = {.load = Op::LoadSelf, .index = row, .type = type, .read_only = "", .value = {}, .declared = v.name.range};
+        out.slots.push_back({std::string(v.name.text), type, false, d.exported, b.loc(v.name.range)});
+      }
+    }
+    for (const auto& [key, rows] : ports.rows) {
+      if (rows.size() != 1) continue;  // variables of t[*] have no single meaning
+      const ConnectorParam& param = out.params[rows[0]];
+      if (!param.type.is_valid()) continue;
+      std::uint32_t bind = param.first_bind;
+      for (const Variable& v : b.model.port_types[param.type].variables) {
+        down_scope.names[key + "." + v.name] = {.load = Op::LoadBind, .index = bind++, .type = v.type, .read_only = "", .value = {}, .declared = {}};
+      }
+    }
+    for (const auto& [key, binding] : ports.data) down_scope.names[key] = binding;
+    up_scope = down_scope;
+    for (auto& [key, binding] : up_scope.names) {
+      if (binding.load == Op::LoadBind) binding.read_only = "`up` writes only the connector's own data";
+    }
+  }
+
+  void build_export(syntax::Annotations annotations) {
+    const syntax::ConnectorExport& e = body.exported;
+    if (!e.present) return;
+    out.exports = true;
+    out.export_name = std::string(e.name.text);
+    std::vector<Variable> variables;
+    for (const syntax::Name& var : e.vars) {
+      const auto slot = slots.find(std::string(var.text));
+      if (slot == slots.end()) {
+        std::vector<std::string> known;
+        for (const Slot& s : out.slots) known.push_back(s.name);
+        help_similar(b.diags.report(Diag::kB2001, var.range, out.export_name, var.text, down_scope.owner), var.text, var.range, known);
+        continue;
+      }
+      out.export_slots.push_back(slot->second);
+      variables.push_back({out.slots[slot->second].name, out.slots[slot->second].type, {}});
+    }
+    if (variables.size() != e.vars.size()) return;
+    if (!e.type.is_written() || (is_inline && b.text(e.type.name) == "Port" && !b.model.type_names.contains("Port"))) {
+      out.export_type = b.anonymous_port_type(variables);
+      return;
+    }
+    out.export_type = b.port_type(e.type);
+    if (!out.export_type.is_valid()) return;
+    const PortType& wanted = b.model.port_types[out.export_type];
+    if (wanted.variables.size() != variables.size()) {
+      b.diags.report(Diag::kB2003, e.name.range, e.name.text, variables.size(), wanted.name, wanted.variables.size());
+      return;
+    }
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      if (variables[i].type == wanted.variables[i].type) continue;
+      b.diags.report(Diag::kB2004, e.vars[i].range, variables[i].name, name_of(variables[i].type), wanted.variables[i].name, wanted.name, name_of(wanted.variables[i].type));
+    }
+    (void)annotations;
+  }
+
+  // ---- define --------------------------------------------------------------------------------------------------
+  std::vector<SourceRange> seen{};  // by parameter: where `define` names it
+
+  void add_leaf(const syntax::PortExpr& e, std::uint32_t parent) {
+    const std::string key = b.text(e.port);
+    const auto rows = ports.rows.find(key);
+    if (rows == ports.rows.end()) {
+      std::vector<std::string> known;
+      for (const auto& [name, list] : ports.rows) known.push_back(name);
+      help_similar(b.diags.report(Diag::kB2005, e.range, key, down_scope.owner), key, e.port.range, known);
+      return;
+    }
+    for (const std::uint32_t param : rows->second) {
+      if (seen[param].is_valid()) {
+        b.diags.report(Diag::kB2006, e.range, key).label(seen[param], "here first");
+        return;
+      }
+      seen[param] = e.range;
+      out.define[parent].children.push_back(static_cast<std::uint32_t>(out.define.size()));
+      out.define.push_back({.is_leaf = true, .trigger = e.trigger, .param = param, .children = {}});
+    }
+  }
+
+  void add_node(const syntax::PortExpr& e, std::uint32_t parent) {
+    if (e.kind == syntax::PortExprKind::Port) return add_leaf(e, parent);
+    const auto row = static_cast<std::uint32_t>(out.define.size());
+    out.define[parent].children.push_back(row);
+    out.define.push_back({.is_leaf = false, .trigger = e.trigger, .param = 0, .children = {}});
+    for (const syntax::PortExpr* child : e.children) add_node(*child, row);
+  }
+
+  void build_define(SourceRange range) {
+    seen.assign(out.params.size(), {});
+    out.define.push_back({});
+    if (body.define == nullptr) {
+      if (!is_inline) b.diags.report(Diag::kB2007, range, down_scope.owner).help("a rendezvous of all: `define` and the ports, separated by spaces");
+      for (std::uint32_t p = 0; p < out.params.size(); ++p) {  // the paper: without a list, every subset
+        out.define[0].children.push_back(static_cast<std::uint32_t>(out.define.size()));
+        out.define.push_back({.is_leaf = true, .trigger = true, .param = p, .children = {}});
+      }
+      return;
+    }
+    if (body.define->kind == syntax::PortExprKind::Port) {
+      add_leaf(*body.define, 0);
+    } else {
+      for (const syntax::PortExpr* child : body.define->children) add_node(*child, 0);
+    }
+    if (b.diags.has_errors()) return;
+    for (std::size_t p = 0; p < seen.size(); ++p) {
+      if (!seen[p].is_valid()) b.diags.report(Diag::kB2008, body.define->range, out.params[p].name);
+    }
+    if (!body.resume.text.empty()) b.not_yet(body.resume.range, "`resume`");
+  }
+
+  // ---- clauses -------------------------------------------------------------------------------------------------
+  void build_clause(const syntax::Clause& c, std::unordered_map<std::string, SourceRange>& given) {
+    Clause row{.params = {}, .guard = {}, .up = {}, .down = {}, .loc = b.loc(c.range)};
+    for (const syntax::Path& path : c.ports) {
+      const std::string key = b.text(path);
+      const auto rows = ports.rows.find(key);
+      if (rows == ports.rows.end()) {
+        std::vector<std::string> known;
+        for (const auto& [name, list] : ports.rows) known.push_back(name);
+        help_similar(b.diags.report(Diag::kB2005, path.range, key, down_scope.owner), key, path.range, known);
+        return;
+      }
+      for (const std::uint32_t p : rows->second) {
+        if (std::find(row.params.begin(), row.params.end(), p) != row.params.end()) {
+          b.diags.report(Diag::kB2009, path.range, key);
+          return;
+        }
+        row.params.push_back(p);
+      }
+    }
+    std::sort(row.params.begin(), row.params.end());
+    const SourceRange at = c.ports.empty() ? c.range : SourceRange{c.range.file, c.ports.front().range.begin, c.ports.back().range.end};
+    if (!b.diags.has_errors() && !is_interaction(out, row.params)) {
+      auto d = b.diags.report(Diag::kB2010, at, interaction_text(out, row.params));
+      if (body.define != nullptr) d.label(body.define->range, "the interactions are given here");
+      return;
+    }
+    const auto [first, is_new] = given.try_emplace(interaction_text(out, row.params), at);
+    if (!is_new) {
+      b.diags.report(Diag::kB2011, at, interaction_text(out, row.params)).label(first->second, "here first");
+      return;
+    }
+    if (c.up.present && !out.exports) b.diags.report(Diag::kB2012, c.up.range).help("write `down`, or export a port");
+    if (c.action.present && out.exports) b.diags.report(Diag::kB2013, c.action.range).help("write `up { … }` for what the exported port shows, `down { … }` for the transfer");
+    if (c.action.present && c.down.present) b.diags.report(Diag::kB2014, c.action.range).label(c.down.range, "`down` is here");
+    CodeBuilder down(b.model, b.diags, down_scope);
+    CodeBuilder up(b.model, b.diags, up_scope);
+    row.guard = up.guard(c.guard);
+    row.up = up.block(c.up.stmts);
+    row.down = down.block(c.down.present ? c.down.stmts : c.action.stmts);
+    if (!out.export_slots.empty() && !c.up.present && !is_suppressed(c.annotations, "missingup")) {
+      b.diags.report(Diag::kB2015, at, interaction_text(out, row.params), out.export_name);
+    }
+    out.clauses.push_back(std::move(row));
+  }
+
+  // How many interactions there are, as a double: it may be 2^1000.
+  [[nodiscard]] double count(std::uint32_t n) const {
+    const DefineNode& node = out.define[n];
+    if (node.is_leaf) return 1;
+    bool has_triggers = false;
+    double all = 1, any = 1, without = 1;
+    for (const std::uint32_t child : node.children) {
+      const double c = count(child);
+      all *= c;
+      any *= 1 + c;
+      if (out.define[child].trigger) has_triggers = true;
+      else without *= 1 + c;
+    }
+    return has_triggers ? any - without : all;
+  }
+
+  void build(SourceRange range, syntax::Annotations annotations) {
+    down_scope.owner = is_inline ? fmt::format("connector `{}`", out.name) : fmt::format("connector type `{}`", out.name);
+    build_scopes();
+    build_export(annotations);
+    build_define(range);
+    std::unordered_map<std::string, SourceRange> given;
+    for (const syntax::Clause& c : body.clauses) build_clause(c, given);
+    if (!out.export_slots.empty() && !b.diags.has_errors() && count(0) > static_cast<double>(out.clauses.size()) &&
+        !is_suppressed(annotations, "missinginteraction")) {
+      b.diags.report(Diag::kB2016, range, down_scope.owner, out.export_name);
+    }
+  }
+};
+
+}  // namespace
+
+void build_connector_body(Builder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
+                          syntax::Annotations annotations, ConnectorType& out) {
+  out.params = ports.params;
+  out.data_reads = ports.data_reads;
+  BodyBuilder{b, body, ports, is_inline, out}.build(range, annotations);
+}
+
+void build_connector_types(Builder& b) {
+  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+    if (decl->kind != syntax::DeclKind::ConnectorType) continue;
+    ConnectorType out{.name = std::string(decl->name.text), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(decl->name.range)};
+    ConnectorPorts ports;
+    NameSpace names(b.diags, fmt::format("connector type `{}`", decl->name.text));
+    std::uint32_t bind = 0;
+    for (const syntax::Param& p : decl->params) {
+      names.declare(p.name, "port");
+      const PortTypeId type = b.port_type(p.type);
+      ports.rows[std::string(p.name.text)] = {static_cast<std::uint32_t>(ports.params.size())};
+      ports.params.push_back({std::string(p.name.text), type, bind, b.loc(p.name.range)});
+      if (type.is_valid()) bind += static_cast<std::uint32_t>(b.model.port_types[type].variables.size());
+    }
+    if (decl->connector != nullptr) build_connector_body(b, *decl->connector, ports, false, decl->name.range, decl->annotations, out);
+    b.model.connector_types.push(std::move(out));
+  }
+}
+
+}  // namespace bip::model

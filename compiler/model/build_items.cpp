@@ -1,0 +1,135 @@
+// Items of a compound: components with their arguments, connectors with their bindings, loops.
+#include <algorithm>
+
+#include "compiler/model/compound_builder.hpp"
+
+namespace bip::model {
+
+CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
+  CompoundItem row{.range = i.range, .index = {}, .args = {}, .type = {}, .ports = {}, .data = {}, .syntax = &i, .low = {}, .high = {}, .items = {}};
+  switch (i.kind) {
+    case syntax::ItemKind::Component:
+      row.kind = ItemKind::Component;
+      component_item(i, row);
+      break;
+    case syntax::ItemKind::Connector:
+      row.kind = ItemKind::Connector;
+      connector_item(i, row);
+      break;
+    case syntax::ItemKind::For: {
+      row.kind = ItemKind::For;
+      CodeBuilder code(b.model, b.diags, scope);
+      row.low = code.expr_as(i.low, Type::Int, "the loop's start");
+      row.high = code.expr_as(i.high, Type::Int, "the loop's end");
+      row.loop_slot = static_cast<std::uint32_t>(out.params.size()) + loop_depth;
+      const std::string name(i.name.text);
+      if (const auto taken = scope.names.find(name); taken != scope.names.end()) {
+        b.diags.report(Diag::kB1002, i.name.range, name, fmt::format("compound type `{}`", out.name)).label(taken->second.declared, "declared here");
+        break;
+      }
+      scope.names[name] = {.load = Op::LoadSelf, .index = row.loop_slot, .type = Type::Int, .read_only = "a loop variable", .value = {}, .declared = i.name.range};
+      ++loop_depth;
+      for (const syntax::CompoundItem* inner : i.items) row.items.push_back(item(*inner));
+      --loop_depth;
+      scope.names.erase(name);
+      break;
+    }
+  }
+  return row;
+}
+
+std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, const ComponentFamily& family) {
+  static const std::vector<Slot> kNone;
+  const std::vector<Slot>& slots = family.atom.is_valid() ? b.model.atom_types[family.atom].slots : family.compound.is_valid() ? b.model.compound_types[family.compound].params : kNone;
+  std::vector<const Slot*> params;
+  for (const Slot& s : slots) {
+    if (s.is_param) params.push_back(&s);
+  }
+  const std::string what = fmt::format("component type `{}`", b.text(i.type.name));
+  std::vector<ExprId> args(params.size());
+  CodeBuilder code(b.model, b.diags, scope);
+  std::size_t position = 0;
+  std::size_t positional = 0;
+  for (const syntax::NamedArg& arg : i.args) {
+    std::size_t k = 0;
+    if (arg.name.text.empty()) {
+      ++positional;
+      k = position++;
+      if (k >= params.size()) continue;
+    } else {
+      const std::string name(arg.name.text);
+      while (k < params.size() && params[k]->name != name && params[k]->name != "initial " + name) ++k;
+      if (k == params.size()) {
+        std::vector<std::string> known;
+        for (const Slot* s : params) known.push_back(s->name);
+        help_similar(b.diags.report(Diag::kB1032, arg.name.range, what, name), name, arg.name.range, known);
+        code.expr(arg.value);
+        continue;
+      }
+    }
+    if (args[k].is_valid()) b.diags.report(Diag::kB1033, arg.value->range, params[k]->name);
+    args[k] = code.expr_as(arg.value, params[k]->type, fmt::format("argument `{}`", params[k]->name));
+  }
+  const std::size_t required = static_cast<std::size_t>(std::count_if(params.begin(), params.end(), [](const Slot* s) { return !s->name.starts_with("initial "); }));
+  const bool all_given = std::all_of(args.begin(), args.begin() + static_cast<std::ptrdiff_t>(required), [](ExprId a) { return a.is_valid(); });
+  if (positional > params.size() || !all_given) {
+    b.diags.report(Diag::kB1015, i.name.range, what, required, i.args.size());
+  }
+  for (std::size_t k = 0; k < args.size(); ++k) {
+    if (!args[k].is_valid()) args[k] = b.initial_value(family, params[k]->name, params[k]->type);
+  }
+  return args;
+}
+
+void CompoundBuilder::component_item(const syntax::CompoundItem& i, CompoundItem& row) {
+  const auto it = components.find(std::string(i.name.text));
+  if (it == components.end()) return;
+  row.family = it->second;
+  const ComponentFamily& family = out.components[row.family];
+  if (i.index != nullptr) row.index = CodeBuilder(b.model, b.diags, scope).expr_as(i.index, Type::Int, loop_depth > 0 ? "the index" : "the size");
+  const auto type = b.model.type_names.find(b.text(i.type.name));
+  const bool same = type != b.model.type_names.end() &&
+                    (family.is_compound ? type->second.kind == TypeName::Kind::Compound && family.compound.value == type->second.row
+                                        : type->second.kind == TypeName::Kind::Atom && family.atom.value == type->second.row);
+  if (!same && (family.atom.is_valid() || family.compound.is_valid())) {
+    b.diags.report(Diag::kB4013, i.range, family.name).label(family.range, "declared here with another type");
+    return;
+  }
+  row.args = arguments(i, family);
+}
+
+void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem& row) {
+  const auto it = connectors.find(std::string(i.name.text));
+  if (it == connectors.end()) return;
+  row.family = it->second;
+  const bool first_time = connector_states[row.family] == BuildState::Untouched;
+  if (first_time) connector_states[row.family] = BuildState::Building;
+  if (i.index != nullptr) row.index = CodeBuilder(b.model, b.diags, scope).expr_as(i.index, Type::Int, "the index");
+  bool sound = true;
+  for (const syntax::Path& path : i.ports) {
+    PortPath& port = row.ports.emplace_back();
+    sound &= port_path(path, port);
+    row.has_star |= port.element.star;
+  }
+  if (i.inline_body != nullptr) {
+    ConnectorType type{.name = out.name + "." + std::string(i.name.text), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(i.name.range)};
+    if (sound) build_inline_connector(b, out.components, i, row.ports, std::vector<std::uint32_t>(row.ports.size(), 1), row.data, type);
+    out.connectors[row.family].export_type = type.export_type;
+    row.type = b.model.connector_types.push(std::move(type));
+  } else if (const auto t = b.model.type_names.find(b.text(i.type.name)); t != b.model.type_names.end() && t->second.kind == TypeName::Kind::Connector) {
+    row.type = ConnectorTypeId(t->second.row);
+    const ConnectorType& type = b.model.connector_types[row.type];
+    if (!row.has_star && type.params.size() != i.ports.size()) {
+      b.diags.report(Diag::kB2022, i.name.range, type.name, type.params.size(), i.ports.size());
+    } else if (!row.has_star && sound) {
+      for (std::size_t k = 0; k < i.ports.size(); ++k) {
+        const ConnectorParam& param = type.params[k];
+        if (fits(b.model, row.ports[k].type, param.type)) continue;
+        b.diags.report(Diag::kB2023, i.ports[k].range, b.text(i.ports[k]), b.model.port_types[row.ports[k].type].name, param.name, type.name, b.model.port_types[param.type].name);
+      }
+    }
+  }
+  if (first_time) connector_states[row.family] = BuildState::Done;
+}
+
+}  // namespace bip::model

@@ -1,0 +1,112 @@
+// Warnings about an atom type as a whole. All are linear in its transitions but the pairs of one port and place.
+#include <algorithm>
+
+#include "compiler/model/builder.hpp"
+
+namespace bip::model {
+
+namespace {
+
+// Places that some run of the atom alone, guards ignored, can mark.
+std::vector<bool> reachable_places(const AtomType& atom) {
+  std::vector<bool> reached(atom.places.size());
+  for (const std::uint32_t p : atom.initial) reached[p] = true;
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const Transition& t : atom.transitions) {
+      if (!std::all_of(t.from.begin(), t.from.end(), [&](std::uint32_t p) { return reached[p]; })) continue;
+      for (const std::uint32_t p : t.to) {
+        grew |= !reached[p];
+        reached[p] = true;
+      }
+    }
+  }
+  return reached;
+}
+
+void collect_reads(const CodeTable& code, ExprId root, std::vector<bool>& read) {
+  std::vector<ExprId> todo{root};
+  while (!todo.empty()) {
+    const ExprId id = todo.back();
+    todo.pop_back();
+    if (!id.is_valid()) continue;
+    const Expr& e = code.exprs[id];
+    if (e.op == Op::LoadSelf) read[e.index] = true;
+    todo.push_back(e.a);
+    todo.push_back(e.b);
+  }
+}
+
+void collect_stmts(const CodeTable& code, StmtId first, std::vector<bool>& read, std::vector<bool>& written) {
+  std::vector<StmtId> todo{first};
+  while (!todo.empty()) {
+    const StmtId id = todo.back();
+    todo.pop_back();
+    if (!id.is_valid()) continue;
+    const Stmt& s = code.stmts[id];
+    collect_reads(code, s.value, read);
+    if (s.op == StmtOp::StoreSelf) written[s.index] = true;
+    todo.push_back(s.next);
+    todo.push_back(s.then_body);
+    todo.push_back(s.else_body);
+  }
+}
+
+void check_uninitialised(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+  std::vector<bool> read(atom.slots.size()), written(atom.slots.size()), unused(atom.slots.size());
+  collect_stmts(b.model.code, atom.initial_action, unused, written);
+  for (const Transition& t : atom.transitions) {
+    collect_reads(b.model.code, t.guard, read);
+    collect_stmts(b.model.code, t.action, read, unused);
+  }
+  std::uint32_t slot = static_cast<std::uint32_t>(std::count_if(atom.slots.begin(), atom.slots.end(), [](const Slot& s) { return s.is_param; }));
+  for (const syntax::DataDecl& d : decl.data) {
+    for (const syntax::Var& v : d.vars) {
+      if (slot < atom.slots.size() && read[slot] && !written[slot] && decl.notation == syntax::Notation::Bip2) {
+        b.diags.report(Diag::kB1024, v.name.range, v.name.text).help("give it a value in `initial to … do { … }`");
+      }
+      ++slot;
+    }
+  }
+}
+
+void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+  for (std::size_t j = 0; j < atom.transitions.size(); ++j) {
+    const Transition& second = atom.transitions[j];
+    if (is_suppressed(decl.annotations, "nondeterminism") || is_suppressed(decl.transitions[j].annotations, "nondeterminism")) continue;
+    for (std::size_t i = 0; i < j; ++i) {
+      const Transition& first = atom.transitions[i];
+      if (first.port != second.port || first.from != second.from) continue;
+      const std::string port = second.port == Transition::kInternal ? "an internal transition" : fmt::format("port `{}`", atom.ports[second.port].name);
+      const std::string place = second.from.empty() ? "?" : atom.places[second.from[0]];
+      const bool sure = !first.guard.is_valid() && !second.guard.is_valid();
+      auto d = b.diags.report(sure ? Diag::kB1025 : Diag::kB1026, decl.transitions[j].range, port, place).label(decl.transitions[i].range, "the other one");
+      if (!sure) d.help("write guards that exclude each other, or `@SuppressWarning(nondeterminism)` before the transition");
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+void check_atom(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+  if (b.diags.has_errors()) return;
+  const std::vector<bool> reached = reachable_places(atom);
+  for (std::size_t p = 0; p < atom.places.size(); ++p) {
+    if (!reached[p]) b.diags.report(Diag::kB1027, decl.places[p].range, atom.places[p]);
+  }
+  for (std::size_t p = 0; p < atom.ports.size(); ++p) {
+    const bool used = std::any_of(atom.transitions.begin(), atom.transitions.end(), [&](const Transition& t) { return t.port == p; });
+    if (used) continue;
+    std::size_t row = 0;
+    for (const syntax::PortDecl& d : decl.ports) {
+      for (const syntax::PortItem& item : d.items) {
+        if (row++ == p) b.diags.report(Diag::kB1028, item.name.range, atom.ports[p].name);
+      }
+    }
+  }
+  check_uninitialised(b, atom, decl);
+  check_nondeterminism(b, atom, decl);
+}
+
+}  // namespace bip::model

@@ -1,0 +1,287 @@
+// Typed code from expressions. See code_builder.hpp for the promises.
+#include "compiler/model/code_builder.hpp"
+
+#include <charconv>
+
+namespace bip::model {
+
+using syntax::BinaryOp;
+using syntax::ExprKind;
+using syntax::UnaryOp;
+
+namespace {
+
+const char* text_of(BinaryOp op) {
+  static constexpr const char* kText[] = {"||", "&&", "|", "^", "&", "==", "!=", "<", ">", "<=", ">=", "+", "-", "*", "/", "%"};
+  return kText[static_cast<int>(op)];
+}
+
+Op op_of(BinaryOp op) {
+  static constexpr Op kOps[] = {Op::Or, Op::And, Op::BitOr, Op::BitXor, Op::BitAnd, Op::Eq, Op::Ne, Op::Lt,
+                                Op::Gt, Op::Le, Op::Ge, Op::Add, Op::Sub, Op::Mul, Op::Div, Op::Mod};
+  return kOps[static_cast<int>(op)];
+}
+
+bool is_numeric(Type t) { return t == Type::Int || t == Type::Float; }
+
+}  // namespace
+
+std::string path_key(const syntax::Path& path, const SourceMap& sources) {
+  std::string key;
+  for (const syntax::PathPart& part : path.parts) {
+    if (!key.empty()) key += '.';
+    key += part.name.text;
+    if (part.star) key += "[*]";
+    if (part.index != nullptr) {
+      key += '[';
+      for (const char c : sources.text(part.index->range)) {
+        if (c != ' ' && c != '\t' && c != '\n' && c != '\r') key += c;
+      }
+      key += ']';
+    }
+  }
+  return key;
+}
+
+std::optional<Type> native_type(const syntax::TypeRef& type, Diagnostics& diags) {
+  if (type.name.parts.size() != 1) return std::nullopt;
+  const std::string_view name = type.name.parts[0].name.text;
+  if (name == "int") return Type::Int;
+  if (name == "bool") return Type::Bool;
+  if (name == "float") return Type::Float;
+  if (name == "string") return Type::String;
+  if (name == "double") {
+    diags.report(Diag::kB1004, type.name.range).help("write `float`", type.name.range, "float");
+    return Type::Float;
+  }
+  return std::nullopt;
+}
+
+Type require_native_type(const syntax::TypeRef& type, const SourceMap& sources, Diagnostics& diags) {
+  const std::optional<Type> native = native_type(type, diags);
+  if (!native) {
+    diags.report(Diag::kB1003, type.name.range, path_key(type.name, sources))
+        .help("the native types are `int`, `bool`, `float` and `string`");
+  }
+  return native.value_or(Type::Int);
+}
+
+ExprId CodeBuilder::poison(Type type) {
+  Expr e{.type = type};
+  e.op = type == Type::Bool ? Op::ConstBool : type == Type::Float ? Op::ConstFloat : type == Type::String ? Op::ConstString : Op::ConstInt;
+  if (type == Type::String) e.int_value = static_cast<std::int32_t>(model_.code.string(""));
+  return make(e);
+}
+
+Typed CodeBuilder::convert(Typed v, Type to) {
+  if (v.type == Type::Int && to == Type::Float) {
+    return {make({.op = Op::IntToFloat, .type = Type::Float, .a = v.id, .b = {}, .loc = model_.code.exprs[v.id].loc}), Type::Float};
+  }
+  return v;
+}
+
+ExprId CodeBuilder::expr_as(const syntax::Expr* e, Type type, const std::string& what) {
+  const std::optional<Typed> v = expr(e);
+  if (!v) return poison(type);
+  const Typed converted = convert(*v, type);
+  if (converted.type != type) {
+    diags_.report(Diag::kB1010, e->range, what, name_of(type), name_of(converted.type)).label(fmt::format("this is {}", name_of(v->type)));
+    return poison(type);
+  }
+  return converted.id;
+}
+
+std::optional<Typed> CodeBuilder::expr(const syntax::Expr* e) {
+  switch (e->kind) {
+    case ExprKind::Int:
+    case ExprKind::Float:
+    case ExprKind::Bool:
+    case ExprKind::String:
+    case ExprKind::Report: return literal(e);
+    case ExprKind::Path: return path(e);
+    case ExprKind::Unary: return unary(e);
+    case ExprKind::Binary: return binary(e);
+    case ExprKind::Call: return call(e);
+  }
+  return std::nullopt;
+}
+
+std::optional<Typed> CodeBuilder::literal(const syntax::Expr* e) {
+  Expr out{.loc = loc(e->range)};
+  switch (e->kind) {
+    case ExprKind::Bool:
+      out.op = Op::ConstBool, out.type = Type::Bool, out.int_value = e->truth ? 1 : 0;
+      break;
+    case ExprKind::Float: {
+      out.op = Op::ConstFloat, out.type = Type::Float;
+      const auto [end, error] = std::from_chars(e->text.data(), e->text.data() + e->text.size(), out.float_value);
+      if (error == std::errc::result_out_of_range) {
+        diags_.report(Diag::kB1012, e->range, e->text);
+        return std::nullopt;
+      }
+      break;
+    }
+    case ExprKind::Int: {
+      out.op = Op::ConstInt, out.type = Type::Int;
+      const auto [end, error] = std::from_chars(e->text.data(), e->text.data() + e->text.size(), out.int_value);
+      if (error != std::errc{}) {
+        diags_.report(Diag::kB1011, e->range, e->text).help("an `int` holds -2147483648 to 2147483647; a `float` is written with a point");
+        return std::nullopt;
+      }
+      break;
+    }
+    default:
+      out.op = Op::ConstString, out.type = Type::String;
+      out.int_value = static_cast<std::int32_t>(model_.code.string(std::string(e->text)));
+      break;
+  }
+  const Type type = out.type;
+  return Typed{make(out), type};
+}
+
+const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
+  const std::string key = path_key(p, *model_.sources);
+  if (const auto it = scope_.names.find(key); it != scope_.names.end()) return &it->second;
+  if (!report) return nullptr;
+  std::vector<std::string> known;
+  for (const auto& [name, binding] : scope_.names) known.push_back(name);
+  std::sort(known.begin(), known.end());
+  auto d = diags_.report(Diag::kB1001, p.range, key, scope_.owner);
+  for (const std::string& name : similar_names(key, known)) d.help(fmt::format("`{}` has a similar name", name), p.range, name);
+  return nullptr;
+}
+
+std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
+  if (e->clock_speed) {
+    diags_.report(Diag::kB1900, e->range, "the speed of a clock");
+    return std::nullopt;
+  }
+  const Binding* b = find(e->path, false);
+  if (b == nullptr) {
+    const auto constant = model_.constants.find(path_key(e->path, *model_.sources));
+    if (constant != model_.constants.end()) return Typed{constant->second.first, constant->second.second};
+    find(e->path, true);
+    return std::nullopt;
+  }
+  if (b->value.is_valid()) return Typed{b->value, b->type};
+  return Typed{make({.op = b->load, .type = b->type, .index = b->index, .a = {}, .b = {}, .loc = loc(e->range)}), b->type};
+}
+
+std::optional<Typed> CodeBuilder::type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got) {
+  const std::string_view op = e->kind == ExprKind::Unary ? model_.sources->text(e->op_range) : std::string_view(text_of(e->binary));
+  diags_.report(Diag::kB1013, at->range, op, wants, name_of(got)).label(fmt::format("this is {}", name_of(got)));
+  return std::nullopt;
+}
+
+std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
+  const syntax::Expr* operand = e->operands[0];
+  // -2147483648 is one number: its positive part alone would not fit.
+  if (e->unary == UnaryOp::Neg && operand->kind == ExprKind::Int && operand->text == "2147483648") {
+    return Typed{make({.op = Op::ConstInt, .type = Type::Int, .int_value = INT32_MIN, .a = {}, .b = {}, .loc = loc(e->range)}), Type::Int};
+  }
+  const std::optional<Typed> v = expr(operand);
+  if (!v) return std::nullopt;
+  switch (e->unary) {
+    case UnaryOp::Plus:
+      if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
+      return v;
+    case UnaryOp::Neg:
+      if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
+      break;
+    case UnaryOp::Not:
+      if (v->type != Type::Bool) return type_error(e, operand, "bool", v->type);
+      break;
+    case UnaryOp::BitNot:
+      if (v->type != Type::Int) return type_error(e, operand, "int", v->type);
+      break;
+  }
+  const Op op = e->unary == UnaryOp::Neg ? Op::Neg : e->unary == UnaryOp::Not ? Op::Not : Op::BitNot;
+  return Typed{make({.op = op, .type = v->type, .a = v->id, .b = {}, .loc = loc(e->range)}), v->type};
+}
+
+std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
+  std::optional<Typed> a = expr(e->operands[0]);
+  std::optional<Typed> b = expr(e->operands[1]);
+  if (!a || !b) return std::nullopt;
+  const auto both = [&](bool (*fits)(Type), const char* wants) -> const syntax::Expr* {
+    if (!fits(a->type)) return type_error(e, e->operands[0], wants, a->type), e->operands[0];
+    if (!fits(b->type)) return type_error(e, e->operands[1], wants, b->type), e->operands[1];
+    return nullptr;
+  };
+  Type result = Type::Bool;
+  switch (e->binary) {
+    case BinaryOp::Or:
+    case BinaryOp::And:
+      if (both([](Type t) { return t == Type::Bool; }, "bool")) return std::nullopt;
+      break;
+    case BinaryOp::BitOr:
+    case BinaryOp::BitXor:
+    case BinaryOp::BitAnd:
+    case BinaryOp::Mod:
+      if (both([](Type t) { return t == Type::Int; }, "int")) return std::nullopt;
+      result = Type::Int;
+      break;
+    case BinaryOp::Eq:
+    case BinaryOp::Ne:
+      if (a->type != b->type && !(is_numeric(a->type) && is_numeric(b->type))) {
+        diags_.report(Diag::kB1014, e->op_range, text_of(e->binary), name_of(a->type), name_of(b->type))
+            .label(e->operands[0]->range, fmt::format("this is {}", name_of(a->type)))
+            .label(e->operands[1]->range, fmt::format("this is {}", name_of(b->type)));
+        return std::nullopt;
+      }
+      break;
+    default:
+      if (both(is_numeric, "numbers")) return std::nullopt;
+      if (e->binary >= BinaryOp::Add) result = a->type == Type::Float || b->type == Type::Float ? Type::Float : Type::Int;
+      break;
+  }
+  if (is_numeric(a->type) && a->type != b->type) {
+    a = convert(*a, Type::Float);
+    b = convert(*b, Type::Float);
+  }
+  return Typed{make({.op = op_of(e->binary), .type = result, .a = a->id, .b = b->id, .loc = loc(e->op_range)}), result};
+}
+
+std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
+  const std::string name = path_key(e->path, *model_.sources);
+  const auto it = model_.functions.find(name);
+  if (it == model_.functions.end()) {
+    std::vector<std::string> known;
+    for (const auto& [key, decl] : model_.functions) known.push_back(key);
+    std::sort(known.begin(), known.end());
+    auto d = diags_.report(Diag::kB1005, e->path.range, name);
+    for (const std::string& s : similar_names(name, known)) d.help(fmt::format("`{}` has a similar name", s), e->path.range, s);
+    return std::nullopt;
+  }
+  const syntax::Decl& function = *it->second;
+  if (function.body == nullptr) {
+    diags_.report(Diag::kB1900, e->path.range, fmt::format("a call of extern function `{}`", name))
+        .label(function.name.range, "declared here, its code is C++")
+        .help(fmt::format("a function without C++: `function {} {}(…) = expression`",
+                          function.result.is_written() ? path_key(function.result.name, *model_.sources) : "int", name));
+    return std::nullopt;
+  }
+  if (function.params.size() != e->operands.size()) {
+    diags_.report(Diag::kB1015, e->range, fmt::format("function `{}`", name), function.params.size(), e->operands.size())
+        .label(function.name.range, "declared here");
+    return std::nullopt;
+  }
+  if (inline_depth_ > 50) {
+    diags_.report(Diag::kB1016, function.name.range, name);
+    return std::nullopt;
+  }
+  Scope inner{.names = {}, .owner = fmt::format("function `{}`", name)};
+  for (std::size_t i = 0; i < function.params.size(); ++i) {
+    Diagnostics quiet;  // the declaration itself was checked once
+    const Type type = native_type(function.params[i].type, quiet).value_or(Type::Int);
+    const ExprId arg = expr_as(e->operands[i], type, fmt::format("argument `{}`", function.params[i].name.text));
+    inner.names[std::string(function.params[i].name.text)] = {.type = type, .read_only = "a parameter", .value = arg, .declared = function.params[i].name.range};
+  }
+  Diagnostics quiet;
+  const Type result = native_type(function.result, quiet).value_or(Type::Int);
+  CodeBuilder body(model_, diags_, inner);
+  body.inline_depth_ = inline_depth_ + 1;
+  return Typed{body.expr_as(function.body, result, "the function's result"), result};
+}
+
+}  // namespace bip::model

@@ -1,0 +1,79 @@
+// From expressions and statements of the syntax tree to typed code: the only place where expressions are type-checked.
+//
+// The scope says what each name means there. Errors are reported once, at the smallest range; a part that is wrong
+// yields nothing (nullopt) and silences what contains it.
+#pragma once
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "compiler/model/model.hpp"
+
+namespace bip::model {
+
+/// What a name in code stands for: a slot to load (and store), or a fixed expression.
+struct Binding {
+  Op load = Op::LoadSelf;
+  std::uint32_t index = 0;
+  Type type = Type::Int;
+  std::string read_only;  // why it cannot be assigned; empty: it can
+  ExprId value;           // valid: the name stands for this expression
+  SourceRange declared;
+};
+
+struct Scope {
+  std::unordered_map<std::string, Binding> names;  // "x", "p.d", "t[0].tick.v": keys as path_key makes them
+  std::string owner;                               // "atom type `Fork`", for messages
+};
+
+/// The path without white space: parts joined by '.', indices as written.
+[[nodiscard]] std::string path_key(const syntax::Path& path, const SourceMap& sources);
+
+struct Typed {
+  ExprId id;
+  Type type = Type::Int;
+};
+
+class CodeBuilder {
+ public:
+  CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope) : model_(model), diags_(diags), scope_(scope) {}
+
+  /// The expression with its own type.
+  std::optional<Typed> expr(const syntax::Expr* e);
+  /// The expression as `type` (an int is converted to float). `what` is what it is for: "the guard".
+  ExprId expr_as(const syntax::Expr* e, Type type, const std::string& what);
+  /// Null gives the invalid id, which is true.
+  ExprId guard(const syntax::Expr* e) { return e == nullptr ? ExprId{} : expr_as(e, Type::Bool, "the guard"); }
+  /// The chain of statements; `tail` is appended after it.
+  StmtId block(std::span<const syntax::Stmt* const> stmts, StmtId tail = {});
+  /// Data initialiser as a store into Self slot.
+  StmtId store_self(std::uint32_t slot, Type type, ExprId value, Loc loc, StmtId next);
+  /// A default-valued constant, so that building can go on after an error.
+  ExprId poison(Type type);
+  Typed convert(Typed v, Type to);
+
+ private:
+  std::optional<Typed> path(const syntax::Expr* e);
+  std::optional<Typed> literal(const syntax::Expr* e);
+  std::optional<Typed> unary(const syntax::Expr* e);
+  std::optional<Typed> binary(const syntax::Expr* e);
+  std::optional<Typed> call(const syntax::Expr* e);
+  std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
+  StmtId statement(const syntax::Stmt* s, StmtId next);
+  const Binding* find(const syntax::Path& p, bool report);
+  Loc loc(SourceRange r) const { return model_.sources->loc(r); }
+  ExprId make(Expr e) { return model_.code.exprs.push(std::move(e)); }
+
+  Model& model_;
+  Diagnostics& diags_;
+  const Scope& scope_;
+  int inline_depth_ = 0;
+};
+
+/// The type that a native type name means (`double` is float, with a warning); nullopt if it is none.
+[[nodiscard]] std::optional<Type> native_type(const syntax::TypeRef& type, Diagnostics& diags);
+/// As above, but anything else is reported.
+[[nodiscard]] Type require_native_type(const syntax::TypeRef& type, const SourceMap& sources, Diagnostics& diags);
+
+}  // namespace bip::model

@@ -1,0 +1,59 @@
+// The passes over one compound type; see build_compound.cpp for their order.
+#pragma once
+#include "compiler/model/builder.hpp"
+
+namespace bip::model {
+
+enum class BuildState : std::uint8_t { Untouched, Building, Done };
+
+/// All compound types: a compound is built after those it contains.
+struct CompoundBuilders {
+  Builder& b;
+  std::vector<const syntax::Decl*> decls;  // by CompoundTypeId
+  std::vector<BuildState> states;
+
+  /// Builds the compound if it is not yet; false if it contains itself.
+  bool ensure(CompoundTypeId id);
+};
+
+struct CompoundBuilder {
+  CompoundBuilders& all;
+  Builder& b;
+  const syntax::Decl& decl;
+  CompoundType& out;
+  Scope scope{};  // parameters and loop variables
+  std::unordered_map<std::string, std::uint32_t> components{}, connectors{};
+  std::vector<const syntax::CompoundItem*> connector_items{};      // by family: its first item
+  std::vector<BuildState> connector_states{};
+  std::vector<std::vector<bool>> bound_ports{};                    // by component family and port
+  std::vector<bool> bound_connectors{};
+  std::uint32_t loop_depth = 0;
+
+  void build();
+  // families.cpp
+  void declare_families(std::span<const syntax::CompoundItem* const> items, NameSpace& names, bool in_loop);
+  // paths.cpp
+  bool element(const syntax::PathPart& part, bool is_array, ElementRef& ref, const std::string& what);
+  bool port_path(const syntax::Path& path, PortPath& ref);
+  bool data_path(const syntax::Path& path, DataPath& ref, bool report);
+  // build_items.cpp
+  CompoundItem item(const syntax::CompoundItem& i);
+  void component_item(const syntax::CompoundItem& i, CompoundItem& row);
+  void connector_item(const syntax::CompoundItem& i, CompoundItem& row);
+  std::vector<ExprId> arguments(const syntax::CompoundItem& i, const ComponentFamily& family);
+  // build_compound.cpp
+  void build_priorities();
+  void build_exports();
+  void pattern(const syntax::InteractionPattern& p, PatternPath& row);
+  void warn_unbound();
+};
+
+/// The exported data named `name` of a component family: slot or row, and type.
+std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family, std::string_view name);
+
+/// Builds the type of an inline connector. `counts[k]`: how many parameters path k stands for (1 without [*]).
+/// `paths` are the connector's resolved ports; `data` receives one row a data read of the type.
+void build_inline_connector(Builder& b, const std::vector<ComponentFamily>& components, const syntax::CompoundItem& item, const std::vector<PortPath>& paths,
+                            const std::vector<std::uint32_t>& counts, std::vector<DataPath>& data, ConnectorType& out);
+
+}  // namespace bip::model

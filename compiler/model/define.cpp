@@ -1,0 +1,55 @@
+// Questions about a `define` tree, answered without listing interactions: linear in the tree.
+#include <algorithm>
+
+#include "compiler/model/builder.hpp"
+
+namespace bip::model {
+
+namespace {
+
+// The largest choice below node `n` within `params`, appended to `out`; false if there is none.
+bool largest(const ConnectorType& type, std::uint32_t n, const std::vector<std::uint32_t>& params, std::vector<std::uint32_t>& out) {
+  const DefineNode& node = type.define[n];
+  if (node.is_leaf) {
+    if (!std::binary_search(params.begin(), params.end(), node.param)) return false;
+    out.push_back(node.param);
+    return true;
+  }
+  const std::size_t before = out.size();
+  bool has_triggers = false;
+  bool has_chosen_trigger = false;
+  bool all = true;
+  for (const std::uint32_t child : node.children) {
+    has_triggers |= type.define[child].trigger;
+    const bool chosen = largest(type, child, params, out);
+    has_chosen_trigger |= chosen && type.define[child].trigger;
+    all &= chosen;
+  }
+  const bool possible = has_triggers ? has_chosen_trigger : all && !node.children.empty();
+  if (!possible) out.resize(before);
+  return possible;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> largest_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params) {
+  std::vector<std::uint32_t> out;
+  if (!type.define.empty()) largest(type, 0, params, out);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params) {
+  return !params.empty() && largest_interaction(type, params) == params;
+}
+
+std::string interaction_text(const ConnectorType& type, const std::vector<std::uint32_t>& params) {
+  std::string text;
+  for (const std::uint32_t p : params) {
+    if (!text.empty()) text += ' ';
+    text += type.params[p].name;
+  }
+  return text;
+}
+
+}  // namespace bip::model

@@ -1,0 +1,61 @@
+// Names of components and connectors in a compound: one family a name, an array if it is declared with an index.
+#include "compiler/model/compound_builder.hpp"
+
+namespace bip::model {
+
+void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* const> items, NameSpace& names, bool in_loop) {
+  for (const syntax::CompoundItem* i : items) {
+    if (i->kind == syntax::ItemKind::For) {
+      declare_families(i->items, names, true);
+      continue;
+    }
+    const std::string name(i->name.text);
+    const bool is_component = i->kind == syntax::ItemKind::Component;
+    auto& rows = is_component ? components : connectors;
+    // Elements of one array may be declared by several items of loops.
+    if (const auto known = rows.find(name); known != rows.end() && i->index != nullptr && in_loop) {
+      if (is_component && out.components[known->second].is_array) continue;
+      if (!is_component && out.connectors[known->second].is_array) continue;
+    }
+    if (in_loop && i->index == nullptr) b.diags.report(Diag::kB4010, i->name.range, name);
+    if (!names.declare(i->name, is_component ? "component" : "connector")) continue;
+    if (is_component) {
+      ComponentFamily family{.name = name, .atom = {}, .compound = {}, .is_array = i->index != nullptr, .range = i->name.range};
+      const std::string type = b.text(i->type.name);
+      const auto known = b.model.type_names.find(type);
+      if (known != b.model.type_names.end() && known->second.kind == TypeName::Kind::Atom) {
+        family.atom = AtomTypeId(known->second.row);
+        bound_ports.emplace_back(b.model.atom_types[family.atom].ports.size());
+      } else if (known != b.model.type_names.end() && known->second.kind == TypeName::Kind::Compound) {
+        family.is_compound = true;
+        const CompoundTypeId id(known->second.row);
+        if (!all.ensure(id)) {
+          b.diags.report(Diag::kB4001, i->range, out.name, b.model.compound_types[id].name);
+        } else {
+          family.compound = id;
+        }
+        bound_ports.emplace_back(family.compound.is_valid() ? b.model.compound_types[id].exports.size() : 0);
+      } else {
+        b.type_row(i->type, TypeName::Kind::Atom, "component type");
+        bound_ports.emplace_back();
+      }
+      rows[name] = static_cast<std::uint32_t>(out.components.size());
+      out.components.push_back(std::move(family));
+    } else {
+      ConnectorFamily family{.name = name, .is_array = i->index != nullptr, .export_type = {}, .range = i->name.range};
+      if (i->inline_body != nullptr) {
+        family.exports = i->inline_body->exported.present;
+      } else if (const auto row = b.type_row(i->type, TypeName::Kind::Connector, "connector type")) {
+        const ConnectorType& type = b.model.connector_types[ConnectorTypeId(*row)];
+        family.exports = type.exports;
+        family.export_type = type.export_type;
+      }
+      rows[name] = static_cast<std::uint32_t>(out.connectors.size());
+      out.connectors.push_back(std::move(family));
+      connector_items.push_back(i);
+      bound_connectors.push_back(false);
+    }
+  }
+}
+
+}  // namespace bip::model

@@ -1,0 +1,147 @@
+// `a[i].p` inside a compound: which family, which element, which port or datum.
+#include "compiler/model/compound_builder.hpp"
+
+namespace bip::model {
+
+namespace {
+
+std::vector<std::string> port_names(const Builder& b, const ComponentFamily& family) {
+  std::vector<std::string> names;
+  if (family.atom.is_valid()) {
+    for (const Port& p : b.model.atom_types[family.atom].ports) {
+      if (p.exported) names.push_back(p.name);
+    }
+  } else if (family.compound.is_valid()) {
+    for (const PortExport& e : b.model.compound_types[family.compound].exports) names.push_back(e.name);
+  }
+  return names;
+}
+
+const std::string& type_name(const Builder& b, const ComponentFamily& family) {
+  return family.is_compound ? b.model.compound_types[family.compound].name : b.model.atom_types[family.atom].name;
+}
+
+}  // namespace
+
+bool CompoundBuilder::element(const syntax::PathPart& part, bool is_array, ElementRef& ref, const std::string& what) {
+  if (is_array && part.index == nullptr && !part.star) {
+    b.diags.report(Diag::kB4011, part.name.range, what).help(fmt::format("write `{}[0]`, or `{}[*]` for all", part.name.text, part.name.text));
+    return false;
+  }
+  if (!is_array && (part.index != nullptr || part.star)) {
+    b.diags.report(Diag::kB4012, part.name.range, what);
+    return false;
+  }
+  ref.star = part.star;
+  if (part.index != nullptr) ref.index = CodeBuilder(b.model, b.diags, scope).expr_as(part.index, Type::Int, "the index");
+  return true;
+}
+
+bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
+  ref.path = &path;
+  ref.range = path.range;
+  const std::string name(path.parts[0].name.text);
+  if (path.parts.size() != 2) {
+    b.diags.report(Diag::kB2017, path.range, b.text(path));
+    return false;
+  }
+  const syntax::Name& port = path.parts[1].name;
+  if (const auto c = components.find(name); c != components.end()) {
+    const ComponentFamily& family = out.components[c->second];
+    ref.element.family = c->second;
+    if (!element(path.parts[0], family.is_array, ref.element, fmt::format("component `{}`", name))) return false;
+    if (!family.atom.is_valid() && !family.compound.is_valid()) return false;
+    if (family.is_compound) {
+      const auto& exports = b.model.compound_types[family.compound].exports;
+      for (std::uint32_t p = 0; p < exports.size(); ++p) {
+        if (exports[p].name != port.text) continue;
+        ref.port = p, ref.type = exports[p].type;
+        bound_ports[c->second][p] = true;
+        return true;
+      }
+    } else {
+      const auto& ports = b.model.atom_types[family.atom].ports;
+      for (std::uint32_t p = 0; p < ports.size(); ++p) {
+        if (ports[p].name != port.text) continue;
+        if (!ports[p].exported) {
+          b.diags.report(Diag::kB2018, port.range, port.text, type_name(b, family)).help("declare it with `export port`");
+          return false;
+        }
+        ref.port = p, ref.type = ports[p].type;
+        bound_ports[c->second][p] = true;
+        return true;
+      }
+    }
+    help_similar(b.diags.report(Diag::kB2019, port.range, name, type_name(b, family), port.text), port.text, port.range, port_names(b, family));
+    return false;
+  }
+  if (const auto c = connectors.find(name); c != connectors.end()) {
+    const ConnectorFamily& family = out.connectors[c->second];
+    ref.is_connector = true;
+    ref.element.family = c->second;
+    if (!element(path.parts[0], family.is_array, ref.element, fmt::format("connector `{}`", name))) return false;
+    const syntax::CompoundItem& item = *connector_items[c->second];
+    std::string exported;
+    if (item.inline_body != nullptr) {
+      exported = std::string(item.inline_body->exported.name.text);
+      if (family.exports && connector_states[c->second] != BuildState::Done) {
+        // Its type is known only after its body: build it now, on a scratch row.
+        if (connector_states[c->second] == BuildState::Building) {
+          b.diags.report(Diag::kB4002, path.range, name);
+          return false;
+        }
+        CompoundItem scratch;
+        connector_item(item, scratch);
+      }
+      ref.type = out.connectors[c->second].export_type;
+    } else if (const auto it = b.model.type_names.find(b.text(item.type.name)); it != b.model.type_names.end()) {
+      exported = b.model.connector_types[ConnectorTypeId(it->second.row)].export_name;
+      ref.type = family.export_type;
+    }
+    if (!family.exports || exported != port.text) {
+      auto d = b.diags.report(Diag::kB2020, port.range, name, port.text);
+      if (family.exports) d.help(fmt::format("it exports `{}`", exported), port.range, exported);
+      return false;
+    }
+    bound_connectors[c->second] = true;
+    return true;
+  }
+  std::vector<std::string> known;
+  for (const auto& [key, row] : components) known.push_back(key);
+  for (const auto& [key, row] : connectors) known.push_back(key);
+  const syntax::Name& first = path.parts[0].name;
+  help_similar(b.diags.report(Diag::kB1030, first.range, name, out.name), name, first.range, known);
+  return false;
+}
+
+std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family, std::string_view name) {
+  if (family.atom.is_valid()) {
+    const auto& slots = model.atom_types[family.atom].slots;
+    for (std::uint32_t s = 0; s < slots.size(); ++s) {
+      if (slots[s].exported && slots[s].name == name) return std::pair{s, slots[s].type};
+    }
+  } else if (family.compound.is_valid()) {
+    const auto& rows = model.compound_types[family.compound].data_exports;
+    for (std::uint32_t r = 0; r < rows.size(); ++r) {
+      if (rows[r].name == name) return std::pair{r, rows[r].target.type};
+    }
+  }
+  return std::nullopt;
+}
+
+bool CompoundBuilder::data_path(const syntax::Path& path, DataPath& ref, bool report) {
+  ref.range = path.range;
+  const auto c = components.find(std::string(path.parts[0].name.text));
+  if (path.parts.size() == 2 && c != components.end()) {
+    const ComponentFamily& family = out.components[c->second];
+    if (const auto data = exported_data(b.model, family, path.parts[1].name.text)) {
+      ref.element.family = c->second;
+      ref.slot = data->first, ref.type = data->second;
+      return element(path.parts[0], family.is_array, ref.element, fmt::format("component `{}`", family.name));
+    }
+  }
+  if (report) b.diags.report(Diag::kB1031, path.range, b.text(path), out.name).help("only data declared with `export data` are seen from outside");
+  return false;
+}
+
+}  // namespace bip::model

@@ -1,0 +1,169 @@
+// What a word is, where that depends on its neighbours: one left-to-right pass with at most three tokens of lookahead.
+//
+// The late words of BIP2 and the paper's own words are names in older models, so they become keywords only where what
+// follows makes them so. The pass also marks the words that begin declarations of a package (`port type`, `connector type`,
+// a paper `component`), which leaves the parser nearly LL(1) and lets it see that an `end` is missing. It knows the kind
+// of declaration it is in from the marked words and `end`; nothing else is remembered.
+#include <algorithm>
+
+#include "BipLexer.h"
+#include "antlr4-runtime.h"
+#include "compiler/parse/token_list.hpp"
+
+namespace bip::parse {
+namespace {
+
+using antlr::BipLexer;
+constexpr std::size_t kNoToken = 0;
+
+bool is_one_of(std::size_t type, std::initializer_list<std::size_t> types) {
+  return std::find(types.begin(), types.end(), type) != types.end();
+}
+/// A name, or a word that this pass may still turn into one.
+bool may_be_name(std::size_t type) {
+  return is_name(type) ||
+         is_one_of(type, {BipLexer::BEHAVIOR, BipLexer::STATE, BipLexer::CONTAINS, BipLexer::FOR, BipLexer::IN, BipLexer::NOT_WORD});
+}
+
+class Classifier {
+ public:
+  Classifier(const std::vector<TokenRow>& in, std::string_view text) : in_(in), text_(text) { out_.reserve(in.size()); }
+
+  std::vector<TokenRow> run() {
+    for (at_ = 0; at_ < in_.size(); ++at_) classify(in_[at_]);
+    return std::move(out_);
+  }
+
+ private:
+  enum class Region { None, Connector, Atom, Compound, Component };
+
+  [[nodiscard]] std::size_t ahead(std::size_t n) const { return at_ + n < in_.size() ? in_[at_ + n].type : kNoToken; }
+  [[nodiscard]] std::size_t previous() const { return out_.empty() ? kNoToken : out_.back().type; }
+  void push(TokenRow row, std::size_t type) {
+    row.type = type;
+    out_.push_back(row);
+  }
+  void enter(Region region, int open) {
+    region_ = region;
+    open_ = open;
+  }
+
+  void classify(const TokenRow& row) {
+    switch (row.type) {
+      case BipLexer::LBRACK: {
+        const bool touches = !out_.empty() && out_.back().end == row.begin && is_name(previous());
+        return push(row, touches ? BipLexer::LBRACK : BipLexer::GROUP_OPEN);
+      }
+      case BipLexer::PORT:
+        if (ahead(1) != BipLexer::TYPE) break;
+        enter(Region::None, 0);
+        return push(row, BipLexer::PORT_DECL);
+      case BipLexer::CONNECTOR:
+        if (ahead(1) != BipLexer::TYPE) break;
+        enter(Region::Connector, 1);
+        return push(row, BipLexer::CONNECTOR_DECL);
+      case BipLexer::EXTERN:
+        if (!is_one_of(ahead(1), {BipLexer::DATA, BipLexer::FUNCTION, BipLexer::OPERATOR})) break;
+        enter(Region::None, 0);
+        return push(row, BipLexer::EXTERN_DECL);
+      case BipLexer::ATOM:
+        enter(Region::Atom, 1);
+        break;
+      case BipLexer::COMPOUND:
+        enter(Region::Compound, 1);
+        break;
+      case BipLexer::COMPONENT:
+        if (!begins_component()) break;
+        enter(Region::Component, 1);
+        return push(row, BipLexer::COMPONENT_DECL);
+      case BipLexer::END:
+        if (open_ > 0) --open_;
+        if (open_ == 0) region_ = Region::None;
+        break;
+      case BipLexer::BEHAVIOR:
+        if (!begins_behavior()) return push(row, BipLexer::ID);
+        ++open_;
+        break;
+      case BipLexer::STATE:
+        return push(row, begins_state() ? BipLexer::STATE : BipLexer::ID);
+      case BipLexer::CONTAINS:
+        return push(row, begins_contains() ? BipLexer::CONTAINS : BipLexer::ID);
+      case BipLexer::FOR:
+        if (!may_be_name(ahead(1)) || ahead(2) != BipLexer::IN) return push(row, BipLexer::ID);
+        in_of_for_ = at_ + 2;
+        break;
+      case BipLexer::IN:
+        return push(row, in_of_for_ == at_ && at_ > 0 ? BipLexer::IN : BipLexer::ID);
+      case BipLexer::NOT_WORD:
+        return push(row, negates() ? BipLexer::NOT_WORD : BipLexer::ID);
+      case BipLexer::DASHED:
+        return push_dashed(row);
+      case BipLexer::INT_RANGE:
+        push({0, row.begin, row.end - 2, row.line}, BipLexer::INT);
+        return push({0, row.end - 2, row.end, row.line}, BipLexer::DOTDOT);
+      default:
+        break;
+    }
+    out_.push_back(row);
+  }
+
+  /// `component Name` of the paper, as opposed to `component Type name(…)` in a compound.
+  [[nodiscard]] bool begins_component() const {
+    if (open_ == 0) return true;
+    if (region_ == Region::Atom || region_ == Region::Connector) return true;
+    if (!may_be_name(ahead(1))) return false;
+    const std::size_t second = ahead(2);
+    const bool looks_like_instance = is_one_of(ahead(3), {BipLexer::LPAREN, BipLexer::LBRACK, BipLexer::COMMA});
+    if (is_one_of(second, {BipLexer::BEHAVIOR, BipLexer::CONTAINS, BipLexer::CLOCK})) return !looks_like_instance;
+    return is_one_of(second, {BipLexer::PORT, BipLexer::DATA, BipLexer::CONST, BipLexer::PLACE});
+  }
+  [[nodiscard]] bool begins_behavior() const {
+    if (previous() == BipLexer::DOT || previous() == BipLexer::COMMA) return false;
+    if (is_one_of(ahead(1), {BipLexer::INITIAL, BipLexer::STATE, BipLexer::ON, BipLexer::INTERNAL})) {
+      return region_ == Region::Component || region_ == Region::Atom;
+    }
+    return region_ == Region::Component && !is_one_of(ahead(1), {BipLexer::LPAREN, BipLexer::COMMA, BipLexer::DOT});
+  }
+  [[nodiscard]] bool begins_state() const {
+    return open_ >= 2 && may_be_name(ahead(1)) &&
+           !is_one_of(previous(), {BipLexer::DOT, BipLexer::COMMA, BipLexer::FROM, BipLexer::TO, BipLexer::ON});
+  }
+  [[nodiscard]] bool begins_contains() const {
+    return (region_ == Region::Component || region_ == Region::Compound) && may_be_name(ahead(1)) &&
+           (may_be_name(ahead(2)) || ahead(2) == BipLexer::DOT) && !is_one_of(previous(), {BipLexer::DOT, BipLexer::COMMA});
+  }
+  [[nodiscard]] bool negates() const {
+    const bool operand = may_be_name(ahead(1)) || is_one_of(ahead(1), {BipLexer::LPAREN, BipLexer::TRUE, BipLexer::FALSE, BipLexer::BANG});
+    return operand && is_one_of(previous(), {BipLexer::LPAREN, BipLexer::PROVIDED, BipLexer::AND_WORD, BipLexer::OR_WORD,
+                                             BipLexer::ANDAND, BipLexer::OROR, BipLexer::ASSIGN, BipLexer::ARROW, BipLexer::EQ,
+                                             BipLexer::NE, BipLexer::BANG, BipLexer::NOT_WORD});
+  }
+  /// A report in a paper component, else names and minus signs.
+  void push_dashed(const TokenRow& row) {
+    const std::string_view word = text_.substr(row.begin, row.end - row.begin);
+    const bool upper = std::all_of(word.begin(), word.end(), [](char c) { return c == '-' || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
+    if (upper && region_ == Region::Component) return push(row, BipLexer::REPORT);
+    std::uint32_t begin = row.begin;
+    for (std::uint32_t i = row.begin; i < row.end; ++i) {
+      if (text_[i] != '-') continue;
+      push({0, begin, i, row.line}, BipLexer::ID);
+      push({0, i, i + 1, row.line}, BipLexer::MINUS);
+      begin = i + 1;
+    }
+    push({0, begin, row.end, row.line}, BipLexer::ID);
+  }
+
+  const std::vector<TokenRow>& in_;
+  std::string_view text_;
+  std::vector<TokenRow> out_;
+  std::size_t at_ = 0;
+  std::size_t in_of_for_ = 0;
+  Region region_ = Region::None;
+  int open_ = 0;
+};
+
+}  // namespace
+
+void classify_tokens(std::vector<TokenRow>& rows, std::string_view text) { rows = Classifier(rows, text).run(); }
+
+}  // namespace bip::parse

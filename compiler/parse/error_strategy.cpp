@@ -1,0 +1,277 @@
+// Reporting and recovery. Exceptions stay inside compiler/parse: the rule functions of the generated parser catch them.
+#include "compiler/parse/error_strategy.hpp"
+
+#include "BipParser.h"
+#include "compiler/parse/describe.hpp"
+
+namespace bip::parse {
+namespace {
+
+using antlr::BipParser;
+using antlr4::misc::IntervalSet;
+
+bool begins_declaration(std::size_t type) {
+  switch (type) {
+    case antlr4::Token::EOF:
+    case BipParser::ATOM:
+    case BipParser::COMPOUND:
+    case BipParser::CONNECTOR_DECL:
+    case BipParser::PORT_DECL:
+    case BipParser::EXTERN_DECL:
+    case BipParser::COMPONENT_DECL:
+    case BipParser::PACKAGE:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// Words that no expression, block or list contains, so that an item or its end must be here.
+bool begins_item(std::size_t type) {
+  switch (type) {
+    case BipParser::DATA:
+    case BipParser::EXPORT:
+    case BipParser::PORT:
+    case BipParser::PLACE:
+    case BipParser::INITIAL:
+    case BipParser::ON:
+    case BipParser::INTERNAL:
+    case BipParser::PRIORITY:
+    case BipParser::COMPONENT:
+    case BipParser::CONNECTOR:
+    case BipParser::CONTAINS:
+    case BipParser::BEHAVIOR:
+    case BipParser::STATE:
+    case BipParser::FOR:
+    case BipParser::DEFINE:
+    case BipParser::AT_SIGN:
+    case BipParser::END:
+      return true;
+    default:
+      return begins_declaration(type);
+  }
+}
+
+/// `clock` and `invariant` may be names, but not at the beginning of a line.
+bool begins_late_item(antlr4::TokenStream* input) {
+  const std::size_t type = input->LA(1);
+  if (type != BipParser::CLOCK && type != BipParser::INVARIANT) return false;
+  const antlr4::Token* before = input->LT(-1);
+  return before == nullptr || before->getLine() != input->LT(1)->getLine();
+}
+
+bool begins_use_or_declaration(std::size_t type) { return begins_declaration(type) || type == BipParser::USE || type == BipParser::CONST; }
+
+bool is_closer(std::size_t type) { return type == BipParser::RPAREN || type == BipParser::RBRACK || type == BipParser::RBRACE; }
+
+/// What cannot go on inside brackets.
+bool cannot_be_inside(std::size_t type) {
+  switch (type) {
+    case BipParser::SEMI:
+    case BipParser::LBRACE:
+    case BipParser::DO:
+    case BipParser::UP:
+    case BipParser::DOWN:
+    case BipParser::FROM:
+    case BipParser::TO:
+    case BipParser::PROVIDED:
+    case BipParser::THEN:
+    case BipParser::ELSE:
+    case BipParser::FI:
+      return true;
+    default:
+      return is_closer(type) || begins_item(type);
+  }
+}
+
+IntervalSet expected_by(antlr4::Parser* parser, const antlr4::RecognitionException& e) {
+  if (const auto* stuck = dynamic_cast<const antlr4::NoViableAltException*>(&e); stuck != nullptr && stuck->getDeadEndConfigs() != nullptr) {
+    IntervalSet expected;
+    for (const auto& config : stuck->getDeadEndConfigs()->configs) {
+      IntervalSet next = parser->getATN().nextTokens(config->state);
+      next.remove(antlr4::Token::EPSILON);
+      expected.addAll(next);
+    }
+    if (!expected.isEmpty()) return expected;
+  }
+  return parser->getExpectedTokens();
+}
+
+}  // namespace
+
+SourceRange ReportingStrategy::range(const antlr4::Token* token) const {
+  return {file_, static_cast<std::uint32_t>(token->getStartIndex()), static_cast<std::uint32_t>(token->getStopIndex())};
+}
+
+std::string ReportingStrategy::found_phrase(const antlr4::Token* token) const {
+  if (token->getType() == antlr4::Token::EOF) return "end of file";
+  if (token->getType() == BipParser::STRING) return "a string";
+  const SourceRange at = range(token);
+  return std::string("`").append(text_.substr(at.begin, at.end - at.begin)).append("`");
+}
+
+bool ReportingStrategy::is_first_report_at(std::size_t token_index) {
+  if (last_reported_ == token_index) return false;
+  last_reported_ = token_index;
+  return true;
+}
+
+void ReportingStrategy::reportError(antlr4::Parser* parser, const antlr4::RecognitionException& e) {
+  const antlr4::Token* found = e.getOffendingToken();
+  furthest_error_ = std::max(furthest_error_, found->getTokenIndex());
+  if (!is_first_report_at(found->getTokenIndex())) return;
+  report_unexpected(parser, found, expected_by(parser, e));
+}
+
+void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::Token* found, const IntervalSet& expected) {
+  std::string place;
+  const std::size_t index = found->getTokenIndex();
+  if (index > 0) {
+    const antlr4::Token* before = parser->getTokenStream()->get(index - 1);
+    place = " after " + found_phrase(before);
+  }
+  place += describe_place(parser->getContext(), text_);
+  auto diagnostic = diags_.report(Diag::kB0001, range(found), describe_expected(expected), place, found_phrase(found));
+  const SourceRange at = range(found);
+  const std::string word(text_.substr(at.begin, at.end - at.begin));
+  if (found->getType() == BipParser::ID) {
+    const std::vector<std::string> similar = similar_names(word, words_of(expected));
+    if (!similar.empty()) diagnostic.help("there is a word `" + similar.front() + "`", at, similar.front());
+  } else if (expected.contains(static_cast<ssize_t>(BipParser::ID)) && !word.empty() && word.front() >= 'a' && word.front() <= 'z') {
+    diagnostic.note("`" + word + "` is a reserved word");
+  }
+}
+
+bool ReportingStrategy::report_missing_closer(antlr4::Parser* parser, std::size_t closer) {
+  antlr4::TokenStream* input = parser->getTokenStream();
+  const antlr4::Token* found = input->LT(1);
+  const antlr4::Token* opener = nullptr;
+  int closed = 0;
+  for (std::size_t i = found->getTokenIndex(); i-- > 0 && opener == nullptr;) {
+    const antlr4::Token* token = input->get(i);
+    const std::size_t type = token->getType();
+    if (is_closer(type)) ++closed;
+    const bool opens = type == BipParser::LPAREN || type == BipParser::LBRACK || type == BipParser::GROUP_OPEN || type == BipParser::LBRACE;
+    if (opens && closed-- == 0) opener = token;
+  }
+  if (opener == nullptr || !is_first_report_at(found->getTokenIndex())) return opener != nullptr;
+  diags_.report(Diag::kB0007, range(found), spelling(opener->getType()), spelling(closer), describe_place(parser->getContext(), text_), found_phrase(found))
+      .label(range(opener), "opened here");
+  return true;
+}
+
+antlr4::Token* ReportingStrategy::conjure(antlr4::Parser* parser, std::size_t type) {
+  const antlr4::Token* here = parser->getTokenStream()->LT(1);
+  auto token = std::make_unique<antlr4::CommonToken>(type);
+  token->setStartIndex(here->getStartIndex());
+  token->setStopIndex(here->getStartIndex());
+  token->setLine(here->getLine());
+  conjured_.push_back(std::move(token));
+  return conjured_.back().get();
+}
+
+antlr4::Token* ReportingStrategy::recoverInline(antlr4::Parser* parser) {
+  const antlr4::Token* found = parser->getTokenStream()->LT(1);
+  const std::size_t type = found->getType();
+  const IntervalSet expected = parser->getExpectedTokens();
+  if (expected.contains(static_cast<ssize_t>(BipParser::END)) && begins_declaration(type)) {
+    const Owner owner = find_owner(parser->getContext(), text_);
+    const bool inner_repeats = last_reported_ == found->getTokenIndex() && type == antlr4::Token::EOF;
+    last_reported_ = found->getTokenIndex();
+    if (owner.opener != nullptr && !inner_repeats) {
+      diags_.report(Diag::kB0006, range(owner.opener), owner.phrase).label(range(found), "expected `end` before this");
+    }
+    return conjure(parser, BipParser::END);
+  }
+  for (const std::size_t closer : {BipParser::RPAREN, BipParser::RBRACK, BipParser::RBRACE}) {
+    if (expected.contains(static_cast<ssize_t>(closer)) && cannot_be_inside(type) && report_missing_closer(parser, closer)) {
+      return conjure(parser, closer);
+    }
+  }
+  throw antlr4::InputMismatchException(parser);
+}
+
+void ReportingStrategy::sync(antlr4::Parser* parser) {
+  const auto* state = parser->getATN().states[parser->getState()];
+  const std::size_t next = parser->getTokenStream()->LA(1);
+  const IntervalSet here = parser->getATN().nextTokens(const_cast<antlr4::atn::ATNState*>(state));
+  if (here.contains(static_cast<ssize_t>(next))) return;
+  const IntervalSet expected = parser->getExpectedTokens();
+  if (expected.contains(static_cast<ssize_t>(next))) return;
+  if (expected.contains(static_cast<ssize_t>(BipParser::END)) && begins_declaration(next)) return;
+  // A missing closer is told by recoverInline, which can also assume it.
+  const bool can_leave = here.contains(antlr4::Token::EPSILON) || is_closer(static_cast<std::size_t>(here.isEmpty() ? 0 : here.getMaxElement()));
+  const bool closes = expected.contains(static_cast<ssize_t>(BipParser::RPAREN)) || expected.contains(static_cast<ssize_t>(BipParser::RBRACK)) ||
+                      expected.contains(static_cast<ssize_t>(BipParser::RBRACE));
+  if (can_leave && closes && cannot_be_inside(next)) return;
+  if (skip_stray_words(parser, expected)) return;
+  throw antlr4::InputMismatchException(parser);
+}
+
+bool ReportingStrategy::skip_stray_words(antlr4::Parser* parser, const IntervalSet& expected) {
+  antlr4::TokenStream* input = parser->getTokenStream();
+  const std::size_t rule = parser->getContext()->getRuleIndex();
+  bool (*stops)(std::size_t) = nullptr;
+  switch (rule) {
+    case BipParser::RuleAtomType:
+    case BipParser::RuleCompoundType:
+    case BipParser::RuleComponent:
+    case BipParser::RuleConnectorType:
+    case BipParser::RuleBehavior:
+      if (!expected.contains(static_cast<ssize_t>(BipParser::END))) return false;
+      stops = begins_item;
+      break;
+    case BipParser::RulePackage:
+      if (!expected.contains(static_cast<ssize_t>(BipParser::END))) return false;
+      stops = begins_use_or_declaration;
+      break;
+    case BipParser::RuleFile:
+      stops = begins_use_or_declaration;
+      break;
+    default:
+      return false;
+  }
+  // After an earlier error an `end` too many is its consequence.
+  const bool consequence = rule == BipParser::RuleFile && input->LA(1) == BipParser::END && diags_.has_errors();
+  if (is_first_report_at(input->index()) && !consequence) report_unexpected(parser, input->LT(1), expected);
+  do {
+    parser->consume();
+  } while (input->LA(1) != antlr4::Token::EOF && !(stops(input->LA(1)) || (stops == begins_item && begins_late_item(input))));
+  note_skipped_to_end(parser);
+  sync(parser);
+  return true;
+}
+
+void ReportingStrategy::note_skipped_to_end(antlr4::Parser* parser) {
+  // What was skipped may have held the `end`: its absence is no second error.
+  if (parser->getTokenStream()->LA(1) == antlr4::Token::EOF) last_reported_ = parser->getTokenStream()->index();
+}
+
+void ReportingStrategy::recover(antlr4::Parser* parser, std::exception_ptr e) {
+  antlr4::TokenStream* input = parser->getTokenStream();
+  const auto skip = [&](auto&& stops) {
+    while (input->LA(1) != antlr4::Token::EOF && (input->index() < furthest_error_ || !stops(input->LA(1)))) parser->consume();
+    note_skipped_to_end(parser);
+  };
+  switch (parser->getContext()->getRuleIndex()) {
+    case BipParser::RuleBodyItem:
+    case BipParser::RuleConnectorPart:
+    case BipParser::RuleTransition:
+    case BipParser::RuleState:
+      skip([&](std::size_t type) { return begins_item(type) || begins_late_item(input); });
+      return;
+    case BipParser::RuleDecl:
+    case BipParser::RuleUse:
+    case BipParser::RulePackage:
+      skip(begins_use_or_declaration);
+      return;
+    case BipParser::RuleFile:
+      // Something between the declarations of the file: skip it and go on with the next one.
+      while (input->LA(1) != antlr4::Token::EOF) parser->consume();
+      return;
+    default:
+      std::rethrow_exception(e);
+  }
+}
+
+}  // namespace bip::parse

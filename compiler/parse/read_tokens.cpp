@@ -1,0 +1,126 @@
+// Lexing: ANTLR's lexer over the file, positions turned from code points into bytes, comments set apart, lexical errors
+// reported. The lexer itself cannot fail: its last rules match whatever is left.
+#include <algorithm>
+#include <string>
+
+#include "BipLexer.h"
+#include "antlr4-runtime.h"
+#include "compiler/parse/token_list.hpp"
+
+namespace bip::parse {
+namespace {
+
+using antlr::BipLexer;
+
+/// Byte offset of each code point, one past the end included; empty if all are single bytes.
+std::vector<std::uint32_t> code_point_offsets(std::string_view text) {
+  const bool ascii = std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+  std::vector<std::uint32_t> offsets;
+  if (ascii) return offsets;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if ((static_cast<unsigned char>(text[i]) & 0xC0u) != 0x80u) offsets.push_back(static_cast<std::uint32_t>(i));
+  }
+  offsets.push_back(static_cast<std::uint32_t>(text.size()));
+  return offsets;
+}
+
+void report_stray(std::string_view sign, SourceRange range, Diagnostics& diags) {
+  const auto code = static_cast<unsigned char>(sign.empty() ? '\0' : sign.front());
+  if (code < 0x20 || code == 0x7F) {
+    diags.report(Diag::kB0002, range, fmt::format("\\x{:02x}", code)).label("a control character");
+    return;
+  }
+  auto diagnostic = diags.report(Diag::kB0002, range, sign);
+  if (sign == "#") diagnostic.help("comments begin with `//`");
+  if (sign == "$") diagnostic.help("names consist of letters, digits and `_`");
+}
+
+}  // namespace
+
+bool is_name(std::size_t type) {
+  switch (type) {
+    case BipLexer::ID:
+    case BipLexer::CLOCK:
+    case BipLexer::UNIT:
+    case BipLexer::INVARIANT:
+    case BipLexer::AT:
+    case BipLexer::LAZY:
+    case BipLexer::DELAYABLE:
+    case BipLexer::EAGER:
+    case BipLexer::RESUME:
+    case BipLexer::REMEMBER:
+    case BipLexer::IGNORE:
+    case BipLexer::ERROR:
+    case BipLexer::AND_WORD:
+    case BipLexer::OR_WORD:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::size_t find_bad_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    std::size_t length = lead < 0x80 ? 1 : (lead & 0xE0u) == 0xC0u ? 2 : (lead & 0xF0u) == 0xE0u ? 3 : (lead & 0xF8u) == 0xF0u ? 4 : 0;
+    if (length == 0 || i + length > text.size()) return i;
+    std::uint32_t code = length == 1 ? lead : lead & (0xFFu >> (length + 1));
+    for (std::size_t k = 1; k < length; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + k]);
+      if ((next & 0xC0u) != 0x80u) return i;
+      code = (code << 6u) | (next & 0x3Fu);
+    }
+    const bool overlong = (length == 2 && code < 0x80) || (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    if (overlong || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) return i;
+    i += length;
+  }
+  return std::string_view::npos;
+}
+
+TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags) {
+  TokenList list;
+  std::string_view text = sources.text(file);
+  if (const std::size_t bad = find_bad_utf8(text); bad != std::string_view::npos) {
+    const auto at = static_cast<std::uint32_t>(bad);
+    diags.report(Diag::kB0015, SourceRange{file, at, at + 1}, static_cast<unsigned char>(text[bad]));
+    return list;
+  }
+  // ANTLR would swallow a byte order mark and count positions from after it.
+  const std::uint32_t skipped = text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
+  text.remove_prefix(skipped);
+  const std::vector<std::uint32_t> offsets = code_point_offsets(text);
+  auto byte = [&](std::size_t code_point) {
+    return skipped + (offsets.empty() ? static_cast<std::uint32_t>(code_point) : offsets[code_point]);
+  };
+  ::antlr4::ANTLRInputStream input{std::string(text)};
+  BipLexer lexer(&input);
+  lexer.removeErrorListeners();
+  for (auto token = lexer.nextToken(); token->getType() != ::antlr4::Token::EOF; token = lexer.nextToken()) {
+    const TokenRow row{token->getType(), byte(token->getStartIndex()), byte(token->getStopIndex() + 1),
+                       static_cast<std::uint32_t>(token->getLine())};
+    const SourceRange range{file, row.begin, row.end};
+    switch (row.type) {
+      case BipLexer::LINE_COMMENT:
+      case BipLexer::BLOCK_COMMENT:
+        list.comments.push_back({range});
+        break;
+      case BipLexer::UNCLOSED_COMMENT:
+        diags.report(Diag::kB0003, SourceRange{file, row.begin, row.begin + 2}).label("opened here, open to the end of the file");
+        break;
+      case BipLexer::UNCLOSED_STRING:
+        diags.report(Diag::kB0004, range).label("the line ends inside the string").help("a line break in a string is written `\\n`");
+        list.rows.push_back(row);
+        list.rows.back().type = BipLexer::STRING;
+        break;
+      case BipLexer::STRAY:
+        report_stray(sources.text(range), range, diags);
+        break;
+      default:
+        list.rows.push_back(row);
+    }
+  }
+  classify_tokens(list.rows, sources.text(file));
+  return list;
+}
+
+}  // namespace bip::parse

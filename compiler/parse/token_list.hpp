@@ -1,0 +1,42 @@
+// The tokens of one file, after the lexer and the pass that decides what depends on context.
+//
+// A token is a type of the grammar and a byte range; comments are kept apart. Lexical errors are reported here, and what
+// they concern is dropped or mended, so that the parser goes on. Cost: linear in the text.
+#pragma once
+#include <string_view>
+#include <vector>
+
+#include "compiler/diag/diagnostics.hpp"
+#include "compiler/syntax/syntax.hpp"
+
+namespace bip::parse {
+
+struct TokenRow {
+  std::size_t type = 0;  // of BipLexer, EOF excluded
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+  std::uint32_t line = 1;
+};
+
+struct TokenList {
+  std::vector<TokenRow> rows;
+  std::vector<syntax::Comment> comments;
+};
+
+/// Lexes and classifies a file. Reports B0002-B0004 and B0015. A file that is not UTF-8 has no tokens.
+[[nodiscard]] TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags);
+
+/// Decides contextual words, reports, ranges and groups in place (see BipLexer.g4). Called by `read_tokens`.
+void classify_tokens(std::vector<TokenRow>& rows, std::string_view text);
+
+/// Reports B0008 and returns false if something is nested deeper than kMaxDepth: parentheses, blocks, `if`, `for`, runs of
+/// unary operators. ANTLR recurses over all of these, so this must come first.
+[[nodiscard]] bool check_depth(const std::vector<TokenRow>& rows, FileId file, Diagnostics& diags);
+
+/// ID and the words that are names where the grammar has no use for them.
+[[nodiscard]] bool is_name(std::size_t type);
+
+/// Offset of the first byte that is not UTF-8, or npos.
+[[nodiscard]] std::size_t find_bad_utf8(std::string_view text);
+
+}  // namespace bip::parse

@@ -1,0 +1,121 @@
+// The source map: reads and checks files once, then answers questions about lines.
+//
+// Needs readable files of at most kMaxFileBytes that are UTF-8 without NUL bytes. Line breaks are \n or \r\n; a lone \r
+// is a blank. Promises that texts never move. Reading is linear, `loc` is a binary search over line starts.
+#include "compiler/source/source.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "compiler/base/assert.hpp"
+#include "compiler/source/utf8.hpp"
+
+namespace bip {
+namespace {
+
+std::vector<std::uint32_t> line_starts_of(std::string_view text) {
+  std::vector<std::uint32_t> starts{0};
+  for (std::size_t at = text.find('\n'); at != std::string_view::npos; at = text.find('\n', at + 1)) {
+    starts.push_back(static_cast<std::uint32_t>(at + 1));
+  }
+  return starts;
+}
+
+std::string line_and_column(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, offset);
+  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  const std::size_t last = before.rfind('\n');
+  const std::size_t column = last == std::string_view::npos ? offset + 1 : offset - last;
+  return std::to_string(line) + ":" + std::to_string(column);
+}
+
+Failure system_failure(int error) { return {std::strerror(error)}; }
+
+// Reads to the end whatever the size said: pipes and /dev/stdin have none.
+Result<std::string> read_all(int fd) {
+  std::string text;
+  std::string chunk(1u << 16, '\0');
+  for (;;) {
+    const ssize_t got = ::read(fd, chunk.data(), chunk.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return system_failure(errno);
+    if (got == 0) return text;
+    text.append(chunk, 0, static_cast<std::size_t>(got));
+    if (text.size() > SourceMap::kMaxFileBytes) {
+      return Failure{"larger than the limit of " + std::to_string(SourceMap::kMaxFileBytes >> 20) + " MiB"};
+    }
+  }
+}
+
+Result<std::string> read_file(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return errno == ENOENT ? Failure{"no such file"} : system_failure(errno);
+  struct stat status {};
+  if (::fstat(fd, &status) == 0 && S_ISDIR(status.st_mode)) {
+    ::close(fd);
+    return Failure{"is a directory"};
+  }
+  Result<std::string> text = read_all(fd);
+  ::close(fd);
+  return text;
+}
+
+}  // namespace
+
+FileId SourceMap::add(std::string name, std::string text) {
+  BIP_ASSERT(text.size() <= kMaxFileBytes);
+  File file;
+  file.name = std::move(name);
+  file.text = std::move(text);
+  file.line_starts = line_starts_of(file.text);
+  files_.push_back(std::move(file));
+  return FileId(files_.size() - 1);
+}
+
+Result<FileId> SourceMap::load(const std::string& path) {
+  Result<std::string> text = read_file(path);
+  if (!text) return Failure{text.error()};
+  if (const auto bad = first_bad_utf8(*text)) {
+    static constexpr char kHex[] = "0123456789abcdef";
+    const auto byte = static_cast<unsigned char>((*text)[*bad]);
+    const std::string shown{'0', 'x', kHex[byte >> 4], kHex[byte & 15u]};
+    return Failure{"not UTF-8: byte " + shown + " at " + line_and_column(*text, *bad)};
+  }
+  if (const std::size_t nul = text->find('\0'); nul != std::string::npos) {
+    return Failure{"not a text: NUL byte at " + line_and_column(*text, nul)};
+  }
+  return add(path, std::move(*text));
+}
+
+std::string_view SourceMap::text(FileId id) const { return files_[id.value].text; }
+
+std::string_view SourceMap::text(SourceRange r) const {
+  const std::string_view whole = text(r.file);
+  const std::size_t begin = std::min<std::size_t>(r.begin, whole.size());
+  return whole.substr(begin, r.end > r.begin ? r.end - r.begin : 0);
+}
+
+const std::string& SourceMap::name(FileId id) const { return files_[id.value].name; }
+
+Loc SourceMap::loc(FileId id, std::uint32_t offset) const {
+  const std::vector<std::uint32_t>& starts = files_[id.value].line_starts;
+  const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
+  const auto line = static_cast<std::uint32_t>(after - starts.begin());
+  return {.file = id.value, .line = line, .column = offset - starts[line - 1] + 1};
+}
+
+std::string_view SourceMap::line(FileId id, std::uint32_t line) const {
+  const File& file = files_[id.value];
+  if (line == 0 || line > file.line_starts.size()) return {};
+  const std::size_t begin = file.line_starts[line - 1];
+  std::size_t end = line < file.line_starts.size() ? file.line_starts[line] - 1 : file.text.size();
+  if (end > begin && file.text[end - 1] == '\r') --end;
+  return std::string_view(file.text).substr(begin, end - begin);
+}
+
+}  // namespace bip

@@ -1,0 +1,20 @@
+// UTF-8 as bytes: is a text well-formed, and how many columns does it take on a terminal.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace bip {
+
+/// Bytes of the well-formed sequence at the start of `text` (1 to 4), 0 if it is not one: overlong forms, surrogates,
+/// values past U+10FFFF and cut-off sequences are refused (Unicode 15, table 3-7).
+[[nodiscard]] std::size_t utf8_length(std::string_view text);
+
+/// Offset of the first byte that belongs to no well-formed sequence; nullopt if the text is UTF-8.
+[[nodiscard]] std::optional<std::size_t> first_bad_utf8(std::string_view text);
+
+/// Terminal columns of the first code point of `text`: 0 for combining marks, 2 for wide East Asian ones, else 1.
+/// `text` must not be empty; a malformed byte counts as 1.
+[[nodiscard]] unsigned utf8_columns(std::string_view text);
+
+}  // namespace bip

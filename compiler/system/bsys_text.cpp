@@ -1,0 +1,86 @@
+// Words of .bsys and scopes of code: see bsys_text.hpp.
+#include "compiler/system/bsys_text.hpp"
+
+#include <array>
+#include <utility>
+
+namespace bip::system::text {
+namespace {
+
+constexpr std::array<std::pair<Type, const char*>, 4> kTypes{{
+    {Type::Int, "int"}, {Type::Bool, "bool"}, {Type::Float, "float"}, {Type::String, "string"}}};
+
+constexpr std::array<std::pair<Op, const char*>, 20> kOps{{
+    {Op::IntToFloat, "to-float"}, {Op::Neg, "neg"},       {Op::Not, "not"},        {Op::BitNot, "bit-not"},
+    {Op::Add, "add"},             {Op::Sub, "sub"},       {Op::Mul, "mul"},        {Op::Div, "div"},
+    {Op::Mod, "mod"},             {Op::BitAnd, "bit-and"}, {Op::BitOr, "bit-or"},  {Op::BitXor, "bit-xor"},
+    {Op::And, "and"},             {Op::Or, "or"},         {Op::Eq, "eq"},          {Op::Ne, "ne"},
+    {Op::Lt, "lt"},               {Op::Gt, "gt"},         {Op::Le, "le"},          {Op::Ge, "ge"}}};
+
+}  // namespace
+
+const char* word_of(Type type) {
+  for (const auto& [value, word] : kTypes)
+    if (value == type) return word;
+  return "?";
+}
+std::optional<Type> type_of(std::string_view text) {
+  for (const auto& [value, word] : kTypes)
+    if (text == word) return value;
+  return std::nullopt;
+}
+const char* word_of(Op op) {
+  for (const auto& [value, word] : kOps)
+    if (value == op) return word;
+  return nullptr;
+}
+std::optional<Op> op_of(std::string_view text) {
+  for (const auto& [value, word] : kOps)
+    if (text == word) return value;
+  return std::nullopt;
+}
+int operand_count(Op op) {
+  if (op < Op::IntToFloat) return 0;
+  return op < Op::Add ? 1 : 2;
+}
+
+bool is_bare(std::string_view name) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  if (name.empty() || !is_letter(name[0])) return false;
+  for (const char c : name)
+    if (!is_letter(c) && !(c >= '0' && c <= '9') && c != '.' && c != '[' && c != ']') return false;
+  return true;
+}
+
+CodeScope scope_of(const AtomType& type) {
+  CodeScope scope;
+  for (const Slot& slot : type.slots) scope.self.push_back({slot.name, slot.type, !slot.is_param});
+  return scope;
+}
+
+CodeScope scope_of(const System& system, const ConnectorType& type) {
+  CodeScope scope;
+  for (const Slot& slot : type.slots) scope.self.push_back({slot.name, slot.type, !slot.is_param});
+  for (const ConnectorParam& param : type.params) {
+    if (!system.port_types.contains(param.type)) continue;
+    for (const Variable& variable : system.port_types[param.type].variables)
+      scope.bind.push_back({param.name + "." + variable.name, variable.type, true});
+  }
+  for (const DataRead& read : type.data_reads) scope.bind.push_back({read.path, read.type, false});
+  return scope;
+}
+
+CodeScope scope_of(const System& system, const Priority& priority) {
+  CodeScope scope;
+  for (const DataRef& data : priority.data) {
+    if (!system.atoms.contains(data.atom)) continue;
+    const Atom& atom = system.atoms[data.atom];
+    if (!system.atom_types.contains(atom.type)) continue;
+    const std::vector<Slot>& slots = system.atom_types[atom.type].slots;
+    if (data.slot >= slots.size()) continue;
+    scope.bind.push_back({atom.path + "." + slots[data.slot].name, slots[data.slot].type, false});
+  }
+  return scope;
+}
+
+}  // namespace bip::system::text

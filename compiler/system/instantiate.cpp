@@ -1,0 +1,208 @@
+// Unfolding the root: components depth first, in declaration order; then each compound's connectors and priorities.
+#include "compiler/system/instantiate.hpp"
+
+#include <algorithm>
+
+#include "compiler/model/code_builder.hpp"
+#include "compiler/model/evaluate.hpp"
+#include "compiler/system/instantiator.hpp"
+
+namespace bip::system {
+
+std::optional<Value> Instantiator::value(ExprId expr, const std::vector<Value>& self, SourceRange at) {
+  const model::Evaluated v = model::evaluate(model.code, expr, self);
+  if (v.fault == model::Fault::None) return v.value;
+  diags.report(Diag::kB4008, at, v.fault == model::Fault::DivisionByZero ? "division by zero" : "-2147483648 / -1 does not fit an `int`");
+  return std::nullopt;
+}
+
+bool Instantiator::too_many(std::size_t count, const char* what, SourceRange at) {
+  if (count < kMaxInstances || stopped) return stopped;
+  diags.report(Diag::kB4006, at, kMaxInstances, what);
+  return stopped = true;
+}
+
+void Instantiator::component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self, bool in_loop, std::size_t depth) {
+  const CompoundTypeId type_id = instances[instance].type;
+  const ComponentFamily& family = model.compound_types[type_id].components[item.family];
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  if (item.index.is_valid()) {
+    const std::optional<Value> n = value(item.index, self, item.range);
+    if (!n) return;
+    first = in_loop ? n->int_value : 0;
+    last = in_loop ? first : static_cast<std::int64_t>(n->int_value) - 1;
+    if ((in_loop ? first : last + 1) < 0 || last >= static_cast<std::int64_t>(kMaxInstances)) {
+      if (in_loop) diags.report(Diag::kB4014, item.range, fmt::format("{}[{}]", family.name, first), "an index is at least 0");
+      else diags.report(Diag::kB4016, item.range, family.name, n->int_value, kMaxInstances);
+      stopped = true;
+      return;
+    }
+  }
+  std::vector<Value> args;
+  for (const ExprId arg : item.args) {
+    const std::optional<Value> v = value(arg, self, item.range);
+    if (!v) return;
+    args.push_back(*v);
+  }
+  const CompoundId parent = instances[instance].row;
+  const Loc loc = model.loc(item.range);
+  for (std::int64_t i = first; i <= last && !stopped; ++i) {
+    if (too_many(out.atoms.size(), "atoms", item.range) || too_many(out.compounds.size(), "compounds", item.range)) return;
+    std::string path = out.compounds[parent].path + "." + family.name;
+    if (family.is_array) path += fmt::format("[{}]", i);
+    auto& elements = instances[instance].components[item.family];
+    if (elements.size() <= static_cast<std::size_t>(i)) elements.resize(static_cast<std::size_t>(i) + 1);
+    if (elements[static_cast<std::size_t>(i)].row != Element::kHole) {
+      diags.report(Diag::kB4015, item.range, fmt::format("{}[{}]", family.name, i));
+      return;
+    }
+    std::uint32_t row = 0;
+    if (family.is_compound) {
+      row = compound(family.compound, args, std::move(path), parent, loc, depth + 1);
+    } else {
+      row = out.atoms.push({std::move(path), family.atom, parent, args, loc}).value;
+    }
+    instances[instance].components[item.family][static_cast<std::size_t>(i)].row = row;
+  }
+}
+
+void Instantiator::declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self) {
+  Instance& in = instances[instance];
+  const ConnectorFamily& family = model.compound_types[in.type].connectors[item.family];
+  if (too_many(out.connectors.size() + in.pending.size(), "connectors", item.range)) return;
+  std::size_t index = 0;
+  std::string name = family.name;
+  if (item.index.is_valid()) {
+    const std::optional<Value> n = value(item.index, self, item.range);
+    if (!n) return;
+    name += fmt::format("[{}]", n->int_value);
+    if (n->int_value < 0 || static_cast<std::size_t>(n->int_value) >= kMaxInstances) {
+      diags.report(Diag::kB4014, item.range, name, "an index is at least 0");
+      return;
+    }
+    index = static_cast<std::size_t>(n->int_value);
+  }
+  auto& elements = in.connectors[item.family];
+  if (elements.size() <= index) elements.resize(index + 1, Element::kHole);
+  if (elements[index] != Element::kHole) {
+    diags.report(Diag::kB4015, item.range, name);
+    return;
+  }
+  elements[index] = static_cast<std::uint32_t>(in.pending.size());
+  in.pending.push_back({&item, self, item.family, std::move(name), {}, false});
+}
+
+void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self, std::size_t depth) {
+  const std::size_t params = instances[instance].params.size();
+  for (const CompoundItem& item : list) {
+    if (stopped) return;
+    switch (item.kind) {
+      case ItemKind::Component: component(instance, item, self, self.size() > params, depth); break;
+      case ItemKind::Connector: declare_connector(instance, item, self); break;
+      case ItemKind::For: {
+        const std::optional<Value> low = value(item.low, self, item.range);
+        const std::optional<Value> high = value(item.high, self, item.range);
+        if (!low || !high) return;
+        self.push_back({});
+        for (std::int32_t i = low->int_value; i < high->int_value && !stopped; ++i) {
+          self.back() = {Type::Int, i, 0};
+          items(instance, item.items, self, depth);
+        }
+        self.pop_back();
+        break;
+      }
+    }
+  }
+}
+
+std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc, std::size_t depth) {
+  const CompoundType& t = model.compound_types[type];
+  const std::uint32_t row = static_cast<std::uint32_t>(instances.size());
+  Instance in{.type = type, .row = {}, .params = params, .components = {}, .connectors = {}, .pending = {}};
+  in.row = out.compounds.push({std::move(path), t.name, parent, loc});
+  in.components.resize(t.components.size());
+  in.connectors.resize(t.connectors.size());
+  instances.push_back(std::move(in));
+  std::vector<Value> self = std::move(params);
+  items(row, t.items, self, depth);
+  for (std::uint32_t p = 0; p < instances[row].pending.size() && !stopped && !diags.has_errors(); ++p) resolve_connector(row, p, 0);
+  if (!stopped && !diags.has_errors()) priorities(row);
+  return row;
+}
+
+namespace {
+
+/// The compound types that no other one instantiates and that need no parameter.
+std::vector<CompoundTypeId> possible_roots(const Model& model) {
+  std::vector<bool> used(model.compound_types.size());
+  for (const CompoundType& t : model.compound_types) {
+    for (const ComponentFamily& c : t.components) {
+      if (c.compound.is_valid()) used[c.compound.value] = true;
+    }
+  }
+  std::vector<CompoundTypeId> roots;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i] && model.compound_types[CompoundTypeId(i)].params.empty()) roots.emplace_back(i);
+  }
+  return roots;
+}
+
+std::optional<CompoundTypeId> find_root(const Model& model, std::string name, Diagnostics& diags, SourceRange at) {
+  if (name.empty()) {
+    const std::vector<CompoundTypeId> roots = possible_roots(model);
+    if (roots.size() == 1) return roots[0];
+    if (roots.empty()) {
+      const bool has_compounds = !model.compound_types.empty();
+      auto d = diags.report(Diag::kB4003, at, has_compounds ? "every compound type has parameters or is part of another" : "there is no compound type to run");
+      if (has_compounds) d.help("name the root and its arguments: `--root 'T(1, 2)'`");
+      return std::nullopt;
+    }
+    std::string names;
+    for (const CompoundTypeId r : roots) names += (names.empty() ? "`" : ", `") + model.compound_types[r].name + "`";
+    diags.report(Diag::kB4004, at, names).help(fmt::format("choose one: `--root '{}()'`", model.compound_types[roots.back()].name));
+    return std::nullopt;
+  }
+  if (const std::string prefix = model.package + "."; name.starts_with(prefix)) name.erase(0, prefix.size());
+  const auto it = model.type_names.find(name);
+  if (it != model.type_names.end() && it->second.kind == TypeName::Kind::Compound) return CompoundTypeId(it->second.row);
+  auto d = diags.report(Diag::kB4005, at, name);
+  std::vector<std::string> known;
+  for (const CompoundType& t : model.compound_types) known.push_back(t.name);
+  for (const std::string& s : similar_names(name, known)) d.help(fmt::format("`{}` has a similar name", s));
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<System> instantiate(Model& model, const std::string& root_type, const std::vector<const syntax::Expr*>& args, Diagnostics& diags,
+                                  SourceRange root_range) {
+  const std::optional<CompoundTypeId> root = find_root(model, root_type, diags, root_range);
+  if (!root) return std::nullopt;
+  const CompoundType& type = model.compound_types[*root];
+  if (args.size() != type.params.size()) {
+    diags.report(Diag::kB1015, root_range, fmt::format("compound type `{}`", type.name), type.params.size(), args.size());
+    return std::nullopt;
+  }
+  Instantiator unfold{model, diags};
+  std::vector<Value> params;
+  const model::Scope empty{.names = {}, .owner = "the root's arguments"};
+  for (std::size_t i = 0; i < args.size(); ++i) {
+    model::CodeBuilder code(model, diags, empty);
+    const ExprId id = code.expr_as(args[i], type.params[i].type, fmt::format("argument `{}`", type.params[i].name));
+    const std::optional<Value> v = unfold.value(id, {}, args[i]->range);
+    if (v) params.push_back(*v);
+  }
+  if (diags.has_errors()) return std::nullopt;
+  unfold.out.files = model.files;
+  unfold.compound(*root, std::move(params), "ROOT", {}, type.loc, 0);
+  if (diags.has_errors()) return std::nullopt;
+  System system = std::move(unfold.out);
+  system.code = model.code;
+  system.port_types = model.port_types;
+  system.atom_types = model.atom_types;
+  system.connector_types = model.connector_types;
+  return system;
+}
+
+}  // namespace bip::system

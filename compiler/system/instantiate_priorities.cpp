@@ -1,0 +1,145 @@
+// Priority rules of a compound instance, and what can be said of them before running: rules against maximal progress and
+// cycles of rules without guards.
+#include <algorithm>
+#include <functional>
+
+#include "compiler/system/instantiator.hpp"
+
+namespace bip::system {
+
+bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, Pattern& to) {
+  to.any_connector = path.any_connector;
+  to.any_interaction = path.any_interaction;
+  if (path.any_connector) return true;
+  const std::vector<Value> self = instances[instance].params;
+  const std::optional<std::uint32_t> row = find(instances[instance], path.connector, true, self, path.range);
+  if (!row) return false;
+  to.connector = instances[instance].pending[*row].id;
+  if (path.any_interaction) return true;
+  const Connector& connector = out.connectors[to.connector];
+  const ConnectorType& type = model.connector_types[connector.type];
+  for (const PatternPort& port : path.ports) {
+    std::vector<PortRef> refs;
+    if (port.param.empty() && !resolve_port(instance, port.path, self, refs, 0)) return false;
+    std::uint32_t k = 0;
+    while (k < type.params.size() && (port.param.empty() ? refs.size() != 1 || !(connector.ports[k] == refs[0]) : type.params[k].name != port.param)) ++k;
+    if (k == type.params.size()) {
+      diags.report(Diag::kB3004, port.range, instances[instance].pending[*row].name, model.sources->text(port.range));
+      return false;
+    }
+    to.params.push_back(k);
+  }
+  std::sort(to.params.begin(), to.params.end());
+  to.params.erase(std::unique(to.params.begin(), to.params.end()), to.params.end());
+  if (!model::is_interaction(type, to.params)) {
+    diags.report(Diag::kB3005, path.range, instances[instance].pending[*row].name);
+    return false;
+  }
+  return true;
+}
+
+void Instantiator::priorities(std::uint32_t instance) {
+  const std::vector<PriorityRule>& rules = model.compound_types[instances[instance].type].priorities;
+  const std::size_t first = out.priorities.size();
+  for (const PriorityRule& rule : rules) {
+    Priority row{.name = rule.name, .parent = instances[instance].row, .low = {}, .high = {}, .guard = rule.guard, .data = {}, .loc = model.loc(rule.range)};
+    if (!pattern(instance, rule.low, row.low) || !pattern(instance, rule.high, row.high)) return;
+    for (const DataPath& d : rule.data) {
+      const std::optional<DataRef> ref = resolve_data(instance, d, instances[instance].params);
+      if (!ref) return;
+      row.data.push_back(*ref);
+    }
+    out.priorities.push(std::move(row));
+  }
+  check_priorities(instances[instance].row, first, rules);
+}
+
+namespace {
+
+bool contains(const std::vector<std::uint32_t>& big, const std::vector<std::uint32_t>& small) { return std::includes(big.begin(), big.end(), small.begin(), small.end()); }
+
+std::vector<std::uint32_t> all_params(const ConnectorType& type) {
+  std::vector<std::uint32_t> all(type.params.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  return all;
+}
+
+/// Is there an interaction, enabled or not, above which rule `r` puts something and that rule `s` puts below something?
+struct Chains {
+  const System& system;
+  const IndexVector<ConnectorTypeId, ConnectorType>& types;
+
+  [[nodiscard]] const ConnectorType& type(ConnectorId c) const { return types[system.connectors[c].type]; }
+  // Parameters that an interaction below the pattern may use.
+  [[nodiscard]] std::vector<std::uint32_t> upper(const Pattern& low) const { return low.any_interaction ? all_params(type(low.connector)) : low.params; }
+
+  [[nodiscard]] bool holds(const Priority& r, const Priority& s) const {
+    const Pattern& high = r.high;
+    const Pattern& low = s.low;
+    if (!high.any_connector && !low.any_connector) {
+      if (high.connector != low.connector) return false;
+      return high.any_interaction || contains(model::largest_interaction(type(low.connector), upper(low)), high.params);
+    }
+    if (high.any_connector && !low.any_connector) {  // r.high: all but r.low
+      if (r.low.connector != low.connector) return true;
+      if (r.low.any_interaction) return false;
+      return !contains(r.low.params, model::largest_interaction(type(low.connector), upper(low)));
+    }
+    if (!high.any_connector) {  // s.low: all but s.high
+      if (s.high.connector != high.connector) return true;
+      if (s.high.any_interaction) return false;
+      for (const std::uint32_t p : s.high.params) {  // an interaction above r.high without p
+        std::vector<std::uint32_t> rest = all_params(type(high.connector));
+        std::erase(rest, p);
+        const std::vector<std::uint32_t> k = model::largest_interaction(type(high.connector), rest);
+        if (!k.empty() && (high.any_interaction || contains(k, high.params))) return true;
+      }
+      return false;
+    }
+    for (std::size_t c = 0; c < system.connectors.size(); ++c) {  // some interaction in neither r.low nor s.high
+      const Connector& connector = system.connectors[ConnectorId(c)];
+      if (connector.parent != r.parent || ConnectorId(c) == r.low.connector || ConnectorId(c) == s.high.connector) continue;
+      if (!types[connector.type].exports) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace
+
+void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<PriorityRule>& rules) {
+  const Chains chains{out, model.connector_types};
+  const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const Priority& r = row(i);
+    if (r.low.any_connector || r.high.any_connector || r.low.connector != r.high.connector || r.low.any_interaction || r.high.any_interaction) continue;
+    if (contains(r.low.params, r.high.params)) diags.report(Diag::kB3007, rules[i].range, r.name).help("maximal progress always prefers the larger interaction");
+    else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, rules[i].range, r.name);
+  }
+  if (diags.has_errors()) return;
+  // Depth first through the rules without guards; a rule that is met on its own path closes a cycle.
+  std::vector<int> state(rules.size());
+  std::vector<std::size_t> path;
+  const std::function<bool(std::size_t)> visit = [&](std::size_t i) {
+    state[i] = 1;
+    path.push_back(i);
+    for (std::size_t j = 0; j < rules.size(); ++j) {
+      if (row(j).guard.is_valid() || state[j] == 2 || !chains.holds(row(i), row(j))) continue;
+      if (state[j] == 1) {
+        std::string names;
+        for (auto it = std::find(path.begin(), path.end(), j); it != path.end(); ++it) names += row(*it).name + " < ";
+        diags.report(Diag::kB3006, rules[j].range, names + row(j).name).note(fmt::format("in compound `{}`", out.compounds[parent].path));
+        return true;
+      }
+      if (visit(j)) return true;
+    }
+    state[i] = 2;
+    path.pop_back();
+    return false;
+  };
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (state[i] == 0 && !row(i).guard.is_valid() && visit(i)) return;
+  }
+}
+
+}  // namespace bip::system

@@ -1,0 +1,67 @@
+// The state of one unfolding. Passes over a compound instance, in this order: components (depth first), connectors (those
+// that are bound by others first), priorities. Each lives in its own file.
+#pragma once
+#include <map>
+
+#include "compiler/system/instantiate.hpp"
+
+namespace bip::system {
+
+/// An element of a component family: an atom, or a compound instance (row of Instantiator::instances).
+struct Element {
+  static constexpr std::uint32_t kHole = 0xffffffffu;
+  std::uint32_t row = kHole;
+};
+
+/// A connector that is declared but perhaps not yet resolved.
+struct PendingConnector {
+  const CompoundItem* item = nullptr;
+  std::vector<Value> self;  // values of parameters and loop variables where it was declared
+  std::uint32_t family = 0;
+  std::string name;         // "c[3]"
+  ConnectorId id;           // valid when resolved
+  bool in_progress = false;
+};
+
+struct Instance {
+  CompoundTypeId type;
+  CompoundId row;
+  std::vector<Value> params;
+  std::vector<std::vector<Element>> components;             // by family and index
+  std::vector<std::vector<std::uint32_t>> connectors;       // by family and index: rows of pending, or kHole
+  std::vector<PendingConnector> pending;
+};
+
+struct Instantiator {
+  Model& model;
+  Diagnostics& diags;
+  System out{};
+  std::vector<Instance> instances{};
+  std::map<std::pair<const CompoundItem*, std::vector<std::uint32_t>>, std::pair<ConnectorTypeId, std::vector<DataPath>>> expanded{};
+  bool stopped = false;  // a limit was reached: unwind
+
+  // instantiate.cpp
+  std::uint32_t compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc, std::size_t depth);
+  std::optional<Value> value(ExprId expr, const std::vector<Value>& self, SourceRange at);
+  void items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self, std::size_t depth);
+  void component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self, bool in_loop, std::size_t depth);
+  void declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
+  bool too_many(std::size_t count, const char* what, SourceRange at);
+
+  // resolve.cpp
+  std::optional<std::uint32_t> find(const Instance& in, const ElementRef& ref, bool is_connector, const std::vector<Value>& self, SourceRange at);
+  ConnectorId resolve_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
+  bool resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self, std::vector<PortRef>& to, std::size_t depth);
+  std::optional<PortRef> exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth);
+  std::optional<DataRef> resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self);
+  void check_components(ConnectorId id, SourceRange at);
+
+  // instantiate_priorities.cpp
+  void priorities(std::uint32_t instance);
+  bool pattern(std::uint32_t instance, const PatternPath& path, Pattern& to);
+  void check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<PriorityRule>& rules);
+
+  std::vector<std::uint32_t> stamps{};  // by atom: the last connector that saw it
+};
+
+}  // namespace bip::system

@@ -1,0 +1,285 @@
+// The System as .bsys text: one row a line, in table order. Grammar and an example: compiler/docs/bsys.md.
+//
+// Needs a System that `validate` accepts. Linear in the output, iterative, deterministic. What is written is all that
+// a System means: rows of code that nothing refers to, and places of expressions that cannot fault, are left out.
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "compiler/system/bsys.hpp"
+#include "compiler/system/print_code.hpp"
+
+namespace bip::system {
+namespace {
+
+using namespace text;
+
+class Printer {
+ public:
+  explicit Printer(const System& system) : s_(system) {}
+
+  std::string run() {
+    out_ = "(bsys 1)\n";
+    for (std::size_t k = 0; k < s_.files.size(); ++k) quoted_row("(file", k, s_.files[k]);
+    for (std::size_t k = 0; k < s_.code.strings.size(); ++k) quoted_row("(string", k, s_.code.strings[k]);
+    each(s_.port_types, [this](const PortType& row, std::size_t k) { port_type(row, k); });
+    each(s_.atom_types, [this](const AtomType& row, std::size_t k) { atom_type(row, k); });
+    each(s_.connector_types, [this](const ConnectorType& row, std::size_t k) { connector_type(row, k); });
+    each(s_.compounds, [this](const Compound& row, std::size_t k) { compound(row, k); });
+    each(s_.atoms, [this](const Atom& row, std::size_t k) { atom(row, k); });
+    each(s_.connectors, [this](const Connector& row, std::size_t k) { connector(row, k); });
+    each(s_.priorities, [this](const Priority& row, std::size_t k) { priority(row, k); });
+    return std::move(out_);
+  }
+
+ private:
+  template <class Rows, class F>
+  void each(const Rows& rows, F f) {
+    std::size_t k = 0;
+    for (const auto& row : rows) f(row, k++);
+  }
+  void quoted_row(const char* head, std::size_t k, const std::string& text) {
+    fmt::format_to(std::back_inserter(out_), "{} {} ", head, k);
+    put_quoted(out_, text);
+    out_ += ")\n";
+  }
+  /// "(head 3 name"
+  void open(const char* head, std::size_t k, const std::string& name) {
+    fmt::format_to(std::back_inserter(out_), "{} {} ", head, k);
+    put_name(out_, name);
+  }
+  void close(const Loc& loc, const char* end = ")\n") {
+    put_loc(out_, loc);
+    out_ += end;
+  }
+  void ref(std::uint32_t row, const std::string& name) {
+    out_ += ' ';
+    put_ref(out_, row, name);
+  }
+  /// " (head 0:a 1:b)" from rows of `names`, which has a member `name` or is a string.
+  template <class Rows>
+  void refs(const char* head, const std::vector<std::uint32_t>& rows, const Rows& names) {
+    if (rows.empty()) return;
+    out_ += head;
+    for (const std::uint32_t row : rows) {
+      if constexpr (requires { names[row].name; }) {
+        ref(row, names[row].name);
+      } else {
+        ref(row, names[row]);
+      }
+    }
+    out_ += ')';
+  }
+  void guard(ExprId expr, const CodeScope& scope) {
+    if (!expr.is_valid()) return;
+    out_ += " (guard ";
+    put_expr(out_, s_.code, expr, scope);
+    out_ += ')';
+  }
+  void body(const char* head, StmtId first, const CodeScope& scope) {
+    if (!first.is_valid()) return;
+    out_ += head;
+    put_stmts(out_, s_.code, first, scope);
+    out_ += ')';
+  }
+  void slots(const std::vector<Slot>& slots) {
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+      open("  (slot", k, slots[k].name);
+      fmt::format_to(std::back_inserter(out_), " {}", word_of(slots[k].type));
+      if (slots[k].is_param) out_ += " param";
+      if (slots[k].exported) out_ += " export";
+      close(slots[k].loc);
+    }
+  }
+  void parent(CompoundId id) {
+    if (!id.is_valid()) return;
+    out_ += " (in";
+    ref(id.value, s_.compounds[id].path);
+    out_ += ')';
+  }
+  void data(const std::vector<DataRef>& refs) {
+    if (refs.empty()) return;
+    out_ += " (data";
+    for (const DataRef& r : refs) {
+      out_ += " (of";
+      ref(r.atom.value, s_.atoms[r.atom].path);
+      ref(r.slot, s_.atom_types[s_.atoms[r.atom].type].slots[r.slot].name);
+      out_ += ')';
+    }
+    out_ += ')';
+  }
+
+  void port_type(const PortType& row, std::size_t k) {
+    open("(port-type", k, row.name);
+    for (const Variable& v : row.variables) {
+      out_ += " (var ";
+      put_name(out_, v.name);
+      fmt::format_to(std::back_inserter(out_), " {}", word_of(v.type));
+      close(v.loc, ")");
+    }
+    close(row.loc);
+  }
+
+  void atom_type(const AtomType& row, std::size_t k) {
+    const CodeScope scope = scope_of(row);
+    open("(atom-type", k, row.name);
+    close(row.loc, "\n");
+    slots(row.slots);
+    for (std::size_t p = 0; p < row.ports.size(); ++p) {
+      const Port& port = row.ports[p];
+      open("  (port", p, port.name);
+      ref(port.type.value, s_.port_types[port.type].name);
+      if (port.exported) out_ += " export";
+      refs(" (slots", port.slots, row.slots);
+      close(port.loc);
+    }
+    for (std::size_t p = 0; p < row.places.size(); ++p) {
+      open("  (place", p, row.places[p]);
+      out_ += ")\n";
+    }
+    out_ += " ";
+    refs(" (initial", row.initial, row.places);
+    body(" (do", row.initial_action, scope);
+    out_ += '\n';
+    for (std::size_t t = 0; t < row.transitions.size(); ++t) transition(row, t, scope);
+    out_ += ")\n";
+  }
+  void transition(const AtomType& type, std::size_t k, const CodeScope& scope) {
+    const Transition& row = type.transitions[k];
+    fmt::format_to(std::back_inserter(out_), "  (transition {}", k);
+    if (row.port != Transition::kInternal) {
+      out_ += " (on";
+      ref(row.port, type.ports[row.port].name);
+      out_ += ')';
+    }
+    refs(" (from", row.from, type.places);
+    refs(" (to", row.to, type.places);
+    guard(row.guard, scope);
+    body(" (do", row.action, scope);
+    close(row.loc);
+  }
+
+  void connector_type(const ConnectorType& row, std::size_t k) {
+    const CodeScope scope = scope_of(s_, row);
+    open("(connector-type", k, row.name);
+    close(row.loc, "\n");
+    for (std::size_t p = 0; p < row.params.size(); ++p) {
+      open("  (param", p, row.params[p].name);
+      ref(row.params[p].type.value, s_.port_types[row.params[p].type].name);
+      close(row.params[p].loc);
+    }
+    for (std::size_t r = 0; r < row.data_reads.size(); ++r) {
+      open("  (read", r, row.data_reads[r].path);
+      fmt::format_to(std::back_inserter(out_), " {})\n", word_of(row.data_reads[r].type));
+    }
+    slots(row.slots);
+    define(row);
+    for (std::size_t c = 0; c < row.clauses.size(); ++c) {
+      const Clause& clause = row.clauses[c];
+      fmt::format_to(std::back_inserter(out_), "  (clause {}", c);
+      refs(" (params", clause.params, row.params);
+      guard(clause.guard, scope);
+      body(" (up", clause.up, scope);
+      body(" (down", clause.down, scope);
+      close(clause.loc);
+    }
+    if (row.exports) {
+      out_ += "  (export ";
+      put_name(out_, row.export_name);
+      ref(row.export_type.value, s_.port_types[row.export_type].name);
+      refs(" (slots", row.export_slots, row.slots);
+      out_ += ")\n";
+    }
+    out_ += ")\n";
+  }
+  /// Preorder rows, so one pass; `open_groups` holds how many children each open group still lacks.
+  void define(const ConnectorType& type) {
+    out_ += "  (define";
+    std::vector<std::size_t> open_groups;
+    for (const DefineNode& node : type.define) {
+      out_ += node.trigger ? " (trigger" : " (synchron";
+      if (!node.is_leaf) {
+        open_groups.push_back(node.children.size());
+        continue;
+      }
+      ref(node.param, type.params[node.param].name);
+      out_ += ')';
+      while (!open_groups.empty() && --open_groups.back() == 0) {
+        open_groups.pop_back();
+        out_ += ')';
+      }
+    }
+    out_ += ")\n";
+  }
+
+  void compound(const Compound& row, std::size_t k) {
+    open("(compound", k, row.path);
+    out_ += ' ';
+    put_name(out_, row.type);
+    parent(row.parent);
+    close(row.loc);
+  }
+  void atom(const Atom& row, std::size_t k) {
+    open("(atom", k, row.path);
+    ref(row.type.value, s_.atom_types[row.type].name);
+    parent(row.parent);
+    if (!row.args.empty()) {
+      out_ += " (args";
+      for (const Value& value : row.args) {
+        out_ += ' ';
+        put_literal(out_, value, s_.code);
+      }
+      out_ += ')';
+    }
+    close(row.loc);
+  }
+  void connector(const Connector& row, std::size_t k) {
+    open("(connector", k, row.path);
+    ref(row.type.value, s_.connector_types[row.type].name);
+    if (row.bound) out_ += " bound";
+    parent(row.parent);
+    out_ += " (ports";
+    for (const PortRef& port : row.ports) {
+      if (port.kind == PortRef::Kind::Atom) {
+        out_ += " (atom";
+        ref(port.atom.value, s_.atoms[port.atom].path);
+        ref(port.port, s_.atom_types[s_.atoms[port.atom].type].ports[port.port].name);
+      } else {
+        out_ += port.maximal_only ? " (maximal" : " (connector";
+        ref(port.connector.value, s_.connectors[port.connector].path);
+      }
+      out_ += ')';
+    }
+    out_ += ')';
+    data(row.data);
+    close(row.loc);
+  }
+  void pattern(const char* head, const Pattern& p) {
+    out_ += head;
+    if (!p.any_connector) {
+      const Connector& connector = s_.connectors[p.connector];
+      ref(p.connector.value, connector.path);
+      if (!p.any_interaction)
+        for (const std::uint32_t param : p.params) ref(param, s_.connector_types[connector.type].params[param].name);
+    }
+    out_ += p.any_connector || p.any_interaction ? " any)" : ")";
+  }
+  void priority(const Priority& row, std::size_t k) {
+    open("(priority", k, row.name);
+    parent(row.parent);
+    pattern(" (low", row.low);
+    pattern(" (high", row.high);
+    data(row.data);
+    if (row.guard.is_valid()) guard(row.guard, scope_of(s_, row));
+    close(row.loc);
+  }
+
+  const System& s_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string print(const System& system) { return Printer(system).run(); }
+
+}  // namespace bip::system

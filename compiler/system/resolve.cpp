@@ -1,0 +1,161 @@
+// Bindings: from paths in a compound to atoms' ports, connectors' exported ports and data slots.
+#include <algorithm>
+
+#include "compiler/model/evaluate.hpp"
+#include "compiler/system/instantiator.hpp"
+
+namespace bip::system {
+
+namespace {
+constexpr std::size_t kMaxConnectorDepth = 5000;
+}
+
+std::optional<std::uint32_t> Instantiator::find(const Instance& in, const ElementRef& ref, bool is_connector, const std::vector<Value>& self, SourceRange at) {
+  std::size_t index = 0;
+  std::int64_t wanted = 0;
+  if (ref.index.is_valid()) {
+    const std::optional<Value> v = value(ref.index, self, at);
+    if (!v) return std::nullopt;
+    wanted = v->int_value;
+    index = static_cast<std::size_t>(wanted);
+  }
+  const CompoundType& type = model.compound_types[in.type];
+  const std::size_t size = is_connector ? in.connectors[ref.family].size() : in.components[ref.family].size();
+  if (wanted >= 0 && index < size) {
+    const std::uint32_t row = is_connector ? in.connectors[ref.family][index] : in.components[ref.family][index].row;
+    if (row != Element::kHole) return row;
+  }
+  const std::string& name = is_connector ? type.connectors[ref.family].name : type.components[ref.family].name;
+  diags.report(Diag::kB4014, at, ref.index.is_valid() ? fmt::format("{}[{}]", name, wanted) : name,
+               size == 0 ? fmt::format("`{}` has no elements here", name) : fmt::format("the elements of `{}` here are 0 to {}", name, size - 1));
+  return std::nullopt;
+}
+
+std::optional<PortRef> Instantiator::exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth) {
+  const PortExport& e = model.compound_types[instances[instance].type].exports[row];
+  std::vector<PortRef> refs;
+  const std::vector<Value> self = instances[instance].params;
+  if (!resolve_port(instance, e.targets[0], self, refs, depth + 1) || refs.size() != 1) return std::nullopt;
+  // What a compound shows of a connector is only its maximal interactions.
+  if (refs[0].kind == PortRef::Kind::Connector) refs[0].maximal_only = true;
+  return refs[0];
+}
+
+bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self, std::vector<PortRef>& to, std::size_t depth) {
+  std::vector<std::uint32_t> rows;
+  if (path.element.star) {
+    if (path.is_connector) {
+      rows = instances[instance].connectors[path.element.family];
+    } else {
+      for (const Element& e : instances[instance].components[path.element.family]) rows.push_back(e.row);
+    }
+    std::erase(rows, Element::kHole);
+  } else {
+    const std::optional<std::uint32_t> row = find(instances[instance], path.element, path.is_connector, self, path.range);
+    if (!row) return false;
+    rows.push_back(*row);
+  }
+  const bool is_compound = !path.is_connector && model.compound_types[instances[instance].type].components[path.element.family].is_compound;
+  for (const std::uint32_t row : rows) {
+    if (path.is_connector) {
+      const ConnectorId id = resolve_connector(instance, row, depth + 1);
+      if (!id.is_valid()) return false;
+      to.push_back({.kind = PortRef::Kind::Connector, .atom = {}, .port = 0, .connector = id, .maximal_only = false});
+    } else if (is_compound) {
+      const std::optional<PortRef> ref = exported_port(row, path.port, depth);
+      if (!ref) return false;
+      to.push_back(*ref);
+    } else {
+      to.push_back({.kind = PortRef::Kind::Atom, .atom = AtomId(row), .port = path.port, .connector = {}, .maximal_only = false});
+    }
+  }
+  return true;
+}
+
+ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth) {
+  {
+    PendingConnector& p = instances[instance].pending[pending];
+    if (p.id.is_valid()) return p.id;
+    if (p.in_progress || depth > kMaxConnectorDepth) {
+      diags.report(Diag::kB4002, p.item->range, p.name);
+      return {};
+    }
+    p.in_progress = true;
+  }
+  const CompoundItem& item = *instances[instance].pending[pending].item;
+  const std::vector<Value> self = instances[instance].pending[pending].self;
+  Connector row{.path = {}, .type = item.type, .parent = instances[instance].row, .ports = {}, .data = {}, .bound = false, .loc = model.loc(item.range)};
+  std::vector<std::uint32_t> counts;
+  for (const PortPath& path : item.ports) {
+    const std::size_t before = row.ports.size();
+    if (!resolve_port(instance, path, self, row.ports, depth)) return {};
+    counts.push_back(static_cast<std::uint32_t>(row.ports.size() - before));
+  }
+  const CompoundType& compound_type = model.compound_types[instances[instance].type];
+  const std::vector<DataPath>* data = &item.data;
+  if (item.has_star && item.syntax->inline_body != nullptr) {
+    auto [it, is_new] = expanded.try_emplace({&item, counts});
+    if (is_new) it->second.first = model::expand_inline_connector(model, diags, compound_type, item, counts, it->second.second);
+    row.type = it->second.first;
+    data = &it->second.second;
+  }
+  const ConnectorType& type = model.connector_types[row.type];
+  if (row.ports.size() != type.params.size()) {
+    diags.report(Diag::kB2022, item.range, type.name, type.params.size(), row.ports.size());
+    return {};
+  }
+  if (item.has_star) {
+    for (std::size_t k = 0, path = 0, used = 0; k < row.ports.size(); ++k, ++used) {
+      while (used == counts[path]) used = 0, ++path;
+      if (model::fits(model, item.ports[path].type, type.params[k].type)) continue;
+      diags.report(Diag::kB2023, item.ports[path].range, type.params[k].name, model.port_types[item.ports[path].type].name, type.params[k].name, type.name, model.port_types[type.params[k].type].name);
+      return {};
+    }
+  }
+  for (const DataPath& d : *data) {
+    const std::optional<DataRef> ref = resolve_data(instance, d, self);
+    if (!ref) return {};
+    row.data.push_back(*ref);
+  }
+  for (const PortRef& ref : row.ports) {
+    if (ref.kind == PortRef::Kind::Connector) out.connectors[ref.connector].bound = true;
+  }
+  PendingConnector& p = instances[instance].pending[pending];
+  row.path = out.compounds[instances[instance].row].path + "." + p.name;
+  p.in_progress = false;
+  p.id = out.connectors.push(std::move(row));
+  if (!type.exports) check_components(p.id, item.range);
+  return p.id;
+}
+
+std::optional<DataRef> Instantiator::resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self) {
+  const std::optional<std::uint32_t> row = find(instances[instance], path.element, false, self, path.range);
+  if (!row) return std::nullopt;
+  const ComponentFamily& family = model.compound_types[instances[instance].type].components[path.element.family];
+  if (!family.is_compound) return DataRef{AtomId(*row), path.slot};
+  const DataExport& e = model.compound_types[instances[*row].type].data_exports[path.slot];
+  const std::vector<Value> inner = instances[*row].params;
+  return resolve_data(*row, e.target, inner);
+}
+
+// `define` always gives the interaction of all ports, so two ways to one atom would meet there.
+void Instantiator::check_components(ConnectorId id, SourceRange at) {
+  stamps.resize(out.atoms.size(), Element::kHole);
+  std::vector<ConnectorId> todo{id};
+  while (!todo.empty()) {
+    const Connector& c = out.connectors[todo.back()];
+    todo.pop_back();
+    for (const PortRef& ref : c.ports) {
+      if (ref.kind == PortRef::Kind::Connector) {
+        todo.push_back(ref.connector);
+      } else if (stamps[ref.atom.value] == id.value) {
+        diags.report(Diag::kB4007, at, out.atoms[ref.atom].path, out.connectors[id].path);
+        return;
+      } else {
+        stamps[ref.atom.value] = id.value;
+      }
+    }
+  }
+}
+
+}  // namespace bip::system

@@ -1,0 +1,205 @@
+// Promises of code.hpp: trees, types, variables in range and of the right type, parameters never written.
+//
+// Two walks, both iterative. The first marks every row that some guard or body reaches and finds rows with two parents,
+// cycles and depth; each row is met once. The second follows each use of a piece of code with the variables of its owner
+// (a guard may serve many priorities): linear in the uses, that is, in the printed text. Needs sound types and instances.
+#include "compiler/system/bsys_text.hpp"
+#include "compiler/system/validate_problems.hpp"
+
+namespace bip::system {
+namespace {
+
+using namespace text;
+
+/// Which variables a piece of code may write.
+enum class Writes : std::uint8_t { Nothing, Self, SelfAndBind };
+
+/// A row of the code with its nesting depth.
+struct Visit {
+  std::uint32_t row = 0;
+  std::uint32_t depth = 0;
+  bool is_stmt = false;
+};
+
+bool is_int_or_float(Type type) { return type == Type::Int || type == Type::Float; }
+
+class CodeChecker {
+ public:
+  CodeChecker(const System& system, Problems& problems)
+      : system_(system), code_(system.code), problems_(problems), expr_marks_(system.code.exprs.size(), Mark::New),
+        stmt_marks_(system.code.stmts.size(), Mark::New) {}
+
+  void guard(ExprId id, const CodeScope& scope) {
+    if (!id.is_valid() || !reach({id.value, 0, false})) return;
+    problems_.expect(code_.exprs[id].type == Type::Bool, "a guard is not a bool");
+    check({id.value, 0, false}, scope, Writes::Nothing);
+  }
+  void body(StmtId id, const CodeScope& scope, Writes writes) {
+    if (id.is_valid() && reach({id.value, 0, true})) check({id.value, 0, true}, scope, writes);
+  }
+
+ private:
+  enum class Mark : std::uint8_t { New, Root, Inner, Broken };
+
+  /// First walk. False if the tree under this root is broken (now or when it was met before).
+  bool reach(const Visit& root) {
+    const bool in_range = root.is_stmt ? code_.stmts.contains(StmtId(root.row)) : code_.exprs.contains(ExprId(root.row));
+    if (!problems_.expect(in_range, "code is no row")) return false;
+    Mark& mark = mark_of(root);
+    if (mark == Mark::Root) return true;
+    if (!problems_.expect(mark == Mark::New, "a row of code is a part of another one")) return false;
+    mark = Mark::Root;
+    stack_.assign(1, root);
+    while (!stack_.empty()) {
+      const Visit at = stack_.back();
+      stack_.pop_back();
+      if (!(at.is_stmt ? reach_from_stmt(at) : reach_from_expr(at))) {
+        mark_of(root) = Mark::Broken;
+        return false;
+      }
+    }
+    return true;
+  }
+  Mark& mark_of(const Visit& visit) { return visit.is_stmt ? stmt_marks_[visit.row] : expr_marks_[visit.row]; }
+
+  bool push_part(const Visit& part) {
+    const bool in_range = part.is_stmt ? part.row < stmt_marks_.size() : part.row < expr_marks_.size();
+    if (!problems_.expect(in_range, "a part of a row of code is no row")) return false;
+    if (!problems_.expect(mark_of(part) == Mark::New, "a row of code is a part of two")) return false;
+    if (!problems_.expect(part.depth <= kMaxCodeDepth, "code is nested too deep")) return false;
+    mark_of(part) = Mark::Inner;
+    stack_.push_back(part);
+    return true;
+  }
+  bool reach_from_expr(const Visit& at) {
+    const Expr& e = code_.exprs[ExprId(at.row)];
+    if (!problems_.expect(e.op <= Op::Ge && is_type(e.type), "an expression has no operator or no type")) return false;
+    check_loc(system_, e.loc, problems_);
+    const int count = operand_count(e.op);
+    return (count < 1 || push_part({e.a.value, at.depth + 1, false})) &&
+           (count < 2 || push_part({e.b.value, at.depth + 1, false}));
+  }
+  bool reach_from_stmt(const Visit& at) {
+    const Stmt& s = code_.stmts[StmtId(at.row)];
+    if (!problems_.expect(s.op <= StmtOp::If, "a statement has no operator")) return false;
+    check_loc(system_, s.loc, problems_);
+    if (!push_part({s.value.value, at.depth + 1, false})) return false;
+    if (s.op == StmtOp::If) {
+      if (s.then_body.is_valid() && !push_part({s.then_body.value, at.depth + 1, true})) return false;
+      if (s.else_body.is_valid() && !push_part({s.else_body.value, at.depth + 1, true})) return false;
+    }
+    return !s.next.is_valid() || push_part({s.next.value, at.depth, true});
+  }
+
+  /// Second walk, over a sound tree.
+  void check(const Visit& root, const CodeScope& scope, Writes writes) {
+    stack_.assign(1, root);
+    while (!stack_.empty()) {
+      const Visit at = stack_.back();
+      stack_.pop_back();
+      if (at.is_stmt) {
+        const Stmt& s = code_.stmts[StmtId(at.row)];
+        check_stmt(s, scope, writes);
+        stack_.push_back({s.value.value, 0, false});
+        if (s.op == StmtOp::If && s.then_body.is_valid()) stack_.push_back({s.then_body.value, 0, true});
+        if (s.op == StmtOp::If && s.else_body.is_valid()) stack_.push_back({s.else_body.value, 0, true});
+        if (s.next.is_valid()) stack_.push_back({s.next.value, 0, true});
+      } else {
+        const Expr& e = code_.exprs[ExprId(at.row)];
+        check_expr(e, scope);
+        if (operand_count(e.op) >= 1) stack_.push_back({e.a.value, 0, false});
+        if (operand_count(e.op) == 2) stack_.push_back({e.b.value, 0, false});
+      }
+    }
+  }
+
+  void check_stmt(const Stmt& s, const CodeScope& scope, Writes writes) {
+    const Type value = code_.exprs[s.value].type;
+    if (s.op == StmtOp::If) {
+      problems_.expect(value == Type::Bool, "a condition is not a bool");
+      return;
+    }
+    const bool to_self = s.op == StmtOp::StoreSelf;
+    const std::vector<ScopeVariable>& variables = to_self ? scope.self : scope.bind;
+    if (!problems_.expect(s.index < variables.size(), "an assignment to no variable")) return;
+    problems_.expect(s.type == variables[s.index].type && s.type == value, "an assignment of another type");
+    problems_.expect(variables[s.index].writable, "an assignment to a read-only variable");
+    problems_.expect(to_self || writes == Writes::SelfAndBind, "an assignment to a port's variable outside `down`");
+  }
+
+  void check_expr(const Expr& e, const CodeScope& scope) {
+    const Type a = operand_count(e.op) >= 1 ? code_.exprs[e.a].type : e.type;
+    const Type b = operand_count(e.op) == 2 ? code_.exprs[e.b].type : a;
+    bool sound = a == b;
+    switch (e.op) {
+      case Op::ConstInt: sound = e.type == Type::Int; break;
+      case Op::ConstFloat: sound = e.type == Type::Float; break;
+      case Op::ConstBool: sound = e.type == Type::Bool && (e.int_value == 0 || e.int_value == 1); break;
+      case Op::ConstString:
+        sound = e.type == Type::String && static_cast<std::uint32_t>(e.int_value) < code_.strings.size();
+        break;
+      case Op::LoadSelf: sound = e.index < scope.self.size() && scope.self[e.index].type == e.type; break;
+      case Op::LoadBind: sound = e.index < scope.bind.size() && scope.bind[e.index].type == e.type; break;
+      case Op::IntToFloat: sound = a == Type::Int && e.type == Type::Float; break;
+      case Op::Not: sound = a == Type::Bool && e.type == Type::Bool; break;
+      case Op::BitNot:
+      case Op::Mod:
+      case Op::BitAnd:
+      case Op::BitOr:
+      case Op::BitXor: sound = sound && a == Type::Int && e.type == a; break;
+      case Op::Neg:
+      case Op::Add:
+      case Op::Sub:
+      case Op::Mul:
+      case Op::Div: sound = sound && is_int_or_float(a) && e.type == a; break;
+      case Op::And:
+      case Op::Or: sound = sound && a == Type::Bool && e.type == a; break;
+      case Op::Eq:
+      case Op::Ne: sound = sound && e.type == Type::Bool; break;
+      case Op::Lt:
+      case Op::Gt:
+      case Op::Le:
+      case Op::Ge: sound = sound && is_int_or_float(a) && e.type == Type::Bool; break;
+    }
+    if (!sound) problems_.add("an expression has the wrong type, variable or constant");
+  }
+
+  const System& system_;
+  const CodeTable& code_;
+  Problems& problems_;
+  std::vector<Mark> expr_marks_, stmt_marks_;
+  std::vector<Visit> stack_;
+};
+
+}  // namespace
+
+void check_code(const System& system, Problems& problems) {
+  CodeChecker checker(system, problems);
+  for (std::size_t k = 0; k < system.atom_types.size(); ++k) {
+    const AtomType& type = system.atom_types.rows()[k];
+    const CodeScope scope = scope_of(type);
+    problems.at(Table::AtomTypes, k);
+    checker.body(type.initial_action, scope, Writes::Self);
+    for (const Transition& transition : type.transitions) {
+      checker.guard(transition.guard, scope);
+      checker.body(transition.action, scope, Writes::Self);
+    }
+  }
+  for (std::size_t k = 0; k < system.connector_types.size(); ++k) {
+    const ConnectorType& type = system.connector_types.rows()[k];
+    const CodeScope scope = scope_of(system, type);
+    problems.at(Table::ConnectorTypes, k);
+    for (const Clause& clause : type.clauses) {
+      checker.guard(clause.guard, scope);
+      checker.body(clause.up, scope, Writes::Self);
+      checker.body(clause.down, scope, Writes::SelfAndBind);
+    }
+  }
+  for (std::size_t k = 0; k < system.priorities.size(); ++k) {
+    const Priority& row = system.priorities.rows()[k];
+    problems.at(Table::Priorities, k);
+    if (row.guard.is_valid()) checker.guard(row.guard, scope_of(system, row));
+  }
+}
+
+}  // namespace bip::system

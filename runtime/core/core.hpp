@@ -1,0 +1,205 @@
+// The core: the only meaning of *enabled* and *fire* (compiler/docs/semantics.md). Engines, explorer, debugger and
+// replays all drive it: initialize, look at the candidates, fire one, look again.
+//
+// Needs an image with code in it, which must outlive it. After a step only the atoms that moved look at their
+// transitions, only connectors that watch what changed are looked at again: the cost of a step is proportional to what
+// the step touched. No allocation in steady state unless a guarded connector is searched.
+// Faults (R codes) stop it: initialize and fire return false, fault() tells why.
+#pragma once
+#include <vector>
+
+#include "runtime/core/fault.hpp"
+#include "runtime/core/priorities.hpp"
+#include "runtime/core/select.hpp"
+#include "runtime/core/tables.hpp"
+
+namespace bip::rt {
+
+struct CoreOptions {
+  MaximalProgress progress = MaximalProgress::On;
+  std::uint32_t internal_bound = 1000000;   // internal transitions in a row
+  std::uint32_t enumeration_bound = 1u << 16;  // interactions of one connector, when they must be listed
+};
+
+/// A step that may be taken: an interaction of a connector, or an internal port of an atom (connector == kNone).
+struct Candidate {
+  u32 slot = 0;                    // canonical order: slots, then configurations
+  u32 connector = kNone;
+  u32 atom = kNone, port = kNone;  // internal port
+  u32 config = 0;                  // row among the slot's configurations
+};
+/// Who takes part: an atom's port, or (direct participants only) the exported port of a connector.
+struct Participant {
+  u32 param = 0;
+  u32 atom = kNone, port = kNone;
+  u32 connector = kNone;
+};
+
+/// What a stable state is: markings and the atoms' data. Everything else follows from it.
+struct State {
+  std::vector<u32> places;       // by atom; for Petri types unused (0)
+  std::vector<u64> marks;        // bitsets of the Petri types' atoms, in atom order
+  std::vector<u64> data;         // the atoms' slots, as bits
+  friend bool operator==(const State&, const State&) = default;
+};
+
+class Core {
+ public:
+  explicit Core(const Image& image, CoreOptions options = {});
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+
+  /// The initial state. False: a fault.
+  [[nodiscard]] bool initialize();
+
+  [[nodiscard]] std::uint64_t candidate_count() const { return enabled_.total(); }
+  /// The k-th candidate in canonical order, k < candidate_count(). O(log slots).
+  [[nodiscard]] Candidate candidate(std::uint64_t k) const;
+  /// The number of the first candidate in a slot greater than `slot`, cyclically. O(log slots).
+  [[nodiscard]] std::uint64_t next_after(u32 slot) const;
+
+  /// Takes the step. False: a fault; the state is then between two stable ones.
+  bool fire(const Candidate& candidate);
+  bool fire(std::uint64_t k) { return fire(candidate(k)); }
+
+  /// The atom ports that take part, in the order in which they fire.
+  void participants(const Candidate& candidate, std::vector<Participant>& out);
+  /// The ports of the connector itself; exported ports of connectors below as such. Runs `up`, so that the values of those
+  /// are the ones that this candidate offers.
+  void direct_participants(const Candidate& candidate, std::vector<Participant>& out);
+
+  [[nodiscard]] State snapshot() const;
+  /// To a state of the same image. Cost: a comparison of the states, plus what differs.
+  bool restore(const State& state);
+
+  [[nodiscard]] const Fault& fault() const { return fault_; }
+  [[nodiscard]] const Image& image() const { return *tables_.image; }
+  [[nodiscard]] const Tables& tables() const { return tables_; }
+
+  // ---- looking at the state
+  [[nodiscard]] const Slot& slot(u32 row) const { return all_[row]; }
+  [[nodiscard]] bool is_marked(u32 atom, u32 place) const;
+  /// The transition (row of the type's) that the port would fire, or kNone if the port is disabled.
+  [[nodiscard]] u32 enabled_transition(u32 atom, u32 port) const;
+  /// Is a node of the availability network available? (semantics.md)
+  [[nodiscard]] bool is_available(u32 node) const { return nodes_[node].value >= 0; }
+  /// Candidates of the connector before priorities; 0 also if it exports a port.
+  [[nodiscard]] u32 listed_count(u32 connector) const;
+
+ private:
+  struct AtomState {
+    u32 place = kNone;
+    u32 port_base = 0, slot_base = 0;
+    u32 type = 0;
+    u32 watched = 0;
+  };
+  struct PortState {
+    u32 transition = kNone;  // row of Tables::transitions
+    u32 atom = 0;
+    u32 edge = 0;            // edge_count == 1: the node; else first row of port_out's items
+    u32 edge_count = 0;
+  };
+  struct NodeState {
+    std::int32_t value = 0;
+    u32 direct = 0;          // slots: crossing zero is all there is to know
+  };
+  /// The candidates of a searched slot.
+  struct Listing {
+    std::vector<u64> configs;  // Planned: count * words
+    u32 count = 0;
+    std::vector<std::uint8_t> hidden;  // by configuration; empty: none
+  };
+
+  // enabled.cpp
+  bool settle_atom(u32 atom, u32 place_before);
+  bool run_internals(u32 atom);
+  bool update_ports(u32 atom, u32 place_before);
+  bool move(u32 atom, const LinkedTransition& transition);
+  bool is_enabled_from(u32 atom, const LinkedTransition& transition, bool& enabled);
+  void set_port(u32 instance, u32 transition);
+  void flip(u32 instance, bool on);
+  void bump(u32 node, bool on);
+  void crossed(u32 node, bool on);
+  void touch(u32 atom);
+  void mark_dirty(u32 slot);
+
+  // fire.cpp
+  bool fire_port(u32 instance);
+  bool fire_flat(const SlotInfo& info);
+  bool fire_star(const SlotInfo& info);
+  bool fire_planned(const Candidate& candidate, const SlotInfo& info);
+  bool run_code(Code code, u32 connector);
+  void zero_frame(u32 connector);
+
+  // search.cpp: configurations of plans
+  using Bits = std::vector<u64>;
+  void look_at_availability(const Plan& plan, u32 root);
+  void choose_largest(const Plan& plan, u32 root);
+  void choose_bits(const Plan& plan, const u64* bits);
+  void bits_of_choice(const Plan& plan, Bits& bits) const;
+  bool evaluate(const Plan& plan, u32 root, u32& failed);
+  bool run_ups(const Plan& plan);
+  u32 chosen_clause(const Plan& plan, u32 use);
+  bool search(const Plan& plan, u32 root, std::vector<Bits>& found);
+  bool search_links(const Plan& plan);
+  bool initial_configurations(const Plan& plan, u32 root, std::vector<Bits>& out);
+  void smaller(const Plan& plan, u32 root, u32 failed, const Bits& bits, std::vector<Bits>& out);
+  bool enumerate(const Plan& plan, std::vector<Bits>& found);
+  bool list(u32 slot);
+  void choose(const Candidate& candidate, const Plan& plan);
+
+  // settle.cpp: after a step, what follows from what changed
+  bool settle();
+  bool settle_priorities();
+  bool evaluate_rule_guards();
+  bool recompute_component(u32 component);
+  void recount(u32 slot);
+  void weigh(u32 slot);
+  u32 base_count(u32 slot) const;
+  void direct_params(u32 slot, u32 config, std::vector<u32>& out) const;
+
+  // faults
+  bool fail(FaultCode code, u32 atom, const Transition* transition, const Transition* other);
+  bool fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition);
+  bool fail_connector(FaultCode code, u32 connector);
+  bool fail_rules(const std::vector<u32>& rules);
+
+  Tables tables_;
+  CoreOptions options_;
+  PriorityTables rules_;
+  Fault fault_;
+
+  std::vector<AtomState> atoms_;
+  std::vector<u64> marks_;
+  std::vector<Slot> all_;
+  std::vector<PortState> ports_;
+  std::vector<NodeState> nodes_;
+  EnabledSet enabled_;
+
+  std::vector<u32> dirty_;
+  std::vector<std::uint8_t> is_dirty_;     // by slot
+  std::vector<u32> listing_of_;            // by slot; kNone: not searched
+  std::vector<Listing> listings_;
+
+  std::vector<u32> dirty_rules_;
+  std::vector<std::uint8_t> is_rule_dirty_;
+  std::vector<RuleState> rule_states_;
+  std::vector<u32> contributions_;         // by high edge
+  std::vector<u32> changed_components_;
+  std::vector<std::uint8_t> is_component_changed_;
+  std::vector<u32> rule_todo_;
+  std::vector<u32> reweigh_;
+  std::vector<std::uint8_t> is_reweighed_;
+
+  // scratch
+  std::vector<u32> port_scratch_;
+  std::vector<std::pair<u32, bool>> crossings_;
+  std::vector<std::uint8_t> available_, chosen_;  // by plan node
+  std::vector<u32> node_scratch_;
+  std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links
+  std::vector<u32> use_clause_;
+  std::vector<u32> params_;
+  std::vector<std::pair<u32, u32>> use_stack_;
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,237 @@
+// What an atom offers, and how a port that becomes enabled or disabled spreads through the connectors.
+//
+// A fixed type (no guards, no internal transitions) needs no evaluation: each of its transitions has the list of ports
+// whose enabled transition changes. Others evaluate the guards of the transitions that leave what is marked. A flip walks
+// the availability network as long as counters cross zero: O(depth), and O(1) in a flat connector.
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+void Core::mark_dirty(u32 slot) {
+  if (is_dirty_[slot] != 0) return;
+  is_dirty_[slot] = 1;
+  dirty_.push_back(slot);
+}
+
+void Core::crossed(u32 node, bool on) {
+  const u32 slot_count = static_cast<u32>(is_dirty_.size());
+  if (node < slot_count) {
+    if (nodes_[node].direct == 0) {
+      mark_dirty(node);
+    } else if (tables_.any_searched) {
+      enabled_.set(node, on ? 1 : 0);
+    } else if (on) {
+      enabled_.insert(node);
+    } else {
+      enabled_.erase(node);
+    }
+    return;
+  }
+  // Inner groups: iterative, for the hierarchy may be deep. Each crossing moves every counter above by one, so the order
+  // in which crossings are worked off does not matter.
+  crossings_.emplace_back(node, on);
+  const std::size_t bottom = crossings_.size() - 1;
+  while (crossings_.size() > bottom) {
+    const auto [from, now] = crossings_.back();
+    crossings_.pop_back();
+    for (u32 above : tables_.node_out[from]) {
+      NodeState& state = nodes_[above];
+      const bool crosses = now ? ++state.value == 0 : state.value-- == 0;
+      if (!crosses) continue;
+      if (above < slot_count) crossed(above, now);
+      else crossings_.emplace_back(above, now);
+    }
+  }
+}
+
+inline void Core::bump(u32 node, bool on) {
+  NodeState& state = nodes_[node];
+  if (on) {
+    if (++state.value == 0) crossed(node, true);
+  } else {
+    if (state.value-- == 0) crossed(node, false);
+  }
+}
+
+void Core::flip(u32 instance, bool on) {
+  const PortState& port = ports_[instance];
+  if (port.edge_count == 1) {
+    bump(port.edge, on);
+  } else {
+    const u32* edges = tables_.port_out.items.data() + port.edge;
+    for (u32 i = 0; i < port.edge_count; ++i) bump(edges[i], on);
+  }
+  if (tables_.any_port_watch) {
+    for (u32 slot : tables_.port_watch[instance]) {
+      if (nodes_[slot].value >= 0) mark_dirty(slot);
+    }
+  }
+}
+
+inline void Core::set_port(u32 instance, u32 transition) {
+  PortState& port = ports_[instance];
+  const u32 before = port.transition;
+  port.transition = transition;
+  if ((before == kNone) != (transition == kNone)) flip(instance, transition != kNone);
+}
+
+void Core::touch(u32 atom) {
+  const u32 slot_count = static_cast<u32>(is_dirty_.size());
+  for (u32 item : tables_.atom_watch[atom]) {
+    if (item < slot_count) {
+      // What is not available has nothing to evaluate; becoming available marks it.
+      if (nodes_[item].value >= 0) mark_dirty(item);
+    } else if (is_rule_dirty_[item - slot_count] == 0) {
+      is_rule_dirty_[item - slot_count] = 1;
+      dirty_rules_.push_back(item - slot_count);
+    }
+  }
+}
+
+bool Core::is_enabled_from(u32 atom, const LinkedTransition& transition, bool& enabled) {
+  const AtomState& state = atoms_[atom];
+  enabled = true;
+  if (transition.from == kNone) {
+    for (u32 place : transition.source->from) {
+      if (!is_marked(atom, place)) {
+        enabled = false;
+        return true;
+      }
+    }
+  }
+  if (transition.guard.fn == nullptr) return true;
+  const std::int32_t status =
+      transition.guard.fn(transition.guard.context, all_.data() + state.slot_base, all_.data(), nullptr);
+  if (status >= 2) return fail_code(status, atom, kNone, transition.source);
+  enabled = status != 0;
+  return true;
+}
+
+// Tokens, then the action.
+bool Core::move(u32 atom, const LinkedTransition& transition) {
+  AtomState& state = atoms_[atom];
+  if (transition.to != kNone) {
+    state.place = transition.to;
+  } else {
+    u64* marks = marks_.data() + tables_.mark_base[atom];
+    for (u32 place : transition.source->from) marks[place >> 6] &= ~(u64{1} << (place & 63));
+    for (u32 place : transition.source->to) {
+      const u64 bit = u64{1} << (place & 63);
+      if ((marks[place >> 6] & bit) != 0) return fail(FaultCode::NotOneSafe, atom, transition.source, nullptr);
+      marks[place >> 6] |= bit;
+    }
+  }
+  if (transition.action.fn != nullptr) {
+    const std::int32_t status =
+        transition.action.fn(transition.action.context, all_.data() + state.slot_base, all_.data(), nullptr);
+    if (status >= 2) return fail_code(status, atom, kNone, transition.source);
+  }
+  return true;
+}
+
+bool Core::run_internals(u32 atom) {
+  const LinkedType& type = tables_.types[atoms_[atom].type];
+  for (std::uint32_t run = 0;; ++run) {
+    const LinkedTransition* found = nullptr;
+    const auto look = [&](const LinkedTransition& transition) {
+      bool enabled = false;
+      if (!is_enabled_from(atom, transition, enabled)) return false;
+      if (!enabled) return true;
+      if (found != nullptr) return fail(FaultCode::TwoInternals, atom, found->source, transition.source);
+      found = &transition;
+      return true;
+    };
+    if (type.mark_words == 0) {
+      for (u32 row : tables_.place_internals[type.first_place + atoms_[atom].place]) {
+        if (!look(tables_.transitions[row])) return false;
+      }
+    } else {
+      for (u32 i = 0; i < type.transition_count; ++i) {
+        const LinkedTransition& transition = tables_.transitions[type.first_transition + i];
+        if (transition.port == kNone && !look(transition)) return false;
+      }
+    }
+    if (found == nullptr) return true;
+    if (run >= options_.internal_bound) return fail(FaultCode::EndlessInternals, atom, found->source, nullptr);
+    if (!move(atom, *found)) return false;
+  }
+}
+
+bool Core::update_ports(u32 atom, u32 place_before) {
+  const AtomState& state = atoms_[atom];
+  const LinkedType& type = tables_.types[state.type];
+  u32* now = port_scratch_.data();
+  const auto look = [&](u32 row) {
+    const LinkedTransition& transition = tables_.transitions[row];
+    bool enabled = false;
+    if (!is_enabled_from(atom, transition, enabled)) return false;
+    if (!enabled) return true;
+    u32& slot = now[transition.port];
+    if (slot != kNone) {
+      return fail(FaultCode::TwoTransitions, atom, tables_.transitions[slot].source, transition.source);
+    }
+    slot = row;
+    return true;
+  };
+  if (type.mark_words == 0 && place_before != kNone) {
+    // Only ports that the two places offer can change.
+    const Span<u32> old_rows = tables_.place_transitions[type.first_place + place_before];
+    const Span<u32> rows = tables_.place_transitions[type.first_place + state.place];
+    for (u32 row : rows) now[tables_.transitions[row].port] = kNone;
+    if (place_before != state.place) {
+      for (u32 row : old_rows) now[tables_.transitions[row].port] = kNone;
+    }
+    for (u32 row : rows) {
+      if (!look(row)) return false;
+    }
+    if (place_before != state.place) {
+      for (u32 row : old_rows) {
+        const u32 port = tables_.transitions[row].port;
+        set_port(state.port_base + port, now[port]);
+      }
+    }
+    for (u32 row : rows) {
+      const u32 port = tables_.transitions[row].port;
+      set_port(state.port_base + port, now[port]);
+    }
+    return true;
+  }
+  const u32 ports = tables_.port_base[atom + 1] - state.port_base;
+  for (u32 port = 0; port < ports; ++port) now[port] = kNone;
+  if (type.mark_words == 0) {
+    for (u32 row : tables_.place_transitions[type.first_place + state.place]) {
+      if (!look(row)) return false;
+    }
+  } else {
+    for (u32 i = 0; i < type.transition_count; ++i) {
+      if (tables_.transitions[type.first_transition + i].port == kNone) continue;
+      if (!look(type.first_transition + i)) return false;
+    }
+  }
+  for (u32 port = 0; port < ports; ++port) set_port(state.port_base + port, now[port]);
+  return true;
+}
+
+bool Core::settle_atom(u32 atom, u32 place_before) {
+  if (tables_.types[atoms_[atom].type].has_internal && !run_internals(atom)) return false;
+  return update_ports(atom, place_before);
+}
+
+bool Core::fire_port(u32 instance) {
+  const PortState& port = ports_[instance];
+  const u32 atom = port.atom;
+  AtomState& state = atoms_[atom];
+  const LinkedTransition& transition = tables_.transitions[port.transition];
+  const u32 before = state.place;
+  if (!move(atom, transition)) return false;
+  if (tables_.types[state.type].fixed) {
+    const PortDelta* delta = tables_.deltas.data() + transition.delta_first;
+    for (u32 i = 0; i < transition.delta_count; ++i) set_port(state.port_base + delta[i].port, delta[i].transition);
+  } else if (!settle_atom(atom, before)) {
+    return false;
+  }
+  if (state.watched != 0) touch(atom);
+  return true;
+}
+
+}  // namespace bip::rt

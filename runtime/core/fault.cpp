@@ -1,0 +1,161 @@
+// Faults as data and as text. See fault.hpp.
+#include "runtime/core/fault.hpp"
+
+#include "runtime/core/core.hpp"
+#include "runtime/core/text.hpp"
+
+namespace bip::rt {
+
+const char* name_of(FaultCode code) {
+  switch (code) {
+    case FaultCode::None: return "";
+    case FaultCode::TwoTransitions: return "R0001";
+    case FaultCode::TwoInternals: return "R0002";
+    case FaultCode::NotOneSafe: return "R0003";
+    case FaultCode::EndlessInternals: return "R0004";
+    case FaultCode::DivisionByZero: return "R0005";
+    case FaultCode::DivisionOverflow: return "R0006";
+    case FaultCode::PriorityCycle: return "R0008";
+    case FaultCode::TooManyInteractions: return "R0009";
+  }
+  return "";
+}
+
+namespace {
+
+void append_position(std::string& out, const Image& image, Loc loc) {
+  append_line(out, image, loc);
+  if (loc.line == 0 || loc.column == 0) return;
+  out += ':';
+  append_number(out, loc.column);
+}
+std::string quoted(const char* name) { return std::string("`") + name + "`"; }
+
+}  // namespace
+
+std::string text_of(const Fault& fault, const Image& image, std::uint64_t seed, std::uint64_t step) {
+  std::string out = "error[";
+  out += name_of(fault.code);
+  out += "]: " + fault.what + "   (step ";
+  append_number(out, step);
+  out += ", seed ";
+  append_number(out, seed);
+  out += ")\n";
+  if (fault.loc.line != 0) {
+    out += "  --> ";
+    append_position(out, image, fault.loc);
+    out += '\n';
+  }
+  if (fault.other.line != 0) {
+    out += "  --> ";
+    append_position(out, image, fault.other);
+    out += '\n';
+  }
+  if (!fault.data.empty()) out += "  data: " + fault.data + '\n';
+  return out;
+}
+
+bool Core::fail(FaultCode code, u32 atom, const Transition* transition, const Transition* other) {
+  const AtomType& type = tables_.atom_type(atom);
+  fault_ = {};
+  fault_.code = code;
+  fault_.atom = atom;
+  fault_.port = transition->port;
+  fault_.loc = transition->loc;
+  if (other != nullptr) fault_.other = other->loc;
+  fault_.places = places_of(*this, atom);
+  fault_.data = data_of(*this, atom);
+  const std::string where = quoted(image().atoms[atom].path) + " at `" + fault_.places + "`";
+  const std::string port = transition->port == kNone ? "an internal transition" : "port " + quoted(type.ports[transition->port].name);
+  switch (code) {
+    case FaultCode::TwoTransitions: fault_.what = "two transitions of " + port + " are enabled in " + where; break;
+    case FaultCode::TwoInternals: fault_.what = "two internal transitions are enabled in " + where; break;
+    case FaultCode::NotOneSafe: {
+      // The tokens were taken: name the place that gets a second one.
+      std::string place;
+      for (u32 to : transition->to) {
+        if (place.empty() && is_marked(atom, to)) place = type.places[to];
+      }
+      fault_.what = port + " puts a second token on `" + place + "` in " + where;
+      break;
+    }
+    default:
+      fault_.what = "internal transitions run on without end in " + where + " (bound ";
+      append_number(fault_.what, options_.internal_bound);
+      fault_.what += ")";
+      break;
+  }
+  return false;
+}
+
+bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition) {
+  const u32 site = static_cast<u32>(status - 2) / 2;
+  const bool overflow = (static_cast<u32>(status - 2) & 1) == static_cast<u32>(FaultKind::DivisionOverflow);
+  fault_ = {};
+  fault_.code = overflow ? FaultCode::DivisionOverflow : FaultCode::DivisionByZero;
+  fault_.atom = atom;
+  fault_.connector = connector;
+  if (site < image().sites.size) fault_.loc = image().sites[site].loc;
+  fault_.what = overflow ? "the smallest int divided by -1" : "division by zero";
+  if (atom != kNone) {
+    const AtomType& type = tables_.atom_type(atom);
+    fault_.places = places_of(*this, atom);
+    fault_.data = data_of(*this, atom);
+    fault_.what += " in " + quoted(image().atoms[atom].path) + " at `" + fault_.places + "`";
+    if (transition == nullptr) {
+      fault_.what += ", while it is initialized";
+    } else if (transition->port == kNone) {
+      fault_.what += ", in an internal transition";
+    } else {
+      fault_.port = transition->port;
+      fault_.what += ", port " + quoted(type.ports[transition->port].name);
+    }
+  } else if (connector != kNone) {
+    fault_.what += " in connector " + quoted(image().connectors[connector].path);
+    // What the code read: the variables of the ports that are bound.
+    const Tables& t = tables_;
+    const ConnectorType& type = t.connector_type(connector);
+    for (u32 param = 0; param < type.params.size; ++param) {
+      const PortType& port = image().port_types[type.params[param].type];
+      for (u32 i = 0; i < port.vars.size; ++i) {
+        if (!fault_.data.empty()) fault_.data += ", ";
+        fault_.data += std::string(type.params[param].name) + "." + port.vars[i].name + " = ";
+        const u32 bind = image().connectors[connector].binds + type.params[param].first_bind + i;
+        append_value(fault_.data, image(), port.vars[i].type, all_[image().binds[bind]]);
+      }
+    }
+  } else {
+    fault_.what += " in the guard of a priority";
+  }
+  return false;
+}
+
+bool Core::fail_connector(FaultCode code, u32 connector) {
+  fault_ = {};
+  fault_.code = code;
+  fault_.connector = connector;
+  fault_.loc = image().connectors[connector].loc;
+  fault_.what = "too many interactions to enumerate in connector " + quoted(image().connectors[connector].path) + " (bound ";
+  append_number(fault_.what, options_.enumeration_bound);
+  fault_.what += ")";
+  return false;
+}
+
+bool Core::fail_rules(const std::vector<u32>& rules) {
+  fault_ = {};
+  fault_.code = FaultCode::PriorityCycle;
+  for (u32 rule : rules) {
+    const Priority& row = image().priorities[rule];
+    if (fault_.loc.line == 0) fault_.loc = row.loc;
+    else if (fault_.other.line == 0) fault_.other = row.loc;
+    fault_.what += fault_.what.empty() ? "priorities close a cycle: " : ", ";
+    fault_.what += quoted(row.name);
+  }
+  if (!rules.empty()) {
+    const u32 compound = image().priorities[rules[0]].parent;
+    if (compound < image().compounds.size) fault_.what += std::string(" in ") + quoted(image().compounds[compound].path);
+  }
+  return false;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,39 @@
+// A run-time error (an R code): data about where and what, and its text. The run stops at a fault.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "bip/image.hpp"
+
+namespace bip::rt {
+
+enum class FaultCode : std::uint8_t {
+  None,
+  TwoTransitions,        // R0001 two enabled transitions of the same port
+  TwoInternals,          // R0002 two internal transitions enabled
+  NotOneSafe,            // R0003 a token put on a marked place
+  EndlessInternals,      // R0004
+  DivisionByZero,        // R0005
+  DivisionOverflow,      // R0006 INT_MIN / -1
+  PriorityCycle,         // R0008
+  TooManyInteractions    // R0009
+};
+[[nodiscard]] const char* name_of(FaultCode code);  // "R0001"
+
+struct Fault {
+  FaultCode code = FaultCode::None;
+  std::uint32_t atom = kNone;
+  std::uint32_t connector = kNone;
+  std::uint32_t port = kNone;  // of the atom's type
+  Loc loc{};                   // line 0: none
+  Loc other{};                 // the second transition
+  std::string what;            // one line, names paths, ports and places
+  std::string places;          // of the atom, "A, B"
+  std::string data;            // of the atom, "x = 1, b = true"
+  [[nodiscard]] explicit operator bool() const { return code != FaultCode::None; }
+};
+
+/// The message as the tools print it, several lines with a newline at the end.
+[[nodiscard]] std::string text_of(const Fault& fault, const Image& image, std::uint64_t seed, std::uint64_t step);
+
+}  // namespace bip::rt

@@ -1,0 +1,187 @@
+// Firing: `up` again for the chosen configuration (frames may be stale), then from the top connector `down` and the
+// ports in parameter order, depth first; an atom's port takes its recorded transition, its guard is not evaluated again.
+//
+// Cost: what takes part. A flat rendezvous is a loop over port instances.
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+bool Core::fire(const Candidate& candidate) {
+  const SlotInfo& info = tables_.slots[candidate.slot];
+  bool done = false;
+  switch (info.kind) {
+    case SlotKind::Flat: done = fire_flat(info); break;
+    case SlotKind::Star: done = fire_star(info); break;
+    case SlotKind::Planned: done = fire_planned(candidate, info); break;
+    case SlotKind::Port: done = fire_port(info.row); break;
+  }
+  if (!done) return false;
+  if (dirty_.empty() && dirty_rules_.empty()) return true;
+  return settle();
+}
+
+void Core::zero_frame(u32 connector) {
+  const u32 size = tables_.connector_type(connector).slots.size;
+  Slot* frame = all_.data() + tables_.image->connectors[connector].slot_base;
+  for (u32 i = 0; i < size; ++i) frame[i] = Slot{0};
+}
+
+bool Core::run_code(Code code, u32 connector) {
+  if (code.fn == nullptr) return true;
+  const Connector& row = tables_.image->connectors[connector];
+  const std::int32_t status =
+      code.fn(code.context, all_.data() + row.slot_base, all_.data(), tables_.image->binds.data + row.binds);
+  return status < 2 || fail_code(status, kNone, connector, nullptr);
+}
+
+bool Core::fire_flat(const SlotInfo& info) {
+  if (info.clause != kNone) {
+    const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
+    zero_frame(info.row);
+    if (!run_code(tables_.code(clause.up), info.row) || !run_code(tables_.code(clause.down), info.row)) return false;
+  }
+  const u32* ports = tables_.flat_ports.data() + info.first;
+  for (u32 i = 0; i < info.count; ++i) {
+    if (!fire_port(ports[i])) return false;
+  }
+  return true;
+}
+
+// Whoever is ready takes part; that a port fires changes no other atom's readiness, so one pass finds and fires.
+bool Core::fire_star(const SlotInfo& info) {
+  const u32* ports = tables_.flat_ports.data() + info.first;
+  const u32 type_row = tables_.image->connectors[info.row].type;
+  if (!tables_.clause_order[type_row].empty()) {
+    params_.clear();
+    for (u32 i = 0; i < info.count; ++i) {
+      if (ports_[ports[i]].transition != kNone) params_.push_back(i);
+    }
+    const u32 row = tables_.clause_of(type_row, {params_.data(), static_cast<u32>(params_.size())});
+    if (row != kNone) {
+      const Clause& clause = tables_.connector_type(info.row).clauses[row];
+      zero_frame(info.row);
+      if (!run_code(tables_.code(clause.up), info.row) || !run_code(tables_.code(clause.down), info.row)) return false;
+    }
+  }
+  for (u32 i = 0; i < info.count; ++i) {
+    if (ports_[ports[i]].transition != kNone && !fire_port(ports[i])) return false;
+  }
+  return true;
+}
+
+void Core::choose(const Candidate& candidate, const Plan& plan) {
+  if (listing_of_[candidate.slot] != kNone) {
+    choose_bits(plan, listings_[listing_of_[candidate.slot]].configs.data() + std::size_t{candidate.config} * plan.words);
+    return;
+  }
+  look_at_availability(plan, 0);
+  choose_largest(plan, 0);
+}
+
+bool Core::run_ups(const Plan& plan) {
+  // Parents come before children in a plan: backwards is bottom up.
+  for (u32 i = plan.use_count; i-- > 0;) {
+    const PlanUse& use = tables_.plan_uses[plan.first_use + i];
+    if (chosen_[use.root] == 0) continue;
+    zero_frame(use.connector);
+    const u32 row = chosen_clause(plan, i);
+    use_clause_[i] = row;
+    if (row == kNone) continue;
+    if (!run_code(tables_.code(tables_.connector_type(use.connector).clauses[row].up), use.connector)) return false;
+  }
+  return true;
+}
+
+bool Core::fire_planned(const Candidate& candidate, const SlotInfo& info) {
+  const Plan& plan = tables_.plans[info.plan];
+  const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
+  choose(candidate, plan);
+  if (!run_ups(plan)) return false;
+  // Depth first over (use, next parameter); a stack, for the hierarchy may be deep.
+  use_stack_.clear();
+  use_stack_.emplace_back(0, 0);
+  while (!use_stack_.empty()) {
+    const u32 at = use_stack_.back().first;
+    const u32 param = use_stack_.back().second++;
+    const PlanUse& use = tables_.plan_uses[plan.first_use + at];
+    const ConnectorType& type = tables_.connector_type(use.connector);
+    if (param == 0 && use_clause_[at] != kNone) {
+      if (!run_code(tables_.code(type.clauses[use_clause_[at]].down), use.connector)) return false;
+    }
+    if (param == type.params.size) {
+      use_stack_.pop_back();
+      continue;
+    }
+    const u32 node = tables_.plan_params[use.first_param + param];
+    if (node == kNone || chosen_[node] == 0) continue;
+    if (nodes[node].kind == NodeKind::Link) {
+      use_stack_.emplace_back(nodes[node].use, 0);
+    } else if (!fire_port(nodes[node].ref)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void Core::participants(const Candidate& candidate, std::vector<Participant>& out) {
+  out.clear();
+  const SlotInfo& info = tables_.slots[candidate.slot];
+  const auto add = [&](u32 param, u32 instance) {
+    const u32 atom = tables_.port_atom[instance];
+    out.push_back({param, atom, instance - tables_.port_base[atom], kNone});
+  };
+  if (info.kind == SlotKind::Port) {
+    add(0, info.row);
+    return;
+  }
+  if (info.kind != SlotKind::Planned) {
+    for (u32 i = 0; i < info.count; ++i) {
+      const u32 instance = tables_.flat_ports[info.first + i];
+      if (ports_[instance].transition != kNone) add(i, instance);
+    }
+    return;
+  }
+  const Plan& plan = tables_.plans[info.plan];
+  const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
+  choose(candidate, plan);
+  use_stack_.clear();
+  use_stack_.emplace_back(0, 0);
+  while (!use_stack_.empty()) {
+    const PlanUse& use = tables_.plan_uses[plan.first_use + use_stack_.back().first];
+    const u32 param = use_stack_.back().second++;
+    if (param == tables_.connector_type(use.connector).params.size) {
+      use_stack_.pop_back();
+      continue;
+    }
+    const u32 node = tables_.plan_params[use.first_param + param];
+    if (node == kNone || chosen_[node] == 0) continue;
+    if (nodes[node].kind == NodeKind::Link) use_stack_.emplace_back(nodes[node].use, 0);
+    else add(param, nodes[node].ref);
+  }
+}
+
+void Core::direct_participants(const Candidate& candidate, std::vector<Participant>& out) {
+  const SlotInfo& info = tables_.slots[candidate.slot];
+  if (info.kind != SlotKind::Planned) {
+    participants(candidate, out);
+    return;
+  }
+  out.clear();
+  const Plan& plan = tables_.plans[info.plan];
+  choose(candidate, plan);
+  // The same `up`s ran when the candidate was listed or will when it fires; a fault shows there.
+  const Fault before = fault_;
+  (void)run_ups(plan);
+  fault_ = before;
+  const PlanUse& use = tables_.plan_uses[plan.first_use];
+  const ConnectorType& type = tables_.connector_type(use.connector);
+  for (u32 param = 0; param < type.params.size; ++param) {
+    const u32 node = tables_.plan_params[use.first_param + param];
+    if (node == kNone || chosen_[node] == 0) continue;
+    const PortRef& ref = tables_.port_ref(use.connector, param);
+    if (ref.atom != kNone) out.push_back({param, ref.atom, ref.port, kNone});
+    else out.push_back({param, kNone, kNone, ref.connector});
+  }
+}
+
+}  // namespace bip::rt

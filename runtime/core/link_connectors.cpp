@@ -1,0 +1,304 @@
+// Linking, second part: slots (what can be a candidate, in canonical order), plans (connectors with their hierarchy
+// expanded), the availability network and the watch lists. See tables.hpp.
+#include <algorithm>
+
+#include "runtime/core/tables.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// Connectors for which a priority rule names interactions: which one is a candidate must be known before it fires.
+std::vector<bool> named_by_priorities(const Image& image) {
+  std::vector<bool> named(image.connectors.size, false);
+  for (const Priority& rule : image.priorities) {
+    for (const Pattern* pattern : {&rule.low, &rule.high}) {
+      if (!pattern->any_connector && !pattern->any_interaction) named[pattern->connector] = true;
+    }
+  }
+  return named;
+}
+
+struct Shape {
+  bool one_level = true;  // the root group holds atom ports only
+  bool trigger = false;
+  bool guard = false;
+};
+Shape shape_of(const Tables& tables, u32 connector) {
+  const ConnectorType& type = tables.connector_type(connector);
+  Shape shape;
+  for (const DefineNode& node : type.define) shape.trigger |= node.trigger;
+  shape.one_level = !type.define[0].is_leaf;
+  for (u32 child : type.define[0].children) {
+    shape.one_level &= type.define[child].is_leaf && tables.port_ref(connector, type.define[child].param).atom != kNone;
+  }
+  for (const Clause& clause : type.clauses) shape.guard |= clause.guard != kNone;
+  return shape;
+}
+
+}  // namespace
+
+void link_slots(Tables& tables, MaximalProgress progress) {
+  const Image& image = *tables.image;
+  const std::vector<bool> named = named_by_priorities(image);
+  tables.clause_order.resize(image.connector_types.size);
+  for (u32 i = 0; i < image.connector_types.size; ++i) {
+    const ConnectorType& type = image.connector_types[i];
+    for (u32 row = 0; row < type.clauses.size; ++row) tables.clause_order[i].push_back(row);
+    std::stable_sort(tables.clause_order[i].begin(), tables.clause_order[i].end(), [&](u32 a, u32 b) {
+      const Span<u32>&x = type.clauses[a].params, &y = type.clauses[b].params;
+      return std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
+    });
+  }
+
+  tables.slot_of_connector.assign(image.connectors.size, kNone);
+  for (u32 connector = 0; connector < image.connectors.size; ++connector) {
+    const ConnectorType& type = tables.connector_type(connector);
+    if (type.exports) continue;
+    tables.slot_of_connector[connector] = static_cast<u32>(tables.slots.size());
+    const Shape shape = shape_of(tables, connector);
+    SlotInfo slot;
+    slot.row = connector;
+    // A group under a trigger that may be chosen in several ways is listed when maximal progress is off, or by name.
+    const bool listed = shape.trigger && (progress == MaximalProgress::Off || named[connector]);
+    if (shape.one_level && !shape.trigger) {
+      slot.kind = SlotKind::Flat;
+      slot.searched = shape.guard;
+    } else if (shape.one_level && !shape.guard && !listed) {
+      slot.kind = SlotKind::Star;
+    } else {
+      slot.kind = SlotKind::Planned;
+      // Hierarchy: link_plans adds what lies below.
+      slot.searched = shape.guard || progress == MaximalProgress::Off || named[connector];
+    }
+    if (slot.kind != SlotKind::Planned) {
+      // Parameter order, for it is the order of firing.
+      slot.first = static_cast<u32>(tables.flat_ports.size());
+      slot.count = type.params.size;
+      std::vector<u32> params;
+      for (u32 param = 0; param < type.params.size; ++param) {
+        const PortRef& ref = tables.port_ref(connector, param);
+        tables.flat_ports.push_back(tables.instance(ref.atom, ref.port));
+        params.push_back(param);
+      }
+      if (slot.kind == SlotKind::Flat) {
+        slot.clause = tables.clause_of(image.connectors[connector].type, {params.data(), slot.count});
+      }
+    }
+    tables.any_searched |= slot.searched;
+    tables.slots.push_back(slot);
+  }
+  tables.connector_slots = static_cast<u32>(tables.slots.size());
+
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    const AtomType& type = tables.atom_type(atom);
+    for (u32 port = 0; port < type.ports.size; ++port) {
+      if (type.ports[port].exported) continue;
+      SlotInfo slot;
+      slot.kind = SlotKind::Port;
+      slot.row = tables.instance(atom, port);
+      tables.slots.push_back(slot);
+    }
+  }
+}
+
+void link_plans(Tables& tables) {
+  // What is still to be added, last first: a define node of a use, below a node of the plan.
+  struct Todo {
+    u32 use, define, parent;
+    bool trigger;
+  };
+  std::vector<Todo> todo;
+  for (u32 slot = 0; slot < tables.connector_slots; ++slot) {
+    SlotInfo& info = tables.slots[slot];
+    if (info.kind != SlotKind::Planned) continue;
+    Plan plan;
+    plan.connector = info.row;
+    plan.first_node = static_cast<u32>(tables.plan_nodes.size());
+    plan.first_use = static_cast<u32>(tables.plan_uses.size());
+    const auto add_use = [&](u32 connector, u32 link) {
+      const ConnectorType& type = tables.connector_type(connector);
+      for (const Clause& clause : type.clauses) plan.guarded |= clause.guard != kNone;
+      tables.plan_uses.push_back({connector, 0, static_cast<u32>(tables.plan_params.size()), link});
+      tables.plan_params.resize(tables.plan_params.size() + type.params.size, kNone);
+      const u32 use = static_cast<u32>(tables.plan_uses.size()) - 1 - plan.first_use;
+      todo.push_back({use, 0, link, false});
+    };
+    add_use(info.row, kNone);
+    while (!todo.empty()) {
+      const Todo next = todo.back();
+      todo.pop_back();
+      PlanUse& use = tables.plan_uses[plan.first_use + next.use];
+      const DefineNode& define = tables.connector_type(use.connector).define[next.define];
+      const u32 row = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
+      PlanNode node;
+      node.trigger = next.trigger;
+      node.parent = next.parent;
+      node.leaf = plan.leaves;
+      node.use = next.use;
+      if (next.define == 0) use.root = row;
+      if (!define.is_leaf) {
+        node.kind = NodeKind::Group;
+        node.children = define.children.size;
+        for (u32 i = define.children.size; i-- > 0;) {
+          const u32 child = define.children[i];
+          const bool trigger = tables.connector_type(use.connector).define[child].trigger;
+          node.has_trigger |= trigger;
+          todo.push_back({next.use, child, row, trigger});
+        }
+        tables.plan_nodes.push_back(node);
+        continue;
+      }
+      tables.plan_params[use.first_param + define.param] = row;
+      const PortRef& ref = tables.port_ref(use.connector, define.param);
+      if (ref.atom != kNone) {
+        node.kind = NodeKind::Leaf;
+        node.ref = tables.instance(ref.atom, ref.port);
+        ++plan.leaves;
+        tables.plan_nodes.push_back(node);
+      } else {
+        node.kind = NodeKind::Link;
+        node.maximal_only = ref.maximal_only;
+        node.children = 1;
+        node.ref = ref.connector;
+        node.use = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
+        tables.plan_nodes.push_back(node);
+        add_use(ref.connector, row);
+      }
+    }
+    plan.node_count = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
+    plan.use_count = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
+    plan.words = (plan.leaves + 63) / 64;
+    PlanNode* nodes = tables.plan_nodes.data() + plan.first_node;
+    for (u32 i = plan.node_count; i-- > 0;) {
+      nodes[i].end = std::max(nodes[i].end, i + 1);
+      if (nodes[i].parent != kNone) nodes[nodes[i].parent].end = std::max(nodes[nodes[i].parent].end, nodes[i].end);
+    }
+    info.searched |= plan.guarded;
+    tables.any_searched |= info.searched;
+    info.plan = static_cast<u32>(tables.plans.size());
+    tables.plans.push_back(plan);
+  }
+}
+
+void link_network(Tables& tables) {
+  const Image& image = *tables.image;
+  // A node for each group that is not the root of a slot's connector.
+  std::vector<u32> root_node(image.connectors.size);
+  tables.node_start.assign(tables.slots.size(), -1);
+  std::vector<Csr::Pair> from_ports, from_nodes;
+  for (u32 slot = tables.connector_slots; slot < tables.slots.size(); ++slot) from_ports.push_back({tables.slots[slot].row, slot});
+
+  std::vector<u32> group;  // by define node of the connector at hand
+  for (u32 connector = 0; connector < image.connectors.size; ++connector) {
+    const ConnectorType& type = tables.connector_type(connector);
+    group.assign(type.define.size, kNone);
+    for (u32 i = 0; i < type.define.size; ++i) {
+      // A root that is a leaf counts as a group of one.
+      if (type.define[i].is_leaf && i != 0) continue;
+      if (i == 0 && tables.slot_of_connector[connector] != kNone) {
+        group[i] = tables.slot_of_connector[connector];
+      } else {
+        group[i] = static_cast<u32>(tables.node_start.size());
+        tables.node_start.push_back(0);
+      }
+    }
+    root_node[connector] = group[0];
+    const auto bind = [&](u32 param, u32 node) {
+      const PortRef& ref = tables.port_ref(connector, param);
+      if (ref.atom != kNone) from_ports.push_back({tables.instance(ref.atom, ref.port), node});
+      else from_nodes.push_back({root_node[ref.connector], node});
+    };
+    for (u32 i = 0; i < type.define.size; ++i) {
+      const DefineNode& node = type.define[i];
+      if (node.is_leaf) {
+        if (i == 0) {
+          tables.node_start[group[0]] = -1;
+          bind(node.param, group[0]);
+        }
+        continue;
+      }
+      bool has_trigger = false;
+      for (u32 child : node.children) has_trigger |= type.define[child].trigger;
+      const bool by_trigger = has_trigger || node.children.size == 0;
+      tables.node_start[group[i]] = by_trigger ? -1 : -static_cast<std::int32_t>(node.children.size);
+      for (u32 child : node.children) {
+        if (has_trigger && !type.define[child].trigger) continue;
+        if (type.define[child].is_leaf) bind(type.define[child].param, group[i]);
+        else from_nodes.push_back({group[child], group[i]});
+      }
+    }
+  }
+  tables.port_out = Csr::build(tables.port_atom.size(), from_ports);
+  tables.node_out = Csr::build(tables.node_start.size(), from_nodes);
+}
+
+void link_watches(Tables& tables) {
+  const Image& image = *tables.image;
+  std::vector<Csr::Pair> ports, atoms;
+  // Bound rows beyond the parameters' variables are data of components that take part: whose they are is found by slot.
+  std::vector<u32> bases;
+  for (const Atom& atom : image.atoms) bases.push_back(atom.slot_base);
+  const bool sorted = std::is_sorted(bases.begin(), bases.end());
+  const auto atom_of = [&](u32 row) {
+    if (sorted) return static_cast<u32>(std::upper_bound(bases.begin(), bases.end(), row) - bases.begin()) - 1;
+    u32 best = 0;
+    for (u32 i = 0; i < bases.size(); ++i) {
+      if (bases[i] <= row && bases[best] <= bases[i]) best = i;
+    }
+    return best;
+  };
+  const auto watch_reads = [&](u32 connector, u32 slot) {
+    const ConnectorType& type = tables.connector_type(connector);
+    const Connector& row = image.connectors[connector];
+    u32 first = 0;
+    for (const ConnectorParam& param : type.params) {
+      first = std::max(first, param.first_bind + image.port_types[param.type].vars.size);
+    }
+    for (u32 i = first; i < row.bind_count; ++i) atoms.push_back({atom_of(image.binds[row.binds + i]), slot});
+  };
+  const auto watch_data = [&](u32 instance, u32 slot) {
+    const u32 atom = tables.port_atom[instance];
+    const Port& port = tables.atom_type(atom).ports[instance - tables.port_base[atom]];
+    if (port.slots.size != 0) atoms.push_back({atom, slot});
+  };
+  for (u32 slot = 0; slot < tables.connector_slots; ++slot) {
+    const SlotInfo& info = tables.slots[slot];
+    if (!info.searched) continue;
+    if (info.kind == SlotKind::Flat) {
+      // Its counter tells of flips; only the guard looks at data.
+      for (u32 i = 0; i < info.count; ++i) watch_data(tables.flat_ports[info.first + i], slot);
+      watch_reads(info.row, slot);
+      continue;
+    }
+    const Plan& plan = tables.plans[info.plan];
+    for (u32 i = 0; i < plan.node_count; ++i) {
+      const PlanNode& node = tables.plan_nodes[plan.first_node + i];
+      if (node.kind != NodeKind::Leaf) continue;
+      ports.push_back({node.ref, slot});
+      if (plan.guarded) watch_data(node.ref, slot);
+    }
+    if (!plan.guarded) continue;
+    for (u32 i = 0; i < plan.use_count; ++i) watch_reads(tables.plan_uses[plan.first_use + i].connector, slot);
+  }
+  for (u32 rule = 0; rule < image.priorities.size; ++rule) {
+    const Priority& row = image.priorities[rule];
+    if (row.guard == kNone) continue;
+    for (u32 i = 0; i < row.bind_count; ++i) {
+      atoms.push_back({atom_of(image.binds[row.binds + i]), static_cast<u32>(tables.slots.size()) + rule});
+    }
+  }
+  const auto tidy = [](std::vector<Csr::Pair>& pairs) {
+    const auto key = [](const Csr::Pair& p) { return u64{p.from} << 32 | p.to; };
+    std::sort(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) < key(b); });
+    pairs.erase(std::unique(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) == key(b); }),
+                pairs.end());
+  };
+  tidy(ports);
+  tidy(atoms);
+  tables.any_port_watch = !ports.empty();
+  tables.port_watch = Csr::build(tables.port_atom.size(), ports);
+  tables.atom_watch = Csr::build(image.atoms.size, atoms);
+}
+
+}  // namespace bip::rt

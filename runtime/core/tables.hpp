@@ -1,0 +1,154 @@
+// What the core derives from an image once, before the first step: flat numbers for port instances, transitions by place,
+// the availability network (one counter a group of a connector's `define` tree) and who watches what.
+//
+// Cost: linear in the image, plus one plan (an expanded tree) for each connector that is not a flat rendezvous. Constant
+// afterwards; every Core of the same image could share it.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "bip/image.hpp"
+
+namespace bip::rt {
+
+using u32 = std::uint32_t;
+using u64 = std::uint64_t;
+
+/// Rows [first[i], first[i + 1]) of `items` belong to i.
+struct Csr {
+  std::vector<u32> first{0};
+  std::vector<u32> items;
+  [[nodiscard]] Span<u32> operator[](std::size_t i) const { return {items.data() + first[i], first[i + 1] - first[i]}; }
+  struct Pair {
+    u32 from, to;
+  };
+  /// Keeps the order of pairs with equal `from`.
+  static Csr build(std::size_t rows, const std::vector<Pair>& pairs);
+};
+
+// ---- atoms -------------------------------------------------------------------------------------------------------
+struct LinkedTransition {
+  Code guard, action;  // fn null: none
+  u32 port;            // of the type; kNone: internal
+  u32 from, to;        // the place, if the type is an automaton
+  u32 delta_first, delta_count;  // rows of Tables::deltas, if the type is fixed
+  const Transition* source;
+};
+/// Firing a transition of a fixed type makes `transition` (or none) the enabled one of `port`.
+struct PortDelta {
+  u32 port, transition;
+};
+struct LinkedType {
+  u32 first_transition = 0, transition_count = 0;  // rows of Tables::transitions
+  u32 first_place = 0;      // rows of place_transitions and place_internals (automata)
+  u32 mark_words = 0;       // 64-bit words of a marking; 0: automaton, the marking is one place
+  bool fixed = false;       // automaton without guards and internal transitions: its marking says which ports are enabled
+  bool has_internal = false;
+  Code initial;
+};
+
+// ---- connectors --------------------------------------------------------------------------------------------------
+enum class SlotKind : std::uint8_t {
+  Flat,     // rendezvous of atom ports
+  Star,     // one level with triggers, atom ports only, no guard
+  Planned,  // everything else
+  Port      // an internal port
+};
+/// A slot of the candidate order: a connector that exports no port, or an internal port of an atom.
+struct SlotInfo {
+  SlotKind kind = SlotKind::Flat;
+  bool searched = false;       // may have several candidates, or guards: its candidates are listed when something changed
+  u32 row = 0;                 // Image::connectors, or the port instance
+  u32 first = 0, count = 0;    // Flat, Star: rows of flat_ports, in parameter order
+  u32 clause = kNone;          // Flat: row in the connector type's clauses
+  u32 plan = kNone;            // Planned: row of plans
+};
+
+enum class NodeKind : std::uint8_t { Group, Leaf, Link };
+/// A node of a plan, preorder. A Link is a parameter bound to a connector; its one child is that connector's root group.
+struct PlanNode {
+  NodeKind kind = NodeKind::Group;
+  bool trigger = false;        // among its siblings
+  bool has_trigger = false;    // Group: among its children
+  bool maximal_only = false;   // Link
+  u32 parent = kNone;          // row in the plan
+  u32 end = 0;                 // one past its subtree
+  u32 children = 0;            // Group, Link: number of
+  u32 ref = 0;                 // Leaf: port instance
+  u32 leaf = 0;                // number of leaves before it
+  u32 use = 0;                 // the plan's use of a connector that it belongs to; Link: the use it leads to
+};
+/// A connector within a plan; parents before children.
+struct PlanUse {
+  u32 connector = 0;
+  u32 root = 0;                // its root group, row in the plan
+  u32 first_param = 0;         // rows of plan_params: node of each parameter, row in the plan
+  u32 link = kNone;            // node
+};
+struct Plan {
+  u32 connector = 0;
+  u32 first_node = 0, node_count = 0;
+  u32 first_use = 0, use_count = 0;
+  u32 leaves = 0, words = 0;   // 64-bit words of a configuration
+  bool guarded = false;        // a clause in its tree has a guard
+};
+
+struct Tables {
+  const Image* image = nullptr;
+
+  std::vector<LinkedType> types;
+  std::vector<LinkedTransition> transitions;
+  std::vector<PortDelta> deltas;
+  Csr place_transitions;       // by first_place + place: rows of transitions with a port
+  Csr place_internals;         // the same, internal ones
+  std::vector<u32> port_base;  // by atom, and the total: number of its port 0 among all port instances
+  std::vector<u32> port_atom;  // by port instance
+  std::vector<u32> mark_base;  // by atom (Petri types): first word
+  u32 mark_words = 0;
+  u32 atom_slots = 0;          // slots [0, atom_slots) belong to atoms
+
+  std::vector<SlotInfo> slots;
+  std::vector<u32> flat_ports;
+  std::vector<u32> slot_of_connector;  // kNone if it exports a port
+  u32 connector_slots = 0;             // slots below are connectors, the rest internal ports
+
+  // Availability network. Nodes [0, slots.size()) are the slots, the rest inner groups.
+  std::vector<std::int32_t> node_start;  // value with every port disabled; the node is available iff value >= 0
+  Csr node_out;                          // by node: nodes that count it
+  Csr port_out;                          // by port instance: nodes that count it
+  Csr port_watch;                        // by port instance: slots to search again when it flips
+  Csr atom_watch;                        // by atom: what reads its data; slots, or priority rules + slots.size()
+  bool any_port_watch = false;
+  bool any_searched = false;
+
+  std::vector<Plan> plans;
+  std::vector<PlanNode> plan_nodes;
+  std::vector<PlanUse> plan_uses;
+  std::vector<u32> plan_params;
+  std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
+
+  [[nodiscard]] const AtomType& atom_type(u32 atom) const { return image->atom_types[image->atoms[atom].type]; }
+  [[nodiscard]] const ConnectorType& connector_type(u32 connector) const {
+    return image->connector_types[image->connectors[connector].type];
+  }
+  [[nodiscard]] const PortRef& port_ref(u32 connector, u32 param) const {
+    return image->port_refs[image->connectors[connector].ports + param];
+  }
+  [[nodiscard]] u32 instance(u32 atom, u32 port) const { return port_base[atom] + port; }
+  /// The clause of a type for exactly these sorted parameters, or kNone. O(log clauses * params).
+  [[nodiscard]] u32 clause_of(u32 connector_type_row, Span<u32> params) const;
+  [[nodiscard]] Code code(u32 row) const { return row == kNone ? Code{} : image->codes[row]; }
+};
+
+enum class MaximalProgress : std::uint8_t { On, Off };
+
+[[nodiscard]] Tables link(const Image& image, MaximalProgress progress);
+
+// The parts of link, in this order.
+void link_atoms(Tables& tables);
+void link_slots(Tables& tables, MaximalProgress progress);
+void link_plans(Tables& tables);
+void link_network(Tables& tables);
+void link_watches(Tables& tables);
+
+}  // namespace bip::rt

@@ -1,0 +1,94 @@
+// See text.hpp.
+#include "runtime/core/text.hpp"
+
+#include <charconv>
+#include <cstring>
+
+namespace bip::rt {
+
+void append_number(std::string& out, std::uint64_t value) {
+  char buffer[24];
+  out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+}
+
+void append_double(std::string& out, double value) {
+  char buffer[40];
+  const char* end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  out.append(buffer, end);
+  // inf and nan have letters, exponents an e.
+  if (std::string_view(buffer, static_cast<std::size_t>(end - buffer)).find_first_of(".einf") == std::string_view::npos) out += ".0";
+}
+
+void append_quoted(std::string& out, const char* text) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  out += '"';
+  for (; *text != '\0'; ++text) {
+    const auto c = static_cast<unsigned char>(*text);
+    switch (c) {
+      case '"': out += "\\\""; break;
+      case '\\': out += "\\\\"; break;
+      case '\n': out += "\\n"; break;
+      case '\t': out += "\\t"; break;
+      case '\r': out += "\\r"; break;
+      case '\b': out += "\\b"; break;
+      case '\f': out += "\\f"; break;
+      default:
+        if (c < 0x20) {
+          out += "\\u00";
+          out += kHex[c >> 4];
+          out += kHex[c & 15];
+        } else {
+          out += static_cast<char>(c);
+        }
+    }
+  }
+  out += '"';
+}
+
+void append_value(std::string& out, const Image& image, SlotType type, Slot value) {
+  switch (type) {
+    case SlotType::Int: {
+      char buffer[16];
+      out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value.i).ptr);
+      break;
+    }
+    case SlotType::Bool: out += value.i != 0 ? "true" : "false"; break;
+    case SlotType::Float: append_double(out, value.f); break;
+    case SlotType::String: append_quoted(out, image.strings.size == 0 ? "" : image.strings[static_cast<u32>(value.i)]); break;
+  }
+}
+
+void append_line(std::string& out, const Image& image, Loc loc) {
+  if (loc.line == 0 || loc.file >= image.files.size) return;
+  out += image.files[loc.file];
+  out += ':';
+  append_number(out, loc.line);
+}
+
+const char* relative(const char* path) { return std::strncmp(path, "ROOT.", 5) == 0 ? path + 5 : path; }
+
+std::string places_of(const Core& core, u32 atom) {
+  const AtomType& type = core.tables().atom_type(atom);
+  std::string out;
+  for (u32 place = 0; place < type.places.size; ++place) {
+    if (!core.is_marked(atom, place)) continue;
+    if (!out.empty()) out += ", ";
+    out += type.places[place];
+  }
+  return out;
+}
+
+std::string data_of(const Core& core, u32 atom) {
+  const AtomType& type = core.tables().atom_type(atom);
+  const u32 base = core.image().atoms[atom].slot_base;
+  std::string out;
+  for (u32 i = 0; i < type.slots.size; ++i) {
+    if (i != 0) out += ", ";
+    out += type.slots[i].name;
+    out += " = ";
+    append_value(out, core.image(), type.slots[i].type, core.slot(base + i));
+  }
+  return out;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,26 @@
+// Small pieces of text that traces, stories and faults share: values, places, locations, paths without the root's name.
+#pragma once
+#include <string>
+
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+/// Shortest text that reads back as the same number; `1` becomes `1.0`, so that it still reads as a float. Not for JSON's
+/// nan and inf.
+void append_double(std::string& out, double value);
+void append_number(std::string& out, std::uint64_t value);
+/// A string constant with quotes and escapes (JSON's).
+void append_quoted(std::string& out, const char* text);
+/// `1`, `true`, `2.5`, `"text"`.
+void append_value(std::string& out, const Image& image, SlotType type, Slot value);
+/// `dine.bip:21`; nothing if there is no location.
+void append_line(std::string& out, const Image& image, Loc loc);
+/// The path without "ROOT.".
+[[nodiscard]] const char* relative(const char* path);
+/// The marked places, "A, B".
+[[nodiscard]] std::string places_of(const Core& core, u32 atom);
+/// `x = 1, b = true`, or empty.
+[[nodiscard]] std::string data_of(const Core& core, u32 atom);
+
+}  // namespace bip::rt

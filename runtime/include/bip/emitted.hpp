@@ -1,0 +1,92 @@
+// What the C++ written by `bipc emit` is made of: variables by name, divisions that fault, tables as constants.
+//
+// An emitted function stays one readable piece: its variables are references into the slots (IntVar, BoolVar, …), and a
+// faulting division leaves it as a Fault that the same function catches and returns as its status. No exception leaves
+// a CodeFn. Header only; everything but a fault is free after inlining.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+#include "bip/arith.hpp"
+#include "bip/image.hpp"
+
+namespace bip::rt {
+
+/// Thrown by `divide` and `modulo`, caught in the function that called them.
+struct Fault {
+  std::int32_t status;
+};
+
+constexpr std::int32_t divide(std::int32_t a, std::int32_t b, std::uint32_t site) {
+  if (const std::int32_t status = division_status(a, b, site); status != 0) throw Fault{status};
+  return a / b;
+}
+constexpr std::int32_t modulo(std::int32_t a, std::int32_t b, std::uint32_t site) {
+  if (const std::int32_t status = division_status(a, b, site); status != 0) throw Fault{status};
+  return a % b;
+}
+
+/// A slot with its unused bits zero.
+constexpr Slot int_slot(std::int32_t value) { return Slot{.bits = static_cast<std::uint32_t>(value)}; }
+constexpr Slot float_slot(double value) { return Slot{.f = value}; }
+
+/// An int variable in a slot. Copying the object copies the value, as assignment in the model does.
+class IntVar {
+ public:
+  constexpr explicit IntVar(Slot& slot) : slot_(slot) {}
+  IntVar(const IntVar&) = delete;
+  IntVar& operator=(std::int32_t value) {
+    slot_ = int_slot(value);
+    return *this;
+  }
+  IntVar& operator=(const IntVar& other) { return *this = other.slot_.i; }
+  operator std::int32_t() const { return slot_.i; }
+
+ private:
+  Slot& slot_;
+};
+/// Strings are rows of Image::strings.
+using StringVar = IntVar;
+
+class BoolVar {
+ public:
+  constexpr explicit BoolVar(Slot& slot) : slot_(slot) {}
+  BoolVar(const BoolVar&) = delete;
+  BoolVar& operator=(bool value) {
+    slot_ = int_slot(value ? 1 : 0);
+    return *this;
+  }
+  BoolVar& operator=(const BoolVar& other) { return *this = other.slot_.i != 0; }
+  operator bool() const { return slot_.i != 0; }
+
+ private:
+  Slot& slot_;
+};
+
+class FloatVar {
+ public:
+  constexpr explicit FloatVar(Slot& slot) : slot_(slot) {}
+  FloatVar(const FloatVar&) = delete;
+  FloatVar& operator=(double value) {
+    slot_ = float_slot(value);
+    return *this;
+  }
+  FloatVar& operator=(const FloatVar& other) { return *this = other.slot_.f; }
+  operator double() const { return slot_.f; }
+
+ private:
+  Slot& slot_;
+};
+
+template <class T, std::size_t N>
+constexpr Span<T> span(const T (&items)[N]) {
+  return {items, static_cast<std::uint32_t>(N)};
+}
+
+template <std::uint32_t... Row>
+inline constexpr std::uint32_t kRowList[] = {Row...};
+/// A short list of rows written where it is used: rows<0, 2>.
+template <std::uint32_t... Row>
+inline constexpr Span<std::uint32_t> rows = {kRowList<Row...>, sizeof...(Row)};
+
+}  // namespace bip::rt

@@ -1,0 +1,92 @@
+// A batch of models as one C++ program: the emitted texts one after the other, a main() that makes every run and writes
+// each trace with its length before it. -O0 finds errors of emission; the optimiser is g++'s own affair.
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "tools/gen/check.hpp"
+#include "tools/gen/traced_run.hpp"
+
+namespace bip::gen {
+namespace {
+
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+std::string read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream all;
+  all << in.rdbuf();
+  return all.str();
+}
+
+std::string program(const std::vector<EmittedCase>& cases, std::uint64_t steps) {
+  std::string text;
+  for (const EmittedCase& c : cases) text += c.source + "\n";
+  text += "#include \"tools/gen/traced_run.hpp\"\n"
+          "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
+          "  for (int k = 0; k < bip::gen::kRunSpecs; ++k) {\n"
+          "    std::string t = bip::gen::traced_run(image, bip::gen::run_spec(k, seed, " + std::to_string(steps) + "));\n"
+          "    std::printf(\"%zu\\n\", t.size());\n    std::fwrite(t.data(), 1, t.size(), stdout);\n  }\n}\n"
+          "int main() {\n";
+  for (const EmittedCase& c : cases) {
+    std::string seed = std::to_string(c.seed);
+    text += "  run_all(m" + seed + "::image(), " + seed + "u);\n";
+  }
+  return text + "}\n";
+}
+
+/// The next "<length>\n<bytes>" record.
+std::string next_record(const std::string& all, std::size_t& at) {
+  std::size_t end = all.find('\n', at);
+  if (end == std::string::npos) return "";
+  std::size_t size = std::strtoull(all.c_str() + at, nullptr, 10);
+  std::string record = all.substr(end + 1, size);
+  at = end + 1 + size;
+  return record;
+}
+
+/// Only the first lines of a compiler's complaint.
+std::string head(const std::string& text) { return text.substr(0, 600); }
+
+}  // namespace
+
+std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const CheckOptions& options, const std::string& name) {
+  std::vector<Failure> failures;
+  if (cases.empty()) return failures;
+  std::string base = options.work_dir + "/" + name;
+  std::ofstream(base + ".cpp") << program(cases, options.steps);
+  std::string root = options.source_dir;
+  std::string command = "ccache g++ -std=c++20 -O0 -ffp-contract=off -fuse-ld=mold -I" + quoted(root) + " -I" + quoted(root + "/runtime/include") +
+                        " -I" + quoted(root + "/runtime") + " " + quoted(base + ".cpp") + " " + quoted(options.runtime_lib) + " -lpthread -o " +
+                        quoted(base + ".exe") + " >" + quoted(base + ".log") + " 2>&1";
+  if (std::system(command.c_str()) != 0) {
+    if (cases.size() == 1) return {{cases[0].seed, "emitted C++: does not compile, " + head(read_file(base + ".log"))}};
+    // Each half by itself, until the guilty ones are alone.
+    std::size_t half = cases.size() / 2;
+    std::vector<EmittedCase> left(cases.begin(), cases.begin() + static_cast<std::ptrdiff_t>(half));
+    std::vector<EmittedCase> right(cases.begin() + static_cast<std::ptrdiff_t>(half), cases.end());
+    failures = check_emitted(left, options, name + "l");
+    for (Failure& f : check_emitted(right, options, name + "r")) failures.push_back(std::move(f));
+    return failures;
+  }
+  command = "timeout 60 " + quoted(base + ".exe") + " >" + quoted(base + ".out") + " 2>" + quoted(base + ".err");
+  int status = std::system(command.c_str());
+  std::string all = read_file(base + ".out");
+  std::size_t at = 0;
+  for (const EmittedCase& c : cases) {
+    for (std::size_t k = 0; k < c.traces.size(); ++k) {
+      std::string got = next_record(all, at);
+      if (got == c.traces[k]) continue;
+      std::string why = got.empty() && status != 0 ? "program stopped, status " + std::to_string(status) : first_difference(c.traces[k], got);
+      failures.push_back({c.seed, "interp against emitted C++: run " + std::to_string(k) + ", " + why});
+      for (std::size_t rest = k + 1; rest < c.traces.size(); ++rest) (void)next_record(all, at);
+      break;
+    }
+  }
+  for (const char* suffix : {".cpp", ".exe", ".out", ".err", ".log"}) std::remove((base + suffix).c_str());
+  return failures;
+}
+
+}  // namespace bip::gen

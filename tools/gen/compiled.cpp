@@ -1,0 +1,94 @@
+// The stages as the driver's pipeline runs them (compiler/driver/pipeline.cpp), over a text in memory.
+#include "tools/gen/compiled.hpp"
+
+#include "compiler/model/model.hpp"
+#include "compiler/parse/parse.hpp"
+#include "compiler/syntax/print.hpp"
+#include "compiler/system/bsys.hpp"
+#include "compiler/system/instantiate.hpp"
+
+namespace bip::gen {
+namespace {
+
+std::string errors_of(const Diagnostics& diags, const SourceMap& sources) {
+  RenderOptions options;
+  options.format = DiagnosticFormat::Short;
+  options.max_errors = 3;
+  return render(diags, sources, options);
+}
+
+void lower_sound(Compiled& c) {
+  std::vector<std::string> broken = system::validate(*c.system);
+  if (!broken.empty()) {
+    c.problem = "validate: " + broken.front();
+    return;
+  }
+  c.lowered = lower::lower(*c.system, "Root()");
+}
+
+}  // namespace
+
+Compiled compile_text(const std::string& text) {
+  Compiled c;
+  SourceMap sources;
+  Diagnostics diags;
+  FileId file = sources.add("random.bip", text);
+  std::optional<syntax::Syntax> syntax = parse::parse_file(sources, file, diags);
+  if (!syntax || diags.has_errors()) {
+    c.problem = "parse: " + errors_of(diags, sources);
+    return c;
+  }
+  c.formatted = syntax::print(*syntax, sources);
+  std::optional<Model> model = model::build_model(*syntax, sources, diags);
+  if (!model || diags.has_errors()) {
+    c.problem = "model: " + errors_of(diags, sources);
+    return c;
+  }
+  std::optional<System> system = system::instantiate(*model, "Root", {}, diags, {.file = file, .begin = 0, .end = 0});
+  if (!system || diags.has_errors()) {
+    c.problem = "instantiate: " + errors_of(diags, sources);
+    return c;
+  }
+  c.system = std::make_unique<System>(std::move(*system));
+  lower_sound(c);
+  return c;
+}
+
+Compiled compile_bsys(const std::string& text) {
+  Compiled c;
+  Result<System> system = system::parse_bsys(text);
+  if (!system) {
+    c.problem = "bsys: " + system.error();
+    return c;
+  }
+  c.system = std::make_unique<System>(std::move(*system));
+  lower_sound(c);
+  return c;
+}
+
+void forget_places(System& system) {
+  for (Expr& e : system.code.exprs) e.loc = {};
+  for (Stmt& s : system.code.stmts) s.loc = {};
+  for (PortType& type : system.port_types) {
+    type.loc = {};
+    for (Variable& v : type.variables) v.loc = {};
+  }
+  for (AtomType& type : system.atom_types) {
+    type.loc = {};
+    for (Slot& s : type.slots) s.loc = {};
+    for (Port& p : type.ports) p.loc = {};
+    for (Transition& t : type.transitions) t.loc = {};
+  }
+  for (ConnectorType& type : system.connector_types) {
+    type.loc = {};
+    for (ConnectorParam& p : type.params) p.loc = {};
+    for (Slot& s : type.slots) s.loc = {};
+    for (Clause& c : type.clauses) c.loc = {};
+  }
+  for (Compound& c : system.compounds) c.loc = {};
+  for (Atom& a : system.atoms) a.loc = {};
+  for (Connector& c : system.connectors) c.loc = {};
+  for (Priority& p : system.priorities) p.loc = {};
+}
+
+}  // namespace bip::gen

@@ -1,0 +1,170 @@
+// A random model as data: what the generator makes, the printer writes as .bip, the shrinker takes apart and the naive
+// oracle runs. Deliberately not the compiler's syntax tree: an error there must not hide here.
+//
+// Names are strings and references go by name; models are small, clarity wins.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bip::gen {
+
+enum class Ty : std::uint8_t { Int, Bool, Float, String };
+[[nodiscard]] const char* name_of(Ty type);
+
+enum class ExprKind : std::uint8_t { Literal, Name, Unary, Binary };
+struct Expr {
+  ExprKind kind = ExprKind::Literal;
+  Ty type = Ty::Int;
+  std::string text;          // Literal: as written; Unary, Binary: the operator
+  std::string scope, name;   // Name: port, component or empty; the variable
+  std::vector<Expr> args;
+  bool extra_parens = false; // printed in parentheses although none are needed
+};
+
+struct Stmt {
+  bool is_if = false;
+  std::string scope, name;   // assignment's target
+  Expr value;                // assigned value, or the condition
+  std::vector<Stmt> then_body, else_body;
+};
+using Body = std::vector<Stmt>;
+
+struct Var {
+  std::string name;
+  Ty type = Ty::Int;
+  bool exported = false;
+  std::optional<Expr> init;
+};
+
+struct PortType {
+  std::string name;
+  std::vector<Var> vars;
+};
+
+struct Port {
+  std::string name, type;
+  std::vector<std::string> vars;
+  bool exported = true;
+};
+struct Transition {
+  std::string port;  // empty: internal
+  std::vector<std::string> from, to;
+  std::optional<Expr> guard;
+  Body action;
+};
+struct AtomType {
+  std::string name;
+  std::vector<Var> params, data;
+  std::vector<Port> ports;
+  std::vector<std::string> places, initial;
+  Body initial_action;
+  std::vector<Transition> transitions;
+  bool paper = false;  // printed in the paper's notation
+};
+
+/// A leaf has a parameter, a group children.
+struct Define {
+  bool trigger = false;
+  int param = -1;
+  std::vector<Define> children;
+};
+struct Clause {
+  std::vector<int> params;
+  std::optional<Expr> guard;
+  Body up, down;
+};
+struct ConnectorParam {
+  std::string name, type;
+};
+struct ConnectorType {
+  std::string name;
+  std::vector<ConnectorParam> params;
+  std::vector<Var> data;
+  bool exports = false;
+  std::string export_name, export_type;
+  std::vector<std::string> export_vars;
+  Define define;
+  std::vector<Clause> clauses;
+};
+
+/// Element of an array: none, a constant, or (i + shift) % size inside a loop over 0..size.
+struct Index {
+  enum class Kind : std::uint8_t { None, Constant, Loop } kind = Kind::None;
+  int value = 0;     // the constant or the shift
+  std::string size;  // Loop: text of the array's size, a number or a parameter
+};
+struct PortPath {
+  std::string component;  // or connector
+  Index index;
+  std::string port;
+};
+struct Component {
+  std::string name, type;
+  std::string size;  // empty: no array
+  std::vector<Expr> args;
+};
+struct Connector {
+  std::string name, type;
+  std::string size;  // not empty: one for each i in 0..size
+  std::vector<PortPath> ports;
+};
+struct Pattern {
+  bool any_connector = false, any_interaction = false;
+  std::string connector;
+  std::vector<int> params;  // of the connector
+};
+struct Priority {
+  std::string name;
+  Pattern low, high;
+  std::optional<Expr> guard;  // names: component . exported data
+};
+struct PortExport {
+  PortPath target;
+  std::string name;
+};
+struct DataExport {
+  std::string component, data, name;
+  Ty type = Ty::Int;
+};
+struct CompoundType {
+  std::string name;
+  std::vector<Var> params;
+  std::vector<Component> components;
+  std::vector<Connector> connectors;
+  std::vector<Priority> priorities;
+  std::vector<PortExport> port_exports;
+  std::vector<DataExport> data_exports;
+  bool paper = false;  // printed in the paper's notation, its connectors inline
+};
+
+struct Description {
+  std::string package;
+  std::vector<PortType> port_types;
+  std::vector<AtomType> atom_types;
+  std::vector<ConnectorType> connector_types;
+  std::vector<CompoundType> compound_types;  // the root is the last one
+};
+
+template <class T>
+const T* find_named(const std::vector<T>& items, const std::string& name) {
+  for (const T& item : items) {
+    if (item.name == name) return &item;
+  }
+  return nullptr;
+}
+
+/// A random model of the seed.
+[[nodiscard]] Description generate(std::uint64_t seed);
+
+/// Every interaction that `define` gives, as sorted sets of parameters, each once; straight from LANGUAGE.md §4.
+[[nodiscard]] std::vector<std::vector<int>> expand(const Define& define);
+
+/// The model as .bip text.
+[[nodiscard]] std::string print(const Description& model);
+
+/// The receiver side of one broadcast as text, for tools/bench: a trigger and `receivers` synchrons.
+[[nodiscard]] std::string broadcast_text(int receivers);
+
+}  // namespace bip::gen

@@ -1,0 +1,36 @@
+// A seed's whole model: its style first, then port types, atom types, compounds from the leaves to the root.
+#include "tools/gen/make.hpp"
+
+namespace bip::gen {
+
+Description generate(std::uint64_t seed) {
+  Prng random(seed);
+  Style style;
+  style.faults = random.percent(6);
+  style.large = random.percent(3);
+  style.paper = random.percent(15);
+  style.odd_names = random.percent(5);
+  if (style.large) style.max_weight = 3000;
+  CodeMaker code(random, style);
+
+  Description model;
+  model.package = "random" + std::to_string(seed);
+  model.port_types.push_back({"T0", {}});
+  for (int k = 1, n = random.between(1, 3); k <= n; ++k) {
+    PortType type;
+    type.name = "T" + std::to_string(k);
+    for (int v = 0, m = random.between(1, 3); v < m; ++v) type.vars.push_back({"v" + std::to_string(v), code.type(), false, {}});
+    model.port_types.push_back(type);
+  }
+  for (int k = 0, n = random.between(1, 4); k < n; ++k) {
+    model.atom_types.push_back(make_atom(random, style, model.port_types, "A" + std::to_string(k)));
+  }
+  std::map<std::string, Interface> interfaces;
+  for (int k = 0, n = random.percent(50) ? random.between(1, 3) : 0; k < n; ++k) {
+    make_compound(random, style, model, interfaces, "C" + std::to_string(k), false);
+  }
+  make_compound(random, style, model, interfaces, "Root", true);
+  return model;
+}
+
+}  // namespace bip::gen

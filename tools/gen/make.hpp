@@ -1,0 +1,75 @@
+// The parts of the generator: expressions and bodies, atom types, connector types, compounds. Each takes what it may use
+// and the random numbers; nothing is global.
+#pragma once
+#include <map>
+#include <set>
+
+#include "tools/gen/description.hpp"
+#include "tools/gen/prng.hpp"
+
+namespace bip::gen {
+
+/// A variable that code may name.
+struct Known {
+  std::string scope, name;
+  Ty type = Ty::Int;
+  bool writable = true;
+};
+
+/// What a seed's model is like as a whole.
+struct Style {
+  bool faults = false;       // divisions whose divisor may be zero
+  bool large = false;        // many atoms, wide connectors
+  bool paper = false;        // what fits goes into the paper's notation
+  bool odd_names = false;    // contextual words as identifiers
+  int max_weight = 120;      // alternatives of one connector
+};
+
+class CodeMaker {
+ public:
+  CodeMaker(Prng& random, const Style& style) : random_(&random), style_(&style) {}
+  Expr expression(Ty type, const std::vector<Known>& known, int depth);
+  Expr guard(const std::vector<Known>& known);
+  /// `count` statements; empty if nothing is writable.
+  Body body(const std::vector<Known>& known, int count, int depth);
+  /// A literal, for initialisers and arguments.
+  Expr literal(Ty type);
+  Ty type();
+
+ private:
+  Expr leaf(Ty type, const std::vector<Known>& known);
+  Expr int_operation(const std::vector<Known>& known, int depth);
+  Expr bool_operation(const std::vector<Known>& known, int depth);
+  Expr float_operation(const std::vector<Known>& known, int depth);
+  Stmt assignment(const Known& target, const std::vector<Known>& known, int depth);
+
+  Prng* random_;
+  const Style* style_;
+};
+
+[[nodiscard]] Expr unary(std::string op, Expr a, Ty type);
+[[nodiscard]] Expr binary(std::string op, Expr a, Expr b, Ty type);
+[[nodiscard]] Expr int_literal(int value);
+
+[[nodiscard]] AtomType make_atom(Prng& random, const Style& style, const std::vector<PortType>& types, const std::string& name);
+
+/// A connector type over ports of the named types.
+[[nodiscard]] ConnectorType make_connector(Prng& random, const Style& style, const std::vector<PortType>& port_types,
+                                           const std::vector<std::string>& params, bool exports, const std::string& name);
+
+/// What a compound type shows to those that contain it.
+struct Interface {
+  struct Item {
+    std::string name, port_type;
+    std::set<std::string> atoms;  // reached through it, paths within the compound
+    int weight = 1, depth = 0;
+  };
+  std::vector<Item> ports;
+};
+/// Adds a compound type (and the connector types it needs) to the model.
+void make_compound(Prng& random, const Style& style, Description& model, std::map<std::string, Interface>& interfaces,
+                   const std::string& name, bool is_root);
+/// Adds priority rules without cycles.
+void make_priorities(Prng& random, const Style& style, const Description& model, CompoundType& compound);
+
+}  // namespace bip::gen

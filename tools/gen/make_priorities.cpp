@@ -1,0 +1,115 @@
+// Random priority rules. Connectors get a rank and rules between two connectors go up in rank; a rule within a connector
+// is the only one of that connector's own and its sides do not contain one another; a rule with *:* stands alone. So no
+// cycle can close, whatever the guards say.
+#include <algorithm>
+
+#include "tools/gen/make.hpp"
+
+namespace bip::gen {
+namespace {
+
+bool contains(const std::vector<int>& big, const std::vector<int>& small) {
+  return std::includes(big.begin(), big.end(), small.begin(), small.end());
+}
+
+std::vector<Known> readable_data(const Description& model, const CompoundType& compound) {
+  std::vector<Known> result;
+  for (const Component& component : compound.components) {
+    if (!component.size.empty()) continue;
+    if (const AtomType* atom = find_named(model.atom_types, component.type)) {
+      for (const Var& var : atom->data) {
+        if (var.exported) result.push_back({component.name, var.name, var.type, false});
+      }
+    } else if (const CompoundType* inner = find_named(model.compound_types, component.type)) {
+      for (const DataExport& e : inner->data_exports) result.push_back({component.name, e.name, e.type, false});
+    }
+  }
+  return result;
+}
+
+class PriorityMaker {
+ public:
+  PriorityMaker(Prng& random, const Style& style, const Description& model, CompoundType& compound)
+      : random_(random), model_(model), compound_(compound), code_(random, style), data_(readable_data(model, compound)) {}
+
+  void make() {
+    for (const Connector& c : compound_.connectors) {
+      if (c.size.empty() && !type_of(c).exports) ranked_.push_back(&c);
+    }
+    if (ranked_.empty()) return;
+    random_.shuffle(ranked_);
+    if (random_.percent(20)) return star();
+    for (int k = random_.between(1, 3); k > 0; --k) {
+      if (ranked_.size() >= 2 && random_.percent(75)) {
+        between_connectors();
+      } else {
+        within_connector();
+      }
+    }
+  }
+
+ private:
+  const ConnectorType& type_of(const Connector& c) const { return *find_named(model_.connector_types, c.type); }
+  Pattern side(const Connector& c) {
+    Pattern pattern;
+    pattern.connector = c.name;
+    pattern.any_interaction = random_.percent(40);
+    if (!pattern.any_interaction) pattern.params = random_.pick(expand(type_of(c).define));
+    return pattern;
+  }
+  void add(Pattern low, Pattern high) {
+    Priority rule;
+    rule.name = "r" + std::to_string(compound_.priorities.size());
+    rule.low = std::move(low);
+    rule.high = std::move(high);
+    if (random_.percent(40)) rule.guard = code_.guard(data_);
+    compound_.priorities.push_back(std::move(rule));
+  }
+  void star() {
+    Pattern any;
+    any.any_connector = true;
+    if (compound_.connectors.size() < 2) return;
+    if (random_.percent(50)) {
+      add(any, side(*ranked_[0]));
+    } else {
+      add(side(*ranked_[0]), any);
+    }
+  }
+  void between_connectors() {
+    std::size_t low = random_.below(ranked_.size() - 1);
+    std::size_t high = low + 1 + random_.below(ranked_.size() - low - 1);
+    Pattern low_side = side(*ranked_[low]);
+    add(std::move(low_side), side(*ranked_[high]));
+  }
+  void within_connector() {
+    const Connector& c = *random_.pick(ranked_);
+    if (ruled_within_.contains(c.name)) return;
+    auto sets = expand(type_of(c).define);
+    random_.shuffle(sets);
+    for (std::size_t k = 1; k < sets.size(); ++k) {
+      if (contains(sets[0], sets[k]) || contains(sets[k], sets[0])) continue;
+      ruled_within_.insert(c.name);
+      Pattern low, high;
+      low.connector = high.connector = c.name;
+      low.params = sets[0];
+      high.params = sets[k];
+      return add(low, high);
+    }
+  }
+
+  Prng& random_;
+  const Description& model_;
+  CompoundType& compound_;
+  CodeMaker code_;
+  std::vector<Known> data_;
+  std::vector<const Connector*> ranked_;
+  std::set<std::string> ruled_within_;
+};
+
+}  // namespace
+
+void make_priorities(Prng& random, const Style& style, const Description& model, CompoundType& compound) {
+  PriorityMaker(random, style, model, compound).make();
+}
+
+}  // namespace bip::gen

@@ -1,0 +1,69 @@
+// The naive oracle: LANGUAGE.md §4 taken at its word, with no thought for speed. Every interaction is enumerated in every
+// state, priorities are a search through the relation, values are copied. It shares no code with the compiler or the
+// runtime.
+#pragma once
+#include "tools/gen/naive_world.hpp"
+
+namespace bip::gen {
+
+/// An enabled interaction with one choice of values, `up` done. connector -1: the internal port of an atom.
+struct Choice {
+  int connector = -1;
+  int atom = -1;
+  std::string port;
+  std::vector<int> params;        // sorted
+  std::map<int, Choice> nested;   // by parameter
+  Values own;
+  const Clause* clause = nullptr;
+  Leaves leaves;
+};
+
+class NaiveEngine {
+ public:
+  /// Sure: code of an action failed, so every engine must stop here. Possible: a guard or `up` would fail if an engine
+  /// evaluates it, which it need not.
+  enum class Trouble : std::uint8_t { None, Possible, Sure };
+
+  NaiveEngine(const Description& model, std::size_t limit);
+
+  /// More interactions than the limit: not for this oracle.
+  [[nodiscard]] bool too_large() const { return too_large_; }
+  [[nodiscard]] Trouble trouble() const { return trouble_; }
+  /// The maximal enabled interactions of connectors that export no port, and the enabled internal ports.
+  [[nodiscard]] std::vector<Choice> candidates();
+  void fire(Choice choice);
+  /// `ROOT.c: ROOT.a.p ROOT.b.q` with the leaves sorted; `ROOT.a.p` for an internal port.
+  [[nodiscard]] std::string key_of(const Choice& choice) const;
+
+  struct AtomState {
+    std::set<std::string> marking;
+    Values vars;  // parameters too
+    std::map<std::string, const Transition*> enabled;
+  };
+  [[nodiscard]] const World& world() const { return world_; }
+  [[nodiscard]] const std::vector<AtomState>& states() const { return states_; }
+
+ private:
+
+  void initialise(std::size_t atom);
+  void settle(std::size_t atom);
+  void fire_transition(std::size_t atom, const std::string& port);
+  void find_enabled(AtomState& state, const AtomType& type);
+  [[nodiscard]] std::vector<Choice> choices_of(int connector);
+  void complete(Choice choice, std::vector<Choice>& result);
+  [[nodiscard]] Lookup lookup_in(Choice& choice);
+  void fire_connector(Choice& choice);
+  [[nodiscard]] bool matches(const WorldRule& rule, bool high, const Node& node) const;
+  [[nodiscard]] std::vector<bool> active_rules();
+  void trouble(Trouble t) { trouble_ = std::max(trouble_, t); }
+
+  const Description& model_;
+  World world_;
+  std::vector<AtomState> states_;
+  std::vector<Node> nodes_;  // of all connectors that export no port
+  bool too_large_ = false;
+  int depth_ = 0;  // internal transitions in a row
+  Trouble trouble_ = Trouble::None;
+};
+
+}  // namespace bip::gen

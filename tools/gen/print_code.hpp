@@ -1,0 +1,26 @@
+// Text of expressions, statements and paths, shared by both notations' printers.
+#pragma once
+#include <functional>
+#include <string>
+
+#include "tools/gen/description.hpp"
+
+namespace bip::gen {
+
+/// How a name is written: an inline connector writes the bound path where a connector type writes its parameter.
+using NameText = std::function<std::string(const std::string& scope, const std::string& name)>;
+[[nodiscard]] std::string plain_name(const std::string& scope, const std::string& name);
+
+enum class Spelling : std::uint8_t { Bip2, Paper };
+
+[[nodiscard]] std::string text_of(const Expr& expr, const NameText& names, Spelling spelling);
+/// `{ … }` on one line.
+[[nodiscard]] std::string text_of(const Body& body, const NameText& names, Spelling spelling);
+[[nodiscard]] std::string text_of(const PortPath& path);
+[[nodiscard]] std::string join(const std::vector<std::string>& items, const char* separator);
+
+/// An atom type or a compound type in the paper's notation.
+[[nodiscard]] std::string print_paper(const AtomType& atom);
+[[nodiscard]] std::string print_paper(const Description& model, const CompoundType& compound);
+
+}  // namespace bip::gen

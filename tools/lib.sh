@@ -1,0 +1,43 @@
+# Shared by the scripts beside it: where things are, the lock, the build. Sourced, not run.
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+build_dir=${BIPC_BUILD_DIR:-$root/build}
+
+# Two builds at once would tread on each other's files: the second one waits.
+with_lock() {
+  mkdir -p "$build_dir"
+  if command -v flock >/dev/null; then
+    exec 9>"$build_dir/.lock"
+    if ! flock -n 9; then
+      echo "waiting for another build of $build_dir" >&2
+      flock 9
+    fi
+  fi
+}
+release_lock() {
+  if command -v flock >/dev/null; then exec 9>&-; fi
+}
+
+# configure_and_build [target...]: quiet if all is up to date, ninja's progress while there is work.
+configure_and_build() {
+  local log=$build_dir/configure.log
+  if [[ ! -f $build_dir/build.ninja ]]; then
+    echo "configuring $build_dir" >&2
+    if ! cmake -G Ninja -S "$root" -B "$build_dir" >"$log" 2>&1 9>&-; then
+      cat "$log" >&2
+      return 1
+    fi
+  fi
+  local jobs terminal=0
+  jobs=$(nproc 2>/dev/null || echo 2)
+  [[ -t 2 ]] && terminal=1
+  # On a terminal one line that changes; piped, a line each ten steps. What a failing step says is shown whole.
+  ninja -C "$build_dir" -j"$jobs" "$@" 2>&1 9>&- | awk -v terminal=$terminal '
+    /^ninja: (Entering|no work)/ || /Re-checking globbed|Re-running CMake/ || /^-- / { next }
+    /^\[[0-9]+\/[0-9]+\] / {
+      split($1, n, /[\[\/\]]/)
+      if (terminal) { printf "\r\033[K%.100s", $0; open = 1 } else if (n[2] % 10 == 0 || n[2] == n[3]) print
+      fflush(); next
+    }
+    { if (open) { printf "\n"; open = 0 } print; fflush() }
+    END { if (open) printf "\r\033[K" }' >&2
+}
