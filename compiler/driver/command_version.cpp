@@ -13,7 +13,7 @@ namespace bip::driver {
 
 int command_version() {
   std::printf("bipc %s\n", BIPC_VERSION);
-  std::printf("back ends: %sinterp, c++\n", is_jit_built() ? "jit, " : "");
+  std::printf("back ends: %sinterp, c++\n", load_jit() ? "jit, " : "");
   return kOk;
 }
 

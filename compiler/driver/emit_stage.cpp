@@ -35,8 +35,13 @@ Result<std::string> text_of(const Compilation& c, EmitKind kind, Optimisation op
     case EmitKind::Syntax: return syntax::dump(*c.syntax, c.sources);
     case EmitKind::Model: return model::dump(*c.model);
     case EmitKind::System: return system::print(*c.system);
-    case EmitKind::Llvm: return emit_llvm(*c.lowered, opt_level(*c.lowered, optimisation));
-    case EmitKind::Asm: return emit_asm(*c.lowered, opt_level(*c.lowered, optimisation));
+    case EmitKind::Llvm:
+    case EmitKind::Asm: {
+      const Result<JitPlugin> plugin = load_jit();
+      if (!plugin) return Failure{plugin.error()};
+      const jit::OptLevel level = opt_level(*c.lowered, optimisation);
+      return kind == EmitKind::Llvm ? (*plugin).emit_llvm(*c.lowered, level) : (*plugin).emit_asm(*c.lowered, level);
+    }
     case EmitKind::Cpp: return emit_cpp::emit(*c.lowered, {});
     case EmitKind::None:
     case EmitKind::Dot:
@@ -54,9 +59,7 @@ const char* name_of(EmitKind kind) {
 
 void emit_stage(Compilation& c, const std::string& path, Optimisation optimisation) {
   const EmitKind kind = c.options.emit;
-  const bool needs_graph = kind == EmitKind::Dot || kind == EmitKind::Json;
-  const bool needs_jit = kind == EmitKind::Llvm || kind == EmitKind::Asm;
-  if (needs_graph || (needs_jit && !is_jit_built())) {
+  if (kind == EmitKind::Dot || kind == EmitKind::Json) {
     c.diags.report(Diag::kB5001, {}, fmt::format("`--emit={}`", name_of(kind)));
     return;
   }

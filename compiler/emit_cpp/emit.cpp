@@ -42,6 +42,8 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line();
   out.line("using namespace bip::rt;");
   out.line();
+  out.line("// The tables. Columns are those of bip/image.hpp; kNone is no row, {0, 0, 0} no place.");
+  out.line();
   TableWriter tables(lowered, out);
   tables.types();
   tables.instances();

@@ -134,7 +134,9 @@ void TableWriter::image() {
   out_.line();
   out_.line("// ---- the image");
   std::vector<std::string> codes, sites;
-  for (const lower::CodeUnit& unit : lowered_.units) codes.push_back("{&" + unit.name + ", nullptr}");
+  for (const lower::CodeUnit& unit : lowered_.units) {
+    codes.push_back("/* " + std::to_string(codes.size()) + " */ {&" + unit.name + ", nullptr}");
+  }
   for (const rt::Site& site : image_.sites) sites.push_back("{" + loc_text(site.loc) + "}");
   const std::string files = table("const char*", "files", texts(image_.files));
   const std::string strings = table("const char*", "strings", texts(image_.strings));

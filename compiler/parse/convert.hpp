@@ -60,16 +60,15 @@ class Converter {
   Built limited(Built built, SourceRange range);
   const syntax::Expr* guard(BipParser::ProvidedContext* ctx);
   const syntax::Expr* value(BipParser::ExprContext* ctx);
-  std::vector<const syntax::Expr*> call_args(BipParser::ArgsContext* ctx);
   std::span<const syntax::NamedArg> named_args(BipParser::ArgsContext* ctx);
-  bool check_operator(const syntax::Expr& e, Assigning assigning, bool is_assign_sign);
+  void check_operator(const syntax::Expr& e, Assigning assigning, bool is_assign_sign);
 
   // convert_stmt.cpp
   syntax::Block block(BipParser::BlockContext* ctx);
   syntax::Block action(BipParser::ActionContext* ctx);
-  std::span<const syntax::Stmt* const> stmts(BipParser::StmtsContext* ctx, int depth);
+  std::span<const syntax::Stmt* const> stmts(BipParser::StmtsContext* ctx);
   const syntax::Stmt* simple(BipParser::SimpleContext* ctx);
-  const syntax::Stmt* if_stmt(BipParser::IfStmtContext* ctx, int depth);
+  const syntax::Stmt* if_stmt(BipParser::IfStmtContext* ctx);
 
   // convert_names.cpp
   [[nodiscard]] SourceRange range(const antlr4::Token* token) const;
@@ -95,8 +94,8 @@ class Converter {
   const syntax::Decl* decl(BipParser::DeclContext* ctx);
   syntax::Decl extern_decl(BipParser::DeclContext* ctx);
   std::span<const syntax::Param> proto_params(const std::vector<BipParser::ProtoParamContext*>& list);
-  syntax::Decl body_decl(syntax::Decl d, std::string_view what, antlr4::Token* opener, const std::vector<BipParser::BodyItemContext*>& list);
-  void check_body(syntax::Decl& d, Items& items, antlr4::Token* opener);
+  syntax::Decl body_decl(syntax::Decl d, std::string_view what, const std::vector<BipParser::BodyItemContext*>& list);
+  void check_body(const syntax::Decl& d, const Items& items);
   void misplaced(std::string_view what, SourceRange at);
 
   // convert_connector.cpp

@@ -17,19 +17,19 @@ namespace bip::syntax {
 struct Expr;
 
 struct Name {
-  std::string_view text;
-  SourceRange range;
+  std::string_view text{};
+  SourceRange range{};
 };
 
 /// `a`, `a.b`, `a[i].b`, `t[*].tick`. Also a qualified name when no part has an index.
 struct PathPart {
-  Name name;
+  Name name{};
   const Expr* index = nullptr;  // null: no index
   bool star = false;            // [*]
 };
 struct Path {
-  std::span<const PathPart> parts;  // never empty in a parsed tree
-  SourceRange range;
+  std::span<const PathPart> parts{};  // never empty in a parsed tree
+  SourceRange range{};
 };
 
 // ---- expressions -----------------------------------------------------------------------------------------------
@@ -40,8 +40,8 @@ enum class BinaryOp : std::uint8_t {
 };
 struct Expr {
   ExprKind kind = ExprKind::Bool;
-  SourceRange range;
-  std::string_view text;           // Int, Float: as written; String: without quotes, unescaped; Report: UPPER-CASE-NAME
+  SourceRange range{};
+  std::string_view text{};           // Int, Float: as written; String: without quotes, unescaped; Report: UPPER-CASE-NAME
   bool truth = false;              // Bool
   Path path{};                     // Path; Call: the function's name
   bool clock_speed = false;        // Path followed by ' (the speed of a clock)
@@ -49,36 +49,36 @@ struct Expr {
   BinaryOp binary{};
   SourceRange op_range{};          // Unary, Binary: the operator
   bool parenthesised = false;      // written in ( )
-  std::span<const Expr* const> operands;  // Unary 1, Binary 2, Call n
+  std::span<const Expr* const> operands{};  // Unary 1, Binary 2, Call n
 };
 
 // ---- statements ------------------------------------------------------------------------------------------------
 enum class StmtKind : std::uint8_t { Assign, Call, If };
 struct Stmt {
   StmtKind kind = StmtKind::Call;
-  SourceRange range;
+  SourceRange range{};
   Path target{};                    // Assign
   bool clock_speed = false;         // Assign: x' = 2.0
   const Expr* value = nullptr;      // Assign: right side; Call: the call; If: the condition
-  std::span<const Stmt* const> then_body;
-  std::span<const Stmt* const> else_body;
+  std::span<const Stmt* const> then_body{};
+  std::span<const Stmt* const> else_body{};
 };
 /// `{ … }`. present tells an empty block from none.
 struct Block {
   bool present = false;
-  std::span<const Stmt* const> stmts;
-  SourceRange range;
+  std::span<const Stmt* const> stmts{};
+  SourceRange range{};
 };
 
 // ---- common pieces ---------------------------------------------------------------------------------------------
 struct AnnotationArg {
-  Name key;
-  std::string_view value;  // empty if none; strings unescaped
+  Name key{};
+  std::string_view value{};  // empty if none; strings unescaped
 };
 struct Annotation {
-  Name name;
-  std::span<const AnnotationArg> args;
-  SourceRange range;
+  Name name{};
+  std::span<const AnnotationArg> args{};
+  SourceRange range{};
 };
 using Annotations = std::span<const Annotation>;
 
@@ -88,19 +88,19 @@ struct TypeRef {
   [[nodiscard]] bool is_written() const { return !name.parts.empty(); }
 };
 struct Param {
-  TypeRef type;
+  TypeRef type{};
   Name name{};  // text empty for unnamed prototype parameters
 };
 struct Var {
-  Name name;
+  Name name{};
   const Expr* init = nullptr;  // may be null
 };
 struct DataDecl {
-  Annotations annotations;
-  TypeRef type;
+  Annotations annotations{};
+  TypeRef type{};
   bool exported = false;
-  std::span<const Var> vars;
-  SourceRange range;
+  std::span<const Var> vars{};
+  SourceRange range{};
 };
 
 // ---- connectors ------------------------------------------------------------------------------------------------
@@ -110,93 +110,93 @@ struct PortExpr {
   PortExprKind kind = PortExprKind::Port;
   bool trigger = false;
   Path port{};                                // Port: a parameter's name, or a.p in an inline connector
-  std::span<const PortExpr* const> children;  // Group
-  SourceRange range;
+  std::span<const PortExpr* const> children{};  // Group
+  SourceRange range{};
 };
 struct Clause {  // on p q provided (…) up {…} down {…} do {…}
-  Annotations annotations;
-  std::span<const Path> ports;
+  Annotations annotations{};
+  std::span<const Path> ports{};
   const Expr* guard = nullptr;  // may be null
-  Block up;
-  Block down;
-  Block action;  // the paper's `do`
-  SourceRange range;
+  Block up{};
+  Block down{};
+  Block action{};  // the paper's `do`
+  SourceRange range{};
 };
 struct ConnectorExport {
   bool present = false;
-  Annotations annotations;
-  TypeRef type;  // may be unwritten in the paper's notation
-  Name name;
-  std::span<const Name> vars;
-  SourceRange range;
+  Annotations annotations{};
+  TypeRef type{};  // may be unwritten in the paper's notation
+  Name name{};
+  std::span<const Name> vars{};
+  SourceRange range{};
 };
 struct ConnectorBody {
-  std::span<const DataDecl> data;
-  ConnectorExport exported;
+  std::span<const DataDecl> data{};
+  ConnectorExport exported{};
   const PortExpr* define = nullptr;  // null: `define` missing (reported in BIP2, all subsets in the paper's notation)
   Name resume{};                     // "async" or "sync" or empty
-  std::span<const Clause> clauses;
+  std::span<const Clause> clauses{};
 };
 
 // ---- atoms -----------------------------------------------------------------------------------------------------
 enum class PortRole : std::uint8_t { Internal, Exported, External };
 struct PortItem {
-  Name name;
-  std::span<const Name> vars;
+  Name name{};
+  std::span<const Name> vars{};
   bool has_vars = false;  // ( ) was written
 };
 /// `[export] port T p(x), q(y) [as e]`, `extern port …`. In the paper's notation role is Exported and type may be unwritten.
 struct PortDecl {
-  Annotations annotations;
+  Annotations annotations{};
   PortRole role = PortRole::Internal;
-  TypeRef type;
-  std::span<const PortItem> items;
+  TypeRef type{};
+  std::span<const PortItem> items{};
   Name merged_as{};              // export … as e; empty: none
-  std::string_view extern_class; // extern … as "Class"
+  std::string_view extern_class{}; // extern … as "Class"
   Name extern_policy{};          // remember | ignore | error
-  SourceRange range;
+  SourceRange range{};
 };
 struct ClockDecl {
-  Annotations annotations;
-  std::span<const Name> names;
+  Annotations annotations{};
+  std::span<const Name> names{};
   Name unit{};
-  SourceRange range;
+  SourceRange range{};
 };
 struct Transition {
-  Annotations annotations;
+  Annotations annotations{};
   bool internal = false;
   Name port{};                  // empty if internal
-  std::span<const Name> from;
-  std::span<const Name> to;
+  std::span<const Name> from{};
+  std::span<const Name> to{};
   const Expr* guard = nullptr;  // may be null
   Name urgency{};               // lazy | delayable | eager | empty
-  Block action;
+  Block action{};
   bool resumes = false;
   const Expr* resume = nullptr;
-  SourceRange range;
+  SourceRange range{};
 };
 struct Initial {
   bool present = false;
-  std::span<const Name> to;
-  Block action;
+  std::span<const Name> to{};
+  Block action{};
   bool resumes = false;
   const Expr* resume = nullptr;
-  SourceRange range;
+  SourceRange range{};
 };
 struct AtomPriority {
-  Name name;
-  Name low;   // text "*" for the wildcard
-  Name high;
+  Name name{};
+  Name low{};   // text "*" for the wildcard
+  Name high{};
   const Expr* guard = nullptr;
-  SourceRange range;
+  SourceRange range{};
 };
 enum class InvariantScope : std::uint8_t { Always, At, From };
 struct Invariant {
-  Name name;
+  Name name{};
   InvariantScope scope = InvariantScope::Always;
-  std::span<const Name> places;
+  std::span<const Name> places{};
   const Expr* expr = nullptr;
-  SourceRange range;
+  SourceRange range{};
 };
 
 // ---- compounds -------------------------------------------------------------------------------------------------
@@ -207,40 +207,40 @@ struct NamedArg {
 enum class ItemKind : std::uint8_t { Component, Connector, For };
 struct CompoundItem {
   ItemKind kind = ItemKind::Component;
-  Annotations annotations;
-  SourceRange range;
+  Annotations annotations{};
+  SourceRange range{};
   Name name{};                     // Component, Connector; For: the loop variable
-  TypeRef type;                    // Component, Connector (unwritten if inline)
+  TypeRef type{};                    // Component, Connector (unwritten if inline)
   const Expr* index = nullptr;     // name[index]: an array's size outside `for`, an element inside; may be null
-  std::span<const NamedArg> args;  // Component
-  std::span<const Path> ports;     // Connector
+  std::span<const NamedArg> args{};  // Component
+  std::span<const Path> ports{};     // Connector
   const ConnectorBody* inline_body = nullptr;  // Connector in the paper's notation; null: a typed one
   const Expr* low = nullptr;       // For i in low..high (high excluded)
   const Expr* high = nullptr;
-  std::span<const CompoundItem* const> items;  // For
+  std::span<const CompoundItem* const> items{};  // For
 };
 /// One side of a compound priority: c:a.p,b.q | c:* | *:*
 struct InteractionPattern {
   bool any_connector = false;  // *:*
   Path connector{};
   bool any_interaction = false;  // c:*   (also a bare connector name in the paper's notation)
-  std::span<const Path> ports;
-  SourceRange range;
+  std::span<const Path> ports{};
+  SourceRange range{};
 };
 struct CompoundPriority {
-  Annotations annotations;
-  Name name;
-  InteractionPattern low;
-  InteractionPattern high;
+  Annotations annotations{};
+  Name name{};
+  InteractionPattern low{};
+  InteractionPattern high{};
   const Expr* guard = nullptr;
-  SourceRange range;
+  SourceRange range{};
 };
 struct CompoundExport {
-  Annotations annotations;
+  Annotations annotations{};
   bool is_data = false;
-  std::span<const Path> targets;  // more than one merges
-  Name name;                      // as
-  SourceRange range;
+  std::span<const Path> targets{};  // more than one merges
+  Name name{};                      // as
+  SourceRange range{};
 };
 
 // ---- declarations ----------------------------------------------------------------------------------------------
@@ -251,19 +251,19 @@ enum class Notation : std::uint8_t { Bip2, Paper };
 struct Decl {
   DeclKind kind = DeclKind::PortType;
   Notation notation = Notation::Bip2;
-  Annotations annotations;
-  SourceRange range;
+  Annotations annotations{};
+  SourceRange range{};
   Name name{};
-  std::span<const Param> params;  // types: parameters; PortType: its variables; ConnectorType: its ports; Extern*: parameters
+  std::span<const Param> params{};  // types: parameters; PortType: its variables; ConnectorType: its ports; Extern*: parameters
 
   // ConstData; AtomType, paper compounds: data
-  std::span<const DataDecl> data;
+  std::span<const DataDecl> data{};
 
   // ExternType
-  std::span<const Path> refines;
-  std::string_view cpp_name;
+  std::span<const Path> refines{};
+  std::string_view cpp_name{};
   // ExternFunction, ExternOperator, Function
-  TypeRef result;
+  TypeRef result{};
   Name op{};
   const Expr* body = nullptr;  // Function: `function int f(int x) = x + 1`, a function without C++ (an extension)
 
@@ -271,31 +271,31 @@ struct Decl {
   const ConnectorBody* connector = nullptr;
 
   // AtomType
-  std::span<const PortDecl> ports;
-  std::span<const ClockDecl> clocks;
-  std::span<const Name> places;
-  Initial initial;
-  std::span<const Transition> transitions;
-  std::span<const AtomPriority> atom_priorities;
-  std::span<const Invariant> invariants;
+  std::span<const PortDecl> ports{};
+  std::span<const ClockDecl> clocks{};
+  std::span<const Name> places{};
+  Initial initial{};
+  std::span<const Transition> transitions{};
+  std::span<const AtomPriority> atom_priorities{};
+  std::span<const Invariant> invariants{};
 
   // CompoundType
-  std::span<const CompoundItem* const> items;
-  std::span<const CompoundPriority> priorities;
-  std::span<const CompoundExport> exports;
+  std::span<const CompoundItem* const> items{};
+  std::span<const CompoundPriority> priorities{};
+  std::span<const CompoundExport> exports{};
 };
 
 struct Package {
-  Annotations annotations;
+  Annotations annotations{};
   Path name{};  // parts empty: a file of the paper's notation without a package line
-  std::span<const Path> uses;
-  std::span<const Decl* const> decls;
-  SourceRange range;
+  std::span<const Path> uses{};
+  std::span<const Decl* const> decls{};
+  SourceRange range{};
 };
 
 /// A comment with its place, for the printer.
 struct Comment {
-  SourceRange range;  // with its // or /* */
+  SourceRange range{};  // with its // or /* */
 };
 
 /// One file. Owns its nodes; the texts belong to the source map.

@@ -122,8 +122,19 @@ State Core::snapshot() const {
 }
 
 bool Core::restore(const State& state) {
-  fault_ = {};
   const Image& image = *tables_.image;
+  // A fault leaves atoms whose ports were not looked at yet: then everything is.
+  const bool everything = static_cast<bool>(fault_);
+  fault_ = {};
+  if (everything) {
+    for (u32 slot = 0; slot < is_dirty_.size(); ++slot) {
+      if (nodes_[slot].direct == 0) mark_dirty(slot);
+    }
+    for (u32 rule = 0; rule < rules_.count; ++rule) {
+      if (is_rule_dirty_[rule] == 0) dirty_rules_.push_back(rule);
+      is_rule_dirty_[rule] = 1;
+    }
+  }
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     AtomState& now = atoms_[atom];
     const u32 slots = tables_.atom_type(atom).slots.size;
@@ -131,10 +142,10 @@ bool Core::restore(const State& state) {
     const u32 mark = tables_.mark_base[atom];
     const bool same_data = slots == 0 || std::memcmp(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot)) == 0;
     const bool same_marks = words == 0 || std::memcmp(&marks_[mark], &state.marks[mark], words * sizeof(u64)) == 0;
-    if (same_data && same_marks && now.place == state.places[atom]) continue;
+    if (!everything && same_data && same_marks && now.place == state.places[atom]) continue;
     if (slots != 0) std::memcpy(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot));
     if (words != 0) std::memcpy(&marks_[mark], &state.marks[mark], words * sizeof(u64));
-    const u32 before = now.place;
+    const u32 before = everything ? kNone : now.place;
     now.place = state.places[atom];
     if (!update_ports(atom, before)) return false;
     if (now.watched != 0) touch(atom);

@@ -8,15 +8,12 @@ namespace bip::rt {
 
 void append_number(std::string& out, std::uint64_t value) {
   char buffer[24];
-  out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+  out.append(buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value).ptr - buffer));
 }
 
 void append_double(std::string& out, double value) {
   char buffer[40];
-  const char* end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  out.append(buffer, end);
-  // inf and nan have letters, exponents an e.
-  if (std::string_view(buffer, static_cast<std::size_t>(end - buffer)).find_first_of(".einf") == std::string_view::npos) out += ".0";
+  out.append(buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value).ptr - buffer));
 }
 
 void append_quoted(std::string& out, const char* text) {
@@ -49,7 +46,7 @@ void append_value(std::string& out, const Image& image, SlotType type, Slot valu
   switch (type) {
     case SlotType::Int: {
       char buffer[16];
-      out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value.i).ptr);
+      out.append(buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value.i).ptr - buffer));
       break;
     }
     case SlotType::Bool: out += value.i != 0 ? "true" : "false"; break;

@@ -6,8 +6,7 @@
 
 namespace bip::rt {
 
-/// Shortest text that reads back as the same number; `1` becomes `1.0`, so that it still reads as a float. Not for JSON's
-/// nan and inf.
+/// Shortest text that reads back as the same number.
 void append_double(std::string& out, double value);
 void append_number(std::string& out, std::uint64_t value);
 /// A string constant with quotes and escapes (JSON's).

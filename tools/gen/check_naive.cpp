@@ -4,6 +4,8 @@
 #include <cstring>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "runtime/core/core.hpp"
 #include "tools/gen/check.hpp"
 #include "tools/gen/naive.hpp"

@@ -86,8 +86,10 @@ Expr CodeMaker::bool_operation(const std::vector<Known>& known, int depth) {
   Ty operand = type();
   bool ordered = operand == Ty::Int || operand == Ty::Float;
   std::string op = random_->pick(ordered ? relations : equalities);
-  Expr a = expression(operand, known, depth - 1);
-  return binary(op, std::move(a), expression(operand, known, depth - 1), Ty::Bool);
+  Expr a = expression(operand, known, depth - 1), b = expression(operand, known, depth - 1);
+  // `x < x` tells little.
+  if (a.kind == ExprKind::Name && b.kind == ExprKind::Name && a.scope == b.scope && a.name == b.name) b = literal(operand);
+  return binary(op, std::move(a), std::move(b), Ty::Bool);
 }
 
 Expr CodeMaker::float_operation(const std::vector<Known>& known, int depth) {
@@ -136,6 +138,8 @@ Stmt CodeMaker::assignment(const Known& target, const std::vector<Known>& known,
   stmt.scope = target.scope;
   stmt.name = target.name;
   stmt.value = expression(target.type, known, depth);
+  bool to_itself = stmt.value.kind == ExprKind::Name && stmt.value.scope == target.scope && stmt.value.name == target.name;
+  if (to_itself) stmt.value = target.type == Ty::Bool ? unary("!", std::move(stmt.value), Ty::Bool) : literal(target.type);
   return stmt;
 }
 

@@ -108,7 +108,7 @@ TEST_CASE("statements run in order, nested ifs included") {
   const StmtId outer = c.when(c.binary(Op::Gt, c.self(0), c.i(0)), inner, c.set(1, c.i(3)));
   const StmtId body = c.body({c.set(0, c.binary(Op::Add, c.self(0), c.i(1))), outer,
                               c.set(0, c.binary(Op::Mul, c.self(1), c.i(10)))});
-  for (const auto [x, y] : {std::pair{9, 1}, std::pair{3, 2}, std::pair{-4, 3}}) {
+  for (const auto& [x, y] : {std::pair{9, 1}, std::pair{3, 2}, std::pair{-4, 3}}) {
     rt::Slot slots[2] = {};
     slots[0].bits = static_cast<std::uint32_t>(x);
     CHECK(run(s, body, slots) == 1);

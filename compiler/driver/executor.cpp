@@ -1,0 +1,39 @@
+// Fills the code of an image. The interpreter is always there; the JIT is a plug-in that may be missing.
+//
+// Without a wish the JIT is taken if it is there. A system without any code needs neither: then libLLVM stays unloaded.
+#include "compiler/driver/executor.hpp"
+
+#include "compiler/base/assert.hpp"
+
+namespace bip::driver {
+
+jit::OptLevel opt_level(const lower::LoweredSystem& lowered, Optimisation optimisation) {
+  if (optimisation == Optimisation::Auto) {
+    return lowered.units.size() <= kMaxUnitsForO2 ? jit::OptLevel::O2 : jit::OptLevel::O0;
+  }
+  return optimisation == Optimisation::O0 ? jit::OptLevel::O0 : jit::OptLevel::O2;
+}
+
+bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation) {
+  const StageScope doing("preparing the code of", c.path);
+  if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
+    const Result<JitPlugin> plugin = load_jit();
+    if (plugin) {
+      Result<JitCode> code = (*plugin).compile(*c.lowered, opt_level(*c.lowered, optimisation));
+      if (!code) {
+        c.diags.report(Diag::kB5007, {}, "jit", code.error());
+        return false;
+      }
+      jit_ = std::move(*code);
+      return true;
+    }
+    if (backend == Backend::Jit) {
+      c.diags.report(Diag::kB5007, {}, "jit", plugin.error());
+      return false;
+    }
+  }
+  interpreter_ = std::make_unique<interp::Interpreter>(*c.lowered);
+  return true;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,214 @@
+// Code IR to LLVM IR, one function a unit.
+//
+// Meaning as in code.hpp, the same as the interpreter's: int is i32 with plain (wrapping) arithmetic, bool is i1 in
+// expressions and 0/1 in slots, float is double without any fast-math flag, string is the i32 row of its text. A store
+// writes all 64 bits of the slot. Divisions branch to `ret <status>`; && and || branch. Expressions recurse (their depth
+// is limited by `validate`); statements are followed in a loop but for nested ifs.
+#include "compiler/jit/codegen.hpp"
+
+#include <llvm/IR/IRBuilder.h>
+
+#include <limits>
+
+namespace bip::jit {
+namespace {
+
+class UnitBuilder {
+ public:
+  UnitBuilder(llvm::Function* function, const lower::LoweredSystem& lowered)
+      : code_(lowered.system->code), sites_(lowered.site_of_expr), function_(function),
+        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)), i32_(b_.getInt32Ty()) {
+    self_ = function->getArg(1);
+    all_ = function->getArg(2);
+    bind_ = function->getArg(3);
+  }
+
+  void guard(ExprId id) { b_.CreateRet(b_.CreateZExt(expr(id), i32_)); }
+  void action(StmtId first) {
+    body(first);
+    b_.CreateRet(b_.getInt32(1));
+  }
+
+ private:
+  const llvm::Align slot_align_{8};
+
+  llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
+
+  llvm::Value* self_slot(std::uint32_t index) {
+    return b_.CreateConstInBoundsGEP1_64(b_.getInt64Ty(), self_, index);
+  }
+  llvm::Value* bind_slot(std::uint32_t index) {
+    llvm::Value* entry = b_.CreateConstInBoundsGEP1_64(i32_, bind_, index);
+    llvm::Value* row = b_.CreateZExt(b_.CreateAlignedLoad(i32_, entry, llvm::Align(4)), b_.getInt64Ty());
+    return b_.CreateInBoundsGEP(b_.getInt64Ty(), all_, row);
+  }
+  llvm::Value* load(Type type, llvm::Value* slot) {
+    if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), slot, slot_align_);
+    llvm::Value* low = b_.CreateAlignedLoad(i32_, slot, slot_align_);
+    return type == Type::Bool ? b_.CreateICmpNE(low, b_.getInt32(0)) : low;
+  }
+  void store(Type type, llvm::Value* value, llvm::Value* slot) {
+    // Unused bits of a slot are zero.
+    if (type != Type::Float) value = b_.CreateZExt(value, b_.getInt64Ty());
+    b_.CreateAlignedStore(value, slot, slot_align_);
+  }
+
+  llvm::Value* expr(ExprId id) {
+    const Expr& e = code_.exprs[id];
+    switch (e.op) {
+      case Op::ConstInt:
+      case Op::ConstString: return b_.getInt32(static_cast<std::uint32_t>(e.int_value));
+      case Op::ConstBool: return b_.getInt1(e.int_value != 0);
+      case Op::ConstFloat: return llvm::ConstantFP::get(b_.getDoubleTy(), e.float_value);
+      case Op::LoadSelf: return load(e.type, self_slot(e.index));
+      case Op::LoadBind: return load(e.type, bind_slot(e.index));
+      case Op::IntToFloat: return b_.CreateSIToFP(expr(e.a), b_.getDoubleTy());
+      case Op::Neg: return e.type == Type::Float ? b_.CreateFNeg(expr(e.a)) : b_.CreateNeg(expr(e.a));
+      case Op::Not:
+      case Op::BitNot: return b_.CreateNot(expr(e.a));
+      case Op::And:
+      case Op::Or: return short_circuit(e);
+      default: break;
+    }
+    llvm::Value* a = expr(e.a);
+    llvm::Value* b = expr(e.b);
+    if (code_.exprs[e.a].type == Type::Float) return float_binary(e.op, a, b);
+    if (e.op == Op::Div || e.op == Op::Mod) return divide(id, e.op, a, b);
+    return int_binary(e.op, a, b);
+  }
+
+  llvm::Value* short_circuit(const Expr& e) {
+    llvm::Value* a = expr(e.a);
+    llvm::BasicBlock* decided = b_.GetInsertBlock();
+    llvm::BasicBlock* rest = new_block(e.op == Op::And ? "and" : "or");
+    llvm::BasicBlock* join = new_block("join");
+    b_.CreateCondBr(a, e.op == Op::And ? rest : join, e.op == Op::And ? join : rest);
+    b_.SetInsertPoint(rest);
+    llvm::Value* b = expr(e.b);
+    llvm::BasicBlock* rest_end = b_.GetInsertBlock();
+    b_.CreateBr(join);
+    b_.SetInsertPoint(join);
+    llvm::PHINode* phi = b_.CreatePHI(b_.getInt1Ty(), 2);
+    phi->addIncoming(b_.getInt1(e.op == Op::Or), decided);
+    phi->addIncoming(b, rest_end);
+    return phi;
+  }
+
+  llvm::Value* float_binary(Op op, llvm::Value* a, llvm::Value* b) {
+    switch (op) {
+      case Op::Add: return b_.CreateFAdd(a, b);
+      case Op::Sub: return b_.CreateFSub(a, b);
+      case Op::Mul: return b_.CreateFMul(a, b);
+      case Op::Div: return b_.CreateFDiv(a, b);
+      case Op::Eq: return b_.CreateFCmpOEQ(a, b);
+      case Op::Ne: return b_.CreateFCmpUNE(a, b);
+      case Op::Lt: return b_.CreateFCmpOLT(a, b);
+      case Op::Gt: return b_.CreateFCmpOGT(a, b);
+      case Op::Le: return b_.CreateFCmpOLE(a, b);
+      default: return b_.CreateFCmpOGE(a, b);
+    }
+  }
+  /// int, and what bool and string share with it: == and !=.
+  llvm::Value* int_binary(Op op, llvm::Value* a, llvm::Value* b) {
+    switch (op) {
+      case Op::Add: return b_.CreateAdd(a, b);
+      case Op::Sub: return b_.CreateSub(a, b);
+      case Op::Mul: return b_.CreateMul(a, b);
+      case Op::BitAnd: return b_.CreateAnd(a, b);
+      case Op::BitOr: return b_.CreateOr(a, b);
+      case Op::BitXor: return b_.CreateXor(a, b);
+      case Op::Eq: return b_.CreateICmpEQ(a, b);
+      case Op::Ne: return b_.CreateICmpNE(a, b);
+      case Op::Lt: return b_.CreateICmpSLT(a, b);
+      case Op::Gt: return b_.CreateICmpSGT(a, b);
+      case Op::Le: return b_.CreateICmpSLE(a, b);
+      default: return b_.CreateICmpSGE(a, b);
+    }
+  }
+
+  /// Goes on only if `fault` is false; else the unit ends with the status.
+  void fault_if(llvm::Value* fault, std::uint32_t site, rt::FaultKind kind) {
+    llvm::BasicBlock* faulty = new_block("fault");
+    llvm::BasicBlock* sound = new_block("sound");
+    b_.CreateCondBr(fault, faulty, sound);
+    b_.SetInsertPoint(faulty);
+    b_.CreateRet(b_.getInt32(static_cast<std::uint32_t>(rt::fault_status(site, kind))));
+    b_.SetInsertPoint(sound);
+  }
+  llvm::Value* divide(ExprId id, Op op, llvm::Value* a, llvm::Value* b) {
+    const std::uint32_t site = sites_[id.value];
+    fault_if(b_.CreateICmpEQ(b, b_.getInt32(0)), site, rt::FaultKind::DivisionByZero);
+    llvm::Value* lowest = b_.getInt32(static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::min()));
+    llvm::Value* overflow = b_.CreateAnd(b_.CreateICmpEQ(a, lowest), b_.CreateICmpEQ(b, b_.getInt32(0xffffffffu)));
+    fault_if(overflow, site, rt::FaultKind::DivisionOverflow);
+    return op == Op::Div ? b_.CreateSDiv(a, b) : b_.CreateSRem(a, b);
+  }
+
+  void body(StmtId first) {
+    for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
+      const Stmt& s = code_.stmts[id];
+      llvm::Value* value = expr(s.value);
+      switch (s.op) {
+        case StmtOp::StoreSelf: store(s.type, value, self_slot(s.index)); break;
+        case StmtOp::StoreBind: store(s.type, value, bind_slot(s.index)); break;
+        case StmtOp::If: branch(s, value); break;
+      }
+    }
+  }
+  void branch(const Stmt& s, llvm::Value* condition) {
+    llvm::BasicBlock* then_block = new_block("then");
+    llvm::BasicBlock* else_block = new_block("else");
+    llvm::BasicBlock* join = new_block("fi");
+    b_.CreateCondBr(condition, then_block, else_block);
+    b_.SetInsertPoint(then_block);
+    body(s.then_body);
+    b_.CreateBr(join);
+    b_.SetInsertPoint(else_block);
+    body(s.else_body);
+    b_.CreateBr(join);
+    b_.SetInsertPoint(join);
+  }
+
+  const CodeTable& code_;
+  const std::vector<std::uint32_t>& sites_;
+  llvm::Function* function_;
+  llvm::IRBuilder<> b_;
+  llvm::Type* i32_;
+  llvm::Value* self_ = nullptr;
+  llvm::Value* all_ = nullptr;
+  llvm::Value* bind_ = nullptr;
+};
+
+/// int32 (ptr context, ptr self, ptr all, ptr bind). self points into all, so neither is `noalias`; bind is a constant
+/// table of its own.
+llvm::Function* declare(llvm::Module& module, const std::string& name) {
+  llvm::LLVMContext& context = module.getContext();
+  llvm::Type* pointer = llvm::PointerType::getUnqual(context);
+  auto* type = llvm::FunctionType::get(llvm::Type::getInt32Ty(context), {pointer, pointer, pointer, pointer}, false);
+  auto* function = llvm::Function::Create(type, llvm::Function::ExternalLinkage, name, module);
+  function->setDoesNotThrow();
+  static constexpr const char* kArgs[] = {"context", "self", "all", "bind"};
+  for (unsigned k = 0; k < 4; ++k) function->getArg(k)->setName(kArgs[k]);
+  function->addParamAttr(3, llvm::Attribute::NoAlias);
+  function->addParamAttr(3, llvm::Attribute::ReadOnly);
+  return function;
+}
+
+}  // namespace
+
+std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
+                                           std::size_t first, std::size_t count) {
+  auto module = std::make_unique<llvm::Module>("units_" + std::to_string(first), context);
+  for (std::size_t k = first; k < first + count; ++k) {
+    const lower::CodeUnit& unit = lowered.units[k];
+    UnitBuilder builder(declare(*module, unit.name), lowered);
+    if (unit.kind == lower::CodeKind::Guard) {
+      builder.guard(unit.expr);
+    } else {
+      builder.action(unit.body);
+    }
+  }
+  return module;
+}
+
+}  // namespace bip::jit

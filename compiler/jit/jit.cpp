@@ -1,0 +1,77 @@
+// Units to machine code in this process, with LLVM's ORC.
+//
+// Units go in modules of kUnitsPerModule (one a module costs six times as much, all in one makes passes and linking
+// slow to start), each compiled and looked up before the next is built, so that memory stays that of one module plus the
+// code. A module has a context of its own: what a pass interns dies with it.
+#include "compiler/jit/jit.hpp"
+
+#include <llvm/ExecutionEngine/Orc/LLJIT.h>
+
+#include <algorithm>
+
+#include "compiler/jit/codegen.hpp"
+#include "compiler/jit/target.hpp"
+
+namespace bip::jit {
+namespace {
+
+constexpr std::size_t kUnitsPerModule = 256;
+
+}  // namespace
+
+struct Jit::Impl {
+  std::unique_ptr<llvm::orc::LLJIT> engine;
+  std::unique_ptr<llvm::TargetMachine> machine;
+
+  llvm::Error add_units(lower::LoweredSystem& lowered, OptLevel level, std::size_t first, std::size_t count) {
+    auto context = std::make_unique<llvm::LLVMContext>();
+    std::unique_ptr<llvm::Module> module = build_module(*context, lowered, first, count);
+    module->setDataLayout(engine->getDataLayout());
+    module->setTargetTriple(engine->getTargetTriple().str());
+    optimize(*module, *machine, level);
+    if (llvm::Error error =
+            engine->addIRModule(llvm::orc::ThreadSafeModule(std::move(module), std::move(context))))
+      return error;
+
+    // All names at once: one trip through the session.
+    llvm::orc::ExecutionSession& session = engine->getExecutionSession();
+    std::vector<llvm::orc::SymbolStringPtr> names;
+    llvm::orc::SymbolLookupSet wanted;
+    for (std::size_t k = 0; k < count; ++k) {
+      names.push_back(engine->mangleAndIntern(lowered.units[first + k].name));
+      wanted.add(names.back());
+    }
+    auto found = session.lookup(llvm::orc::makeJITDylibSearchOrder(&engine->getMainJITDylib()), std::move(wanted));
+    if (!found) return found.takeError();
+    for (std::size_t k = 0; k < count; ++k)
+      lowered.codes[first + k] = {.fn = (*found)[names[k]].getAddress().toPtr<rt::CodeFn>(), .context = nullptr};
+    return llvm::Error::success();
+  }
+};
+
+Jit::Jit() : impl_(std::make_unique<Impl>()) {}
+Jit::~Jit() = default;
+
+Result<std::unique_ptr<Jit>> Jit::compile(lower::LoweredSystem& lowered, OptLevel level) {
+  Result<llvm::orc::JITTargetMachineBuilder> target = host_target(level);
+  if (!target) return Failure{target.error()};
+  std::unique_ptr<Jit> jit(new Jit());
+  Result<std::unique_ptr<llvm::TargetMachine>> machine = make_machine(*target);
+  if (!machine) return Failure{machine.error()};
+  jit->impl_->machine = std::move(*machine);
+  // Our code has no initialisers, no thread-locals and calls nothing: no platform, no look into the process.
+  auto engine = llvm::orc::LLJITBuilder()
+                    .setJITTargetMachineBuilder(std::move(*target))
+                    .setPlatformSetUp(llvm::orc::setUpInactivePlatform)
+                    .create();
+  if (!engine) return Failure{"the JIT does not start: " + text_of(engine.takeError())};
+  jit->impl_->engine = std::move(*engine);
+  for (std::size_t first = 0; first < lowered.units.size(); first += kUnitsPerModule) {
+    const std::size_t count = std::min(kUnitsPerModule, lowered.units.size() - first);
+    if (llvm::Error error = jit->impl_->add_units(lowered, level, first, count))
+      return Failure{"the JIT fails on `" + lowered.units[first].name + "` and those after it: " + text_of(std::move(error))};
+  }
+  return jit;
+}
+
+}  // namespace bip::jit

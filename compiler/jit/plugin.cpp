@@ -1,0 +1,31 @@
+// libbipc_jit.so: the JIT as a plug-in, so that only commands that run native code pay for loading libLLVM (13 ms).
+#include "compiler/jit/plugin.hpp"
+
+using namespace bip;
+
+extern "C" {
+
+std::uint64_t bipc_jit_abi();
+jit::Jit* bipc_jit_compile(lower::LoweredSystem* lowered, jit::OptLevel level, std::string* error);
+void bipc_jit_destroy(jit::Jit* jit);
+bool bipc_jit_emit(const lower::LoweredSystem* lowered, jit::OptLevel level, jit::EmitKind kind, std::string* out);
+
+std::uint64_t bipc_jit_abi() { return jit::kPluginAbi; }
+
+jit::Jit* bipc_jit_compile(lower::LoweredSystem* lowered, jit::OptLevel level, std::string* error) {
+  Result<std::unique_ptr<jit::Jit>> result = jit::Jit::compile(*lowered, level);
+  if (result) return result->release();
+  *error = result.error();
+  return nullptr;
+}
+
+void bipc_jit_destroy(jit::Jit* jit) { delete jit; }
+
+bool bipc_jit_emit(const lower::LoweredSystem* lowered, jit::OptLevel level, jit::EmitKind kind, std::string* out) {
+  Result<std::string> text =
+      kind == jit::EmitKind::Llvm ? jit::emit_llvm(*lowered, level) : jit::emit_asm(*lowered, level);
+  *out = text ? std::move(*text) : text.error();
+  return static_cast<bool>(text);
+}
+
+}  // extern "C"

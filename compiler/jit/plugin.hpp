@@ -1,0 +1,31 @@
+// The entry points of libbipc_jit.so. C names, so that the driver finds them with dlsym; C++ types may cross, since both
+// sides are built by one compiler from one tree (`bipc_jit_abi` tells them apart if they are not).
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "compiler/jit/jit.hpp"
+#include "compiler/lower/lower.hpp"
+
+namespace bip::jit {
+
+/// Changes whenever a type that crosses changes; the sizes catch a forgotten change.
+constexpr std::uint64_t kPluginAbi =
+    (std::uint64_t{1} << 48) + (sizeof(lower::LoweredSystem) << 24) + (sizeof(System) << 8) + sizeof(Expr);
+
+enum class EmitKind : std::uint8_t { Llvm, Asm };
+
+extern "C" {
+using AbiFn = std::uint64_t();
+/// Fills lowered.codes. The Jit, or null and the reason in `error`. Freed by DestroyFn.
+using CompileFn = Jit*(lower::LoweredSystem* lowered, OptLevel level, std::string* error);
+using DestroyFn = void(Jit* jit);
+/// The text in `out`, or false and the reason there.
+using EmitFn = bool(const lower::LoweredSystem* lowered, OptLevel level, EmitKind kind, std::string* out);
+}
+inline constexpr const char* kAbiName = "bipc_jit_abi";
+inline constexpr const char* kCompileName = "bipc_jit_compile";
+inline constexpr const char* kDestroyName = "bipc_jit_destroy";
+inline constexpr const char* kEmitName = "bipc_jit_emit";
+
+}  // namespace bip::jit

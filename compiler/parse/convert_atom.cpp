@@ -1,0 +1,222 @@
+// Conversion of what an atom consists of, in both notations: ports, clocks, places or states, transitions, rules.
+#include <algorithm>
+
+#include "compiler/parse/convert.hpp"
+
+namespace bip::parse {
+
+using namespace syntax;
+
+void Converter::body_item(BipParser::BodyItemContext* ctx, Items& to) {
+  const Annotations marks = annotations(ctx->annotation());
+  if (compound_item(ctx, marks, to)) return;
+  if (owner_.kind == DeclKind::AtomType) return atom_item(ctx, marks, to);
+  if (ctx->dataDecl() != nullptr && owner_.notation == Notation::Paper) {
+    to.data.push_back(data(ctx->dataDecl(), marks));
+    return;
+  }
+  std::string_view what = "a behavior";
+  if (ctx->dataDecl() != nullptr) what = "data";
+  if (ctx->portDecl() != nullptr) what = "a port of its own";
+  if (ctx->clockDecl() != nullptr) what = "a clock";
+  if (ctx->places() != nullptr) what = "a `place` line";
+  if (ctx->initial() != nullptr) what = "an `initial` line";
+  if (ctx->transition() != nullptr) what = "a transition";
+  if (ctx->invariant() != nullptr) what = "an invariant";
+  misplaced(what, range(ctx));
+}
+
+void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, Items& to) {
+  if (ctx->dataDecl() != nullptr) {
+    to.data.push_back(data(ctx->dataDecl(), marks));
+  } else if (ctx->portDecl() != nullptr) {
+    to.ports.push_back(port(ctx->portDecl(), marks));
+  } else if (BipParser::ClockDeclContext* clock = ctx->clockDecl()) {
+    std::vector<BipParser::IdContext*> ids = clock->id();
+    ClockDecl made{.annotations = marks, .range = range(clock)};
+    if (clock->UNIT() != nullptr) {
+      made.unit = name(ids.back());
+      ids.pop_back();
+      constexpr std::string_view kUnits[] = {"nanosecond", "microsecond", "millisecond", "second", "minute", "hour", "day"};
+      if (std::find(std::begin(kUnits), std::end(kUnits), made.unit.text) == std::end(kUnits)) {
+        diags_.report(Diag::kB0021, made.unit.range, made.unit.text)
+            .note("units are `nanosecond`, `microsecond`, `millisecond`, `second`, `minute`, `hour` and `day`");
+        made.unit = {};
+      }
+    }
+    made.names = names(ids);
+    to.clocks.push_back(made);
+  } else if (ctx->places() != nullptr) {
+    for (BipParser::IdContext* id : ctx->places()->idList()->id()) to.places.push_back(name(id));
+  } else if (ctx->initial() != nullptr) {
+    if (to.initial.present) repeated("`initial`", owner_.phrase, range(ctx->initial()));
+    to.initial = initial(ctx->initial());
+  } else if (ctx->transition() != nullptr) {
+    transition(ctx->transition(), marks, nullptr, to);
+  } else if (ctx->priority() != nullptr) {
+    atom_priority(ctx->priority(), to);
+  } else if (ctx->invariant() != nullptr) {
+    if (!failed(ctx->invariant()->provided())) to.invariants.push_back(invariant(ctx->invariant()));
+  } else if (ctx->behavior() != nullptr) {
+    if (to.has_behavior) repeated("`behavior`", owner_.phrase, range(ctx->behavior()->start));
+    to.has_behavior = true;
+    behavior(ctx->behavior(), to);
+  } else {
+    misplaced("a part", range(ctx));
+  }
+}
+
+void Converter::behavior(BipParser::BehaviorContext* ctx, Items& to) {
+  std::vector<BipParser::AnnotationContext*> marks;
+  for (antlr4::tree::ParseTree* child : ctx->children) {
+    auto* rule = dynamic_cast<antlr4::ParserRuleContext*>(child);
+    if (rule == nullptr || failed(rule)) continue;
+    switch (rule->getRuleIndex()) {
+      case BipParser::RuleAnnotation:
+        marks.push_back(static_cast<BipParser::AnnotationContext*>(rule));
+        break;
+      case BipParser::RuleInitial:
+        if (to.initial.present) repeated("`initial`", owner_.phrase, range(rule));
+        to.initial = initial(static_cast<BipParser::InitialContext*>(rule));
+        break;
+      case BipParser::RuleTransition:
+        transition(static_cast<BipParser::TransitionContext*>(rule), annotations(marks), nullptr, to);
+        marks.clear();
+        break;
+      default: {
+        auto* state = static_cast<BipParser::StateContext*>(rule);
+        const Name place = name(state->id());
+        to.places.push_back(place);
+        std::vector<BipParser::AnnotationContext*> inner;
+        for (antlr4::tree::ParseTree* part : state->children) {
+          if (auto* mark = dynamic_cast<BipParser::AnnotationContext*>(part)) inner.push_back(mark);
+          if (auto* step = dynamic_cast<BipParser::TransitionContext*>(part)) {
+            if (!failed(step)) transition(step, annotations(inner), &place, to);
+            inner.clear();
+          }
+        }
+      }
+    }
+  }
+}
+
+PortDecl Converter::port(BipParser::PortDeclContext* ctx, Annotations marks) {
+  PortDecl made{.annotations = marks, .range = range(ctx)};
+  made.role = ctx->EXPORT() != nullptr || owner_.notation == Notation::Paper ? PortRole::Exported : PortRole::Internal;
+  if (ctx->EXTERN() != nullptr) made.role = PortRole::External;
+  made.type = type_ref(ctx->typeName(), false);
+  std::vector<PortItem> items;
+  for (BipParser::PortItemContext* item : ctx->portItem()) {
+    items.push_back({.name = name(item->id()), .vars = names(item->idList()), .has_vars = item->LPAREN() != nullptr});
+  }
+  made.items = arena_.list(items);
+  if (!made.type.is_written() && owner_.notation == Notation::Bip2) {
+    diags_.report(Diag::kB0014, made.items[0].name.range, "port `" + std::string(made.items[0].name.text) + "`", "type")
+        .help("write its port type before its name: `port Port " + std::string(made.items[0].name.text) + "()`");
+  }
+  if (ctx->id() != nullptr) made.merged_as = name(ctx->id());
+  if (ctx->STRING() != nullptr) made.extern_class = string(ctx->STRING());
+  for (antlr4::tree::TerminalNode* policy : {ctx->REMEMBER(), ctx->IGNORE(), ctx->ERROR()}) {
+    if (policy != nullptr) made.extern_policy = name(policy->getSymbol());
+  }
+  if (made.role != PortRole::External && (ctx->STRING() != nullptr || !made.extern_policy.text.empty())) {
+    diags_.report(Diag::kB0019, made.range, "a class or a policy belongs to an `extern port`");
+  }
+  if (made.role != PortRole::Exported && ctx->id() != nullptr) {
+    diags_.report(Diag::kB0019, made.merged_as.range, "only exported ports are merged by `as`").help("write `export port`");
+  }
+  return made;
+}
+
+Initial Converter::initial(BipParser::InitialContext* ctx) {
+  Initial made{.present = true, .range = range(ctx)};
+  constexpr std::string_view kWhole = "the `initial` line";
+  for (std::size_t i = 1; i < ctx->to().size(); ++i) repeated("`to`", kWhole, range(ctx->to(i)));
+  for (std::size_t i = 1; i < ctx->action().size(); ++i) repeated("`do`", kWhole, range(ctx->action(i)));
+  if (ctx->to().empty()) {
+    diags_.report(Diag::kB0014, made.range, "the `initial` line of " + owner_.phrase, "`to`");
+  } else {
+    made.to = names(ctx->to(0)->idList());
+  }
+  if (!ctx->action().empty()) made.action = action(ctx->action(0));
+  if (!ctx->resume().empty()) {
+    made.resumes = true;
+    made.resume = value(ctx->resume(0)->expr());
+  }
+  return made;
+}
+
+void Converter::missing_from_or_to(BipParser::TransitionContext* ctx, std::string_view word) {
+  std::string after = " after ";
+  const antlr4::Token* next = nullptr;
+  // The child that follows the port, or for `to` whatever follows `from …`.
+  const std::size_t at = ctx->INTERNAL() != nullptr ? 1 : 2;
+  if (word == "from") {
+    after += ctx->INTERNAL() != nullptr ? std::string("`internal`") : "port `" + std::string(name(ctx->id()).text) + "`";
+    if (ctx->children.size() > at) next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at])->start;
+  } else {
+    const antlr4::ParserRuleContext* last = ctx->from().empty() ? nullptr : ctx->from(0);
+    after += last == nullptr ? std::string("the port") : "`" + std::string(text(range(last))) + "`";
+    if (ctx->from().empty() && ctx->children.size() > at) next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at])->start;
+    if (last != nullptr && ctx->children.size() > at + 1) next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at + 1])->start;
+  }
+  const SourceRange whole = range(ctx);
+  const SourceRange where = next != nullptr ? range(next) : SourceRange{file_, whole.begin, whole.end};
+  const std::string found = next != nullptr ? "`" + std::string(text(where)) + "`" : "the next item";
+  diags_.report(Diag::kB0001, where, "`" + std::string(word) + "`", after + " in a transition of " + owner_.phrase, found);
+}
+
+void Converter::transition(BipParser::TransitionContext* ctx, Annotations marks, const Name* state, Items& to) {
+  Transition t{.annotations = marks, .internal = ctx->INTERNAL() != nullptr, .range = range(ctx)};
+  constexpr std::string_view kWhole = "a transition";
+  if (!t.internal) t.port = name(ctx->id());
+  for (std::size_t i = 1; i < ctx->from().size(); ++i) repeated("`from`", kWhole, range(ctx->from(i)));
+  for (std::size_t i = 1; i < ctx->to().size(); ++i) repeated("`to`", kWhole, range(ctx->to(i)));
+  for (std::size_t i = 1; i < ctx->provided().size(); ++i) repeated("`provided`", kWhole, range(ctx->provided(i)));
+  for (std::size_t i = 1; i < ctx->urgency().size(); ++i) repeated("urgency", kWhole, range(ctx->urgency(i)));
+  for (std::size_t i = 1; i < ctx->action().size(); ++i) repeated("`do`", kWhole, range(ctx->action(i)));
+  for (std::size_t i = 1; i < ctx->resume().size(); ++i) repeated("`resume`", kWhole, range(ctx->resume(i)));
+  if (!ctx->from().empty()) {
+    t.from = names(ctx->from(0)->idList());
+  } else if (state != nullptr) {
+    t.from = arena_.list(std::vector<Name>{*state});
+  } else {
+    return missing_from_or_to(ctx, "from");
+  }
+  if (ctx->to().empty()) return missing_from_or_to(ctx, "to");
+  t.to = names(ctx->to(0)->idList());
+  if (!ctx->provided().empty()) t.guard = guard(ctx->provided(0));
+  if (!ctx->urgency().empty()) t.urgency = name(ctx->urgency(0)->start);
+  if (!ctx->action().empty()) t.action = action(ctx->action(0));
+  if (!ctx->resume().empty()) {
+    t.resumes = true;
+    t.resume = value(ctx->resume(0)->expr());
+  }
+  to.transitions.push_back(t);
+}
+
+void Converter::atom_priority(BipParser::PriorityContext* ctx, Items& to) {
+  AtomPriority made{.name = name(ctx->id()), .range = range(ctx)};
+  Name* sides[] = {&made.low, &made.high};
+  for (std::size_t i = 0; i < 2; ++i) {
+    BipParser::PrioritySideContext* side = ctx->prioritySide(i);
+    if (side->start != side->stop) {
+      diags_.report(Diag::kB0019, range(side), "a priority of an atom compares ports of its own, `*` stands for all others");
+      return;
+    }
+    *sides[i] = name(side->start);
+  }
+  if (ctx->provided() != nullptr) made.guard = guard(ctx->provided());
+  to.atom_priorities.push_back(made);
+}
+
+Invariant Converter::invariant(BipParser::InvariantContext* ctx) {
+  Invariant made{.name = name(ctx->id()), .range = range(ctx)};
+  if (ctx->AT() != nullptr) made.scope = InvariantScope::At;
+  if (ctx->FROM() != nullptr) made.scope = InvariantScope::From;
+  made.places = names(ctx->idList());
+  made.expr = guard(ctx->provided());
+  return made;
+}
+
+}  // namespace bip::parse

@@ -1,0 +1,173 @@
+// Conversion of a file and its declarations, and the checks that concern a declaration as a whole: what may stand in it
+// and what it lacks.
+#include "compiler/parse/convert.hpp"
+
+namespace bip::parse {
+
+using namespace syntax;
+
+const Package* Converter::file(BipParser::FileContext* ctx) {
+  Package package;
+  std::vector<const Decl*> decls;
+  std::vector<Path> uses;
+  const BipParser::PackageContext* first = nullptr;
+  const auto add = [&](BipParser::DeclContext* d) {
+    if (failed(d)) return;
+    if (const Decl* made = decl(d)) decls.push_back(made);
+  };
+  for (antlr4::tree::ParseTree* child : ctx->children) {
+    if (auto* d = dynamic_cast<BipParser::DeclContext*>(child)) {
+      if (first != nullptr && !failed(first)) {
+        diags_.report(Diag::kB0018, range(d->start), "a declaration", text(package.name.range)).help("a file holds one package; its `end` comes last");
+      }
+      add(d);
+    }
+    auto* p = dynamic_cast<BipParser::PackageContext*>(child);
+    if (p == nullptr) continue;
+    if (first != nullptr) {
+      diags_.report(Diag::kB0017, range(p->start)).label(range(first->start), "the first one").help("one package a file");
+      continue;
+    }
+    first = p;
+    if (!failed(p->path())) package.name = path(p->path());
+    package.annotations = annotations(p->annotation());
+    for (BipParser::UseContext* use : p->use()) {
+      if (!failed(use) && !failed(use->path())) uses.push_back(path(use->path()));
+    }
+    for (BipParser::DeclContext* d : p->decl()) add(d);
+  }
+  package.uses = arena_.list(uses);
+  package.decls = arena_.list(decls);
+  package.range = {file_, 0, static_cast<std::uint32_t>(text_.size())};
+  return arena_.make(package);
+}
+
+std::span<const Param> Converter::proto_params(const std::vector<BipParser::ProtoParamContext*>& list) {
+  std::vector<Param> out;
+  for (BipParser::ProtoParamContext* p : list) {
+    Param param{.type = type_ref(p->typeName(), p->CONST() != nullptr), .name = {}};
+    if (p->id() != nullptr) param.name = name(p->id());
+    out.push_back(param);
+  }
+  return arena_.list(out);
+}
+
+const Decl* Converter::decl(BipParser::DeclContext* ctx) {
+  Decl d;
+  d.annotations = annotations(ctx->annotation());
+  d.range = range(ctx);
+  if (BipParser::ConstDataContext* c = ctx->constData()) {
+    if (failed(c)) return nullptr;
+    d.kind = DeclKind::ConstData;
+    DataDecl data{.annotations = {}, .type = type_ref(c->typeName(), true), .vars = vars(c->var()), .range = range(c)};
+    d.name = data.vars.empty() ? Name{} : data.vars.front().name;
+    d.data = arena_.list(std::vector<DataDecl>{data});
+  } else if (BipParser::PortTypeContext* p = ctx->portType()) {
+    if (failed(p)) return nullptr;
+    d.kind = DeclKind::PortType;
+    d.name = name(p->id());
+    d.params = params(p->params());
+  } else if (BipParser::ConnectorTypeContext* n = ctx->connectorType()) {
+    if (failed(n)) return nullptr;
+    d.kind = DeclKind::ConnectorType;
+    d.name = name(n->id());
+    d.params = params(n->params());
+    owner_ = {"connector type `" + std::string(d.name.text) + "`", d.kind, Notation::Bip2, false};
+    d.connector = connector_body(n->connectorPart());
+    if (d.connector->define == nullptr) diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`define`");
+  } else if (BipParser::AtomTypeContext* a = ctx->atomType()) {
+    if (failed(a)) return nullptr;
+    d.kind = DeclKind::AtomType;
+    d.name = name(a->id());
+    d.params = params(a->params());
+    d = body_decl(d, "atom type", a->bodyItem());
+  } else if (BipParser::CompoundTypeContext* k = ctx->compoundType()) {
+    if (failed(k)) return nullptr;
+    d.kind = DeclKind::CompoundType;
+    d.name = name(k->id());
+    d.params = params(k->params());
+    d = body_decl(d, "compound type", k->bodyItem());
+  } else if (BipParser::ComponentContext* m = ctx->component()) {
+    if (failed(m)) return nullptr;
+    d.notation = Notation::Paper;
+    d.name = name(m->id());
+    d.params = params(m->params());
+    // The behavior makes a component an atom: known only after a look at its items.
+    d.kind = DeclKind::CompoundType;
+    for (BipParser::BodyItemContext* item : m->bodyItem()) {
+      if (item->behavior() != nullptr || item->initial() != nullptr || item->transition() != nullptr || item->places() != nullptr) {
+        d.kind = DeclKind::AtomType;
+      }
+    }
+    d = body_decl(d, "component", m->bodyItem());
+  } else {
+    const Decl outside = extern_decl(ctx);
+    return outside.name.text.empty() ? nullptr : arena_.make(outside);
+  }
+  return arena_.make(d);
+}
+
+Decl Converter::extern_decl(BipParser::DeclContext* ctx) {
+  Decl d;
+  d.annotations = annotations(ctx->annotation());
+  d.range = range(ctx);
+  if (BipParser::ExternTypeContext* t = ctx->externType(); t != nullptr && !failed(t)) {
+    d.kind = DeclKind::ExternType;
+    d.name = name(t->id());
+    std::vector<Path> refines;
+    for (BipParser::TypeNameContext* r : t->typeName()) refines.push_back(type_ref(r, false).name);
+    d.refines = arena_.list(refines);
+    if (t->STRING() != nullptr) d.cpp_name = string(t->STRING());
+  } else if (BipParser::ExternFunctionContext* f = ctx->externFunction(); f != nullptr && !failed(f)) {
+    d.kind = DeclKind::ExternFunction;
+    d.name = name(f->id());
+    d.result = type_ref(f->typeName(), f->CONST() != nullptr);
+    d.params = proto_params(f->protoParam());
+  } else if (BipParser::ExternOperatorContext* o = ctx->externOperator(); o != nullptr && !failed(o)) {
+    d.kind = DeclKind::ExternOperator;
+    d.op = name(o->operatorSign()->start);
+    d.name = d.op;
+    d.result = type_ref(o->typeName(), o->CONST() != nullptr);
+    d.params = proto_params(o->protoParam());
+  }
+  return d;
+}
+
+void Converter::misplaced(std::string_view what, SourceRange at) { diags_.report(Diag::kB0016, at, what, owner_.phrase); }
+
+Decl Converter::body_decl(Decl d, std::string_view what, const std::vector<BipParser::BodyItemContext*>& list) {
+  owner_ = {std::string(what) + " `" + std::string(d.name.text) + "`", d.kind, d.notation, false};
+  Items items;
+  for (BipParser::BodyItemContext* item : list) {
+    if (!failed(item)) body_item(item, items);
+  }
+  check_body(d, items);
+  d.data = arena_.list(items.data);
+  d.ports = arena_.list(items.ports);
+  d.clocks = arena_.list(items.clocks);
+  d.places = arena_.list(items.places);
+  d.initial = items.initial;
+  d.transitions = arena_.list(items.transitions);
+  d.atom_priorities = arena_.list(items.atom_priorities);
+  d.invariants = arena_.list(items.invariants);
+  d.items = arena_.list(items.items);
+  d.priorities = arena_.list(items.priorities);
+  d.exports = arena_.list(items.exports);
+  return d;
+}
+
+void Converter::check_body(const Decl& d, const Items& items) {
+  if (diags_.has_errors()) return;
+  if (d.kind == DeclKind::AtomType) {
+    if (items.places.empty()) {
+      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, d.notation == Notation::Paper ? "state" : "`place` line");
+    } else if (!items.initial.present) {
+      const char* help = d.notation == Notation::Paper ? "say where it begins: `behavior initial to " : "say where it begins: `initial to ";
+      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`initial`").help(help + std::string(items.places.front().text) + "`");
+    }
+  } else if (items.items.empty()) {
+    diags_.report(Diag::kB0014, d.name.range, owner_.phrase, d.notation == Notation::Paper ? "behavior and no `contains`" : "component");
+  }
+}
+
+}  // namespace bip::parse

@@ -1,0 +1,129 @@
+// Text to tree: tokens, depth check, ANTLR in two stages, conversion.
+//
+// Stage one predicts without context (SLL) and gives up at the first error; it reads every sound file. Only if it gives up
+// does stage two predict with full context and report. Nothing that ANTLR throws leaves this file.
+#include "compiler/parse/parse.hpp"
+
+#include <algorithm>
+
+#include "BipLexer.h"
+#include "BipParser.h"
+#include "antlr4-runtime.h"
+#include "compiler/parse/convert.hpp"
+#include "compiler/parse/error_strategy.hpp"
+#include "compiler/parse/token_list.hpp"
+
+namespace bip::parse {
+namespace {
+
+/// ANTLR's tokens with byte offsets as positions (the end excluded), end of file last.
+std::vector<std::unique_ptr<antlr4::Token>> make_tokens(const std::vector<TokenRow>& rows, std::size_t file_size) {
+  std::vector<std::unique_ptr<antlr4::Token>> tokens;
+  tokens.reserve(rows.size() + 1);
+  const auto add = [&](std::size_t type, std::size_t begin, std::size_t end, std::size_t line) {
+    auto token = std::make_unique<antlr4::CommonToken>(type);
+    token->setStartIndex(begin);
+    token->setStopIndex(end);
+    token->setLine(line);
+    tokens.push_back(std::move(token));
+  };
+  for (const TokenRow& row : rows) add(row.type, row.begin, row.end, row.line);
+  const std::size_t line = rows.empty() ? 1 : rows.back().line + 1;
+  add(antlr4::Token::EOF, file_size, file_size, line);
+  return tokens;
+}
+
+/// The parse tree of `rule`, from whichever stage could make it; null if neither could. `convert` runs while it lives.
+template <class Rule, class Convert>
+void with_tree(const TokenList& list, const SourceMap& sources, FileId file, Diagnostics& diags, Rule rule, Convert convert) {
+  antlr4::ListTokenSource source(make_tokens(list.rows, sources.text(file).size()));
+  antlr4::CommonTokenStream stream(&source);
+  BipParser parser(&stream);
+  parser.removeErrorListeners();
+  auto* simulator = parser.getInterpreter<antlr4::atn::ParserATNSimulator>();
+  simulator->setPredictionMode(antlr4::atn::PredictionMode::SLL);
+  parser.setErrorHandler(std::make_shared<antlr4::BailErrorStrategy>());
+  try {
+    convert((parser.*rule)());
+    return;
+  } catch (const antlr4::ParseCancellationException&) {
+    // Wrong, or needs context: the second stage knows.
+  }
+  parser.reset();
+  simulator->setPredictionMode(antlr4::atn::PredictionMode::LL);
+  parser.setErrorHandler(std::make_shared<ReportingStrategy>(sources, file, diags));
+  try {
+    convert((parser.*rule)());
+  } catch (const antlr4::RecognitionException&) {
+    // Reported where it was thrown.
+  }
+}
+
+}  // namespace
+
+std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags) {
+  TokenList list = read_tokens(sources, file, diags);
+  if (list.rows.empty()) {
+    const SourceRange start{file, 0, 0};
+    if (!diags.has_errors()) diags.report(Diag::kB0009, start).help("a file holds a `package … end`, or components of the paper's notation");
+    return std::nullopt;
+  }
+  if (!check_depth(list.rows, file, diags)) return std::nullopt;
+  syntax::Syntax syntax;
+  syntax.file = file;
+  syntax.arena = std::make_unique<Arena>();
+  syntax.comments = std::move(list.comments);
+  with_tree(list, sources, file, diags, &BipParser::file, [&](BipParser::FileContext* tree) {
+    Converter converter(sources, file, *syntax.arena, diags);
+    syntax.package = converter.file(tree);
+  });
+  if (syntax.package == nullptr) return std::nullopt;
+  return syntax;
+}
+
+std::string dump_tokens(const SourceMap& sources, FileId file) {
+  Diagnostics ignored;
+  std::string out;
+  const TokenList list = read_tokens(sources, file, ignored);
+  std::vector<TokenRow> rows = list.rows;
+  for (const syntax::Comment& c : list.comments) rows.push_back({0, c.range.begin, c.range.end, 0});
+  std::sort(rows.begin(), rows.end(), [](const TokenRow& a, const TokenRow& b) { return a.begin < b.begin; });
+  const ::antlr4::dfa::Vocabulary& names = [] () -> const ::antlr4::dfa::Vocabulary& {
+    static antlr4::ANTLRInputStream none;
+    static const antlr::BipLexer lexer(&none);
+    return lexer.getVocabulary();
+  }();
+  for (const TokenRow& row : rows) {
+    const Loc at = sources.loc(file, row.begin);
+    const std::string_view text = sources.text(SourceRange{file, row.begin, row.end});
+    out += fmt::format("{}:{}  {}  {}\n", at.line, at.column, row.type == 0 ? "COMMENT" : names.getSymbolicName(row.type), text);
+  }
+  return out;
+}
+
+std::optional<RootSpec> parse_root(SourceMap& sources, const std::string& text, Diagnostics& diags) {
+  const FileId file = sources.add("--root", text);
+  const auto bad = [&]() -> std::optional<RootSpec> {
+    if (!diags.has_errors()) diags.report(Diag::kB0020, SourceRange{file, 0, static_cast<std::uint32_t>(text.size())}, text);
+    return std::nullopt;
+  };
+  const TokenList list = read_tokens(sources, file, diags);
+  if (list.rows.empty() || !check_depth(list.rows, file, diags)) return bad();
+  RootSpec root;
+  root.arena = std::make_unique<Arena>();
+  const syntax::Expr* expr = nullptr;
+  with_tree(list, sources, file, diags, &BipParser::rootSpec, [&](BipParser::RootSpecContext* tree) {
+    Converter converter(sources, file, *root.arena, diags);
+    if (tree->exception == nullptr && tree->expr() != nullptr) expr = converter.expr(tree->expr());
+  });
+  if (expr == nullptr || (expr->kind != syntax::ExprKind::Call && expr->kind != syntax::ExprKind::Path) || expr->parenthesised) return bad();
+  for (const syntax::PathPart& part : expr->path.parts) {
+    if (part.index != nullptr || part.star) return bad();
+    if (!root.type.empty()) root.type += '.';
+    root.type += part.name.text;
+  }
+  root.args.assign(expr->operands.begin(), expr->operands.end());
+  return root;
+}
+
+}  // namespace bip::parse

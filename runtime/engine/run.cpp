@@ -1,0 +1,202 @@
+// The sequential engine: initialize, then choose and fire until the limit, a deadlock, a fault or Ctrl-C.
+//
+// With nothing to write the loop builds no strings. SIGINT is caught while a run is on, and the handler that was there
+// before is put back; the flag it sets is the one global of the runtime, for a signal handler can reach nothing else.
+#include "bip/run.hpp"
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+
+#include "runtime/core/story.hpp"
+#include "runtime/core/text.hpp"
+#include "runtime/engine/scheduler.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+extern "C" void bip_on_interrupt(int) { interrupted = 1; }
+
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    interrupted = 0;
+    before_ = std::signal(SIGINT, bip_on_interrupt);
+  }
+  ~InterruptGuard() {
+    if (before_ != SIG_ERR) std::signal(SIGINT, before_);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+// Text on its way to a file, written in large pieces.
+class Sink {
+ public:
+  explicit Sink(std::FILE* file) : file_(file) {}
+  std::string text;
+  void drain(std::size_t threshold) {
+    if (text.size() <= threshold) return;
+    std::fwrite(text.data(), 1, text.size(), file_);
+    text.clear();
+  }
+  void flush() {
+    drain(0);
+    std::fflush(file_);
+  }
+
+ private:
+  std::FILE* file_;
+};
+constexpr std::size_t kPiece = 1 << 16;
+
+// What is written, and where; one of a run.
+struct Output {
+  const RunOptions& options;
+  std::uint64_t seed;
+  Sink out;
+  Sink trace;
+  bool to_trace;
+  StepWriter steps{};
+  Bip2Writer bip2{};
+  JsonWriter json{};
+
+  [[nodiscard]] bool bip2_format() const { return options.format == TraceFormat::Bip2; }
+  [[nodiscard]] bool writes_steps() const { return !options.silent || options.debug || to_trace; }
+  // Calls write(text) for standard output and for the trace, where both have the bip2 format.
+  template <class Write>
+  void in_bip2(const Write& write) {
+    if (!options.silent) write(out.text);
+    if (to_trace) write(trace.text);
+  }
+  void begin(const Image& image) {
+    if (bip2_format()) {
+      in_bip2([&](std::string& text) { bip2.begin(text, seed, options.policy); });
+      if (options.silent) steps.begin(out.text, seed, options.policy);
+    } else {
+      steps.begin(out.text, seed, options.policy);
+      if (to_trace) json.begin(trace.text, image, seed, options.policy);
+    }
+    out.flush();
+  }
+  void step(Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
+    if (bip2_format()) {
+      in_bip2([&](std::string& text) {
+        bip2.state(text, core, number);
+        bip2.choice(text, core, k);
+      });
+    } else {
+      if (options.format == TraceFormat::Json) {
+        if (!options.silent) json.step(out.text, core, candidate, number, k);
+      } else {
+        if (options.debug) steps.state(out.text, core);
+        if (!options.silent) steps.step(out.text, core, candidate, number);
+      }
+      if (to_trace) json.step(trace.text, core, candidate, number, k);
+    }
+    out.drain(kPiece);
+    trace.drain(kPiece);
+  }
+  void end(const Core& core, End how, std::uint64_t number) {
+    if (bip2_format()) {
+      in_bip2([&](std::string& text) { bip2.end(text, how, number); });
+    } else if (to_trace) {
+      json.end(trace.text, core, how, number);
+    }
+    if (!bip2_format() || options.silent) tell_end(core, how, number);
+    out.flush();
+    if (to_trace) trace.flush();
+  }
+  void tell_end(const Core& core, End how, std::uint64_t number) {
+    switch (how) {
+      case End::Limit: out.text += "limit: "; break;
+      case End::Interrupted: out.text += "interrupted: "; break;
+      case End::Deadlock: out.text += deadlock_story(core, number, seed); return;
+      case End::Fault: return;
+    }
+    append_number(out.text, number);
+    out.text += number == 1 ? " step\n" : " steps\n";
+  }
+};
+
+void print_stats(std::FILE* err, std::uint64_t steps, double seconds) {
+  const double each = steps == 0 ? 0 : seconds * 1e9 / static_cast<double>(steps);
+  std::fprintf(err, "steps %llu, seconds %.6f, ns/step %.1f\n", static_cast<unsigned long long>(steps), seconds, each);
+}
+
+}  // namespace
+
+std::uint64_t draw_seed() {
+  std::uint32_t seed = 0;
+  if (std::FILE* file = std::fopen("/dev/urandom", "rb")) {
+    const std::size_t read = std::fread(&seed, sizeof seed, 1, file);
+    std::fclose(file);
+    if (read == 1) return seed;
+  }
+  return static_cast<std::uint32_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+}
+
+RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err) {
+  RunResult result;
+  std::FILE* file = nullptr;
+  if (!options.trace_path.empty()) {
+    file = std::fopen(options.trace_path.c_str(), "wb");
+    if (file == nullptr) {
+      std::fprintf(err, "error: cannot write `%s`: %s\n", options.trace_path.c_str(), std::strerror(errno));
+      return {End::Fault, 0, 2};
+    }
+  }
+  const std::uint64_t seed = options.has_seed ? options.seed : draw_seed();
+  Output output{options, seed, Sink(out), Sink(file), file != nullptr};
+  const InterruptGuard guard;
+  output.begin(image);
+
+  Core core(image, {.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
+  Scheduler scheduler(options.policy, seed);
+  const bool writes = output.writes_steps();
+  const auto started = std::chrono::steady_clock::now();
+  bool sound = core.initialize();
+  while (true) {
+    if (!sound) {
+      result.end = End::Fault;
+    } else if (result.steps >= options.limit) {
+      result.end = End::Limit;
+    } else if (core.candidate_count() == 0) {
+      result.end = End::Deadlock;
+    } else if (interrupted != 0) {
+      result.end = End::Interrupted;
+    } else {
+      const std::uint64_t k = scheduler.choose(core);
+      const Candidate candidate = core.candidate(k);
+      if (writes) output.step(core, candidate, result.steps, k);
+      sound = core.fire(candidate);
+      scheduler.fired(candidate);
+      if (sound) ++result.steps;
+      continue;
+    }
+    break;
+  }
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started;
+
+  output.end(core, result.end, result.steps);
+  if (result.end == End::Fault) {
+    const std::string text = text_of(core.fault(), image, seed, result.steps);
+    std::fwrite(text.data(), 1, text.size(), err);
+    result.exit_code = 1;
+  }
+  if (file != nullptr && std::fclose(file) != 0) {
+    std::fprintf(err, "error: cannot write `%s`: %s\n", options.trace_path.c_str(), std::strerror(errno));
+    result.exit_code = 2;
+  }
+  if (options.stats) print_stats(err, result.steps, seconds.count());
+  return result;
+}
+
+}  // namespace bip::rt

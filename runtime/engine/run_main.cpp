@@ -1,0 +1,96 @@
+// The command line of an emitted program: run's options, nothing else. Exit codes are bipc run's: 0 ok (a deadlock is a
+// normal end), 1 a run-time error, 2 usage.
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include "bip/run.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr const char* kHelp =
+    "usage: %s [options]\n"
+    "runs the model %s\n\n"
+    "  --seed N                    of the policy's choices (default: drawn, always printed)\n"
+    "  --limit N                   stop after N steps\n"
+    "  --policy P                  uniform (default), first or fair\n"
+    "  --silent                    no line a step\n"
+    "  --debug                     every state's candidates\n"
+    "  --stats                     steps, seconds, ns/step at the end\n"
+    "  --trace FILE                write the trace, JSON lines (bip2 with --trace-format bip2)\n"
+    "  --trace-format F            steps (default), json or bip2\n"
+    "  --disable-maximal-progress  smaller interactions are candidates too\n"
+    "  --help                      this text\n\n"
+    "example: %s --seed 42 --limit 1000 --trace run.trace\n";
+
+bool parse_number(const char* text, std::uint64_t& value) {
+  if (*text < '0' || *text > '9') return false;
+  char* end = nullptr;
+  errno = 0;
+  value = std::strtoull(text, &end, 10);
+  return *end == '\0' && errno == 0;
+}
+
+bool parse_policy(const char* text, Policy& policy) {
+  if (std::strcmp(text, "uniform") == 0) policy = Policy::Uniform;
+  else if (std::strcmp(text, "first") == 0) policy = Policy::First;
+  else if (std::strcmp(text, "fair") == 0) policy = Policy::Fair;
+  else return false;
+  return true;
+}
+
+bool parse_format(const char* text, TraceFormat& format) {
+  if (std::strcmp(text, "steps") == 0) format = TraceFormat::Steps;
+  else if (std::strcmp(text, "json") == 0) format = TraceFormat::Json;
+  else if (std::strcmp(text, "bip2") == 0) format = TraceFormat::Bip2;
+  else return false;
+  return true;
+}
+
+}  // namespace
+
+int run_main(const Image& image, int argc, char** argv) {
+  RunOptions options;
+  const char* program = argc > 0 ? argv[0] : "model";
+  for (int i = 1; i < argc; ++i) {
+    std::string name = argv[i];
+    // --name value and --name=value alike.
+    const char* value = nullptr;
+    const std::size_t equals = name.find('=');
+    const bool joined = equals != std::string::npos;
+    if (joined) {
+      value = argv[i] + equals + 1;
+      name.resize(equals);
+    }
+    bool good = true;
+    if (name == "--help" || name == "-h") {
+      std::printf(kHelp, program, image.name, program);
+      return 0;
+    }
+    if (name == "--silent") options.silent = true;
+    else if (name == "--debug") options.debug = true;
+    else if (name == "--stats") options.stats = true;
+    else if (name == "--disable-maximal-progress") options.maximal_progress = false;
+    else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format") {
+      if (!joined && i + 1 < argc) value = argv[++i];
+      if (value == nullptr) good = false;
+      else if (name == "--seed") good = options.has_seed = parse_number(value, options.seed);
+      else if (name == "--limit") good = parse_number(value, options.limit);
+      else if (name == "--policy") good = parse_policy(value, options.policy);
+      else if (name == "--trace") options.trace_path = value;
+      else good = parse_format(value, options.format);
+    } else {
+      std::fprintf(stderr, "%s: unknown option `%s`, see --help\n", program, argv[i]);
+      return 2;
+    }
+    if (!good) {
+      std::fprintf(stderr, "%s: bad value for `%s`, see --help\n", program, name.c_str());
+      return 2;
+    }
+  }
+  return run(image, options, stdout, stderr).exit_code;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,128 @@
+// The lines of the published BIP2 engine, so that scripts made for it keep working. See trace.hpp.
+#include <cstring>
+
+#include "runtime/core/text.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr const char* kPrefix = "[BIP ENGINE]: ";
+
+void append_values(std::string& out, const Core& core, const PortType& type, u32 base, Span<u32> slots) {
+  out += '(';
+  for (u32 i = 0; i < slots.size; ++i) {
+    out += type.vars[i].name;
+    out += '=';
+    append_value(out, core.image(), type.vars[i].type, core.slot(base + slots[i]));
+    out += ';';
+  }
+  out += ')';
+}
+
+// Names as the compound that declares the connector sees them.
+const char* seen_from(const Image& image, u32 compound, const char* path) {
+  if (compound < image.compounds.size) {
+    const char* prefix = image.compounds[compound].path;
+    const std::size_t length = std::strlen(prefix);
+    if (std::strncmp(path, prefix, length) == 0 && path[length] == '.') return path + length + 1;
+  }
+  return relative(path);
+}
+
+void append_count(std::string& out, std::uint64_t count, const char* what) {
+  append_number(out, count);
+  out += ' ';
+  out += what;
+  if (count != 1) out += 's';
+}
+
+}  // namespace
+
+void Bip2Writer::begin(std::string& out, std::uint64_t seed, Policy policy) {
+  out += kPrefix;
+  out += "initialize components...\n";
+  out += kPrefix;
+  if (policy == Policy::Uniform) {
+    out += "random scheduling based on seed=";
+    append_number(out, seed);
+  } else {
+    out += name_of(policy);
+    out += " scheduling";
+  }
+  out += '\n';
+}
+
+void Bip2Writer::append(std::string& out, Core& core, std::uint64_t k) {
+  const Image& image = core.image();
+  const Candidate candidate = core.candidate(k);
+  out += '[';
+  append_number(out, k);
+  out += "] ";
+  append_candidate(out, core, candidate);
+  if (candidate.connector == kNone) return;
+  out += ':';
+  core.direct_participants(candidate, participants_);
+  const u32 compound = image.connectors[candidate.connector].parent;
+  for (const Participant& participant : participants_) {
+    out += ' ';
+    if (participant.connector != kNone) {
+      const Connector& below = image.connectors[participant.connector];
+      const ConnectorType& type = image.connector_types[below.type];
+      out += seen_from(image, compound, below.path);
+      out += '.';
+      out += type.export_name;
+      append_values(out, core, image.port_types[type.export_type], below.slot_base, type.export_slots);
+    } else {
+      const Atom& atom = image.atoms[participant.atom];
+      const Port& port = image.atom_types[atom.type].ports[participant.port];
+      out += seen_from(image, compound, atom.path);
+      out += '.';
+      out += port.name;
+      append_values(out, core, image.port_types[port.type], atom.slot_base, port.slots);
+    }
+  }
+}
+
+void Bip2Writer::state(std::string& out, Core& core, std::uint64_t number) {
+  out += kPrefix;
+  out += "state #";
+  append_number(out, number);
+  out += ": ";
+  const std::uint64_t count = core.candidate_count();
+  // Internal ports come last in canonical order.
+  std::uint64_t interactions = count;
+  while (interactions > 0 && core.candidate(interactions - 1).connector == kNone) --interactions;
+  if (interactions > 0) append_count(out, interactions, "interaction");
+  if (interactions > 0 && interactions < count) out += " and ";
+  if (interactions < count) append_count(out, count - interactions, "internal port");
+  out += ":\n";
+  for (std::uint64_t k = 0; k < count; ++k) {
+    out += kPrefix;
+    out += "  ";
+    append(out, core, k);
+    out += '\n';
+  }
+}
+
+void Bip2Writer::choice(std::string& out, Core& core, std::uint64_t k) {
+  out += kPrefix;
+  out += "-> choose ";
+  append(out, core, k);
+  out += '\n';
+}
+
+void Bip2Writer::end(std::string& out, End end, std::uint64_t number) {
+  out += kPrefix;
+  out += "state #";
+  append_number(out, number);
+  switch (end) {
+    case End::Deadlock: out += ": deadlock!\n"; break;
+    case End::Limit: out += ": limit reached\n"; break;
+    case End::Fault: out += ": error\n"; break;
+    case End::Interrupted: out += ": interrupted\n"; break;
+  }
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,85 @@
+// The trace file: JSON lines, version 1. Byte-identical for the same model, seed and policy. See trace.hpp.
+#include <cmath>
+
+#include "runtime/core/text.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+void append_json_value(std::string& out, const Image& image, SlotType type, Slot value) {
+  // JSON has no word for these.
+  const bool quoted = type == SlotType::Float && !std::isfinite(value.f);
+  if (quoted) out += '"';
+  append_value(out, image, type, value);
+  if (quoted) out += '"';
+}
+
+}  // namespace
+
+void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy) {
+  out += R"({"format":"bipc-trace","version":1,"model":)";
+  append_quoted(out, image.name);
+  out += R"(,"seed":)";
+  append_number(out, seed);
+  out += R"(,"policy":")";
+  out += name_of(policy);
+  out += "\"}\n";
+}
+
+void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
+  const Image& image = core.image();
+  out += R"({"step":)";
+  append_number(out, number);
+  out += R"(,"choice":)";
+  append_number(out, k);
+  out += R"(,"candidates":)";
+  append_number(out, core.candidate_count());
+  out += R"(,"interaction":)";
+  std::string name;
+  append_candidate(name, core, candidate);
+  append_quoted(out, name.c_str());
+  out += R"(,"ports":[)";
+  core.participants(candidate, participants_);
+  bool first = true;
+  for (const Participant& participant : participants_) {
+    const Atom& atom = image.atoms[participant.atom];
+    const Port& port = image.atom_types[atom.type].ports[participant.port];
+    out += first ? R"({"port":)" : R"(,{"port":)";
+    first = false;
+    name = atom.path;
+    name += '.';
+    name += port.name;
+    append_quoted(out, name.c_str());
+    if (port.slots.size != 0) {
+      const PortType& type = image.port_types[port.type];
+      out += R"(,"values":{)";
+      for (u32 i = 0; i < port.slots.size; ++i) {
+        if (i != 0) out += ',';
+        append_quoted(out, type.vars[i].name);
+        out += ':';
+        append_json_value(out, image, type.vars[i].type, core.slot(atom.slot_base + port.slots[i]));
+      }
+      out += '}';
+    }
+    out += '}';
+  }
+  out += "]}\n";
+}
+
+void JsonWriter::end(std::string& out, const Core& core, End end, std::uint64_t steps) {
+  out += R"({"end":")";
+  out += name_of(end);
+  out += R"(","steps":)";
+  append_number(out, steps);
+  if (end == End::Fault) {
+    out += R"(,"code":")";
+    out += name_of(core.fault().code);
+    out += R"(","message":)";
+    append_quoted(out, core.fault().what.c_str());
+  }
+  out += "}\n";
+}
+
+}  // namespace bip::rt

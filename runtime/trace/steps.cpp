@@ -1,0 +1,92 @@
+// The default format: one readable line a step. See trace.hpp.
+#include "runtime/core/text.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::rt {
+
+const char* name_of(Policy policy) {
+  switch (policy) {
+    case Policy::Uniform: return "uniform";
+    case Policy::First: return "first";
+    case Policy::Fair: return "fair";
+  }
+  return "";
+}
+
+const char* name_of(End end) {
+  switch (end) {
+    case End::Limit: return "limit";
+    case End::Deadlock: return "deadlock";
+    case End::Fault: return "error";
+    case End::Interrupted: return "interrupted";
+  }
+  return "";
+}
+
+void append_candidate(std::string& out, const Core& core, const Candidate& candidate) {
+  if (candidate.connector != kNone) {
+    out += core.image().connectors[candidate.connector].path;
+    return;
+  }
+  out += core.image().atoms[candidate.atom].path;
+  out += '.';
+  out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
+}
+
+void StepWriter::begin(std::string& out, std::uint64_t seed, Policy policy) {
+  out += "bipc: seed ";
+  append_number(out, seed);
+  out += ", policy ";
+  out += name_of(policy);
+  out += '\n';
+}
+
+void StepWriter::append_ports(std::string& out, Core& core, const Candidate& candidate) {
+  const Image& image = core.image();
+  if (candidate.connector == kNone) {
+    out += relative(image.atoms[candidate.atom].path);
+    out += '.';
+    out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
+    out += " (internal)";
+    return;
+  }
+  append_candidate(out, core, candidate);
+  out += ' ';
+  core.participants(candidate, participants_);
+  for (const Participant& participant : participants_) {
+    const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
+    out += ' ';
+    out += relative(image.atoms[participant.atom].path);
+    out += '.';
+    out += port.name;
+    if (port.slots.size == 0) continue;
+    const PortType& type = image.port_types[port.type];
+    for (u32 i = 0; i < port.slots.size; ++i) {
+      out += i == 0 ? "(" : ", ";
+      out += type.vars[i].name;
+      out += '=';
+      append_value(out, image, type.vars[i].type, core.slot(image.atoms[participant.atom].slot_base + port.slots[i]));
+    }
+    out += ')';
+  }
+}
+
+void StepWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number) {
+  out += '#';
+  append_number(out, number);
+  out += "  ";
+  append_ports(out, core, candidate);
+  out += '\n';
+}
+
+void StepWriter::state(std::string& out, Core& core) {
+  for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
+    out += "    [";
+    append_number(out, k);
+    out += "] ";
+    append_ports(out, core, core.candidate(k));
+    out += '\n';
+  }
+}
+
+}  // namespace bip::rt

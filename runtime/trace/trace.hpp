@@ -1,0 +1,56 @@
+// What is written about a run: one line a step in three formats (semantics.md has them exactly). Functions append to a
+// string; nothing here decides anything, nothing depends on the clock.
+#pragma once
+#include <string>
+
+#include "bip/run.hpp"
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+[[nodiscard]] const char* name_of(Policy policy);  // "uniform"
+[[nodiscard]] const char* name_of(End end);        // "deadlock"
+
+/// The candidate's name: the connector's path, or atom.port.
+void append_candidate(std::string& out, const Core& core, const Candidate& candidate);
+
+/// All writers take the state before the step.
+class StepWriter {
+ public:
+  /// `bipc: seed 42, policy uniform`
+  void begin(std::string& out, std::uint64_t seed, Policy policy);
+  /// `#3  ROOT.k  p.put(v=1) c.get(v=0)`
+  void step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number);
+  /// Every candidate of the state, indented.
+  void state(std::string& out, Core& core);
+
+ private:
+  void append_ports(std::string& out, Core& core, const Candidate& candidate);
+  std::vector<Participant> participants_;
+};
+
+/// The published engine's own lines.
+class Bip2Writer {
+ public:
+  void begin(std::string& out, std::uint64_t seed, Policy policy);
+  void state(std::string& out, Core& core, std::uint64_t number);
+  void choice(std::string& out, Core& core, std::uint64_t k);
+  void end(std::string& out, End end, std::uint64_t number);
+
+ private:
+  void append(std::string& out, Core& core, std::uint64_t k);
+  std::vector<Participant> participants_;
+};
+
+/// JSON lines, version 1.
+class JsonWriter {
+ public:
+  void begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy);
+  void step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k);
+  void end(std::string& out, const Core& core, End end, std::uint64_t steps);
+
+ private:
+  std::vector<Participant> participants_;
+};
+
+}  // namespace bip::rt

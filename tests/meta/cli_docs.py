@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""compiler/docs/cli.md is what `bipc --help` and each command's --help print. `cli_docs.py --update` rewrites it."""
+import difflib
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+DOCS = ROOT / "compiler/docs/cli.md"
+
+
+def bipc():
+    return os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
+
+
+def help_of(*words):
+    return subprocess.run([bipc(), *words, "--help"], capture_output=True, text=True, check=True).stdout.strip("\n")
+
+
+def page():
+    top = help_of()
+    commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):], re.M)
+    text = ("# The command line\n\nGenerated from `--help` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
+            "Exit codes: 0 ok, 1 errors in the model or at run time, 2 wrong command line, 70 a bug of bipc, 130 interrupted.\n"
+            "Errors and warnings go to standard error, everything else to standard output.\n\n"
+            f"## bipc\n\n```text\n{top}\n```\n")
+    for command in commands:
+        text += f"\n## bipc {command}\n\n```text\n{help_of(command)}\n```\n"
+    return text
+
+
+def differences():
+    if not pathlib.Path(bipc()).exists():
+        return [f"no program at {bipc()}"]
+    written = DOCS.read_text(encoding="utf-8") if DOCS.exists() else ""
+    found = list(difflib.unified_diff(written.splitlines(), page().splitlines(), "cli.md", "--help", lineterm="", n=1))
+    missing = [f"bipc {c} --help has no example" for c, body in re.findall(r"^## bipc ?(\w*)\n(.*?)(?=^## |\Z)", page(), re.M | re.S)
+               if "Example:" not in body]
+    return found + missing
+
+
+if __name__ == "__main__":
+    if "--update" in sys.argv:
+        DOCS.write_text(page(), encoding="utf-8")
+    else:
+        print("\n".join(differences()))

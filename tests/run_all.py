@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Runs all tests: every unit_* program, the goldens, the snippets, the meta-tests, the models.
+
+tools/test calls it after a build. Each group prints one line "group: N passed, N failed"; what failed is shown, the
+rest is in build/test-logs/. The last line is "N passed, N failed" over everything. Python's library only.
+"""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as xml
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
+LOGS = BUILD / "test-logs"
+COUNTS = re.compile(r"^(?:\w+: )?(\d+) passed, (\d+) failed$", re.M)
+
+
+def run_unit(program):
+    """Counts of one Catch2 program, by test case; a crash counts as one failure."""
+    report = LOGS / f"{program.name}.xml"
+    with open(LOGS / f"{program.name}.log", "wb") as log:
+        code = subprocess.run([str(program), "-r", "xml", "-o", str(report)], stdout=log, stderr=log).returncode
+    try:
+        cases = list(xml.parse(report).iter("TestCase"))
+        bad = [c for c in cases if c.find("OverallResult") is None or c.find("OverallResult").get("success") != "true"]
+    except (xml.ParseError, OSError):
+        cases, bad = [], []
+    if code != 0:
+        # Once more, in words, for the person who reads this.
+        text = subprocess.run([str(program)], capture_output=True).stdout.decode("utf-8", "replace")
+        print("\n".join(text.splitlines()[-60:]))
+    failed = max(len(bad), 1 if code != 0 else 0)
+    return max(len(cases) - len(bad), 0), failed
+
+
+def run_script(name, command):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=ROOT)
+    text = done.stdout.decode("utf-8", "replace")
+    (LOGS / f"{name}.log").write_text(text, encoding="utf-8")
+    counts = COUNTS.findall(text)
+    passed, failed = (sum(int(c[i]) for c in counts) for i in (0, 1)) if counts else (0, 0)
+    if done.returncode != 0 or failed:
+        print(text.rstrip())
+        failed = max(failed, 1)
+    return passed, failed
+
+
+def groups():
+    units = sorted(p for p in BUILD.glob("unit_*") if os.access(p, os.X_OK) and p.is_file())
+    yield "unit", [(p.name, lambda p=p: run_unit(p)) for p in units]
+    scripts = [("golden", "tests/golden/run"), ("snippets", "tests/meta/snippets"), ("meta", "tests/meta/run"),
+               ("models", "tests/models/run")]
+    for name, script in scripts:
+        yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
+
+
+def main():
+    LOGS.mkdir(parents=True, exist_ok=True)
+    wanted = sys.argv[1:]
+    unknown = set(wanted) - {name for name, _ in groups()}
+    if unknown:
+        sys.exit(f"test: no group {', '.join(sorted(unknown))}")
+    total = [0, 0]
+    for name, jobs in groups():
+        if wanted and name not in wanted:
+            continue
+        start = time.monotonic()
+        here = [0, 0]
+        for _, job in jobs:
+            passed, failed = job()
+            here[0] += passed
+            here[1] += failed
+        if not jobs or sum(here) == 0:
+            print(f"{name}: nothing ran")
+            here[1] += 1
+        print(f"{name}: {here[0]} passed, {here[1]} failed ({time.monotonic() - start:.1f} s)", flush=True)
+        total = [total[0] + here[0], total[1] + here[1]]
+    print(f"{total[0]} passed, {total[1]} failed", flush=True)
+    return 1 if total[1] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,19 @@
+// Checking many seeds in several processes. A worker that crashes or hangs costs its seed, not the session.
+#pragma once
+#include "tools/gen/check.hpp"
+
+namespace bip::gen {
+
+struct Totals {
+  std::uint64_t models = 0, emitted = 0;
+  OracleCounts oracle;
+  std::vector<Failure> failures;  // by seed
+};
+
+/// Seeds first … first + count - 1. `batch`: models a program of emitted C++.
+[[nodiscard]] Totals check_seeds(std::uint64_t first, std::uint64_t count, int jobs, std::size_t batch, const CheckOptions& options);
+
+/// The checks of one model in a process of its own, emitted C++ included if wanted; a crash is a failure "crash: …".
+[[nodiscard]] std::string check_isolated(const Description& model, std::uint64_t seed, const CheckOptions& options);
+
+}  // namespace bip::gen
