@@ -8,6 +8,8 @@ tokens {
   PORT_DECL, CONNECTOR_DECL, EXTERN_DECL, COMPONENT_DECL,
   // a `[` that does not touch a name: a group in `define`
   GROUP_OPEN,
+  // the `else` of `else if` in a chain that one `fi` closes
+  ELSE_CHAIN,
   // PARAMS-OR-SPEED-NOT-SET in the paper's notation
   REPORT
 }

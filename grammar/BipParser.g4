@@ -11,7 +11,7 @@ package: annotation* PACKAGE path use* decl* END;
 use: USE path;
 rootSpec: expr EOF;
 
-decl: annotation* (constData | externType | externFunction | externOperator | portType | connectorType | atomType
+decl: annotation* (constData | externType | externFunction | externOperator | functionDecl | portType | connectorType | atomType
   | compoundType | component);
 
 // ---- data and the outside -----------------------------------------------------------------------------------------------
@@ -19,6 +19,7 @@ constData: (CONST DATA | DATA CONST) typeName var (COMMA var)*;
 externType: EXTERN_DECL DATA TYPE id (REFINE typeName (COMMA typeName)*)? (AS STRING)?;
 externFunction: EXTERN_DECL FUNCTION (CONST? typeName)? id LPAREN (protoParam (COMMA protoParam)*)? RPAREN;
 externOperator: EXTERN_DECL OPERATOR CONST? typeName operatorSign LPAREN protoParam (COMMA protoParam)? RPAREN;
+functionDecl: FUNCTION typeName id LPAREN params? RPAREN ASSIGN expr;
 operatorSign: OROR | ANDAND | PIPE | CARET | AMP | EQ | NE | LT | GT | LE | GE | PLUS | MINUS | STAR | SLASH | PERCENT | BANG
   | TILDE | ASSIGN;
 protoParam: CONST? typeName id?;
@@ -87,7 +88,7 @@ action: DO (block | simple SEMI?);
 block: LBRACE stmts RBRACE;
 stmts: (simple | ifStmt | SEMI)*;
 simple: path (LPAREN args? RPAREN | PRIME? (ASSIGN | ARROW | LT MINUS) expr);
-ifStmt: IF LPAREN expr RPAREN THEN stmts (ELSE IF LPAREN expr RPAREN THEN stmts)* (ELSE stmts)? FI;
+ifStmt: IF LPAREN expr RPAREN THEN stmts (ELSE_CHAIN IF LPAREN expr RPAREN THEN stmts)* (ELSE stmts)? FI;
 
 // ---- expressions ----------------------------------------------------------------------------------------------------------------
 expr:

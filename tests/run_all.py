@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs all tests: every unit_* program, the goldens, the snippets, the meta-tests, the models.
+"""Runs all tests: every unit_* program, the goldens, the snippets, the meta-tests, the models, random systems.
 
 tools/test calls it after a build. Each group prints one line "group: N passed, N failed"; what failed is shown, the
 rest is in build/test-logs/. The last line is "N passed, N failed" over everything. Python's library only.
@@ -15,6 +15,7 @@ import xml.etree.ElementTree as xml
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 LOGS = BUILD / "test-logs"
+SYSTEMS = re.compile(r"^differential: (\d+) systems, (\d+) failed$", re.M)
 COUNTS = re.compile(r"^(?:\w+: )?(\d+) passed, (\d+) failed$", re.M)
 
 
@@ -40,7 +41,7 @@ def run_script(name, command):
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=ROOT)
     text = done.stdout.decode("utf-8", "replace")
     (LOGS / f"{name}.log").write_text(text, encoding="utf-8")
-    counts = COUNTS.findall(text)
+    counts = COUNTS.findall(text) + [(str(int(n) - int(bad)), bad) for n, bad in SYSTEMS.findall(text)]
     passed, failed = (sum(int(c[i]) for c in counts) for i in (0, 1)) if counts else (0, 0)
     if done.returncode != 0 or failed:
         print(text.rstrip())
@@ -55,6 +56,10 @@ def groups():
                ("models", "tests/models/run")]
     for name, script in scripts:
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
+    if (BUILD / "bip-gen").exists():
+        # 500 take three minutes; a hundred on each call, the rest is for a quiet machine.
+        os.environ["BUILD"] = str(BUILD)
+        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "100"]))]
 
 
 def main():

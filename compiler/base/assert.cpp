@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
 namespace bip {
 namespace {
@@ -17,8 +18,19 @@ StageScope::StageScope(const char* doing, std::string_view what) : doing_(doing)
 }
 StageScope::~StageScope() { innermost_stage = outer_; }
 
+namespace {
+// From the repository's folder on: the rest is the machine that built us.
+const char* short_path(const char* file) {
+  const std::string_view path(file);
+  for (const char* folder : {"/compiler/", "/runtime/", "/tests/", "/tools/"}) {
+    if (const std::size_t at = path.rfind(folder); at != std::string_view::npos) return file + at + 1;
+  }
+  return file;
+}
+}  // namespace
+
 void report_bug(const char* what, const char* file, int line) {
-  std::fprintf(stderr, "bipc: internal error: %s (%s:%d)\n", what, file, line);
+  std::fprintf(stderr, "bipc: internal error: %s (%s:%d)\n", what, short_path(file), line);
   for (const StageScope* s = innermost_stage; s != nullptr; s = s->outer_) {
     std::fprintf(stderr, "  while %s `%.*s`\n", s->doing_, static_cast<int>(s->what_.size()), s->what_.data());
   }

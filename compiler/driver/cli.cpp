@@ -36,6 +36,26 @@ int unknown_command(const CLI::App& app, const std::string& word) {
                      similar.empty() ? "`bipc --help` lists the commands" : fmt::format("there is `{}`", similar.front()));
 }
 
+// Which command the person was in, for the hint.
+std::string help_of(const CLI::App& app, int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  return is_command(app, first) ? fmt::format("`bipc {} --help`", first) : "`bipc --help`";
+}
+
+// An option that the command does not have, or one file too many.
+int unexpected_word(const CLI::App& app, const std::string& help) {
+  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+  const std::vector<std::string> words = app.remaining(true);
+  const std::string word = words.empty() ? "" : words.front();
+  if (!word.starts_with('-')) return usage_error(fmt::format("`{}` is one argument too many", word), help);
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::vector<std::string> similar = similar_names(word.substr(0, word.find('=')), known);
+  return usage_error(fmt::format("no option `{}` here", word), similar.empty() ? help : fmt::format("there is `{}`", similar.front()));
+}
+
 int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("check")) return command_check(arguments.check);
   if (app.got_subcommand("run")) return command_run(arguments.run);
@@ -46,17 +66,12 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   return command_version();
 }
 
-// Which command the person was in, for the hint.
-std::string help_of(const CLI::App& app, int argc, char** argv) {
-  const std::string first = argc > 1 ? argv[1] : "";
-  return is_command(app, first) ? fmt::format("`bipc {} --help`", first) : "`bipc --help`";
-}
-
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
   CLI::App app{"bipc: compiler and runtime for BIP models", "bipc"};
   app.require_subcommand(0, 1);
+  app.set_help_flag("-h,--help", "print this help");
   app.footer("Example:\n  bipc run model.bip\nEach command has its own --help.");
   Arguments arguments;
   add_commands(app, arguments);
@@ -73,8 +88,14 @@ int run_command_line(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& e) {
     return app.exit(e);
+  } catch (const CLI::ExtrasError&) {
+    return unexpected_word(app, help_of(app, argc, argv));
   } catch (const CLI::ParseError& e) {
     return usage_error(e.what(), help_of(app, argc, argv));
+  }
+  if (!arguments.published.package.empty()) {
+    if (!app.get_subcommands().empty()) return usage_error("`-p` goes without a command", "`bipc --help`");
+    return command_published(arguments.published);
   }
   if (app.get_subcommands().empty()) {
     std::fputs(app.help().c_str(), stdout);

@@ -20,15 +20,30 @@ const Names<rt::Policy> kPolicies{{"uniform", rt::Policy::Uniform}, {"first", rt
 const Names<rt::TraceFormat> kTraceFormats{
     {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}};
 
+std::string not_one_of(const std::string& text, const std::string& shown) {
+  return fmt::format("`{}` is not one of {}", text, shown);
+}
+
+// CLI11 alone would take "5x" and "-1" for a number, or call them inconvertible.
+CLI::Validator is_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+        // 19 digits always fit 64 bits; 20 need a look.
+        const bool fits = text.size() < 20 || (text.size() == 20 && text <= "18446744073709551615");
+        return digits && fits ? std::string() : fmt::format("`{}` is not a whole number from 0 to 2^64 - 1", text);
+      },
+      "");
+}
+
 // An option with a closed set of values; `shown` is how the help writes them.
 template <class T>
 void add_choice(CLI::App& app, const std::string& name, T& value, const Names<T>& names, const std::string& shown,
                 const std::string& help) {
   app.add_option_function<std::string>(
          name, [&value, &names](const std::string& text) { value = names.at(text); }, help)
-      ->check(CLI::Validator(
-          [&names, shown](std::string& text) { return names.contains(text) ? std::string() : text + " is not one of " + shown; }, shown))
-      ->type_name("");
+      ->check(CLI::Validator([&names, shown](std::string& text) { return names.contains(text) ? "" : not_one_of(text, shown); }, ""))
+      ->type_name(shown);
 }
 
 void add_color(CLI::App& app, ColorChoice& color) {
@@ -56,7 +71,11 @@ void add_optimisation(CLI::App& app, Optimisation& level, bool with_o1, const st
   app.add_option_function<std::string>(
          "-O", [&level](const std::string& text) { level = text == "0" ? Optimisation::O0 : text == "1" ? Optimisation::O1 : Optimisation::O2; },
          help)
-      ->check(CLI::IsMember(with_o1 ? std::vector<std::string>{"0", "1", "2"} : std::vector<std::string>{"0", "2"}))
+      ->check(CLI::Validator(
+          [shown, with_o1](std::string& text) {
+            return text == "0" || text == "2" || (with_o1 && text == "1") ? "" : not_one_of(text, shown);
+          },
+          ""))
       ->type_name(shown);
 }
 
@@ -73,8 +92,9 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_option_function<std::uint64_t>(
              "--seed", [&a](const std::uint64_t& seed) { a.run.seed = seed; a.run.has_seed = true; },
              "of the random choices; without it one is drawn and printed")
+      ->check(is_number())
       ->type_name("N");
-  command->add_option("--limit", a.run.limit, "stop after N steps")->type_name("N");
+  command->add_option("--limit", a.run.limit, "stop after N steps")->check(is_number())->type_name("N");
   add_choice(*command, "--policy", a.run.policy, kPolicies, "uniform|first|fair", "which of the possible steps is taken");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
   add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
@@ -130,9 +150,20 @@ void add_version(CLI::App& app) {
   app.add_subcommand("version", "version and back ends")->footer("Example:\n  bipc version");
 }
 
+// The published tools' call has no command word; its options stand on the program itself.
+void add_published(CLI::App& app, PublishedArguments& a) {
+  const char* group = "As the published tools are called";
+  CLI::Option* package = app.add_option("-p", a.package, "package to check; its file is PACKAGE.bip in a folder of -I");
+  package->type_name("PACKAGE")->group(group);
+  app.add_option("-I", a.folders, "where packages are (default: here)")->type_name("DIR")->needs(package)->group(group);
+  app.add_option("-d", a.declaration, "root component, 'Root()'")->type_name("TYPE(ARGS)")->needs(package)->group(group);
+  app.add_option("--gencpp-output", a.cpp_output, "write C++ to DIR")->type_name("DIR")->needs(package)->group(group);
+}
+
 }  // namespace
 
 void add_commands(CLI::App& app, Arguments& arguments) {
+  add_published(app, arguments.published);
   add_check(app, arguments.check);
   add_run(app, arguments.run);
   add_build(app, arguments.build);

@@ -13,6 +13,7 @@ struct Arguments {
   BuildArguments build;
   EmitArguments emit;
   FmtArguments fmt;
+  PublishedArguments published;
   std::string explain_code;
   ColorChoice explain_color = ColorChoice::Auto;
 };

@@ -14,5 +14,7 @@ namespace bip::driver {
 /// `code` empty: the list of codes.
 [[nodiscard]] int command_explain(const std::string& code, ColorChoice color);
 [[nodiscard]] int command_version();
+/// The published tools' call: checks, or writes C++ if an output folder is given.
+[[nodiscard]] int command_published(const PublishedArguments& arguments);
 
 }  // namespace bip::driver

@@ -57,4 +57,12 @@ struct FmtArguments {
   bool in_place = false;
 };
 
+/// The published tools' own call: bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR].
+struct PublishedArguments {
+  std::string package;
+  std::vector<std::string> folders;
+  std::string declaration;
+  std::string cpp_output;
+};
+
 }  // namespace bip::driver

@@ -32,7 +32,8 @@ bool parse_source(Compilation& c) {
 
 bool parse_root(Compilation& c) {
   if (c.options.root.empty()) {
-    c.root_range = {.file = c.file, .begin = 0, .end = 0};
+    const bool is_named = c.syntax && c.syntax->package != nullptr && !c.syntax->package->name.parts.empty();
+    c.root_range = is_named ? c.syntax->package->name.range : SourceRange{.file = c.file, .begin = 0, .end = 0};
     return true;
   }
   c.root = parse::parse_root(c.sources, c.options.root, c.diags);
@@ -92,18 +93,24 @@ constexpr Pass kPasses[] = {
     {Stage::Image, "lower", lower_system},
 };
 
+// Runs one pass under a watch; a bug inside names it.
+template <class Run>
+bool timed(Compilation& c, const char* name, Run run) {
+  using Clock = std::chrono::steady_clock;
+  const StageScope doing(name, c.path);
+  const Clock::time_point start = Clock::now();
+  const bool sound = run();
+  c.times.push_back({name, std::chrono::duration<double>(Clock::now() - start).count()});
+  return sound;
+}
+
 }  // namespace
 
 bool compile(Compilation& c, const std::string& path, Stage last) {
-  using Clock = std::chrono::steady_clock;
   c.path = path;
   for (const Pass& pass : kPasses) {
     if (pass.stage > last) break;
-    const StageScope doing(pass.name, c.path);
-    const Clock::time_point start = Clock::now();
-    const bool sound = pass.run(c);
-    c.times.push_back({pass.name, std::chrono::duration<double>(Clock::now() - start).count()});
-    if (!sound) return false;
+    if (!timed(c, pass.name, [&] { return pass.run(c); })) return false;
   }
   return true;
 }
@@ -111,14 +118,15 @@ bool compile(Compilation& c, const std::string& path, Stage last) {
 bool check(Compilation& c, const std::string& path) {
   if (!c.options.root.empty() || path.ends_with(".bsys")) return compile(c, path, Stage::System);
   if (!compile(c, path, Stage::Model)) return false;
-  const StageScope doing("checking", c.path);
-  for (const std::string& root : root_candidates(*c.model)) {
-    // `instantiate` may take the model's code with it, so each root gets a model of its own.
-    c.model = model::build_model(*c.syntax, c.sources, c.diags);
-    c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range);
-    if (c.system) (void)verify_system(c);
-  }
-  return !c.diags.has_errors();
+  return timed(c, "instantiate", [&c] {
+    for (const std::string& root : root_candidates(*c.model)) {
+      // `instantiate` may take the model's code with it, so each root gets a model of its own.
+      c.model = model::build_model(*c.syntax, c.sources, c.diags);
+      c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range);
+      if (c.system) (void)verify_system(c);
+    }
+    return !c.diags.has_errors();
+  });
 }
 
 }  // namespace bip::driver

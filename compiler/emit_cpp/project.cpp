@@ -35,7 +35,7 @@ Result<bool> write_file(const fs::path& path, const std::string& text) {
   return true;
 }
 
-// Paths below `runtime_dir` of all its C++ files, sorted.
+// Paths below `runtime_dir` of all its sources and headers, sorted.
 Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
   std::vector<fs::path> files;
   for (const char* part : {"include", "core", "engine", "trace"}) {
@@ -43,7 +43,7 @@ Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
     fs::recursive_directory_iterator it(runtime_dir / part, error);
     for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
       const fs::path extension = it->path().extension();
-      if (extension == ".cpp" || extension == ".hpp") files.push_back(fs::relative(it->path(), runtime_dir, error));
+      if (extension == ".cpp" || extension == ".hpp" || extension == ".h") files.push_back(fs::relative(it->path(), runtime_dir, error));
     }
     if (error) return Failure{"cannot read the runtime's sources in " + (runtime_dir / part).string()};
   }

@@ -135,7 +135,7 @@ rt::Slot Evaluator::int_binary(ExprId id, const Expr& e, std::int32_t a, std::in
 rt::Slot Evaluator::divide(ExprId id, Op op, std::int32_t a, std::int32_t b) {
   status_ = rt::division_status(a, b, sites_ != nullptr ? sites_[id.value] : id.value);
   if (status_ != 0) return int_slot(0);
-  return int_slot(op == Op::Div ? a / b : a % b);
+  return int_slot(op == Op::Div ? rt::quotient(a, b) : rt::remainder(a, b));
 }
 
 void Evaluator::execute(StmtId first) {

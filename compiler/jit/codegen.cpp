@@ -23,14 +23,27 @@ class UnitBuilder {
     bind_ = function->getArg(3);
   }
 
-  void guard(ExprId id) { b_.CreateRet(b_.CreateZExt(expr(id), i32_)); }
+  void guard(ExprId id) {
+    b_.CreateRet(b_.CreateZExt(expr(id), i32_));
+    limit_passes();
+  }
   void action(StmtId first) {
     body(first);
     b_.CreateRet(b_.getInt32(1));
+    limit_passes();
   }
 
  private:
   const llvm::Align slot_align_{8};
+
+  // InstCombine's time over conditions that dominate one another grows faster than their square: 600 divisions in one
+  // expression took 4 s, 2,000 a minute. A unit with so many stays as it is.
+  static constexpr std::size_t kMaxDivisions = 64;
+  void limit_passes() {
+    if (divisions_ <= kMaxDivisions) return;
+    function_->addFnAttr(llvm::Attribute::OptimizeNone);
+    function_->addFnAttr(llvm::Attribute::NoInline);
+  }
 
   llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
 
@@ -126,21 +139,21 @@ class UnitBuilder {
     }
   }
 
-  /// Goes on only if `fault` is false; else the unit ends with the status.
-  void fault_if(llvm::Value* fault, std::uint32_t site, rt::FaultKind kind) {
+  llvm::Value* divide(ExprId id, Op op, llvm::Value* a, llvm::Value* b) {
+    ++divisions_;
+    const std::uint32_t site = sites_[id.value];
+    const auto status = [&](rt::FaultKind kind) {
+      return b_.getInt32(static_cast<std::uint32_t>(rt::fault_status(site, kind)));
+    };
+    llvm::Value* lowest = b_.getInt32(static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::min()));
+    llvm::Value* by_zero = b_.CreateICmpEQ(b, b_.getInt32(0));
+    llvm::Value* overflow = b_.CreateAnd(b_.CreateICmpEQ(a, lowest), b_.CreateICmpEQ(b, b_.getInt32(0xffffffffu)));
     llvm::BasicBlock* faulty = new_block("fault");
     llvm::BasicBlock* sound = new_block("sound");
-    b_.CreateCondBr(fault, faulty, sound);
+    b_.CreateCondBr(b_.CreateOr(by_zero, overflow), faulty, sound);
     b_.SetInsertPoint(faulty);
-    b_.CreateRet(b_.getInt32(static_cast<std::uint32_t>(rt::fault_status(site, kind))));
+    b_.CreateRet(b_.CreateSelect(by_zero, status(rt::FaultKind::DivisionByZero), status(rt::FaultKind::DivisionOverflow)));
     b_.SetInsertPoint(sound);
-  }
-  llvm::Value* divide(ExprId id, Op op, llvm::Value* a, llvm::Value* b) {
-    const std::uint32_t site = sites_[id.value];
-    fault_if(b_.CreateICmpEQ(b, b_.getInt32(0)), site, rt::FaultKind::DivisionByZero);
-    llvm::Value* lowest = b_.getInt32(static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::min()));
-    llvm::Value* overflow = b_.CreateAnd(b_.CreateICmpEQ(a, lowest), b_.CreateICmpEQ(b, b_.getInt32(0xffffffffu)));
-    fault_if(overflow, site, rt::FaultKind::DivisionOverflow);
     return op == Op::Div ? b_.CreateSDiv(a, b) : b_.CreateSRem(a, b);
   }
 
@@ -177,6 +190,7 @@ class UnitBuilder {
   llvm::Value* self_ = nullptr;
   llvm::Value* all_ = nullptr;
   llvm::Value* bind_ = nullptr;
+  std::size_t divisions_ = 0;
 };
 
 /// int32 (ptr context, ptr self, ptr all, ptr bind). self points into all, so neither is `noalias`; bind is a constant

@@ -2,6 +2,7 @@
 #include "compiler/jit/target.hpp"
 
 #include <llvm/Passes/PassBuilder.h>
+#include <llvm/Passes/StandardInstrumentations.h>
 #include <llvm/Support/TargetSelect.h>
 
 namespace bip::jit {
@@ -29,7 +30,11 @@ void optimize(llvm::Module& module, llvm::TargetMachine& machine, OptLevel level
   llvm::FunctionAnalysisManager functions;
   llvm::CGSCCAnalysisManager sccs;
   llvm::ModuleAnalysisManager modules;
-  llvm::PassBuilder passes(&machine);
+  // Without it the passes do not see `optnone`, by which code generation marks the units that they would choke on.
+  llvm::PassInstrumentationCallbacks callbacks;
+  llvm::OptNoneInstrumentation skip_optnone(false);
+  skip_optnone.registerCallbacks(callbacks);
+  llvm::PassBuilder passes(&machine, llvm::PipelineTuningOptions(), std::nullopt, &callbacks);
   passes.registerModuleAnalyses(modules);
   passes.registerCGSCCAnalyses(sccs);
   passes.registerFunctionAnalyses(functions);

@@ -66,6 +66,9 @@ class Classifier {
         if (!is_one_of(ahead(1), {BipLexer::DATA, BipLexer::FUNCTION, BipLexer::OPERATOR})) break;
         enter(Region::None, 0);
         return push(row, BipLexer::EXTERN_DECL);
+      case BipLexer::FUNCTION:
+        if (previous() != BipLexer::EXTERN_DECL) enter(Region::None, 0);
+        break;
       case BipLexer::ATOM:
         enter(Region::Atom, 1);
         break;
@@ -110,7 +113,6 @@ class Classifier {
   /// `component Name` of the paper, as opposed to `component Type name(…)` in a compound.
   [[nodiscard]] bool begins_component() const {
     if (open_ == 0) return true;
-    if (region_ == Region::Atom || region_ == Region::Connector) return true;
     if (!may_be_name(ahead(1))) return false;
     const std::size_t second = ahead(2);
     const bool looks_like_instance = is_one_of(ahead(3), {BipLexer::LPAREN, BipLexer::LBRACK, BipLexer::COMMA});
@@ -162,8 +164,38 @@ class Classifier {
   int open_ = 0;
 };
 
+/// Marks the `else` of each `else if` that has no `fi` of its own. BIP2 closes every `if`; the short spelling closes a whole
+/// chain by one `fi`. Counting as if all were chains, an outermost `if` that has `fi`s left over has so many of the long kind.
+/// (A parser that looks ahead for this takes cubic time on long chains.)
+void mark_else_chains(std::vector<TokenRow>& rows) {
+  std::vector<std::size_t> elses;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].type != BipLexer::IF) continue;
+    elses.clear();
+    int open = 1;
+    for (++i; i < rows.size() && open > 0 && rows[i].type != BipLexer::RBRACE; ++i) {
+      if (rows[i].type == BipLexer::FI) --open;
+      if (rows[i].type != BipLexer::IF) continue;
+      if (rows[i - 1].type == BipLexer::ELSE) {
+        elses.push_back(i - 1);
+      } else {
+        ++open;
+      }
+    }
+    std::size_t left_over = 0;
+    for (; i < rows.size() && (rows[i].type == BipLexer::FI || rows[i].type == BipLexer::SEMI); ++i) {
+      if (rows[i].type == BipLexer::FI) ++left_over;
+    }
+    --i;
+    for (std::size_t k = 0; open == 0 && k + left_over < elses.size(); ++k) rows[elses[k]].type = BipLexer::ELSE_CHAIN;
+  }
+}
+
 }  // namespace
 
-void classify_tokens(std::vector<TokenRow>& rows, std::string_view text) { rows = Classifier(rows, text).run(); }
+void classify_tokens(std::vector<TokenRow>& rows, std::string_view text) {
+  rows = Classifier(rows, text).run();
+  mark_else_chains(rows);
+}
 
 }  // namespace bip::parse

@@ -68,6 +68,12 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
 
 void Converter::behavior(BipParser::BehaviorContext* ctx, Items& to) {
   std::vector<BipParser::AnnotationContext*> marks;
+  // A transition whose state could not be read has no `from`: that is no second error.
+  bool is_whole = true;
+  for (antlr4::tree::ParseTree* child : ctx->children) {
+    auto* rule = dynamic_cast<antlr4::ParserRuleContext*>(child);
+    is_whole = is_whole && (rule == nullptr || !failed(rule));
+  }
   for (antlr4::tree::ParseTree* child : ctx->children) {
     auto* rule = dynamic_cast<antlr4::ParserRuleContext*>(child);
     if (rule == nullptr || failed(rule)) continue;
@@ -80,7 +86,9 @@ void Converter::behavior(BipParser::BehaviorContext* ctx, Items& to) {
         to.initial = initial(static_cast<BipParser::InitialContext*>(rule));
         break;
       case BipParser::RuleTransition:
-        transition(static_cast<BipParser::TransitionContext*>(rule), annotations(marks), nullptr, to);
+        if (auto* step = static_cast<BipParser::TransitionContext*>(rule); is_whole || !step->from().empty()) {
+          transition(step, annotations(marks), nullptr, to);
+        }
         marks.clear();
         break;
       default: {

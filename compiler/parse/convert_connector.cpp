@@ -49,7 +49,12 @@ const PortExpr* Converter::define(BipParser::DefineContext* ctx, Name& resume) {
     resume = children[n - 1]->port.parts[0].name;
     children.resize(n - 2);
   }
-  if (children.size() == 1 && children[0]->kind == PortExprKind::Group && !children[0]->trigger) return children[0];
+  // One group around everything says nothing: `define (p q)` is `define p q`.
+  const PortExpr* only = children.size() == 1 && children[0]->kind == PortExprKind::Group && !children[0]->trigger ? children[0] : nullptr;
+  while (only != nullptr && only->children.size() == 1 && only->children[0]->kind == PortExprKind::Group && !only->children[0]->trigger) {
+    only = only->children[0];
+  }
+  if (only != nullptr) return only;
   PortExpr root{.kind = PortExprKind::Group, .children = arena_.list(children)};
   root.range = {file_, children.front()->range.begin, children.back()->range.end};
   return arena_.make(root);

@@ -62,6 +62,14 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
     DataDecl data{.annotations = {}, .type = type_ref(c->typeName(), true), .vars = vars(c->var()), .range = range(c)};
     d.name = data.vars.empty() ? Name{} : data.vars.front().name;
     d.data = arena_.list(std::vector<DataDecl>{data});
+  } else if (BipParser::FunctionDeclContext* f = ctx->functionDecl()) {
+    if (failed(f)) return nullptr;
+    d.kind = DeclKind::Function;
+    d.name = name(f->id());
+    d.result = type_ref(f->typeName(), false);
+    d.params = params(f->params());
+    d.body = value(f->expr());
+    if (d.body == nullptr) return nullptr;
   } else if (BipParser::PortTypeContext* p = ctx->portType()) {
     if (failed(p)) return nullptr;
     d.kind = DeclKind::PortType;

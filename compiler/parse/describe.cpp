@@ -18,7 +18,7 @@ struct Spelling {
 constexpr Spelling kSpellings[] = {
     {BipParser::FROM, "from"},         {BipParser::TO, "to"},             {BipParser::PROVIDED, "provided"},
     {BipParser::DO, "do"},             {BipParser::UP, "up"},             {BipParser::DOWN, "down"},
-    {BipParser::THEN, "then"},         {BipParser::ELSE, "else"},         {BipParser::FI, "fi"},
+    {BipParser::THEN, "then"},         {BipParser::ELSE, "else"},         {BipParser::ELSE_CHAIN, "else"},   {BipParser::FI, "fi"},
     {BipParser::DEFINE, "define"},     {BipParser::TYPE, "type"},         {BipParser::DATA, "data"},
     {BipParser::PORT, "port"},         {BipParser::PORT_DECL, "port"},    {BipParser::CONNECTOR, "connector"},
     {BipParser::CONNECTOR_DECL, "connector"}, {BipParser::ATOM, "atom"},  {BipParser::COMPOUND, "compound"},
@@ -65,7 +65,7 @@ constexpr std::size_t kItemStarts[] = {BipParser::DATA, BipParser::EXPORT, BipPa
                                        BipParser::COMPONENT, BipParser::CONNECTOR, BipParser::FOR, BipParser::AT_SIGN,
                                        BipParser::DEFINE};
 constexpr std::size_t kDeclStarts[] = {BipParser::ATOM, BipParser::COMPOUND, BipParser::CONNECTOR_DECL, BipParser::PORT_DECL,
-                                       BipParser::EXTERN_DECL, BipParser::COMPONENT_DECL, BipParser::CONST, BipParser::DATA,
+                                       BipParser::EXTERN_DECL, BipParser::COMPONENT_DECL, BipParser::CONST, BipParser::DATA, BipParser::FUNCTION,
                                        BipParser::AT_SIGN};
 constexpr std::size_t kPostfix[] = {BipParser::LBRACK, BipParser::GROUP_OPEN, BipParser::DOT, BipParser::PRIME};
 
@@ -110,6 +110,7 @@ std::string_view construct(std::size_t rule) {
     case BipParser::RuleExternType: return "an extern type";
     case BipParser::RuleExternFunction: return "an extern function";
     case BipParser::RuleExternOperator: return "an extern operator";
+    case BipParser::RuleFunctionDecl: return "a function";
     case BipParser::RuleAnnotation: return "an annotation";
     case BipParser::RuleUse: return "a `use` line";
     case BipParser::RuleIfStmt: return "an `if`";

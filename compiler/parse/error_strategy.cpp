@@ -1,6 +1,8 @@
 // Reporting and recovery. Exceptions stay inside compiler/parse: the rule functions of the generated parser catch them.
 #include "compiler/parse/error_strategy.hpp"
 
+#include <algorithm>
+
 #include "BipParser.h"
 #include "compiler/parse/describe.hpp"
 
@@ -20,6 +22,7 @@ bool begins_declaration(std::size_t type) {
     case BipParser::EXTERN_DECL:
     case BipParser::COMPONENT_DECL:
     case BipParser::PACKAGE:
+    case BipParser::FUNCTION:
       return true;
     default:
       return false;
@@ -77,6 +80,7 @@ bool cannot_be_inside(std::size_t type) {
     case BipParser::PROVIDED:
     case BipParser::THEN:
     case BipParser::ELSE:
+    case BipParser::ELSE_CHAIN:
     case BipParser::FI:
       return true;
     default:

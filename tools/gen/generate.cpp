@@ -10,6 +10,9 @@ Description generate(std::uint64_t seed) {
   style.large = random.percent(3);
   style.paper = random.percent(15);
   style.odd_names = random.percent(5);
+  style.lively = random.percent(60);
+  style.deep = random.percent(35);
+  style.ruled = random.percent(35);
   if (style.large) style.max_weight = 3000;
   CodeMaker code(random, style);
 
@@ -26,7 +29,7 @@ Description generate(std::uint64_t seed) {
     model.atom_types.push_back(make_atom(random, style, model.port_types, "A" + std::to_string(k)));
   }
   std::map<std::string, Interface> interfaces;
-  for (int k = 0, n = random.percent(50) ? random.between(1, 3) : 0; k < n; ++k) {
+  for (int k = 0, n = style.deep ? random.between(1, 4) : random.percent(40) ? random.between(1, 3) : 0; k < n; ++k) {
     make_compound(random, style, model, interfaces, "C" + std::to_string(k), false);
   }
   make_compound(random, style, model, interfaces, "Root", true);

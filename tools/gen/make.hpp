@@ -22,6 +22,9 @@ struct Style {
   bool large = false;        // many atoms, wide connectors
   bool paper = false;        // what fits goes into the paper's notation
   bool odd_names = false;    // contextual words as identifiers
+  bool lively = false;       // ports enabled nearly always, so that many interactions compete
+  bool deep = false;         // compounds of compounds, exporting connectors with many alternatives
+  bool ruled = false;        // many priority rules, in chains, with guards
   int max_weight = 120;      // alternatives of one connector
 };
 

@@ -40,7 +40,7 @@ class AtomMaker {
     Var var;
     var.name = fresh("x");
     var.type = type;
-    var.exported = random_.percent(25);
+    var.exported = random_.percent(style_.ruled ? 60 : 25);
     if (random_.percent(40)) var.init = code_.literal(type);
     atom_.data.push_back(var);
     return var.name;
@@ -60,7 +60,7 @@ class AtomMaker {
       Port port;
       port.name = fresh("p");
       port.type = type.name;
-      port.exported = atom_.ports.empty() || !random_.percent(15);
+      port.exported = atom_.ports.empty() || !random_.percent(10);
       std::set<std::string> used;
       for (const Var& var : type.vars) {
         std::vector<std::string> fitting;
@@ -108,13 +108,13 @@ class AtomMaker {
   }
   void make_transitions(const Port& port) {
     auto from = sources();
-    std::size_t count = 1 + random_.below(from.size());
+    std::size_t count = style_.lively && random_.percent(80) ? from.size() : 1 + random_.below(from.size());
     for (std::size_t k = 0; k < count; ++k) {
       Transition t;
       t.port = port.name;
       t.from = from[k];
       t.to = targets(t.from);
-      if (random_.percent(35)) t.guard = code_.guard(known());
+      if (random_.percent(style_.lively ? 15 : 35)) t.guard = code_.guard(known());
       if (random_.percent(65)) t.action = code_.body(known(), random_.between(1, 2), 1);
       atom_.transitions.push_back(t);
       if (t.guard && random_.percent(40)) add_opposite(t);

@@ -83,6 +83,12 @@ Expr CodeMaker::bool_operation(const std::vector<Known>& known, int depth) {
     Expr a = expression(Ty::Bool, known, depth - 1);
     return binary(op, std::move(a), expression(Ty::Bool, known, depth - 1), Ty::Bool);
   }
+  if (random_->percent(25)) {
+    // Holds about as often as not, whatever the values have grown to.
+    int mask = random_->percent(50) ? 1 : 3;
+    Expr low_bits = binary("&", expression(Ty::Int, known, depth - 1), int_literal(mask), Ty::Int);
+    return binary(random_->pick(equalities), std::move(low_bits), int_literal(random_->between(0, mask)), Ty::Bool);
+  }
   Ty operand = type();
   bool ordered = operand == Ty::Int || operand == Ty::Float;
   std::string op = random_->pick(ordered ? relations : equalities);
@@ -129,7 +135,7 @@ Expr CodeMaker::expression(Ty type, const std::vector<Known>& known, int depth) 
 }
 
 Expr CodeMaker::guard(const std::vector<Known>& known) {
-  if (random_->percent(12)) return literal(Ty::Bool);
+  if (random_->percent(5)) return literal(Ty::Bool);
   return expression(Ty::Bool, known, random_->between(1, 3));
 }
 

@@ -27,12 +27,13 @@ class CompoundMaker {
     if (!is_root && random_.percent(25)) compound_.params.push_back({"n", Ty::Int, false, {}});
     make_components(is_root);
     int connectors = style_.large ? random_.between(6, 14) : random_.between(1, 5);
-    for (int k = 0; k < connectors; ++k) connect(random_.percent(35));
+    if (style_.ruled) connectors += random_.between(1, 3);
+    for (int k = 0; k < connectors; ++k) connect(random_.percent(style_.deep ? 50 : 30));
     for (const Component& component : compound_.components) connect_array(component);
     if (is_root || random_.percent(30)) bind_exports();
     if (!is_root) make_exports();
     make_data_exports();
-    if (random_.percent(45)) make_priorities(random_, style_, model_, compound_);
+    if (random_.percent(style_.ruled ? 90 : 35)) make_priorities(random_, style_, model_, compound_);
     choose_notation(is_root);
     return compound_;
   }
@@ -43,7 +44,7 @@ class CompoundMaker {
     for (int k = 0; k < count; ++k) {
       Component component;
       component.name = "a" + std::to_string(k);
-      bool nested = !model_.compound_types.empty() && random_.percent(is_root ? 35 : 25);
+      bool nested = !model_.compound_types.empty() && random_.percent(style_.deep ? 65 : is_root ? 35 : 25);
       if (nested) {
         add_nested(component, random_.pick(model_.compound_types));
       } else {
@@ -173,6 +174,7 @@ class CompoundMaker {
     std::vector<Offer> pool = offers_;
     random_.shuffle(pool);
     std::stable_partition(pool.begin(), pool.end(), [](const Offer& o) { return o.connector; });
+    if (style_.deep) std::stable_partition(pool.begin(), pool.end(), [](const Offer& o) { return o.weight > 1; });
     std::size_t count = std::min<std::size_t>(pool.size(), 1 + random_.below(3));
     Interface& interface = interfaces_[compound_.name];
     for (std::size_t k = 0; k < count; ++k) {

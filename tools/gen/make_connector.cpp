@@ -24,10 +24,10 @@ Sets joined(const Sets& left, const Sets& right) {
   return result;
 }
 
-/// Groups of consecutive parameters, nested at most `depth` deep.
-Define random_group(Prng& random, const std::vector<int>& params, int depth) {
+/// Groups of consecutive parameters, nested at most `depth` deep; weak_percent of them have triggers.
+Define random_group(Prng& random, const std::vector<int>& params, int depth, int weak_percent) {
   Define group;
-  int trigger_percent = random.percent(50) ? 45 : (random.percent(50) ? 0 : 15);
+  int trigger_percent = random.percent(weak_percent) ? 45 : (random.percent(50) ? 0 : 15);
   for (std::size_t at = 0; at < params.size();) {
     std::size_t left = params.size() - at;
     std::size_t size = depth > 0 && left >= 2 && random.percent(25) ? 2 + random.below(left - 1) : 1;
@@ -35,7 +35,7 @@ Define random_group(Prng& random, const std::vector<int>& params, int depth) {
     Define child;
     if (size > 1) {
       std::vector<int> part(params.begin() + static_cast<std::ptrdiff_t>(at), params.begin() + static_cast<std::ptrdiff_t>(at + size));
-      child = random_group(random, part, depth - 1);
+      child = random_group(random, part, depth - 1, weak_percent);
     } else {
       child.param = params[at];
     }
@@ -49,7 +49,7 @@ Define random_group(Prng& random, const std::vector<int>& params, int depth) {
 class ConnectorMaker {
  public:
   ConnectorMaker(Prng& random, const Style& style, const std::vector<PortType>& port_types)
-      : random_(random), port_types_(port_types), code_(random, style) {}
+      : random_(random), style_(style), port_types_(port_types), code_(random, style) {}
 
   ConnectorType make(const std::vector<std::string>& params, bool exports, const std::string& name) {
     type_.name = name;
@@ -59,7 +59,7 @@ class ConnectorMaker {
       order.push_back(static_cast<int>(k));
     }
     if (random_.percent(30)) random_.shuffle(order);
-    type_.define = random_group(random_, order, 2);
+    type_.define = random_group(random_, order, 2, style_.deep ? 65 : 50);
     if (exports) make_export();
     if (random_.percent(35)) own(code_.type());
     make_clauses();
@@ -103,14 +103,17 @@ class ConnectorMaker {
     all.insert(all.end(), own.begin(), own.end());
     for (Known& k : readable) k.writable = false;
     readable.insert(readable.end(), own.begin(), own.end());
-    if (random_.percent(35)) result.guard = code_.guard(all);
+    if (random_.percent(style_.deep ? 50 : 35)) result.guard = code_.guard(all);
     if (type_.exports && random_.percent(85)) result.up = code_.body(readable, random_.between(1, 3), 1);
+    // What `up` computed is only seen if it reaches an atom: own data get more weight.
+    for (int copies = 0; copies < 2; ++copies) all.insert(all.end(), own.begin(), own.end());
     if (random_.percent(65)) result.down = code_.body(all, random_.between(1, 3), 1);
     if (random_.percent(20)) random_.shuffle(result.params);
     return result;
   }
 
   Prng& random_;
+  const Style& style_;
   const std::vector<PortType>& port_types_;
   CodeMaker code_;
   ConnectorType type_;

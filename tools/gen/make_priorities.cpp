@@ -30,7 +30,7 @@ std::vector<Known> readable_data(const Description& model, const CompoundType& c
 class PriorityMaker {
  public:
   PriorityMaker(Prng& random, const Style& style, const Description& model, CompoundType& compound)
-      : random_(random), model_(model), compound_(compound), code_(random, style), data_(readable_data(model, compound)) {}
+      : random_(random), style_(style), model_(model), compound_(compound), code_(random, style), data_(readable_data(model, compound)) {}
 
   void make() {
     for (const Connector& c : compound_.connectors) {
@@ -39,7 +39,8 @@ class PriorityMaker {
     if (ranked_.empty()) return;
     random_.shuffle(ranked_);
     if (random_.percent(20)) return star();
-    for (int k = random_.between(1, 3); k > 0; --k) {
+    if (style_.ruled && ranked_.size() > 4) ranked_.resize(4);  // chains need rules that meet
+    for (int k = style_.ruled ? random_.between(2, 6) : random_.between(1, 3); k > 0; --k) {
       if (ranked_.size() >= 2 && random_.percent(75)) {
         between_connectors();
       } else {
@@ -98,6 +99,7 @@ class PriorityMaker {
   }
 
   Prng& random_;
+  const Style& style_;
   const Description& model_;
   CompoundType& compound_;
   CodeMaker code_;

@@ -30,7 +30,7 @@ std::string operator_text(const std::string& op, Spelling spelling) {
   if (op == "&&") return "∧";
   if (op == "<=") return "≤";
   if (op == "!=") return "≠";
-  if (op == "==") return "=";
+  if (op == "==" && spelling == Spelling::PaperGuard) return "=";
   return op;
 }
 

@@ -11,7 +11,8 @@ namespace bip::gen {
 using NameText = std::function<std::string(const std::string& scope, const std::string& name)>;
 [[nodiscard]] std::string plain_name(const std::string& scope, const std::string& name);
 
-enum class Spelling : std::uint8_t { Bip2, Paper };
+/// In a guard of the paper's notation `=` compares; elsewhere it assigns.
+enum class Spelling : std::uint8_t { Bip2, Paper, PaperGuard };
 
 [[nodiscard]] std::string text_of(const Expr& expr, const NameText& names, Spelling spelling);
 /// `{ … }` on one line.

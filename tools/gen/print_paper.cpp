@@ -38,7 +38,7 @@ std::string inline_connector(const ConnectorType& type, const Connector& connect
     std::vector<std::string> ports;
     for (int p : clause.params) ports.push_back(paths[static_cast<std::size_t>(p)]);
     text += "      on " + join(ports, ", ");
-    if (clause.guard) text += " provided " + text_of(*clause.guard, names, Spelling::Paper);
+    if (clause.guard) text += " provided " + text_of(*clause.guard, names, Spelling::PaperGuard);
     text += " do " + text_of(clause.down, names, Spelling::Paper) + "\n";
   }
   return text;
@@ -62,7 +62,7 @@ std::string print_paper(const AtomType& atom) {
     for (const Transition& t : atom.transitions) {
       if (t.from.at(0) != place) continue;
       text += "        on " + t.port;
-      if (t.guard) text += " provided " + code(*t.guard);
+      if (t.guard) text += " provided " + text_of(*t.guard, plain_name, Spelling::PaperGuard);
       if (!t.action.empty()) text += " do " + text_of(t.action, plain_name, Spelling::Paper);
       text += " to " + t.to.at(0) + "\n";
     }

@@ -19,11 +19,11 @@ struct Fault {
 
 constexpr std::int32_t divide(std::int32_t a, std::int32_t b, std::uint32_t site) {
   if (const std::int32_t status = division_status(a, b, site); status != 0) throw Fault{status};
-  return a / b;
+  return quotient(a, b);
 }
 constexpr std::int32_t modulo(std::int32_t a, std::int32_t b, std::uint32_t site) {
   if (const std::int32_t status = division_status(a, b, site); status != 0) throw Fault{status};
-  return a % b;
+  return remainder(a, b);
 }
 
 /// A slot with its unused bits zero.

@@ -29,7 +29,7 @@ TEST_CASE("a bug is reported with its stages and exit code 70") {
   REQUIRE(::waitpid(child, &status, 0) == child);
   REQUIRE(WIFEXITED(status));
   REQUIRE(WEXITSTATUS(status) == 70);
-  REQUIRE(text.find("internal error: 1 + 1 == 3") != std::string::npos);
+  REQUIRE(text.find("internal error: 1 + 1 == 3 (tests/unit/base/assert_test.cpp:") != std::string::npos);
   REQUIRE(text.find("while flattening connector `sync`") != std::string::npos);
   REQUIRE(text.find("sheep") == std::string::npos);
 }

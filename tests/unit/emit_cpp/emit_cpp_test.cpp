@@ -162,6 +162,21 @@ TEST_CASE("emitted code agrees with the interpreter on random units") {
   }
 }
 
+TEST_CASE("-a / b beside a / b is right at -O2 too") {
+  // g++ 12 takes the second quotient for the negated first one; found by the random units.
+  System s = test::one_atom({test::slot("a", Type::Int), test::slot("b", Type::Int)});
+  test::Code c{s.code};
+  const ExprId plain = c.binary(Op::Div, c.self(0), c.self(1));
+  const ExprId negated = c.binary(Op::Div, c.unary(Op::Neg, c.self(0)), c.self(1));
+  s.atom_types[AtomTypeId(0u)].initial_action = c.set(0, c.binary(Op::Add, plain, negated));
+  const test::Compiled compiled(emit(s), "-O2");
+  REQUIRE(compiled.image() != nullptr);
+  rt::Slot slots[2] = {};
+  slots[0].bits = slots[1].bits = 0x80000000u;
+  CHECK(compiled.image()->codes[0].fn(nullptr, slots, slots, nullptr) == 1);
+  CHECK(slots[0].i == 2);
+}
+
 TEST_CASE("emitted tables are the image") {
   System s = test::producers(30);
   s.atom_types[AtomTypeId(0u)].name = "A \"quoted\" \\ type";

@@ -90,6 +90,21 @@ TEST_CASE("random actions agree") {
   CHECK(compare(u, random_states(random, 60)) > 100);
 }
 
+TEST_CASE("large units agree, and compile in time") {
+  using enum Type;
+  test::Units u;
+  // More divisions than the passes are asked to look at, and nesting as deep as a System may have.
+  ExprId quotient = u.load(Op::LoadSelf, 0), conjunction = u.load(Op::LoadSelf, 2);
+  for (int k = 0; k < 300; ++k)
+    quotient = u.op(k % 3 == 0 ? Op::Mod : Op::Div, Int, u.constant(Int, 1'000'000 + k), u.op(Op::BitOr, Int, quotient, u.constant(Int, k % 7)));
+  for (int k = 0; k < 1990; ++k)
+    conjunction = u.op(k % 2 == 0 ? Op::And : Op::Or, Bool, conjunction, u.op(Op::Lt, Bool, u.load(Op::LoadSelf, 0), u.constant(Int, k)));
+  u.add_action(u.store(StmtOp::StoreSelf, 1, quotient));
+  u.add_guard(conjunction);
+  std::mt19937 random(4);
+  compare(u, random_states(random, 200));
+}
+
 TEST_CASE("a division that is not reached does not fault") {
   using enum Type;
   for (const jit::OptLevel level : {jit::OptLevel::O0, jit::OptLevel::O2}) {

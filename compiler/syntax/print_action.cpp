@@ -1,0 +1,80 @@
+// Actions: on the line of their transition if they are short and plain, else a statement a line.
+#include "compiler/syntax/printer.hpp"
+
+namespace bip::syntax {
+namespace {
+constexpr std::size_t kLineWidth = 110;
+}
+
+/// ` do { … }` and the like, appended to the current line.
+void Printer::block(std::string_view word, const Block& b) {
+  if (!b.present) return;
+  out_.append(" ").append(word);
+  const bool has_comments = has_comment_before(b.range.end);
+  if (!has_comments) {
+    std::string line;
+    bool plain = true;
+    for (const Stmt* s : b.stmts) {
+      plain = plain && s->kind != StmtKind::If;
+      if (plain) line += " " + simple(*s) + ";";
+    }
+    if (plain && (column() + line.size() <= kLineWidth || b.stmts.empty())) {
+      out_ += b.stmts.empty() ? " {}" : " {" + line + " }";
+      return;
+    }
+  }
+  out_ += " {\n";
+  ++indent_;
+  first_in_block_ = true;
+  last_end_ = std::max(last_end_, b.range.begin);
+  stmts(b.stmts);
+  while (has_comment_before(b.range.end)) comment_line(syntax_.comments[next_comment_++]);
+  --indent_;
+  begin_line();
+  out_ += "}";
+}
+
+void Printer::stmts(std::span<const Stmt* const> list) {
+  for (const Stmt* s : list) stmt(*s);
+}
+
+void Printer::stmt(const Stmt& s) {
+  lead_in(s.range.begin, s.kind == StmtKind::If ? s.range.begin : s.range.end);
+  if (s.kind == StmtKind::If) return if_chain(s);
+  begin_line();
+  put(simple(s) + ";");
+  end_line(s.range.end);
+}
+
+void Printer::if_chain(const Stmt& s) {
+  begin_line();
+  const Stmt* at = &s;
+  while (true) {
+    put("if (" + text(at->value, true) + ") then");
+    header_line(at->value->range.end);
+    stmts(at->then_body);
+    --indent_;
+    if (at->else_body.empty()) break;
+    begin_line();
+    if (at->else_body.size() == 1 && at->else_body[0]->kind == StmtKind::If) {
+      put("else ");
+      at = at->else_body[0];
+      continue;
+    }
+    put("else\n");
+    ++indent_;
+    first_in_block_ = true;
+    last_end_ = std::max(last_end_, at->else_body.front()->range.begin);
+    stmts(at->else_body);
+    --indent_;
+    break;
+  }
+  ++indent_;
+  while (has_comment_before(s.range.end)) comment_line(syntax_.comments[next_comment_++]);
+  --indent_;
+  begin_line();
+  put("fi");
+  end_line(s.range.end);
+}
+
+}  // namespace bip::syntax

@@ -1,0 +1,183 @@
+// Pieces of lines: expressions, paths, lists. Operators keep the sign that was written (`&&`, `and`, `∧`); parentheses are
+// kept where they were. Recursion follows the depth of expressions, which the parser limits.
+#include "compiler/syntax/printer.hpp"
+
+namespace bip::syntax {
+
+std::string Printer::text(const Path& p) const {
+  std::string out;
+  for (const PathPart& part : p.parts) {
+    if (!out.empty()) out += '.';
+    out += part.name.text;
+    if (part.star) out += "[*]";
+    if (part.index != nullptr) out += "[" + text(part.index) + "]";
+  }
+  return out;
+}
+
+std::string Printer::text(const TypeRef& t) const { return (t.is_const ? "const " : "") + text(t.name); }
+
+std::string Printer::text(std::span<const Name> names) const {
+  std::string out;
+  for (const Name& n : names) {
+    if (!out.empty()) out += ", ";
+    out += n.text;
+  }
+  return out;
+}
+
+std::string Printer::text(std::span<const Path> paths, std::string_view separator) const {
+  std::string out;
+  for (const Path& p : paths) {
+    if (!out.empty()) out += separator;
+    out += text(p);
+  }
+  return out;
+}
+
+std::string Printer::text(std::span<const Param> params) const {
+  std::string out;
+  for (const Param& p : params) {
+    if (!out.empty()) out += ", ";
+    out += text(p.type);
+    if (!p.name.text.empty()) out.append(" ").append(p.name.text);
+  }
+  return out;
+}
+
+std::string Printer::text(std::span<const Var> vars) const {
+  std::string out;
+  for (const Var& v : vars) {
+    if (!out.empty()) out += ", ";
+    out += v.name.text;
+    if (v.init != nullptr) out += " = " + text(v.init);
+  }
+  return out;
+}
+
+std::string Printer::text(std::span<const NamedArg> args) const {
+  std::string out;
+  for (const NamedArg& a : args) {
+    if (!out.empty()) out += ", ";
+    if (!a.name.text.empty()) out.append(a.name.text).append(" = ");
+    out += text(a.value);
+  }
+  return out;
+}
+
+std::string Printer::text(const Annotation& a) const {
+  // As written, blanks outside strings reduced to one.
+  std::string out;
+  bool in_string = false;
+  for (const char c : source(a.range)) {
+    const bool blank = c == ' ' || c == '\t' || c == '\n' || c == '\r';
+    if (c == '"' && (out.empty() || out.back() != '\\')) in_string = !in_string;
+    if (blank && !in_string) {
+      if (!out.empty() && out.back() != ' ') out += ' ';
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string Printer::quoted(std::string_view plain) {
+  std::string out = "\"";
+  for (const char c : plain) {
+    switch (c) {
+      case '"': out += "\\\""; break;
+      case '\\': out += "\\\\"; break;
+      case '\n': out += "\\n"; break;
+      case '\t': out += "\\t"; break;
+      case '\r': out += "\\r"; break;
+      case '\b': out += "\\b"; break;
+      case '\f': out += "\\f"; break;
+      default: out += c;
+    }
+  }
+  return out + '"';
+}
+
+std::string Printer::text(const Expr* e, bool without_parentheses) const {
+  if (e == nullptr) return {};
+  std::string out;
+  switch (e->kind) {
+    case ExprKind::Int:
+    case ExprKind::Float:
+    case ExprKind::Report:
+      out = e->text;
+      break;
+    case ExprKind::Bool:
+      out = e->truth ? "true" : "false";
+      break;
+    case ExprKind::String:
+      out = quoted(e->text);
+      break;
+    case ExprKind::Path:
+      out = text(e->path) + (e->clock_speed ? "'" : "");
+      break;
+    case ExprKind::Unary: {
+      const std::string_view sign = source(e->op_range);
+      out.append(sign).append(sign == "not" ? " " : "");
+      out += text(e->operands[0]);
+      break;
+    }
+    case ExprKind::Binary: {
+      // A chain a + b + c is a left spine: walked by a loop, printed from its innermost operand.
+      std::vector<const Expr*> spine;
+      const Expr* at = e;
+      while (at->kind == ExprKind::Binary && (at == e || !at->parenthesised)) {
+        spine.push_back(at);
+        at = at->operands[0];
+      }
+      out = text(at);
+      while (!spine.empty()) {
+        out.append(" ").append(source(spine.back()->op_range)).append(" ");
+        out += text(spine.back()->operands[1]);
+        spine.pop_back();
+      }
+      break;
+    }
+    case ExprKind::Call: {
+      out = text(e->path) + "(";
+      for (std::size_t i = 0; i < e->operands.size(); ++i) {
+        if (i > 0) out += ", ";
+        out += text(e->operands[i]);
+      }
+      out += ")";
+      break;
+    }
+  }
+  return e->parenthesised && !without_parentheses ? "(" + out + ")" : out;
+}
+
+std::string Printer::guard(const Expr* e) const {
+  if (notation_ == Notation::Paper) return " provided " + text(e, true);
+  return " provided (" + text(e, true) + ")";
+}
+
+std::string Printer::simple(const Stmt& s) const {
+  if (s.kind == StmtKind::Call) return text(s.value);
+  return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") + text(s.value);
+}
+
+std::string Printer::text(const PortExpr& e, bool is_root) const {
+  const std::string prime = e.trigger ? "'" : "";
+  if (e.kind == PortExprKind::Port) return text(e.port) + prime;
+  const bool paper = notation_ == Notation::Paper;
+  std::string out;
+  for (const PortExpr* child : e.children) {
+    if (!out.empty()) out += paper ? ", " : " ";
+    out += text(*child, false);
+  }
+  if (paper) return "[" + out + "]" + prime;
+  return is_root ? out : "(" + out + ")" + prime;
+}
+
+std::string Printer::text(const InteractionPattern& p) const {
+  if (p.any_connector) return "*:*";
+  if (p.any_interaction) return text(p.connector) + (notation_ == Notation::Paper ? "" : ":*");
+  return text(p.connector) + ":" + text(p.ports, ",");
+}
+
+}  // namespace bip::syntax

@@ -1,0 +1,175 @@
+// Port, atom and connector types of .bsys: see parse_bsys_rows.hpp.
+#include "compiler/system/parse_bsys_rows.hpp"
+
+namespace bip::system::text {
+
+PortType RowParser::port_type(List& list) {
+  PortType row;
+  r_.row(list, s_.port_types.size());
+  row.name = r_.name(list);
+  while (std::optional<List> var = r_.sub(list, "var")) {
+    Variable v{.name = r_.name(*var), .type = r_.type(*var)};
+    r_.close(*var);
+    v.loc = var->loc;
+    row.variables.push_back(std::move(v));
+  }
+  r_.close(list);
+  row.loc = list.loc;
+  return row;
+}
+
+std::vector<Slot> RowParser::slots(List& list) {
+  std::vector<Slot> out;
+  while (std::optional<List> one = r_.sub(list, "slot")) {
+    Slot slot;
+    r_.row(*one, out.size());
+    slot.name = r_.name(*one);
+    slot.type = r_.type(*one);
+    slot.is_param = r_.flag(*one, "param");
+    slot.exported = r_.flag(*one, "export");
+    r_.close(*one);
+    slot.loc = one->loc;
+    out.push_back(std::move(slot));
+  }
+  return out;
+}
+
+AtomType RowParser::atom_type(List& list) {
+  AtomType row;
+  r_.row(list, s_.atom_types.size());
+  row.name = r_.name(list);
+  row.slots = slots(list);
+  while (std::optional<List> one = r_.sub(list, "port")) {
+    Port port;
+    r_.row(*one, row.ports.size());
+    port.name = r_.name(*one);
+    port.type = port_type_ref(*one);
+    port.exported = r_.flag(*one, "export");
+    port.slots = sub_refs(*one, "slots", row.slots, "slot");
+    r_.close(*one);
+    port.loc = one->loc;
+    row.ports.push_back(std::move(port));
+  }
+  while (std::optional<List> one = r_.sub(list, "place")) {
+    r_.row(*one, row.places.size());
+    row.places.push_back(r_.name(*one));
+    r_.close(*one);
+  }
+  const CodeScope scope = scope_of(row);
+  row.initial = sub_refs(list, "initial", row.places, "place");
+  row.initial_action = body(list, "do", scope);
+  while (std::optional<List> one = r_.sub(list, "transition")) {
+    row.transitions.push_back(transition(*one, row, scope));
+  }
+  r_.close(list);
+  row.loc = list.loc;
+  return row;
+}
+
+Transition RowParser::transition(List& list, const AtomType& type, const CodeScope& scope) {
+  Transition row;
+  r_.row(list, type.transitions.size());
+  if (std::optional<List> on = r_.sub(list, "on")) {
+    row.port = r_.ref(*on, type.ports.size(), "port",
+                      [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
+    r_.close(*on);
+  }
+  row.from = sub_refs(list, "from", type.places, "place");
+  row.to = sub_refs(list, "to", type.places, "place");
+  row.guard = guard(list, scope);
+  row.action = body(list, "do", scope);
+  r_.close(list);
+  row.loc = list.loc;
+  return row;
+}
+
+ConnectorType RowParser::connector_type(List& list) {
+  ConnectorType row;
+  std::uint32_t bind = 0;
+  r_.row(list, s_.connector_types.size());
+  row.name = r_.name(list);
+  while (std::optional<List> one = r_.sub(list, "param")) {
+    ConnectorParam param;
+    r_.row(*one, row.params.size());
+    param.name = r_.name(*one);
+    param.type = port_type_ref(*one);
+    param.first_bind = bind;
+    r_.close(*one);
+    param.loc = one->loc;
+    if (r_.failed()) return row;
+    bind += static_cast<std::uint32_t>(s_.port_types[param.type].variables.size());
+    row.params.push_back(std::move(param));
+  }
+  while (std::optional<List> one = r_.sub(list, "read")) {
+    r_.row(*one, row.data_reads.size());
+    DataRead read{.path = r_.name(*one), .type = r_.type(*one)};
+    r_.close(*one);
+    row.data_reads.push_back(std::move(read));
+  }
+  row.slots = slots(list);
+  List define_list = r_.need(list, "define");
+  if (!r_.failed()) define(define_list, row);
+  r_.close(define_list);
+  const CodeScope scope = scope_of(s_, row);
+  while (std::optional<List> one = r_.sub(list, "clause")) {
+    Clause clause;
+    r_.row(*one, row.clauses.size());
+    clause.params = sub_refs(*one, "params", row.params, "parameter");
+    clause.guard = guard(*one, scope);
+    clause.up = body(*one, "up", scope);
+    clause.down = body(*one, "down", scope);
+    r_.close(*one);
+    clause.loc = one->loc;
+    row.clauses.push_back(std::move(clause));
+  }
+  if (std::optional<List> one = r_.sub(list, "export")) {
+    row.exports = true;
+    row.export_name = r_.name(*one);
+    row.export_type = port_type_ref(*one);
+    row.export_slots = sub_refs(*one, "slots", row.slots, "slot");
+    r_.close(*one);
+  }
+  r_.close(list);
+  row.loc = list.loc;
+  return row;
+}
+
+/// Nodes in preorder: a stack of the groups whose lists are not yet at their end.
+void RowParser::define(List& root, ConnectorType& type) {
+  struct Group {
+    List list;
+    std::uint32_t node;
+  };
+  constexpr std::uint32_t kAbove = 0xffffffffu;
+  std::vector<Group> open{{root, kAbove}};
+  while (!open.empty() && !r_.failed()) {
+    if (!r_.more(open.back().list)) {
+      open.pop_back();
+      continue;
+    }
+    const std::uint32_t parent = open.back().node;
+    const std::uint32_t element = r_.next(open.back().list, "a group");
+    std::string_view head;
+    List list = r_.open(element, head);
+    if (head != "trigger" && head != "synchron") return r_.fail(element, "expected `(trigger …)` or `(synchron …)`");
+    const auto row = static_cast<std::uint32_t>(type.define.size());
+    if (parent != kAbove) {
+      type.define[parent].children.push_back(row);
+    } else if (row != 0) {
+      return r_.fail(element, "a define has one group at its top");
+    }
+    DefineNode node{.is_leaf = false, .trigger = head == "trigger", .param = 0, .children = {}};
+    if (r_.more(list) && tree_.nodes[list.at].kind == Node::Kind::Word) {
+      node.is_leaf = true;
+      node.param = r_.ref(list, type.params.size(), "parameter",
+                          [&](std::uint32_t k) -> const std::string& { return type.params[k].name; });
+      r_.close(list);
+    } else {
+      open.push_back({list, row});
+    }
+    type.define.push_back(std::move(node));
+  }
+  root.at = kNoNode;
+}
+
+}  // namespace bip::system::text

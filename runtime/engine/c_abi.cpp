@@ -1,0 +1,88 @@
+// The C ABI over the embedding API. See bip/bip.h.
+#include "bip/bip.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "bip/bip.hpp"
+
+struct bip_system {
+  bip::System system;
+};
+struct bip_snapshot {
+  bip::System::Snapshot snapshot;
+};
+
+namespace {
+
+std::size_t copy_out(const std::string& text, char* buffer, std::size_t size) {
+  if (buffer != nullptr && size != 0) {
+    const std::size_t length = std::min(size - 1, text.size());
+    std::memcpy(buffer, text.data(), length);
+    buffer[length] = '\0';
+  }
+  return text.size();
+}
+int code_of(bip::Outcome outcome) { return static_cast<int>(outcome); }
+static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED && static_cast<int>(bip::Outcome::Deadlock) == BIP_DEADLOCK &&
+              static_cast<int>(bip::Outcome::Fault) == BIP_FAULT);
+
+}  // namespace
+
+extern "C" {
+
+bip_system* bip_create(const bip_image* image, uint64_t seed, int policy) {
+  if (image == nullptr || policy < BIP_UNIFORM || policy > BIP_FAIR) return nullptr;
+  bip::SystemOptions options;
+  options.seed = seed;
+  options.policy = static_cast<bip::rt::Policy>(policy);
+  return std::make_unique<bip_system>(bip_system{bip::System(*reinterpret_cast<const bip::rt::Image*>(image), options)}).release();
+}
+void bip_destroy(bip_system* system) { const std::unique_ptr<bip_system> owner(system); }
+
+int bip_status(const bip_system* system) { return code_of(system->system.outcome()); }
+int bip_step(bip_system* system) { return code_of(system->system.step()); }
+uint64_t bip_run(bip_system* system, uint64_t steps) { return system->system.run(steps); }
+uint64_t bip_steps(const bip_system* system) { return system->system.steps(); }
+
+uint64_t bip_candidate_count(const bip_system* system) { return system->system.candidate_count(); }
+size_t bip_candidate(const bip_system* system, uint64_t k, char* buffer, size_t size) {
+  return copy_out(k < system->system.candidate_count() ? system->system.candidate(k) : std::string(), buffer, size);
+}
+int bip_fire(bip_system* system, uint64_t k) { return code_of(system->system.fire(k)); }
+
+void bip_on_step(bip_system* system, bip_callback callback, void* user) {
+  if (callback == nullptr) {
+    system->system.on_step(nullptr);
+    return;
+  }
+  system->system.on_step([callback, user](const bip::Step& step) { callback(user, step.number, step.interaction.c_str()); });
+}
+
+int bip_read_int(const bip_system* system, const char* path, int32_t* value) { return system->system.read(path, *value) ? 1 : 0; }
+int bip_read_bool(const bip_system* system, const char* path, int* value) {
+  bool truth = false;
+  if (!system->system.read(path, truth)) return 0;
+  *value = truth ? 1 : 0;
+  return 1;
+}
+int bip_read_float(const bip_system* system, const char* path, double* value) { return system->system.read(path, *value) ? 1 : 0; }
+size_t bip_read_string(const bip_system* system, const char* path, char* buffer, size_t size) {
+  std::string value;
+  (void)system->system.read(path, value);
+  return copy_out(value, buffer, size);
+}
+size_t bip_place(const bip_system* system, const char* atom_path, char* buffer, size_t size) {
+  return copy_out(system->system.place(atom_path), buffer, size);
+}
+
+bip_snapshot* bip_save(const bip_system* system) {
+  return std::make_unique<bip_snapshot>(bip_snapshot{system->system.snapshot()}).release();
+}
+void bip_restore(bip_system* system, const bip_snapshot* snapshot) { system->system.restore(snapshot->snapshot); }
+void bip_free_snapshot(bip_snapshot* snapshot) { const std::unique_ptr<bip_snapshot> owner(snapshot); }
+
+size_t bip_fault(const bip_system* system, char* buffer, size_t size) { return copy_out(system->system.fault(), buffer, size); }
+size_t bip_story(const bip_system* system, char* buffer, size_t size) { return copy_out(system->system.story(), buffer, size); }
+
+}  // extern "C"

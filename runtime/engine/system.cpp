@@ -1,0 +1,170 @@
+// The embedding API: a Core and a Scheduler in one object. See bip/bip.hpp.
+#include <algorithm>
+#include <cstring>
+
+#include "bip/bip.hpp"
+#include "runtime/core/story.hpp"
+#include "runtime/core/text.hpp"
+#include "runtime/engine/scheduler.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip {
+
+struct System::Impl {
+  Impl(const rt::Image& image, const SystemOptions& options)
+      : core(image, {.progress = options.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}),
+        scheduler(options.policy, options.seed),
+        seed(options.seed) {
+    for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
+    std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
+      return std::strcmp(image.atoms[a].path, image.atoms[b].path) < 0;
+    });
+    outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
+  }
+
+  [[nodiscard]] rt::u32 find_atom(const std::string& path) const {
+    const rt::Image& image = core.image();
+    const auto at = std::lower_bound(by_path.begin(), by_path.end(), path,
+                                     [&](rt::u32 atom, const std::string& key) { return image.atoms[atom].path < key; });
+    return at != by_path.end() && image.atoms[*at].path == path ? *at : rt::kNone;
+  }
+  [[nodiscard]] const rt::Slot* find_slot(const std::string& path, rt::SlotType type) const {
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string::npos) return nullptr;
+    const rt::u32 atom = find_atom(path.substr(0, dot));
+    if (atom == rt::kNone) return nullptr;
+    const rt::AtomType& atom_type = core.tables().atom_type(atom);
+    for (rt::u32 i = 0; i < atom_type.slots.size; ++i) {
+      if (path.compare(dot + 1, std::string::npos, atom_type.slots[i].name) != 0) continue;
+      return atom_type.slots[i].type == type ? &core.slot(core.image().atoms[atom].slot_base + i) : nullptr;
+    }
+    return nullptr;
+  }
+  Outcome take(std::uint64_t k) {
+    const rt::Candidate candidate = core.candidate(k);
+    Step step;
+    if (callback) {
+      step.number = steps;
+      rt::append_candidate(step.interaction, core, candidate);
+      core.participants(candidate, participants);
+      for (const rt::Participant& p : participants) {
+        step.ports.push_back(std::string(core.image().atoms[p.atom].path) + "." + core.tables().atom_type(p.atom).ports[p.port].name);
+      }
+    }
+    if (!core.fire(candidate)) return outcome = Outcome::Fault;
+    scheduler.fired(candidate);
+    ++steps;
+    if (callback) callback(step);
+    return outcome = Outcome::Stepped;
+  }
+
+  rt::Core core;
+  rt::Scheduler scheduler;
+  std::uint64_t seed;
+  std::uint64_t steps = 0;
+  Outcome outcome = Outcome::Stepped;
+  std::function<void(const Step&)> callback;
+  std::vector<rt::u32> by_path;
+  std::vector<rt::Participant> participants;
+};
+
+struct System::Snapshot::Impl {
+  rt::State state;
+  rt::Scheduler scheduler;
+  std::uint64_t steps;
+  Outcome outcome;
+};
+
+System::System(const rt::Image& image, SystemOptions options) : impl_(std::make_unique<Impl>(image, options)) {}
+System::~System() = default;
+System::System(System&&) noexcept = default;
+System& System::operator=(System&&) noexcept = default;
+System::Snapshot::Snapshot() = default;
+System::Snapshot::~Snapshot() = default;
+System::Snapshot::Snapshot(Snapshot&&) noexcept = default;
+System::Snapshot& System::Snapshot::operator=(Snapshot&&) noexcept = default;
+
+Outcome System::outcome() const { return impl_->outcome; }
+std::uint64_t System::steps() const { return impl_->steps; }
+std::uint64_t System::candidate_count() const {
+  return impl_->outcome == Outcome::Fault ? 0 : impl_->core.candidate_count();
+}
+
+Outcome System::step() {
+  if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
+  if (impl_->core.candidate_count() == 0) return impl_->outcome = Outcome::Deadlock;
+  return impl_->take(impl_->scheduler.choose(impl_->core));
+}
+
+std::uint64_t System::run(std::uint64_t n) {
+  for (std::uint64_t i = 0; i < n; ++i) {
+    if (step() != Outcome::Stepped) return i;
+  }
+  return n;
+}
+
+std::string System::candidate(std::uint64_t k) const {
+  std::string name;
+  rt::append_candidate(name, impl_->core, impl_->core.candidate(k));
+  return name;
+}
+
+Outcome System::fire(std::uint64_t k) {
+  if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
+  if (k >= impl_->core.candidate_count()) return impl_->outcome = Outcome::Deadlock;
+  return impl_->take(k);
+}
+
+void System::on_step(std::function<void(const Step&)> callback) { impl_->callback = std::move(callback); }
+
+std::string System::place(const std::string& atom_path) const {
+  const rt::u32 atom = impl_->find_atom(atom_path);
+  return atom == rt::kNone ? std::string() : rt::places_of(impl_->core, atom);
+}
+
+bool System::read(const std::string& path, std::int32_t& value) const {
+  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Int);
+  if (slot != nullptr) value = slot->i;
+  return slot != nullptr;
+}
+bool System::read(const std::string& path, bool& value) const {
+  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Bool);
+  if (slot != nullptr) value = slot->i != 0;
+  return slot != nullptr;
+}
+bool System::read(const std::string& path, double& value) const {
+  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Float);
+  if (slot != nullptr) value = slot->f;
+  return slot != nullptr;
+}
+bool System::read(const std::string& path, std::string& value) const {
+  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::String);
+  if (slot != nullptr) value = impl_->core.image().strings[static_cast<rt::u32>(slot->i)];
+  return slot != nullptr;
+}
+
+System::Snapshot System::snapshot() const {
+  Snapshot snapshot;
+  snapshot.impl_ = std::make_unique<Snapshot::Impl>(
+      Snapshot::Impl{impl_->core.snapshot(), impl_->scheduler, impl_->steps, impl_->outcome});
+  return snapshot;
+}
+
+void System::restore(const Snapshot& snapshot) {
+  const bool sound = impl_->core.restore(snapshot.impl_->state);
+  impl_->scheduler = snapshot.impl_->scheduler;
+  impl_->steps = snapshot.impl_->steps;
+  impl_->outcome = sound ? snapshot.impl_->outcome : Outcome::Fault;
+}
+
+std::string System::fault() const {
+  if (impl_->outcome != Outcome::Fault) return {};
+  return rt::text_of(impl_->core.fault(), impl_->core.image(), impl_->seed, impl_->steps);
+}
+
+std::string System::story() const {
+  if (impl_->outcome == Outcome::Fault || impl_->core.candidate_count() != 0) return {};
+  return rt::deadlock_story(impl_->core, impl_->steps, impl_->seed);
+}
+
+}  // namespace bip

@@ -1,0 +1,93 @@
+// Embedding: run a linked image step by step in another program. The image must outlive the System; everything else the
+// System owns. Nothing is thrown; a fault stops it, and fault() has the text.
+//
+//   bip::System system(model::image(), {.seed = 42});
+//   system.on_step([](const bip::Step& step) { std::puts(step.interaction.c_str()); });
+//   while (system.step() == bip::Outcome::Stepped) {}
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bip/image.hpp"
+#include "bip/run.hpp"
+
+namespace bip {
+
+struct SystemOptions {
+  std::uint64_t seed = 0;
+  rt::Policy policy = rt::Policy::Uniform;
+  bool maximal_progress = true;
+};
+enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault };
+
+/// An interaction that was taken.
+struct Step {
+  std::uint64_t number = 0;
+  std::string interaction;         // "ROOT.take0", or "ROOT.a.think" for an internal port
+  std::vector<std::string> ports;  // "ROOT.p0.take", in the order of firing
+};
+
+class System {
+ public:
+  /// Initializes; if that faults, outcome() says so.
+  explicit System(const rt::Image& image, SystemOptions options = {});
+  ~System();
+  System(System&&) noexcept;
+  System& operator=(System&&) noexcept;
+
+  /// How the last call ended; Stepped after a good start.
+  [[nodiscard]] Outcome outcome() const;
+  /// One step, chosen by the policy.
+  Outcome step();
+  /// Up to n steps; how many were taken.
+  std::uint64_t run(std::uint64_t n);
+  /// Steps taken since the start, or as the restored snapshot has it.
+  [[nodiscard]] std::uint64_t steps() const;
+
+  [[nodiscard]] std::uint64_t candidate_count() const;
+  /// The interaction's name, as in Step. k < candidate_count().
+  [[nodiscard]] std::string candidate(std::uint64_t k) const;
+  /// Takes the k-th candidate instead of asking the policy.
+  Outcome fire(std::uint64_t k);
+
+  /// Called after each step.
+  void on_step(std::function<void(const Step&)> callback);
+
+  /// The place(s) of an atom, "A" or "A, B"; empty if there is no such atom. "ROOT.a".
+  [[nodiscard]] std::string place(const std::string& atom_path) const;
+  /// A variable by path, "ROOT.a.x". False: no such variable, or of another type.
+  bool read(const std::string& path, std::int32_t& value) const;
+  bool read(const std::string& path, bool& value) const;
+  bool read(const std::string& path, double& value) const;
+  bool read(const std::string& path, std::string& value) const;
+
+  /// State, number of steps and the policy's memory: running on from a snapshot repeats what followed it.
+  class Snapshot {
+   public:
+    ~Snapshot();
+    Snapshot(Snapshot&&) noexcept;
+    Snapshot& operator=(Snapshot&&) noexcept;
+
+   private:
+    friend class System;
+    Snapshot();
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+  };
+  [[nodiscard]] Snapshot snapshot() const;
+  void restore(const Snapshot& snapshot);
+
+  /// Empty, or the fault's text.
+  [[nodiscard]] std::string fault() const;
+  /// Why the state is a deadlock; empty if it is none.
+  [[nodiscard]] std::string story() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace bip
