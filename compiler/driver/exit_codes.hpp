@@ -5,5 +5,4 @@ namespace bip::driver {
 inline constexpr int kOk = 0;
 inline constexpr int kModelErrors = 1;  // errors in the model, or a run-time error
 inline constexpr int kUsage = 2;        // the command line is wrong
-inline constexpr int kInterrupted = 130;
 }  // namespace bip::driver

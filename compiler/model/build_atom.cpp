@@ -35,7 +35,7 @@ struct AtomBuilder {
     out.slots.push_back({std::string(name.text), type, is_param, exported, b.loc(name.range)});
     slots[std::string(name.text)] = row;
     scope.names[std::string(name.text)] = {.load = Op::LoadSelf, .index = row, .type = type,
-                                           .read_only = is_param ? "a parameter" : "", .value = {}, .declared = name.range};
+                                           .read_only = is_param ? "a parameter keeps its value" : "", .value = {}, .declared = name.range};
   }
 
   void build_slots() {
@@ -71,6 +71,7 @@ struct AtomBuilder {
     names.declare(item.name, "port");
     Port port{.name = std::string(item.name.text), .type = {}, .slots = {}, .exported = d.role == syntax::PortRole::Exported, .loc = b.loc(item.name.range)};
     std::vector<Variable> variables;
+    bool sound = true;
     for (const syntax::Name& var : item.vars) {
       const auto slot = slots.find(std::string(var.text));
       if (slot == slots.end()) {
@@ -78,11 +79,12 @@ struct AtomBuilder {
         for (const Slot& s : out.slots) known.push_back(s.name);
         help_similar(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var.text, var.range, known);
         port.slots.push_back(0);
+        sound = false;
         variables.push_back({std::string(var.text), Type::Int, {}});
         continue;
       }
       const Slot& s = out.slots[slot->second];
-      if (s.is_param) b.diags.report(Diag::kB2002, var.range, port.name, var.text).help("copy the parameter into `data`");
+      if (s.is_param) b.diags.report(Diag::kB2002, var.range, port.name, var.text).help("copy the parameter into data, and show these");
       port.slots.push_back(slot->second);
       variables.push_back({s.name, s.type, s.loc});
     }
@@ -90,7 +92,7 @@ struct AtomBuilder {
       port.type = b.anonymous_port_type(variables);
     } else {
       port.type = b.port_type(d.type);
-      if (port.type.is_valid()) check_variables(port, variables, item, d.type);
+      if (port.type.is_valid() && sound) check_variables(port, variables, item, d.type);
     }
     ports[port.name] = static_cast<std::uint32_t>(out.ports.size());
     out.ports.push_back(std::move(port));
@@ -99,12 +101,14 @@ struct AtomBuilder {
   void check_variables(const Port& port, const std::vector<Variable>& given, const syntax::PortItem& item, const syntax::TypeRef& type) {
     const PortType& wanted = b.model.port_types[port.type];
     if (wanted.variables.size() != given.size()) {
-      b.diags.report(Diag::kB2003, item.name.range, port.name, given.size(), wanted.name, wanted.variables.size());
+      b.diags.report(Diag::kB2003, item.name.range, port.name, counted(given.size(), "variable"), wanted.name, wanted.variables.size())
+          .label(b.declared(wanted.name), "declared here");
       return;
     }
     for (std::size_t i = 0; i < given.size(); ++i) {
       if (given[i].type == wanted.variables[i].type) continue;
-      b.diags.report(Diag::kB2004, item.vars[i].range, given[i].name, name_of(given[i].type), wanted.variables[i].name, b.text(type.name), name_of(wanted.variables[i].type));
+      b.diags.report(Diag::kB2004, item.vars[i].range, given[i].name, name_of(given[i].type), wanted.variables[i].name, b.text(type.name), name_of(wanted.variables[i].type))
+          .label(b.declared(wanted.name), "declared here");
     }
   }
 
@@ -174,11 +178,7 @@ struct AtomBuilder {
       names.declare(place, "place");
       if (places.try_emplace(std::string(place.text), static_cast<std::uint32_t>(out.places.size())).second) out.places.emplace_back(place.text);
     }
-    if (!decl.initial.present) {
-      b.diags.report(Diag::kB1023, decl.name.range, decl.name.text);
-    } else {
-      out.initial = place_rows(decl.initial.to);
-    }
+    out.initial = place_rows(decl.initial.to);
     if (decl.initial.resumes) b.not_yet(decl.initial.range, "`resume`");
     CodeBuilder code(b.model, b.diags, scope);
     StmtId next = code.block(decl.initial.action.stmts);

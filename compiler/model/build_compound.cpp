@@ -41,7 +41,7 @@ void CompoundBuilder::build() {
   for (const syntax::Param& p : decl.params) {
     names.declare(p.name, "parameter");
     const Type type = require_native_type(p.type, b.sources, b.diags);
-    scope.names[std::string(p.name.text)] = {.load = Op::LoadSelf, .index = static_cast<std::uint32_t>(out.params.size()), .type = type, .read_only = "a parameter", .value = {}, .declared = p.name.range};
+    scope.names[std::string(p.name.text)] = {.load = Op::LoadSelf, .index = static_cast<std::uint32_t>(out.params.size()), .type = type, .read_only = "a parameter keeps its value", .value = {}, .declared = p.name.range};
     out.params.push_back({std::string(p.name.text), type, true, false, b.loc(p.name.range)});
   }
   for (const syntax::DataDecl& d : decl.data) b.not_yet(d.range, "data of a compound");
@@ -89,7 +89,7 @@ void CompoundBuilder::build_priorities() {
     PriorityRule row{.name = std::string(p.name.text), .low = {}, .high = {}, .guard = {}, .data = {}, .range = p.range};
     pattern(p.low, row.low);
     pattern(p.high, row.high);
-    if (p.low.any_connector && p.high.any_connector) b.diags.report(Diag::kB3003, p.range);
+    if (p.low.any_connector && p.high.any_connector) b.diags.report(Diag::kB3003, p.high.range).label(p.low.range, "and here").help("name the interactions of one side: `connector:*` or `connector:port,port`");
     if (p.guard != nullptr) {
       // Every exported datum of every component is in scope; those that are read become Bind rows.
       Scope data{.names = {}, .owner = fmt::format("priority `{}`", p.name.text)};

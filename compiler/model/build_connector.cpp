@@ -15,6 +15,10 @@ struct BodyBuilder {
   ConnectorType& out;
   Scope down_scope{}, up_scope{};
   std::unordered_map<std::string, std::uint32_t> slots{};
+  std::size_t errors_before = 0;  // the pass
+  bool has_errors_in_define = false;  // then what it gives is not known
+
+  [[nodiscard]] bool has_errors() const { return b.diags.error_count() > errors_before; }
 
   void build_scopes() {
     NameSpace names(b.diags, down_scope.owner);
@@ -25,7 +29,7 @@ struct BodyBuilder {
           b.diags.report(Diag::kB1002, v.name.range, v.name.text, down_scope.owner).label("a port has this name");
         }
         names.declare(v.name, "data");
-        if (v.init != nullptr) b.diags.report(Diag::kB2021, v.init->range, v.name.text).help("assign it in `up`");
+        if (v.init != nullptr) b.diags.report(Diag::kB2021, v.init->range, v.name.text).help("assign it in `up` or `down`");
         const std::uint32_t row = static_cast<std::uint32_t>(out.slots.size());
         slots[std::string(v.name.text)] = row;
         down_scope.names[std::string(v.name.text)] = {.load = Op::LoadSelf, .index = row, .type = type, .read_only = "", .value = {}, .declared = v.name.range};
@@ -74,12 +78,14 @@ struct BodyBuilder {
     if (!out.export_type.is_valid()) return;
     const PortType& wanted = b.model.port_types[out.export_type];
     if (wanted.variables.size() != variables.size()) {
-      b.diags.report(Diag::kB2003, e.name.range, e.name.text, variables.size(), wanted.name, wanted.variables.size());
+      b.diags.report(Diag::kB2003, e.name.range, e.name.text, counted(variables.size(), "variable"), wanted.name, wanted.variables.size())
+          .label(b.declared(wanted.name), "declared here");
       return;
     }
     for (std::size_t i = 0; i < variables.size(); ++i) {
       if (variables[i].type == wanted.variables[i].type) continue;
-      b.diags.report(Diag::kB2004, e.vars[i].range, variables[i].name, name_of(variables[i].type), wanted.variables[i].name, wanted.name, name_of(wanted.variables[i].type));
+      b.diags.report(Diag::kB2004, e.vars[i].range, variables[i].name, name_of(variables[i].type), wanted.variables[i].name, wanted.name, name_of(wanted.variables[i].type))
+          .label(b.declared(wanted.name), "declared here");
     }
     (void)annotations;
   }
@@ -115,12 +121,11 @@ struct BodyBuilder {
     for (const syntax::PortExpr* child : e.children) add_node(*child, row);
   }
 
-  void build_define(SourceRange range) {
+  void build_define() {
     seen.assign(out.params.size(), {});
     out.define.push_back({});
     if (body.define == nullptr) {
-      if (!is_inline) b.diags.report(Diag::kB2007, range, down_scope.owner).help("a rendezvous of all: `define` and the ports, separated by spaces");
-      for (std::uint32_t p = 0; p < out.params.size(); ++p) {  // the paper: without a list, every subset
+      for (std::uint32_t p = 0; p < out.params.size(); ++p) {  // the paper: without a list, every subset; BIP2: reported by parse
         out.define[0].children.push_back(static_cast<std::uint32_t>(out.define.size()));
         out.define.push_back({.is_leaf = true, .trigger = true, .param = p, .children = {}});
       }
@@ -131,7 +136,7 @@ struct BodyBuilder {
     } else {
       for (const syntax::PortExpr* child : body.define->children) add_node(*child, 0);
     }
-    if (b.diags.has_errors()) return;
+    if (has_errors()) return;
     for (std::size_t p = 0; p < seen.size(); ++p) {
       if (!seen[p].is_valid()) b.diags.report(Diag::kB2008, body.define->range, out.params[p].name);
     }
@@ -160,9 +165,12 @@ struct BodyBuilder {
     }
     std::sort(row.params.begin(), row.params.end());
     const SourceRange at = c.ports.empty() ? c.range : SourceRange{c.range.file, c.ports.front().range.begin, c.ports.back().range.end};
-    if (!b.diags.has_errors() && !is_interaction(out, row.params)) {
+    if (has_errors_in_define) return;
+    if (!is_interaction(out, row.params)) {
       auto d = b.diags.report(Diag::kB2010, at, interaction_text(out, row.params));
       if (body.define != nullptr) d.label(body.define->range, "the interactions are given here");
+      const bool has_triggers = std::any_of(out.define[0].children.begin(), out.define[0].children.end(), [&](std::uint32_t child) { return out.define[child].trigger; });
+      d.help(has_triggers ? "an interaction holds at least one trigger, marked `'`" : "without a trigger, marked `'`, all take part together");
       return;
     }
     const auto [first, is_new] = given.try_emplace(interaction_text(out, row.params), at);
@@ -178,10 +186,27 @@ struct BodyBuilder {
     row.guard = up.guard(c.guard);
     row.up = up.block(c.up.stmts);
     row.down = down.block(c.down.present ? c.down.stmts : c.action.stmts);
-    if (!out.export_slots.empty() && !c.up.present && !is_suppressed(c.annotations, "missingup")) {
+    if (!out.export_slots.empty() && !c.up.present && !c.action.present && !is_suppressed(c.annotations, "missingup")) {
       b.diags.report(Diag::kB2015, at, interaction_text(out, row.params), out.export_name);
     }
     out.clauses.push_back(std::move(row));
+  }
+
+  // An interaction without a clause, found among the largest ones and those of one port; empty if there is none there.
+  [[nodiscard]] std::string without_clause() const {
+    std::vector<std::uint32_t> all(out.params.size());
+    for (std::uint32_t p = 0; p < all.size(); ++p) all[p] = p;
+    const auto is_missing = [&](const std::vector<std::uint32_t>& params) {
+      return is_interaction(out, params) && std::none_of(out.clauses.begin(), out.clauses.end(), [&](const Clause& c) { return c.params == params; });
+    };
+    if (is_missing(all)) return interaction_text(out, all);
+    for (std::uint32_t p = 0; p < all.size(); ++p) {
+      std::vector<std::uint32_t> rest = all;
+      std::erase(rest, p);
+      if (is_missing({p})) return interaction_text(out, {p});
+      if (is_missing(rest)) return interaction_text(out, rest);
+    }
+    return {};
   }
 
   // How many interactions there are, as a double: it may be 2^1000.
@@ -202,14 +227,18 @@ struct BodyBuilder {
 
   void build(SourceRange range, syntax::Annotations annotations) {
     down_scope.owner = is_inline ? fmt::format("connector `{}`", out.name) : fmt::format("connector type `{}`", out.name);
+    const std::size_t errors_at_start = b.diags.error_count();
     build_scopes();
     build_export(annotations);
-    build_define(range);
+    errors_before = b.diags.error_count();
+    build_define();
+    has_errors_in_define = has_errors();
     std::unordered_map<std::string, SourceRange> given;
     for (const syntax::Clause& c : body.clauses) build_clause(c, given);
-    if (!out.export_slots.empty() && !b.diags.has_errors() && count(0) > static_cast<double>(out.clauses.size()) &&
+    if (!out.export_slots.empty() && b.diags.error_count() == errors_at_start && count(0) > static_cast<double>(out.clauses.size()) &&
         !is_suppressed(annotations, "missinginteraction")) {
-      b.diags.report(Diag::kB2016, range, down_scope.owner, out.export_name);
+      auto d = b.diags.report(Diag::kB2016, range, down_scope.owner, out.export_name);
+      if (const std::string missing = without_clause(); !missing.empty()) d.note(fmt::format("interaction `{}` has none", missing));
     }
   }
 };

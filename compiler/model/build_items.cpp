@@ -47,6 +47,8 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
   }
   const std::string what = fmt::format("component type `{}`", b.text(i.type.name));
   std::vector<ExprId> args(params.size());
+  std::vector<SourceRange> given(params.size());
+  bool sound = true;
   CodeBuilder code(b.model, b.diags, scope);
   std::size_t position = 0;
   std::size_t positional = 0;
@@ -62,18 +64,26 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
       if (k == params.size()) {
         std::vector<std::string> known;
         for (const Slot* s : params) known.push_back(s->name);
-        help_similar(b.diags.report(Diag::kB1032, arg.name.range, what, name), name, arg.name.range, known);
+        auto d = b.diags.report(Diag::kB1032, arg.name.range, what, name);
+        if (!known.empty()) d.note(fmt::format("its parameters are {}", quoted_list(known)));
+        help_similar(d, name, arg.name.range, known);
         code.expr(arg.value);
+        sound = false;
         continue;
       }
     }
-    if (args[k].is_valid()) b.diags.report(Diag::kB1033, arg.value->range, params[k]->name);
+    if (given[k].is_valid()) {
+      b.diags.report(Diag::kB1033, arg.value->range, params[k]->name).label(given[k], "given here");
+      sound = false;
+    }
+    given[k] = arg.value->range;
     args[k] = code.expr_as(arg.value, params[k]->type, fmt::format("argument `{}`", params[k]->name));
   }
   const std::size_t required = static_cast<std::size_t>(std::count_if(params.begin(), params.end(), [](const Slot* s) { return !s->name.starts_with("initial "); }));
   const bool all_given = std::all_of(args.begin(), args.begin() + static_cast<std::ptrdiff_t>(required), [](ExprId a) { return a.is_valid(); });
-  if (positional > params.size() || !all_given) {
-    b.diags.report(Diag::kB1015, i.name.range, what, required, i.args.size());
+  if (sound && (positional > params.size() || !all_given)) {
+    b.diags.report(Diag::kB1015, i.name.range, counted(i.args.size(), "argument"), what, required)
+        .label(b.declared(b.text(i.type.name)), "declared here");
   }
   for (std::size_t k = 0; k < args.size(); ++k) {
     if (!args[k].is_valid()) args[k] = b.initial_value(family, params[k]->name, params[k]->type);
@@ -92,7 +102,7 @@ void CompoundBuilder::component_item(const syntax::CompoundItem& i, CompoundItem
                     (family.is_compound ? type->second.kind == TypeName::Kind::Compound && family.compound.value == type->second.row
                                         : type->second.kind == TypeName::Kind::Atom && family.atom.value == type->second.row);
   if (!same && (family.atom.is_valid() || family.compound.is_valid())) {
-    b.diags.report(Diag::kB4013, i.range, family.name).label(family.range, "declared here with another type");
+    b.diags.report(Diag::kB4013, i.type.name.range, family.name).label("another type").label(family.range, "first declared here");
     return;
   }
   row.args = arguments(i, family);
@@ -120,12 +130,13 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
     row.type = ConnectorTypeId(t->second.row);
     const ConnectorType& type = b.model.connector_types[row.type];
     if (!row.has_star && type.params.size() != i.ports.size()) {
-      b.diags.report(Diag::kB2022, i.name.range, type.name, type.params.size(), i.ports.size());
+      b.diags.report(Diag::kB2022, i.name.range, counted(i.ports.size(), "port"), type.name, type.params.size()).label(b.declared(type.name), "declared here");
     } else if (!row.has_star && sound) {
       for (std::size_t k = 0; k < i.ports.size(); ++k) {
         const ConnectorParam& param = type.params[k];
         if (fits(b.model, row.ports[k].type, param.type)) continue;
-        b.diags.report(Diag::kB2023, i.ports[k].range, b.text(i.ports[k]), b.model.port_types[row.ports[k].type].name, param.name, type.name, b.model.port_types[param.type].name);
+        b.diags.report(Diag::kB2023, i.ports[k].range, b.text(i.ports[k]), port_type_text(b.model, row.ports[k].type), param.name, type.name, port_type_text(b.model, param.type))
+            .label(b.declared(type.name), "declared here");
       }
     }
   }

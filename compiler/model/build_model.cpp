@@ -32,6 +32,14 @@ bool is_suppressed(syntax::Annotations annotations, std::string_view name) {
   return false;
 }
 
+std::string quoted_list(std::vector<std::string> names) {
+  constexpr std::size_t kShown = 5;
+  std::sort(names.begin(), names.end());
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) text += fmt::format("{}`{}`", i == 0 ? "" : ", ", names[i]);
+  return names.size() > kShown ? text + " and others" : text;
+}
+
 void help_similar(DiagnosticBuilder d, std::string_view wrong, SourceRange at, std::vector<std::string> known) {
   std::sort(known.begin(), known.end());
   for (const std::string& name : similar_names(wrong, known)) d.help(fmt::format("`{}` has a similar name", name), at, name);
@@ -50,7 +58,7 @@ std::optional<std::uint32_t> Builder::type_row(const syntax::TypeRef& type, Type
     return std::nullopt;
   }
   if (it->second.kind != kind) {
-    static constexpr const char* kKinds[] = {"port type", "connector type", "atom type", "compound type"};
+    static constexpr const char* kKinds[] = {"a port type", "a connector type", "an atom type", "a compound type"};
     diags.report(Diag::kB1007, type.name.range, name, kKinds[static_cast<int>(it->second.kind)], what).label(it->second.range, "declared here");
     return std::nullopt;
   }
@@ -60,6 +68,11 @@ std::optional<std::uint32_t> Builder::type_row(const syntax::TypeRef& type, Type
 PortTypeId Builder::port_type(const syntax::TypeRef& type) {
   const auto row = type_row(type, TypeName::Kind::Port, "port type");
   return row ? PortTypeId(*row) : PortTypeId{};
+}
+
+SourceRange Builder::declared(const std::string& type) const {
+  const auto it = model.type_names.find(type);
+  return it == model.type_names.end() ? SourceRange{} : it->second.range;
 }
 
 PortTypeId Builder::anonymous_port_type(const std::vector<Variable>& variables) {
@@ -77,6 +90,15 @@ bool fits(const Model& model, PortTypeId given, PortTypeId wanted) {
   if (!a.name.starts_with('?') && !b.name.starts_with('?')) return false;
   return std::equal(a.variables.begin(), a.variables.end(), b.variables.begin(), b.variables.end(),
                     [](const Variable& x, const Variable& y) { return x.type == y.type; });
+}
+
+std::string port_type_text(const Model& model, PortTypeId type) {
+  const PortType& t = model.port_types[type];
+  if (!t.name.starts_with('?')) return fmt::format("of port type `{}`", t.name);
+  if (t.variables.empty()) return "a port without data";
+  std::string text;
+  for (const Variable& v : t.variables) text += fmt::format("{}`{} {}`", text.empty() ? "a port with " : ", ", name_of(v.type), v.name);
+  return text;
 }
 
 void build_port_types(Builder& b) {
@@ -98,6 +120,7 @@ namespace {
 void declare_names(Builder& b) {
   NameSpace types(b.diags, fmt::format("package `{}`", b.model.package));
   NameSpace values(b.diags, fmt::format("package `{}`", b.model.package));
+  NameSpace functions(b.diags, fmt::format("package `{}`", b.model.package));
   std::uint32_t rows[4] = {};
   for (const syntax::Decl* decl : b.model.syntax->package->decls) {
     TypeName::Kind kind{};
@@ -107,6 +130,8 @@ void declare_names(Builder& b) {
       case DeclKind::AtomType: kind = TypeName::Kind::Atom; break;
       case DeclKind::CompoundType: kind = TypeName::Kind::Compound; break;
       case DeclKind::Function:
+        if (!functions.declare(decl->name, "function")) continue;
+        [[fallthrough]];
       case DeclKind::ExternFunction: b.model.functions[std::string(decl->name.text)] = decl; continue;
       case DeclKind::ExternType: b.not_yet(decl->range, "`extern data type`"); continue;
       case DeclKind::ExternOperator: b.not_yet(decl->range, "`extern operator`"); continue;
@@ -149,9 +174,9 @@ void check_functions(Builder& b) {
     for (const syntax::Param& p : decl->params) {
       names.declare(p.name, "parameter");
       const Type type = require_native_type(p.type, b.sources, b.diags);
-      scope.names[std::string(p.name.text)] = {.type = type, .read_only = "a parameter", .value = outer.poison(type), .declared = p.name.range};
+      scope.names[std::string(p.name.text)] = {.type = type, .read_only = "a parameter keeps its value", .value = outer.poison(type), .declared = p.name.range};
     }
-    CodeBuilder code(b.model, b.diags, scope);
+    CodeBuilder code(b.model, b.diags, scope, *decl);
     code.expr_as(decl->body, require_native_type(decl->result, b.sources, b.diags), "the function's result");
   }
 }

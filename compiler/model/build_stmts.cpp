@@ -17,8 +17,7 @@ StmtId CodeBuilder::block(std::span<const syntax::Stmt* const> stmts, StmtId tai
 StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
   switch (s->kind) {
     case syntax::StmtKind::Call:
-      expr(s->value);
-      if (!diags_.has_errors()) diags_.report(Diag::kB1017, s->range);
+      if (expr(s->value)) diags_.report(Diag::kB1017, s->range);
       return next;
     case syntax::StmtKind::If: {
       const ExprId condition = expr_as(s->value, Type::Bool, "the condition");
@@ -32,17 +31,22 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     diags_.report(Diag::kB1900, s->range, "the speed of a clock");
     return next;
   }
+  const std::string name = path_key(s->target, *model_.sources);
+  if (find(s->target, false) == nullptr && model_.constants.contains(name)) {
+    diags_.report(Diag::kB1018, s->target.range, name, "a constant keeps its value");
+    return next;
+  }
   const Binding* target = find(s->target, true);
   if (target == nullptr) {
     expr(s->value);
     return next;
   }
   if (!target->read_only.empty() || target->value.is_valid()) {
-    auto d = diags_.report(Diag::kB1018, s->target.range, path_key(s->target, *model_.sources), target->read_only);
+    auto d = diags_.report(Diag::kB1018, s->target.range, name, target->read_only);
     if (target->declared.is_valid()) d.label(target->declared, "declared here");
     return next;
   }
-  const ExprId value = expr_as(s->value, target->type, fmt::format("`{}`", path_key(s->target, *model_.sources)));
+  const ExprId value = expr_as(s->value, target->type, fmt::format("`{}`", name));
   return model_.code.stmts.push({.op = target->load == Op::LoadSelf ? StmtOp::StoreSelf : StmtOp::StoreBind,
                                  .type = target->type, .index = target->index, .value = value, .then_body = {}, .else_body = {}, .next = next, .loc = loc(s->range)});
 }

@@ -21,6 +21,8 @@ struct Builder {
 
   /// The port type that `type` names; reported if it is none.
   PortTypeId port_type(const syntax::TypeRef& type);
+  /// Where a type is declared, for labels; no range if there is none of this name.
+  [[nodiscard]] SourceRange declared(const std::string& type) const;
   /// A port type without a name, for the paper's notation.
   PortTypeId anonymous_port_type(const std::vector<Variable>& variables);
   /// The value of a hidden parameter "initial x" that an instance does not give: the declared one, or the type's zero.
@@ -45,6 +47,8 @@ class NameSpace {
 
 /// True if `@SuppressWarning(name)` is among the annotations.
 [[nodiscard]] bool is_suppressed(syntax::Annotations annotations, std::string_view name);
+/// "`a`, `b`", at most five, in alphabetical order.
+[[nodiscard]] std::string quoted_list(std::vector<std::string> names);
 /// Adds a help for each name similar to `wrong`.
 void help_similar(DiagnosticBuilder d, std::string_view wrong, SourceRange at, std::vector<std::string> known);
 

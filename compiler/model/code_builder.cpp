@@ -22,6 +22,10 @@ Op op_of(BinaryOp op) {
   return kOps[static_cast<int>(op)];
 }
 
+// A chain of calls is unfolded by recursion, and each call may double the code.
+constexpr int kMaxCalls = 200;
+constexpr std::size_t kMaxCode = 10'000'000;
+
 bool is_numeric(Type t) { return t == Type::Int || t == Type::Float; }
 
 }  // namespace
@@ -42,6 +46,8 @@ std::string path_key(const syntax::Path& path, const SourceMap& sources) {
   }
   return key;
 }
+
+std::string counted(std::size_t n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 std::optional<Type> native_type(const syntax::TypeRef& type, Diagnostics& diags) {
   if (type.name.parts.size() != 1) return std::nullopt;
@@ -147,6 +153,11 @@ const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
   for (const auto& [name, binding] : scope_.names) known.push_back(name);
   std::sort(known.begin(), known.end());
   auto d = diags_.report(Diag::kB1001, p.range, key, scope_.owner);
+  if (p.parts.size() == 1) {  // in a connector: the variable without its port
+    for (const std::string& name : known) {
+      if (name.ends_with("." + key)) return d.help(fmt::format("`{}` is a variable of a port", name), p.range, name), nullptr;
+    }
+  }
   for (const std::string& name : similar_names(key, known)) d.help(fmt::format("`{}` has a similar name", name), p.range, name);
   return nullptr;
 }
@@ -242,6 +253,24 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
   return Typed{make({.op = op_of(e->binary), .type = result, .a = a->id, .b = b->id, .loc = loc(e->op_range)}), result};
 }
 
+bool CodeBuilder::may_inline(const syntax::Expr* e, const syntax::Decl& function) {
+  int calls = 0;
+  for (const CodeBuilder* up = this; up != nullptr && up->function_ != nullptr; up = up->caller_, ++calls) {
+    if (up->function_ != &function) continue;
+    diags_.report(Diag::kB1016, e->path.range, function.name.text).label(function.name.range, "declared here");
+    return false;
+  }
+  if (calls > kMaxCalls) {
+    diags_.report(Diag::kB0008, e->path.range, kMaxCalls).label("functions call functions");
+    return false;
+  }
+  if (model_.code.exprs.size() > kMaxCode) {
+    if (!diags_.has_errors()) diags_.report(Diag::kB4006, e->path.range, kMaxCode, "operations in its code").label("unfolded here");
+    return false;
+  }
+  return true;
+}
+
 std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
   const std::string name = path_key(e->path, *model_.sources);
   const auto it = model_.functions.find(name);
@@ -262,25 +291,21 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
     return std::nullopt;
   }
   if (function.params.size() != e->operands.size()) {
-    diags_.report(Diag::kB1015, e->range, fmt::format("function `{}`", name), function.params.size(), e->operands.size())
+    diags_.report(Diag::kB1015, e->range, counted(e->operands.size(), "argument"), fmt::format("function `{}`", name), function.params.size())
         .label(function.name.range, "declared here");
     return std::nullopt;
   }
-  if (inline_depth_ > 50) {
-    diags_.report(Diag::kB1016, function.name.range, name);
-    return std::nullopt;
-  }
+  if (!may_inline(e, function)) return std::nullopt;
   Scope inner{.names = {}, .owner = fmt::format("function `{}`", name)};
   for (std::size_t i = 0; i < function.params.size(); ++i) {
     Diagnostics quiet;  // the declaration itself was checked once
     const Type type = native_type(function.params[i].type, quiet).value_or(Type::Int);
     const ExprId arg = expr_as(e->operands[i], type, fmt::format("argument `{}`", function.params[i].name.text));
-    inner.names[std::string(function.params[i].name.text)] = {.type = type, .read_only = "a parameter", .value = arg, .declared = function.params[i].name.range};
+    inner.names[std::string(function.params[i].name.text)] = {.type = type, .read_only = "a parameter keeps its value", .value = arg, .declared = function.params[i].name.range};
   }
   Diagnostics quiet;
   const Type result = native_type(function.result, quiet).value_or(Type::Int);
-  CodeBuilder body(model_, diags_, inner);
-  body.inline_depth_ = inline_depth_ + 1;
+  CodeBuilder body(model_, diags_, inner, function, this);
   return Typed{body.expr_as(function.body, result, "the function's result"), result};
 }
 

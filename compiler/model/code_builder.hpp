@@ -30,6 +30,9 @@ struct Scope {
 /// The path without white space: parts joined by '.', indices as written.
 [[nodiscard]] std::string path_key(const syntax::Path& path, const SourceMap& sources);
 
+/// "1 argument", "2 arguments", for messages.
+[[nodiscard]] std::string counted(std::size_t n, std::string_view what);
+
 struct Typed {
   ExprId id;
   Type type = Type::Int;
@@ -38,6 +41,10 @@ struct Typed {
 class CodeBuilder {
  public:
   CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope) : model_(model), diags_(diags), scope_(scope) {}
+
+  /// Code of the body of `function`.
+  CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope, const syntax::Decl& function, const CodeBuilder* caller = nullptr)
+      : model_(model), diags_(diags), scope_(scope), function_(&function), caller_(caller) {}
 
   /// The expression with its own type.
   std::optional<Typed> expr(const syntax::Expr* e);
@@ -62,13 +69,16 @@ class CodeBuilder {
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);
   const Binding* find(const syntax::Path& p, bool report);
+  bool may_inline(const syntax::Expr* e, const syntax::Decl& function);
   Loc loc(SourceRange r) const { return model_.sources->loc(r); }
   ExprId make(Expr e) { return model_.code.exprs.push(std::move(e)); }
 
   Model& model_;
   Diagnostics& diags_;
   const Scope& scope_;
-  int inline_depth_ = 0;
+  // The function whose body this is, and who calls it: a chain that must not close.
+  const syntax::Decl* function_ = nullptr;
+  const CodeBuilder* caller_ = nullptr;
 };
 
 /// The type that a native type name means (`double` is float, with a warning); nullopt if it is none.

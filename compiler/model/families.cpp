@@ -17,7 +17,7 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
       if (is_component && out.components[known->second].is_array) continue;
       if (!is_component && out.connectors[known->second].is_array) continue;
     }
-    if (in_loop && i->index == nullptr) b.diags.report(Diag::kB4010, i->name.range, name);
+    if (in_loop && i->index == nullptr) b.diags.report(Diag::kB4010, i->name.range, name).help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range, fmt::format("{}[i]", name));
     if (!names.declare(i->name, is_component ? "component" : "connector")) continue;
     if (is_component) {
       ComponentFamily family{.name = name, .atom = {}, .compound = {}, .is_array = i->index != nullptr, .range = i->name.range};
@@ -30,7 +30,8 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
         family.is_compound = true;
         const CompoundTypeId id(known->second.row);
         if (!all.ensure(id)) {
-          b.diags.report(Diag::kB4001, i->range, out.name, b.model.compound_types[id].name);
+          const std::string& inner = b.model.compound_types[id].name;
+          b.diags.report(Diag::kB4001, i->type.name.range, out.name, inner == out.name ? "" : fmt::format(" through `{}`", inner));
         } else {
           family.compound = id;
         }

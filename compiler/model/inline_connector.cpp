@@ -37,7 +37,10 @@ void build_inline_connector(Builder& b, const std::vector<ComponentFamily>& comp
   for (std::size_t k = 0; k < paths.size(); ++k) {
     const std::string key = b.text(*paths[k].path);
     auto& rows = ports.rows[key];
-    if (!rows.empty()) b.diags.report(Diag::kB2024, paths[k].range, key, item.name.text);
+    if (!rows.empty()) {
+      const auto first = std::find_if(paths.begin(), paths.end(), [&](const PortPath& p) { return b.text(*p.path) == key; });
+      b.diags.report(Diag::kB2024, paths[k].range, key, item.name.text).label(first->range, "here first");
+    }
     for (std::uint32_t n = 0; n < counts[k]; ++n) {
       std::string name = key;
       if (const std::size_t star = name.find("[*]"); star != std::string::npos) name.replace(star, 3, fmt::format("[{}]", n));

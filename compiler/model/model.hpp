@@ -150,6 +150,8 @@ namespace model {
 [[nodiscard]] std::vector<std::uint32_t> largest_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
 /// True if a port of type `given` can be used where `wanted` is asked for.
 [[nodiscard]] bool fits(const Model& model, PortTypeId given, PortTypeId wanted);
+/// "of port type `T`", or what an anonymous one carries, for messages.
+[[nodiscard]] std::string port_type_text(const Model& model, PortTypeId type);
 /// Text of the tables, for --emit=model.
 [[nodiscard]] std::string dump(const Model& model);
 }  // namespace model

@@ -42,7 +42,13 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
   ref.range = path.range;
   const std::string name(path.parts[0].name.text);
   if (path.parts.size() != 2) {
-    b.diags.report(Diag::kB2017, path.range, b.text(path));
+    auto d = b.diags.report(Diag::kB2017, path.range, b.text(path));
+    const auto c = components.find(name);
+    if (path.parts.size() > 2) {
+      d.help(fmt::format("export it from what contains it, `export port … as …`, and write `{}.` and that name", name));
+    } else if (c != components.end()) {
+      if (const auto ports = port_names(b, out.components[c->second]); !ports.empty()) d.note(fmt::format("the ports of `{}` are {}", name, quoted_list(ports)));
+    }
     return false;
   }
   const syntax::Name& port = path.parts[1].name;
@@ -72,7 +78,10 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
         return true;
       }
     }
-    help_similar(b.diags.report(Diag::kB2019, port.range, name, type_name(b, family), port.text), port.text, port.range, port_names(b, family));
+    const std::vector<std::string> ports = port_names(b, family);
+    auto d = b.diags.report(Diag::kB2019, port.range, name, type_name(b, family), port.text);
+    if (!ports.empty()) d.note(fmt::format("its ports are {}", quoted_list(ports)));
+    help_similar(d, port.text, port.range, ports);
     return false;
   }
   if (const auto c = connectors.find(name); c != connectors.end()) {
@@ -101,6 +110,7 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
     if (!family.exports || exported != port.text) {
       auto d = b.diags.report(Diag::kB2020, port.range, name, port.text);
       if (family.exports) d.help(fmt::format("it exports `{}`", exported), port.range, exported);
+      else d.note("it exports no port");
       return false;
     }
     bound_connectors[c->second] = true;

@@ -52,6 +52,30 @@ struct Transition {
   StmtId action;                    // invalid: nothing. Reads and writes Self
   Loc loc{};
 };
+/// low < high provided guard: low is hidden while high is enabled (closed transitively through rules whose guards hold).
+struct AtomPriority {
+  static constexpr std::uint32_t kAnyPort = 0xffffffffu;  // *: every port but the one on the other side
+  std::string name;
+  std::uint32_t low = 0, high = 0;  // rows of ports
+  ExprId guard{};                   // invalid: true. Reads Self
+  Loc loc{};
+};
+enum class InvariantScope : std::uint8_t { Always, At, From };
+/// Holds after every firing: always, while the marking is exactly `places` (At), or while it includes them (From).
+struct Invariant {
+  std::string name;
+  InvariantScope scope = InvariantScope::Always;
+  std::vector<std::uint32_t> places;  // sorted
+  ExprId condition{};                 // Reads Self
+  Loc loc{};
+};
+/// `export port T p(x), q(y) as e`: e offers each enabled one of its ports as an alternative.
+struct MergedPort {
+  std::string name;
+  PortTypeId type;
+  std::vector<std::uint32_t> ports;   // rows of ports, at least two
+  Loc loc{};
+};
 struct AtomType {
   std::string name;
   std::vector<Slot> slots;
@@ -60,6 +84,9 @@ struct AtomType {
   std::vector<std::uint32_t> initial;  // places
   StmtId initial_action;               // initialisers of data, then `initial … do`; Self
   std::vector<Transition> transitions; // in source order
+  std::vector<AtomPriority> priorities;
+  std::vector<Invariant> invariants;
+  std::vector<MergedPort> merged;      // their ports are exported under the merged name only
   Loc loc{};
 };
 

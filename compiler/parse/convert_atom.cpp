@@ -52,7 +52,7 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
     if (to.initial.present) repeated("`initial`", owner_.phrase, range(ctx->initial()));
     to.initial = initial(ctx->initial());
   } else if (ctx->transition() != nullptr) {
-    transition(ctx->transition(), marks, nullptr, to);
+    if (!failed(ctx->transition())) transition(ctx->transition(), marks, nullptr, to);
   } else if (ctx->priority() != nullptr) {
     atom_priority(ctx->priority(), to);
   } else if (ctx->invariant() != nullptr) {

@@ -116,15 +116,16 @@ Converter::Built Converter::build_spine(BipParser::ExprContext* ctx, Assigning a
 void Converter::check_operator(const Expr& e, Assigning assigning, bool is_assign_sign) {
   const Expr& left = *e.operands[0];
   if (is_assign_sign && assigning != Assigning::Compares) {
-    diags_.report(Diag::kB0011, e.op_range, "an expression").help("compare", e.op_range, "==");
+    diags_.report(Diag::kB0011, e.op_range, "an expression").help("write `==` to compare", e.op_range, "==");
   }
   if (!is_relational(e) || !is_relational(left)) return;
   const std::string middle(text(left.operands[1]->range));
   const SourceRange rest{file_, e.op_range.begin, e.range.end};
+  const std::string mended = " && " + middle + " " + std::string(text(rest));
   diags_.report(Diag::kB0010, e.op_range, text(left.range))
       .label(left.range, "true or false")
-      .help("compare the middle twice", SourceRange{file_, left.range.end, e.range.end},
-            " && " + middle + " " + std::string(text(rest)));
+      .help("write `" + std::string(text(left.range)) + mended + "`", SourceRange{file_, left.range.end, e.range.end},
+            mended);
 }
 
 Converter::Built Converter::build_primary(BipParser::PrimaryContext* ctx, Assigning assigning) {

@@ -32,7 +32,7 @@ std::span<const Stmt* const> Converter::stmts(BipParser::StmtsContext* ctx) {
     if (unfinished != nullptr) {
       const SourceRange at = range(unfinished);
       const SourceRange after{file_, at.end, at.end};
-      diags_.report(Diag::kB0012, at, "`" + std::string(text(range(rule->start))) + "`").help("end the statement", after, ";");
+      diags_.report(Diag::kB0012, at, "`" + std::string(text(range(rule->start))) + "`").help("write `;` after it", after, ";");
     }
     const bool is_if = rule->getRuleIndex() == BipParser::RuleIfStmt;
     unfinished = is_if ? nullptr : rule;

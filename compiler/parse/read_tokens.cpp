@@ -82,7 +82,7 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
   std::string_view text = sources.text(file);
   if (const std::size_t bad = find_bad_utf8(text); bad != std::string_view::npos) {
     const auto at = static_cast<std::uint32_t>(bad);
-    diags.report(Diag::kB0015, SourceRange{file, at, at + 1}, static_cast<unsigned char>(text[bad]));
+    diags.report(Diag::kB0002, SourceRange{file, at, at + 1}, fmt::format("\\x{:02x}", static_cast<unsigned char>(text[bad]))).label("not UTF-8");
     return list;
   }
   // ANTLR would swallow a byte order mark and count positions from after it.

@@ -23,7 +23,7 @@ struct TokenList {
   std::vector<syntax::Comment> comments;
 };
 
-/// Lexes and classifies a file. Reports B0002-B0004 and B0015. A file that is not UTF-8 has no tokens.
+/// Lexes and classifies a file. Reports B0002-B0004. A file that is not UTF-8 has no tokens.
 [[nodiscard]] TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags);
 
 /// Decides contextual words, reports, ranges and groups in place (see BipLexer.g4). Called by `read_tokens`.

@@ -58,6 +58,18 @@ bool Printer::has_state_form(const Decl& d) {
   return next == d.transitions.size();
 }
 
+/// Where the next `word` outside comments ends. The tree does not record the `end` of a behavior.
+std::uint32_t Printer::end_of_word(std::string_view word, std::uint32_t from) const {
+  std::size_t comment = next_comment_;
+  while (true) {
+    const std::size_t at = source_.find(word, from);
+    if (at == std::string_view::npos) return from;
+    while (comment < syntax_.comments.size() && syntax_.comments[comment].range.end <= at) ++comment;
+    if (comment == syntax_.comments.size() || syntax_.comments[comment].range.begin > at) return static_cast<std::uint32_t>(at + word.size());
+    from = syntax_.comments[comment].range.end;
+  }
+}
+
 void Printer::behavior(const Decl& d) {
   const std::uint32_t begin = d.initial.present ? d.initial.range.begin : d.places.front().range.begin;
   const std::uint32_t limit = d.initial.present && d.initial.action.present ? d.initial.action.range.begin : begin;
@@ -88,10 +100,7 @@ void Printer::behavior(const Decl& d) {
     }
     --indent_;
   }
-  --indent_;
-  begin_line();
-  put("end");
-  end_line(std::max(end, last_end_));
+  end_block(end_of_word("end", std::max(end, last_end_)));
 }
 
 void Printer::atom(const Decl& d) {

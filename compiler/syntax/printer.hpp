@@ -73,6 +73,7 @@ class Printer {
   void initial_parts(const Initial& i);
   void transition(const Transition& t, bool in_state);
   void behavior(const Decl& d);
+  [[nodiscard]] std::uint32_t end_of_word(std::string_view word, std::uint32_t from) const;
   [[nodiscard]] static bool has_state_form(const Decl& d);
 
   // print_compound.cpp

@@ -29,6 +29,19 @@ std::optional<Type> type_of(std::string_view text) {
     if (text == word) return value;
   return std::nullopt;
 }
+const char* word_of(InvariantScope scope) {
+  switch (scope) {
+    case InvariantScope::Always: return "always";
+    case InvariantScope::At: return "at";
+    case InvariantScope::From: return "from";
+  }
+  return "?";
+}
+std::optional<InvariantScope> invariant_scope_of(std::string_view word) {
+  for (const InvariantScope scope : {InvariantScope::Always, InvariantScope::At, InvariantScope::From})
+    if (word == word_of(scope)) return scope;
+  return std::nullopt;
+}
 const char* word_of(Op op) {
   for (const auto& [value, word] : kOps)
     if (value == op) return word;

@@ -19,6 +19,8 @@ inline constexpr std::uint32_t kMaxParentheses = 2 * kMaxCodeDepth + 16;
 
 [[nodiscard]] const char* word_of(Type type);
 [[nodiscard]] std::optional<Type> type_of(std::string_view word);
+[[nodiscard]] const char* word_of(InvariantScope scope);
+[[nodiscard]] std::optional<InvariantScope> invariant_scope_of(std::string_view word);
 /// The word of an operator; null for constants and loads, which have forms of their own.
 [[nodiscard]] const char* word_of(Op op);
 [[nodiscard]] std::optional<Op> op_of(std::string_view word);

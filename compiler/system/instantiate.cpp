@@ -28,20 +28,27 @@ void Instantiator::component(std::uint32_t instance, const CompoundItem& item, c
   std::int64_t first = 0;
   std::int64_t last = 0;
   if (item.index.is_valid()) {
-    const std::optional<Value> n = value(item.index, self, item.range);
+    const SourceRange at = item.syntax->index->range;
+    const std::optional<Value> n = value(item.index, self, at);
     if (!n) return;
     first = in_loop ? n->int_value : 0;
     last = in_loop ? first : static_cast<std::int64_t>(n->int_value) - 1;
-    if ((in_loop ? first : last + 1) < 0 || last >= static_cast<std::int64_t>(kMaxInstances)) {
-      if (in_loop) diags.report(Diag::kB4014, item.range, fmt::format("{}[{}]", family.name, first), "an index is at least 0");
-      else diags.report(Diag::kB4016, item.range, family.name, n->int_value, kMaxInstances);
+    if (n->int_value < 0) {
+      if (in_loop) diags.report(Diag::kB4014, at, fmt::format("{}[{}]", family.name, first), "an index is at least 0");
+      else diags.report(Diag::kB4016, at, family.name, n->int_value);
       stopped = true;
       return;
     }
+    // Before the first of them takes memory.
+    const std::size_t others = family.is_compound ? out.compounds.size() : out.atoms.size();
+    if (too_many(others + static_cast<std::size_t>(last - first), family.is_compound ? "compounds" : "atoms", at)) return;
+    if (in_loop && too_many(static_cast<std::size_t>(first), "elements in an array", at)) return;
   }
   std::vector<Value> args;
-  for (const ExprId arg : item.args) {
-    const std::optional<Value> v = value(arg, self, item.range);
+  for (std::size_t k = 0; k < item.args.size(); ++k) {
+    const auto& written = item.syntax->args;
+    const bool by_position = k < written.size() && written[k].name.text.empty();
+    const std::optional<Value> v = value(item.args[k], self, by_position ? written[k].value->range : item.syntax->name.range);
     if (!v) return;
     args.push_back(*v);
   }
@@ -54,7 +61,7 @@ void Instantiator::component(std::uint32_t instance, const CompoundItem& item, c
     auto& elements = instances[instance].components[item.family];
     if (elements.size() <= static_cast<std::size_t>(i)) elements.resize(static_cast<std::size_t>(i) + 1);
     if (elements[static_cast<std::size_t>(i)].row != Element::kHole) {
-      diags.report(Diag::kB4015, item.range, fmt::format("{}[{}]", family.name, i));
+      diags.report(Diag::kB4015, item.syntax->name.range, fmt::format("{}[{}]", family.name, i));
       return;
     }
     std::uint32_t row = 0;
@@ -74,19 +81,21 @@ void Instantiator::declare_connector(std::uint32_t instance, const CompoundItem&
   std::size_t index = 0;
   std::string name = family.name;
   if (item.index.is_valid()) {
-    const std::optional<Value> n = value(item.index, self, item.range);
+    const SourceRange at = item.syntax->index->range;
+    const std::optional<Value> n = value(item.index, self, at);
     if (!n) return;
     name += fmt::format("[{}]", n->int_value);
-    if (n->int_value < 0 || static_cast<std::size_t>(n->int_value) >= kMaxInstances) {
-      diags.report(Diag::kB4014, item.range, name, "an index is at least 0");
+    if (n->int_value < 0) {
+      diags.report(Diag::kB4014, at, name, "an index is at least 0");
       return;
     }
+    if (too_many(static_cast<std::size_t>(n->int_value), "elements in an array", at)) return;
     index = static_cast<std::size_t>(n->int_value);
   }
   auto& elements = in.connectors[item.family];
   if (elements.size() <= index) elements.resize(index + 1, Element::kHole);
   if (elements[index] != Element::kHole) {
-    diags.report(Diag::kB4015, item.range, name);
+    diags.report(Diag::kB4015, item.syntax->name.range, name);
     return;
   }
   elements[index] = static_cast<std::uint32_t>(in.pending.size());
@@ -96,16 +105,16 @@ void Instantiator::declare_connector(std::uint32_t instance, const CompoundItem&
 void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self, std::size_t depth) {
   const std::size_t params = instances[instance].params.size();
   for (const CompoundItem& item : list) {
-    if (stopped) return;
+    if (stopped || diags.error_count() >= kEnoughErrors) return;
     switch (item.kind) {
       case ItemKind::Component: component(instance, item, self, self.size() > params, depth); break;
       case ItemKind::Connector: declare_connector(instance, item, self); break;
       case ItemKind::For: {
-        const std::optional<Value> low = value(item.low, self, item.range);
-        const std::optional<Value> high = value(item.high, self, item.range);
+        const std::optional<Value> low = value(item.low, self, item.syntax->low->range);
+        const std::optional<Value> high = value(item.high, self, item.syntax->high->range);
         if (!low || !high) return;
         self.push_back({});
-        for (std::int32_t i = low->int_value; i < high->int_value && !stopped; ++i) {
+        for (std::int32_t i = low->int_value; i < high->int_value && !stopped && diags.error_count() < kEnoughErrors; ++i) {
           self.back() = {Type::Int, i, 0};
           items(instance, item.items, self, depth);
         }
@@ -126,7 +135,9 @@ std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> par
   instances.push_back(std::move(in));
   std::vector<Value> self = std::move(params);
   items(row, t.items, self, depth);
-  for (std::uint32_t p = 0; p < instances[row].pending.size() && !stopped && !diags.has_errors(); ++p) resolve_connector(row, p, 0);
+  // Each wrong connector is reported, but not what follows from a wrong component.
+  if (diags.has_errors()) return row;
+  for (std::uint32_t p = 0; p < instances[row].pending.size() && !stopped && diags.error_count() < kEnoughErrors; ++p) resolve_connector(row, p, 0);
   if (!stopped && !diags.has_errors()) priorities(row);
   return row;
 }
@@ -155,7 +166,12 @@ std::optional<CompoundTypeId> find_root(const Model& model, std::string name, Di
     if (roots.empty()) {
       const bool has_compounds = !model.compound_types.empty();
       auto d = diags.report(Diag::kB4003, at, has_compounds ? "every compound type has parameters or is part of another" : "there is no compound type to run");
-      if (has_compounds) d.help("name the root and its arguments: `--root 'T(1, 2)'`");
+      if (has_compounds) {
+        const CompoundType& last = model.compound_types[CompoundTypeId(model.compound_types.size() - 1)];
+        std::string params;
+        for (const Slot& p : last.params) params += (params.empty() ? "" : ", ") + p.name;
+        d.help(fmt::format("name the root and its arguments: `--root '{}({})'`", last.name, params));
+      }
       return std::nullopt;
     }
     std::string names;
@@ -181,7 +197,7 @@ std::optional<System> instantiate(Model& model, const std::string& root_type, co
   if (!root) return std::nullopt;
   const CompoundType& type = model.compound_types[*root];
   if (args.size() != type.params.size()) {
-    diags.report(Diag::kB1015, root_range, fmt::format("compound type `{}`", type.name), type.params.size(), args.size());
+    diags.report(Diag::kB1015, root_range, model::counted(args.size(), "argument"), fmt::format("compound type `{}`", type.name), type.params.size());
     return std::nullopt;
   }
   Instantiator unfold{model, diags};

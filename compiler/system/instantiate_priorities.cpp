@@ -56,6 +56,9 @@ void Instantiator::priorities(std::uint32_t instance) {
 
 namespace {
 
+/// `c:p < d:*` without its name and guard.
+SourceRange compared(const PriorityRule& rule) { return {rule.low.range.file, rule.low.range.begin, rule.high.range.end}; }
+
 bool contains(const std::vector<std::uint32_t>& big, const std::vector<std::uint32_t>& small) { return std::includes(big.begin(), big.end(), small.begin(), small.end()); }
 
 std::vector<std::uint32_t> all_params(const ConnectorType& type) {
@@ -113,8 +116,8 @@ void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, c
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const Priority& r = row(i);
     if (r.low.any_connector || r.high.any_connector || r.low.connector != r.high.connector || r.low.any_interaction || r.high.any_interaction) continue;
-    if (contains(r.low.params, r.high.params)) diags.report(Diag::kB3007, rules[i].range, r.name).help("maximal progress always prefers the larger interaction");
-    else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, rules[i].range, r.name);
+    if (contains(r.low.params, r.high.params)) diags.report(Diag::kB3007, compared(rules[i]), r.name).help("maximal progress always prefers the larger interaction");
+    else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, compared(rules[i]), r.name);
   }
   if (diags.has_errors()) return;
   // Depth first through the rules without guards; a rule that is met on its own path closes a cycle.
@@ -128,7 +131,11 @@ void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, c
       if (state[j] == 1) {
         std::string names;
         for (auto it = std::find(path.begin(), path.end(), j); it != path.end(); ++it) names += row(*it).name + " < ";
-        diags.report(Diag::kB3006, rules[j].range, names + row(j).name).note(fmt::format("in compound `{}`", out.compounds[parent].path));
+        auto d = diags.report(Diag::kB3006, compared(rules[j]), names + row(j).name);
+        d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
+        for (auto it = std::find(path.begin(), path.end(), j); it != path.end(); ++it) {
+          if (*it != j) d.label(compared(rules[*it]), "");
+        }
         return true;
       }
       if (visit(j)) return true;

@@ -21,6 +21,7 @@ struct PendingConnector {
   std::string name;         // "c[3]"
   ConnectorId id;           // valid when resolved
   bool in_progress = false;
+  bool failed = false;      // reported
 };
 
 struct Instance {
@@ -31,6 +32,9 @@ struct Instance {
   std::vector<std::vector<std::uint32_t>> connectors;       // by family and index: rows of pending, or kHole
   std::vector<PendingConnector> pending;
 };
+
+/// Nobody reads more; a loop may repeat one without end.
+inline constexpr std::size_t kEnoughErrors = 50;
 
 struct Instantiator {
   Model& model;
@@ -51,6 +55,7 @@ struct Instantiator {
   // resolve.cpp
   std::optional<std::uint32_t> find(const Instance& in, const ElementRef& ref, bool is_connector, const std::vector<Value>& self, SourceRange at);
   ConnectorId resolve_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
+  ConnectorId bind_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
   bool resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self, std::vector<PortRef>& to, std::size_t depth);
   std::optional<PortRef> exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth);
   std::optional<DataRef> resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self);

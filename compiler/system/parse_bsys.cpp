@@ -62,6 +62,9 @@ class BsysParser : RowParser {
       push(Table::Compounds, node, s_.compounds, compound(list));
     } else if (head == "atom") {
       push(Table::Atoms, node, s_.atoms, atom(list));
+    } else if (head == "choice") {
+      rows_[static_cast<std::size_t>(Table::Choices)].push_back(node);
+      s_.choices.push_back(choice(list));
     } else if (head == "connector") {
       push(Table::Connectors, node, s_.connectors, connector(list));
     } else if (head == "priority") {

@@ -86,6 +86,17 @@ Atom RowParser::atom(List& list) {
   return row;
 }
 
+Choice RowParser::choice(List& list) {
+  Choice row;
+  r_.row(list, s_.choices.size());
+  row.name = r_.name(list);
+  List ports = r_.need(list, "ports");
+  while (r_.more(ports)) row.ports.push_back(port_ref(r_.next(ports, "a port"), true));
+  r_.close(ports);
+  r_.close(list);
+  return row;
+}
+
 Connector RowParser::connector(List& list) {
   Connector row;
   r_.row(list, s_.connectors.size());
@@ -97,7 +108,7 @@ Connector RowParser::connector(List& list) {
   row.bound = r_.flag(list, "bound");
   row.parent = parent(list);
   List ports = r_.need(list, "ports");
-  while (r_.more(ports)) row.ports.push_back(port_ref(r_.next(ports, "a port")));
+  while (r_.more(ports)) row.ports.push_back(port_ref(r_.next(ports, "a port"), false));
   r_.close(ports);
   row.data = data(list);
   r_.close(list);
@@ -105,7 +116,7 @@ Connector RowParser::connector(List& list) {
   return row;
 }
 
-PortRef RowParser::port_ref(std::uint32_t node) {
+PortRef RowParser::port_ref(std::uint32_t node, bool in_choice) {
   PortRef port;
   std::string_view head;
   List list = r_.open(node, head);
@@ -117,9 +128,14 @@ PortRef RowParser::port_ref(std::uint32_t node) {
   } else if (head == "connector" || head == "maximal") {
     port.kind = PortRef::Kind::Connector;
     port.maximal_only = head == "maximal";
-    port.connector = connector_ref(list);
+    const auto no_name = [](std::uint32_t) { return std::string_view(); };
+    port.connector = in_choice ? ConnectorId(r_.ref(list, kNoNode, "connector", no_name)) : connector_ref(list);
+  } else if (head == "choice" && !in_choice) {
+    port.kind = PortRef::Kind::Choice;
+    port.choice = r_.ref(list, s_.choices.size(), "choice",
+                         [&](std::uint32_t k) -> const std::string& { return s_.choices[k].name; });
   } else {
-    r_.fail(node, "expected `(atom …)`, `(connector …)` or `(maximal …)`");
+    r_.fail(node, "expected `(atom …)`, `(connector …)`, `(maximal …)` or, but in a choice, `(choice …)`");
   }
   r_.close(list);
   return port;

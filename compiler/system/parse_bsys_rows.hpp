@@ -16,6 +16,7 @@ class RowParser {
   ConnectorType connector_type(List& list);
   Compound compound(List& list);
   Atom atom(List& list);
+  Choice choice(List& list);
   Connector connector(List& list);
   Priority priority(List& list);
 
@@ -54,9 +55,13 @@ class RowParser {
   StmtId body(List& list, const char* head, const CodeScope& scope);
   std::vector<Slot> slots(List& list);
   Transition transition(List& list, const AtomType& type, const CodeScope& scope);
+  AtomPriority atom_priority(List& list, const AtomType& type, const CodeScope& scope);
+  Invariant invariant(List& list, const AtomType& type, const CodeScope& scope);
+  MergedPort merged(List& list, const AtomType& type);
   /// Nodes in preorder: a stack of the groups whose lists are not yet at their end.
   void define(List& root, ConnectorType& type);
-  PortRef port_ref(std::uint32_t node);
+  /// In a choice, connectors stand below and are checked by `validate`.
+  PortRef port_ref(std::uint32_t node, bool in_choice);
   Pattern pattern(List& list, const char* head);
 };
 

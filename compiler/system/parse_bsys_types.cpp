@@ -61,6 +61,9 @@ AtomType RowParser::atom_type(List& list) {
   while (std::optional<List> one = r_.sub(list, "transition")) {
     row.transitions.push_back(transition(*one, row, scope));
   }
+  while (std::optional<List> one = r_.sub(list, "priority")) row.priorities.push_back(atom_priority(*one, row, scope));
+  while (std::optional<List> one = r_.sub(list, "invariant")) row.invariants.push_back(invariant(*one, row, scope));
+  while (std::optional<List> one = r_.sub(list, "merged")) row.merged.push_back(merged(*one, row));
   r_.close(list);
   row.loc = list.loc;
   return row;
@@ -78,6 +81,53 @@ Transition RowParser::transition(List& list, const AtomType& type, const CodeSco
   row.to = sub_refs(list, "to", type.places, "place");
   row.guard = guard(list, scope);
   row.action = body(list, "do", scope);
+  r_.close(list);
+  row.loc = list.loc;
+  return row;
+}
+
+AtomPriority RowParser::atom_priority(List& list, const AtomType& type, const CodeScope& scope) {
+  AtomPriority row;
+  r_.row(list, type.priorities.size());
+  row.name = r_.name(list);
+  const auto side = [&](const char* head) {
+    List one = r_.need(list, head);
+    std::uint32_t port = AtomPriority::kAnyPort;
+    if (!r_.flag(one, "any"))
+      port = r_.ref(one, type.ports.size(), "port", [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
+    r_.close(one);
+    return port;
+  };
+  row.low = side("low");
+  row.high = side("high");
+  row.guard = guard(list, scope);
+  r_.close(list);
+  row.loc = list.loc;
+  return row;
+}
+
+Invariant RowParser::invariant(List& list, const AtomType& type, const CodeScope& scope) {
+  Invariant row;
+  r_.row(list, type.invariants.size());
+  row.name = r_.name(list);
+  const std::uint32_t node = r_.next(list, "always, at or from");
+  if (r_.failed()) return row;
+  const std::optional<InvariantScope> word = invariant_scope_of(tree_.word(node));
+  if (!word) r_.fail(node, "expected always, at or from");
+  row.scope = word.value_or(InvariantScope::Always);
+  row.places = sub_refs(list, "places", type.places, "place");
+  row.condition = guard(list, scope);
+  r_.close(list);
+  row.loc = list.loc;
+  return row;
+}
+
+MergedPort RowParser::merged(List& list, const AtomType& type) {
+  MergedPort row;
+  r_.row(list, type.merged.size());
+  row.name = r_.name(list);
+  row.type = port_type_ref(list);
+  row.ports = sub_refs(list, "ports", type.ports, "port");
   r_.close(list);
   row.loc = list.loc;
   return row;

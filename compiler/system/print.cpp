@@ -27,6 +27,7 @@ class Printer {
     each(s_.connector_types, [this](const ConnectorType& row, std::size_t k) { connector_type(row, k); });
     each(s_.compounds, [this](const Compound& row, std::size_t k) { compound(row, k); });
     each(s_.atoms, [this](const Atom& row, std::size_t k) { atom(row, k); });
+    each(s_.choices, [this](const Choice& row, std::size_t k) { choice(row, k); });
     each(s_.connectors, [this](const Connector& row, std::size_t k) { connector(row, k); });
     each(s_.priorities, [this](const Priority& row, std::size_t k) { priority(row, k); });
     return std::move(out_);
@@ -142,7 +143,43 @@ class Printer {
     body(" (do", row.initial_action, scope);
     out_ += '\n';
     for (std::size_t t = 0; t < row.transitions.size(); ++t) transition(row, t, scope);
+    for (std::size_t p = 0; p < row.priorities.size(); ++p) atom_priority(row, p, scope);
+    for (std::size_t i = 0; i < row.invariants.size(); ++i) invariant(row, i, scope);
+    for (std::size_t m = 0; m < row.merged.size(); ++m) merged(row, m);
     out_ += ")\n";
+  }
+  void atom_priority(const AtomType& type, std::size_t k, const CodeScope& scope) {
+    const AtomPriority& row = type.priorities[k];
+    const auto side = [&](const char* head, std::uint32_t port) {
+      out_ += head;
+      if (port == AtomPriority::kAnyPort) {
+        out_ += " any";
+      } else {
+        ref(port, type.ports[port].name);
+      }
+      out_ += ')';
+    };
+    open("  (priority", k, row.name);
+    side(" (low", row.low);
+    side(" (high", row.high);
+    guard(row.guard, scope);
+    close(row.loc);
+  }
+  void invariant(const AtomType& type, std::size_t k, const CodeScope& scope) {
+    const Invariant& row = type.invariants[k];
+    open("  (invariant", k, row.name);
+    out_ += ' ';
+    out_ += word_of(row.scope);
+    refs(" (places", row.places, type.places);
+    guard(row.condition, scope);
+    close(row.loc);
+  }
+  void merged(const AtomType& type, std::size_t k) {
+    const MergedPort& row = type.merged[k];
+    open("  (merged", k, row.name);
+    ref(row.type.value, s_.port_types[row.type].name);
+    refs(" (ports", row.ports, type.ports);
+    close(row.loc);
   }
   void transition(const AtomType& type, std::size_t k, const CodeScope& scope) {
     const Transition& row = type.transitions[k];
@@ -233,23 +270,38 @@ class Printer {
     }
     close(row.loc);
   }
+  /// Choices stand above the connectors that they name, so there the number stands alone.
+  void binding(const PortRef& port, bool named) {
+    switch (port.kind) {
+      case PortRef::Kind::Atom:
+        out_ += " (atom";
+        ref(port.atom.value, s_.atoms[port.atom].path);
+        ref(port.port, s_.atom_types[s_.atoms[port.atom].type].ports[port.port].name);
+        break;
+      case PortRef::Kind::Connector:
+        out_ += port.maximal_only ? " (maximal" : " (connector";
+        ref(port.connector.value, named ? s_.connectors[port.connector].path : std::string());
+        break;
+      case PortRef::Kind::Choice:
+        out_ += " (choice";
+        ref(port.choice, s_.choices[port.choice].name);
+        break;
+    }
+    out_ += ')';
+  }
+  void choice(const Choice& row, std::size_t k) {
+    open("(choice", k, row.name);
+    out_ += " (ports";
+    for (const PortRef& port : row.ports) binding(port, false);
+    out_ += "))\n";
+  }
   void connector(const Connector& row, std::size_t k) {
     open("(connector", k, row.path);
     ref(row.type.value, s_.connector_types[row.type].name);
     if (row.bound) out_ += " bound";
     parent(row.parent);
     out_ += " (ports";
-    for (const PortRef& port : row.ports) {
-      if (port.kind == PortRef::Kind::Atom) {
-        out_ += " (atom";
-        ref(port.atom.value, s_.atoms[port.atom].path);
-        ref(port.port, s_.atom_types[s_.atoms[port.atom].type].ports[port.port].name);
-      } else {
-        out_ += port.maximal_only ? " (maximal" : " (connector";
-        ref(port.connector.value, s_.connectors[port.connector].path);
-      }
-      out_ += ')';
-    }
+    for (const PortRef& port : row.ports) binding(port, true);
     out_ += ')';
     data(row.data);
     close(row.loc);

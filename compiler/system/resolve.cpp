@@ -1,6 +1,7 @@
 // Bindings: from paths in a compound to atoms' ports, connectors' exported ports and data slots.
 #include <algorithm>
 
+#include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "compiler/system/instantiator.hpp"
 
@@ -75,13 +76,22 @@ bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, co
 ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth) {
   {
     PendingConnector& p = instances[instance].pending[pending];
-    if (p.id.is_valid()) return p.id;
+    if (p.id.is_valid() || p.failed) return p.id;
     if (p.in_progress || depth > kMaxConnectorDepth) {
-      diags.report(Diag::kB4002, p.item->range, p.name);
+      diags.report(Diag::kB4002, p.item->syntax->name.range, p.name);
       return {};
     }
     p.in_progress = true;
   }
+  const ConnectorId id = bind_connector(instance, pending, depth);
+  PendingConnector& p = instances[instance].pending[pending];
+  p.id = id;
+  p.in_progress = false;
+  p.failed = !id.is_valid();
+  return id;
+}
+
+ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth) {
   const CompoundItem& item = *instances[instance].pending[pending].item;
   const std::vector<Value> self = instances[instance].pending[pending].self;
   Connector row{.path = {}, .type = item.type, .parent = instances[instance].row, .ports = {}, .data = {}, .bound = false, .loc = model.loc(item.range)};
@@ -101,14 +111,14 @@ ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_
   }
   const ConnectorType& type = model.connector_types[row.type];
   if (row.ports.size() != type.params.size()) {
-    diags.report(Diag::kB2022, item.range, type.name, type.params.size(), row.ports.size());
+    diags.report(Diag::kB2022, item.syntax->name.range, model::counted(row.ports.size(), "port"), type.name, type.params.size());
     return {};
   }
   if (item.has_star) {
     for (std::size_t k = 0, path = 0, used = 0; k < row.ports.size(); ++k, ++used) {
       while (used == counts[path]) used = 0, ++path;
       if (model::fits(model, item.ports[path].type, type.params[k].type)) continue;
-      diags.report(Diag::kB2023, item.ports[path].range, type.params[k].name, model.port_types[item.ports[path].type].name, type.params[k].name, type.name, model.port_types[type.params[k].type].name);
+      diags.report(Diag::kB2023, item.ports[path].range, model.sources->text(item.ports[path].range), model::port_type_text(model, item.ports[path].type), type.params[k].name, type.name, model::port_type_text(model, type.params[k].type));
       return {};
     }
   }
@@ -120,12 +130,10 @@ ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_
   for (const PortRef& ref : row.ports) {
     if (ref.kind == PortRef::Kind::Connector) out.connectors[ref.connector].bound = true;
   }
-  PendingConnector& p = instances[instance].pending[pending];
-  row.path = out.compounds[instances[instance].row].path + "." + p.name;
-  p.in_progress = false;
-  p.id = out.connectors.push(std::move(row));
-  if (!type.exports) check_components(p.id, item.range);
-  return p.id;
+  row.path = out.compounds[instances[instance].row].path + "." + instances[instance].pending[pending].name;
+  const ConnectorId id = out.connectors.push(std::move(row));
+  if (!type.exports) check_components(id, item.syntax->name.range);
+  return id;
 }
 
 std::optional<DataRef> Instantiator::resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self) {

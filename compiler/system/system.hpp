@@ -35,14 +35,21 @@ struct Atom {
 
 /// What a connector's parameter is bound to: a port of an atom, or another connector's exported port.
 struct PortRef {
-  enum class Kind : std::uint8_t { Atom, Connector };
+  enum class Kind : std::uint8_t { Atom, Connector, Choice };
   Kind kind = Kind::Atom;
   AtomId atom;
   std::uint32_t port = 0;     // Atom: row of the atom type's ports
   ConnectorId connector;      // Connector
   // Connector reached through a compound's exported port: only its maximal interactions are seen.
   bool maximal_only = false;
+  std::uint32_t choice = 0;   // Choice: row of System::choices
   friend bool operator==(const PortRef&, const PortRef&) = default;
+};
+/// A merged port: each enabled one of its ports (atoms' ports or connectors' exported ports, no choices) is an alternative.
+struct Choice {
+  std::string name;  // as it is bound: "a.e", "c.xport"
+  std::vector<PortRef> ports;
+  friend bool operator==(const Choice&, const Choice&) = default;
 };
 /// A data slot of an atom.
 struct DataRef {
@@ -90,6 +97,7 @@ struct System {
   IndexVector<ConnectorTypeId, ConnectorType> connector_types;
   IndexVector<CompoundId, Compound> compounds;
   IndexVector<AtomId, Atom> atoms;
+  std::vector<Choice> choices;
   IndexVector<ConnectorId, Connector> connectors;
   IndexVector<PriorityId, Priority> priorities;
 

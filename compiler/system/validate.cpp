@@ -3,6 +3,7 @@
 // Linear in the System, iterative. Stops after the types if they are broken, since instances are measured by them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <unordered_set>
 
 #include "compiler/system/bsys.hpp"
@@ -29,6 +30,36 @@ void check_port(const System& system, const AtomType& type, const Port& port, Pr
   }
 }
 
+/// Priorities, invariants and merged ports.
+void check_rules(const System& system, const AtomType& type, Problems& problems) {
+  const auto is_port = [&](std::uint32_t port) { return port < type.ports.size(); };
+  for (const AtomPriority& row : type.priorities) {
+    check_loc(system, row.loc, problems);
+    for (const std::uint32_t port : {row.low, row.high})
+      problems.expect(port == AtomPriority::kAnyPort || is_port(port), "a priority's port is no row");
+    problems.expect(row.low != row.high, "both sides of a priority are the same");
+  }
+  for (const Invariant& row : type.invariants) {
+    check_loc(system, row.loc, problems);
+    problems.expect(row.scope <= InvariantScope::From, "an invariant has no scope");
+    problems.expect(row.condition.is_valid(), "an invariant has no condition");
+    problems.expect(row.places.empty() == (row.scope == InvariantScope::Always), "an invariant has places if it is not `always`");
+    for (std::size_t k = 0; k < row.places.size(); ++k) {
+      problems.expect(row.places[k] < type.places.size(), "a place is no row");
+      problems.expect(k == 0 || row.places[k - 1] < row.places[k], "an invariant's places are not sorted");
+    }
+  }
+  for (const MergedPort& row : type.merged) {
+    check_loc(system, row.loc, problems);
+    if (!problems.expect(system.port_types.contains(row.type), "a merged port's type is no row")) continue;
+    problems.expect(row.ports.size() >= 2, "a merged port has fewer than two ports");
+    for (const std::uint32_t port : row.ports)
+      if (problems.expect(is_port(port), "a merged port's port is no row") &&
+          system.port_types.contains(type.ports[port].type))
+        problems.expect(same_variables(system, type.ports[port].type, row.type), "a merged port's port has other variables");
+  }
+}
+
 void check_atom_type(const System& system, const AtomType& type, Problems& problems) {
   check_loc(system, type.loc, problems);
   bool data_begun = false;
@@ -52,9 +83,17 @@ void check_atom_type(const System& system, const AtomType& type, Problems& probl
     check_places(transition.from);
     check_places(transition.to);
   }
+  check_rules(system, type, problems);
 }
 
 }  // namespace
+
+bool same_variables(const System& system, PortTypeId a, PortTypeId b) {
+  const auto same = [](const Variable& left, const Variable& right) { return left.type == right.type; };
+  const std::vector<Variable>& left = system.port_types[a].variables;
+  const std::vector<Variable>& right = system.port_types[b].variables;
+  return a == b || std::equal(left.begin(), left.end(), right.begin(), right.end(), same);
+}
 
 void check_port_and_atom_types(const System& system, Problems& problems) {
   for (std::size_t k = 0; k < system.port_types.size(); ++k) {
@@ -85,7 +124,7 @@ std::vector<Problem> find_problems(const System& system) {
 
 std::vector<std::string> validate(const System& system) {
   static constexpr const char* kNames[kTables] = {"system", "port type", "atom type", "connector type",
-                                                  "compound", "atom",    "connector", "priority"};
+                                                  "compound", "atom", "choice",   "connector", "priority"};
   std::vector<std::string> out;
   for (const Problem& problem : find_problems(system)) {
     if (problem.table == Table::Whole) {

@@ -184,6 +184,8 @@ void check_code(const System& system, Problems& problems) {
       checker.guard(transition.guard, scope);
       checker.body(transition.action, scope, Writes::Self);
     }
+    for (const AtomPriority& row : type.priorities) checker.guard(row.guard, scope);
+    for (const Invariant& row : type.invariants) checker.guard(row.condition, scope);
   }
   for (std::size_t k = 0; k < system.connector_types.size(); ++k) {
     const ConnectorType& type = system.connector_types.rows()[k];

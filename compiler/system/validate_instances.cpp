@@ -1,6 +1,8 @@
 // Promises of instances: compounds, atoms, connectors and their bindings, priority rules.
 //
 // Needs sound types (validate.cpp stops before if they are not). Linear.
+#include <algorithm>
+
 #include "compiler/system/validate_problems.hpp"
 
 namespace bip::system {
@@ -53,50 +55,105 @@ void check_data(const System& system, const DataRef& data, Problems& problems) {
     problems.expect(data.slot < system.atom_types[system.atoms[data.atom].type].slots.size(), "data is no slot of its atom");
 }
 
-/// The port's variables are those of the parameter: as many, of the same types.
-bool same_variables(const System& system, PortTypeId a, PortTypeId b) {
-  if (a == b) return true;
-  const std::vector<Variable>& left = system.port_types[a].variables;
-  const std::vector<Variable>& right = system.port_types[b].variables;
-  if (left.size() != right.size()) return false;
-  for (std::size_t k = 0; k < left.size(); ++k)
-    if (left[k].type != right[k].type) return false;
-  return true;
-}
+/// What is bound, measured once: the port type and the connectors below. `PortTypeId()`: broken, and said so.
+class Bindings {
+ public:
+  Bindings(const System& system, Problems& problems)
+      : system_(system), problems_(problems), bound_(system.connectors.size(), false) {}
 
-void check_binding(const System& system, std::size_t row, const PortRef& ref, PortTypeId wanted, std::vector<bool>& bound,
-                   Problems& problems) {
-  PortTypeId actual;
-  if (ref.kind == PortRef::Kind::Atom) {
-    if (!problems.expect(system.atoms.contains(ref.atom), "a parameter is bound to no atom")) return;
-    const std::vector<Port>& ports = system.atom_types[system.atoms[ref.atom].type].ports;
-    if (!problems.expect(ref.port < ports.size(), "a parameter is bound to no port of its atom") ||
-        !problems.expect(ports[ref.port].exported, "a parameter is bound to a port that is not exported"))
-      return;
-    actual = ports[ref.port].type;
-  } else {
-    if (!problems.expect(ref.connector.value < row, "a parameter is bound to no earlier connector")) return;
-    const ConnectorType& type = system.connector_types[system.connectors[ref.connector].type];
-    if (!problems.expect(type.exports, "a parameter is bound to a connector that exports no port")) return;
-    bound[ref.connector.value] = true;
-    actual = type.export_type;
+  /// Choices first: connectors need them. A choice has no place in the order but that of its last connector.
+  void check_choices() {
+    for (std::size_t k = 0; k < system_.choices.size(); ++k) {
+      const Choice& row = system_.choices[k];
+      problems_.at(Table::Choices, k);
+      Seen seen;
+      problems_.expect(!row.ports.empty(), "a choice has no ports");
+      for (const PortRef& ref : row.ports) {
+        if (!problems_.expect(ref.kind != PortRef::Kind::Choice, "a choice within a choice")) continue;
+        const PortTypeId type = port_type(ref, seen.end);
+        if (seen.type.is_valid() && type.is_valid())
+          problems_.expect(same_variables(system_, type, seen.type), "the ports of a choice have different variables");
+        if (type.is_valid()) seen.type = type;
+      }
+      choices_.push_back(seen);
+    }
   }
-  problems.expect(same_variables(system, actual, wanted), "a parameter is bound to a port with other variables");
-}
+
+  void check(std::size_t row, const PortRef& ref, PortTypeId wanted) {
+    std::size_t end = 0;
+    PortTypeId type;
+    if (ref.kind == PortRef::Kind::Choice) {
+      if (!problems_.expect(ref.choice < choices_.size(), "a parameter is bound to no choice")) return;
+      type = choices_[ref.choice].type;
+      end = choices_[ref.choice].end;
+      if (!mark_choice(ref.choice)) type = {};
+    } else {
+      if (ref.kind == PortRef::Kind::Connector && !problems_.expect(ref.connector.value < row, kNotEarlier)) return;
+      type = port_type(ref, end);
+      if (ref.kind == PortRef::Kind::Connector && type.is_valid()) bound_[ref.connector.value] = true;
+    }
+    if (!type.is_valid()) return;
+    problems_.expect(end <= row, kNotEarlier);
+    problems_.expect(same_variables(system_, type, wanted), "a parameter is bound to a port with other variables");
+  }
+  [[nodiscard]] bool is_bound(std::size_t row) const { return bound_[row]; }
+
+ private:
+  static constexpr const char* kNotEarlier = "a parameter is bound to no earlier connector";
+  struct Seen {
+    PortTypeId type{};
+    std::size_t end = 0;  // one past the last connector
+    bool marked = false;
+  };
+  /// The connectors of a choice are bound once some connector binds the choice.
+  bool mark_choice(std::size_t choice) {
+    if (!choices_[choice].type.is_valid()) return false;
+    if (choices_[choice].marked) return true;
+    choices_[choice].marked = true;
+    for (const PortRef& ref : system_.choices[choice].ports)
+      if (ref.kind == PortRef::Kind::Connector && system_.connectors.contains(ref.connector)) bound_[ref.connector.value] = true;
+    return true;
+  }
+  PortTypeId port_type(const PortRef& ref, std::size_t& end) {
+    if (ref.kind == PortRef::Kind::Atom) {
+      if (!problems_.expect(system_.atoms.contains(ref.atom), "a parameter is bound to no atom")) return {};
+      const std::vector<Port>& ports = system_.atom_types[system_.atoms[ref.atom].type].ports;
+      if (!problems_.expect(ref.port < ports.size(), "a parameter is bound to no port of its atom") ||
+          !problems_.expect(ports[ref.port].exported, "a parameter is bound to a port that is not exported"))
+        return {};
+      return ports[ref.port].type;
+    }
+    if (!problems_.expect(system_.connectors.contains(ref.connector), kNotEarlier)) return {};
+    const ConnectorType& type = system_.connector_types[system_.connectors[ref.connector].type];
+    if (!problems_.expect(type.exports, "a parameter is bound to a connector that exports no port")) return {};
+    end = std::max(end, static_cast<std::size_t>(ref.connector.value) + 1);
+    return type.export_type;
+  }
+
+  const System& system_;
+  Problems& problems_;
+  std::vector<bool> bound_;
+  std::vector<Seen> choices_;
+};
 
 void check_connectors(const System& system, Problems& problems) {
-  std::vector<bool> bound(system.connectors.size(), false);
   for (std::size_t k = 0; k < system.connectors.size(); ++k) {
     const Connector& row = system.connectors.rows()[k];
     problems.at(Table::Connectors, k);
     check_loc(system, row.loc, problems);
     check_parent(system, row.parent, problems);
-    // Later rows measure their bindings by this one's type: nothing more can be said.
+    // Bindings are measured by the types: nothing more can be said.
     if (!problems.expect(system.connector_types.contains(row.type), "the type is no row")) return;
+  }
+  Bindings bindings(system, problems);
+  bindings.check_choices();
+  for (std::size_t k = 0; k < system.connectors.size(); ++k) {
+    const Connector& row = system.connectors.rows()[k];
+    problems.at(Table::Connectors, k);
     const ConnectorType& type = system.connector_types[row.type];
     if (problems.expect(row.ports.size() == type.params.size(), "there is not one port a parameter"))
       for (std::size_t p = 0; p < row.ports.size(); ++p)
-        check_binding(system, k, row.ports[p], type.params[p].type, bound, problems);
+        bindings.check(k, row.ports[p], type.params[p].type);
     if (!problems.expect(row.data.size() == type.data_reads.size(), "there is not one datum a data read")) continue;
     for (std::size_t d = 0; d < row.data.size(); ++d) {
       check_data(system, row.data[d], problems);
@@ -105,9 +162,10 @@ void check_connectors(const System& system, Problems& problems) {
       problems.expect(slot.type == type.data_reads[d].type, "a datum has not the type of its data read");
     }
   }
-  for (std::size_t k = 0; k < bound.size(); ++k) {
+  for (std::size_t k = 0; k < system.connectors.size(); ++k) {
     problems.at(Table::Connectors, k);
-    problems.expect(system.connectors.rows()[k].bound == bound[k], "`bound` is wrong: it says whether a connector binds this one");
+    problems.expect(system.connectors.rows()[k].bound == bindings.is_bound(k),
+                    "`bound` is wrong: it says whether a connector binds this one");
   }
 }
 

@@ -8,8 +8,8 @@
 
 namespace bip::system {
 
-enum class Table : std::uint8_t { Whole, PortTypes, AtomTypes, ConnectorTypes, Compounds, Atoms, Connectors, Priorities };
-inline constexpr std::size_t kTables = 8;
+enum class Table : std::uint8_t { Whole, PortTypes, AtomTypes, ConnectorTypes, Compounds, Atoms, Choices, Connectors, Priorities };
+inline constexpr std::size_t kTables = 9;
 
 struct Problem {
   Table table = Table::Whole;
@@ -57,6 +57,8 @@ void check_priorities(const System& system, Problems& problems);
 inline void check_loc(const System& system, const Loc& loc, Problems& problems) {
   problems.expect(loc.line == 0 || loc.file < system.files.size(), "a place names no file of the table");
 }
+/// Port types whose variables agree: as many, of the same types. Both must be rows.
+[[nodiscard]] bool same_variables(const System& system, PortTypeId a, PortTypeId b);
 inline bool is_type(Type type) { return type <= Type::String; }
 
 }  // namespace bip::system

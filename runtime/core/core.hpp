@@ -60,7 +60,16 @@ class Core {
 
   /// Takes the step. False: a fault; the state is then between two stable ones.
   bool fire(const Candidate& candidate);
-  bool fire(std::uint64_t k) { return fire(candidate(k)); }
+  bool fire(std::uint64_t k) {
+    u32 slot = 0;
+    return take(k, slot);
+  }
+  /// fire(candidate(k)) by the shortest way; slot: of the candidate. The engine's loop.
+  bool take(std::uint64_t k, u32& slot) {
+    slot = enabled_.select(k).slot;
+    const u32* program = rows_.data() + std::size_t{slot} * row_words_;
+    return *program != kNone ? run_program(program, slot) : fire(candidate(k));
+  }
 
   /// The atom ports that take part, in the order in which they fire.
   void participants(const Candidate& candidate, std::vector<Participant>& out);
@@ -81,27 +90,29 @@ class Core {
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const;
   /// The transition (row of the type's) that the port would fire, or kNone if the port is disabled.
   [[nodiscard]] u32 enabled_transition(u32 atom, u32 port) const;
+  /// By atom the slot of the last step in which it may have taken part, as far as the core remembers; kNone: not known.
+  /// No part of the state.
+  [[nodiscard]] std::vector<u32> last_slots() const;
   /// Is a node of the availability network available? (semantics.md)
-  [[nodiscard]] bool is_available(u32 node) const { return nodes_[node].value >= 0; }
+  [[nodiscard]] bool is_available(u32 node) const { return values_[node] >= 0; }
   /// Candidates of the connector before priorities; 0 also if it exports a port.
   [[nodiscard]] u32 listed_count(u32 connector) const;
 
  private:
-  struct AtomState {
-    u32 place = kNone;
+  static constexpr u32 kHistory = 1u << 14;
+  struct AtomInfo {
     u32 port_base = 0, slot_base = 0;
     u32 type = 0;
     u32 watched = 0;
   };
   struct PortState {
-    u32 transition = kNone;  // row of Tables::transitions
+    // Row of Tables::transitions: the enabled one, or kNone. For simple types the only one of the port, and the place
+    // from which it is enabled: their ports change with the atom's place, without being written to.
+    u32 transition = kNone;
+    u32 place = kNone;
     u32 atom = 0;
     u32 edge = 0;            // edge_count == 1: the node; else first row of port_out's items
     u32 edge_count = 0;
-  };
-  struct NodeState {
-    std::int32_t value = 0;
-    u32 direct = 0;          // slots: crossing zero is all there is to know
   };
   /// The candidates of a searched slot.
   struct Listing {
@@ -109,6 +120,16 @@ class Core {
     u32 count = 0;
     std::vector<std::uint8_t> hidden;  // by configuration; empty: none
   };
+
+  void forget();
+  void remember(u32 slot) {
+    history_[history_at_] = slot;
+    history_at_ = (history_at_ + 1) % kHistory;
+  }
+  [[nodiscard]] u32 enabled_row(u32 instance) const {
+    const PortState& port = ports_[instance];
+    return port.place == kNone || places_[port.atom] == port.place ? port.transition : kNone;
+  }
 
   // enabled.cpp
   bool settle_atom(u32 atom, u32 place_before);
@@ -123,10 +144,15 @@ class Core {
   void touch(u32 atom);
   void mark_dirty(u32 slot);
 
+  // programs.cpp
+  void build_programs();
+
   // fire.cpp
+  bool run_program(const u32* word, u32 slot);
   bool fire_port(u32 instance);
   bool fire_flat(const SlotInfo& info);
   bool fire_star(const SlotInfo& info);
+  bool run_transfer(const SlotInfo& info, u32 clause);
   bool fire_planned(const Candidate& candidate, const SlotInfo& info);
   bool run_code(Code code, u32 connector);
   void zero_frame(u32 connector);
@@ -169,11 +195,18 @@ class Core {
   PriorityTables rules_;
   Fault fault_;
 
-  std::vector<AtomState> atoms_;
+  std::vector<AtomInfo> atoms_;
+  std::vector<u32> places_;                // by atom: automata
+  std::vector<u32> history_;               // the slots fired last, a ring; only for telling stories
+  u32 history_at_ = 0;
   std::vector<u64> marks_;
   std::vector<Slot> all_;
   std::vector<PortState> ports_;
-  std::vector<NodeState> nodes_;
+  std::vector<std::int32_t> values_;       // by node of the availability network
+  std::vector<std::uint8_t> is_direct_;    // by slot: that its value crosses zero is all there is to know
+  std::vector<u32> rows_;                  // by slot, row_words_ each: its program; kNone: it has none
+  std::vector<u32> programs_;              // those longer than a row
+  u32 row_words_ = 1;
   EnabledSet enabled_;
 
   std::vector<u32> dirty_;

@@ -1,7 +1,7 @@
 // What an atom offers, and how a port that becomes enabled or disabled spreads through the connectors.
 //
 // A fixed type (no guards, no internal transitions) needs no evaluation: each of its transitions has the list of ports
-// whose enabled transition changes. Others evaluate the guards of the transitions that leave what is marked. A flip walks
+// whose enabled transition changes; in a simple one a port is enabled iff the atom is at its place. Others evaluate the guards of the transitions that leave what is marked. A flip walks
 // the availability network as long as counters cross zero: O(depth), and O(1) in a flat connector.
 #include "runtime/core/core.hpp"
 
@@ -16,7 +16,7 @@ void Core::mark_dirty(u32 slot) {
 void Core::crossed(u32 node, bool on) {
   const u32 slot_count = static_cast<u32>(is_dirty_.size());
   if (node < slot_count) {
-    if (nodes_[node].direct == 0) {
+    if (is_direct_[node] == 0) {
       mark_dirty(node);
     } else if (tables_.any_searched) {
       enabled_.set(node, on ? 1 : 0);
@@ -35,8 +35,7 @@ void Core::crossed(u32 node, bool on) {
     const auto [from, now] = crossings_.back();
     crossings_.pop_back();
     for (u32 above : tables_.node_out[from]) {
-      NodeState& state = nodes_[above];
-      const bool crosses = now ? ++state.value == 0 : state.value-- == 0;
+      const bool crosses = now ? ++values_[above] == 0 : values_[above]-- == 0;
       if (!crosses) continue;
       if (above < slot_count) crossed(above, now);
       else crossings_.emplace_back(above, now);
@@ -45,11 +44,10 @@ void Core::crossed(u32 node, bool on) {
 }
 
 inline void Core::bump(u32 node, bool on) {
-  NodeState& state = nodes_[node];
   if (on) {
-    if (++state.value == 0) crossed(node, true);
+    if (++values_[node] == 0) crossed(node, true);
   } else {
-    if (state.value-- == 0) crossed(node, false);
+    if (values_[node]-- == 0) crossed(node, false);
   }
 }
 
@@ -63,7 +61,7 @@ void Core::flip(u32 instance, bool on) {
   }
   if (tables_.any_port_watch) {
     for (u32 slot : tables_.port_watch[instance]) {
-      if (nodes_[slot].value >= 0) mark_dirty(slot);
+      if (values_[slot] >= 0) mark_dirty(slot);
     }
   }
 }
@@ -80,7 +78,7 @@ void Core::touch(u32 atom) {
   for (u32 item : tables_.atom_watch[atom]) {
     if (item < slot_count) {
       // What is not available has nothing to evaluate; becoming available marks it.
-      if (nodes_[item].value >= 0) mark_dirty(item);
+      if (values_[item] >= 0) mark_dirty(item);
     } else if (is_rule_dirty_[item - slot_count] == 0) {
       is_rule_dirty_[item - slot_count] = 1;
       dirty_rules_.push_back(item - slot_count);
@@ -89,7 +87,7 @@ void Core::touch(u32 atom) {
 }
 
 bool Core::is_enabled_from(u32 atom, const LinkedTransition& transition, bool& enabled) {
-  const AtomState& state = atoms_[atom];
+  const AtomInfo& state = atoms_[atom];
   enabled = true;
   if (transition.from == kNone) {
     for (u32 place : transition.source->from) {
@@ -109,9 +107,9 @@ bool Core::is_enabled_from(u32 atom, const LinkedTransition& transition, bool& e
 
 // Tokens, then the action.
 bool Core::move(u32 atom, const LinkedTransition& transition) {
-  AtomState& state = atoms_[atom];
+  const AtomInfo& state = atoms_[atom];
   if (transition.to != kNone) {
-    state.place = transition.to;
+    places_[atom] = transition.to;
   } else {
     u64* marks = marks_.data() + tables_.mark_base[atom];
     for (u32 place : transition.source->from) marks[place >> 6] &= ~(u64{1} << (place & 63));
@@ -142,7 +140,7 @@ bool Core::run_internals(u32 atom) {
       return true;
     };
     if (type.mark_words == 0) {
-      for (u32 row : tables_.place_internals[type.first_place + atoms_[atom].place]) {
+      for (u32 row : tables_.place_internals[type.first_place + places_[atom]]) {
         if (!look(tables_.transitions[row])) return false;
       }
     } else {
@@ -158,8 +156,21 @@ bool Core::run_internals(u32 atom) {
 }
 
 bool Core::update_ports(u32 atom, u32 place_before) {
-  const AtomState& state = atoms_[atom];
+  const AtomInfo& state = atoms_[atom];
   const LinkedType& type = tables_.types[state.type];
+  const u32 place_now = places_[atom];
+  if (type.simple) {
+    if (place_before == place_now) return true;
+    if (place_before != kNone) {
+      for (u32 row : tables_.place_transitions[type.first_place + place_before]) {
+        flip(state.port_base + tables_.transitions[row].port, false);
+      }
+    }
+    for (u32 row : tables_.place_transitions[type.first_place + place_now]) {
+      flip(state.port_base + tables_.transitions[row].port, true);
+    }
+    return true;
+  }
   u32* now = port_scratch_.data();
   const auto look = [&](u32 row) {
     const LinkedTransition& transition = tables_.transitions[row];
@@ -176,15 +187,15 @@ bool Core::update_ports(u32 atom, u32 place_before) {
   if (type.mark_words == 0 && place_before != kNone) {
     // Only ports that the two places offer can change.
     const Span<u32> old_rows = tables_.place_transitions[type.first_place + place_before];
-    const Span<u32> rows = tables_.place_transitions[type.first_place + state.place];
+    const Span<u32> rows = tables_.place_transitions[type.first_place + place_now];
     for (u32 row : rows) now[tables_.transitions[row].port] = kNone;
-    if (place_before != state.place) {
+    if (place_before != place_now) {
       for (u32 row : old_rows) now[tables_.transitions[row].port] = kNone;
     }
     for (u32 row : rows) {
       if (!look(row)) return false;
     }
-    if (place_before != state.place) {
+    if (place_before != place_now) {
       for (u32 row : old_rows) {
         const u32 port = tables_.transitions[row].port;
         set_port(state.port_base + port, now[port]);
@@ -199,7 +210,7 @@ bool Core::update_ports(u32 atom, u32 place_before) {
   const u32 ports = tables_.port_base[atom + 1] - state.port_base;
   for (u32 port = 0; port < ports; ++port) now[port] = kNone;
   if (type.mark_words == 0) {
-    for (u32 row : tables_.place_transitions[type.first_place + state.place]) {
+    for (u32 row : tables_.place_transitions[type.first_place + place_now]) {
       if (!look(row)) return false;
     }
   } else {
@@ -220,17 +231,22 @@ bool Core::settle_atom(u32 atom, u32 place_before) {
 bool Core::fire_port(u32 instance) {
   const PortState& port = ports_[instance];
   const u32 atom = port.atom;
-  AtomState& state = atoms_[atom];
+  const AtomInfo& info = atoms_[atom];
+  const LinkedType& type = tables_.types[info.type];
   const LinkedTransition& transition = tables_.transitions[port.transition];
-  const u32 before = state.place;
+  const u32 before = places_[atom];
   if (!move(atom, transition)) return false;
-  if (tables_.types[state.type].fixed) {
+  if (type.fixed) {
     const PortDelta* delta = tables_.deltas.data() + transition.delta_first;
-    for (u32 i = 0; i < transition.delta_count; ++i) set_port(state.port_base + delta[i].port, delta[i].transition);
+    if (type.simple) {
+      for (u32 i = 0; i < transition.delta_count; ++i) flip(info.port_base + delta[i].port, delta[i].transition != kNone);
+    } else {
+      for (u32 i = 0; i < transition.delta_count; ++i) set_port(info.port_base + delta[i].port, delta[i].transition);
+    }
   } else if (!settle_atom(atom, before)) {
     return false;
   }
-  if (state.watched != 0) touch(atom);
+  if (info.watched != 0) touch(atom);
   return true;
 }
 

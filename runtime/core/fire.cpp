@@ -8,6 +8,9 @@ namespace bip::rt {
 
 bool Core::fire(const Candidate& candidate) {
   const SlotInfo& info = tables_.slots[candidate.slot];
+  const u32* program = rows_.data() + std::size_t{candidate.slot} * row_words_;
+  if (*program != kNone) return run_program(program, candidate.slot);
+  remember(candidate.slot);
   bool done = false;
   switch (info.kind) {
     case SlotKind::Flat: done = fire_flat(info); break;
@@ -34,12 +37,15 @@ bool Core::run_code(Code code, u32 connector) {
   return status < 2 || fail_code(status, kNone, connector, nullptr);
 }
 
+// The transfer of a connector of atom ports: own data start at zero.
+bool Core::run_transfer(const SlotInfo& info, u32 row) {
+  const Clause& clause = tables_.connector_type(info.row).clauses[row];
+  zero_frame(info.row);
+  return run_code(tables_.code(clause.up), info.row) && run_code(tables_.code(clause.down), info.row);
+}
+
 bool Core::fire_flat(const SlotInfo& info) {
-  if (info.clause != kNone) {
-    const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
-    zero_frame(info.row);
-    if (!run_code(tables_.code(clause.up), info.row) || !run_code(tables_.code(clause.down), info.row)) return false;
-  }
+  if (info.clause != kNone && !run_transfer(info, info.clause)) return false;
   const u32* ports = tables_.flat_ports.data() + info.first;
   for (u32 i = 0; i < info.count; ++i) {
     if (!fire_port(ports[i])) return false;
@@ -54,17 +60,13 @@ bool Core::fire_star(const SlotInfo& info) {
   if (!tables_.clause_order[type_row].empty()) {
     params_.clear();
     for (u32 i = 0; i < info.count; ++i) {
-      if (ports_[ports[i]].transition != kNone) params_.push_back(i);
+      if (enabled_row(ports[i]) != kNone) params_.push_back(i);
     }
     const u32 row = tables_.clause_of(type_row, {params_.data(), static_cast<u32>(params_.size())});
-    if (row != kNone) {
-      const Clause& clause = tables_.connector_type(info.row).clauses[row];
-      zero_frame(info.row);
-      if (!run_code(tables_.code(clause.up), info.row) || !run_code(tables_.code(clause.down), info.row)) return false;
-    }
+    if (row != kNone && !run_transfer(info, row)) return false;
   }
   for (u32 i = 0; i < info.count; ++i) {
-    if (ports_[ports[i]].transition != kNone && !fire_port(ports[i])) return false;
+    if (enabled_row(ports[i]) != kNone && !fire_port(ports[i])) return false;
   }
   return true;
 }
@@ -137,7 +139,7 @@ void Core::participants(const Candidate& candidate, std::vector<Participant>& ou
   if (info.kind != SlotKind::Planned) {
     for (u32 i = 0; i < info.count; ++i) {
       const u32 instance = tables_.flat_ports[info.first + i];
-      if (ports_[instance].transition != kNone) add(i, instance);
+      if (enabled_row(instance) != kNone) add(i, instance);
     }
     return;
   }

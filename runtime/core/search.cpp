@@ -20,7 +20,7 @@ void Core::look_at_availability(const Plan& plan, u32 root) {
     const PlanNode& node = nodes[i];
     bool available = false;
     switch (node.kind) {
-      case NodeKind::Leaf: available = ports_[node.ref].transition != kNone; break;
+      case NodeKind::Leaf: available = enabled_row(node.ref) != kNone; break;
       case NodeKind::Link:
         available = node_scratch_[i] != 0 &&
                     (!node.maximal_only || link_alternatives_.empty() || !link_alternatives_[i].empty());
@@ -314,7 +314,7 @@ bool Core::list(u32 slot) {
   const SlotInfo& info = tables_.slots[slot];
   listing.count = 0;
   listing.configs.clear();
-  if (nodes_[slot].value < 0) return true;
+  if (values_[slot] < 0) return true;
   if (info.kind == SlotKind::Flat) {
     listing.count = 1;
     if (info.clause == kNone) return true;

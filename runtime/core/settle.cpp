@@ -8,7 +8,7 @@ namespace bip::rt {
 
 u32 Core::base_count(u32 slot) const {
   if (listing_of_[slot] != kNone) return listings_[listing_of_[slot]].count;
-  return nodes_[slot].value >= 0 ? 1 : 0;
+  return values_[slot] >= 0 ? 1 : 0;
 }
 
 bool Core::settle() {

@@ -13,12 +13,14 @@ namespace {
 
 constexpr std::size_t kMissingKept = 4;   // names a group
 constexpr std::size_t kWantsKept = 16;    // edges an atom
+constexpr u32 kMetKept = 64;             // participants of the last step looked at
 constexpr std::size_t kLinesShown = 10;
 constexpr std::size_t kCycleStarts = 32;  // places from which the shortest cycle is looked for
 
 struct Want {
   u32 port = 0;              // of the waiting atom's type
   u32 missing = kNone;       // port instance that is not there; kNone: no connector binds the port
+  bool held = false;         // by whom the atom met last: a fork waits for the one who took it
 };
 
 class Story {
@@ -40,17 +42,23 @@ class Story {
     }
     const std::vector<u32> cycle = shortest_cycle();
     if (!cycle.empty()) {
-      append_number(out, cycle.size());
-      out += (cycle.size() == 1 ? " component waits for itself" : " components wait for each other") + tail;
-      for (std::size_t i = 0; i < cycle.size() && i < kLinesShown; ++i) {
-        const u32 next = cycle[(i + 1) % cycle.size()];
-        for (const Want& want : wants_[cycle[i]]) {
-          if (want.missing == kNone || tables_.port_atom[want.missing] != next) continue;
-          append_wait(out, cycle[i], want);
-          break;
+      // What is merely held gets no line of its own, unless there is nothing else.
+      std::vector<std::pair<u32, Want>> lines;
+      for (const bool with_held : {false, true}) {
+        if (!lines.empty()) break;
+        for (std::size_t i = 0; i < cycle.size(); ++i) {
+          const u32 next = cycle[(i + 1) % cycle.size()];
+          for (const Want& want : wants_[cycle[i]]) {
+            if (want.missing == kNone || tables_.port_atom[want.missing] != next) continue;
+            if (with_held || !want.held) lines.emplace_back(cycle[i], want);
+            break;
+          }
         }
       }
-      append_rest(out, cycle.size());
+      append_number(out, lines.size());
+      out += (lines.size() == 1 ? " component waits for itself" : " components wait for each other") + tail;
+      for (std::size_t i = 0; i < lines.size() && i < kLinesShown; ++i) append_wait(out, lines[i].first, lines[i].second);
+      append_rest(out, lines.size());
       out += "  cycle: ";
       for (u32 atom : cycle) out += std::string(relative(image_.atoms[atom].path)) + " -> ";
       out += std::string(relative(image_.atoms[cycle[0]].path)) + '\n';
@@ -173,6 +181,7 @@ class Story {
 
   void look_at_atoms() {
     wants_.resize(image_.atoms.size);
+    last_slots_ = core_.last_slots();
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const AtomType& type = tables_.atom_type(atom);
       bool offers = false;
@@ -182,7 +191,30 @@ class Story {
         add_wants(atom, port);
       }
       if (offers) waiting_.push_back(atom);
+      prefer_holders(atom);
     }
+  }
+  // Of several that could release the atom, the one it met last is the one that has it.
+  void prefer_holders(u32 atom) {
+    const u32 slot = last_slots_[atom];
+    if (slot == kNone || slot >= tables_.connector_slots) return;
+    const SlotInfo& info = tables_.slots[slot];
+    std::vector<u32> met;
+    for (u32 i = 0; i < std::min(info.count, kMetKept); ++i) met.push_back(tables_.port_atom[tables_.flat_ports[info.first + i]]);
+    if (info.plan != kNone) {
+      const Plan& plan = tables_.plans[info.plan];
+      for (u32 i = 0; i < std::min(plan.node_count, kMetKept); ++i) {
+        const PlanNode& node = tables_.plan_nodes[plan.first_node + i];
+        if (node.kind == NodeKind::Leaf) met.push_back(tables_.port_atom[node.ref]);
+      }
+    }
+    std::vector<Want> held;
+    for (Want want : wants_[atom]) {
+      if (want.missing == kNone || std::find(met.begin(), met.end(), tables_.port_atom[want.missing]) == met.end()) continue;
+      want.held = true;
+      held.push_back(want);
+    }
+    if (!held.empty()) wants_[atom] = std::move(held);
   }
   void add_wants(u32 atom, u32 port) {
     std::vector<Want>& wants = wants_[atom];
@@ -291,6 +323,7 @@ class Story {
   Csr up_port_, up_connector_;                  // leaves that a port, a connector is bound by
   std::vector<bool> bound_;                     // by port instance
   std::vector<std::vector<Want>> wants_;        // by atom
+  std::vector<u32> last_slots_;                 // by atom
   std::vector<u32> waiting_;                    // atoms that offer a port
   std::vector<u32> guards_;                     // connectors that only guards keep from acting
 };

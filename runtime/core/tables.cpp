@@ -46,6 +46,15 @@ bool is_fixed(const AtomType& type) {
   return std::adjacent_find(seen.begin(), seen.end()) == seen.end();
 }
 
+bool is_simple(const AtomType& type) {
+  std::vector<bool> seen(type.ports.size, false);
+  for (const Transition& t : type.transitions) {
+    if (seen[t.port]) return false;
+    seen[t.port] = true;
+  }
+  return true;
+}
+
 // For each transition of a fixed type the ports whose enabled transition changes.
 void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) {
   std::vector<u32> before(type.ports.size), after(type.ports.size);
@@ -84,6 +93,7 @@ void link_atoms(Tables& tables) {
     const bool automaton = is_automaton(type);
     linked.mark_words = automaton ? 0 : (type.places.size + 63) / 64;
     linked.fixed = automaton && is_fixed(type);
+    linked.simple = linked.fixed && is_simple(type);
     linked.initial = tables.code(type.initial_action);
     for (const Transition& t : type.transitions) {
       linked.has_internal |= t.port == kNone;

@@ -43,6 +43,7 @@ struct LinkedType {
   u32 first_place = 0;      // rows of place_transitions and place_internals (automata)
   u32 mark_words = 0;       // 64-bit words of a marking; 0: automaton, the marking is one place
   bool fixed = false;       // automaton without guards and internal transitions: its marking says which ports are enabled
+  bool simple = false;      // fixed, and each port labels one transition: a port is enabled iff the atom is at its place
   bool has_internal = false;
   Code initial;
 };

@@ -174,10 +174,10 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
       result.end = End::Interrupted;
     } else {
       const std::uint64_t k = scheduler.choose(core);
-      const Candidate candidate = core.candidate(k);
-      if (writes) output.step(core, candidate, result.steps, k);
-      sound = core.fire(candidate);
-      scheduler.fired(candidate);
+      if (writes) output.step(core, core.candidate(k), result.steps, k);
+      u32 slot = 0;
+      sound = core.take(k, slot);
+      scheduler.fired(slot);
       if (sound) ++result.steps;
       continue;
     }

@@ -22,8 +22,8 @@ class Scheduler {
     }
     return 0;
   }
-  void fired(const Candidate& candidate) {
-    last_ = candidate.slot;
+  void fired(u32 slot) {
+    last_ = slot;
     has_fired_ = true;
   }
 

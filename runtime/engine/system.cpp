@@ -52,7 +52,7 @@ struct System::Impl {
       }
     }
     if (!core.fire(candidate)) return outcome = Outcome::Fault;
-    scheduler.fired(candidate);
+    scheduler.fired(candidate.slot);
     ++steps;
     if (callback) callback(step);
     return outcome = Outcome::Stepped;

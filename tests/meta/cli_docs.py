@@ -23,7 +23,8 @@ def page():
     top = help_of()
     commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
     text = ("# The command line\n\nGenerated from `--help` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
-            "Exit codes: 0 ok, 1 errors in the model or at run time, 2 wrong command line, 70 a bug of bipc, 130 interrupted.\n"
+            "Exit codes: 0 ok, 1 errors in the model or at run time, 2 wrong command line, 70 a bug of bipc. Ctrl-C ends a run\n"
+            "like a limit does.\n"
             "Errors and warnings go to standard error, everything else to standard output.\n\n"
             f"## bipc\n\n```text\n{top}\n```\n")
     for command in commands:

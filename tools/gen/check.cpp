@@ -60,6 +60,12 @@ std::string first_difference(const std::string& a, const std::string& b) {
   return "first difference at line " + std::to_string(line) + ": `" + line_of(a) + "` against `" + line_of(b) + "`";
 }
 
+SupportedModel supported_model(std::uint64_t seed) {
+  SupportedModel result{generate(seed), false};
+  if (compile_text(print(result.model)).problem.find("[B1900]") == std::string::npos) return result;
+  return {generate(seed, Features::Plain), true};
+}
+
 std::string check_model(const Description& model, std::uint64_t seed, const CheckOptions& options, OracleCounts& counts,
                         EmittedCase* emitted) {
   Compiled c = compile_text(print(model));

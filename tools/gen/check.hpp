@@ -29,6 +29,13 @@ struct EmittedCase {
   std::vector<std::string> traces;
 };
 
+/// The seed's model; the plain one if the compiler says of the full one that it is not supported yet (B1900).
+struct SupportedModel {
+  Description model;
+  bool is_plain = false;
+};
+[[nodiscard]] SupportedModel supported_model(std::uint64_t seed);
+
 /// Compiles the text, runs the interpreter, the JIT at both levels and the naive oracle, round-trips .bsys and fmt.
 /// Fills `emitted` if it is not null and the model is sound.
 [[nodiscard]] std::string check_model(const Description& model, std::uint64_t seed, const CheckOptions& options,

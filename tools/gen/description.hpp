@@ -47,6 +47,18 @@ struct Port {
   std::string name, type;
   std::vector<std::string> vars;
   bool exported = true;
+  std::string merged;  // not empty: exported under this name only, together with the others of it
+  /// What connectors call it.
+  [[nodiscard]] const std::string& outside() const { return merged.empty() ? name : merged; }
+};
+struct AtomRule {
+  std::string name, low, high;  // a port or "*"
+  std::optional<Expr> guard;
+};
+struct Invariant {
+  std::string name, scope;  // "", "at", "from"
+  std::vector<std::string> places;
+  Expr condition;
 };
 struct Transition {
   std::string port;  // empty: internal
@@ -61,6 +73,8 @@ struct AtomType {
   std::vector<std::string> places, initial;
   Body initial_action;
   std::vector<Transition> transitions;
+  std::vector<AtomRule> rules;
+  std::vector<Invariant> invariants;
   bool paper = false;  // printed in the paper's notation
 };
 
@@ -121,7 +135,7 @@ struct Priority {
   std::optional<Expr> guard;  // names: component . exported data
 };
 struct PortExport {
-  PortPath target;
+  std::vector<PortPath> targets;  // more than one: merged
   std::string name;
 };
 struct DataExport {
@@ -155,8 +169,9 @@ const T* find_named(const std::vector<T>& items, const std::string& name) {
   return nullptr;
 }
 
-/// A random model of the seed.
-[[nodiscard]] Description generate(std::uint64_t seed);
+/// A random model of the seed. Plain: without merged ports, priorities of atoms and invariants.
+enum class Features : std::uint8_t { All, Plain };
+[[nodiscard]] Description generate(std::uint64_t seed, Features features = Features::All);
 
 /// Every interaction that `define` gives, as sorted sets of parameters, each once; straight from LANGUAGE.md §4.
 [[nodiscard]] std::vector<std::vector<int>> expand(const Define& define);

@@ -3,7 +3,7 @@
 
 namespace bip::gen {
 
-Description generate(std::uint64_t seed) {
+Description generate(std::uint64_t seed, Features features) {
   Prng random(seed);
   Style style;
   style.faults = random.percent(6);
@@ -13,6 +13,10 @@ Description generate(std::uint64_t seed) {
   style.lively = random.percent(60);
   style.deep = random.percent(35);
   style.ruled = random.percent(35);
+  style.merged = random.percent(20);
+  style.atom_rules = random.percent(20);
+  style.invariants = random.percent(10);
+  if (features == Features::Plain) style.merged = style.atom_rules = style.invariants = false;
   if (style.large) style.max_weight = 3000;
   CodeMaker code(random, style);
 

@@ -24,6 +24,9 @@ struct Style {
   bool odd_names = false;    // contextual words as identifiers
   bool lively = false;       // ports enabled nearly always, so that many interactions compete
   bool deep = false;         // compounds of compounds, exporting connectors with many alternatives
+  bool merged = false;       // ports exported under one name
+  bool atom_rules = false;   // priorities of atoms
+  bool invariants = false;
   bool ruled = false;        // many priority rules, in chains, with guards
   int max_weight = 120;      // alternatives of one connector
 };

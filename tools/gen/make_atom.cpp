@@ -19,6 +19,8 @@ class AtomMaker {
     make_places();
     for (const Port& port : atom_.ports) make_transitions(port);
     if (random_.percent(25)) make_internal();
+    if (style_.atom_rules) make_rules();
+    if (style_.invariants && random_.percent(60)) make_invariant();
     if (random_.percent(60)) atom_.initial_action = code_.body(known(), random_.between(1, 3), 1);
     choose_notation();
     return atom_;
@@ -61,17 +63,61 @@ class AtomMaker {
       port.name = fresh("p");
       port.type = type.name;
       port.exported = atom_.ports.empty() || !random_.percent(10);
-      std::set<std::string> used;
-      for (const Var& var : type.vars) {
-        std::vector<std::string> fitting;
-        for (const Var& d : atom_.data) {
-          if (d.type == var.type && !used.contains(d.name)) fitting.push_back(d.name);
-        }
-        port.vars.push_back(fitting.empty() ? data_of(var.type) : random_.pick(fitting));
-        used.insert(port.vars.back());
+      port.vars = shown(type);
+      if (style_.merged && port.exported && random_.percent(40)) {
+        port.merged = fresh("m");
+        Port other = port;
+        other.name = fresh("p");
+        other.vars = shown(type);
+        atom_.ports.push_back(port);
+        port = other;
       }
       atom_.ports.push_back(port);
     }
+  }
+  /// Data for a port's variables, new ones if there are none of the type.
+  std::vector<std::string> shown(const PortType& type) {
+    std::vector<std::string> vars;
+    std::set<std::string> used;
+    for (const Var& var : type.vars) {
+      std::vector<std::string> fitting;
+      for (const Var& d : atom_.data) {
+        if (d.type == var.type && !used.contains(d.name)) fitting.push_back(d.name);
+      }
+      vars.push_back(fitting.empty() ? data_of(var.type) : random_.pick(fitting));
+      used.insert(vars.back());
+    }
+    return vars;
+  }
+  /// Rules that go up in rank, so that no cycle can close; one with `*` stands alone.
+  void make_rules() {
+    std::vector<std::string> ranked;
+    for (const Port& port : atom_.ports) ranked.push_back(port.name);
+    if (ranked.size() < 2) return;
+    random_.shuffle(ranked);
+    bool star = random_.percent(20);
+    for (int k = 0, n = star ? 1 : random_.between(1, 3); k < n; ++k) {
+      std::size_t low = random_.below(ranked.size() - 1), high = low + 1 + random_.below(ranked.size() - low - 1);
+      AtomRule rule{"r" + std::to_string(k), ranked[low], ranked[high], {}};
+      if (star) (random_.percent(50) ? rule.low : rule.high) = "*";
+      if (random_.percent(50)) rule.guard = code_.guard(known());
+      atom_.rules.push_back(rule);
+    }
+  }
+  void make_invariant() {
+    static const std::vector<std::string> scopes = {"", "at", "from"};
+    Invariant invariant;
+    invariant.name = "i0";
+    invariant.scope = random_.pick(scopes);
+    if (!invariant.scope.empty()) invariant.places.push_back(random_.pick(first_));
+    if (invariant.scope == "at" && !second_.empty()) invariant.places.push_back(random_.pick(second_));
+    invariant.condition = code_.guard(known());
+    // Violated at once in too many models otherwise.
+    if (random_.percent(60)) {
+      Expr other = unary("!", invariant.condition, Ty::Bool);
+      invariant.condition = binary("||", invariant.condition, std::move(other), Ty::Bool);
+    }
+    atom_.invariants.push_back(std::move(invariant));
   }
   void make_places() {
     int n = random_.between(1, 4);
@@ -160,8 +206,9 @@ class AtomMaker {
   }
   void choose_notation() {
     bool fits = style_.paper && atom_.params.empty() && second_.empty() && !style_.odd_names;
+    fits = fits && atom_.rules.empty() && atom_.invariants.empty();
     for (const Var& var : atom_.data) fits = fits && !var.exported;
-    for (const Port& port : atom_.ports) fits = fits && port.exported;
+    for (const Port& port : atom_.ports) fits = fits && port.exported && port.merged.empty();
     for (const Transition& t : atom_.transitions) fits = fits && !t.port.empty();
     atom_.paper = fits;
   }

@@ -53,6 +53,23 @@ class CompoundMaker {
       compound_.components.push_back(component);
     }
   }
+  struct Shown {
+    std::string name, port_type;
+    int weight = 1;
+  };
+  /// The ports of an atom type as others see them.
+  static std::vector<Shown> shown_by(const AtomType& type) {
+    std::vector<Shown> result;
+    for (const Port& port : type.ports) {
+      if (!port.exported) continue;
+      if (!port.merged.empty() && !result.empty() && result.back().name == port.merged) {
+        ++result.back().weight;
+      } else {
+        result.push_back({port.outside(), port.type, 1});
+      }
+    }
+    return result;
+  }
   void add_nested(Component& component, const CompoundType& type) {
     component.type = type.name;
     if (!type.params.empty()) component.args.push_back(int_literal(random_.between(2, 4)));
@@ -69,9 +86,8 @@ class CompoundMaker {
     for (const Var& param : type.params) component.args.push_back(argument(param.type, has_param));
     int elements = component.size.empty() ? 1 : component.size == "n" ? 2 : std::stoi(component.size);
     for (int k = 0; k < elements; ++k) {
-      for (const Port& port : type.ports) {
-        if (!port.exported) continue;
-        Offer offer{{component.name, {}, port.name}, port.type, {component.name}, 1, 0, false};
+      for (const auto& [name, port_type, weight] : shown_by(type)) {
+        Offer offer{{component.name, {}, name}, port_type, {component.name}, weight, 0, false};
         if (!component.size.empty()) {
           offer.path.index = {Index::Kind::Constant, k, component.size};
           offer.atoms = {component.name + "[" + std::to_string(k) + "]"};
@@ -145,16 +161,13 @@ class CompoundMaker {
   void connect_array(const Component& component) {
     if (component.size.empty() || !random_.percent(75)) return;
     const AtomType& type = *find_named(model_.atom_types, component.type);
-    std::vector<const Port*> ports;
-    for (const Port& port : type.ports) {
-      if (port.exported) ports.push_back(&port);
-    }
+    std::vector<Shown> ports = shown_by(type);
     Connector connector;
     std::vector<std::string> params;
     for (int k = 0, n = random_.between(1, 2); k < n; ++k) {
-      const Port& port = *random_.pick(ports);
+      const Shown& port = random_.pick(ports);
       connector.ports.push_back({component.name, {Index::Kind::Loop, k, component.size}, port.name});
-      params.push_back(port.type);
+      params.push_back(port.port_type);
     }
     ConnectorType made = fitting_type(params, false);
     if (find_named(model_.connector_types, made.name) == nullptr) model_.connector_types.push_back(made);
@@ -179,8 +192,22 @@ class CompoundMaker {
     Interface& interface = interfaces_[compound_.name];
     for (std::size_t k = 0; k < count; ++k) {
       std::string name = "out" + std::to_string(k);
-      compound_.port_exports.push_back({pool[k].path, name});
-      interface.ports.push_back({name, pool[k].port_type, pool[k].atoms, pool[k].weight, pool[k].depth});
+      PortExport exported{{pool[k].path}, name};
+      Interface::Item item{name, pool[k].port_type, pool[k].atoms, pool[k].weight, pool[k].depth};
+      if (style_.merged && random_.percent(50)) merge_into(exported, item, pool);
+      compound_.port_exports.push_back(exported);
+      interface.ports.push_back(item);
+    }
+  }
+  /// More ports of the same type under one name; of other atoms, so that no alternative contains another.
+  static void merge_into(PortExport& exported, Interface::Item& item, const std::vector<Offer>& pool) {
+    for (const Offer& offer : pool) {
+      bool free = std::none_of(offer.atoms.begin(), offer.atoms.end(), [&](const auto& a) { return item.atoms.contains(a); });
+      if (!free || offer.port_type != item.port_type || exported.targets.size() == 3) continue;
+      exported.targets.push_back(offer.path);
+      item.atoms.insert(offer.atoms.begin(), offer.atoms.end());
+      item.weight += offer.weight;
+      item.depth = std::max(item.depth, offer.depth);
     }
   }
   void make_data_exports() {

@@ -50,7 +50,7 @@ void NaiveEngine::initialise(std::size_t atom) {
   }
   state.marking.insert(type.initial.begin(), type.initial.end());
   execute(type.initial_action, gen::lookup_in(state.vars), fault);
-  if (fault) trouble(Trouble::Sure);
+  if (fault || !invariants_hold(state, type)) return trouble(Trouble::Sure);
   settle(atom);
 }
 
@@ -79,6 +79,48 @@ void NaiveEngine::find_enabled(AtomState& state, const AtomType& type) {
     if (state.enabled.contains(t.port)) trouble(Trouble::Possible);
     state.enabled[t.port] = &t;
   }
+  if (!state.enabled.contains("")) hide_dominated(state, type);
+}
+
+bool NaiveEngine::invariants_hold(AtomState& state, const AtomType& type) {
+  for (const Invariant& i : type.invariants) {
+    std::set<std::string> places(i.places.begin(), i.places.end());
+    bool concerns = i.scope == "at" ? places == state.marking : std::includes(state.marking.begin(), state.marking.end(), places.begin(), places.end());
+    bool fault = false;
+    if (concerns && (evaluate(i.condition, gen::lookup_in(state.vars), fault).i == 0 || fault)) return false;
+  }
+  return true;
+}
+
+/// Priorities of an atom: a port below an enabled one, through any ports, is not enabled.
+void NaiveEngine::hide_dominated(AtomState& state, const AtomType& type) {
+  std::set<std::pair<std::string, std::string>> below;
+  for (const AtomRule& rule : type.rules) {
+    bool fault = false;
+    if (rule.guard && evaluate(*rule.guard, gen::lookup_in(state.vars), fault).i == 0) continue;
+    if (fault) trouble(Trouble::Possible);
+    for (const Port& low : type.ports) {
+      for (const Port& high : type.ports) {
+        bool low_fits = rule.low == "*" ? low.name != rule.high : low.name == rule.low;
+        bool high_fits = rule.high == "*" ? high.name != rule.low : high.name == rule.high;
+        if (low_fits && high_fits) below.emplace(low.name, high.name);
+      }
+    }
+  }
+  std::set<std::string> hidden;
+  for (const auto& [port, transition] : state.enabled) {
+    std::vector<std::string> work = {port};
+    std::set<std::string> above;
+    while (!work.empty()) {
+      std::string at = work.back();
+      work.pop_back();
+      for (const auto& [low, high] : below) {
+        if (low == at && above.insert(high).second) work.push_back(high);
+      }
+    }
+    if (std::any_of(above.begin(), above.end(), [&](const std::string& q) { return state.enabled.contains(q); })) hidden.insert(port);
+  }
+  for (const std::string& port : hidden) state.enabled.erase(port);
 }
 
 void NaiveEngine::fire_transition(std::size_t atom, const std::string& port) {
@@ -88,10 +130,7 @@ void NaiveEngine::fire_transition(std::size_t atom, const std::string& port) {
   for (const std::string& place : t.to) state.marking.insert(place);
   bool fault = false;
   execute(t.action, gen::lookup_in(state.vars), fault);
-  if (fault) {
-    trouble(Trouble::Sure);
-    return;
-  }
+  if (fault || !invariants_hold(state, *world_.atoms[atom].type)) return trouble(Trouble::Sure);
   settle(atom);
 }
 
@@ -104,13 +143,13 @@ Lookup NaiveEngine::lookup_in(Choice& choice) {
     const PortType& port_type = *find_named(model_.port_types, row.type->params[p].type);
     std::size_t v = 0;
     while (port_type.vars[v].name != name) ++v;
-    const WorldPort& port = row.ports[p];
-    if (port.atom >= 0) {
-      const AtomType& type = *world_.atoms[static_cast<std::size_t>(port.atom)].type;
-      return states_[static_cast<std::size_t>(port.atom)].vars[find_named(type.ports, port.port)->vars[v]];
+    Choice& part = choice.parts.at(static_cast<int>(p));
+    if (part.connector < 0) {
+      const AtomType& type = *world_.atoms[static_cast<std::size_t>(part.atom)].type;
+      return states_[static_cast<std::size_t>(part.atom)].vars[find_named(type.ports, part.port)->vars[v]];
     }
-    const ConnectorType& inner = *world_.connectors[static_cast<std::size_t>(port.connector)].type;
-    return choice.nested.at(static_cast<int>(p)).own[inner.export_vars[v]];
+    const ConnectorType& inner = *world_.connectors[static_cast<std::size_t>(part.connector)].type;
+    return part.own[inner.export_vars[v]];
   };
 }
 
@@ -133,6 +172,25 @@ void NaiveEngine::complete(Choice choice, std::vector<Choice>& result) {
   result.push_back(std::move(choice));
 }
 
+/// The alternatives that a bound port offers now.
+std::vector<Choice> NaiveEngine::options_of(const WorldPort& port) {
+  std::vector<Choice> result;
+  for (const WorldOption& option : port) {
+    if (option.connector >= 0) {
+      std::vector<Choice> inner = choices_of(option.connector);
+      if (option.maximal_only) inner = maximal(inner);
+      result.insert(result.end(), inner.begin(), inner.end());
+    } else if (states_[static_cast<std::size_t>(option.atom)].enabled.contains(option.port)) {
+      Choice choice;
+      choice.atom = option.atom;
+      choice.port = option.port;
+      choice.leaves.insert({option.atom, option.port});
+      result.push_back(choice);
+    }
+  }
+  return result;
+}
+
 std::vector<Choice> NaiveEngine::choices_of(int connector) {
   const WorldConnector& row = world_.connectors[static_cast<std::size_t>(connector)];
   std::vector<Choice> result;
@@ -142,20 +200,13 @@ std::vector<Choice> NaiveEngine::choices_of(int connector) {
     base.params = set;
     std::vector<Choice> partial = {base};
     for (int p : set) {
-      const WorldPort& port = row.ports[static_cast<std::size_t>(p)];
-      std::vector<Choice> next;
-      if (port.atom >= 0) {
-        if (states_[static_cast<std::size_t>(port.atom)].enabled.contains(port.port)) next = partial;
-        for (Choice& choice : next) choice.leaves.insert({port.atom, port.port});
-      } else if (!partial.empty()) {
-        std::vector<Choice> inner = choices_of(port.connector);
-        if (port.maximal_only) inner = maximal(inner);
-        for (const Choice& choice : partial) {
-          for (const Choice& alternative : inner) {
-            next.push_back(choice);
-            next.back().leaves.insert(alternative.leaves.begin(), alternative.leaves.end());
-            next.back().nested.emplace(p, alternative);
-          }
+      std::vector<Choice> next, options;
+      if (!partial.empty()) options = options_of(row.ports[static_cast<std::size_t>(p)]);
+      for (const Choice& choice : partial) {
+        for (const Choice& option : options) {
+          next.push_back(choice);
+          next.back().leaves.insert(option.leaves.begin(), option.leaves.end());
+          next.back().parts.emplace(p, option);
         }
       }
       partial = std::move(next);
@@ -165,31 +216,16 @@ std::vector<Choice> NaiveEngine::choices_of(int connector) {
   return result;
 }
 
-void NaiveEngine::fire_connector(Choice& choice) {
-  const WorldConnector& row = world_.connectors[static_cast<std::size_t>(choice.connector)];
+void NaiveEngine::fire(Choice choice) { fire_part(choice); }
+
+/// An atom fires at once; a connector runs its `down`, then its ports in the order of its parameters.
+void NaiveEngine::fire_part(Choice& choice) {
+  if (trouble_ != Trouble::None) return;
+  if (choice.connector < 0) return fire_transition(static_cast<std::size_t>(choice.atom), choice.port);
   bool fault = false;
   if (choice.clause != nullptr) execute(choice.clause->down, lookup_in(choice), fault);
-  if (fault) {
-    trouble(Trouble::Sure);
-    return;
-  }
-  for (int p : choice.params) {
-    if (trouble_ != Trouble::None) return;
-    const WorldPort& port = row.ports[static_cast<std::size_t>(p)];
-    if (port.atom >= 0) {
-      fire_transition(static_cast<std::size_t>(port.atom), port.port);
-    } else {
-      fire_connector(choice.nested.at(p));
-    }
-  }
-}
-
-void NaiveEngine::fire(Choice choice) {
-  if (choice.connector >= 0) {
-    fire_connector(choice);
-  } else {
-    fire_transition(static_cast<std::size_t>(choice.atom), choice.port);
-  }
+  if (fault) return trouble(Trouble::Sure);
+  for (int p : choice.params) fire_part(choice.parts.at(p));
 }
 
 }  // namespace bip::gen

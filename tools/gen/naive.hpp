@@ -6,13 +6,13 @@
 
 namespace bip::gen {
 
-/// An enabled interaction with one choice of values, `up` done. connector -1: the internal port of an atom.
+/// An enabled interaction with one choice of values, `up` done. connector -1: one port of an atom.
 struct Choice {
   int connector = -1;
   int atom = -1;
   std::string port;
   std::vector<int> params;        // sorted
-  std::map<int, Choice> nested;   // by parameter
+  std::map<int, Choice> parts;    // by parameter
   Values own;
   const Clause* clause = nullptr;
   Leaves leaves;
@@ -50,9 +50,12 @@ class NaiveEngine {
   void fire_transition(std::size_t atom, const std::string& port);
   void find_enabled(AtomState& state, const AtomType& type);
   [[nodiscard]] std::vector<Choice> choices_of(int connector);
+  [[nodiscard]] std::vector<Choice> options_of(const WorldPort& port);
+  void hide_dominated(AtomState& state, const AtomType& type);
+  [[nodiscard]] bool invariants_hold(AtomState& state, const AtomType& type);
   void complete(Choice choice, std::vector<Choice>& result);
   [[nodiscard]] Lookup lookup_in(Choice& choice);
-  void fire_connector(Choice& choice);
+  void fire_part(Choice& choice);
   [[nodiscard]] bool matches(const WorldRule& rule, bool high, const Node& node) const;
   [[nodiscard]] std::vector<bool> active_rules();
   void trouble(Trouble t) { trouble_ = std::max(trouble_, t); }

@@ -86,12 +86,22 @@ class Builder {
   }
   WorldPort resolve(Instance& at, const PortPath& path, int loop) {
     std::string key = key_of(at, path, loop);
-    if (auto atom = at.atoms.find(key); atom != at.atoms.end()) return {atom->second, path.port, -1, false};
-    if (auto connector = at.connectors.find(key); connector != at.connectors.end()) return {-1, "", connector->second, false};
+    WorldPort result;
+    if (auto atom = at.atoms.find(key); atom != at.atoms.end()) {
+      for (const Port& port : world_.atoms[static_cast<std::size_t>(atom->second)].type->ports) {
+        if (port.exported && port.outside() == path.port) result.push_back({atom->second, port.name, -1, false});
+      }
+      return result;
+    }
+    if (auto connector = at.connectors.find(key); connector != at.connectors.end()) return {{-1, "", connector->second, false}};
     Instance& child = *at.children.at(key);
-    WorldPort port = resolve(child, find_named(child.type->port_exports, path.port)->target, 0);
-    port.maximal_only = port.connector >= 0;
-    return port;
+    for (const PortPath& target : find_named(child.type->port_exports, path.port)->targets) {
+      for (WorldOption option : resolve(child, target, 0)) {
+        option.maximal_only = option.connector >= 0;
+        result.push_back(option);
+      }
+    }
+    return result;
   }
   void add_connector(Instance& at, const Connector& connector, const std::string& name, int loop) {
     WorldConnector row;
@@ -100,7 +110,6 @@ class Builder {
     row.compound = at.number;
     for (const PortPath& path : connector.ports) {
       row.ports.push_back(resolve(at, path, loop));
-      if (row.ports.back().connector >= 0) world_.connectors[static_cast<std::size_t>(row.ports.back().connector)].bound = true;
     }
     at.connectors[name] = static_cast<int>(world_.connectors.size());
     world_.connectors.push_back(row);
@@ -148,12 +157,13 @@ std::vector<Node> structural_interactions(const World& world, int connector, std
   for (const auto& set : expand(row.type->define)) {
     std::vector<Node> partial = {{connector, std::set<int>(set.begin(), set.end()), {}}};
     for (int p : set) {
-      const WorldPort& port = row.ports[static_cast<std::size_t>(p)];
       std::vector<Leaves> options;
-      if (port.atom >= 0) {
-        options.push_back({{port.atom, port.port}});
-      } else {
-        for (Node& inner : structural_interactions(world, port.connector, limit)) options.push_back(std::move(inner.leaves));
+      for (const WorldOption& option : row.ports[static_cast<std::size_t>(p)]) {
+        if (option.atom >= 0) {
+          options.push_back({{option.atom, option.port}});
+        } else {
+          for (Node& inner : structural_interactions(world, option.connector, limit)) options.push_back(std::move(inner.leaves));
+        }
       }
       std::vector<Node> next;
       for (const Node& node : partial) {

@@ -12,17 +12,18 @@ struct WorldAtom {
   const AtomType* type = nullptr;
   Values args;
 };
-struct WorldPort {
+struct WorldOption {
   int atom = -1;       // else a connector's exported port
   std::string port;    // of the atom
   int connector = -1;
   bool maximal_only = false;
 };
+/// What a parameter is bound to; several for merged ports.
+using WorldPort = std::vector<WorldOption>;
 struct WorldConnector {
   std::string path;
   const ConnectorType* type = nullptr;
   std::vector<WorldPort> ports;
-  bool bound = false;
   int compound = 0;    // the instance that declares it
 };
 /// A side of a rule: connector -1 is *:*.
@@ -53,7 +54,7 @@ struct Node {
   std::set<int> params;
   Leaves leaves;
 };
-/// All of a connector, nested alternatives multiplied out. Stops at `limit` rows.
+/// All of a connector, nested and merged alternatives multiplied out. Stops at `limit` rows.
 [[nodiscard]] std::vector<Node> structural_interactions(const World& world, int connector, std::size_t limit);
 
 }  // namespace bip::gen

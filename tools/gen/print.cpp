@@ -22,9 +22,14 @@ std::string data_line(const Var& var) {
 std::string print(const AtomType& atom) {
   std::string text = "  atom type " + atom.name + "(" + typed(atom.params) + ")\n";
   for (const Var& var : atom.data) text += data_line(var);
-  for (const Port& port : atom.ports) {
-    text += std::string("    ") + (port.exported ? "export " : "") + "port " + port.type + " " + port.name + "(" +
-            join(port.vars, ", ") + ")\n";
+  for (std::size_t k = 0; k < atom.ports.size(); ++k) {
+    const Port& port = atom.ports[k];
+    text += std::string("    ") + (port.exported ? "export " : "") + "port " + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")";
+    // Merged ports are neighbours.
+    for (; !port.merged.empty() && k + 1 < atom.ports.size() && atom.ports[k + 1].merged == port.merged; ++k) {
+      text += ", " + atom.ports[k + 1].name + "(" + join(atom.ports[k + 1].vars, ", ") + ")";
+    }
+    text += port.merged.empty() ? "\n" : " as " + port.merged + "\n";
   }
   text += "    place " + join(atom.places, ", ") + "\n    initial to " + join(atom.initial, ", ");
   if (!atom.initial_action.empty()) text += " do " + code(atom.initial_action);
@@ -35,6 +40,15 @@ std::string print(const AtomType& atom) {
     if (t.guard) text += " provided (" + code(*t.guard) + ")";
     if (!t.action.empty()) text += " do " + code(t.action);
     text += "\n";
+  }
+  for (const AtomRule& rule : atom.rules) {
+    text += "    priority " + rule.name + " " + rule.low + " < " + rule.high;
+    if (rule.guard) text += " provided (" + code(*rule.guard) + ")";
+    text += "\n";
+  }
+  for (const Invariant& i : atom.invariants) {
+    text += "    invariant " + i.name + (i.scope.empty() ? "" : " " + i.scope + " " + join(i.places, ", "));
+    text += " provided (" + code(i.condition) + ")\n";
   }
   return text + "  end\n";
 }
@@ -102,7 +116,11 @@ std::string print(const CompoundType& compound) {
     if (rule.guard) text += " provided (" + code(*rule.guard) + ")";
     text += "\n";
   }
-  for (const PortExport& e : compound.port_exports) text += "    export port " + text_of(e.target) + " as " + e.name + "\n";
+  for (const PortExport& e : compound.port_exports) {
+    std::vector<std::string> targets;
+    for (const PortPath& path : e.targets) targets.push_back(text_of(path));
+    text += "    export port " + join(targets, ", ") + " as " + e.name + "\n";
+  }
   for (const DataExport& e : compound.data_exports) {
     text += "    export data " + e.component + "." + e.data + " as " + e.name + "\n";
   }

@@ -20,6 +20,9 @@ class Editor {
       remove_one(type.port_exports);
       remove_one(type.data_exports);
       for (Priority& p : type.priorities) drop(p.guard);
+      for (PortExport& e : type.port_exports) {
+        if (e.targets.size() > 1) remove_one(e.targets);
+      }
     }
     for (std::size_t k = 0; k < model.connector_types.size() && !done_; ++k) remove_param(model, model.connector_types[k]);
     for (ConnectorType& type : model.connector_types) walk(type);
@@ -37,6 +40,8 @@ class Editor {
     }
     for (AtomType& type : model.atom_types) {
       each(type.initial_action);
+      for (AtomRule& r : type.rules) each(r.guard);
+      for (Invariant& i : type.invariants) each(i.condition);
       for (Var& v : type.data) each(v.init);
       for (Transition& t : type.transitions) {
         each(t.guard);
@@ -78,8 +83,11 @@ class Editor {
   }
   void walk(AtomType& type) {
     if (type.paper && here()) type.paper = false;
+    remove_one(type.rules);
+    remove_one(type.invariants);
     remove_one(type.transitions);
     remove_one(type.ports);
+    for (AtomRule& r : type.rules) drop(r.guard);
     for (Transition& t : type.transitions) {
       drop(t.guard);
       drop(t.action);

@@ -38,6 +38,9 @@ class Tidier {
       names_in(stmt.else_body, names);
     }
   }
+  static bool rules_a_port(const AtomType& type, const std::string& port) {
+    return port == "*" || find_named(type.ports, port) != nullptr;
+  }
   void tidy(AtomType& type) {
     drop_if(type.transitions, [&](const Transition& t) { return !t.port.empty() && find_named(type.ports, t.port) == nullptr; });
     std::set<std::string> names, places(type.initial.begin(), type.initial.end());
@@ -48,7 +51,31 @@ class Tidier {
       places.insert(t.from.begin(), t.from.end());
       places.insert(t.to.begin(), t.to.end());
     }
-    for (const Port& port : type.ports) names.insert(port.vars.begin(), port.vars.end());
+    drop_if(type.rules, [&](const AtomRule& r) { return !rules_a_port(type, r.low) || !rules_a_port(type, r.high); });
+    for (const AtomRule& r : type.rules) {
+      if (r.guard) names_in(*r.guard, names);
+    }
+    drop_if(type.invariants, [&](const Invariant& i) {
+      return !std::all_of(i.places.begin(), i.places.end(), [&](const std::string& p) { return places.contains(p); });
+    });
+    for (const Invariant& i : type.invariants) names_in(i.condition, names);
+    for (Port& port : type.ports) {
+      names.insert(port.vars.begin(), port.vars.end());
+      auto same = [&](const Port& p) { return p.merged == port.merged; };
+      if (!port.merged.empty() && std::count_if(type.ports.begin(), type.ports.end(), same) == 1) {
+        // Nobody left to merge with; connectors know it by this name.
+        for (Transition& t : type.transitions) {
+          if (t.port == port.name) t.port = port.merged;
+        }
+        for (AtomRule& r : type.rules) {
+          if (r.low == port.name) r.low = port.merged;
+          if (r.high == port.name) r.high = port.merged;
+        }
+        port.name = port.merged;
+        port.merged.clear();
+        changed_ = true;
+      }
+    }
     for (const CompoundType& compound : model_.compound_types) {
       for (const DataExport& e : compound.data_exports) names.insert(e.data);
     }
@@ -58,7 +85,9 @@ class Tidier {
 
   [[nodiscard]] bool leads_somewhere(const CompoundType& at, const PortPath& path) const {
     if (const Component* component = find_named(at.components, path.component)) {
-      if (const AtomType* atom = find_named(model_.atom_types, component->type)) return find_named(atom->ports, path.port) != nullptr;
+      if (const AtomType* atom = find_named(model_.atom_types, component->type)) {
+        return std::any_of(atom->ports.begin(), atom->ports.end(), [&](const Port& p) { return p.outside() == path.port; });
+      }
       const CompoundType* inner = find_named(model_.compound_types, component->type);
       return inner != nullptr && find_named(inner->port_exports, path.port) != nullptr;
     }
@@ -77,7 +106,10 @@ class Tidier {
     drop_if(type.connectors, [&](const Connector& c) {
       return !std::all_of(c.ports.begin(), c.ports.end(), [&](const PortPath& p) { return leads_somewhere(type, p); });
     });
-    drop_if(type.port_exports, [&](const PortExport& e) { return !leads_somewhere(type, e.target); });
+    for (PortExport& e : type.port_exports) {
+      drop_if(e.targets, [&](const PortPath& path) { return !leads_somewhere(type, path); });
+    }
+    drop_if(type.port_exports, [](const PortExport& e) { return e.targets.empty(); });
     drop_if(type.data_exports, [&](const DataExport& e) { return find_named(type.components, e.component) == nullptr; });
     auto gone = [&](const Pattern& p) { return !p.any_connector && find_named(type.connectors, p.connector) == nullptr; };
     drop_if(type.priorities, [&](const Priority& p) {

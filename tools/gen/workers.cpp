@@ -45,9 +45,11 @@ class Worker {
       alarm(kSecondsPerModel);
       OracleCounts counts;
       EmittedCase emitted;
-      std::string failure = check_model(generate(seed), seed, options_, counts, options_.emit_cpp ? &emitted : nullptr);
+      SupportedModel supported = supported_model(seed);
+      std::string failure = check_model(supported.model, seed, options_, counts, options_.emit_cpp ? &emitted : nullptr);
       alarm(0);
       std::fprintf(out_, "M %llu %llu\n", static_cast<unsigned long long>(counts.states), static_cast<unsigned long long>(counts.too_large));
+      if (supported.is_plain) std::fprintf(out_, "U 1\n");
       if (!failure.empty()) {
         report({seed, failure});
       } else if (options_.emit_cpp) {
@@ -91,6 +93,8 @@ void read_results(std::FILE* in, Totals& totals) {
       totals.oracle.too_large += std::strtoull(rest, nullptr, 10);
     } else if (line[0] == 'E') {
       totals.emitted += first;
+    } else if (line[0] == 'U') {
+      ++totals.unsupported;
     } else if (line[0] == 'F') {
       totals.failures.push_back({first, many_lines(rest + 1)});
     }

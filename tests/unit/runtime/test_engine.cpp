@@ -202,9 +202,9 @@ TEST_CASE("same seed, same trace; another seed, another") {
   CHECK(once != trace_of(b.image(), seeded(43, 500)));
 }
 
-TEST_CASE("fair leaves nobody out, first takes the first") {
+TEST_CASE("fair: what stays enabled has its turn in every round") {
   Builder b;
-  build_philosophers(b, 8, false);
+  build_pairs(b, 16);
   Core core(b.image());
   REQUIRE(core.initialize());
   Scheduler fair(Policy::Fair, 0);
@@ -213,9 +213,9 @@ TEST_CASE("fair leaves nobody out, first takes the first") {
     const Candidate candidate = core.candidate(fair.choose(core));
     ++fired[candidate.slot];
     REQUIRE(core.fire(candidate));
-    fair.fired(candidate);
+    fair.fired(candidate.slot);
   }
-  for (int count : fired) CHECK(count > 50);
+  for (int count : fired) CHECK((count >= 99 && count <= 101));
   // Cyclic: after the last slot comes the first again.
   CHECK(core.next_after(15) == 0);
 }
@@ -232,11 +232,9 @@ TEST_CASE("a deadlock is told as a cycle") {
   CHECK(one.result.exit_code == 0);
   CHECK(one.out ==
         "bipc: seed 1, policy fair\n"
-        "deadlock[V0001]: 4 components wait for each other   (2 steps, seed 1)\n"
+        "deadlock[V0001]: 2 components wait for each other   (2 steps, seed 1)\n"
         "  phil[0] at `has_left`  test.bip:12   wants take_right  <- fork[1] at `busy`  test.bip:4\n"
-        "  fork[1] at `busy`  test.bip:4   wants free  <- phil[1] at `has_left`  test.bip:12\n"
         "  phil[1] at `has_left`  test.bip:12   wants take_right  <- fork[0] at `busy`  test.bip:4\n"
-        "  fork[0] at `busy`  test.bip:4   wants free  <- phil[0] at `has_left`  test.bip:12\n"
         "  cycle: phil[0] -> fork[1] -> phil[1] -> fork[0] -> phil[0]\n");
 }
 

@@ -56,6 +56,11 @@ TEST_CASE("tables come back as they were") {
   CHECK(b.connectors[ConnectorId(2u)].ports[0].maximal_only);
   CHECK(b.connectors[ConnectorId(0u)].data == a.connectors[ConnectorId(0u)].data);
   CHECK(b.connectors[ConnectorId(0u)].bound);
+  CHECK(b.choices == a.choices);
+  CHECK(b.connectors[ConnectorId(5u)].ports == a.connectors[ConnectorId(5u)].ports);
+  CHECK(b.atom_types[AtomTypeId(0u)].priorities[1].low == AtomPriority::kAnyPort);
+  CHECK(b.atom_types[AtomTypeId(0u)].invariants[1].places == std::vector<std::uint32_t>{0, 2});
+  CHECK(b.atom_types[AtomTypeId(1u)].merged[0].ports == std::vector<std::uint32_t>{1, 2});
   CHECK(b.priorities[PriorityId(0u)].low == a.priorities[PriorityId(0u)].low);
   CHECK(b.priorities[PriorityId(2u)].low.any_connector);
 }

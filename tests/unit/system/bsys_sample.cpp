@@ -113,6 +113,11 @@ AtomType worker(Code& c) {
   type.transitions.push_back({.port = 1, .from = {2}, .to = {2},
                               .guard = c.op(Op::Eq, Bool, c.op(Op::Gt, Bool, c.f(1e300), c.f(3)), c.b(true)),
                               .action = {}, .loc = {}});
+  type.priorities = {{.name = "p", .low = 0, .high = 1, .guard = c.self(Bool, 2), .loc = {0, 30, 3}},
+                     {.name = "q", .low = AtomPriority::kAnyPort, .high = 0, .guard = {}, .loc = {}}};
+  type.invariants = {{.name = "i", .scope = InvariantScope::Always, .places = {}, .condition = c.b(true), .loc = {0, 31, 3}},
+                     {.name = "j", .scope = InvariantScope::At, .places = {0, 2}, .condition = c.self(Bool, 2), .loc = {}},
+                     {.name = "k", .scope = InvariantScope::From, .places = {1}, .condition = c.b(true), .loc = {}}};
   return type;
 }
 
@@ -169,7 +174,9 @@ System make_sample_system() {
                 {.name = "f", .type = Float, .is_param = true, .exported = false, .loc = {}},
                 {.name = "text", .type = String, .is_param = true, .exported = false, .loc = {}}};
   flag.ports = {{.name = "p", .type = PortTypeId(2u), .slots = {0}, .exported = true, .loc = {}},
-                {.name = "t", .type = PortTypeId(0u), .slots = {}, .exported = true, .loc = {}}};
+                {.name = "t", .type = PortTypeId(0u), .slots = {}, .exported = true, .loc = {}},
+                {.name = "u", .type = PortTypeId(0u), .slots = {}, .exported = true, .loc = {}}};
+  flag.merged = {{.name = "either", .type = PortTypeId(0u), .ports = {1, 2}, .loc = {0, 33, 3}}};
   flag.places = {"only"};
   flag.initial = {0};
   s.atom_types.push(flag);
@@ -201,6 +208,13 @@ System make_sample_system() {
   s.connectors.push({.path = "ROOT.top", .type = ConnectorTypeId(1u), .parent = CompoundId(0u), .ports = {exported}, .data = {}, .loc = {}});
   s.connectors.push({.path = "ROOT.top2", .type = ConnectorTypeId(1u), .parent = CompoundId(1u), .ports = {maximal}, .data = {}, .loc = {}});
   s.connectors.push({.path = "ROOT.t", .type = ConnectorTypeId(2u), .parent = CompoundId(1u), .ports = {port(1, 1)}, .data = {}, .loc = {}});
+  PortRef choice;
+  choice.kind = PortRef::Kind::Choice;
+  s.choices.push_back({.name = "g.either", .ports = {port(1, 1), port(1, 2)}});
+  s.choices.push_back({.name = "outs", .ports = {exported, maximal}});
+  s.connectors.push({.path = "ROOT.e", .type = ConnectorTypeId(2u), .parent = CompoundId(1u), .ports = {choice}, .data = {}, .loc = {}});
+  choice.choice = 1;
+  s.connectors.push({.path = "ROOT.f", .type = ConnectorTypeId(1u), .parent = CompoundId(1u), .ports = {choice}, .data = {}, .loc = {}});
 
   Pattern one, any, all;
   one.connector = ConnectorId(0u);
