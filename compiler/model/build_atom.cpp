@@ -117,11 +117,9 @@ struct AtomBuilder {
     for (const syntax::PortDecl& d : decl.ports) {
       if (d.role == syntax::PortRole::External) {
         b.not_yet(d.range, "an `extern port`");
-        continue;
       }
       if (!d.merged_as.text.empty() && d.items.size() > 1) {
         b.not_yet(d.merged_as.range, "merging ports with `as`");
-        continue;
       }
       for (const syntax::PortItem& item : d.items) {
         build_port(d, item);
@@ -131,7 +129,10 @@ struct AtomBuilder {
         if (!d.merged_as.text.empty() && !out.ports.empty()) out.ports.back().name = std::string(d.merged_as.text);
       }
     }
-    for (const syntax::ClockDecl& c : decl.clocks) b.not_yet(c.range, "a clock");
+    for (const syntax::ClockDecl& c : decl.clocks) {
+      b.not_yet(c.range, "a clock");
+      for (const syntax::Name& name : c.names) scope.names[std::string(name.text)] = {.value = {}, .poison = true, .declared = name.range};
+    }
     for (const syntax::AtomPriority& p : decl.atom_priorities) b.not_yet(p.range, "a priority between the ports of an atom");
     for (const syntax::Invariant& i : decl.invariants) b.not_yet(i.range, "an invariant");
   }

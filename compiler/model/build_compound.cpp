@@ -126,8 +126,7 @@ void CompoundBuilder::build_exports() {
       continue;
     }
     if (e.targets.size() > 1) {
-      b.not_yet(e.range, "merging several ports into one export");
-      continue;
+      b.not_yet(e.range, "merging several ports into one export");  // goes on with the first, so that uses find a port
     }
     PortExport row{.name = std::string(e.name.text), .targets = {}, .type = {}, .range = e.range};
     PortPath& target = row.targets.emplace_back();

@@ -27,17 +27,13 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     }
     case syntax::StmtKind::Assign: break;
   }
-  if (s->clock_speed) {
-    diags_.report(Diag::kB1900, s->range, "the speed of a clock");
-    return next;
-  }
   const std::string name = path_key(s->target, *model_.sources);
   if (find(s->target, false) == nullptr && model_.constants.contains(name)) {
     diags_.report(Diag::kB1018, s->target.range, name, "a constant keeps its value");
     return next;
   }
   const Binding* target = find(s->target, true);
-  if (target == nullptr) {
+  if (target == nullptr || target->poison) {
     expr(s->value);
     return next;
   }

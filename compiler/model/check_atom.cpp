@@ -77,7 +77,8 @@ void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& 
     for (std::size_t i = 0; i < j; ++i) {
       const Transition& first = atom.transitions[i];
       if (first.port != second.port || first.from != second.from) continue;
-      const std::string port = second.port == Transition::kInternal ? "an internal transition" : fmt::format("port `{}`", atom.ports[second.port].name);
+      const std::string port = second.port == Transition::kInternal ? fmt::format("atom type `{}` has two internal transitions", atom.name)
+                                                                     : fmt::format("port `{}` has two transitions", atom.ports[second.port].name);
       const std::string place = second.from.empty() ? "?" : atom.places[second.from[0]];
       const bool sure = !first.guard.is_valid() && !second.guard.is_valid();
       auto d = b.diags.report(sure ? Diag::kB1025 : Diag::kB1026, decl.transitions[j].range, port, place).label(decl.transitions[i].range, "the other one");

@@ -163,7 +163,7 @@ const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
 }
 
 std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
-  if (e->clock_speed) {
+  if (e->clock_speed && find(e->path, false) == nullptr) {
     diags_.report(Diag::kB1900, e->range, "the speed of a clock");
     return std::nullopt;
   }
@@ -174,6 +174,7 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
     find(e->path, true);
     return std::nullopt;
   }
+  if (b->poison) return std::nullopt;
   if (b->value.is_valid()) return Typed{b->value, b->type};
   return Typed{make({.op = b->load, .type = b->type, .index = b->index, .a = {}, .b = {}, .loc = loc(e->range)}), b->type};
 }

@@ -17,9 +17,10 @@ struct Binding {
   Op load = Op::LoadSelf;
   std::uint32_t index = 0;
   Type type = Type::Int;
-  std::string read_only;  // why it cannot be assigned; empty: it can
-  ExprId value;           // valid: the name stands for this expression
-  SourceRange declared;
+  std::string read_only{};// why it cannot be assigned; empty: it can
+  ExprId value{};         // valid: the name stands for this expression
+  bool poison = false;    // its declaration was wrong or is not supported: uses say nothing more
+  SourceRange declared{};
 };
 
 struct Scope {

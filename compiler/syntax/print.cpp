@@ -78,7 +78,15 @@ void Printer::lead_in(std::uint32_t begin, std::uint32_t limit) {
 /// Ends the line, with the comments that follow on the same line of the source.
 void Printer::end_line(std::uint32_t source_end) {
   last_end_ = std::max(last_end_, source_end);
-  while (next_comment_ < syntax_.comments.size()) {
+  bool is_full = false;
+  // Comments inside what was printed, for which there was no room earlier.
+  while (!is_full && has_comment_before(source_end)) {
+    const Comment& c = syntax_.comments[next_comment_++];
+    out_ += "  ";
+    out_ += comment_text(c);
+    is_full = source(c.range).substr(0, 2) == "//";
+  }
+  while (!is_full && next_comment_ < syntax_.comments.size()) {
     const Comment& c = syntax_.comments[next_comment_];
     if (c.range.begin < last_end_) break;
     const std::string_view gap = source_.substr(last_end_, c.range.begin - last_end_);
@@ -90,7 +98,6 @@ void Printer::end_line(std::uint32_t source_end) {
     if (source(c.range).substr(0, 2) == "//") break;
   }
   out_ += '\n';
-  // Comments inside what was printed, for which its line had no room.
   while (has_comment_before(source_end)) comment_line(syntax_.comments[next_comment_++]);
 }
 

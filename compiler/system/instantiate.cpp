@@ -138,6 +138,7 @@ std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> par
   // Each wrong connector is reported, but not what follows from a wrong component.
   if (diags.has_errors()) return row;
   for (std::uint32_t p = 0; p < instances[row].pending.size() && !stopped && diags.error_count() < kEnoughErrors; ++p) resolve_connector(row, p, 0);
+  for (std::uint32_t e = 0; e < t.exports.size() && !stopped && !diags.has_errors(); ++e) exported_port(row, e, 0);
   if (!stopped && !diags.has_errors()) priorities(row);
   return row;
 }

@@ -1,8 +1,9 @@
 // What an atom offers, and how a port that becomes enabled or disabled spreads through the connectors.
 //
 // A fixed type (no guards, no internal transitions) needs no evaluation: each of its transitions has the list of ports
-// whose enabled transition changes; in a simple one a port is enabled iff the atom is at its place. Others evaluate the guards of the transitions that leave what is marked. A flip walks
-// the availability network as long as counters cross zero: O(depth), and O(1) in a flat connector.
+// whose enabled transition changes; in a simple one a port is enabled iff the atom is at its place. Others evaluate the
+// guards of the transitions that leave what is marked. A flip walks the availability network as long as counters cross
+// zero: O(depth), and O(1) in a flat connector.
 #include "runtime/core/core.hpp"
 
 namespace bip::rt {

@@ -12,6 +12,11 @@ void append_number(std::string& out, std::uint64_t value) {
 }
 
 void append_double(std::string& out, double value) {
+  // IEEE 754 leaves the sign of a computed NaN open, and compilers use that: it must not show.
+  if (value != value) {
+    out += "nan";
+    return;
+  }
   char buffer[40];
   out.append(buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value).ptr - buffer));
 }

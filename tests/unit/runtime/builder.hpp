@@ -270,6 +270,15 @@ class Builder {
     }
     throw std::logic_error("slot " + read);
   }
+  /// How many variables the port "atom.port" shows.
+  u32 port_vars(const std::string& name) const {
+    const std::size_t dot = name.rfind('.');
+    const AtomType& type = atom_types_[atoms_[atom_rows_.at(name.substr(0, dot))].type];
+    for (const Port& port : type.ports) {
+      if (port.name == name.substr(dot + 1)) return port.slots.size;
+    }
+    throw std::logic_error("port " + name);
+  }
   /// The status of a fault at a new site.
   std::int32_t fault(FaultKind kind) {
     sites_.push_back({{0, 77, 9}});
