@@ -26,6 +26,18 @@ bool is_duplicate(const Diagnostic& a, const Diagnostic& b) {
   return a.kind == b.kind && place(a) == place(b) && a.range.end == b.range.end && a.message == b.message;
 }
 
+std::string shortened(std::string message) {
+  constexpr std::size_t kLongest = 600;
+  if (message.size() <= kLongest) return message;
+  // A name of a megabyte is no help: its ends are. Cuts keep whole characters.
+  const auto is_inside = [&](std::size_t at) { return (static_cast<unsigned char>(message[at]) & 0xC0u) == 0x80u; };
+  std::size_t head = kLongest / 2;
+  std::size_t tail = message.size() - kLongest / 2;
+  while (is_inside(head)) --head;
+  while (is_inside(tail)) ++tail;
+  return message.substr(0, head) + "…" + message.substr(tail);
+}
+
 }  // namespace
 
 const DiagInfo& info(Diag kind) { return kInfos[static_cast<std::size_t>(kind)]; }
@@ -51,7 +63,7 @@ DiagnosticBuilder Diagnostics::add(Diag kind, SourceRange range, std::string mes
   d.kind = kind;
   d.severity = info(kind).severity;
   d.range = range;
-  d.message = std::move(message);
+  d.message = shortened(std::move(message));
   ++(d.severity == Severity::Error ? error_count_ : warning_count_);
   all_.push_back(std::make_unique<Diagnostic>(std::move(d)));
   return DiagnosticBuilder(*all_.back());

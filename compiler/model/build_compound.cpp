@@ -26,7 +26,11 @@ bool CompoundBuilders::ensure(CompoundTypeId id) {
   if (state != BuildState::Untouched) return state == BuildState::Done;
   state = BuildState::Building;
   CompoundType out;  // built aside: rows move while others are built
-  CompoundBuilder{*this, b, *decls[id.value], out}.build();
+  CompoundBuilder builder{*this, b, *decls[id.value], out};
+  ++depth;
+  builder.build();
+  --depth;
+  heights[id.value] = builder.height;
   b.model.compound_types[id] = std::move(out);
   states[id.value] = BuildState::Done;
   return true;
@@ -158,11 +162,12 @@ void CompoundBuilder::warn_unbound() {
 }
 
 void build_compound_types(Builder& b) {
-  CompoundBuilders all{b, {}, {}};
+  CompoundBuilders all{b, {}, {}, {}};
   for (const syntax::Decl* decl : b.model.syntax->package->decls) {
     if (decl->kind != syntax::DeclKind::CompoundType) continue;
     all.decls.push_back(decl);
     all.states.push_back(BuildState::Untouched);
+    all.heights.push_back(0);
     b.model.compound_types.push({.name = std::string(decl->name.text), .params = {}, .components = {}, .connectors = {}, .items = {}, .priorities = {}, .exports = {}, .data_exports = {}, .decl = decl});
   }
   for (std::size_t i = 0; i < all.decls.size(); ++i) all.ensure(CompoundTypeId(i));

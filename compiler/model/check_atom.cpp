@@ -1,5 +1,6 @@
-// Warnings about an atom type as a whole. All are linear in its transitions but the pairs of one port and place.
+// Warnings about an atom type as a whole. About linear in its transitions and code.
 #include <algorithm>
+#include <map>
 
 #include "compiler/model/builder.hpp"
 
@@ -10,15 +11,25 @@ namespace {
 // Places that some run of the atom alone, guards ignored, can mark.
 std::vector<bool> reachable_places(const AtomType& atom) {
   std::vector<bool> reached(atom.places.size());
-  for (const std::uint32_t p : atom.initial) reached[p] = true;
-  for (bool grew = true; grew;) {
-    grew = false;
-    for (const Transition& t : atom.transitions) {
-      if (!std::all_of(t.from.begin(), t.from.end(), [&](std::uint32_t p) { return reached[p]; })) continue;
-      for (const std::uint32_t p : t.to) {
-        grew |= !reached[p];
-        reached[p] = true;
-      }
+  std::vector<std::vector<std::uint32_t>> leaving(atom.places.size());  // transitions
+  std::vector<std::size_t> missing(atom.transitions.size());            // places not yet reached
+  for (std::uint32_t t = 0; t < missing.size(); ++t) {
+    missing[t] = atom.transitions[t].from.size();
+    for (const std::uint32_t p : atom.transitions[t].from) leaving[p].push_back(t);
+  }
+  std::vector<std::uint32_t> todo;
+  const auto reach = [&](const std::vector<std::uint32_t>& places) {
+    for (const std::uint32_t p : places) {
+      if (!reached[p]) todo.push_back(p);
+      reached[p] = true;
+    }
+  };
+  reach(atom.initial);
+  while (!todo.empty()) {
+    const std::uint32_t place = todo.back();
+    todo.pop_back();
+    for (const std::uint32_t t : leaving[place]) {
+      if (--missing[t] == 0) reach(atom.transitions[t].to);
     }
   }
   return reached;
@@ -63,7 +74,10 @@ void check_uninitialised(Builder& b, const AtomType& atom, const syntax::Decl& d
   for (const syntax::DataDecl& d : decl.data) {
     for (const syntax::Var& v : d.vars) {
       if (slot < atom.slots.size() && read[slot] && !written[slot] && decl.notation == syntax::Notation::Bip2) {
-        b.diags.report(Diag::kB1024, v.name.range, v.name.text).help("give it a value in `initial to … do { … }`");
+        static constexpr const char* kZeros[] = {"0", "false", "0.0", "\"\""};
+        const char* zero = kZeros[static_cast<int>(atom.slots[slot].type)];
+        const std::string mended = fmt::format("{} = {}", v.name.text, zero);
+        b.diags.report(Diag::kB1024, v.name.range, v.name.text, zero).help(fmt::format("write `{}` if that is meant", mended), v.name.range, mended);
       }
       ++slot;
     }
@@ -71,8 +85,11 @@ void check_uninitialised(Builder& b, const AtomType& atom, const syntax::Decl& d
 }
 
 void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+  std::map<std::pair<std::uint32_t, std::vector<std::uint32_t>>, std::size_t> firsts;  // transitions by port and places
   for (std::size_t j = 0; j < atom.transitions.size(); ++j) {
     const Transition& second = atom.transitions[j];
+    const auto [known, is_new] = firsts.try_emplace(std::pair(second.port, second.from), j);
+    if (is_new) continue;
     if (is_suppressed(decl.annotations, "nondeterminism") || is_suppressed(decl.transitions[j].annotations, "nondeterminism")) continue;
     for (std::size_t i = 0; i < j; ++i) {
       const Transition& first = atom.transitions[i];

@@ -1,6 +1,7 @@
 // Typed code from expressions. See code_builder.hpp for the promises.
 #include "compiler/model/code_builder.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 namespace bip::model {
@@ -22,9 +23,12 @@ Op op_of(BinaryOp op) {
   return kOps[static_cast<int>(op)];
 }
 
-// A chain of calls is unfolded by recursion, and each call may double the code.
-constexpr int kMaxCalls = 200;
-constexpr std::size_t kMaxCode = 10'000'000;
+// A chain of calls is unfolded by recursion, and each call may double the code or deepen it by its argument.
+constexpr int kMaxCalls = 16;
+constexpr std::size_t kMaxUnfolded = 100'000;
+constexpr std::uint32_t kMaxUnfoldedDepth = 1000;
+// Beyond this many errors nobody reads on: names are no longer compared.
+constexpr std::size_t kHelpedErrors = 200;
 
 bool is_numeric(Type t) { return t == Type::Int || t == Type::Float; }
 
@@ -149,6 +153,10 @@ const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
   const std::string key = path_key(p, *model_.sources);
   if (const auto it = scope_.names.find(key); it != scope_.names.end()) return &it->second;
   if (!report) return nullptr;
+  if (diags_.error_count() > kHelpedErrors) {
+    diags_.report(Diag::kB1001, p.range, key, scope_.owner);
+    return nullptr;
+  }
   std::vector<std::string> known;
   for (const auto& [name, binding] : scope_.names) known.push_back(name);
   std::sort(known.begin(), known.end());
@@ -265,11 +273,36 @@ bool CodeBuilder::may_inline(const syntax::Expr* e, const syntax::Decl& function
     diags_.report(Diag::kB0008, e->path.range, kMaxCalls).label("functions call functions");
     return false;
   }
-  if (model_.code.exprs.size() > kMaxCode) {
-    if (!diags_.has_errors()) diags_.report(Diag::kB4006, e->path.range, kMaxCode, "operations in its code").label("unfolded here");
+  if (model_.code.exprs.size() - unfold_start_ <= kMaxUnfolded) return true;
+  report_too_large(e);
+  return false;
+}
+
+void CodeBuilder::report_too_large(const syntax::Expr* e) {
+  if (!diags_.has_errors()) diags_.report(Diag::kB4006, e->path.range, kMaxUnfolded, "operations in one call").label("unfolded here");
+}
+
+// Arguments are shared rows, so what executors walk as a tree may be larger than the rows: its size is counted as a tree.
+bool CodeBuilder::is_small(ExprId unfolded, const syntax::Expr* e) {
+  auto& shapes = model_.code_shapes;
+  for (std::size_t row = shapes.size(); row < model_.code.exprs.size(); ++row) {  // operands come before their operator
+    const Expr& expr = model_.code.exprs[ExprId(row)];
+    CodeShape shape{1, 1};
+    for (const ExprId operand : {expr.a, expr.b}) {
+      if (!operand.is_valid()) continue;
+      shape.size = std::min<std::size_t>(shape.size + shapes[operand.value].size, kMaxUnfolded + 1);
+      shape.depth = std::max(shape.depth, shapes[operand.value].depth + 1);
+    }
+    shapes.push_back(shape);
+  }
+  const CodeShape& shape = shapes[unfolded.value];
+  if (shape.depth > kMaxUnfoldedDepth) {
+    if (!diags_.has_errors()) diags_.report(Diag::kB0008, e->path.range, kMaxUnfoldedDepth).label("when this call is unfolded");
     return false;
   }
-  return true;
+  if (shape.size <= kMaxUnfolded) return true;
+  report_too_large(e);
+  return false;
 }
 
 std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
@@ -277,7 +310,9 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
   const auto it = model_.functions.find(name);
   if (it == model_.functions.end()) {
     std::vector<std::string> known;
-    for (const auto& [key, decl] : model_.functions) known.push_back(key);
+    if (diags_.error_count() <= kHelpedErrors) {
+      for (const auto& [key, decl] : model_.functions) known.push_back(key);
+    }
     std::sort(known.begin(), known.end());
     auto d = diags_.report(Diag::kB1005, e->path.range, name);
     for (const std::string& s : similar_names(name, known)) d.help(fmt::format("`{}` has a similar name", s), e->path.range, s);
@@ -296,6 +331,7 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
         .label(function.name.range, "declared here");
     return std::nullopt;
   }
+  if (function_ == nullptr) unfold_start_ = model_.code.exprs.size();
   if (!may_inline(e, function)) return std::nullopt;
   Scope inner{.names = {}, .owner = fmt::format("function `{}`", name)};
   for (std::size_t i = 0; i < function.params.size(); ++i) {
@@ -307,7 +343,9 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
   Diagnostics quiet;
   const Type result = native_type(function.result, quiet).value_or(Type::Int);
   CodeBuilder body(model_, diags_, inner, function, this);
-  return Typed{body.expr_as(function.body, result, "the function's result"), result};
+  const ExprId value = body.expr_as(function.body, result, "the function's result");
+  if (!is_small(value, e)) return std::nullopt;
+  return Typed{value, result};
 }
 
 }  // namespace bip::model

@@ -45,7 +45,9 @@ class CodeBuilder {
 
   /// Code of the body of `function`.
   CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope, const syntax::Decl& function, const CodeBuilder* caller = nullptr)
-      : model_(model), diags_(diags), scope_(scope), function_(&function), caller_(caller) {}
+      : model_(model), diags_(diags), scope_(scope), function_(&function), caller_(caller) {
+    if (caller != nullptr) unfold_start_ = caller->unfold_start_;
+  }
 
   /// The expression with its own type.
   std::optional<Typed> expr(const syntax::Expr* e);
@@ -71,6 +73,8 @@ class CodeBuilder {
   StmtId statement(const syntax::Stmt* s, StmtId next);
   const Binding* find(const syntax::Path& p, bool report);
   bool may_inline(const syntax::Expr* e, const syntax::Decl& function);
+  bool is_small(ExprId unfolded, const syntax::Expr* e);
+  void report_too_large(const syntax::Expr* e);
   Loc loc(SourceRange r) const { return model_.sources->loc(r); }
   ExprId make(Expr e) { return model_.code.exprs.push(std::move(e)); }
 
@@ -80,6 +84,7 @@ class CodeBuilder {
   // The function whose body this is, and who calls it: a chain that must not close.
   const syntax::Decl* function_ = nullptr;
   const CodeBuilder* caller_ = nullptr;
+  std::size_t unfold_start_ = 0;  // rows of code when the outermost call began
 };
 
 /// The type that a native type name means (`double` is float, with a warning); nullopt if it is none.

@@ -4,6 +4,9 @@
 
 namespace bip::model {
 
+/// Deepest nesting of compound types, and longest chain of inline connectors that are used before they are declared.
+inline constexpr std::uint32_t kMaxNesting = 500;
+
 enum class BuildState : std::uint8_t { Untouched, Building, Done };
 
 /// All compound types: a compound is built after those it contains.
@@ -11,6 +14,8 @@ struct CompoundBuilders {
   Builder& b;
   std::vector<const syntax::Decl*> decls;  // by CompoundTypeId
   std::vector<BuildState> states;
+  std::vector<std::uint32_t> heights;  // of what is built: compounds within compounds
+  std::uint32_t depth = 0;             // of those that are being built
 
   /// Builds the compound if it is not yet; false if it contains itself.
   bool ensure(CompoundTypeId id);
@@ -28,6 +33,8 @@ struct CompoundBuilder {
   std::vector<std::vector<bool>> bound_ports{};                    // by component family and port
   std::vector<bool> bound_connectors{};
   std::uint32_t loop_depth = 0;
+  std::uint32_t chain = 0;  // inline connectors that are being built, each for the one before
+  std::uint32_t height = 0;
 
   void build();
   // families.cpp

@@ -1,4 +1,6 @@
 // Names of components and connectors in a compound: one family a name, an array if it is declared with an index.
+#include <algorithm>
+
 #include "compiler/model/compound_builder.hpp"
 
 namespace bip::model {
@@ -29,11 +31,15 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
       } else if (known != b.model.type_names.end() && known->second.kind == TypeName::Kind::Compound) {
         family.is_compound = true;
         const CompoundTypeId id(known->second.row);
-        if (!all.ensure(id)) {
+        const bool too_deep = all.depth > kMaxNesting || all.heights[id.value] + 1 > kMaxNesting;
+        if (too_deep) {
+          b.diags.report(Diag::kB0008, i->type.name.range, kMaxNesting).label("compounds in compounds");
+        } else if (!all.ensure(id)) {
           const std::string& inner = b.model.compound_types[id].name;
           b.diags.report(Diag::kB4001, i->type.name.range, out.name, inner == out.name ? "" : fmt::format(" through `{}`", inner));
         } else {
           family.compound = id;
+          height = std::max(height, all.heights[id.value] + 1);
         }
         bound_ports.emplace_back(family.compound.is_valid() ? b.model.compound_types[id].exports.size() : 0);
       } else {

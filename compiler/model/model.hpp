@@ -120,12 +120,19 @@ struct TypeName {
   SourceRange range;
 };
 
+/// How large an expression is as a tree; sizes stop at a bound.
+struct CodeShape {
+  std::size_t size = 1;
+  std::uint32_t depth = 1;
+};
+
 struct Model {
   const SourceMap* sources = nullptr;
   const syntax::Syntax* syntax = nullptr;
   std::string package;
   std::vector<std::string> files;
   CodeTable code;
+  std::vector<CodeShape> code_shapes;  // of the first rows of code.exprs, as far as they were asked for
   IndexVector<PortTypeId, PortType> port_types;
   IndexVector<ConnectorTypeId, ConnectorType> connector_types;  // typed ones, then those of inline connectors
   IndexVector<AtomTypeId, AtomType> atom_types;

@@ -99,8 +99,14 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
           b.diags.report(Diag::kB4002, path.range, name);
           return false;
         }
+        if (chain >= kMaxNesting) {
+          b.diags.report(Diag::kB0008, path.range, kMaxNesting).label("a chain of connectors, each used before it is declared");
+          return false;
+        }
+        ++chain;
         CompoundItem scratch;
         connector_item(item, scratch);
+        --chain;
       }
       ref.type = out.connectors[c->second].export_type;
     } else if (const auto it = b.model.type_names.find(b.text(item.type.name)); it != b.model.type_names.end()) {

@@ -114,7 +114,9 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
         const std::optional<Value> high = value(item.high, self, item.syntax->high->range);
         if (!low || !high) return;
         self.push_back({});
+        // A round may declare nothing, so rounds are counted, too.
         for (std::int32_t i = low->int_value; i < high->int_value && !stopped && diags.error_count() < kEnoughErrors; ++i) {
+          if (too_many(rounds++, "rounds of loops", item.syntax->high->range)) break;
           self.back() = {Type::Int, i, 0};
           items(instance, item.items, self, depth);
         }

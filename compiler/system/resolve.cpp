@@ -77,7 +77,11 @@ ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_
   {
     PendingConnector& p = instances[instance].pending[pending];
     if (p.id.is_valid() || p.failed) return p.id;
-    if (p.in_progress || depth > kMaxConnectorDepth) {
+    if (depth > kMaxConnectorDepth) {
+      diags.report(Diag::kB0008, p.item->syntax->name.range, kMaxConnectorDepth).label("connectors of connectors");
+      return {};
+    }
+    if (p.in_progress) {
       diags.report(Diag::kB4002, p.item->syntax->name.range, p.name);
       return {};
     }

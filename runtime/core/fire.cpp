@@ -2,6 +2,8 @@
 // ports in parameter order, depth first; an atom's port takes its recorded transition, its guard is not evaluated again.
 //
 // Cost: what takes part. A flat rendezvous is a loop over port instances.
+#include <algorithm>
+
 #include "runtime/core/core.hpp"
 
 namespace bip::rt {
@@ -74,6 +76,10 @@ bool Core::fire_star(const SlotInfo& info) {
 void Core::choose(const Candidate& candidate, const Plan& plan) {
   if (listing_of_[candidate.slot] != kNone) {
     choose_bits(plan, listings_[listing_of_[candidate.slot]].configs.data() + std::size_t{candidate.config} * plan.words);
+    return;
+  }
+  if (plan.rigid) {
+    std::fill(chosen_.begin(), chosen_.begin() + plan.node_count, std::uint8_t{1});
     return;
   }
   look_at_availability(plan, 0);

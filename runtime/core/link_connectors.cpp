@@ -1,6 +1,7 @@
 // Linking, second part: slots (what can be a candidate, in canonical order), plans (connectors with their hierarchy
 // expanded), the availability network and the watch lists. See tables.hpp.
 #include <algorithm>
+#include <numeric>
 
 #include "runtime/core/tables.hpp"
 
@@ -109,6 +110,7 @@ void link_plans(Tables& tables) {
     bool trigger;
   };
   std::vector<Todo> todo;
+  std::vector<u32> all_params;
   for (u32 slot = 0; slot < tables.connector_slots; ++slot) {
     SlotInfo& info = tables.slots[slot];
     if (info.kind != SlotKind::Planned) continue;
@@ -119,7 +121,10 @@ void link_plans(Tables& tables) {
     const auto add_use = [&](u32 connector, u32 link) {
       const ConnectorType& type = tables.connector_type(connector);
       for (const Clause& clause : type.clauses) plan.guarded |= clause.guard != kNone;
-      tables.plan_uses.push_back({connector, 0, static_cast<u32>(tables.plan_params.size()), link});
+      all_params.resize(type.params.size);
+      std::iota(all_params.begin(), all_params.end(), 0u);
+      const u32 clause_row = tables.clause_of(tables.image->connectors[connector].type, {all_params.data(), type.params.size});
+      tables.plan_uses.push_back({connector, 0, static_cast<u32>(tables.plan_params.size()), link, clause_row});
       tables.plan_params.resize(tables.plan_params.size() + type.params.size, kNone);
       const u32 use = static_cast<u32>(tables.plan_uses.size()) - 1 - plan.first_use;
       todo.push_back({use, 0, link, false});
@@ -144,6 +149,7 @@ void link_plans(Tables& tables) {
           const u32 child = define.children[i];
           const bool trigger = tables.connector_type(use.connector).define[child].trigger;
           node.has_trigger |= trigger;
+          plan.rigid &= !trigger;
           todo.push_back({next.use, child, row, trigger});
         }
         tables.plan_nodes.push_back(node);

@@ -63,6 +63,7 @@ void Core::bits_of_choice(const Plan& plan, Bits& bits) const {
 
 u32 Core::chosen_clause(const Plan& plan, u32 use_row) {
   const PlanUse& use = tables_.plan_uses[plan.first_use + use_row];
+  if (plan.rigid) return use.clause;
   const u32 type_row = tables_.image->connectors[use.connector].type;
   if (tables_.clause_order[type_row].empty()) return kNone;
   params_.clear();

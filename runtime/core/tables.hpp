@@ -85,6 +85,7 @@ struct PlanUse {
   u32 root = 0;                // its root group, row in the plan
   u32 first_param = 0;         // rows of plan_params: node of each parameter, row in the plan
   u32 link = kNone;            // node
+  u32 clause = kNone;          // for all of its parameters
 };
 struct Plan {
   u32 connector = 0;
@@ -92,6 +93,7 @@ struct Plan {
   u32 first_use = 0, use_count = 0;
   u32 leaves = 0, words = 0;   // 64-bit words of a configuration
   bool guarded = false;        // a clause in its tree has a guard
+  bool rigid = true;           // no triggers: one configuration, everybody
 };
 
 struct Tables {
