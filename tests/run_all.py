@@ -52,14 +52,13 @@ def run_script(name, command):
 def groups():
     units = sorted(p for p in BUILD.glob("unit_*") if os.access(p, os.X_OK) and p.is_file())
     yield "unit", [(p.name, lambda p=p: run_unit(p)) for p in units]
-    scripts = [("golden", "tests/golden/run"), ("snippets", "tests/meta/snippets"), ("meta", "tests/meta/run"),
+    scripts = [("golden", "tests/golden/run"), ("snippets", "tests/meta/snippets"), ("meta", "tests/meta/run"), ("odd_inputs", "tests/meta/odd_inputs"),
                ("models", "tests/models/run")]
     for name, script in scripts:
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
     if (BUILD / "bip-gen").exists():
-        # 500 take three minutes; a hundred on each call, the rest is for a quiet machine.
         os.environ["BUILD"] = str(BUILD)
-        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "100"]))]
+        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"]))]
 
 
 def main():

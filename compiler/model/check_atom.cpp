@@ -91,17 +91,16 @@ void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& 
     const auto [known, is_new] = firsts.try_emplace(std::pair(second.port, second.from), j);
     if (is_new) continue;
     if (is_suppressed(decl.annotations, "nondeterminism") || is_suppressed(decl.transitions[j].annotations, "nondeterminism")) continue;
-    for (std::size_t i = 0; i < j; ++i) {
-      const Transition& first = atom.transitions[i];
-      if (first.port != second.port || first.from != second.from) continue;
-      const std::string port = second.port == Transition::kInternal ? fmt::format("atom type `{}` has two internal transitions", atom.name)
-                                                                     : fmt::format("port `{}` has two transitions", atom.ports[second.port].name);
-      const std::string place = second.from.empty() ? "?" : atom.places[second.from[0]];
-      const bool sure = !first.guard.is_valid() && !second.guard.is_valid();
-      auto d = b.diags.report(sure ? Diag::kB1025 : Diag::kB1026, decl.transitions[j].range, port, place).label(decl.transitions[i].range, "the other one");
-      if (!sure) d.help("write guards that exclude each other, or `@SuppressWarning(nondeterminism)` before the transition");
-      break;
-    }
+    const bool is_internal = second.port == Transition::kInternal;
+    const bool sure = !atom.transitions[known->second].guard.is_valid() && !second.guard.is_valid();
+    const std::string what = is_internal ? fmt::format("atom type `{}` has two internal transitions", atom.name)
+                                         : fmt::format("port `{}` has two transitions", atom.ports[second.port].name);
+    const std::string place = second.from.empty() ? "?" : atom.places[second.from[0]];
+    b.diags.report(sure ? Diag::kB1025 : Diag::kB1026, decl.transitions[j].range, what, place)
+        .label(decl.transitions[known->second].range, "the other one")
+        .help(!sure         ? "write guards that exclude each other, or `@SuppressWarning(nondeterminism)` before the transition"
+              : is_internal ? "give them guards that exclude each other"
+                            : "give them two ports, or guards that exclude each other");
   }
 }
 

@@ -270,7 +270,8 @@ bool CodeBuilder::may_inline(const syntax::Expr* e, const syntax::Decl& function
     return false;
   }
   if (calls > kMaxCalls) {
-    diags_.report(Diag::kB0008, e->path.range, kMaxCalls).label("functions call functions");
+    // Bodies that double reach this point often.
+    if (diags_.error_count() < kHelpedErrors) diags_.report(Diag::kB0008, e->path.range, kMaxCalls).label("functions call functions");
     return false;
   }
   if (model_.code.exprs.size() - unfold_start_ <= kMaxUnfolded) return true;

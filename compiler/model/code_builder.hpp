@@ -45,9 +45,8 @@ class CodeBuilder {
 
   /// Code of the body of `function`.
   CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope, const syntax::Decl& function, const CodeBuilder* caller = nullptr)
-      : model_(model), diags_(diags), scope_(scope), function_(&function), caller_(caller) {
-    if (caller != nullptr) unfold_start_ = caller->unfold_start_;
-  }
+      : model_(model), diags_(diags), scope_(scope), function_(&function), caller_(caller),
+        unfold_start_(caller == nullptr ? model.code.exprs.size() : caller->unfold_start_) {}
 
   /// The expression with its own type.
   std::optional<Typed> expr(const syntax::Expr* e);

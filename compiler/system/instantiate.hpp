@@ -11,7 +11,7 @@
 namespace bip::system {
 
 /// Largest number of atoms, and of connectors, that is unfolded.
-inline constexpr std::size_t kMaxInstances = 20'000'000;
+inline constexpr std::size_t kMaxInstances = 2'000'000;
 inline constexpr std::size_t kMaxDepth = 200;
 
 /// `root_type` empty: the one parameterless compound that nobody instantiates. `args` are constant expressions, one a

@@ -135,6 +135,7 @@ class Core {
   bool settle_atom(u32 atom, u32 place_before);
   bool run_internals(u32 atom);
   bool update_ports(u32 atom, u32 place_before);
+  bool check_invariants(u32 atom, const LinkedTransition* fired);
   bool move(u32 atom, const LinkedTransition& transition);
   bool is_enabled_from(u32 atom, const LinkedTransition& transition, bool& enabled);
   void set_port(u32 instance, u32 transition);
@@ -143,6 +144,9 @@ class Core {
   void crossed(u32 node, bool on);
   void touch(u32 atom);
   void mark_dirty(u32 slot);
+
+  // atom_priorities.cpp
+  bool hide_ports(u32 atom, u32* transition_of_port);
 
   // programs.cpp
   void build_programs();
@@ -156,6 +160,8 @@ class Core {
   bool fire_planned(const Candidate& candidate, const SlotInfo& info);
   bool run_code(Code code, u32 connector);
   void zero_frame(u32 connector);
+  [[nodiscard]] u32 chosen_alternative(const Plan& plan, u32 choice) const;
+  void bind_choices(const Plan& plan, const PlanUse& use);
 
   // search.cpp: configurations of plans
   using Bits = std::vector<u64>;
@@ -186,7 +192,9 @@ class Core {
 
   // faults
   bool fail(FaultCode code, u32 atom, const Transition* transition, const Transition* other);
-  bool fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition);
+  bool fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition, const char* rule = nullptr);
+  bool fail_invariant(u32 atom, const Invariant& invariant, const Transition* fired);
+  bool fail_atom_rules(u32 atom, const std::vector<u32>& rules);
   bool fail_connector(FaultCode code, u32 connector);
   bool fail_rules(const std::vector<u32>& rules);
 
@@ -201,6 +209,8 @@ class Core {
   u32 history_at_ = 0;
   std::vector<u64> marks_;
   std::vector<Slot> all_;
+  std::vector<u32> own_binds_;             // a copy of the image's, if choices move rows of it
+  const u32* binds_ = nullptr;
   std::vector<PortState> ports_;
   std::vector<std::int32_t> values_;       // by node of the availability network
   std::vector<std::uint8_t> is_direct_;    // by slot: that its value crosses zero is all there is to know
@@ -226,6 +236,8 @@ class Core {
 
   // scratch
   std::vector<u32> port_scratch_;
+  std::vector<std::uint8_t> rule_holds_;   // by priority of the atom at hand
+  std::vector<u32> rule_in_, rule_order_;  // by port of the atom at hand
   std::vector<std::pair<u32, bool>> crossings_;
   std::vector<std::uint8_t> available_, chosen_;  // by plan node
   std::vector<u32> node_scratch_;

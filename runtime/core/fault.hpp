@@ -15,10 +15,14 @@ enum class FaultCode : std::uint8_t {
   EndlessInternals,      // R0004
   DivisionByZero,        // R0005
   DivisionOverflow,      // R0006 INT_MIN / -1
+  InvariantViolated,     // R0007
   PriorityCycle,         // R0008
-  TooManyInteractions    // R0009
+  TooManyInteractions,   // R0009
+  AtomPriorityCycle      // R0010
 };
 [[nodiscard]] const char* name_of(FaultCode code);  // "R0001"
+/// The exit number of the published engine for the fault; 1 for those it does not know.
+[[nodiscard]] int published_exit_code(FaultCode code);
 
 struct Fault {
   FaultCode code = FaultCode::None;
@@ -28,6 +32,7 @@ struct Fault {
   Loc loc{};                   // line 0: none
   Loc other{};                 // the second transition
   std::string what;            // one line, names paths, ports and places
+  std::string rule;            // the invariant, or the priorities of a cycle
   std::string places;          // of the atom, "A, B"
   std::string data;            // of the atom, "x = 1, b = true"
   [[nodiscard]] explicit operator bool() const { return code != FaultCode::None; }

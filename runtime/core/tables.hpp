@@ -45,6 +45,8 @@ struct LinkedType {
   bool fixed = false;       // automaton without guards and internal transitions: its marking says which ports are enabled
   bool simple = false;      // fixed, and each port labels one transition: a port is enabled iff the atom is at its place
   bool has_internal = false;
+  bool has_priorities = false;
+  bool has_invariants = false;
   Code initial;
 };
 
@@ -65,16 +67,17 @@ struct SlotInfo {
   u32 plan = kNone;            // Planned: row of plans
 };
 
-enum class NodeKind : std::uint8_t { Group, Leaf, Link };
+enum class NodeKind : std::uint8_t { Group, Leaf, Link, Choice };
 /// A node of a plan, preorder. A Link is a parameter bound to a connector; its one child is that connector's root group.
+/// A Choice is a parameter bound to a merged port; of its children, Leaves and Links, exactly one is chosen.
 struct PlanNode {
   NodeKind kind = NodeKind::Group;
   bool trigger = false;        // among its siblings
   bool has_trigger = false;    // Group: among its children
-  bool maximal_only = false;   // Link
+  bool maximal_only = false;   // Link; Choice: always true, for it is as rigid
   u32 parent = kNone;          // row in the plan
   u32 end = 0;                 // one past its subtree
-  u32 children = 0;            // Group, Link: number of
+  u32 children = 0;            // Group, Link, Choice: number of
   u32 ref = 0;                 // Leaf: port instance
   u32 leaf = 0;                // number of leaves before it
   u32 use = 0;                 // the plan's use of a connector that it belongs to; Link: the use it leads to
@@ -86,14 +89,16 @@ struct PlanUse {
   u32 first_param = 0;         // rows of plan_params: node of each parameter, row in the plan
   u32 link = kNone;            // node
   u32 clause = kNone;          // for all of its parameters
+  bool has_choice = false;     // a parameter is bound to a merged port: where its variables are depends on the alternative
 };
 struct Plan {
   u32 connector = 0;
   u32 first_node = 0, node_count = 0;
   u32 first_use = 0, use_count = 0;
   u32 leaves = 0, words = 0;   // 64-bit words of a configuration
-  bool guarded = false;        // a clause in its tree has a guard
-  bool rigid = true;           // no triggers: one configuration, everybody
+  bool guarded = false;        // a clause in its tree has a guard, or an `up` that may fault
+  bool rigid = true;           // no triggers and no choices: one configuration, everybody
+  bool has_choice = false;
 };
 
 struct Tables {

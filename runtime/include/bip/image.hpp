@@ -79,6 +79,22 @@ struct Transition {
   std::uint32_t guard, action;  // rows of Image::codes or kNone
   Loc loc;
 };
+/// low is hidden while high is enabled and the guard holds, through chains of such rules.
+struct AtomPriority {
+  const char* name;
+  std::uint32_t low, high;  // ports of the type; kNone: all but the one on the other side
+  std::uint32_t guard;      // row of Image::codes or kNone
+  Loc loc;
+};
+enum class InvariantScope : std::uint8_t { Always, At, From };
+/// Holds after each firing: always, while the marking is exactly `places` (At), while it includes them (From).
+struct Invariant {
+  const char* name;
+  InvariantScope scope;
+  Span<std::uint32_t> places;
+  std::uint32_t condition;  // row of Image::codes
+  Loc loc;
+};
 struct AtomType {
   const char* name;
   Span<Var> slots;  // parameters first
@@ -88,6 +104,8 @@ struct AtomType {
   std::uint32_t initial_action;  // code or kNone; data slots are zero before it
   Span<Transition> transitions;
   Loc loc;
+  Span<AtomPriority> priorities = {};
+  Span<Invariant> invariants = {};
 };
 /// Preorder; node 0 is the root group. children are rows of the same array.
 struct DefineNode {
@@ -105,6 +123,7 @@ struct Clause {
   Span<std::uint32_t> params;  // sorted
   std::uint32_t guard, up, down;
   Loc loc;
+  bool may_fault = false;  // its `up` can end in a fault: it runs while interactions are computed
 };
 struct ConnectorType {
   const char* name;
@@ -135,6 +154,12 @@ struct PortRef {
   std::uint32_t port;        // of the atom's type
   std::uint32_t connector;
   bool maximal_only;         // through a compound's exported port
+  std::uint32_t choice = kNone;  // a merged port, row of Image::choices; atom, port and connector are kNone then
+};
+/// A merged port: each enabled one of its ports is an alternative. No choice is among them.
+struct Choice {
+  const char* name;
+  Span<PortRef> ports;
 };
 struct Connector {
   const char* path;
@@ -176,9 +201,10 @@ struct Image {
   Span<Slot> args;
   Span<Connector> connectors;            // a connector comes after those it is bound to
   Span<PortRef> port_refs;
-  Span<std::uint32_t> binds;
+  Span<std::uint32_t> binds;             // variables of a parameter bound to a choice: rows of its first alternative
   Span<Priority> priorities;
   std::uint32_t slot_count = 0;          // of all atoms, then of all connectors
+  Span<Choice> choices = {};
 };
 
 }  // namespace bip::rt
