@@ -4,7 +4,9 @@
 // Nearly every decision needs one token: the pass over the token list marks the words that begin declarations.
 parser grammar BipParser;
 
-options { tokenVocab = BipLexer; }
+// Nodes are read through a base class of our own, which is only faster than ANTLR's.
+options { tokenVocab = BipLexer; contextSuperClass = TreeNode; }
+@parser::preinclude { #include "compiler/parse/tree_node.hpp" }
 
 file: (package | decl)* EOF;
 package: annotation* PACKAGE path use* decl* END;

@@ -56,6 +56,8 @@ def groups():
                ("models", "tests/models/run")]
     for name, script in scripts:
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
+    if (BUILD / "bip-fuzz").exists():
+        yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]
     if (BUILD / "bip-gen").exists():
         os.environ["BUILD"] = str(BUILD)
         yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"]))]

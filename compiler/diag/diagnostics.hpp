@@ -94,7 +94,7 @@ class Diagnostics {
   std::size_t warning_count_ = 0;
 };
 
-enum class DiagnosticFormat : std::uint8_t { Frame, Short, Json };
+enum class DiagnosticFormat : std::uint8_t { Frame, Short, Json, Sarif };
 struct RenderOptions {
   DiagnosticFormat format = DiagnosticFormat::Frame;
   bool color = false;

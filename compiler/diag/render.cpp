@@ -1,7 +1,7 @@
 // Chooses the renderer, caps what a person has to read, and closes with the counts.
 //
-// Frame and short show at most `max_errors` errors and as many warnings; JSON is for machines and shows all of them
-// without a closing line.
+// Frame and short show at most `max_errors` errors and as many warnings; JSON and SARIF are for machines and show all of
+// them without a closing line.
 #include "compiler/diag/render.hpp"
 
 namespace bip {
@@ -50,6 +50,7 @@ std::string printable(std::string_view text) {
 }  // namespace diag
 
 std::string render(const Diagnostics& diags, const SourceMap& sources, const RenderOptions& options) {
+  if (options.format == DiagnosticFormat::Sarif) return diag::render_sarif(diags.sorted(), sources);
   const diag::Palette colors = diag::palette(options.color);
   std::string out;
   std::size_t shown[2] = {0, 0};

@@ -23,5 +23,7 @@ struct Palette {
 void render_frame(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
 void render_short(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
 void render_json(std::string& out, const Diagnostic& d, const SourceMap& sources);
+/// All of them: SARIF is one document.
+[[nodiscard]] std::string render_sarif(const std::vector<const Diagnostic*>& diags, const SourceMap& sources);
 
 }  // namespace bip::diag

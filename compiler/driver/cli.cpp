@@ -59,8 +59,11 @@ int unexpected_word(const CLI::App& app, const std::string& help) {
 int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("check")) return command_check(arguments.check);
   if (app.got_subcommand("run")) return command_run(arguments.run);
+  if (app.got_subcommand("verify")) return command_verify(arguments.verify);
   if (app.got_subcommand("build")) return command_build(arguments.build);
   if (app.got_subcommand("emit")) return command_emit(arguments.emit);
+  if (app.got_subcommand("replay")) return command_replay(arguments.replay);
+  if (app.got_subcommand("migrate")) return command_migrate(arguments.migrate);
   if (app.got_subcommand("fmt")) return command_fmt(arguments.fmt);
   if (app.got_subcommand("explain")) return command_explain(arguments.explain_code, arguments.explain_color);
   return command_version();
@@ -78,7 +81,8 @@ int run_command_line(int argc, char** argv) {
   for (CLI::App* command : app.get_subcommands(nullptr)) {
     // Options of -O and --color kind may be repeated: the last one counts, as compilers do.
     for (CLI::Option* option : command->get_options()) {
-      if (option->get_positional() || option->get_expected_max() == 0) continue;
+      // -I and --Werror=CODE add up.
+      if (option->get_positional() || option->get_expected_max() != 1 || option->get_expected_min() == 0) continue;
       option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     }
   }

@@ -10,7 +10,8 @@ template <class T>
 using Names = std::map<std::string, T>;
 
 const Names<DiagnosticFormat> kFormats{
-    {"frame", DiagnosticFormat::Frame}, {"short", DiagnosticFormat::Short}, {"json", DiagnosticFormat::Json}};
+    {"frame", DiagnosticFormat::Frame}, {"short", DiagnosticFormat::Short}, {"json", DiagnosticFormat::Json},
+    {"sarif", DiagnosticFormat::Sarif}};
 const Names<ColorChoice> kColors{{"auto", ColorChoice::Auto}, {"always", ColorChoice::Always}, {"never", ColorChoice::Never}};
 const Names<EmitKind> kEmits{{"tokens", EmitKind::Tokens}, {"syntax", EmitKind::Syntax}, {"model", EmitKind::Model},
                              {"system", EmitKind::System}, {"llvm", EmitKind::Llvm},     {"asm", EmitKind::Asm},
@@ -39,11 +40,12 @@ CLI::Validator is_number() {
 // An option with a closed set of values; `shown` is how the help writes them.
 template <class T>
 void add_choice(CLI::App& app, const std::string& name, T& value, const Names<T>& names, const std::string& shown,
-                const std::string& help) {
+                const std::string& help, const std::string& group = "Options") {
   app.add_option_function<std::string>(
          name, [&value, &names](const std::string& text) { value = names.at(text); }, help)
       ->check(CLI::Validator([&names, shown](std::string& text) { return names.contains(text) ? "" : not_one_of(text, shown); }, ""))
-      ->type_name(shown);
+      ->type_name(shown)
+      ->group(group);
 }
 
 void add_color(CLI::App& app, ColorChoice& color) {
@@ -51,12 +53,27 @@ void add_color(CLI::App& app, ColorChoice& color) {
 }
 
 void add_diagnostics(CLI::App& app, CompileOptions& options) {
-  add_choice(app, "--diagnostics", options.render.format, kFormats, "frame|short|json", "how errors and warnings look");
+  add_choice(app, "--diagnostics", options.render.format, kFormats, "frame|short|json|sarif", "how errors and warnings look");
   add_color(app, options.color);
-  app.add_flag("--Werror", options.warnings_are_errors, "warnings count as errors");
+  app.add_flag("--Werror", options.fatal_warnings, "warnings count as errors; --Werror=CODE, as often as needed: those of the code")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const std::optional<Diag> kind = find_diag(text);
+            if (text == "true" || (kind && info(*kind).severity == Severity::Warning)) return std::string();
+            return fmt::format("`{}` is not the code of a warning", text);
+          },
+          ""));
+  app.add_flag("--explain", options.explain, "the page of the first error follows (else of the first warning)");
+}
+
+void add_folders(CLI::App& app, CompileOptions& options) {
+  app.add_option("-I", options.folders, "where used packages are; the file's own folder and the standard library follow")
+      ->allow_extra_args(false)
+      ->type_name("DIR");
 }
 
 void add_compile(CLI::App& app, CompileOptions& options) {
+  add_folders(app, options);
   app.add_option("--root", options.root, "root component, 'Ring(10)'; else the one parameterless compound nobody instantiates")
       ->type_name("TYPE(ARGS)");
   add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp",
@@ -104,12 +121,30 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_flag("--silent", a.run.silent, "no step lines; seed and end are still told");
   command->add_flag("--stats", a.run.stats, "steps, seconds and time a step at the end");
   command->add_flag("--debug", a.run.debug, "print every state's possible steps");
+  command->add_flag("--interactive", a.run.interactive, "choose each step by its number, read from standard input");
+  command->add_flag("--explore", a.run.explore, "count all reachable states, deadlocks and errors; --limit is of states");
+  command->add_flag_callback("--first-enabled", [&a] { a.run.policy = rt::Policy::First; }, "--policy first");
   command->add_flag_callback("--disable-maximal-progress", [&a] { a.run.maximal_progress = false; },
                              "smaller interactions may run although a larger one could");
   add_compile(*command, a.compile);
   command->footer(
       "A deadlock is a normal end: exit code 0. A run-time error (division by zero ...) ends with 1.\n"
       "Example:\n  bipc run --seed 42 --limit 20 --root 'Ring(5)' model.bip");
+}
+
+void add_verify(CLI::App& app, VerifyArguments& a) {
+  CLI::App* command = app.add_subcommand("verify", "prove that a model never deadlocks, or show how it does");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option("--timeout", a.timeout, "give up after SECONDS (default 60)")->check(is_number())->type_name("SECONDS");
+  command->add_option("--memory", a.megabytes, "of the states that a search keeps (default 2048)")->check(is_number())->type_name("MB");
+  command->add_option("--certificate", a.certificate, "write the evidence of a proof to PATH")->type_name("PATH");
+  command->add_flag("--why", a.why, "print the invariants of a proof");
+  command->add_flag("--json", a.json, "the verdict as JSON");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes code when states are searched");
+  add_compile(*command, a.compile);
+  command->footer(
+      "Exit code: 0 free of deadlock, 3 a deadlock is reachable, 4 unknown. Run-time errors are not looked for.\n"
+      "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip");
 }
 
 void add_build(CLI::App& app, BuildArguments& a) {
@@ -155,9 +190,47 @@ void add_published(CLI::App& app, PublishedArguments& a) {
   const char* group = "As the published tools are called";
   CLI::Option* package = app.add_option("-p", a.package, "package to check; its file is PACKAGE.bip in a folder of -I");
   package->type_name("PACKAGE")->group(group);
-  app.add_option("-I", a.folders, "where packages are (default: here)")->type_name("DIR")->needs(package)->group(group);
-  app.add_option("-d", a.declaration, "root component, 'Root()'")->type_name("TYPE(ARGS)")->needs(package)->group(group);
+  app.add_option("-I", a.compile.folders, "where packages are (default: here)")->allow_extra_args(false)->type_name("DIR")->needs(package)->group(group);
+  app.add_option("-d", a.compile.root, "root component, 'Root()'")->type_name("TYPE(ARGS)")->needs(package)->group(group);
   app.add_option("--gencpp-output", a.cpp_output, "write C++ to DIR")->type_name("DIR")->needs(package)->group(group);
+  app.add_flag("--Werr,--WError,--Werror", a.compile.warnings_are_errors, "warnings count as errors; -WError too")->needs(package)->group(group);
+  app.add_option_function<std::string>("-W", [&a](const std::string&) { a.compile.warnings_are_errors = true; }, "--Werr, written -WError or -WErr")
+      ->needs(package)
+      ->check(CLI::Validator([](std::string& text) { return text == "Error" || text == "Err" ? "" : not_one_of(text, "Error, Err"); }, ""))
+      ->group("");
+  add_choice(app, "--diagnostics", a.compile.render.format, kFormats, "frame|short|json|sarif", "how errors and warnings look", group);
+  // What steers the published C++ back end and its makefiles. `bipc emit` writes its own CMakeLists.txt.
+  for (const char* name : {"--gencpp-cc-I", "--gencpp-cc-extra-src", "--gencpp-cc-extra-obj", "--gencpp-ld-L", "--gencpp-ld-l", "--gencpp-optim",
+                           "--gencpp-set-optim-param", "--gencpp-disable-optim"}) {
+    app.add_option_function<std::vector<std::string>>(name, [&a, name](const std::vector<std::string>&) { a.ignored.emplace_back(name); }, "")
+        ->allow_extra_args(false)
+        ->group("");
+  }
+  for (const char* name : {"--gencpp-follow-used-packages", "--gencpp-enable-marshalling", "--gencpp-no-serial"}) {
+    app.add_flag_callback(name, [&a, name] { a.ignored.emplace_back(name); }, "")->group("");
+  }
+}
+
+void add_replay(CLI::App& app, ReplayArguments& a) {
+  CLI::App* command = app.add_subcommand("replay", "follow a recorded run and compare each state");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option("--published", a.published_trace, "the text that the published engine (or --trace-format=bip2) wrote")->required()->type_name("TRACE");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
+  command->add_flag_callback("--disable-maximal-progress", [&a] { a.maximal_progress = false; }, "the run had it too");
+  add_compile(*command, a.compile);
+  command->footer(
+      "Takes the choices of TRACE and compares the candidates of every state, in any order, with names and values. The first\n"
+      "difference is told with both sets and ends with 1.\n"
+      "Example:\n  bipc replay --published run.txt model.bip");
+}
+
+void add_migrate(CLI::App& app, MigrateArguments& a) {
+  CLI::App* command = app.add_subcommand("migrate", "print models with old spellings replaced by current ones");
+  command->add_option("FILE", a.files, ".bip files")->required()->type_name("");
+  command->add_flag("-i,--in-place", a.in_place, "rewrite the files");
+  add_folders(*command, a.compile);
+  add_diagnostics(*command, a.compile);
+  command->footer("Nothing else of a text changes: its layout and comments stay.\nExample:\n  bipc migrate -i model.bip");
 }
 
 }  // namespace
@@ -166,9 +239,12 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_published(app, arguments.published);
   add_check(app, arguments.check);
   add_run(app, arguments.run);
+  add_verify(app, arguments.verify);
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);
+  add_replay(app, arguments.replay);
   add_fmt(app, arguments.fmt);
+  add_migrate(app, arguments.migrate);
   add_explain(app, arguments);
   add_version(app);
 }

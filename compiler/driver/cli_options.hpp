@@ -10,9 +10,12 @@ namespace bip::driver {
 struct Arguments {
   CheckArguments check;
   RunArguments run;
+  VerifyArguments verify;
   BuildArguments build;
   EmitArguments emit;
+  ReplayArguments replay;
   FmtArguments fmt;
+  MigrateArguments migrate;
   PublishedArguments published;
   std::string explain_code;
   ColorChoice explain_color = ColorChoice::Auto;

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/cpp_side.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
@@ -66,7 +67,11 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
     return false;
   }
   const std::string source = (*work).path() + "/model.cpp";
-  if (const auto written = write_file(source, emit_cpp::emit(*c.lowered, {})); !written) {
+  emit_cpp::CppBuild cpp;
+  if (!find_cpp_side(c, cpp)) return false;
+  emit_cpp::Options options;
+  options.const_names = cpp.const_names;
+  if (const auto written = write_file(source, emit_cpp::emit(*c.lowered, options)); !written) {
     c.diags.report(Diag::kB5004, {}, source, written.error());
     return false;
   }
@@ -80,6 +85,8 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   } else {
     command.push_back(runtime.library);
   }
+  for (const std::string& dir : cpp.include_dirs) command.push_back("-I" + dir);
+  for (const auto* files : {&cpp.sources, &cpp.objects}) command.insert(command.end(), files->begin(), files->end());
   // Beside the goal, then renamed over it: a program that runs just now is replaced, not written into.
   const std::string fresh = arguments.output + ".bipc-new";
   command.insert(command.end(), {"-o", fresh});
@@ -124,7 +131,9 @@ int command_emit(const EmitArguments& arguments) {
     c.diags.report(Diag::kB5006, {}, joined(runtime.tried, "`, `"));
   } else if (compile(c, arguments.file, Stage::Image)) {
     const std::string program = std::filesystem::path(arguments.file).stem().string();
-    const auto written = emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program);
+    emit_cpp::CppBuild cpp;
+    if (!find_cpp_side(c, cpp)) return report(c);
+    const auto written = emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp);
     if (!written) c.diags.report(Diag::kB5004, {}, arguments.directory, written.error());
   }
   return report(c);

@@ -1,21 +1,20 @@
 // The published tools' calling convention, so that existing scripts keep working:
 //   bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR]
 // Package a.b.C is a/b/C.bip below one of the -I folders. Without --gencpp-output it only checks.
-#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/load_packages.hpp"
 
 namespace bip::driver {
 namespace {
 
 // The first that exists; else the first one tried, for the message.
 std::string file_of(const PublishedArguments& arguments) {
-  std::string relative = arguments.package;
-  std::replace(relative.begin(), relative.end(), '.', '/');
-  relative += ".bip";
+  const std::string relative = file_of_package(arguments.package);
   std::string first;
-  std::vector<std::string> folders = arguments.folders;
+  std::vector<std::string> folders = arguments.compile.folders;
   if (folders.empty()) folders.emplace_back(".");
   for (const std::string& folder : folders) {
     const std::string path = (std::filesystem::path(folder) / relative).lexically_normal().string();
@@ -29,8 +28,9 @@ std::string file_of(const PublishedArguments& arguments) {
 }  // namespace
 
 int command_published(const PublishedArguments& arguments) {
-  CompileOptions compile;
-  compile.root = arguments.declaration;
+  for (const std::string& name : arguments.ignored) std::fprintf(stderr, "note: `%s` has no effect in bipc\n", name.c_str());
+  CompileOptions compile = arguments.compile;
+  compile.package = arguments.package;
   const std::string file = file_of(arguments);
   if (arguments.cpp_output.empty()) return command_check({.compile = compile, .files = {file}});
   return command_emit({.compile = compile, .file = file, .directory = arguments.cpp_output});

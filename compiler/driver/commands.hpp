@@ -8,9 +8,13 @@ namespace bip::driver {
 
 [[nodiscard]] int command_check(const CheckArguments& arguments);
 [[nodiscard]] int command_run(const RunArguments& arguments);
+/// Deadlock-free, a deadlock with its steps, or unknown: 0, 3, 4.
+[[nodiscard]] int command_verify(const VerifyArguments& arguments);
 [[nodiscard]] int command_build(const BuildArguments& arguments);
 [[nodiscard]] int command_emit(const EmitArguments& arguments);
+[[nodiscard]] int command_replay(const ReplayArguments& arguments);
 [[nodiscard]] int command_fmt(const FmtArguments& arguments);
+[[nodiscard]] int command_migrate(const MigrateArguments& arguments);
 /// `code` empty: the list of codes.
 [[nodiscard]] int command_explain(const std::string& code, ColorChoice color);
 [[nodiscard]] int command_version();

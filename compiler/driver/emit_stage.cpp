@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "compiler/driver/cpp_side.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/jit_loader.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"
@@ -29,7 +30,7 @@ Stage stage_of(EmitKind kind) {
 }
 
 // The text of the last stage, or a failure that says which part could not make it.
-Result<std::string> text_of(const Compilation& c, EmitKind kind, Optimisation optimisation) {
+Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisation) {
   switch (kind) {
     case EmitKind::Tokens: return parse::dump_tokens(c.sources, c.file);
     case EmitKind::Syntax: return syntax::dump(*c.syntax, c.sources);
@@ -42,7 +43,13 @@ Result<std::string> text_of(const Compilation& c, EmitKind kind, Optimisation op
       const jit::OptLevel level = opt_level(*c.lowered, optimisation);
       return kind == EmitKind::Llvm ? (*plugin).emit_llvm(*c.lowered, level) : (*plugin).emit_asm(*c.lowered, level);
     }
-    case EmitKind::Cpp: return emit_cpp::emit(*c.lowered, {});
+    case EmitKind::Cpp: {
+      emit_cpp::CppBuild cpp;
+      if (!find_cpp_side(c, cpp)) return std::string();
+      emit_cpp::Options options_of_text;
+      options_of_text.const_names = cpp.const_names;
+      return emit_cpp::emit(*c.lowered, options_of_text);
+    }
     case EmitKind::None:
     case EmitKind::Dot:
     case EmitKind::Json: break;

@@ -4,6 +4,7 @@
 #include "compiler/driver/executor.hpp"
 
 #include "compiler/base/assert.hpp"
+#include "compiler/driver/cpp_side.hpp"
 
 namespace bip::driver {
 
@@ -16,6 +17,7 @@ jit::OptLevel opt_level(const lower::LoweredSystem& lowered, Optimisation optimi
 
 bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation) {
   const StageScope doing("preparing the code of", c.path);
+  if (!load_cpp_side(c)) return false;
   if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
     const Result<JitPlugin> plugin = load_jit();
     if (plugin) {

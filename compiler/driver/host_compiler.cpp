@@ -72,7 +72,7 @@ std::vector<std::string> find_host_compiler(std::string& tried) {
   return {};
 }
 
-Result<int> run_program(const std::vector<std::string>& command) {
+Result<int> run_program(const std::vector<std::string>& command, const std::string& output) {
   const IgnoreInterrupts quiet;
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -80,6 +80,7 @@ Result<int> run_program(const std::vector<std::string>& command) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
+  if (!output.empty()) ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
   ::posix_spawnattr_init(&attributes);
   sigset_t defaults;

@@ -20,9 +20,13 @@ enum class Optimisation : std::uint8_t { Auto, O0, O1, O2 };
 /// Of every command that compiles.
 struct CompileOptions {
   std::string root;  // "Ring(10)"; empty: the one parameterless compound nobody instantiates
+  std::vector<std::string> folders;  // -I: where packages are, before the file's own folder and the standard library
+  std::string package;               // -p: what the file must be; empty: anything
   RenderOptions render;
   ColorChoice color = ColorChoice::Auto;
   bool warnings_are_errors = false;
+  std::vector<std::string> fatal_warnings;  // --Werror=CODE; "true" is all of them
+  bool explain = false;              // the page of the first error follows
   EmitKind emit = EmitKind::None;
   bool time_passes = false;
   bool verify_each = false;
@@ -40,6 +44,16 @@ struct BuildArguments {
   std::string output;
   Optimisation optimisation = Optimisation::O2;
 };
+struct VerifyArguments {
+  CompileOptions compile;
+  std::string file;
+  Backend backend = Backend::Auto;
+  std::uint64_t timeout = 60;        // seconds
+  std::uint64_t megabytes = 2048;    // of the states that a search keeps
+  std::string certificate;           // empty: none is written
+  bool json = false;
+  bool why = false;
+};
 struct CheckArguments {
   CompileOptions compile;
   std::vector<std::string> files;
@@ -50,6 +64,19 @@ struct EmitArguments {
   std::string directory;  // empty: print the stage of compile.emit
   Optimisation optimisation = Optimisation::O2;
 };
+/// A file checked against a trace of the published engine.
+struct ReplayArguments {
+  CompileOptions compile;
+  std::string file;
+  std::string published_trace;
+  Backend backend = Backend::Auto;
+  bool maximal_progress = true;
+};
+struct MigrateArguments {
+  CompileOptions compile;
+  std::vector<std::string> files;
+  bool in_place = false;
+};
 struct FmtArguments {
   CompileOptions compile;
   std::vector<std::string> files;
@@ -59,10 +86,10 @@ struct FmtArguments {
 
 /// The published tools' own call: bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR].
 struct PublishedArguments {
+  CompileOptions compile;
   std::string package;
-  std::vector<std::string> folders;
-  std::string declaration;
   std::string cpp_output;
+  std::vector<std::string> ignored;  // options that are taken and mean nothing here
 };
 
 }  // namespace bip::driver

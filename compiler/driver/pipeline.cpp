@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "compiler/base/assert.hpp"
+#include "compiler/driver/load_packages.hpp"
 #include "compiler/driver/roots.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/instantiate.hpp"
@@ -15,7 +16,7 @@ namespace bip::driver {
 namespace {
 
 bool load_source(Compilation& c) {
-  const Result<FileId> file = c.sources.load(c.path);
+  const Result<FileId> file = load_text(c, c.path);
   if (!file) {
     c.diags.report(Diag::kB0090, {}, c.path, file.error());
     return false;
@@ -29,6 +30,8 @@ bool parse_source(Compilation& c) {
   c.syntax = parse::parse_file(c.sources, c.file, c.diags);
   return c.syntax.has_value() && !c.diags.has_errors();
 }
+
+bool read_packages(Compilation& c) { return c.is_bsys() || load_packages(c); }
 
 bool parse_root(Compilation& c) {
   if (c.options.root.empty()) {
@@ -45,7 +48,7 @@ bool parse_root(Compilation& c) {
 
 bool build_model(Compilation& c) {
   if (c.is_bsys()) return true;
-  c.model = model::build_model(*c.syntax, c.sources, c.diags);
+  c.model = model::build_model(c.packages, c.sources, c.diags);
   return c.model.has_value() && !c.diags.has_errors();
 }
 
@@ -86,6 +89,7 @@ struct Pass {
 constexpr Pass kPasses[] = {
     {Stage::Source, "load", load_source},
     {Stage::Syntax, "parse", parse_source},
+    {Stage::Model, "load packages", read_packages},
     {Stage::Model, "parse root", parse_root},
     {Stage::Model, "build model", build_model},
     {Stage::System, "instantiate", instantiate},
@@ -106,6 +110,14 @@ bool timed(Compilation& c, const char* name, Run run) {
 
 }  // namespace
 
+Result<FileId> load_text(Compilation& c, const std::string& path, std::string name) {
+  const auto open = c.open_texts.find(path);
+  Result<FileId> file = open == c.open_texts.end() ? c.sources.load(path, std::move(name))
+                                                   : c.sources.load_text(name.empty() ? path : std::move(name), open->second);
+  if (file) c.paths[*file] = path;
+  return file;
+}
+
 bool compile(Compilation& c, const std::string& path, Stage last) {
   c.path = path;
   for (const Pass& pass : kPasses) {
@@ -121,7 +133,7 @@ bool check(Compilation& c, const std::string& path) {
   return timed(c, "instantiate", [&c] {
     for (const std::string& root : root_candidates(*c.model)) {
       // `instantiate` may take the model's code with it, so each root gets a model of its own.
-      c.model = model::build_model(*c.syntax, c.sources, c.diags);
+      c.model = model::build_model(c.packages, c.sources, c.diags);
       c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range);
       if (c.system) (void)verify_system(c);
     }

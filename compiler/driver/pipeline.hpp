@@ -3,6 +3,8 @@
 // A Compilation owns everything: texts, diagnostics, and the product of each stage. Nothing is global, so two of them
 // in one process never meet. The pipeline never prints and never exits: commands do (report.hpp).
 #pragma once
+#include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,6 +35,8 @@ struct Compilation {
   CompileOptions options;
   SourceMap sources;
   Diagnostics diags;
+  std::map<std::string, std::string> open_texts;  // by path: what an editor holds, read instead of the files
+  std::map<FileId, std::string> paths;            // where each file was read; messages may call it otherwise
   std::vector<PassTime> times;
 
   // Products, in the order of the stages. A .bsys file has no syntax and no model.
@@ -42,12 +46,18 @@ struct Compilation {
   SourceRange root_range;
   std::string root_name;  // "Ring(10)"
   std::optional<syntax::Syntax> syntax;
+  std::deque<syntax::Syntax> used;               // of the packages that the file uses, directly or not
+  std::vector<const syntax::Syntax*> packages;   // a package after those it uses; the file's own last
   std::optional<Model> model;
   std::optional<System> system;
   std::unique_ptr<lower::LoweredSystem> lowered;
 
   [[nodiscard]] bool is_bsys() const { return path.ends_with(".bsys"); }
 };
+
+/// A file of this compilation, from `open_texts` or from disk, with the same demands on its text.
+/// `name`: what it is called in messages; empty: its path.
+[[nodiscard]] Result<FileId> load_text(Compilation& c, const std::string& path, std::string name = {});
 
 /// Runs the stages up to `last` on a .bip or .bsys file. False as soon as one reported an error.
 [[nodiscard]] bool compile(Compilation& c, const std::string& path, Stage last);

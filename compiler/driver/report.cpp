@@ -3,10 +3,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
+#include "compiler/diag/explain.hpp"
 #include "compiler/driver/exit_codes.hpp"
 
 namespace bip::driver {
@@ -22,6 +24,30 @@ std::string time_table(const std::vector<PassTime>& times) {
     table += fmt::format("{:<14} {:>10.3f} {:>5.1f}%\n", t.name, t.seconds * 1e3, total > 0 ? 100 * t.seconds / total : 0);
   }
   return table + fmt::format("{:<14} {:>10.3f}\n", "total", total * 1e3);
+}
+
+// The page of the first error, else of the first warning.
+std::string explained(const Compilation& c, bool color) {
+  const Diagnostic* first = nullptr;
+  for (const Diagnostic* d : c.diags.sorted()) {
+    if (first == nullptr || d->severity < first->severity) first = d;
+  }
+  const ExplainPage* page = first == nullptr ? nullptr : find_page(info(first->kind).code);
+  return page == nullptr ? "" : "\n" + render_page(*page, color);
+}
+
+// Why warnings end with an error; empty if they do not.
+std::string fatal_warning(const Compilation& c) {
+  const std::vector<std::string>& fatal = c.options.fatal_warnings;
+  const bool all = c.options.warnings_are_errors || std::find(fatal.begin(), fatal.end(), "true") != fatal.end();
+  if (all) return c.diags.warning_count() == 0 ? "" : "warnings count as errors here (--Werror)\n";
+  for (const Diagnostic* d : c.diags.sorted()) {
+    const char* code = info(d->kind).code;
+    if (d->severity == Severity::Warning && std::find(fatal.begin(), fatal.end(), code) != fatal.end()) {
+      return fmt::format("warning {} counts as an error here (--Werror={})\n", code, code);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -40,9 +66,12 @@ int report(const Compilation& c) {
   options.color = wants_color(c.options.color, STDERR_FILENO);
   print(render(c.diags, c.sources, options));
   if (c.options.time_passes) print(time_table(c.times));
+  const bool is_for_people = options.format == DiagnosticFormat::Frame || options.format == DiagnosticFormat::Short;
+  if (c.options.explain && is_for_people) print(explained(c, options.color));
   if (c.diags.has_errors()) return kModelErrors;
-  if (!c.options.warnings_are_errors || c.diags.warning_count() == 0) return kOk;
-  if (options.format != DiagnosticFormat::Json) print("warnings count as errors here (--Werror)\n");
+  const std::string reason = fatal_warning(c);
+  if (reason.empty()) return kOk;
+  if (is_for_people) print(reason);
   return kModelErrors;
 }
 

@@ -15,7 +15,8 @@ std::vector<std::string> root_candidates(const Model& model) {
   std::vector<std::string> roots;
   for (std::size_t row = 0; row < model.compound_types.size(); ++row) {
     const CompoundType& type = model.compound_types[CompoundTypeId(row)];
-    if (type.params.empty() && !used.contains(CompoundTypeId(row))) roots.push_back(type.name);
+    const bool is_own = type.decl->name.range.file == model.packages.back().file;
+    if (is_own && type.params.empty() && !used.contains(CompoundTypeId(row))) roots.push_back(type.name);
   }
   return roots;
 }

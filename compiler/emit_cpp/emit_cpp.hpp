@@ -1,8 +1,10 @@
 // Readable C++ for the lean runtime: one function per guard, action and transfer of a type, then the tables.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "compiler/base/result.hpp"
+#include "compiler/emit_cpp/foreign.hpp"
 #include "compiler/lower/lower.hpp"
 
 namespace bip::emit_cpp {
@@ -11,14 +13,21 @@ struct Options {
   std::string namespace_name = "model";  // everything is put there
   bool with_main = true;                 // main() that calls bip::rt::run_main(image, argc, argv)
   bool line_directives = true;           // #line to the .bip
+  ConstNames const_names{};              // C++ functions with a `const_` variant
 };
 /// The text of one .cpp file that needs runtime/ only. With Options::with_main false it defines
 /// `const bip::rt::Image& <namespace>::image()`.
 [[nodiscard]] std::string emit(const lower::LoweredSystem& lowered, const Options& options);
 
+/// The C++ side of a model as a build needs it: absolute paths.
+struct CppBuild {
+  std::vector<std::string> include_dirs, sources, objects;
+  ConstNames const_names;
+};
+
 /// Writes model.cpp, a CMakeLists.txt and a copy of the runtime's sources into `directory`, so that it builds alone.
-/// `runtime_dir` is where the runtime's sources are.
+/// `runtime_dir` is where the runtime's sources are; `cpp` what the model's C++ side adds to the build.
 [[nodiscard]] Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
-                                        const std::string& runtime_dir, const std::string& program_name);
+                                        const std::string& runtime_dir, const std::string& program_name, const CppBuild& cpp = {});
 
 }  // namespace bip::emit_cpp

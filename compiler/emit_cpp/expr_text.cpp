@@ -1,7 +1,8 @@
 // Expressions of the code IR as C++ text.
 //
 // int arithmetic goes through wrap_add … and divide/modulo, everything else is the operator. C++ leaves the order of a
-// binary operator's operands open; that can be seen only if both can fault, and then they are bound left to right first.
+// binary operator's operands open; that can be seen only if both can fault or one calls C++, and then they are bound left
+// to right first.
 #include "compiler/emit_cpp/functions.hpp"
 
 namespace bip::emit_cpp {
@@ -65,14 +66,6 @@ const char* function_of(Op op) {
   }
 }
 
-const char* value_type(Type type) {
-  switch (type) {
-    case Type::Bool: return "bool";
-    case Type::Float: return "double";
-    default: return "std::int32_t";
-  }
-}
-
 std::string parens(const std::string& text) { return "(" + text + ")"; }
 
 // An operand: bare if it binds tighter and mixing the two operators surprises nobody (nor -Wparentheses).
@@ -125,17 +118,45 @@ Text combine(const ExprContext& c, ExprId id, const Expr& e, const Text& a, cons
 
 Text binary(ExprContext& c, ExprId id, const Expr& e) {
   const bool short_circuit = e.op == Op::And || e.op == Op::Or;
-  if (short_circuit || !c.faults.can_fault(e.a) || !c.faults.can_fault(e.b)) {
+  const bool both_fault = c.faults.can_fault(e.a) && c.faults.can_fault(e.b);
+  if (short_circuit || !(both_fault || c.faults.calls(e.a) || c.faults.calls(e.b))) {
     const Text a = text_of(c, e.a);
     const Text b = text_of(c, e.b);
     return combine(c, id, e, a, b);
   }
-  const char* type = value_type(c.lowered.system->code.exprs[e.a].type);
+  const std::string type = c.foreign.type(c.lowered.system->code.exprs[e.a].type);
   const std::string left = c.names.make("left");
   const std::string right = c.names.make("right");
   std::string text = std::string("[&] { const ") + type + " " + left + " = " + text_of(c, e.a).text + "; ";
   text += std::string("const ") + type + " " + right + " = " + text_of(c, e.b).text + "; ";
   return {text + "return " + combine(c, id, e, {left}, {right}).text + "; }()"};
+}
+
+// C++ leaves the order of arguments open: if it can be seen, those by value are bound first, from left to right.
+Text call(ExprContext& c, ExprId id, const Expr& e) {
+  const CodeTable& code = c.lowered.system->code;
+  const Function& function = code.functions[e.index];
+  const std::span<const ExprId> args = code.args_of(e);
+  std::size_t faulty = 0;
+  bool bind = false;
+  for (const ExprId arg : args) {
+    faulty += c.faults.can_fault(arg) ? 1 : 0;
+    bind = bind || (args.size() > 1 && c.faults.calls(arg));
+  }
+  bind = bind || faulty > 1;
+  std::string before, text = c.foreign.function(e.index) + "(";
+  for (std::size_t k = 0; k < args.size(); ++k) {
+    const Type type = function.params[k].type;
+    std::string arg = text_of(c, args[k]).text;
+    if (bind && !function.params[k].by_reference) {
+      const std::string name = c.names.make("arg");
+      before += "const " + c.foreign.type(type) + (is_extern(type) ? "& " : " ") + name + " = " + arg + "; ";
+      arg = name;
+    }
+    text += arg + ", ";
+  }
+  text += std::to_string(c.lowered.site_of_expr[id.value]) + ")";
+  return {bind ? "[&] { " + before + "return " + text + "; }()" : text};
 }
 
 Text text_of(ExprContext& c, ExprId id) {
@@ -145,6 +166,7 @@ Text text_of(ExprContext& c, ExprId id) {
     case Op::ConstBool:
     case Op::ConstFloat:
     case Op::ConstString: return constant(c, e);
+    case Op::Call: return call(c, id, e);
     case Op::LoadSelf: return {c.self_locals[e.index].name};
     case Op::LoadBind: return {c.bind_locals[e.index].name};
     case Op::IntToFloat:
@@ -158,6 +180,13 @@ Text text_of(ExprContext& c, ExprId id) {
 }  // namespace
 
 std::string expr_text(ExprContext& context, ExprId id) { return text_of(context, id).text; }
+
+bool FaultInfo::calls(ExprId id) const {
+  const CodeTable& code = lowered_.system->code;
+  if (!id.is_valid() || code.functions.empty()) return false;
+  const Expr& e = code.exprs[id];
+  return e.op == Op::Call || (e.op >= Op::IntToFloat && calls(e.a)) || (e.op >= Op::Add && calls(e.b));
+}
 
 bool FaultInfo::can_fault(ExprId id) {
   if (!id.is_valid()) return false;

@@ -26,7 +26,8 @@ std::string LocalNames::make(std::string_view name) {
 
 namespace {
 
-const char* variable_type(Type type) {
+std::string variable_type(const ForeignNames& foreign, Type type) {
+  if (is_extern(type)) return "ExternVar<" + foreign.type(type) + ">";
   switch (type) {
     case Type::Bool: return "BoolVar";
     case Type::Float: return "FloatVar";
@@ -74,9 +75,20 @@ class Uses {
     const Expr& e = code_.exprs[id];
     if (e.op == Op::LoadSelf) note(self, e.index, e.type, false);
     if (e.op == Op::LoadBind) note(bind, e.index, e.type, false);
+    if (e.op == Op::Call) add_call(e);
     if (e.op >= Op::IntToFloat) add(e.a);
     if (e.op >= Op::Add) add(e.b);
     faults = faults || ((e.op == Op::Div || e.op == Op::Mod) && e.type == Type::Int);
+  }
+  void add_call(const Expr& e) {
+    faults = true;
+    const std::span<const ExprId> args = code_.args_of(e);
+    for (std::size_t k = 0; k < args.size(); ++k) {
+      const Expr& arg = code_.exprs[args[k]];
+      const bool by_reference = code_.functions[e.index].params[k].by_reference;
+      if (by_reference) note(arg.op == Op::LoadSelf ? self : bind, arg.index, arg.type, true);
+      else add(args[k]);
+    }
   }
   void add(StmtId first) {
     for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
@@ -119,7 +131,7 @@ class Uses {
 class FunctionEmitter {
  public:
   FunctionEmitter(const lower::LoweredSystem& lowered, Writer& out)
-      : lowered_(lowered), code_(lowered.system->code), out_(out), faults_(lowered) {}
+      : lowered_(lowered), code_(lowered.system->code), out_(out), faults_(lowered), foreign_(lowered.system->code) {}
 
   void emit(const lower::CodeUnit& unit);
 
@@ -133,6 +145,7 @@ class FunctionEmitter {
   const CodeTable& code_;
   Writer& out_;
   FaultInfo faults_;
+  ForeignNames foreign_;
 };
 
 void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
@@ -140,7 +153,7 @@ void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
     if (!Uses::used(local)) continue;
     const std::string row = std::to_string(local.index);
     const std::string slot = is_bind ? "all[bind[" + row + "]]" : "self[" + row + "]";
-    indented(1, std::string(local.written ? "" : "const ") + variable_type(local.type) + " " + local.name + "{" + slot + "};");
+    indented(1, std::string(local.written ? "" : "const ") + variable_type(foreign_, local.type) + " " + local.name + "{" + slot + "};");
   }
 }
 
@@ -171,6 +184,11 @@ void FunctionEmitter::body(ExprContext& context, StmtId first, int depth) {
       if_chain(context, id, depth);
       continue;
     }
+    if (stmt.op == StmtOp::Call) {
+      out_.at(stmt.loc);
+      indented(depth, expr_text(context, stmt.value) + ";");
+      continue;
+    }
     const auto& locals = stmt.op == StmtOp::StoreSelf ? context.self_locals : context.bind_locals;
     out_.at(stmt.loc);
     indented(depth, locals[stmt.index].name + " = " + expr_text(context, stmt.value) + ";");
@@ -198,7 +216,7 @@ void FunctionEmitter::emit(const lower::CodeUnit& unit) {
   out_.line(head + (uses.faults ? " try {" : " {"));
   declare(uses.self, false);
   declare(uses.bind, true);
-  ExprContext context{lowered_, faults_, names, uses.self, uses.bind};
+  ExprContext context{lowered_, faults_, names, foreign_, uses.self, uses.bind};
   if (unit.kind == lower::CodeKind::Guard) {
     const std::string value = expr_text(context, unit.expr);
     out_.at(unit.loc);

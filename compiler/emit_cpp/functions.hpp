@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "compiler/emit_cpp/foreign.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/lower/unit_names.hpp"
@@ -28,6 +29,8 @@ class FaultInfo {
   explicit FaultInfo(const lower::LoweredSystem& lowered)
       : lowered_(lowered), known_(lowered.system->code.exprs.size(), 0) {}
   [[nodiscard]] bool can_fault(ExprId id);
+  /// True if the expression calls C++, which may change what its neighbours read.
+  [[nodiscard]] bool calls(ExprId id) const;
 
  private:
   const lower::LoweredSystem& lowered_;
@@ -47,6 +50,7 @@ struct ExprContext {
   const lower::LoweredSystem& lowered;
   FaultInfo& faults;
   LocalNames& names;
+  const ForeignNames& foreign;
   const std::vector<Local>& self_locals;  // by row in Self
   const std::vector<Local>& bind_locals;
 };

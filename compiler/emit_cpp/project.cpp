@@ -62,7 +62,7 @@ std::string plain_name(const std::string& name) {
   return out.empty() ? "model" : out;
 }
 
-std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& program_name) {
+std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& program_name, const CppBuild& cpp) {
   std::ostringstream out;
   out << "# Emitted by bipc. Build: cmake -S . -B build && cmake --build build; run: build/" << plain_name(program_name) << "\n"
       << "cmake_minimum_required(VERSION 3.16)\n"
@@ -81,7 +81,18 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
       << "target_include_directories(bip_program PRIVATE . runtime/include)\n"
       << "# Floats are rounded after each operation, as in every other executor.\n"
       << "target_compile_options(bip_program PRIVATE -ffp-contract=off)\n"
-      << "target_link_libraries(bip_program PRIVATE Threads::Threads)\n"
+      << "target_link_libraries(bip_program PRIVATE Threads::Threads)\n";
+  if (!cpp.include_dirs.empty() || !cpp.sources.empty() || !cpp.objects.empty()) {
+    out << "# The C++ side of the model, where `@cpp` found it.\n"
+        << "target_include_directories(bip_program PRIVATE";
+    for (const std::string& dir : cpp.include_dirs) out << " \"" << dir << "\"";
+    out << ")\ntarget_sources(bip_program PRIVATE";
+    for (const std::string& file : cpp.sources) out << " \"" << file << "\"";
+    out << ")\ntarget_link_libraries(bip_program PRIVATE";
+    for (const std::string& file : cpp.objects) out << " \"" << file << "\"";
+    out << ")\n";
+  }
+  out
       << "set_target_properties(bip_program PROPERTIES OUTPUT_NAME \"" << plain_name(program_name) << "\")\n";
   return out.str();
 }
@@ -89,7 +100,7 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
 }  // namespace
 
 Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
-                          const std::string& runtime_dir, const std::string& program_name) {
+                          const std::string& runtime_dir, const std::string& program_name, const CppBuild& cpp) {
   const Result<std::vector<fs::path>> runtime = runtime_files(runtime_dir);
   if (!runtime) return Failure{runtime.error()};
   const fs::path root(directory);
@@ -99,9 +110,11 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
     Result<bool> written = write_file(root / "runtime" / file, *text);
     if (!written) return written;
   }
-  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name));
+  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, cpp));
   if (!written) return written;
-  return write_file(root / "model.cpp", emit(lowered, Options{}));
+  Options options;
+  options.const_names = cpp.const_names;
+  return write_file(root / "model.cpp", emit(lowered, options));
 }
 
 }  // namespace bip::emit_cpp

@@ -4,13 +4,15 @@
 // second. Cost: linear in the image.
 #include "compiler/emit_cpp/tables.hpp"
 
+#include "compiler/emit_cpp/foreign.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 
 namespace bip::emit_cpp {
 
 namespace {
 
-const char* slot_type_text(rt::SlotType type) {
+std::string slot_type_text(rt::SlotType type) {
+  if (rt::is_extern(type)) return "SlotType{" + std::to_string(static_cast<unsigned>(type)) + "}";
   switch (type) {
     case rt::SlotType::Bool: return "SlotType::Bool";
     case rt::SlotType::Float: return "SlotType::Float";
@@ -18,6 +20,15 @@ const char* slot_type_text(rt::SlotType type) {
     case rt::SlotType::Int: break;
   }
   return "SlotType::Int";
+}
+
+const char* scope_text(rt::InvariantScope scope) {
+  switch (scope) {
+    case rt::InvariantScope::At: return "InvariantScope::At";
+    case rt::InvariantScope::From: return "InvariantScope::From";
+    case rt::InvariantScope::Always: break;
+  }
+  return "InvariantScope::Always";
 }
 
 std::vector<std::string> texts(const rt::Span<const char*>& items) {
@@ -98,8 +109,19 @@ void TableWriter::atom_type(const rt::AtomType& type) {
     rows.push_back(braces({row_text(t.port), from, to, row_text(t.guard), row_text(t.action), loc_text(t.loc)}));
   }
   const std::string transitions = table("Transition", name + "_transitions", rows);
+  rows.clear();
+  for (const rt::AtomPriority& p : type.priorities) {
+    rows.push_back(braces({string_literal(p.name), row_text(p.low), row_text(p.high), row_text(p.guard), loc_text(p.loc)}));
+  }
+  const std::string priorities = table("AtomPriority", name + "_priorities", rows);
+  rows.clear();
+  for (const rt::Invariant& i : type.invariants) {
+    const std::string at = list(name + "_" + i.name + "_places", i.places);
+    rows.push_back(braces({string_literal(i.name), scope_text(i.scope), at, row_text(i.condition), loc_text(i.loc)}));
+  }
+  const std::string invariants = table("Invariant", name + "_invariants", rows);
   atom_rows_.push_back(braces({string_literal(name), slots, ports, places, initial, row_text(type.initial_action), transitions,
-                               loc_text(type.loc)}));
+                               loc_text(type.loc), priorities, invariants}));
 }
 
 void TableWriter::connector_type(const rt::ConnectorType& type) {
@@ -121,7 +143,8 @@ void TableWriter::connector_type(const rt::ConnectorType& type) {
   rows.clear();
   for (const rt::Clause& c : type.clauses) {
     const std::string clause_params = list(name + "_clause_params", c.params);
-    rows.push_back(braces({clause_params, row_text(c.guard), row_text(c.up), row_text(c.down), loc_text(c.loc)}));
+    rows.push_back(braces({clause_params, row_text(c.guard), row_text(c.up), row_text(c.down), loc_text(c.loc),
+                           bool_text(c.may_fault)}));
   }
   const std::string clauses = table("Clause", name + "_clauses", rows);
   const std::string export_slots = list(name + "_export_slots", type.export_slots);
@@ -137,7 +160,15 @@ void TableWriter::image() {
   for (const lower::CodeUnit& unit : lowered_.units) {
     codes.push_back("/* " + std::to_string(codes.size()) + " */ {&" + unit.name + ", nullptr}");
   }
-  for (const rt::Site& site : image_.sites) sites.push_back("{" + loc_text(site.loc) + "}");
+  for (const rt::Site& site : image_.sites) {
+    sites.push_back("{" + loc_text(site.loc) + (site.function == nullptr ? "}" : ", " + string_literal(site.function) + "}"));
+  }
+  const ForeignNames foreign(lowered_.system->code);
+  std::vector<std::string> extern_types;
+  for (std::size_t k = 0; k < lowered_.extern_types.size(); ++k) {
+    extern_types.push_back("extern_type_of<" + foreign.type(extern_type(k)) + ">(" + string_literal(lowered_.extern_types[k].name) + ")");
+  }
+  const std::string extern_span = table("ExternType", "extern_types", extern_types);
   const std::string files = table("const char*", "files", texts(image_.files));
   const std::string strings = table("const char*", "strings", texts(image_.strings));
   const std::string code_span = table("Code", "codes", codes);
@@ -162,6 +193,11 @@ void TableWriter::image() {
   field("binds", binds_);
   field("priorities", priorities_);
   field("slot_count", std::to_string(image_.slot_count));
+  field("choices", choices_);
+  if (image_.outside != nullptr) {
+    field("extern_types", extern_span);
+    field("outside", "&outside::own_world");
+  }
   out_.line("};");
 }
 

@@ -24,6 +24,7 @@ class TableWriter {
   void atom_type(const rt::AtomType& type);
   void connector_type(const rt::ConnectorType& type);
   void priorities();
+  void choices();
 
   /// `constexpr <type> <name>[] = { rows };` and the expression for its span; nothing and "{}" if there are no rows.
   std::string table(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
@@ -39,7 +40,7 @@ class TableWriter {
   std::vector<std::string> atom_rows_, connector_rows_;
   // Spans of the finished tables, for image().
   std::string port_types_, atom_types_, connector_types_, compounds_, atoms_, args_, connectors_, port_refs_, binds_,
-      priorities_;
+      priorities_, choices_;
 };
 
 }  // namespace bip::emit_cpp

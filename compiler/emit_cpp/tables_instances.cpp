@@ -13,6 +13,11 @@ std::string slot_text(const rt::Slot& slot, Type type) {
   return "int_slot(" + int_literal(slot.i) + ")";
 }
 
+std::string port_ref_text(const rt::PortRef& ref) {
+  return braces({row_text(ref.atom), row_text(ref.port), row_text(ref.connector), bool_text(ref.maximal_only),
+                 row_text(ref.choice)});
+}
+
 // A row with whose it is in front.
 std::string with_owner(const std::string& row, const std::string& owner) {
   return "/* " + comment_text(owner) + " */ " + row;
@@ -60,8 +65,7 @@ void TableWriter::instances() {
     for (std::uint32_t k = 0; k < type.params.size; ++k) {
       const rt::PortRef& ref = image_.port_refs[c.ports + k];
       const std::string owner = std::string(c.path) + " " + type.params[k].name;
-      refs.push_back(with_owner(
-          braces({row_text(ref.atom), row_text(ref.port), row_text(ref.connector), bool_text(ref.maximal_only)}), owner));
+      refs.push_back(with_owner(port_ref_text(ref), owner));
     }
     if (c.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + c.binds, c.bind_count}), c.path));
   }
@@ -71,7 +75,19 @@ void TableWriter::instances() {
   connectors_ = table("Connector", "connectors", rows);
   port_refs_ = table("PortRef", "port_refs", refs);
   binds_ = table("std::uint32_t", "binds", binds);
+  choices();
   priorities();
+}
+
+void TableWriter::choices() {
+  std::vector<std::string> rows;
+  for (const rt::Choice& choice : image_.choices) {
+    std::vector<std::string> refs;
+    for (const rt::PortRef& ref : choice.ports) refs.push_back(port_ref_text(ref));
+    const std::string ports = table("PortRef", std::string(choice.name) + "_ports", refs);
+    rows.push_back(braces({string_literal(choice.name), ports}));
+  }
+  choices_ = table("Choice", "choices", rows);
 }
 
 void TableWriter::priorities() {

@@ -98,7 +98,7 @@ const std::vector<std::string_view>& reserved_words() {
       "assert", "errno", "linux", "stderr", "stdin", "stdout", "unix",
       // what emitted functions call
       "all", "bind", "self", "Slot", "IntVar", "BoolVar", "FloatVar", "StringVar", "Fault", "divide", "modulo",
-      "wrap_add", "wrap_sub", "wrap_mul", "wrap_neg"};
+      "ExternVar", "outside", "wrap_add", "wrap_sub", "wrap_mul", "wrap_neg"};
   return kWords;
 }
 

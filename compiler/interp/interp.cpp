@@ -28,8 +28,8 @@ rt::Slot float_slot(double value) {
 class Evaluator {
  public:
   Evaluator(const CodeTable& code, const std::uint32_t* sites, const rt::Slot* self_read, rt::Slot* self, rt::Slot* all,
-            const std::uint32_t* bind)
-      : code_(code), sites_(sites), self_read_(self_read), self_(self), all_(all), bind_(bind) {}
+            const std::uint32_t* bind, lower::LoweredSystem* lowered = nullptr)
+      : code_(code), lowered_(lowered), sites_(sites), self_read_(self_read), self_(self), all_(all), bind_(bind) {}
 
   /// The value; meaningless once status() is not 0.
   rt::Slot eval(ExprId id);
@@ -43,8 +43,11 @@ class Evaluator {
   rt::Slot int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b);
   rt::Slot short_circuit(const Expr& e);
   rt::Slot divide(ExprId id, Op op, std::int32_t a, std::int32_t b);
+  rt::Slot call(ExprId id, const Expr& e);
+  void store(Type type, rt::Slot& to, rt::Slot value);
 
   const CodeTable& code_;
+  lower::LoweredSystem* lowered_;  // null: constants, which call nothing
   const std::uint32_t* sites_;  // null: the expression's own row is the site
   const rt::Slot* self_read_;
   rt::Slot* self_;
@@ -62,6 +65,7 @@ rt::Slot Evaluator::eval(ExprId id) {
     case Op::ConstFloat: return float_slot(e.float_value);
     case Op::LoadSelf: return self_read_[e.index];
     case Op::LoadBind: return all_[bind_[e.index]];
+    case Op::Call: return call(id, e);
     case Op::And:
     case Op::Or: return short_circuit(e);
     case Op::IntToFloat:
@@ -138,14 +142,48 @@ rt::Slot Evaluator::divide(ExprId id, Op op, std::int32_t a, std::int32_t b) {
   return int_slot(op == Op::Div ? rt::quotient(a, b) : rt::remainder(a, b));
 }
 
+// Arguments by value are evaluated, from left to right, into slots of their own; the others are the variables' slots.
+rt::Slot Evaluator::call(ExprId id, const Expr& e) {
+  const Function& function = code_.functions[e.index];
+  const std::span<const ExprId> args = code_.args_of(e);
+  std::vector<rt::Slot> values(args.size());
+  std::vector<rt::Slot*> slots;
+  for (std::size_t k = 0; k < args.size(); ++k) {
+    const Expr& arg = code_.exprs[args[k]];
+    if (function.params[k].by_reference) {
+      slots.push_back(arg.op == Op::LoadSelf ? self_ + arg.index : all_ + bind_[arg.index]);
+      continue;
+    }
+    values[k] = eval(args[k]);
+    if (status_ != 0) return values[k];
+    slots.push_back(&values[k]);
+  }
+  rt::Slot result{};
+  if (function.has_result && is_extern(function.result)) result = lowered_->temporaries[id.value];
+  if (lowered_->functions[e.index](&lowered_->outside, &result, slots.data()) != 0) {
+    status_ = rt::fault_status(sites_[id.value], rt::FaultKind{});
+  }
+  return result;
+}
+
+// Extern types: the object is copied, the variable keeps its own.
+void Evaluator::store(Type type, rt::Slot& to, rt::Slot value) {
+  if (is_extern(type)) {
+    lowered_->extern_types[extern_row(type)].copy(&rt::object_in<char>(to), &rt::object_in<char>(value));
+  } else {
+    to = value;
+  }
+}
+
 void Evaluator::execute(StmtId first) {
   for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
     const Stmt& stmt = code_.stmts[id];
     const rt::Slot value = eval(stmt.value);
     if (status_ != 0) return;
     switch (stmt.op) {
-      case StmtOp::StoreSelf: self_[stmt.index] = value; break;
-      case StmtOp::StoreBind: all_[bind_[stmt.index]] = value; break;
+      case StmtOp::StoreSelf: store(stmt.type, self_[stmt.index], value); break;
+      case StmtOp::StoreBind: store(stmt.type, all_[bind_[stmt.index]], value); break;
+      case StmtOp::Call: break;
       case StmtOp::If:
         execute(value.i != 0 ? stmt.then_body : stmt.else_body);
         if (status_ != 0) return;
@@ -155,6 +193,7 @@ void Evaluator::execute(StmtId first) {
 }
 
 struct Context {
+  lower::LoweredSystem* lowered;
   const CodeTable* code;
   const std::uint32_t* sites;
   ExprId expr;
@@ -163,14 +202,14 @@ struct Context {
 
 std::int32_t run_guard(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
   const auto& c = *static_cast<const Context*>(context);
-  Evaluator evaluator(*c.code, c.sites, self, self, all, bind);
+  Evaluator evaluator(*c.code, c.sites, self, self, all, bind, c.lowered);
   const rt::Slot value = evaluator.eval(c.expr);
   return evaluator.status() != 0 ? evaluator.status() : value.i;
 }
 
 std::int32_t run_action(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
   const auto& c = *static_cast<const Context*>(context);
-  Evaluator evaluator(*c.code, c.sites, self, self, all, bind);
+  Evaluator evaluator(*c.code, c.sites, self, self, all, bind, c.lowered);
   evaluator.execute(c.body);
   return evaluator.status() != 0 ? evaluator.status() : 1;
 }
@@ -185,7 +224,7 @@ Interpreter::Interpreter(lower::LoweredSystem& lowered) : impl_(std::make_unique
   impl_->contexts.reserve(lowered.units.size());
   std::size_t row = 0;
   for (const lower::CodeUnit& unit : lowered.units) {
-    impl_->contexts.push_back({&lowered.system->code, lowered.site_of_expr.data(), unit.expr, unit.body});
+    impl_->contexts.push_back({&lowered, &lowered.system->code, lowered.site_of_expr.data(), unit.expr, unit.body});
     const bool is_guard = unit.kind == lower::CodeKind::Guard;
     lowered.codes[row++] = {is_guard ? &run_guard : &run_action, &impl_->contexts.back()};
   }

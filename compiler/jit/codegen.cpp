@@ -57,12 +57,14 @@ class UnitBuilder {
   }
   llvm::Value* load(Type type, llvm::Value* slot) {
     if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), slot, slot_align_);
+    // The address of the object.
+    if (is_extern(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), slot, slot_align_);
     llvm::Value* low = b_.CreateAlignedLoad(i32_, slot, slot_align_);
     return type == Type::Bool ? b_.CreateICmpNE(low, b_.getInt32(0)) : low;
   }
   void store(Type type, llvm::Value* value, llvm::Value* slot) {
     // Unused bits of a slot are zero.
-    if (type != Type::Float) value = b_.CreateZExt(value, b_.getInt64Ty());
+    if (type != Type::Float && !is_extern(type)) value = b_.CreateZExt(value, b_.getInt64Ty());
     b_.CreateAlignedStore(value, slot, slot_align_);
   }
 
@@ -75,6 +77,7 @@ class UnitBuilder {
       case Op::ConstFloat: return llvm::ConstantFP::get(b_.getDoubleTy(), e.float_value);
       case Op::LoadSelf: return load(e.type, self_slot(e.index));
       case Op::LoadBind: return load(e.type, bind_slot(e.index));
+      case Op::Call: return call(id, e);
       case Op::IntToFloat: return b_.CreateSIToFP(expr(e.a), b_.getDoubleTy());
       case Op::Neg: return e.type == Type::Float ? b_.CreateFNeg(expr(e.a)) : b_.CreateNeg(expr(e.a));
       case Op::Not:
@@ -88,6 +91,59 @@ class UnitBuilder {
     if (code_.exprs[e.a].type == Type::Float) return float_binary(e.op, a, b);
     if (e.op == Op::Div || e.op == Op::Mod) return divide(id, e.op, a, b);
     return int_binary(e.op, a, b);
+  }
+
+  llvm::Value* slot_of(const Expr& e) { return e.op == Op::LoadSelf ? self_slot(e.index) : bind_slot(e.index); }
+  /// What the process gives: a function, or data.
+  llvm::Constant* outside(const std::string& name) {
+    return function_->getParent()->getOrInsertGlobal(name, b_.getInt8Ty());
+  }
+  // One frame for all slots and their addresses of a call, at the function's start: loops there are none.
+  llvm::Value* frame(llvm::Type* type, std::size_t size) {
+    llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
+    return start.CreateAlloca(llvm::ArrayType::get(type, size == 0 ? 1 : size));
+  }
+
+  /// As rt::ForeignFn wants it. Arguments by value get slots of their own.
+  llvm::Value* call(ExprId id, const Expr& e) {
+    const Function& function = code_.functions[e.index];
+    const std::span<const ExprId> args = code_.args_of(e);
+    llvm::Type* i64 = b_.getInt64Ty();
+    llvm::Type* pointer = b_.getPtrTy();
+    llvm::Value* values = frame(i64, args.size() + 1);
+    llvm::Value* slots = frame(pointer, args.size());
+    for (std::size_t k = 0; k < args.size(); ++k) {
+      const Expr& arg = code_.exprs[args[k]];
+      llvm::Value* slot = nullptr;
+      if (function.params[k].by_reference) {
+        slot = slot_of(arg);
+      } else {
+        llvm::Value* value = expr(args[k]);
+        slot = b_.CreateConstInBoundsGEP1_64(i64, values, k + 1);
+        store(arg.type, value, slot);
+      }
+      b_.CreateStore(slot, b_.CreateConstInBoundsGEP1_64(pointer, slots, k));
+    }
+    llvm::Value* result = values;
+    if (function.has_result && is_extern(function.result)) result = outside(kTemporaryName + std::to_string(id.value));
+    auto* type = llvm::FunctionType::get(i32_, {pointer, pointer, pointer}, false);
+    llvm::CallInst* status = b_.CreateCall(type, outside(kFunctionName + std::to_string(e.index)), {outside(kOutsideName), result, slots});
+    status->setDoesNotThrow();
+    llvm::BasicBlock* faulty = new_block("exception");
+    llvm::BasicBlock* sound = new_block("called");
+    b_.CreateCondBr(b_.CreateICmpNE(status, b_.getInt32(0)), faulty, sound);
+    b_.SetInsertPoint(faulty);
+    b_.CreateRet(b_.getInt32(static_cast<std::uint32_t>(rt::fault_status(sites_[id.value], rt::FaultKind{}))));
+    b_.SetInsertPoint(sound);
+    return function.has_result ? load(function.result, result) : b_.getInt32(0);
+  }
+  /// An assignment between variables of an extern type copies the object.
+  void assign(Type type, llvm::Value* value, llvm::Value* slot) {
+    if (!is_extern(type)) return store(type, value, slot);
+    llvm::Type* pointer = b_.getPtrTy();
+    auto* copy = llvm::FunctionType::get(b_.getVoidTy(), {pointer, pointer}, false);
+    llvm::Value* to = b_.CreateIntToPtr(load(type, slot), pointer);
+    b_.CreateCall(copy, outside(kCopyName + std::to_string(extern_row(type))), {to, b_.CreateIntToPtr(value, pointer)})->setDoesNotThrow();
   }
 
   llvm::Value* short_circuit(const Expr& e) {
@@ -162,9 +218,10 @@ class UnitBuilder {
       const Stmt& s = code_.stmts[id];
       llvm::Value* value = expr(s.value);
       switch (s.op) {
-        case StmtOp::StoreSelf: store(s.type, value, self_slot(s.index)); break;
-        case StmtOp::StoreBind: store(s.type, value, bind_slot(s.index)); break;
+        case StmtOp::StoreSelf: assign(s.type, value, self_slot(s.index)); break;
+        case StmtOp::StoreBind: assign(s.type, value, bind_slot(s.index)); break;
         case StmtOp::If: branch(s, value); break;
+        case StmtOp::Call: break;
       }
     }
   }

@@ -23,6 +23,24 @@ struct Jit::Impl {
   std::unique_ptr<llvm::orc::LLJIT> engine;
   std::unique_ptr<llvm::TargetMachine> machine;
 
+  /// Gives the C++ side of the system its names.
+  llvm::Error add_outside(lower::LoweredSystem& lowered) {
+    llvm::orc::SymbolMap symbols;
+    const auto add = [&](const std::string& name, const void* address) {
+      if (address == nullptr) return;
+      symbols[engine->mangleAndIntern(name)] = {llvm::orc::ExecutorAddr::fromPtr(address), llvm::JITSymbolFlags::Exported};
+    };
+    const auto number = [](std::size_t k) { return std::to_string(k); };
+    if (lowered.image.outside == nullptr) return llvm::Error::success();
+    add(kOutsideName, &lowered.outside);
+    for (std::size_t k = 0; k < lowered.functions.size(); ++k) add(kFunctionName + number(k), reinterpret_cast<const void*>(lowered.functions[k]));
+    for (std::size_t k = 0; k < lowered.extern_types.size(); ++k) add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.extern_types[k].copy));
+    for (std::size_t k = 0; k < lowered.temporaries.size(); ++k) {
+      if (lowered.temporaries[k].bits != 0) add(kTemporaryName + number(k), &lowered.temporaries[k]);
+    }
+    return engine->getMainJITDylib().define(llvm::orc::absoluteSymbols(std::move(symbols)));
+  }
+
   llvm::Error add_units(lower::LoweredSystem& lowered, OptLevel level, std::size_t first, std::size_t count) {
     auto context = std::make_unique<llvm::LLVMContext>();
     std::unique_ptr<llvm::Module> module = build_module(*context, lowered, first, count);
@@ -59,13 +77,14 @@ Result<std::unique_ptr<Jit>> Jit::compile(lower::LoweredSystem& lowered, OptLeve
   Result<std::unique_ptr<llvm::TargetMachine>> machine = make_machine(*target);
   if (!machine) return Failure{machine.error()};
   jit->impl_->machine = std::move(*machine);
-  // Our code has no initialisers, no thread-locals and calls nothing: no platform, no look into the process.
+  // Our code has no initialisers, no thread-locals and calls only what add_outside names: no platform, no look into the process.
   auto engine = llvm::orc::LLJITBuilder()
                     .setJITTargetMachineBuilder(std::move(*target))
                     .setPlatformSetUp(llvm::orc::setUpInactivePlatform)
                     .create();
   if (!engine) return Failure{"the JIT does not start: " + text_of(engine.takeError())};
   jit->impl_->engine = std::move(*engine);
+  if (llvm::Error error = jit->impl_->add_outside(lowered)) return Failure{"the JIT does not take the C++ functions: " + text_of(std::move(error))};
   for (std::size_t first = 0; first < lowered.units.size(); first += kUnitsPerModule) {
     const std::size_t count = std::min(kUnitsPerModule, lowered.units.size() - first);
     if (llvm::Error error = jit->impl_->add_units(lowered, level, first, count))

@@ -23,15 +23,16 @@ std::uint32_t Lowering::action(CodeOwner owner, std::uint32_t row, const std::st
 
 namespace {
 
-// One site an int division or modulo, in the order of the expressions.
+// One site an int division or modulo or a call, in the order of the expressions.
 void number_sites(Lowering& l) {
   const auto& exprs = l.system.code.exprs;
   l.out.site_of_expr.assign(exprs.size(), rt::kNone);
   std::size_t row = 0;
   for (const Expr& expr : exprs) {
-    if ((expr.op == Op::Div || expr.op == Op::Mod) && expr.type == Type::Int) {
+    const bool is_call = expr.op == Op::Call;
+    if (is_call || ((expr.op == Op::Div || expr.op == Op::Mod) && expr.type == Type::Int)) {
       l.out.site_of_expr[row] = static_cast<std::uint32_t>(l.pools.sites.size());
-      l.pools.sites.push_back({loc_of(expr.loc)});
+      l.pools.sites.push_back({loc_of(expr.loc), is_call ? l.system.code.functions[expr.index].name.c_str() : nullptr});
     }
     ++row;
   }
@@ -61,6 +62,9 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.connectors = span_of(pools.connectors);
   image.port_refs = span_of(pools.port_refs);
   image.binds = span_of(pools.binds);
+  image.choices = span_of(pools.choices);
+  image.extern_types = span_of(out.extern_types);
+  if (!out.functions.empty() || !out.extern_types.empty()) image.outside = &out.outside;
   image.priorities = span_of(pools.priorities);
 }
 
@@ -77,6 +81,8 @@ std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& na
   lower_types(l);
   lower_instances(l);
   out->codes.resize(out->units.size());
+  out->functions.resize(system.code.functions.size());
+  for (const ExternType& type : system.code.extern_types) out->extern_types.push_back({type.name.c_str(), nullptr, nullptr, nullptr, nullptr, nullptr});
   point_image_to_pools(*out, *out->pools);
   return out;
 }

@@ -8,6 +8,7 @@
 
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/image.hpp"
+#include "runtime/include/bip/outside.hpp"
 
 namespace bip::lower {
 
@@ -31,6 +32,12 @@ struct LoweredSystem {
   std::vector<rt::Code> codes;     // one a unit
   std::vector<std::uint32_t> site_of_expr;  // by ExprId: row of Image::sites, or rt::kNone if it cannot fault
   rt::Image image;                 // image.codes points to `codes`
+  // The C++ side. Whoever compiles it fills `functions` (one a row of CodeTable::functions), `extern_types` and
+  // `temporaries` (one an expression, empty if no call gives an extern value: the object that holds its result).
+  std::vector<rt::ForeignFn> functions;
+  std::vector<rt::ExternType> extern_types;
+  std::vector<rt::Slot> temporaries;
+  rt::Outside outside;
   struct Pools;
   std::unique_ptr<Pools, void (*)(Pools*)> pools{nullptr, nullptr};  // owner of all arrays behind `image`
 };

@@ -43,25 +43,43 @@ std::uint32_t data_row(const Lowering& l, const DataRef& ref) {
   return l.pools.atoms[ref.atom.value].slot_base + ref.slot;
 }
 
-// The port reference of one parameter, and the rows of its variables.
-void lower_port_ref(Lowering& l, const PortRef& ref) {
-  const System& s = l.system;
+rt::PortRef port_ref(const PortRef& ref) {
   rt::PortRef to{rt::kNone, rt::kNone, rt::kNone, ref.maximal_only};
+  switch (ref.kind) {
+    case PortRef::Kind::Atom:
+      to.atom = ref.atom.value;
+      to.port = ref.port;
+      break;
+    case PortRef::Kind::Connector: to.connector = ref.connector.value; break;
+    case PortRef::Kind::Choice: to.choice = ref.choice; break;
+  }
+  return to;
+}
+
+// The port reference of one parameter, and the rows of its variables; of a choice those of its first port.
+void lower_port_ref(Lowering& l, const PortRef& bound) {
+  const System& s = l.system;
+  l.pools.port_refs.push_back(port_ref(bound));
+  const PortRef& ref = bound.kind == PortRef::Kind::Choice ? s.choices[bound.choice].ports[0] : bound;
   if (ref.kind == PortRef::Kind::Atom) {
-    to.atom = ref.atom.value;
-    to.port = ref.port;
     const std::uint32_t base = l.pools.atoms[ref.atom.value].slot_base;
     for (const std::uint32_t slot : s.atom_types[s.atoms[ref.atom].type].ports[ref.port].slots) {
       l.pools.binds.push_back(base + slot);
     }
   } else {
-    to.connector = ref.connector.value;
     const std::uint32_t base = l.pools.connectors[ref.connector.value].slot_base;
     for (const std::uint32_t slot : s.connector_types[s.connectors[ref.connector].type].export_slots) {
       l.pools.binds.push_back(base + slot);
     }
   }
-  l.pools.port_refs.push_back(to);
+}
+
+void lower_choices(Lowering& l) {
+  for (const Choice& choice : l.system.choices) {
+    std::vector<rt::PortRef> ports;
+    for (const PortRef& ref : choice.ports) ports.push_back(port_ref(ref));
+    l.pools.choices.push_back({choice.name.c_str(), l.pools.list(ports)});
+  }
 }
 
 // `parent` is the compound's row; images without that column leave it out.
@@ -124,6 +142,7 @@ void lower_instances(Lowering& l) {
     l.pools.compounds.push_back({compound.path.c_str(), compound.parent.value});
   }
   lower_atoms(l);
+  lower_choices(l);
   lower_connectors(l);
   lower_priorities(l);
 }

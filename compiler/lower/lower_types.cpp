@@ -22,6 +22,22 @@ void lower_port_type(Lowering& l, const PortType& type) {
   l.pools.port_types.push_back({type.name.c_str(), l.pools.list(vars)});
 }
 
+void lower_atom_rules(Lowering& l, std::uint32_t row, const AtomType& type, rt::AtomType& to) {
+  const auto port = [](std::uint32_t k) { return k == AtomPriority::kAnyPort ? rt::kNone : k; };
+  std::vector<rt::AtomPriority> priorities;
+  for (const AtomPriority& p : type.priorities) {
+    const std::uint32_t guard = l.guard(CodeOwner::Atom, row, type.name + "_" + p.name + "_guard", p.guard);
+    priorities.push_back({p.name.c_str(), port(p.low), port(p.high), guard, loc_of(p.loc)});
+  }
+  to.priorities = l.pools.list(priorities);
+  std::vector<rt::Invariant> invariants;
+  for (const Invariant& i : type.invariants) {
+    const std::uint32_t condition = l.guard(CodeOwner::Atom, row, type.name + "_" + i.name, i.condition);
+    invariants.push_back({i.name.c_str(), static_cast<rt::InvariantScope>(i.scope), l.pools.list(i.places), condition, loc_of(i.loc)});
+  }
+  to.invariants = l.pools.list(invariants);
+}
+
 void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   rt::AtomType to{};
   to.name = type.name.c_str();
@@ -50,7 +66,35 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   }
   to.transitions = l.pools.list(transitions);
   to.loc = loc_of(type.loc);
+  lower_atom_rules(l, row, type, to);
   l.pools.atom_types.push_back(to);
+}
+
+// Can code of this body end in a fault? Any call of C++ can. A division by a constant other than 0 and -1 cannot.
+bool may_fault(const CodeTable& code, StmtId first) {
+  std::vector<ExprId> exprs;
+  std::vector<StmtId> stmts{first};
+  while (!stmts.empty()) {
+    const StmtId id = stmts.back();
+    stmts.pop_back();
+    if (!id.is_valid()) continue;
+    const Stmt& s = code.stmts[id];
+    exprs.push_back(s.value);
+    stmts.insert(stmts.end(), {s.next, s.then_body, s.else_body});
+  }
+  while (!exprs.empty()) {
+    const ExprId id = exprs.back();
+    exprs.pop_back();
+    if (!id.is_valid()) continue;
+    const Expr& e = code.exprs[id];
+    if (e.op == Op::Call) return true;
+    if ((e.op == Op::Div || e.op == Op::Mod) && e.type == Type::Int) {
+      const Expr& by = code.exprs[e.b];
+      if (by.op != Op::ConstInt || by.int_value == 0 || by.int_value == -1) return true;
+    }
+    exprs.insert(exprs.end(), {e.a, e.b});
+  }
+  return false;
 }
 
 void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& type) {
@@ -74,6 +118,7 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
     out.up = l.action(CodeOwner::Connector, row, name + "_up", clause.up);
     out.down = l.action(CodeOwner::Connector, row, name + "_down", clause.down);
     out.loc = loc_of(clause.loc);
+    out.may_fault = may_fault(l.system.code, clause.up);
     clauses.push_back(out);
   }
   to.clauses = l.pools.list(clauses);

@@ -25,6 +25,7 @@ struct LoweredSystem::Pools {
   std::vector<rt::Slot> args;
   std::vector<rt::Connector> connectors;
   std::vector<rt::PortRef> port_refs;
+  std::vector<rt::Choice> choices;
   std::vector<std::uint32_t> binds;
   std::vector<rt::Priority> priorities;
 

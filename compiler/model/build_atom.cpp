@@ -1,7 +1,7 @@
 // Atom types: slots, ports, places, transitions with their code.
 #include <algorithm>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/externs.hpp"
 
 namespace bip::model {
 
@@ -25,7 +25,7 @@ struct AtomBuilder {
 
   AtomBuilder(Builder& builder, const syntax::Decl& d)
       : b(builder), decl(d), names(builder.diags, fmt::format("atom type `{}`", d.name.text)) {
-    out.name = std::string(decl.name.text);
+    out.name = b.key(decl);
     out.loc = b.loc(decl.name.range);
     scope.owner = fmt::format("atom type `{}`", decl.name.text);
   }
@@ -41,7 +41,7 @@ struct AtomBuilder {
   void build_slots() {
     for (const syntax::Param& p : decl.params) {
       names.declare(p.name, "parameter");
-      add_slot(p.name, require_native_type(p.type, b.sources, b.diags), true, false);
+      add_slot(p.name, native_data_type(b.model, p.type, "a parameter of a component", b.diags), true, false);
     }
     const auto given = b.initialised_data.find(out.name);
     std::unordered_map<std::string, std::uint32_t> hidden;
@@ -56,7 +56,7 @@ struct AtomBuilder {
       }
     }
     for (const syntax::DataDecl& d : decl.data) {
-      const Type type = require_native_type(d.type, b.sources, b.diags);
+      const Type type = data_type(b.model, d.type, b.diags);
       for (const syntax::Var& v : d.vars) {
         names.declare(v.name, "data");
         add_slot(v.name, type, false, d.exported);
@@ -107,7 +107,7 @@ struct AtomBuilder {
     }
     for (std::size_t i = 0; i < given.size(); ++i) {
       if (given[i].type == wanted.variables[i].type) continue;
-      b.diags.report(Diag::kB2004, item.vars[i].range, given[i].name, name_of(given[i].type), wanted.variables[i].name, b.text(type.name), name_of(wanted.variables[i].type))
+      b.diags.report(Diag::kB2004, item.vars[i].range, given[i].name, b.model.code.type_name(given[i].type), wanted.variables[i].name, b.text(type.name), b.model.code.type_name(wanted.variables[i].type))
           .label(b.declared(wanted.name), "declared here");
     }
   }
@@ -118,23 +118,70 @@ struct AtomBuilder {
       if (d.role == syntax::PortRole::External) {
         b.not_yet(d.range, "an `extern port`");
       }
-      if (!d.merged_as.text.empty() && d.items.size() > 1) {
-        b.not_yet(d.merged_as.range, "merging ports with `as`");
-      }
+      const bool merged = !d.merged_as.text.empty() && d.items.size() > 1;
+      const std::size_t first = out.ports.size();
       for (const syntax::PortItem& item : d.items) {
         build_port(d, item);
-        if (d.role != syntax::PortRole::Exported) continue;
+        if (d.role != syntax::PortRole::Exported || merged) continue;
         exported.declare(d.merged_as.text.empty() ? item.name : d.merged_as, "port");
         // What connectors see is the exported name; transitions still use the port's own.
         if (!d.merged_as.text.empty() && !out.ports.empty()) out.ports.back().name = std::string(d.merged_as.text);
       }
+      if (merged) merge_ports(d, first, exported);
     }
     for (const syntax::ClockDecl& c : decl.clocks) {
       b.not_yet(c.range, "a clock");
       for (const syntax::Name& name : c.names) scope.names[std::string(name.text)] = {.value = {}, .poison = true, .declared = name.range};
     }
-    for (const syntax::AtomPriority& p : decl.atom_priorities) b.not_yet(p.range, "a priority between the ports of an atom");
-    for (const syntax::Invariant& i : decl.invariants) b.not_yet(i.range, "an invariant");
+  }
+
+  // The ports of the declaration, from row `first` on, are one to whoever binds them.
+  void merge_ports(const syntax::PortDecl& d, std::size_t first, NameSpace& exported) {
+    exported.declare(d.merged_as, "port");
+    MergedPort row{.name = std::string(d.merged_as.text), .type = out.ports[first].type, .ports = {}, .loc = b.loc(d.merged_as.range)};
+    for (std::size_t p = first; p < out.ports.size(); ++p) {
+      row.ports.push_back(static_cast<std::uint32_t>(p));
+      const PortTypeId type = out.ports[p].type;
+      if (!type.is_valid() || !row.type.is_valid() || fits(b.model, type, row.type)) continue;
+      b.diags.report(Diag::kB2027, d.items[p - first].name.range, out.ports[p].name, port_type_text(b.model, type), out.ports[first].name, port_type_text(b.model, row.type))
+          .label(d.items[0].name.range, "merged with this one");
+    }
+    out.merged.push_back(std::move(row));
+  }
+
+  std::optional<std::uint32_t> rule_side(const syntax::Name& side) {
+    if (side.text == "*") return AtomPriority::kAnyPort;
+    const auto port = ports.find(std::string(side.text));
+    if (port != ports.end()) return port->second;
+    std::vector<std::string> known;
+    for (const auto& [name, row] : ports) known.push_back(name);
+    help_similar(b.diags.report(Diag::kB1022, side.range, side.text, scope.owner), side.text, side.range, known);
+    return std::nullopt;
+  }
+
+  void build_rules() {
+    CodeBuilder code(b.model, b.diags, scope);
+    for (const syntax::AtomPriority& p : decl.atom_priorities) {
+      names.declare(p.name, "priority");
+      const std::optional<std::uint32_t> low = rule_side(p.low);
+      const std::optional<std::uint32_t> high = rule_side(p.high);
+      AtomPriority row{.name = std::string(p.name.text), .low = low.value_or(0), .high = high.value_or(0), .guard = code.guard(p.guard), .loc = b.loc(p.range)};
+      if (!low || !high) continue;
+      if (row.low != row.high) {
+        out.priorities.push_back(std::move(row));
+      } else if (row.low == AtomPriority::kAnyPort) {
+        b.diags.report(Diag::kB3011, p.high.range, p.name.text).label(p.low.range, "and here").help("name the port of one side");
+      } else {
+        b.diags.report(Diag::kB3012, p.high.range, p.name.text, p.high.text).label(p.low.range, "the same port");
+      }
+    }
+    for (const syntax::Invariant& i : decl.invariants) {
+      names.declare(i.name, "invariant");
+      code.set_const_calls();
+      Invariant row{.name = std::string(i.name.text), .scope = static_cast<InvariantScope>(i.scope), .places = place_rows(i.places), .condition = code.expr_as(i.expr, Type::Bool, "an invariant"), .loc = b.loc(i.range)};
+      std::sort(row.places.begin(), row.places.end());
+      out.invariants.push_back(std::move(row));
+    }
   }
 
   std::vector<std::uint32_t> place_rows(std::span<const syntax::Name> list) {
@@ -196,6 +243,7 @@ struct AtomBuilder {
     }
     out.initial_action = next;
     for (const syntax::Transition& t : decl.transitions) build_transition(t);
+    build_rules();
     return std::move(out);
   }
 };
@@ -203,7 +251,7 @@ struct AtomBuilder {
 }  // namespace
 
 void build_atom_types(Builder& b) {
-  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+  for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != syntax::DeclKind::AtomType) continue;
     AtomType atom = AtomBuilder(b, *decl).build();
     check_atom(b, atom, *decl);

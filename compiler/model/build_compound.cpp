@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "compiler/model/compound_builder.hpp"
+#include "compiler/model/externs.hpp"
 
 namespace bip::model {
 
@@ -10,8 +11,8 @@ ExprId Builder::initial_value(const ComponentFamily& family, const std::string& 
   const Scope empty{.names = {}, .owner = "an initial value"};
   CodeBuilder code(model, diags, empty);
   if (!family.atom.is_valid() || !param.starts_with("initial ")) return code.poison(type);
-  for (const syntax::Decl* decl : model.syntax->package->decls) {
-    if (decl->kind != syntax::DeclKind::AtomType || decl->name.text != model.atom_types[family.atom].name) continue;
+  for (const syntax::Decl* decl : model.decls) {
+    if (decl->kind != syntax::DeclKind::AtomType || !model.atom_types[family.atom].name.ends_with(decl->name.text) || key(*decl) != model.atom_types[family.atom].name) continue;
     for (const syntax::DataDecl& d : decl->data) {
       for (const syntax::Var& v : d.vars) {
         if (v.init != nullptr && "initial " + std::string(v.name.text) == param) return code.expr_as(v.init, type, fmt::format("`{}`", v.name.text));
@@ -37,14 +38,14 @@ bool CompoundBuilders::ensure(CompoundTypeId id) {
 }
 
 void CompoundBuilder::build() {
-  out.name = std::string(decl.name.text);
+  out.name = b.key(decl);
   out.decl = &decl;
   out.loc = b.loc(decl.name.range);
   scope.owner = fmt::format("compound type `{}`", out.name);
   NameSpace names(b.diags, scope.owner);
   for (const syntax::Param& p : decl.params) {
     names.declare(p.name, "parameter");
-    const Type type = require_native_type(p.type, b.sources, b.diags);
+    const Type type = native_data_type(b.model, p.type, "a parameter of a component", b.diags);
     scope.names[std::string(p.name.text)] = {.load = Op::LoadSelf, .index = static_cast<std::uint32_t>(out.params.size()), .type = type, .read_only = "a parameter keeps its value", .value = {}, .declared = p.name.range};
     out.params.push_back({std::string(p.name.text), type, true, false, b.loc(p.name.range)});
   }
@@ -129,16 +130,29 @@ void CompoundBuilder::build_exports() {
       if (data_path(e.targets[0], row.target, true)) out.data_exports.push_back(std::move(row));
       continue;
     }
-    if (e.targets.size() > 1) {
-      b.not_yet(e.range, "merging several ports into one export");  // goes on with the first, so that uses find a port
-    }
     PortExport row{.name = std::string(e.name.text), .targets = {}, .type = {}, .range = e.range};
-    PortPath& target = row.targets.emplace_back();
-    if (!port_path(e.targets[0], target)) continue;
-    if (target.element.star) b.not_yet(target.range, "exporting `[*]`");
-    row.type = target.type;
-    out.exports.push_back(std::move(row));
+    for (const syntax::Path& path : e.targets) {
+      PortPath target;
+      if (!port_path(path, target)) continue;
+      merge_target(e, row, target);
+    }
+    if (!row.targets.empty()) out.exports.push_back(std::move(row));
   }
+}
+
+void CompoundBuilder::merge_target(const syntax::CompoundExport& e, PortExport& row, const PortPath& target) {
+  if (row.targets.empty()) {
+    row.type = target.type;
+  } else if (row.type.is_valid() && target.type.is_valid() && !fits(b.model, target.type, row.type)) {
+    b.diags.report(Diag::kB2027, target.range, b.text(*target.path), port_type_text(b.model, target.type), b.text(*row.targets[0].path), port_type_text(b.model, row.type))
+        .label(row.targets[0].range, "merged with this one");
+  }
+  for (const PortPath& other : row.targets) {
+    if (b.text(*other.path) != b.text(*target.path)) continue;
+    b.diags.report(Diag::kB2028, target.range, b.text(*target.path), e.name.text).label(other.range, "here, too");
+    return;
+  }
+  row.targets.push_back(target);
 }
 
 void CompoundBuilder::warn_unbound() {
@@ -150,9 +164,15 @@ void CompoundBuilder::warn_unbound() {
       const ComponentFamily& family = out.components[components[std::string(i.name.text)]];
       const auto& bound = bound_ports[components[std::string(i.name.text)]];
       for (std::size_t p = 0; p < bound.size(); ++p) {
-        if (bound[p] || (!family.is_compound && !b.model.atom_types[family.atom].ports[p].exported)) continue;
-        const std::string& port = family.is_compound ? b.model.compound_types[family.compound].exports[p].name : b.model.atom_types[family.atom].ports[p].name;
-        b.diags.report(Diag::kB2025, i.name.range, port, family.name);
+        if (bound[p]) continue;
+        if (family.is_compound) {
+          b.diags.report(Diag::kB2025, i.name.range, b.model.compound_types[family.compound].exports[p].name, family.name);
+          continue;
+        }
+        const AtomType& atom = b.model.atom_types[family.atom];
+        const bool merged = p >= atom.ports.size();
+        if (!merged && (!atom.ports[p].exported || merged_with(atom, static_cast<std::uint32_t>(p)) != nullptr)) continue;
+        b.diags.report(Diag::kB2025, i.name.range, merged ? atom.merged[p - atom.ports.size()].name : atom.ports[p].name, family.name);
       }
     } else if (i.kind == syntax::ItemKind::Connector && !is_suppressed(i.annotations, "unboundconnectorport")) {
       const std::uint32_t family = connectors[std::string(i.name.text)];
@@ -163,12 +183,12 @@ void CompoundBuilder::warn_unbound() {
 
 void build_compound_types(Builder& b) {
   CompoundBuilders all{b, {}, {}, {}};
-  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+  for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != syntax::DeclKind::CompoundType) continue;
     all.decls.push_back(decl);
     all.states.push_back(BuildState::Untouched);
     all.heights.push_back(0);
-    b.model.compound_types.push({.name = std::string(decl->name.text), .params = {}, .components = {}, .connectors = {}, .items = {}, .priorities = {}, .exports = {}, .data_exports = {}, .decl = decl});
+    b.model.compound_types.push({.name = b.key(*decl), .params = {}, .components = {}, .connectors = {}, .items = {}, .priorities = {}, .exports = {}, .data_exports = {}, .decl = decl});
   }
   for (std::size_t i = 0; i < all.decls.size(); ++i) all.ensure(CompoundTypeId(i));
 }

@@ -1,7 +1,7 @@
 // Connector bodies, typed and inline: own data, exported port, `define`, and one clause an interaction with its code.
 #include <algorithm>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/externs.hpp"
 
 namespace bip::model {
 
@@ -23,7 +23,7 @@ struct BodyBuilder {
   void build_scopes() {
     NameSpace names(b.diags, down_scope.owner);
     for (const syntax::DataDecl& d : body.data) {
-      const Type type = require_native_type(d.type, b.sources, b.diags);
+      const Type type = data_type(b.model, d.type, b.diags);
       for (const syntax::Var& v : d.vars) {
         if (ports.rows.contains(std::string(v.name.text))) {
           b.diags.report(Diag::kB1002, v.name.range, v.name.text, down_scope.owner).label("a port has this name");
@@ -70,7 +70,7 @@ struct BodyBuilder {
       variables.push_back({out.slots[slot->second].name, out.slots[slot->second].type, {}});
     }
     if (variables.size() != e.vars.size()) return;
-    if (!e.type.is_written() || (is_inline && b.text(e.type.name) == "Port" && !b.model.type_names.contains("Port"))) {
+    if (!e.type.is_written() || (is_inline && b.text(e.type.name) == "Port" && b.find_type(e.type.name) == nullptr)) {
       out.export_type = b.anonymous_port_type(variables);
       return;
     }
@@ -84,7 +84,7 @@ struct BodyBuilder {
     }
     for (std::size_t i = 0; i < variables.size(); ++i) {
       if (variables[i].type == wanted.variables[i].type) continue;
-      b.diags.report(Diag::kB2004, e.vars[i].range, variables[i].name, name_of(variables[i].type), wanted.variables[i].name, wanted.name, name_of(wanted.variables[i].type))
+      b.diags.report(Diag::kB2004, e.vars[i].range, variables[i].name, b.model.code.type_name(variables[i].type), wanted.variables[i].name, wanted.name, b.model.code.type_name(wanted.variables[i].type))
           .label(b.declared(wanted.name), "declared here");
     }
     (void)annotations;
@@ -183,6 +183,7 @@ struct BodyBuilder {
     if (c.action.present && c.down.present) b.diags.report(Diag::kB2014, c.action.range).label(c.down.range, "`down` is here");
     CodeBuilder down(b.model, b.diags, down_scope);
     CodeBuilder up(b.model, b.diags, up_scope);
+    up.set_const_calls();
     row.guard = up.guard(c.guard);
     row.up = up.block(c.up.stmts);
     row.down = down.block(c.down.present ? c.down.stmts : c.action.stmts);
@@ -253,9 +254,9 @@ void build_connector_body(Builder& b, const syntax::ConnectorBody& body, const C
 }
 
 void build_connector_types(Builder& b) {
-  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+  for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != syntax::DeclKind::ConnectorType) continue;
-    ConnectorType out{.name = std::string(decl->name.text), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(decl->name.range)};
+    ConnectorType out{.name = b.key(*decl), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(decl->name.range)};
     ConnectorPorts ports;
     NameSpace names(b.diags, fmt::format("connector type `{}`", decl->name.text));
     std::uint32_t bind = 0;

@@ -5,6 +5,16 @@
 
 namespace bip::model {
 
+namespace {
+
+// Data that instances initialise are hidden parameters "initial x".
+std::string_view shown(std::string_view param) {
+  constexpr std::string_view kHidden = "initial ";
+  return param.starts_with(kHidden) ? param.substr(kHidden.size()) : param;
+}
+
+}  // namespace
+
 CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
   CompoundItem row{.range = i.range, .index = {}, .args = {}, .type = {}, .ports = {}, .data = {}, .syntax = &i, .low = {}, .high = {}, .items = {}};
   switch (i.kind) {
@@ -63,9 +73,9 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
       while (k < params.size() && params[k]->name != name && params[k]->name != "initial " + name) ++k;
       if (k == params.size()) {
         std::vector<std::string> known;
-        for (const Slot* s : params) known.push_back(s->name);
+        for (const Slot* s : params) known.emplace_back(shown(s->name));
         auto d = b.diags.report(Diag::kB1032, arg.name.range, what, name);
-        if (!known.empty()) d.note(fmt::format("its parameters are {}", quoted_list(known)));
+        if (!known.empty()) d.note(fmt::format("its parameters: {}", quoted_list(known)));
         help_similar(d, name, arg.name.range, known);
         code.expr(arg.value);
         sound = false;
@@ -73,17 +83,17 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
       }
     }
     if (given[k].is_valid()) {
-      b.diags.report(Diag::kB1033, arg.value->range, params[k]->name).label(given[k], "given here");
+      b.diags.report(Diag::kB1033, arg.value->range, shown(params[k]->name)).label(given[k], "given here");
       sound = false;
     }
     given[k] = arg.value->range;
-    args[k] = code.expr_as(arg.value, params[k]->type, fmt::format("argument `{}`", params[k]->name));
+    args[k] = code.expr_as(arg.value, params[k]->type, fmt::format("argument `{}`", shown(params[k]->name)));
   }
   const std::size_t required = static_cast<std::size_t>(std::count_if(params.begin(), params.end(), [](const Slot* s) { return !s->name.starts_with("initial "); }));
   const bool all_given = std::all_of(args.begin(), args.begin() + static_cast<std::ptrdiff_t>(required), [](ExprId a) { return a.is_valid(); });
   if (sound && (positional > params.size() || !all_given)) {
-    b.diags.report(Diag::kB1015, i.name.range, counted(i.args.size(), "argument"), what, required)
-        .label(b.declared(b.text(i.type.name)), "declared here");
+    b.diags.report(Diag::kB1015, i.name.range, counted(i.args.size(), "argument"), what, required == params.size() ? fmt::format("{}", required) : fmt::format("{} to {}", required, params.size()))
+        .label(b.declared(i.type.name), "declared here");
   }
   for (std::size_t k = 0; k < args.size(); ++k) {
     if (!args[k].is_valid()) args[k] = b.initial_value(family, params[k]->name, params[k]->type);
@@ -97,15 +107,21 @@ void CompoundBuilder::component_item(const syntax::CompoundItem& i, CompoundItem
   row.family = it->second;
   const ComponentFamily& family = out.components[row.family];
   if (i.index != nullptr) row.index = CodeBuilder(b.model, b.diags, scope).expr_as(i.index, Type::Int, loop_depth > 0 ? "the index" : "the size");
-  const auto type = b.model.type_names.find(b.text(i.type.name));
-  const bool same = type != b.model.type_names.end() &&
-                    (family.is_compound ? type->second.kind == TypeName::Kind::Compound && family.compound.value == type->second.row
-                                        : type->second.kind == TypeName::Kind::Atom && family.atom.value == type->second.row);
+  const TypeName* type = b.find_type(i.type.name);
+  const bool same = type != nullptr && (family.is_compound ? type->kind == TypeName::Kind::Compound && family.compound.value == type->row
+                                                           : type->kind == TypeName::Kind::Atom && family.atom.value == type->row);
   if (!same && (family.atom.is_valid() || family.compound.is_valid())) {
     b.diags.report(Diag::kB4013, i.type.name.range, family.name).label("another type").label(family.range, "first declared here");
     return;
   }
   row.args = arguments(i, family);
+}
+
+// The elements of an array of connectors may have several types; what others bind, the exported port, may not.
+void CompoundBuilder::check_same_export(const syntax::CompoundItem& i, const ConnectorType& type, const ConnectorFamily& family) {
+  const bool same_type = !type.exports || !family.export_type.is_valid() || type.export_type == family.export_type;
+  if (type.exports == family.exports && same_type) return;
+  b.diags.report(Diag::kB4013, i.name.range, family.name).label("another exported port").label(family.range, "first declared here");
 }
 
 void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem& row) {
@@ -124,11 +140,13 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
   if (i.inline_body != nullptr) {
     ConnectorType type{.name = out.name + "." + std::string(i.name.text), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(i.name.range)};
     if (sound) build_inline_connector(b, out.components, i, row.ports, std::vector<std::uint32_t>(row.ports.size(), 1), row.data, type);
+    check_same_export(i, type, out.connectors[row.family]);
     out.connectors[row.family].export_type = type.export_type;
     row.type = b.model.connector_types.push(std::move(type));
-  } else if (const auto t = b.model.type_names.find(b.text(i.type.name)); t != b.model.type_names.end() && t->second.kind == TypeName::Kind::Connector) {
-    row.type = ConnectorTypeId(t->second.row);
+  } else if (const TypeName* t = b.find_type(i.type.name); t != nullptr && t->kind == TypeName::Kind::Connector) {
+    row.type = ConnectorTypeId(t->row);
     const ConnectorType& type = b.model.connector_types[row.type];
+    check_same_export(i, type, out.connectors[row.family]);
     if (!row.has_star && type.params.size() != i.ports.size()) {
       b.diags.report(Diag::kB2022, i.name.range, counted(i.ports.size(), "port"), type.name, type.params.size()).label(b.declared(type.name), "declared here");
     } else if (!row.has_star && sound) {

@@ -1,7 +1,9 @@
 // The order of the type passes, and what they share: type names, port types, constants, functions.
 #include <algorithm>
+#include <map>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/externs.hpp"
+#include "compiler/model/packages.hpp"
 
 namespace bip::model {
 
@@ -46,23 +48,32 @@ void help_similar(DiagnosticBuilder d, std::string_view wrong, SourceRange at, s
 }
 
 std::optional<std::uint32_t> Builder::type_row(const syntax::TypeRef& type, TypeName::Kind kind, const char* what) {
-  std::string name = text(type.name);
-  if (const std::string prefix = model.package + "."; name.starts_with(prefix)) name.erase(0, prefix.size());
-  const auto it = model.type_names.find(name);
-  if (it == model.type_names.end()) {
+  const std::string name = text(type.name);
+  const TypeName* found = find_type(type.name);
+  if (found == nullptr) {
     std::vector<std::string> known;
     for (const auto& [key, row] : model.type_names) {
-      if (row.kind == kind) known.push_back(key);
+      if (row.kind != kind) continue;
+      if (std::string shown = shown_key(model, key, type.name.range.file); !shown.empty()) known.push_back(std::move(shown));
     }
     help_similar(diags.report(Diag::kB1006, type.name.range, what, name), name, type.name.range, known);
     return std::nullopt;
   }
-  if (it->second.kind != kind) {
+  if (found->kind != kind) {
     static constexpr const char* kKinds[] = {"a port type", "a connector type", "an atom type", "a compound type"};
-    diags.report(Diag::kB1007, type.name.range, name, kKinds[static_cast<int>(it->second.kind)], what).label(it->second.range, "declared here");
+    diags.report(Diag::kB1007, type.name.range, name, kKinds[static_cast<int>(found->kind)], what).label(found->range, "declared here");
     return std::nullopt;
   }
-  return it->second.row;
+  return found->row;
+}
+
+std::string Builder::key(const syntax::Decl& decl) const { return package_of(model, decl.name.range.file).prefix + std::string(decl.name.text); }
+
+const TypeName* Builder::find_type(const syntax::Path& path) { return find_visible(model, model.type_names, text(path), path.range, diags); }
+
+SourceRange Builder::declared(const syntax::Path& type) {
+  const TypeName* found = find_type(type);
+  return found == nullptr ? SourceRange{} : found->range;
 }
 
 PortTypeId Builder::port_type(const syntax::TypeRef& type) {
@@ -77,7 +88,7 @@ SourceRange Builder::declared(const std::string& type) const {
 
 PortTypeId Builder::anonymous_port_type(const std::vector<Variable>& variables) {
   std::string key;
-  for (const Variable& v : variables) key += fmt::format("{} {},", name_of(v.type), v.name);
+  for (const Variable& v : variables) key += fmt::format("{} {},", model.code.type_name(v.type), v.name);
   const auto [it, is_new] = model.anonymous_port_types.try_emplace(key);
   if (is_new) it->second = model.port_types.push({fmt::format("?{}", model.anonymous_port_types.size()), variables, {}});
   return it->second;
@@ -97,18 +108,18 @@ std::string port_type_text(const Model& model, PortTypeId type) {
   if (!t.name.starts_with('?')) return fmt::format("of port type `{}`", t.name);
   if (t.variables.empty()) return "a port without data";
   std::string text;
-  for (const Variable& v : t.variables) text += fmt::format("{}`{} {}`", text.empty() ? "a port with " : ", ", name_of(v.type), v.name);
+  for (const Variable& v : t.variables) text += fmt::format("{}`{} {}`", text.empty() ? "a port with " : ", ", model.code.type_name(v.type), v.name);
   return text;
 }
 
 void build_port_types(Builder& b) {
-  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+  for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::PortType) continue;
-    PortType type{.name = std::string(decl->name.text), .variables = {}, .loc = b.loc(decl->name.range)};
+    PortType type{.name = b.key(*decl), .variables = {}, .loc = b.loc(decl->name.range)};
     NameSpace names(b.diags, fmt::format("port type `{}`", decl->name.text));
     for (const syntax::Param& p : decl->params) {
       names.declare(p.name, "variable");
-      type.variables.push_back({std::string(p.name.text), require_native_type(p.type, b.sources, b.diags), b.loc(p.name.range)});
+      type.variables.push_back({std::string(p.name.text), data_type(b.model, p.type, b.diags), b.loc(p.name.range)});
     }
     b.model.port_types.push(std::move(type));
   }
@@ -118,11 +129,15 @@ namespace {
 
 // Rows are given in declaration order, kind by kind, before anything is built: names may be used before their declaration.
 void declare_names(Builder& b) {
-  NameSpace types(b.diags, fmt::format("package `{}`", b.model.package));
-  NameSpace values(b.diags, fmt::format("package `{}`", b.model.package));
-  NameSpace functions(b.diags, fmt::format("package `{}`", b.model.package));
+  struct Spaces {
+    NameSpace types, values, functions;
+  };
+  std::map<std::uint32_t, Spaces> spaces;  // by file: one a package
   std::uint32_t rows[4] = {};
-  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+  for (const syntax::Decl* decl : b.model.decls) {
+    const PackageScope& package = package_of(b.model, decl->name.range.file);
+    const NameSpace empty(b.diags, fmt::format("package `{}`", package.name));
+    auto& [types, values, functions] = spaces.try_emplace(package.file.value, Spaces{empty, empty, empty}).first->second;
     TypeName::Kind kind{};
     switch (decl->kind) {
       case DeclKind::PortType: kind = TypeName::Kind::Port; break;
@@ -131,10 +146,11 @@ void declare_names(Builder& b) {
       case DeclKind::CompoundType: kind = TypeName::Kind::Compound; break;
       case DeclKind::Function:
         if (!functions.declare(decl->name, "function")) continue;
-        [[fallthrough]];
-      case DeclKind::ExternFunction: b.model.functions[std::string(decl->name.text)] = decl; continue;
-      case DeclKind::ExternType: b.not_yet(decl->range, "`extern data type`"); continue;
-      case DeclKind::ExternOperator: b.not_yet(decl->range, "`extern operator`"); continue;
+        b.model.functions[b.key(*decl)] = decl;
+        continue;
+      case DeclKind::ExternType: (void)types.declare(decl->name, "type"); continue;
+      case DeclKind::ExternFunction:
+      case DeclKind::ExternOperator: continue;
       case DeclKind::ConstData:
         for (const syntax::DataDecl& d : decl->data) {
           for (const syntax::Var& v : d.vars) values.declare(v.name, "constant");
@@ -142,22 +158,23 @@ void declare_names(Builder& b) {
         continue;
     }
     const std::uint32_t row = rows[static_cast<int>(kind)]++;
-    if (types.declare(decl->name, "type")) b.model.type_names[std::string(decl->name.text)] = {kind, row, decl->name.range};
+    if (types.declare(decl->name, "type")) b.model.type_names[b.key(*decl)] = {kind, row, decl->name.range};
   }
-  for (const syntax::Path& use : b.model.syntax->package->uses) b.not_yet(use.range, "`use` of another package");
 }
 
 void build_constants(Builder& b) {
-  const Scope scope{.names = {}, .owner = fmt::format("package `{}`", b.model.package)};
-  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+  for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::ConstData) continue;
+    const PackageScope& package = package_of(b.model, decl->range.file);
+    const Scope scope{.names = {}, .owner = fmt::format("package `{}`", package.name)};
     for (const syntax::DataDecl& d : decl->data) {
-      const Type type = require_native_type(d.type, b.sources, b.diags);
+      const Type type = native_data_type(b.model, d.type, "a constant", b.diags);
       for (const syntax::Var& v : d.vars) {
         CodeBuilder code(b.model, b.diags, scope);
         if (v.init == nullptr) b.diags.report(Diag::kB1008, v.name.range, v.name.text);
         const ExprId value = v.init == nullptr ? code.poison(type) : code.expr_as(v.init, type, fmt::format("constant `{}`", v.name.text));
-        b.model.constants[std::string(v.name.text)] = {value, type};
+        if (calls_cpp(b.model.code, value)) b.diags.report(Diag::kB1045, v.init->range, v.name.text);
+        b.model.constants[package.prefix + std::string(v.name.text)] = {value, type};
       }
     }
   }
@@ -165,7 +182,7 @@ void build_constants(Builder& b) {
 
 // A function is checked by calling it with default values.
 void check_functions(Builder& b) {
-  for (const syntax::Decl* decl : b.model.syntax->package->decls) {
+  for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::Function) continue;
     Scope scope{.names = {}, .owner = fmt::format("function `{}`", decl->name.text)};
     const Scope empty;
@@ -173,11 +190,11 @@ void check_functions(Builder& b) {
     NameSpace names(b.diags, scope.owner);
     for (const syntax::Param& p : decl->params) {
       names.declare(p.name, "parameter");
-      const Type type = require_native_type(p.type, b.sources, b.diags);
+      const Type type = native_data_type(b.model, p.type, "a parameter of a function of BIP", b.diags);
       scope.names[std::string(p.name.text)] = {.type = type, .read_only = "a parameter keeps its value", .value = outer.poison(type), .declared = p.name.range};
     }
     CodeBuilder code(b.model, b.diags, scope, *decl);
-    code.expr_as(decl->body, require_native_type(decl->result, b.sources, b.diags), "the function's result");
+    code.expr_as(decl->body, native_data_type(b.model, decl->result, "a result of a function of BIP", b.diags), "the function's result");
   }
 }
 
@@ -185,27 +202,67 @@ void check_functions(Builder& b) {
 void collect_initialised_data(Builder& b, std::span<const syntax::CompoundItem* const> items) {
   for (const syntax::CompoundItem* item : items) {
     collect_initialised_data(b, item->items);
+    if (item->args.empty() || !item->type.is_written()) continue;
+    const std::vector<std::string> keys = visible_keys(b.model, b.model.type_names, b.text(item->type.name), item->type.name.range.file);
+    if (keys.empty()) continue;
+    auto* collected = &b.initialised_data[keys.front()];
     for (const syntax::NamedArg& arg : item->args) {
-      if (!arg.name.text.empty()) b.initialised_data[b.text(item->type.name)].insert(std::string(arg.name.text));
+      if (!arg.name.text.empty()) collected->insert(std::string(arg.name.text));
     }
   }
+}
+
+// Fills what says who sees whom. A package that is not there is reported; its names are missing then.
+void declare_packages(Builder& b, const std::vector<const syntax::Syntax*>& packages) {
+  Model& model = b.model;
+  model.package_of_file.assign(b.sources.size(), static_cast<std::uint32_t>(packages.size() - 1));
+  for (const syntax::Syntax* syntax : packages) {
+    const syntax::Package& package = *syntax->package;
+    const auto row = static_cast<std::uint32_t>(model.packages.size());
+    const std::string name = package.name.parts.empty() ? "" : b.text(package.name);
+    PackageScope scope{.name = name, .prefix = syntax == packages.back() ? "" : name + ".", .file = syntax->file, .uses = {}};
+    for (const syntax::Path& use : package.uses) {
+      const std::string wanted = b.text(use);
+      const auto used = std::find_if(model.packages.begin(), model.packages.end(), [&](const PackageScope& p) { return p.name == wanted; });
+      const auto used_row = static_cast<std::uint32_t>(used - model.packages.begin());
+      if (used == model.packages.end()) {
+        b.diags.report(Diag::kB1060, use.range, wanted);
+      } else if (std::find(scope.uses.begin(), scope.uses.end(), used_row) == scope.uses.end()) {
+        scope.uses.push_back(used_row);
+      } else {
+        b.diags.report(Diag::kB1066, use.range, wanted).help("remove this line");
+      }
+    }
+    if (syntax->file.value < model.package_of_file.size()) model.package_of_file[syntax->file.value] = row;
+    model.packages.push_back(std::move(scope));
+    model.decls.insert(model.decls.end(), package.decls.begin(), package.decls.end());
+  }
+  model.package = model.packages.back().name;
 }
 
 }  // namespace
 
 std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& sources, Diagnostics& diags) {
+  return build_model(std::vector<const syntax::Syntax*>{&syntax}, sources, diags);
+}
+
+std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources, Diagnostics& diags) {
   Model model;
   model.sources = &sources;
-  model.syntax = &syntax;
   for (std::size_t i = 0; i < sources.size(); ++i) model.files.push_back(sources.name(FileId(i)));
   model.code.string("");
-  if (syntax.package == nullptr) return std::nullopt;
+  for (const syntax::Syntax* syntax : packages) {
+    if (syntax->package == nullptr) return std::nullopt;
+  }
   Builder b{model, diags, sources, {}};
-  model.package = syntax.package->name.parts.empty() ? "" : b.text(syntax.package->name);
+  declare_packages(b, packages);
   declare_names(b);
+  declare_extern_types(b);
+  check_prototypes(b);
+  collect_cpp(b, packages);
   build_constants(b);
   check_functions(b);
-  for (const syntax::Decl* decl : syntax.package->decls) collect_initialised_data(b, decl->items);
+  for (const syntax::Decl* decl : model.decls) collect_initialised_data(b, decl->items);
   build_port_types(b);
   build_atom_types(b);
   build_connector_types(b);

@@ -1,5 +1,6 @@
 // Typed statements: assignments and `if`, chained by `next`. Part of CodeBuilder (code_builder.hpp).
-#include "compiler/model/code_builder.hpp"
+#include "compiler/model/externs.hpp"
+#include "compiler/model/packages.hpp"
 
 namespace bip::model {
 
@@ -9,16 +10,28 @@ StmtId CodeBuilder::store_self(std::uint32_t slot, Type type, ExprId value, Loc 
 
 // Built back to front, so that each statement knows the next.
 StmtId CodeBuilder::block(std::span<const syntax::Stmt* const> stmts, StmtId tail) {
+  const bool before = in_block_;
+  in_block_ = true;
   StmtId next = tail;
   for (std::size_t i = stmts.size(); i-- > 0;) next = statement(stmts[i], next);
+  in_block_ = before;
   return next;
 }
 
 StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
   switch (s->kind) {
     case syntax::StmtKind::Call:
-      if (expr(s->value)) diags_.report(Diag::kB1017, s->range);
-      return next;
+    {
+      is_statement_ = true;
+      const std::optional<Typed> call = expr(s->value);
+      is_statement_ = false;
+      if (!call) return next;
+      if (model_.code.exprs[call->id].op != Op::Call) {
+        diags_.report(Diag::kB1017, s->range);
+        return next;
+      }
+      return model_.code.stmts.push({.op = StmtOp::Call, .type = call->type, .value = call->id, .then_body = {}, .else_body = {}, .next = next, .loc = loc(s->range)});
+    }
     case syntax::StmtKind::If: {
       const ExprId condition = expr_as(s->value, Type::Bool, "the condition");
       const StmtId then_body = block(s->then_body);
@@ -28,7 +41,7 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     case syntax::StmtKind::Assign: break;
   }
   const std::string name = path_key(s->target, *model_.sources);
-  if (find(s->target, false) == nullptr && model_.constants.contains(name)) {
+  if (find(s->target, false) == nullptr && !visible_keys(model_, model_.constants, name, s->target.range.file).empty()) {
     diags_.report(Diag::kB1018, s->target.range, name, "a constant keeps its value");
     return next;
   }
@@ -41,6 +54,17 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     auto d = diags_.report(Diag::kB1018, s->target.range, name, target->read_only);
     if (target->declared.is_valid()) d.label(target->declared, "declared here");
     return next;
+  }
+  if (const auto assign = model_.operators.find("operator ="); assign != model_.operators.end() && is_extern(target->type)) {
+    const std::optional<Argument> given = argument(s->value);
+    if (!given) return next;
+    const ExprId load = make({.op = target->load, .type = target->type, .index = target->index, .a = {}, .b = {}, .loc = loc(s->target.range)});
+    const std::vector<Argument> args{{{load, target->type}, true, s->target.range}, *given};
+    if (!best_prototypes(model_, assign->second, args).empty()) {
+      const std::optional<Typed> call = extern_call("=", assign->second, args, s->range, false);
+      if (!call) return next;
+      return model_.code.stmts.push({.op = StmtOp::Call, .type = call->type, .value = call->id, .then_body = {}, .else_body = {}, .next = next, .loc = loc(s->range)});
+    }
   }
   const ExprId value = expr_as(s->value, target->type, fmt::format("`{}`", name));
   return model_.code.stmts.push({.op = target->load == Op::LoadSelf ? StmtOp::StoreSelf : StmtOp::StoreBind,

@@ -21,8 +21,13 @@ struct Builder {
 
   /// The port type that `type` names; reported if it is none.
   PortTypeId port_type(const syntax::TypeRef& type);
-  /// Where a type is declared, for labels; no range if there is none of this name.
+  /// The name of a declaration in the model's tables.
+  [[nodiscard]] std::string key(const syntax::Decl& decl) const;
+  /// What a type name means where it is written, or nullptr. That two used packages have it is reported.
+  const TypeName* find_type(const syntax::Path& path);
+  /// Where a type is declared, for labels; no range if there is none of this name. By key, or as written.
   [[nodiscard]] SourceRange declared(const std::string& type) const;
+  [[nodiscard]] SourceRange declared(const syntax::Path& type);
   /// A port type without a name, for the paper's notation.
   PortTypeId anonymous_port_type(const std::vector<Variable>& variables);
   /// The value of a hidden parameter "initial x" that an instance does not give: the declared one, or the type's zero.
@@ -58,6 +63,10 @@ void build_connector_types(Builder& b);
 void build_compound_types(Builder& b);
 /// Warnings about an atom type as a whole: what cannot be reached, two transitions of one port, ports without one.
 void check_atom(Builder& b, const AtomType& atom, const syntax::Decl& decl);
+/// Cycles of an atom type's priorities: an error without guards, else a warning.
+void check_atom_priorities(Builder& b, const AtomType& atom, const syntax::Decl& decl);
+/// The merged port that the port is part of, or null.
+[[nodiscard]] const MergedPort* merged_with(const AtomType& atom, std::uint32_t port);
 
 /// What a body of a connector is bound to: typed ones have parameters, inline ones paths.
 struct ConnectorPorts {

@@ -45,6 +45,27 @@ void collect_reads(const CodeTable& code, ExprId root, std::vector<bool>& read) 
     if (e.op == Op::LoadSelf) read[e.index] = true;
     todo.push_back(e.a);
     todo.push_back(e.b);
+    if (e.op != Op::Call) continue;
+    for (const ExprId arg : code.args_of(e)) todo.push_back(arg);
+  }
+}
+
+// Variables that a call hands over to C++ by reference.
+void collect_changes(const CodeTable& code, ExprId root, std::vector<bool>& written) {
+  std::vector<ExprId> todo{root};
+  while (!todo.empty()) {
+    const ExprId id = todo.back();
+    todo.pop_back();
+    if (!id.is_valid()) continue;
+    const Expr& e = code.exprs[id];
+    todo.insert(todo.end(), {e.a, e.b});
+    if (e.op != Op::Call) continue;
+    const std::span<const ExprId> args = code.args_of(e);
+    for (std::size_t k = 0; k < args.size(); ++k) {
+      const Expr& arg = code.exprs[args[k]];
+      if (code.functions[e.index].params[k].by_reference && arg.op == Op::LoadSelf) written[arg.index] = true;
+      todo.push_back(args[k]);
+    }
   }
 }
 
@@ -57,6 +78,7 @@ void collect_stmts(const CodeTable& code, StmtId first, std::vector<bool>& read,
     const Stmt& s = code.stmts[id];
     collect_reads(code, s.value, read);
     if (s.op == StmtOp::StoreSelf) written[s.index] = true;
+    collect_changes(code, s.value, written);
     todo.push_back(s.next);
     todo.push_back(s.then_body);
     todo.push_back(s.else_body);
@@ -70,10 +92,13 @@ void check_uninitialised(Builder& b, const AtomType& atom, const syntax::Decl& d
     collect_reads(b.model.code, t.guard, read);
     collect_stmts(b.model.code, t.action, read, unused);
   }
+  for (const AtomPriority& p : atom.priorities) collect_reads(b.model.code, p.guard, read);
+  for (const Invariant& i : atom.invariants) collect_reads(b.model.code, i.condition, read);
   std::uint32_t slot = static_cast<std::uint32_t>(std::count_if(atom.slots.begin(), atom.slots.end(), [](const Slot& s) { return s.is_param; }));
   for (const syntax::DataDecl& d : decl.data) {
     for (const syntax::Var& v : d.vars) {
-      if (slot < atom.slots.size() && read[slot] && !written[slot] && decl.notation == syntax::Notation::Bip2) {
+      // C++ objects begin as their class says.
+      if (slot < atom.slots.size() && !is_extern(atom.slots[slot].type) && read[slot] && !written[slot] && decl.notation == syntax::Notation::Bip2) {
         static constexpr const char* kZeros[] = {"0", "false", "0.0", "\"\""};
         const char* zero = kZeros[static_cast<int>(atom.slots[slot].type)];
         const std::string mended = fmt::format("{} = {}", v.name.text, zero);
@@ -124,6 +149,7 @@ void check_atom(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
   }
   check_uninitialised(b, atom, decl);
   check_nondeterminism(b, atom, decl);
+  check_atom_priorities(b, atom, decl);
 }
 
 }  // namespace bip::model

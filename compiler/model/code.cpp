@@ -13,7 +13,11 @@ const char* name_of(Type type) {
     case Type::Float: return "float";
     case Type::String: return "string";
   }
-  return "?";
+  return "an extern type";
+}
+
+std::string CodeTable::type_name(Type type) const {
+  return is_extern(type) && extern_row(type) < extern_types.size() ? extern_types[extern_row(type)].name : name_of(type);
 }
 
 const char* name_of(Op op) {
@@ -24,6 +28,7 @@ const char* name_of(Op op) {
     case Op::ConstString: return "const_string";
     case Op::LoadSelf: return "self";
     case Op::LoadBind: return "bind";
+    case Op::Call: return "call";
     case Op::IntToFloat: return "int_to_float";
     case Op::Neg: return "neg";
     case Op::Not: return "not";

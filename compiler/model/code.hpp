@@ -8,6 +8,7 @@
 // and INT_MIN / -1 are faults at the expression's loc; && and || are short-circuit; operands are evaluated left to right.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,12 @@
 
 namespace bip {
 
-enum class Type : std::uint8_t { Int, Bool, Float, String };
+/// A native type, or from kFirstExtern on a row of CodeTable::extern_types.
+enum class Type : std::uint16_t { Int, Bool, Float, String };
+inline constexpr std::uint16_t kFirstExtern = 4;
+[[nodiscard]] constexpr bool is_extern(Type type) { return static_cast<std::uint16_t>(type) >= kFirstExtern; }
+[[nodiscard]] constexpr Type extern_type(std::size_t row) { return static_cast<Type>(kFirstExtern + row); }
+[[nodiscard]] constexpr std::size_t extern_row(Type type) { return static_cast<std::size_t>(type) - kFirstExtern; }
 [[nodiscard]] const char* name_of(Type type);  // "int" …
 
 using ExprId = Id<struct ExprTag>;
@@ -25,6 +31,7 @@ using StmtId = Id<struct StmtTag>;
 enum class Op : std::uint8_t {
   ConstInt, ConstBool, ConstFloat, ConstString,  // int_value, int_value 0/1, float_value, int_value = row of strings
   LoadSelf, LoadBind,                            // index
+  Call,                                          // index = row of functions, int_value = first row of args
   IntToFloat, Neg, Not, BitNot,                  // a
   Add, Sub, Mul, Div, Mod,                       // a b: int or float (Mod: int)
   BitAnd, BitOr, BitXor,                         // a b: int
@@ -44,7 +51,7 @@ struct Expr {
   Loc loc{};
 };
 
-enum class StmtOp : std::uint8_t { StoreSelf, StoreBind, If };
+enum class StmtOp : std::uint8_t { StoreSelf, StoreBind, If, Call };  // Call: value is the call, its result is dropped
 /// One statement. Statements of a body are chained by `next`.
 struct Stmt {
   StmtOp op = StmtOp::StoreSelf;
@@ -56,14 +63,56 @@ struct Stmt {
   Loc loc{};
 };
 
+/// A type of data whose values are C++ objects: `extern data type name refine … as "cpp"`.
+struct ExternType {
+  std::string name;
+  std::string cpp;             // "std::list<int>"
+  std::vector<Type> refines;   // what a value can stand for
+  Loc loc{};
+};
+enum class FunctionKind : std::uint8_t { Function, Operator, Cast };
+struct FunctionParam {
+  Type type = Type::Int;       // of the argument, which may refine the prototype's
+  bool by_reference = false;   // int, float, extern: C++ may change the variable that is given
+  friend bool operator==(const FunctionParam&, const FunctionParam&) = default;
+};
+/// A C++ function, operator or conversion as one kind of call uses it.
+struct Function {
+  FunctionKind kind = FunctionKind::Function;
+  std::string name;            // "min"; of an operator its sign
+  bool is_const = false;       // called where nothing may change: `const_name` is preferred
+  bool has_result = true;
+  Type result = Type::Int;
+  std::vector<FunctionParam> params;
+  Loc loc{};                   // of the prototype
+};
+/// A file that `@cpp(include, src, obj)` names, and the folder of the .bip that says so.
+struct CppFile {
+  std::string folder, name;
+  friend bool operator==(const CppFile&, const CppFile&) = default;
+};
+struct CppSide {
+  std::vector<CppFile> includes, sources, objects;
+};
+
 /// All code of a system, and its string constants (each once).
 struct CodeTable {
   IndexVector<ExprId, Expr> exprs;
   IndexVector<StmtId, Stmt> stmts;
   std::vector<std::string> strings;
+  std::vector<ExternType> extern_types;
+  std::vector<Function> functions;
+  std::vector<ExprId> args;             // of calls; an argument by reference is a load
+  CppSide cpp;
 
   /// The row of a string constant, added if new.
   std::uint32_t string(const std::string& text);
+  /// "int", or the name of an extern type.
+  [[nodiscard]] std::string type_name(Type type) const;
+  /// The arguments of a call.
+  [[nodiscard]] std::span<const ExprId> args_of(const Expr& call) const {
+    return {args.data() + call.int_value, functions[call.index].params.size()};
+  }
 };
 
 /// A constant argument or parameter value.

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <charconv>
 
+#include "compiler/model/externs.hpp"
+#include "compiler/model/packages.hpp"
+
 namespace bip::model {
 
 using syntax::BinaryOp;
@@ -67,15 +70,6 @@ std::optional<Type> native_type(const syntax::TypeRef& type, Diagnostics& diags)
   return std::nullopt;
 }
 
-Type require_native_type(const syntax::TypeRef& type, const SourceMap& sources, Diagnostics& diags) {
-  const std::optional<Type> native = native_type(type, diags);
-  if (!native) {
-    diags.report(Diag::kB1003, type.name.range, path_key(type.name, sources))
-        .help("the native types are `int`, `bool`, `float` and `string`");
-  }
-  return native.value_or(Type::Int);
-}
-
 ExprId CodeBuilder::poison(Type type) {
   Expr e{.type = type};
   e.op = type == Type::Bool ? Op::ConstBool : type == Type::Float ? Op::ConstFloat : type == Type::String ? Op::ConstString : Op::ConstInt;
@@ -87,6 +81,7 @@ Typed CodeBuilder::convert(Typed v, Type to) {
   if (v.type == Type::Int && to == Type::Float) {
     return {make({.op = Op::IntToFloat, .type = Type::Float, .a = v.id, .b = {}, .loc = model_.code.exprs[v.id].loc}), Type::Float};
   }
+  if (v.type != to && is_extern(v.type) && refines(model_.code, v.type, to)) return cast(v, to);
   return v;
 }
 
@@ -95,7 +90,7 @@ ExprId CodeBuilder::expr_as(const syntax::Expr* e, Type type, const std::string&
   if (!v) return poison(type);
   const Typed converted = convert(*v, type);
   if (converted.type != type) {
-    diags_.report(Diag::kB1010, e->range, what, name_of(type), name_of(converted.type)).label(fmt::format("this is {}", name_of(v->type)));
+    diags_.report(Diag::kB1010, e->range, what, model_.code.type_name(type), model_.code.type_name(converted.type)).label(fmt::format("this is {}", model_.code.type_name(v->type)));
     return poison(type);
   }
   return converted.id;
@@ -177,8 +172,8 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
   }
   const Binding* b = find(e->path, false);
   if (b == nullptr) {
-    const auto constant = model_.constants.find(path_key(e->path, *model_.sources));
-    if (constant != model_.constants.end()) return Typed{constant->second.first, constant->second.second};
+    const auto* constant = find_visible(model_, model_.constants, path_key(e->path, *model_.sources), e->path.range, diags_);
+    if (constant != nullptr) return Typed{constant->first, constant->second};
     find(e->path, true);
     return std::nullopt;
   }
@@ -199,8 +194,12 @@ std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
   if (e->unary == UnaryOp::Neg && operand->kind == ExprKind::Int && operand->text == "2147483648") {
     return Typed{make({.op = Op::ConstInt, .type = Type::Int, .int_value = INT32_MIN, .a = {}, .b = {}, .loc = loc(e->range)}), Type::Int};
   }
-  const std::optional<Typed> v = expr(operand);
-  if (!v) return std::nullopt;
+  const std::optional<Argument> arg = argument(operand);
+  if (!arg) return std::nullopt;
+  const std::optional<Typed> v = arg->typed;
+  bool handled = false;
+  const std::optional<Typed> outside = extern_operator(e, model_.sources->text(e->op_range), {*arg}, handled);
+  if (handled) return outside;
   switch (e->unary) {
     case UnaryOp::Plus:
       if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
@@ -220,9 +219,14 @@ std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
 }
 
 std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
-  std::optional<Typed> a = expr(e->operands[0]);
-  std::optional<Typed> b = expr(e->operands[1]);
-  if (!a || !b) return std::nullopt;
+  const std::optional<Argument> left = argument(e->operands[0]);
+  const std::optional<Argument> right = argument(e->operands[1]);
+  if (!left || !right) return std::nullopt;
+  bool handled = false;
+  const std::optional<Typed> outside = extern_operator(e, text_of(e->binary), {*left, *right}, handled);
+  if (handled) return outside;
+  std::optional<Typed> a = left->typed;
+  std::optional<Typed> b = right->typed;
   const auto both = [&](bool (*fits)(Type), const char* wants) -> const syntax::Expr* {
     if (!fits(a->type)) return type_error(e, e->operands[0], wants, a->type), e->operands[0];
     if (!fits(b->type)) return type_error(e, e->operands[1], wants, b->type), e->operands[1];
@@ -294,6 +298,12 @@ bool CodeBuilder::is_small(ExprId unfolded, const syntax::Expr* e) {
       shape.size = std::min<std::size_t>(shape.size + shapes[operand.value].size, kMaxUnfolded + 1);
       shape.depth = std::max(shape.depth, shapes[operand.value].depth + 1);
     }
+    if (expr.op == Op::Call) {
+      for (const ExprId arg : model_.code.args_of(expr)) {
+        shape.size = std::min<std::size_t>(shape.size + shapes[arg.value].size, kMaxUnfolded + 1);
+        shape.depth = std::max(shape.depth, shapes[arg.value].depth + 1);
+      }
+    }
     shapes.push_back(shape);
   }
   const CodeShape& shape = shapes[unfolded.value];
@@ -308,25 +318,25 @@ bool CodeBuilder::is_small(ExprId unfolded, const syntax::Expr* e) {
 
 std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
   const std::string name = path_key(e->path, *model_.sources);
-  const auto it = model_.functions.find(name);
-  if (it == model_.functions.end()) {
+  const auto* found = find_visible(model_, model_.functions, name, e->path.range, diags_);
+  if (found == nullptr) {
+    if (const auto prototypes = visible_prototypes(model_, name, e->path.range.file); !prototypes.empty()) return extern_function(e, name, prototypes);
     std::vector<std::string> known;
     if (diags_.error_count() <= kHelpedErrors) {
-      for (const auto& [key, decl] : model_.functions) known.push_back(key);
+      for (const auto& [key, decls] : model_.prototypes) {
+        if (std::string shown = shown_key(model_, key, e->path.range.file); !shown.empty()) known.push_back(std::move(shown));
+      }
+      for (const auto& [key, decl] : model_.functions) {
+        if (std::string shown = shown_key(model_, key, e->path.range.file); !shown.empty()) known.push_back(std::move(shown));
+      }
     }
     std::sort(known.begin(), known.end());
     auto d = diags_.report(Diag::kB1005, e->path.range, name);
     for (const std::string& s : similar_names(name, known)) d.help(fmt::format("`{}` has a similar name", s), e->path.range, s);
     return std::nullopt;
   }
-  const syntax::Decl& function = *it->second;
-  if (function.body == nullptr) {
-    diags_.report(Diag::kB1900, e->path.range, fmt::format("a call of extern function `{}`", name))
-        .label(function.name.range, "declared here, its code is C++")
-        .help(fmt::format("a function without C++: `function {} {}(…) = expression`",
-                          function.result.is_written() ? path_key(function.result.name, *model_.sources) : "int", name));
-    return std::nullopt;
-  }
+  const syntax::Decl& function = **found;
+  is_statement_ = false;
   if (function.params.size() != e->operands.size()) {
     diags_.report(Diag::kB1015, e->range, counted(e->operands.size(), "argument"), fmt::format("function `{}`", name), function.params.size())
         .label(function.name.range, "declared here");

@@ -39,6 +39,8 @@ struct Typed {
   Type type = Type::Int;
 };
 
+struct Argument;  // externs.hpp
+
 class CodeBuilder {
  public:
   CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope) : model_(model), diags_(diags), scope_(scope) {}
@@ -46,14 +48,22 @@ class CodeBuilder {
   /// Code of the body of `function`.
   CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope, const syntax::Decl& function, const CodeBuilder* caller = nullptr)
       : model_(model), diags_(diags), scope_(scope), function_(&function), caller_(caller),
-        unfold_start_(caller == nullptr ? model.code.exprs.size() : caller->unfold_start_) {}
+        unfold_start_(caller == nullptr ? model.code.exprs.size() : caller->unfold_start_), const_calls_(caller != nullptr && caller->const_calls_) {}
 
   /// The expression with its own type.
   std::optional<Typed> expr(const syntax::Expr* e);
   /// The expression as `type` (an int is converted to float). `what` is what it is for: "the guard".
   ExprId expr_as(const syntax::Expr* e, Type type, const std::string& what);
   /// Null gives the invalid id, which is true.
-  ExprId guard(const syntax::Expr* e) { return e == nullptr ? ExprId{} : expr_as(e, Type::Bool, "the guard"); }
+  ExprId guard(const syntax::Expr* e) {
+    const bool before = const_calls_;
+    const_calls_ = true;
+    const ExprId id = e == nullptr ? ExprId{} : expr_as(e, Type::Bool, "the guard");
+    const_calls_ = before;
+    return id;
+  }
+  /// From now on C++ functions are called by their `const_` names where they have one: `up`, invariants.
+  void set_const_calls() { const_calls_ = true; }
   /// The chain of statements; `tail` is appended after it.
   StmtId block(std::span<const syntax::Stmt* const> stmts, StmtId tail = {});
   /// Data initialiser as a store into Self slot.
@@ -68,6 +78,13 @@ class CodeBuilder {
   std::optional<Typed> unary(const syntax::Expr* e);
   std::optional<Typed> binary(const syntax::Expr* e);
   std::optional<Typed> call(const syntax::Expr* e);
+  std::optional<Argument> argument(const syntax::Expr* e);
+  std::optional<Typed> extern_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes, std::vector<Argument> args, SourceRange at,
+                                   bool needs_value);
+  std::optional<Typed> extern_function(const syntax::Expr* e, const std::string& name, const std::vector<const syntax::Decl*>& prototypes);
+  /// handled: the operator is C++'s, and nothing is left to say.
+  std::optional<Typed> extern_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args, bool& handled);
+  Typed cast(Typed v, Type to);
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);
   const Binding* find(const syntax::Path& p, bool report);
@@ -84,11 +101,12 @@ class CodeBuilder {
   const syntax::Decl* function_ = nullptr;
   const CodeBuilder* caller_ = nullptr;
   std::size_t unfold_start_ = 0;  // rows of code when the outermost call began
+  bool const_calls_ = false;
+  bool in_block_ = false;         // statements: variables may change
+  bool is_statement_ = false;     // the call that comes next is one
 };
 
 /// The type that a native type name means (`double` is float, with a warning); nullopt if it is none.
 [[nodiscard]] std::optional<Type> native_type(const syntax::TypeRef& type, Diagnostics& diags);
-/// As above, but anything else is reported.
-[[nodiscard]] Type require_native_type(const syntax::TypeRef& type, const SourceMap& sources, Diagnostics& diags);
 
 }  // namespace bip::model

@@ -47,10 +47,12 @@ struct CompoundBuilder {
   CompoundItem item(const syntax::CompoundItem& i);
   void component_item(const syntax::CompoundItem& i, CompoundItem& row);
   void connector_item(const syntax::CompoundItem& i, CompoundItem& row);
+  void check_same_export(const syntax::CompoundItem& i, const ConnectorType& type, const ConnectorFamily& family);
   std::vector<ExprId> arguments(const syntax::CompoundItem& i, const ComponentFamily& family);
   // build_compound.cpp
   void build_priorities();
   void build_exports();
+  void merge_target(const syntax::CompoundExport& e, PortExport& row, const PortPath& target);
   void pattern(const syntax::InteractionPattern& p, PatternPath& row);
   void warn_unbound();
 };

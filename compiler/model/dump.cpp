@@ -23,6 +23,11 @@ struct Dumper {
       case Op::ConstString: return fmt::format("\"{}\"", m.code.strings[static_cast<std::size_t>(e.int_value)]);
       case Op::LoadSelf: return fmt::format("self{}", e.index);
       case Op::LoadBind: return fmt::format("bind{}", e.index);
+      case Op::Call: {
+        std::string text = fmt::format("(call {}", m.code.functions[e.index].name);
+        for (const ExprId arg : m.code.args_of(e)) text += " " + expr(arg);
+        return text + ")";
+      }
       default: break;
     }
     if (!e.b.is_valid()) return fmt::format("({} {})", name_of(e.op), expr(e.a));
@@ -36,6 +41,8 @@ struct Dumper {
       if (s.op == StmtOp::If) {
         text += fmt::format("if {} {{{}}}", expr(s.value), stmts(s.then_body));
         if (s.else_body.is_valid()) text += fmt::format(" else {{{}}}", stmts(s.else_body));
+      } else if (s.op == StmtOp::Call) {
+        text += expr(s.value);
       } else {
         text += fmt::format("{}{} = {}", s.op == StmtOp::StoreSelf ? "self" : "bind", s.index, expr(s.value));
       }
@@ -74,6 +81,17 @@ struct Dumper {
     line("  initial to {} do {{{}}}", places(t, t.initial), stmts(t.initial_action));
     for (const Transition& x : t.transitions) {
       line("  on {} from {} to {} provided {} do {{{}}}", x.port == Transition::kInternal ? "(internal)" : t.ports[x.port].name, places(t, x.from), places(t, x.to), expr(x.guard), stmts(x.action));
+    }
+    const auto side = [&](std::uint32_t p) { return p == AtomPriority::kAnyPort ? std::string("*") : t.ports[p].name; };
+    for (const AtomPriority& p : t.priorities) line("  priority {} {} < {} provided {}", p.name, side(p.low), side(p.high), expr(p.guard));
+    for (const Invariant& i : t.invariants) {
+      static constexpr const char* kScopes[] = {"", " at ", " from "};
+      line("  invariant {}{}{} provided {}", i.name, kScopes[static_cast<int>(i.scope)], places(t, i.places), expr(i.condition));
+    }
+    for (const MergedPort& merged : t.merged) {
+      std::string parts;
+      for (const std::uint32_t p : merged.ports) parts += (parts.empty() ? "" : ", ") + t.ports[p].name;
+      line("  export {} as {}", parts, merged.name);
     }
   }
   std::string define(const ConnectorType& t, std::uint32_t n) const {
@@ -140,7 +158,11 @@ std::string dump(const Model& model) {
     d.slots(t.params);
     d.items(t, t.items, "  ");
     for (const PriorityRule& p : t.priorities) d.line("  priority {} {} < {} provided {}", p.name, model.sources->text(p.low.range), model.sources->text(p.high.range), d.expr(p.guard));
-    for (const PortExport& e : t.exports) d.line("  export port {} as {}", model.sources->text(e.targets[0].range), e.name);
+    for (const PortExport& e : t.exports) {
+      std::string targets;
+      for (const PortPath& p : e.targets) targets += (targets.empty() ? "" : ", ") + std::string(model.sources->text(p.range));
+      d.line("  export port {} as {}", targets, e.name);
+    }
     for (const DataExport& e : t.data_exports) d.line("  export data {} as {}", model.sources->text(e.target.range), e.name);
   }
   return std::move(d.out);

@@ -54,6 +54,7 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
     case Op::ConstFloat: return {{e.type, e.int_value, e.float_value}};
     case Op::LoadSelf: return {self[e.index]};
     case Op::LoadBind: BIP_UNREACHABLE("a constant expression reads a bound variable");
+    case Op::Call: return {{e.type, 0, 0}, Fault::Call};
     default: break;
   }
   const Evaluated a = evaluate(code, e.a, self);

@@ -7,7 +7,7 @@
 
 namespace bip::model {
 
-enum class Fault : std::uint8_t { None, DivisionByZero, DivisionOverflow };
+enum class Fault : std::uint8_t { None, DivisionByZero, DivisionOverflow, Call };  // Call: C++ is not called before the run
 struct Evaluated {
   Value value;
   Fault fault = Fault::None;

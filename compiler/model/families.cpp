@@ -17,20 +17,24 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
     // Elements of one array may be declared by several items of loops.
     if (const auto known = rows.find(name); known != rows.end() && i->index != nullptr && in_loop) {
       if (is_component && out.components[known->second].is_array) continue;
-      if (!is_component && out.connectors[known->second].is_array) continue;
+      if (!is_component && out.connectors[known->second].is_array) {
+        // Its exported port is compared with that of the first item when both are built.
+        if (i->inline_body == nullptr) (void)b.type_row(i->type, TypeName::Kind::Connector, "connector type");
+        continue;
+      }
     }
     if (in_loop && i->index == nullptr) b.diags.report(Diag::kB4010, i->name.range, name).help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range, fmt::format("{}[i]", name));
     if (!names.declare(i->name, is_component ? "component" : "connector")) continue;
     if (is_component) {
       ComponentFamily family{.name = name, .atom = {}, .compound = {}, .is_array = i->index != nullptr, .range = i->name.range};
-      const std::string type = b.text(i->type.name);
-      const auto known = b.model.type_names.find(type);
-      if (known != b.model.type_names.end() && known->second.kind == TypeName::Kind::Atom) {
-        family.atom = AtomTypeId(known->second.row);
-        bound_ports.emplace_back(b.model.atom_types[family.atom].ports.size());
-      } else if (known != b.model.type_names.end() && known->second.kind == TypeName::Kind::Compound) {
+      const TypeName* known = b.find_type(i->type.name);
+      if (known != nullptr && known->kind == TypeName::Kind::Atom) {
+        family.atom = AtomTypeId(known->row);
+        const AtomType& atom = b.model.atom_types[family.atom];
+        bound_ports.emplace_back(atom.ports.size() + atom.merged.size());
+      } else if (known != nullptr && known->kind == TypeName::Kind::Compound) {
         family.is_compound = true;
-        const CompoundTypeId id(known->second.row);
+        const CompoundTypeId id(known->row);
         const bool too_deep = all.depth > kMaxNesting || all.heights[id.value] + 1 > kMaxNesting;
         if (too_deep) {
           b.diags.report(Diag::kB0008, i->type.name.range, kMaxNesting).label("compounds in compounds");

@@ -24,7 +24,7 @@ struct ElementRef {
 struct PortPath {
   bool is_connector = false;  // the family is a connector: its exported port
   ElementRef element;
-  std::uint32_t port = 0;     // component: row of the atom type's ports or of the compound type's exports
+  std::uint32_t port = 0;     // component: row of the atom type's ports, then of its merged ones, or of the compound type's exports
   PortTypeId type;
   const syntax::Path* path = nullptr;
   SourceRange range;
@@ -126,10 +126,21 @@ struct CodeShape {
   std::uint32_t depth = 1;
 };
 
+/// A package of the compilation and what it sees. In the tables of Model a name of the package that is compiled is `X`,
+/// one of a package that it uses is `p.X`, whatever the text says; model/packages.hpp finds the one from the other.
+struct PackageScope {
+  std::string name;
+  std::string prefix;                // of its names in the tables: "" or "p."
+  FileId file;                       // a package is one file
+  std::vector<std::uint32_t> uses;   // rows of Model::packages; not transitive
+};
+
 struct Model {
   const SourceMap* sources = nullptr;
-  const syntax::Syntax* syntax = nullptr;
-  std::string package;
+  std::string package;                      // the one that is compiled
+  std::vector<PackageScope> packages;       // a package comes after those it uses; the compiled one is the last
+  std::vector<std::uint32_t> package_of_file;  // by FileId: row of packages
+  std::vector<const syntax::Decl*> decls;   // of all packages, in that order
   std::vector<std::string> files;
   CodeTable code;
   std::vector<CodeShape> code_shapes;  // of the first rows of code.exprs, as far as they were asked for
@@ -140,13 +151,19 @@ struct Model {
   std::unordered_map<std::string, TypeName> type_names;
   std::unordered_map<std::string, PortTypeId> anonymous_port_types;  // by names and types of their variables
   std::unordered_map<std::string, std::pair<ExprId, Type>> constants;  // const data
-  std::unordered_map<std::string, const syntax::Decl*> functions;
+  std::unordered_map<std::string, const syntax::Decl*> functions;  // with a body
+  std::unordered_map<std::string, std::vector<const syntax::Decl*>> prototypes;  // `extern function`, in source order
+  std::unordered_map<std::string, std::vector<const syntax::Decl*>> operators;   // by "operator +"; they know no packages
+  std::unordered_map<std::string, Type> extern_type_names;
 
   [[nodiscard]] Loc loc(SourceRange r) const { return sources->loc(r); }
 };
 
 namespace model {
 /// Names, types and all checks that need no instance. nullopt if there were errors. The syntax must outlive the model.
+/// `packages`: a package after those it uses, the one that is compiled last.
+[[nodiscard]] std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources, Diagnostics& diags);
+/// A package that uses no other.
 [[nodiscard]] std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& sources, Diagnostics& diags);
 /// The type of an inline connector whose paths with [*] stand for `counts[k]` ports; `data` as in CompoundItem.
 [[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundType& compound, const CompoundItem& item,

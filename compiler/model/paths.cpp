@@ -8,9 +8,11 @@ namespace {
 std::vector<std::string> port_names(const Builder& b, const ComponentFamily& family) {
   std::vector<std::string> names;
   if (family.atom.is_valid()) {
-    for (const Port& p : b.model.atom_types[family.atom].ports) {
-      if (p.exported) names.push_back(p.name);
+    const AtomType& atom = b.model.atom_types[family.atom];
+    for (std::uint32_t p = 0; p < atom.ports.size(); ++p) {
+      if (atom.ports[p].exported && merged_with(atom, p) == nullptr) names.push_back(atom.ports[p].name);
     }
+    for (const MergedPort& m : atom.merged) names.push_back(m.name);
   } else if (family.compound.is_valid()) {
     for (const PortExport& e : b.model.compound_types[family.compound].exports) names.push_back(e.name);
   }
@@ -47,7 +49,7 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
     if (path.parts.size() > 2) {
       d.help(fmt::format("export it from what contains it, `export port … as …`, and write `{}.` and that name", name));
     } else if (c != components.end()) {
-      if (const auto ports = port_names(b, out.components[c->second]); !ports.empty()) d.note(fmt::format("the ports of `{}` are {}", name, quoted_list(ports)));
+      if (const auto ports = port_names(b, out.components[c->second]); !ports.empty()) d.note(fmt::format("the ports of `{}`: {}", name, quoted_list(ports)));
     }
     return false;
   }
@@ -66,11 +68,21 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
         return true;
       }
     } else {
-      const auto& ports = b.model.atom_types[family.atom].ports;
+      const AtomType& atom = b.model.atom_types[family.atom];
+      const auto& ports = atom.ports;
+      for (std::uint32_t m = 0; m < atom.merged.size(); ++m) {
+        if (atom.merged[m].name != port.text) continue;
+        ref.port = static_cast<std::uint32_t>(ports.size()) + m, ref.type = atom.merged[m].type;
+        bound_ports[c->second][ref.port] = true;
+        return true;
+      }
       for (std::uint32_t p = 0; p < ports.size(); ++p) {
         if (ports[p].name != port.text) continue;
-        if (!ports[p].exported) {
-          b.diags.report(Diag::kB2018, port.range, port.text, type_name(b, family)).help("declare it with `export port`");
+        const MergedPort* merged = merged_with(atom, p);
+        if (!ports[p].exported || merged != nullptr) {
+          auto d = b.diags.report(Diag::kB2018, port.range, port.text, type_name(b, family));
+          if (merged == nullptr) d.help("declare it with `export port`");
+          else d.help(fmt::format("it is exported as `{}`", merged->name), port.range, merged->name);
           return false;
         }
         ref.port = p, ref.type = ports[p].type;
@@ -80,7 +92,7 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
     }
     const std::vector<std::string> ports = port_names(b, family);
     auto d = b.diags.report(Diag::kB2019, port.range, name, type_name(b, family), port.text);
-    if (!ports.empty()) d.note(fmt::format("its ports are {}", quoted_list(ports)));
+    if (!ports.empty()) d.note(fmt::format("its ports: {}", quoted_list(ports)));
     help_similar(d, port.text, port.range, ports);
     return false;
   }
@@ -109,8 +121,8 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
         --chain;
       }
       ref.type = out.connectors[c->second].export_type;
-    } else if (const auto it = b.model.type_names.find(b.text(item.type.name)); it != b.model.type_names.end()) {
-      exported = b.model.connector_types[ConnectorTypeId(it->second.row)].export_name;
+    } else if (const TypeName* type = b.find_type(item.type.name); type != nullptr && type->kind == TypeName::Kind::Connector) {
+      exported = b.model.connector_types[ConnectorTypeId(type->row)].export_name;
       ref.type = family.export_type;
     }
     if (!family.exports || exported != port.text) {

@@ -25,6 +25,8 @@ class Converter {
   const syntax::Expr* expr(BipParser::ExprContext* ctx);
 
  private:
+  friend class PieceReader;
+
   enum class Assigning : std::uint8_t { Compares, Forbidden, NamesArgument };
   struct Built {
     const syntax::Expr* expr = nullptr;
@@ -95,6 +97,8 @@ class Converter {
   syntax::Decl extern_decl(BipParser::DeclContext* ctx);
   std::span<const syntax::Param> proto_params(const std::vector<BipParser::ProtoParamContext*>& list);
   syntax::Decl body_decl(syntax::Decl d, std::string_view what, const std::vector<BipParser::BodyItemContext*>& list);
+  void open_body(const syntax::Decl& d, std::string_view what);
+  void close_body(syntax::Decl& d, const Items& items);
   void check_body(const syntax::Decl& d, const Items& items);
   void misplaced(std::string_view what, SourceRange at);
 

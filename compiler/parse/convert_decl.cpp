@@ -144,11 +144,20 @@ Decl Converter::extern_decl(BipParser::DeclContext* ctx) {
 void Converter::misplaced(std::string_view what, SourceRange at) { diags_.report(Diag::kB0016, at, what, owner_.phrase); }
 
 Decl Converter::body_decl(Decl d, std::string_view what, const std::vector<BipParser::BodyItemContext*>& list) {
-  owner_ = {std::string(what) + " `" + std::string(d.name.text) + "`", d.kind, d.notation, false};
+  open_body(d, what);
   Items items;
   for (BipParser::BodyItemContext* item : list) {
     if (!failed(item)) body_item(item, items);
   }
+  close_body(d, items);
+  return d;
+}
+
+void Converter::open_body(const Decl& d, std::string_view what) {
+  owner_ = {std::string(what) + " `" + std::string(d.name.text) + "`", d.kind, d.notation, false};
+}
+
+void Converter::close_body(Decl& d, const Items& items) {
   check_body(d, items);
   d.data = arena_.list(items.data);
   d.ports = arena_.list(items.ports);
@@ -161,7 +170,6 @@ Decl Converter::body_decl(Decl d, std::string_view what, const std::vector<BipPa
   d.items = arena_.list(items.items);
   d.priorities = arena_.list(items.priorities);
   d.exports = arena_.list(items.exports);
-  return d;
 }
 
 void Converter::check_body(const Decl& d, const Items& items) {

@@ -1,6 +1,7 @@
 // Text to tree: tokens, depth check, ANTLR in two stages, conversion.
 //
-// Stage one predicts without context (SLL) and gives up at the first error; it reads every sound file. Only if it gives up
+// A file about which there is nothing to say is read in pieces (read_in_pieces.cpp) and that is all. Any other is read whole:
+// stage one predicts without context (SLL) and gives up at the first error; it reads every sound file. Only if it gives up
 // does stage two predict with full context and report. Nothing that ANTLR throws leaves this file.
 #include "compiler/parse/parse.hpp"
 
@@ -11,38 +12,40 @@
 #include "antlr4-runtime.h"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/error_strategy.hpp"
+#include "compiler/parse/read_in_pieces.hpp"
+#include "compiler/parse/row_stream.hpp"
 #include "compiler/parse/token_list.hpp"
 
 namespace bip::parse {
 namespace {
 
-/// ANTLR's tokens with byte offsets as positions (the end excluded), end of file last.
-std::vector<std::unique_ptr<antlr4::Token>> make_tokens(const std::vector<TokenRow>& rows, std::size_t file_size) {
-  std::vector<std::unique_ptr<antlr4::Token>> tokens;
-  tokens.reserve(rows.size() + 1);
-  const auto add = [&](std::size_t type, std::size_t begin, std::size_t end, std::size_t line) {
-    auto token = std::make_unique<antlr4::CommonToken>(type);
-    token->setStartIndex(begin);
-    token->setStopIndex(end);
-    token->setLine(line);
-    tokens.push_back(std::move(token));
-  };
-  for (const TokenRow& row : rows) add(row.type, row.begin, row.end, row.line);
-  const std::size_t line = rows.empty() ? 1 : rows.back().line + 1;
-  add(antlr4::Token::EOF, file_size, file_size, line);
-  return tokens;
+void give_up_at_errors(BipParser& parser) {
+  parser.removeErrorListeners();
+  parser.getInterpreter<antlr4::atn::ParserATNSimulator>()->setPredictionMode(antlr4::atn::PredictionMode::SLL);
+  parser.setErrorHandler(std::make_shared<antlr4::BailErrorStrategy>());
+}
+
+/// The package of a file about which there is nothing to say, else null: the whole tree is needed to say it well.
+const syntax::Package* read_sound_file(const TokenList& list, const SourceMap& sources, FileId file, Arena& arena) {
+  RowStream stream(list.rows, sources.text(file).size());
+  BipParser parser(&stream);
+  give_up_at_errors(parser);
+  Diagnostics remarks;
+  Converter converter(sources, file, arena, remarks);
+  try {
+    const syntax::Package* package = PieceReader(parser, stream, converter).read();
+    return remarks.error_count() + remarks.warning_count() == 0 ? package : nullptr;
+  } catch (const antlr4::ParseCancellationException&) {
+    return nullptr;
+  }
 }
 
 /// The parse tree of `rule`, from whichever stage could make it; null if neither could. `convert` runs while it lives.
 template <class Rule, class Convert>
 void with_tree(const TokenList& list, const SourceMap& sources, FileId file, Diagnostics& diags, Rule rule, Convert convert) {
-  antlr4::ListTokenSource source(make_tokens(list.rows, sources.text(file).size()));
-  antlr4::CommonTokenStream stream(&source);
+  RowStream stream(list.rows, sources.text(file).size());
   BipParser parser(&stream);
-  parser.removeErrorListeners();
-  auto* simulator = parser.getInterpreter<antlr4::atn::ParserATNSimulator>();
-  simulator->setPredictionMode(antlr4::atn::PredictionMode::SLL);
-  parser.setErrorHandler(std::make_shared<antlr4::BailErrorStrategy>());
+  give_up_at_errors(parser);
   try {
     convert((parser.*rule)());
     return;
@@ -50,7 +53,7 @@ void with_tree(const TokenList& list, const SourceMap& sources, FileId file, Dia
     // Wrong, or needs context: the second stage knows.
   }
   parser.reset();
-  simulator->setPredictionMode(antlr4::atn::PredictionMode::LL);
+  parser.getInterpreter<antlr4::atn::ParserATNSimulator>()->setPredictionMode(antlr4::atn::PredictionMode::LL);
   parser.setErrorHandler(std::make_shared<ReportingStrategy>(sources, file, diags));
   try {
     convert((parser.*rule)());
@@ -73,6 +76,9 @@ std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, 
   syntax.file = file;
   syntax.arena = std::make_unique<Arena>();
   syntax.comments = std::move(list.comments);
+  if (!diags.has_errors()) syntax.package = read_sound_file(list, sources, file, *syntax.arena);
+  if (syntax.package != nullptr) return syntax;
+  syntax.arena = std::make_unique<Arena>();
   with_tree(list, sources, file, diags, &BipParser::file, [&](BipParser::FileContext* tree) {
     Converter converter(sources, file, *syntax.arena, diags);
     syntax.package = converter.file(tree);

@@ -36,6 +36,8 @@ std::string line_and_column(std::string_view text, std::size_t offset) {
 
 Failure system_failure(int error) { return {std::strerror(error)}; }
 
+Failure too_large() { return {"larger than the limit of " + std::to_string(SourceMap::kMaxFileBytes >> 20) + " MiB"}; }
+
 // Reads to the end whatever the size said: pipes and /dev/stdin have none.
 Result<std::string> read_all(int fd) {
   std::string text;
@@ -47,7 +49,7 @@ Result<std::string> read_all(int fd) {
     if (got == 0) return text;
     text.append(chunk, 0, static_cast<std::size_t>(got));
     if (text.size() > SourceMap::kMaxFileBytes) {
-      return Failure{"larger than the limit of " + std::to_string(SourceMap::kMaxFileBytes >> 20) + " MiB"};
+      return too_large();
     }
   }
 }
@@ -77,19 +79,24 @@ FileId SourceMap::add(std::string name, std::string text) {
   return FileId(files_.size() - 1);
 }
 
-Result<FileId> SourceMap::load(const std::string& path) {
+Result<FileId> SourceMap::load(const std::string& path, std::string name) {
   Result<std::string> text = read_file(path);
   if (!text) return Failure{text.error()};
-  if (const auto bad = first_bad_utf8(*text)) {
+  return load_text(name.empty() ? path : std::move(name), std::move(*text));
+}
+
+Result<FileId> SourceMap::load_text(std::string name, std::string text) {
+  if (text.size() > kMaxFileBytes) return too_large();
+  if (const auto bad = first_bad_utf8(text)) {
     static constexpr char kHex[] = "0123456789abcdef";
-    const auto byte = static_cast<unsigned char>((*text)[*bad]);
+    const auto byte = static_cast<unsigned char>(text[*bad]);
     const std::string shown{'0', 'x', kHex[byte >> 4], kHex[byte & 15u]};
-    return Failure{"not UTF-8: byte " + shown + " at " + line_and_column(*text, *bad)};
+    return Failure{"not UTF-8: byte " + shown + " at " + line_and_column(text, *bad)};
   }
-  if (const std::size_t nul = text->find('\0'); nul != std::string::npos) {
-    return Failure{"not a text: NUL byte at " + line_and_column(*text, nul)};
+  if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
+    return Failure{"not a text: NUL byte at " + line_and_column(text, nul)};
   }
-  return add(path, std::move(*text));
+  return add(std::move(name), std::move(text));
 }
 
 std::string_view SourceMap::text(FileId id) const { return files_[id.value].text; }

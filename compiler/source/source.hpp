@@ -40,7 +40,10 @@ class SourceMap {
   /// Adds a text under a display name.
   FileId add(std::string name, std::string text);
   /// Reads a file. Fails with a one-line reason if it is not there, not a file, too large or not UTF-8 (with the line).
-  Result<FileId> load(const std::string& path);
+  /// `name`: what it is called in messages; empty: its path.
+  Result<FileId> load(const std::string& path, std::string name = {});
+  /// The same for a text that is in memory already.
+  Result<FileId> load_text(std::string name, std::string text);
 
   [[nodiscard]] std::string_view text(FileId id) const;
   [[nodiscard]] std::string_view text(SourceRange r) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/model/code_builder.hpp"
+#include "compiler/model/packages.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "compiler/system/instantiator.hpp"
 
@@ -12,6 +13,10 @@ namespace bip::system {
 std::optional<Value> Instantiator::value(ExprId expr, const std::vector<Value>& self, SourceRange at) {
   const model::Evaluated v = model::evaluate(model.code, expr, self);
   if (v.fault == model::Fault::None) return v.value;
+  if (v.fault == model::Fault::Call) {
+    diags.report(Diag::kB4008, at, "a C++ function, which runs with the system, is called");
+    return std::nullopt;
+  }
   diags.report(Diag::kB4008, at, v.fault == model::Fault::DivisionByZero ? "division by zero" : "-2147483648 / -1 does not fit an `int`");
   return std::nullopt;
 }
@@ -41,7 +46,7 @@ void Instantiator::component(std::uint32_t instance, const CompoundItem& item, c
     }
     // Before the first of them takes memory.
     const std::size_t others = family.is_compound ? out.compounds.size() : out.atoms.size();
-    if (too_many(others + static_cast<std::size_t>(last - first), family.is_compound ? "compounds" : "atoms", at)) return;
+    if (last > first && too_many(others + static_cast<std::size_t>(last - first), family.is_compound ? "compounds" : "atoms", at)) return;
     if (in_loop && too_many(static_cast<std::size_t>(first), "elements in an array", at)) return;
   }
   std::vector<Value> args;
@@ -148,6 +153,8 @@ std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> par
 namespace {
 
 /// The compound types that no other one instantiates and that need no parameter.
+bool is_of_compiled_package(const Model& model, const CompoundType& type) { return type.decl->name.range.file == model.packages.back().file; }
+
 std::vector<CompoundTypeId> possible_roots(const Model& model) {
   std::vector<bool> used(model.compound_types.size());
   for (const CompoundType& t : model.compound_types) {
@@ -157,17 +164,18 @@ std::vector<CompoundTypeId> possible_roots(const Model& model) {
   }
   std::vector<CompoundTypeId> roots;
   for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i] && model.compound_types[CompoundTypeId(i)].params.empty()) roots.emplace_back(i);
+    const CompoundType& t = model.compound_types[CompoundTypeId(i)];
+    if (!used[i] && t.params.empty() && is_of_compiled_package(model, t)) roots.emplace_back(i);
   }
   return roots;
 }
 
-std::optional<CompoundTypeId> find_root(const Model& model, std::string name, Diagnostics& diags, SourceRange at) {
+std::optional<CompoundTypeId> find_root(const Model& model, const std::string& name, Diagnostics& diags, SourceRange at) {
   if (name.empty()) {
     const std::vector<CompoundTypeId> roots = possible_roots(model);
     if (roots.size() == 1) return roots[0];
     if (roots.empty()) {
-      const bool has_compounds = !model.compound_types.empty();
+      const bool has_compounds = !model.compound_types.empty() && is_of_compiled_package(model, model.compound_types.rows().back());
       auto d = diags.report(Diag::kB4003, at, has_compounds ? "every compound type has parameters or is part of another" : "there is no compound type to run");
       if (has_compounds) {
         const CompoundType& last = model.compound_types[CompoundTypeId(model.compound_types.size() - 1)];
@@ -182,9 +190,8 @@ std::optional<CompoundTypeId> find_root(const Model& model, std::string name, Di
     diags.report(Diag::kB4004, at, names).help(fmt::format("choose one: `--root '{}()'`", model.compound_types[roots.back()].name));
     return std::nullopt;
   }
-  if (const std::string prefix = model.package + "."; name.starts_with(prefix)) name.erase(0, prefix.size());
-  const auto it = model.type_names.find(name);
-  if (it != model.type_names.end() && it->second.kind == TypeName::Kind::Compound) return CompoundTypeId(it->second.row);
+  const TypeName* type = model::find_visible(model, model.type_names, name, at, diags);
+  if (type != nullptr && type->kind == TypeName::Kind::Compound) return CompoundTypeId(type->row);
   auto d = diags.report(Diag::kB4005, at, name);
   std::vector<std::string> known;
   for (const CompoundType& t : model.compound_types) known.push_back(t.name);

@@ -1,7 +1,8 @@
 // Priority rules of a compound instance, and what can be said of them before running: rules against maximal progress and
 // cycles of rules without guards.
 #include <algorithm>
-#include <functional>
+#include <iterator>
+#include <unordered_map>
 
 #include "compiler/system/instantiator.hpp"
 
@@ -120,32 +121,62 @@ void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, c
     else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, compared(rules[i]), r.name);
   }
   if (diags.has_errors()) return;
-  // Depth first through the rules without guards; a rule that is met on its own path closes a cycle.
-  std::vector<int> state(rules.size());
-  std::vector<std::size_t> path;
-  const std::function<bool(std::size_t)> visit = [&](std::size_t i) {
-    state[i] = 1;
-    path.push_back(i);
-    for (std::size_t j = 0; j < rules.size(); ++j) {
-      if (row(j).guard.is_valid() || state[j] == 2 || !chains.holds(row(i), row(j))) continue;
-      if (state[j] == 1) {
-        std::string names;
-        for (auto it = std::find(path.begin(), path.end(), j); it != path.end(); ++it) names += row(*it).name + " < ";
-        auto d = diags.report(Diag::kB3006, compared(rules[j]), names + row(j).name);
-        d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
-        for (auto it = std::find(path.begin(), path.end(), j); it != path.end(); ++it) {
-          if (*it != j) d.label(compared(rules[*it]), "");
-        }
-        return true;
-      }
-      if (visit(j)) return true;
-    }
-    state[i] = 2;
-    path.pop_back();
-    return false;
-  };
+  // Depth first through the rules without guards; a rule that is met on its own path closes a cycle. A rule can be followed
+  // by those about the connector of its high side and by those that begin with `*:*`: a long chain stays linear.
+  std::vector<std::size_t> wild;
+  std::vector<std::size_t> all;
+  std::unordered_map<std::uint32_t, std::vector<std::size_t>> by_low;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (state[i] == 0 && !row(i).guard.is_valid() && visit(i)) return;
+    if (row(i).guard.is_valid()) continue;
+    all.push_back(i);
+    (row(i).low.any_connector ? wild : by_low[row(i).low.connector.value]).push_back(i);
+  }
+  const auto may_follow = [&](std::size_t i) {
+    if (row(i).high.any_connector) return all;
+    std::vector<std::size_t> next;
+    const auto found = by_low.find(row(i).high.connector.value);
+    static const std::vector<std::size_t> kNone;
+    const std::vector<std::size_t>& same = found == by_low.end() ? kNone : found->second;
+    std::merge(same.begin(), same.end(), wild.begin(), wild.end(), std::back_inserter(next));
+    return next;
+  };
+  struct Frame {
+    std::size_t rule = 0;
+    std::vector<std::size_t> next;
+    std::size_t at = 0;
+  };
+  enum class State : std::uint8_t { New, Open, Done };
+  std::vector<State> states(rules.size(), State::New);
+  std::vector<Frame> path;
+  const auto enter = [&](std::size_t i) {
+    states[i] = State::Open;
+    path.push_back({i, may_follow(i)});
+  };
+  for (const std::size_t start : all) {
+    if (states[start] == State::New) enter(start);
+    while (!path.empty()) {
+      Frame& top = path.back();
+      if (top.at == top.next.size()) {
+        states[top.rule] = State::Done;
+        path.pop_back();
+        continue;
+      }
+      const std::size_t j = top.next[top.at++];
+      if (states[j] == State::Done || !chains.holds(row(top.rule), row(j))) continue;
+      if (states[j] == State::New) {
+        enter(j);
+        continue;
+      }
+      std::string names;
+      const auto first = std::find_if(path.begin(), path.end(), [&](const Frame& f) { return f.rule == j; });
+      for (auto it = first; it != path.end(); ++it) names += row(it->rule).name + " < ";
+      auto d = diags.report(Diag::kB3006, compared(rules[j]), names + row(j).name);
+      d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
+      for (auto it = first; it != path.end(); ++it) {
+        if (it->rule != j) d.label(compared(rules[it->rule]), "");
+      }
+      return;
+    }
   }
 }
 

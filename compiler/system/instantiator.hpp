@@ -60,6 +60,8 @@ struct Instantiator {
   bool resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self, std::vector<PortRef>& to, std::size_t depth);
   std::optional<PortRef> exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth);
   std::optional<DataRef> resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self);
+  PortRef choice_of(const std::string& path, const std::vector<PortRef>& ports);
+  PortRef atom_port(AtomId atom, std::uint32_t port);
   void check_components(ConnectorId id, SourceRange at);
 
   // instantiate_priorities.cpp
@@ -67,6 +69,11 @@ struct Instantiator {
   bool pattern(std::uint32_t instance, const PatternPath& path, Pattern& to);
   void check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<PriorityRule>& rules);
 
+  // check_alternatives.cpp
+  void check_alternatives(ConnectorId id, SourceRange at);
+
+  std::map<std::pair<std::uint32_t, std::uint32_t>, PortRef> merged_exports{};  // by instance and export
+  std::map<std::pair<std::uint32_t, std::uint32_t>, PortRef> merged_ports{};    // by atom and PortPath::port
   std::vector<std::uint32_t> stamps{};  // by atom: the last connector that saw it
 };
 

@@ -52,6 +52,19 @@ class BsysParser : RowParser {
     } else if (head == "string") {
       r_.row(list, s_.code.strings.size());
       if (!r_.add_string(r_.quoted(list)) && !r_.failed()) r_.fail(node, "this string has a row already");
+    } else if (head == "cpp") {
+      cpp_file(node, list);
+    } else if (head == "extern-type") {
+      r_.row(list, s_.code.extern_types.size());
+      ExternType row;
+      row.name = r_.name(list);
+      row.cpp = r_.quoted(list);
+      r_.close(list);
+      row.loc = list.loc;
+      s_.code.extern_types.push_back(std::move(row));
+    } else if (head == "function") {
+      r_.row(list, s_.code.functions.size());
+      s_.code.functions.push_back(function(list));
     } else if (head == "port-type") {
       push(Table::PortTypes, node, s_.port_types, port_type(list));
     } else if (head == "atom-type") {
@@ -73,6 +86,40 @@ class BsysParser : RowParser {
       r_.fail(node, "no row begins with this word");
     }
     r_.close(list);
+  }
+  void cpp_file(std::uint32_t node, List& list) {
+    CppSide& cpp = s_.code.cpp;
+    std::vector<CppFile>* files = nullptr;
+    if (r_.flag(list, "include")) files = &cpp.includes;
+    else if (r_.flag(list, "source")) files = &cpp.sources;
+    else if (r_.flag(list, "object")) files = &cpp.objects;
+    if (files == nullptr) return r_.fail(node, "a file of C++ is an include, a source or an object");
+    CppFile file;
+    file.folder = r_.quoted(list);
+    file.name = r_.quoted(list);
+    files->push_back(std::move(file));
+  }
+  Function function(List& list) {
+    Function row;
+    row.name = r_.name(list);
+    if (r_.flag(list, "cast")) row.kind = FunctionKind::Cast;
+    else if (r_.flag(list, "operator")) row.kind = FunctionKind::Operator;
+    row.is_const = r_.flag(list, "const");
+    row.has_result = false;
+    if (std::optional<List> result = r_.sub(list, "result")) {
+      row.has_result = true;
+      row.result = r_.type(*result);
+      r_.close(*result);
+    }
+    while (r_.more(list)) {
+      std::optional<List> param = r_.sub(list, "value");
+      const bool by_reference = !param;
+      if (by_reference) param = r_.need(list, "ref");
+      row.params.push_back({r_.type(*param), by_reference});
+      r_.close(*param);
+    }
+    row.loc = list.loc;
+    return row;
   }
   template <class Rows, class Row>
   void push(Table table, std::uint32_t node, Rows& rows, Row row) {

@@ -55,6 +55,15 @@ ExprId Reader::expr(std::uint32_t node, const CodeScope& scope) {
     const std::vector<ScopeVariable>& variables = head == "self" ? scope.self : scope.bind;
     e.index = variable(list, variables);
     if (!failed()) e.type = variables[e.index].type;
+  } else if (head == "call") {
+    e.op = Op::Call;
+    e.index = ref(list, s_.code.functions.size(), "function", [&](std::uint32_t k) -> const std::string& { return s_.code.functions[k].name; });
+    std::vector<ExprId> args;
+    while (more(list)) args.push_back(expr(list, scope));
+    if (!failed() && args.size() != s_.code.functions[e.index].params.size()) fail(node, "a call has not one argument a parameter");
+    if (!failed()) e.type = s_.code.functions[e.index].result;
+    e.int_value = static_cast<std::int32_t>(s_.code.args.size());
+    s_.code.args.insert(s_.code.args.end(), args.begin(), args.end());
   } else if (const std::optional<Op> op = op_of(head)) {
     e.op = *op;
     e.a = expr(list, scope);
@@ -78,6 +87,10 @@ StmtId Reader::stmt(std::uint32_t node, const CodeScope& scope) {
     s.index = variable(list, variables);
     if (!failed()) s.type = variables[s.index].type;
     s.value = expr(list, scope);
+  } else if (head == "do") {
+    s.op = StmtOp::Call;
+    s.value = expr(list, scope);
+    if (!failed()) s.type = s_.code.exprs[s.value].type;
   } else if (head == "if") {
     s.op = StmtOp::If;
     s.value = expr(list, scope);
@@ -85,7 +98,7 @@ StmtId Reader::stmt(std::uint32_t node, const CodeScope& scope) {
     s.then_body = body(then_list, scope);
     if (std::optional<List> else_list = sub(list, "else")) s.else_body = body(*else_list, scope);
   } else {
-    fail(node, "expected a statement: set, set-bind or if");
+    fail(node, "expected a statement: set, set-bind, do or if");
   }
   close(list);
   s.loc = list.loc;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <utility>
 
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/print_code.hpp"
@@ -22,6 +23,10 @@ class Printer {
     out_ = "(bsys 1)\n";
     for (std::size_t k = 0; k < s_.files.size(); ++k) quoted_row("(file", k, s_.files[k]);
     for (std::size_t k = 0; k < s_.code.strings.size(); ++k) quoted_row("(string", k, s_.code.strings[k]);
+    for (const auto& [head, files] : {std::pair("(cpp include ", &s_.code.cpp.includes), {"(cpp source ", &s_.code.cpp.sources}, {"(cpp object ", &s_.code.cpp.objects}})
+      for (const CppFile& file : *files) cpp_file(head, file);
+    for (std::size_t k = 0; k < s_.code.extern_types.size(); ++k) extern_type_row(s_.code.extern_types[k], k);
+    for (std::size_t k = 0; k < s_.code.functions.size(); ++k) function(s_.code.functions[k], k);
     each(s_.port_types, [this](const PortType& row, std::size_t k) { port_type(row, k); });
     each(s_.atom_types, [this](const AtomType& row, std::size_t k) { atom_type(row, k); });
     each(s_.connector_types, [this](const ConnectorType& row, std::size_t k) { connector_type(row, k); });
@@ -83,10 +88,38 @@ class Printer {
     put_stmts(out_, s_.code, first, scope);
     out_ += ')';
   }
+  /// A native type's word; of an extern type number:name.
+  [[nodiscard]] std::string type_text(Type type) const {
+    if (!is_extern(type)) return word_of(type);
+    std::string text;
+    put_ref(text, static_cast<std::uint32_t>(extern_row(type)), s_.code.type_name(type));
+    return text;
+  }
+  void cpp_file(const char* head, const CppFile& file) {
+    out_ += head;
+    put_quoted(out_, file.folder);
+    out_ += ' ';
+    put_quoted(out_, file.name);
+    out_ += ")\n";
+  }
+  void extern_type_row(const ExternType& row, std::size_t k) {
+    open("(extern-type", k, row.name);
+    out_ += ' ';
+    put_quoted(out_, row.cpp);
+    close(row.loc);
+  }
+  void function(const Function& row, std::size_t k) {
+    open("(function", k, row.name);
+    out_ += row.kind == FunctionKind::Cast ? " cast" : row.kind == FunctionKind::Operator ? " operator" : "";
+    if (row.is_const) out_ += " const";
+    if (row.has_result) fmt::format_to(std::back_inserter(out_), " (result {})", type_text(row.result));
+    for (const FunctionParam& param : row.params) fmt::format_to(std::back_inserter(out_), " ({} {})", param.by_reference ? "ref" : "value", type_text(param.type));
+    close(row.loc);
+  }
   void slots(const std::vector<Slot>& slots) {
     for (std::size_t k = 0; k < slots.size(); ++k) {
       open("  (slot", k, slots[k].name);
-      fmt::format_to(std::back_inserter(out_), " {}", word_of(slots[k].type));
+      fmt::format_to(std::back_inserter(out_), " {}", type_text(slots[k].type));
       if (slots[k].is_param) out_ += " param";
       if (slots[k].exported) out_ += " export";
       close(slots[k].loc);
@@ -115,7 +148,7 @@ class Printer {
     for (const Variable& v : row.variables) {
       out_ += " (var ";
       put_name(out_, v.name);
-      fmt::format_to(std::back_inserter(out_), " {}", word_of(v.type));
+      fmt::format_to(std::back_inserter(out_), " {}", type_text(v.type));
       close(v.loc, ")");
     }
     close(row.loc);
@@ -207,7 +240,7 @@ class Printer {
     }
     for (std::size_t r = 0; r < row.data_reads.size(); ++r) {
       open("  (read", r, row.data_reads[r].path);
-      fmt::format_to(std::back_inserter(out_), " {})\n", word_of(row.data_reads[r].type));
+      fmt::format_to(std::back_inserter(out_), " {})\n", type_text(row.data_reads[r].type));
     }
     slots(row.slots);
     define(row);

@@ -67,12 +67,23 @@ class CodePrinter {
         variable(e.op == Op::LoadSelf ? scope_.self : scope_.bind, e.index);
         out_ += ')';
         return;
+      case Op::Call: {
+        out_ += "(call ";
+        put_ref(out_, e.index, code_.functions[e.index].name);
+        push_close(e.loc);
+        const std::span<const ExprId> args = code_.args_of(e);
+        for (std::size_t k = args.size(); k-- > 0;) {
+          push_expr(args[k]);
+          push_text(" ");
+        }
+        return;
+      }
       default: break;
     }
     out_ += '(';
     out_ += word_of(e.op);
     out_ += ' ';
-    // Only a division can fault, so only a division needs its place.
+    // Only divisions and calls can fault, so only they need their places.
     push_close(e.op == Op::Div || e.op == Op::Mod ? e.loc : Loc{});
     if (operand_count(e.op) == 2) {
       push_expr(e.b);
@@ -94,6 +105,8 @@ class CodePrinter {
       push_text(")");
       push_stmts(s.then_body);
       push_text(" (then");
+    } else if (s.op == StmtOp::Call) {
+      out_ += " (do ";
     } else {
       out_ += s.op == StmtOp::StoreSelf ? " (set " : " (set-bind ";
       variable(s.op == StmtOp::StoreSelf ? scope_.self : scope_.bind, s.index);

@@ -34,12 +34,62 @@ std::optional<std::uint32_t> Instantiator::find(const Instance& in, const Elemen
 
 std::optional<PortRef> Instantiator::exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth) {
   const PortExport& e = model.compound_types[instances[instance].type].exports[row];
+  // A merged one has the same row for all who bind it.
+  const bool merges = e.targets.size() > 1 || (!e.targets.empty() && e.targets[0].element.star);
+  if (const auto known = merged_exports.find({instance, row}); known != merged_exports.end()) return known->second;
   std::vector<PortRef> refs;
   const std::vector<Value> self = instances[instance].params;
-  if (!resolve_port(instance, e.targets[0], self, refs, depth + 1) || refs.size() != 1) return std::nullopt;
+  for (const PortPath& target : e.targets) {
+    if (!resolve_port(instance, target, self, refs, depth + 1)) return std::nullopt;
+  }
+  if (refs.empty()) {
+    diags.report(Diag::kB4014, e.range, e.name, "it stands for no port here");
+    return std::nullopt;
+  }
   // What a compound shows of a connector is only its maximal interactions.
-  if (refs[0].kind == PortRef::Kind::Connector) refs[0].maximal_only = true;
-  return refs[0];
+  for (PortRef& ref : refs) {
+    if (ref.kind == PortRef::Kind::Connector) ref.maximal_only = true;
+  }
+  if (!merges) return refs[0];
+  const PortRef ref = choice_of(out.compounds[instances[instance].row].path + "." + e.name, refs);
+  merged_exports[{instance, row}] = ref;
+  return ref;
+}
+
+// A new row of the choices; those within it are taken apart, what occurs twice is kept once.
+PortRef Instantiator::choice_of(const std::string& path, const std::vector<PortRef>& ports) {
+  Choice row{.name = path, .ports = {}};
+  const auto add = [&](const PortRef& ref) {
+    if (std::find(row.ports.begin(), row.ports.end(), ref) == row.ports.end()) row.ports.push_back(ref);
+  };
+  for (const PortRef& ref : ports) {
+    if (ref.kind != PortRef::Kind::Choice) {
+      add(ref);
+    } else {
+      for (const PortRef& inner : std::vector<PortRef>(out.choices[ref.choice].ports)) add(inner);
+    }
+  }
+  if (row.ports.size() == 1) return row.ports[0];
+  out.choices.push_back(std::move(row));
+  PortRef ref;
+  ref.kind = PortRef::Kind::Choice;
+  ref.choice = static_cast<std::uint32_t>(out.choices.size() - 1);
+  return ref;
+}
+
+// A port of an atom, or a merged one of its type.
+PortRef Instantiator::atom_port(AtomId atom, std::uint32_t port) {
+  const AtomType& type = model.atom_types[out.atoms[atom].type];
+  const auto own = [&](std::uint32_t p) { return PortRef{.kind = PortRef::Kind::Atom, .atom = atom, .port = p, .connector = {}, .maximal_only = false}; };
+  if (port < type.ports.size()) return own(port);
+  const auto [known, is_new] = merged_ports.try_emplace({atom.value, port});
+  if (is_new) {
+    const MergedPort& merged = type.merged[port - type.ports.size()];
+    std::vector<PortRef> refs;
+    for (const std::uint32_t p : merged.ports) refs.push_back(own(p));
+    known->second = choice_of(out.atoms[atom].path + "." + merged.name, refs);
+  }
+  return known->second;
 }
 
 bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self, std::vector<PortRef>& to, std::size_t depth) {
@@ -67,7 +117,7 @@ bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, co
       if (!ref) return false;
       to.push_back(*ref);
     } else {
-      to.push_back({.kind = PortRef::Kind::Atom, .atom = AtomId(row), .port = path.port, .connector = {}, .maximal_only = false});
+      to.push_back(atom_port(AtomId(row), path.port));
     }
   }
   return true;
@@ -133,6 +183,10 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
   }
   for (const PortRef& ref : row.ports) {
     if (ref.kind == PortRef::Kind::Connector) out.connectors[ref.connector].bound = true;
+    if (ref.kind != PortRef::Kind::Choice) continue;
+    for (const PortRef& alternative : out.choices[ref.choice].ports) {
+      if (alternative.kind == PortRef::Kind::Connector) out.connectors[alternative.connector].bound = true;
+    }
   }
   row.path = out.compounds[instances[instance].row].path + "." + instances[instance].pending[pending].name;
   const ConnectorId id = out.connectors.push(std::move(row));
@@ -158,6 +212,7 @@ void Instantiator::check_components(ConnectorId id, SourceRange at) {
     const Connector& c = out.connectors[todo.back()];
     todo.pop_back();
     for (const PortRef& ref : c.ports) {
+      if (ref.kind == PortRef::Kind::Choice) return check_alternatives(id, at);
       if (ref.kind == PortRef::Kind::Connector) {
         todo.push_back(ref.connector);
       } else if (stamps[ref.atom.value] == id.value) {

@@ -19,6 +19,21 @@ void check_strings(const System& system, Problems& problems) {
   problems.expect(distinct.size() == strings.size(), "a string constant has two rows");
 }
 
+/// What every executor and a C++ compiler must be able to say.
+void check_functions(const System& system, Problems& problems) {
+  for (const Function& row : system.code.functions) {
+    check_loc(system, row.loc, problems);
+    problems.expect(is_type(system, row.result), "a function's result has no type");
+    const std::size_t count = row.params.size();
+    problems.expect(row.kind != FunctionKind::Cast || (count == 1 && row.has_result), "a conversion has not one parameter and a result");
+    problems.expect(row.kind != FunctionKind::Operator || count == 1 || count == 2, "an operator has one or two parameters");
+    for (const FunctionParam& param : row.params) {
+      problems.expect(is_type(system, param.type), "a function's parameter has no type");
+      problems.expect(!param.by_reference || (param.type != Type::Bool && param.type != Type::String), "bool and string are passed by value");
+    }
+  }
+}
+
 void check_port(const System& system, const AtomType& type, const Port& port, Problems& problems) {
   check_loc(system, port.loc, problems);
   if (!problems.expect(system.port_types.contains(port.type), "a port's type is no row")) return;
@@ -65,7 +80,7 @@ void check_atom_type(const System& system, const AtomType& type, Problems& probl
   bool data_begun = false;
   for (const Slot& slot : type.slots) {
     check_loc(system, slot.loc, problems);
-    problems.expect(is_type(slot.type), "a slot has no type");
+    problems.expect(is_type(system, slot.type), "a slot has no type");
     problems.expect(!(data_begun && slot.is_param), "a parameter's slot comes after data");
     data_begun = data_begun || !slot.is_param;
   }
@@ -102,7 +117,7 @@ void check_port_and_atom_types(const System& system, Problems& problems) {
     check_loc(system, type.loc, problems);
     for (const Variable& variable : type.variables) {
       check_loc(system, variable.loc, problems);
-      problems.expect(is_type(variable.type), "a variable has no type");
+      problems.expect(is_type(system, variable.type), "a variable has no type");
     }
   }
   for (std::size_t k = 0; k < system.atom_types.size(); ++k) {
@@ -114,6 +129,7 @@ void check_port_and_atom_types(const System& system, Problems& problems) {
 std::vector<Problem> find_problems(const System& system) {
   Problems problems;
   check_strings(system, problems);
+  check_functions(system, problems);
   check_port_and_atom_types(system, problems);
   check_connector_types(system, problems);
   if (problems.empty()) check_instances(system, problems);

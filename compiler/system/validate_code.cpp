@@ -73,15 +73,26 @@ class CodeChecker {
   }
   bool reach_from_expr(const Visit& at) {
     const Expr& e = code_.exprs[ExprId(at.row)];
-    if (!problems_.expect(e.op <= Op::Ge && is_type(e.type), "an expression has no operator or no type")) return false;
+    if (!problems_.expect(e.op <= Op::Ge && is_type(system_, e.type), "an expression has no operator or no type")) return false;
     check_loc(system_, e.loc, problems_);
+    if (e.op == Op::Call) return reach_from_call(e, at);
     const int count = operand_count(e.op);
     return (count < 1 || push_part({e.a.value, at.depth + 1, false})) &&
            (count < 2 || push_part({e.b.value, at.depth + 1, false}));
   }
+  bool reach_from_call(const Expr& e, const Visit& at) {
+    if (!problems_.expect(e.index < code_.functions.size(), "a call's function is no row")) return false;
+    const std::size_t count = code_.functions[e.index].params.size();
+    const bool in_range = e.int_value >= 0 && static_cast<std::size_t>(e.int_value) + count <= code_.args.size();
+    if (!problems_.expect(in_range, "a call's arguments are no rows")) return false;
+    for (const ExprId arg : code_.args_of(e)) {
+      if (!push_part({arg.value, at.depth + 1, false})) return false;
+    }
+    return true;
+  }
   bool reach_from_stmt(const Visit& at) {
     const Stmt& s = code_.stmts[StmtId(at.row)];
-    if (!problems_.expect(s.op <= StmtOp::If, "a statement has no operator")) return false;
+    if (!problems_.expect(s.op <= StmtOp::Call, "a statement has no operator")) return false;
     check_loc(system_, s.loc, problems_);
     if (!push_part({s.value.value, at.depth + 1, false})) return false;
     if (s.op == StmtOp::If) {
@@ -109,12 +120,37 @@ class CodeChecker {
         check_expr(e, scope);
         if (operand_count(e.op) >= 1) stack_.push_back({e.a.value, 0, false});
         if (operand_count(e.op) == 2) stack_.push_back({e.b.value, 0, false});
+        if (e.op != Op::Call) continue;
+        check_call(e, scope, writes);
+        for (const ExprId arg : code_.args_of(e)) stack_.push_back({arg.value, 0, false});
       }
     }
   }
 
+  void check_call(const Expr& e, const CodeScope& scope, Writes writes) {
+    const Function& function = code_.functions[e.index];
+    const std::span<const ExprId> args = code_.args_of(e);
+    problems_.expect(e.type == function.result, "a call has not its function's type");
+    for (std::size_t k = 0; k < args.size(); ++k) {
+      const Expr& arg = code_.exprs[args[k]];
+      problems_.expect(arg.type == function.params[k].type, "an argument has not its parameter's type");
+      problems_.expect(arg.op != Op::Call || code_.functions[arg.index].has_result, "a call without a result is used as a value");
+      if (!function.params[k].by_reference) continue;
+      const bool is_self = arg.op == Op::LoadSelf;
+      const std::vector<ScopeVariable>& variables = is_self ? scope.self : scope.bind;
+      const bool is_variable = (is_self || arg.op == Op::LoadBind) && arg.index < variables.size() && variables[arg.index].writable;
+      problems_.expect(is_variable && (is_self ? writes != Writes::Nothing : writes == Writes::SelfAndBind), "an argument by reference is no variable that may change here");
+    }
+  }
+
   void check_stmt(const Stmt& s, const CodeScope& scope, Writes writes) {
-    const Type value = code_.exprs[s.value].type;
+    const Expr& given = code_.exprs[s.value];
+    const Type value = given.type;
+    if (s.op == StmtOp::Call) {
+      problems_.expect(given.op == Op::Call, "a statement that calls has no call");
+      return;
+    }
+    problems_.expect(given.op != Op::Call || code_.functions[given.index].has_result, "a call without a result is used as a value");
     if (s.op == StmtOp::If) {
       problems_.expect(value == Type::Bool, "a condition is not a bool");
       return;
@@ -155,7 +191,8 @@ class CodeChecker {
       case Op::And:
       case Op::Or: sound = sound && a == Type::Bool && e.type == a; break;
       case Op::Eq:
-      case Op::Ne: sound = sound && e.type == Type::Bool; break;
+      case Op::Ne: sound = sound && e.type == Type::Bool && !is_extern(a); break;
+      case Op::Call: sound = true; break;
       case Op::Lt:
       case Op::Gt:
       case Op::Le:

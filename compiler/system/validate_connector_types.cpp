@@ -109,10 +109,10 @@ bool check_params(const System& system, const ConnectorType& type, Problems& pro
     problems.expect(param.first_bind == bind, "a parameter's first bind does not follow the one before");
     bind += system.port_types[param.type].variables.size();
   }
-  for (const DataRead& read : type.data_reads) problems.expect(is_type(read.type), "a data read has no type");
+  for (const DataRead& read : type.data_reads) problems.expect(is_type(system, read.type), "a data read has no type");
   for (const Slot& slot : type.slots) {
     check_loc(system, slot.loc, problems);
-    problems.expect(is_type(slot.type), "a slot has no type");
+    problems.expect(is_type(system, slot.type), "a slot has no type");
   }
   return true;
 }

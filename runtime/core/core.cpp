@@ -7,7 +7,7 @@
 namespace bip::rt {
 
 Core::Core(const Image& image, CoreOptions options)
-    : tables_(link(image, options.progress)), options_(options), rules_(link_priorities(tables_)) {
+    : tables_(link(image, options.progress)), options_(options), rules_(link_priorities(tables_)), extern_data_(image) {
   const u32 slot_count = static_cast<u32>(tables_.slots.size());
   atoms_.resize(image.atoms.size);
   for (u32 i = 0; i < image.atoms.size; ++i) {
@@ -15,6 +15,12 @@ Core::Core(const Image& image, CoreOptions options)
     atoms_[i] = {tables_.port_base[i], atom.slot_base, atom.type, tables_.atom_watch[i].size != 0 ? 1u : 0u};
   }
   all_.assign(image.slot_count, Slot{0});
+  for (u32 i = 0; !extern_data_.empty() && i < image.connectors.size; ++i) zero_frame(i);
+  binds_ = image.binds.data;
+  if (image.choices.size != 0) {
+    own_binds_.assign(image.binds.begin(), image.binds.end());
+    binds_ = own_binds_.data();
+  }
   ports_.resize(tables_.port_atom.size());
   for (u32 i = 0; i < ports_.size(); ++i) {
     const Span<u32> out = tables_.port_out[i];
@@ -30,6 +36,8 @@ Core::Core(const Image& image, CoreOptions options)
     if (!tables_.slots[i].searched) continue;
     listing_of_[i] = static_cast<u32>(listings_.size());
     listings_.emplace_back();
+    flat_guards_.push_back(flat_guard(tables_.slots[i]));
+    is_weighted_ |= tables_.slots[i].kind != SlotKind::Flat;
   }
   u32 ports = 0, nodes = 0, uses = 0;
   for (const AtomType& type : image.atom_types) ports = std::max(ports, type.ports.size);
@@ -44,6 +52,15 @@ Core::Core(const Image& image, CoreOptions options)
   use_clause_.assign(uses, kNone);
   forget();
   build_programs();
+}
+
+Core::FlatGuard Core::flat_guard(const SlotInfo& info) {
+  if (info.kind != SlotKind::Flat || info.clause == kNone || !extern_data_.empty()) return {};
+  const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
+  const Code guard = tables_.code(clause.guard);
+  if (guard.fn == nullptr || clause.may_fault) return {};
+  const Connector& row = tables_.image->connectors[info.row];
+  return {code_row(guard, tables_.connector_type(info.row).slots.size), row.slot_base, row.binds};
 }
 
 // To no state at all: no atom is anywhere, no port enabled.
@@ -65,7 +82,7 @@ void Core::forget() {
     }
   }
   values_ = tables_.node_start;
-  enabled_.reset(slot_count, tables_.any_searched);
+  enabled_.reset(slot_count, is_weighted_);
   for (Listing& listing : listings_) listing = {};
   dirty_.clear();
   std::fill(is_dirty_.begin(), is_dirty_.end(), std::uint8_t{0});
@@ -95,6 +112,7 @@ bool Core::initialize() {
       slots[i] = Slot{0};
       if (type.slots[i].is_param) slots[i] = image.args[args++];
     }
+    if (!extern_data_.empty()) extern_data_.reset(type.slots, all_.data(), state.slot_base);
     if (linked.mark_words == 0) {
       places_[atom] = type.initial[0];
     } else {
@@ -106,6 +124,7 @@ bool Core::initialize() {
       const std::int32_t status = linked.initial.fn(linked.initial.context, slots, all_.data(), nullptr);
       if (status >= 2) return fail_code(status, atom, kNone, nullptr);
     }
+    if (linked.has_invariants && !check_invariants(atom, nullptr)) return false;
     if (!settle_atom(atom, kNone)) return false;
     if (state.watched != 0) touch(atom);
   }
@@ -143,6 +162,7 @@ State Core::snapshot() const {
   state.marks = marks_;
   state.data.resize(tables_.atom_slots);
   if (!state.data.empty()) std::memcpy(state.data.data(), all_.data(), state.data.size() * sizeof(Slot));
+  extern_data_.save(state.data, state.objects);
   return state;
 }
 
@@ -151,6 +171,8 @@ bool Core::restore(const State& state) {
   // A fault leaves things between two states.
   if (fault_) forget();
   fault_ = {};
+  // All objects first: what an atom offers may depend on them. An atom that has one counts as changed.
+  if (!extern_data_.empty()) extern_data_.load(all_.data(), state.objects);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomInfo& now = atoms_[atom];
     const u32 slots = tables_.atom_type(atom).slots.size;
@@ -159,7 +181,9 @@ bool Core::restore(const State& state) {
     const bool same_data = slots == 0 || std::memcmp(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot)) == 0;
     const bool same_marks = words == 0 || std::memcmp(&marks_[mark], &state.marks[mark], words * sizeof(u64)) == 0;
     if (same_data && same_marks && places_[atom] == state.places[atom]) continue;
-    if (slots != 0) std::memcpy(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot));
+    for (u32 i = 0; i < slots; ++i) {
+      if (!is_extern(tables_.atom_type(atom).slots[i].type)) all_[now.slot_base + i].bits = state.data[now.slot_base + i];
+    }
     if (words != 0) std::memcpy(&marks_[mark], &state.marks[mark], words * sizeof(u64));
     const u32 before = places_[atom];
     places_[atom] = state.places[atom];

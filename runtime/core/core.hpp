@@ -6,8 +6,12 @@
 // the step touched. No allocation in steady state unless a guarded connector is searched.
 // Faults (R codes) stop it: initialize and fire return false, fault() tells why.
 #pragma once
+#include <map>
+#include <tuple>
+#include <utility>
 #include <vector>
 
+#include "runtime/core/extern_data.hpp"
 #include "runtime/core/fault.hpp"
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/select.hpp"
@@ -39,7 +43,8 @@ struct Participant {
 struct State {
   std::vector<u32> places;       // by atom; for Petri types unused (0)
   std::vector<u64> marks;        // bitsets of the Petri types' atoms, in atom order
-  std::vector<u64> data;         // the atoms' slots, as bits
+  std::vector<u64> data;         // the atoms' slots, as bits; of extern types 0
+  std::vector<ExternValue> objects;  // of the atoms' slots of extern types, in their order
   friend bool operator==(const State&, const State&) = default;
 };
 
@@ -121,6 +126,13 @@ class Core {
     std::vector<std::uint8_t> hidden;  // by configuration; empty: none
   };
 
+  /// The guard of a flat rendezvous, found without a look at the image.
+  struct FlatGuard {
+    u32 code = kNone;                // row of codes_
+    u32 own = 0, binds = 0;
+  };
+
+  FlatGuard flat_guard(const SlotInfo& info);
   void forget();
   void remember(u32 slot) {
     history_[history_at_] = slot;
@@ -148,8 +160,29 @@ class Core {
   // atom_priorities.cpp
   bool hide_ports(u32 atom, u32* transition_of_port);
 
-  // programs.cpp
+  // programs.cpp, run_program.cpp
+  struct ProgramCode {
+    Code code;
+    u32 zeroed = 0;  // own slots that are zeroed before it runs
+  };
+  struct ProgramCodes {
+    std::vector<u32> words;                      // three a code
+    std::vector<std::pair<bool, u32>> owners;    // by code: a port instance (true) or a connector
+  };
+  struct ProgramParts {
+    ProgramCodes before, after;                  // the places
+    std::vector<u32> places, touched, instances;
+    std::vector<std::pair<u32, std::int32_t>> deltas;
+  };
   void build_programs();
+  u32 code_row(Code code, u32 zeroed);
+  void list_code(u32 connector, Code code, bool zeroes, ProgramCodes& out);
+  void list_port(u32 instance, ProgramParts& parts);
+  void list_plan(const Plan& plan, ProgramParts& parts);
+  bool list_effects(ProgramParts& parts);
+  bool list_program(u32 slot, ProgramParts& parts);
+  bool run_codes(const u32* word, u32 count, u32 slot, bool is_before);
+  bool fail_program(std::int32_t status, u32 slot, bool is_before, u32 index);
 
   // fire.cpp
   bool run_program(const u32* word, u32 slot);
@@ -174,6 +207,7 @@ class Core {
   u32 chosen_clause(const Plan& plan, u32 use);
   bool search(const Plan& plan, u32 root, std::vector<Bits>& found);
   bool search_links(const Plan& plan);
+  bool choice_alternatives(const Plan& plan, u32 choice, std::vector<Bits>& found);
   bool initial_configurations(const Plan& plan, u32 root, std::vector<Bits>& out);
   void smaller(const Plan& plan, u32 root, u32 failed, const Bits& bits, std::vector<Bits>& out);
   bool enumerate(const Plan& plan, std::vector<Bits>& found);
@@ -209,6 +243,7 @@ class Core {
   u32 history_at_ = 0;
   std::vector<u64> marks_;
   std::vector<Slot> all_;
+  ExternData extern_data_;
   std::vector<u32> own_binds_;             // a copy of the image's, if choices move rows of it
   const u32* binds_ = nullptr;
   std::vector<PortState> ports_;
@@ -217,12 +252,16 @@ class Core {
   std::vector<u32> rows_;                  // by slot, row_words_ each: its program; kNone: it has none
   std::vector<u32> programs_;              // those longer than a row
   u32 row_words_ = 1;
+  bool is_weighted_ = false;               // a slot may have more than one candidate
+  std::vector<ProgramCode> codes_;         // what programs call
+  std::map<std::tuple<CodeFn, const void*, u32>, u32> code_rows_;
   EnabledSet enabled_;
 
   std::vector<u32> dirty_;
   std::vector<std::uint8_t> is_dirty_;     // by slot
   std::vector<u32> listing_of_;            // by slot; kNone: not searched
   std::vector<Listing> listings_;
+  std::vector<FlatGuard> flat_guards_;     // by listing; code == kNone: not that simple
 
   std::vector<u32> dirty_rules_;
   std::vector<std::uint8_t> is_rule_dirty_;
@@ -241,7 +280,7 @@ class Core {
   std::vector<std::pair<u32, bool>> crossings_;
   std::vector<std::uint8_t> available_, chosen_;  // by plan node
   std::vector<u32> node_scratch_;
-  std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links
+  std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links and choices
   std::vector<u32> use_clause_;
   std::vector<u32> params_;
   std::vector<std::pair<u32, u32>> use_stack_;

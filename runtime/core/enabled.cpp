@@ -153,6 +153,7 @@ bool Core::run_internals(u32 atom) {
     if (found == nullptr) return true;
     if (run >= options_.internal_bound) return fail(FaultCode::EndlessInternals, atom, found->source, nullptr);
     if (!move(atom, *found)) return false;
+    if (type.has_invariants && !check_invariants(atom, found)) return false;
   }
 }
 
@@ -185,7 +186,7 @@ bool Core::update_ports(u32 atom, u32 place_before) {
     slot = row;
     return true;
   };
-  if (type.mark_words == 0 && place_before != kNone) {
+  if (type.mark_words == 0 && place_before != kNone && !type.has_priorities) {
     // Only ports that the two places offer can change.
     const Span<u32> old_rows = tables_.place_transitions[type.first_place + place_before];
     const Span<u32> rows = tables_.place_transitions[type.first_place + place_now];
@@ -220,6 +221,7 @@ bool Core::update_ports(u32 atom, u32 place_before) {
       if (!look(type.first_transition + i)) return false;
     }
   }
+  if (type.has_priorities && !hide_ports(atom, now)) return false;
   for (u32 port = 0; port < ports; ++port) set_port(state.port_base + port, now[port]);
   return true;
 }
@@ -244,7 +246,7 @@ bool Core::fire_port(u32 instance) {
     } else {
       for (u32 i = 0; i < transition.delta_count; ++i) set_port(info.port_base + delta[i].port, delta[i].transition);
     }
-  } else if (!settle_atom(atom, before)) {
+  } else if ((type.has_invariants && !check_invariants(atom, &transition)) || !settle_atom(atom, before)) {
     return false;
   }
   if (info.watched != 0) touch(atom);

@@ -1,6 +1,7 @@
 // Faults as data and as text. See fault.hpp.
 #include "runtime/core/fault.hpp"
 
+#include "bip/outside.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/core/text.hpp"
 
@@ -15,10 +16,23 @@ const char* name_of(FaultCode code) {
     case FaultCode::EndlessInternals: return "R0004";
     case FaultCode::DivisionByZero: return "R0005";
     case FaultCode::DivisionOverflow: return "R0006";
+    case FaultCode::InvariantViolated: return "R0007";
     case FaultCode::PriorityCycle: return "R0008";
     case FaultCode::TooManyInteractions: return "R0009";
+    case FaultCode::AtomPriorityCycle: return "R0010";
+    case FaultCode::Exception: return "R0011";
   }
   return "";
+}
+
+int published_exit_code(FaultCode code) {
+  switch (code) {
+    case FaultCode::NotOneSafe: return 2;
+    case FaultCode::PriorityCycle: return 3;
+    case FaultCode::AtomPriorityCycle: return 4;
+    case FaultCode::InvariantViolated: return 5;
+    default: return 1;
+  }
 }
 
 namespace {
@@ -88,21 +102,30 @@ bool Core::fail(FaultCode code, u32 atom, const Transition* transition, const Tr
   return false;
 }
 
-bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition) {
+bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition, const char* rule) {
   const u32 site = static_cast<u32>(status - 2) / 2;
   const bool overflow = (static_cast<u32>(status - 2) & 1) == static_cast<u32>(FaultKind::DivisionOverflow);
   fault_ = {};
   fault_.code = overflow ? FaultCode::DivisionOverflow : FaultCode::DivisionByZero;
   fault_.atom = atom;
   fault_.connector = connector;
+  const char* function = site < image().sites.size ? image().sites[site].function : nullptr;
   if (site < image().sites.size) fault_.loc = image().sites[site].loc;
   fault_.what = overflow ? "the smallest int divided by -1" : "division by zero";
+  if (function != nullptr) {
+    fault_.code = FaultCode::Exception;
+    fault_.what = "exception in " + quoted(function);
+    if (image().outside != nullptr && !image().outside->message().empty()) fault_.what += ": " + image().outside->message();
+  }
   if (atom != kNone) {
     const AtomType& type = tables_.atom_type(atom);
     fault_.places = places_of(*this, atom);
     fault_.data = data_of(*this, atom);
     fault_.what += " in " + quoted(image().atoms[atom].path) + " at `" + fault_.places + "`";
-    if (transition == nullptr) {
+    if (rule != nullptr) {
+      fault_.rule = rule;
+      fault_.what += ", in " + quoted(rule);
+    } else if (transition == nullptr) {
       fault_.what += ", while it is initialized";
     } else if (transition->port == kNone) {
       fault_.what += ", in an internal transition";
@@ -121,12 +144,49 @@ bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transit
         if (!fault_.data.empty()) fault_.data += ", ";
         fault_.data += std::string(type.params[param].name) + "." + port.vars[i].name + " = ";
         const u32 bind = image().connectors[connector].binds + type.params[param].first_bind + i;
-        append_value(fault_.data, image(), port.vars[i].type, all_[image().binds[bind]]);
+        append_value(fault_.data, image(), port.vars[i].type, all_[binds_[bind]]);
       }
     }
   } else {
     fault_.what += " in the guard of a priority";
   }
+  return false;
+}
+
+bool Core::fail_invariant(u32 atom, const Invariant& invariant, const Transition* fired) {
+  fault_ = {};
+  fault_.code = FaultCode::InvariantViolated;
+  fault_.atom = atom;
+  fault_.loc = invariant.loc;
+  fault_.rule = invariant.name;
+  fault_.places = places_of(*this, atom);
+  fault_.data = data_of(*this, atom);
+  fault_.what = "invariant " + quoted(invariant.name) + " is violated in " + quoted(image().atoms[atom].path) + " at `" + fault_.places + "`, ";
+  if (fired == nullptr) {
+    fault_.what += "after it is initialized";
+  } else {
+    fault_.other = fired->loc;
+    fault_.port = fired->port;
+    fault_.what += fired->port == kNone ? "after an internal transition" : "after port " + quoted(tables_.atom_type(atom).ports[fired->port].name);
+  }
+  return false;
+}
+
+bool Core::fail_atom_rules(u32 atom, const std::vector<u32>& rules) {
+  fault_ = {};
+  fault_.code = FaultCode::AtomPriorityCycle;
+  fault_.atom = atom;
+  fault_.places = places_of(*this, atom);
+  fault_.data = data_of(*this, atom);
+  for (u32 row : rules) {
+    const AtomPriority& rule = tables_.atom_type(atom).priorities[row];
+    if (fault_.loc.line == 0) fault_.loc = rule.loc;
+    else if (fault_.other.line == 0) fault_.other = rule.loc;
+    fault_.what += fault_.what.empty() ? "priorities close a cycle: " : ", ";
+    fault_.what += quoted(rule.name);
+    fault_.rule += (fault_.rule.empty() ? "" : ", ") + std::string(rule.name);
+  }
+  fault_.what += " in " + quoted(image().atoms[atom].path) + " at `" + fault_.places + "`";
   return false;
 }
 
@@ -150,6 +210,7 @@ bool Core::fail_rules(const std::vector<u32>& rules) {
     else if (fault_.other.line == 0) fault_.other = row.loc;
     fault_.what += fault_.what.empty() ? "priorities close a cycle: " : ", ";
     fault_.what += quoted(row.name);
+    fault_.rule += (fault_.rule.empty() ? "" : ", ") + std::string(row.name);
   }
   if (!rules.empty()) {
     const u32 compound = image().priorities[rules[0]].parent;

@@ -18,7 +18,8 @@ enum class FaultCode : std::uint8_t {
   InvariantViolated,     // R0007
   PriorityCycle,         // R0008
   TooManyInteractions,   // R0009
-  AtomPriorityCycle      // R0010
+  AtomPriorityCycle,     // R0010
+  Exception              // R0011 a C++ function threw
 };
 [[nodiscard]] const char* name_of(FaultCode code);  // "R0001"
 /// The exit number of the published engine for the fault; 1 for those it does not know.

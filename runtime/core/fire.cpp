@@ -3,6 +3,7 @@
 //
 // Cost: what takes part. A flat rendezvous is a loop over port instances.
 #include <algorithm>
+#include <bit>
 
 #include "runtime/core/core.hpp"
 
@@ -29,14 +30,42 @@ void Core::zero_frame(u32 connector) {
   const u32 size = tables_.connector_type(connector).slots.size;
   Slot* frame = all_.data() + tables_.image->connectors[connector].slot_base;
   for (u32 i = 0; i < size; ++i) frame[i] = Slot{0};
+  if (!extern_data_.empty()) extern_data_.reset(tables_.connector_type(connector).slots, all_.data(), tables_.image->connectors[connector].slot_base);
 }
 
 bool Core::run_code(Code code, u32 connector) {
   if (code.fn == nullptr) return true;
   const Connector& row = tables_.image->connectors[connector];
   const std::int32_t status =
-      code.fn(code.context, all_.data() + row.slot_base, all_.data(), tables_.image->binds.data + row.binds);
+      code.fn(code.context, all_.data() + row.slot_base, all_.data(), binds_ + row.binds);
   return status < 2 || fail_code(status, kNone, connector, nullptr);
+}
+
+u32 Core::chosen_alternative(const Plan& plan, u32 choice) const {
+  const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
+  u32 child = choice + 1;
+  while (chosen_[child] == 0) child = nodes[child].end;
+  return child;
+}
+
+// Lets the parameters that are bound to merged ports name the variables of the chosen alternatives.
+void Core::bind_choices(const Plan& plan, const PlanUse& use) {
+  const Image& image = *tables_.image;
+  const ConnectorType& type = tables_.connector_type(use.connector);
+  for (u32 param = 0; param < type.params.size; ++param) {
+    const u32 node = tables_.plan_params[use.first_param + param];
+    const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
+    if (node == kNone || nodes[node].kind != NodeKind::Choice || chosen_[node] == 0) continue;
+    const PlanNode& chosen = nodes[chosen_alternative(plan, node)];
+    u32* row = own_binds_.data() + image.connectors[use.connector].binds + type.params[param].first_bind;
+    if (chosen.kind == NodeKind::Leaf) {
+      const u32 atom = tables_.port_atom[chosen.ref];
+      const Port& port = tables_.atom_type(atom).ports[chosen.ref - tables_.port_base[atom]];
+      for (u32 slot : port.slots) *row++ = atoms_[atom].slot_base + slot;
+    } else {
+      for (u32 slot : tables_.connector_type(chosen.ref).export_slots) *row++ = image.connectors[chosen.ref].slot_base + slot;
+    }
+  }
 }
 
 // The transfer of a connector of atom ports: own data start at zero.
@@ -67,8 +96,18 @@ bool Core::fire_star(const SlotInfo& info) {
     const u32 row = tables_.clause_of(type_row, {params_.data(), static_cast<u32>(params_.size())});
     if (row != kNone && !run_transfer(info, row)) return false;
   }
-  for (u32 i = 0; i < info.count; ++i) {
-    if (enabled_row(ports[i]) != kNone && !fire_port(ports[i])) return false;
+  // 64 at a time: who is ready nobody can predict, so it is asked without branches, and only the answers are walked.
+  for (u32 first = 0; first < info.count; first += 64) {
+    const u32 count = std::min(info.count - first, 64u);
+    u64 ready = 0;
+    for (u32 i = 0; i < count; ++i) {
+      const PortState& port = ports_[ports[first + i]];
+      const bool is_there = (port.place == kNone) | (places_[port.atom] == port.place);
+      ready |= static_cast<u64>(is_there & (port.transition != kNone)) << i;
+    }
+    for (; ready != 0; ready &= ready - 1) {
+      if (!fire_port(ports[first + static_cast<u32>(std::countr_zero(ready))])) return false;
+    }
   }
   return true;
 }
@@ -92,6 +131,7 @@ bool Core::run_ups(const Plan& plan) {
     const PlanUse& use = tables_.plan_uses[plan.first_use + i];
     if (chosen_[use.root] == 0) continue;
     zero_frame(use.connector);
+    if (use.has_choice) bind_choices(plan, use);
     const u32 row = chosen_clause(plan, i);
     use_clause_[i] = row;
     if (row == kNone) continue;
@@ -120,8 +160,9 @@ bool Core::fire_planned(const Candidate& candidate, const SlotInfo& info) {
       use_stack_.pop_back();
       continue;
     }
-    const u32 node = tables_.plan_params[use.first_param + param];
+    u32 node = tables_.plan_params[use.first_param + param];
     if (node == kNone || chosen_[node] == 0) continue;
+    if (nodes[node].kind == NodeKind::Choice) node = chosen_alternative(plan, node);
     if (nodes[node].kind == NodeKind::Link) {
       use_stack_.emplace_back(nodes[node].use, 0);
     } else if (!fire_port(nodes[node].ref)) {
@@ -161,8 +202,9 @@ void Core::participants(const Candidate& candidate, std::vector<Participant>& ou
       use_stack_.pop_back();
       continue;
     }
-    const u32 node = tables_.plan_params[use.first_param + param];
+    u32 node = tables_.plan_params[use.first_param + param];
     if (node == kNone || chosen_[node] == 0) continue;
+    if (nodes[node].kind == NodeKind::Choice) node = chosen_alternative(plan, node);
     if (nodes[node].kind == NodeKind::Link) use_stack_.emplace_back(nodes[node].use, 0);
     else add(param, nodes[node].ref);
   }
@@ -184,11 +226,16 @@ void Core::direct_participants(const Candidate& candidate, std::vector<Participa
   const PlanUse& use = tables_.plan_uses[plan.first_use];
   const ConnectorType& type = tables_.connector_type(use.connector);
   for (u32 param = 0; param < type.params.size; ++param) {
-    const u32 node = tables_.plan_params[use.first_param + param];
+    u32 node = tables_.plan_params[use.first_param + param];
+    const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
     if (node == kNone || chosen_[node] == 0) continue;
-    const PortRef& ref = tables_.port_ref(use.connector, param);
-    if (ref.atom != kNone) out.push_back({param, ref.atom, ref.port, kNone});
-    else out.push_back({param, kNone, kNone, ref.connector});
+    if (nodes[node].kind == NodeKind::Choice) node = chosen_alternative(plan, node);
+    if (nodes[node].kind == NodeKind::Link) {
+      out.push_back({param, kNone, kNone, nodes[node].ref});
+    } else {
+      const u32 atom = tables_.port_atom[nodes[node].ref];
+      out.push_back({param, atom, nodes[node].ref - tables_.port_base[atom], kNone});
+    }
   }
 }
 

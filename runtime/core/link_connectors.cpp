@@ -33,7 +33,8 @@ Shape shape_of(const Tables& tables, u32 connector) {
   for (u32 child : type.define[0].children) {
     shape.one_level &= type.define[child].is_leaf && tables.port_ref(connector, type.define[child].param).atom != kNone;
   }
-  for (const Clause& clause : type.clauses) shape.guard |= clause.guard != kNone;
+  // An `up` that may fault runs while interactions are computed, like a guard.
+  for (const Clause& clause : type.clauses) shape.guard |= clause.guard != kNone || clause.may_fault;
   return shape;
 }
 
@@ -108,6 +109,7 @@ void link_plans(Tables& tables) {
   struct Todo {
     u32 use, define, parent;
     bool trigger;
+    const PortRef* alternative = nullptr;  // one of the ports of the choice `parent`, not a define node
   };
   std::vector<Todo> todo;
   std::vector<u32> all_params;
@@ -120,14 +122,14 @@ void link_plans(Tables& tables) {
     plan.first_use = static_cast<u32>(tables.plan_uses.size());
     const auto add_use = [&](u32 connector, u32 link) {
       const ConnectorType& type = tables.connector_type(connector);
-      for (const Clause& clause : type.clauses) plan.guarded |= clause.guard != kNone;
+      for (const Clause& clause : type.clauses) plan.guarded |= clause.guard != kNone || clause.may_fault;
       all_params.resize(type.params.size);
       std::iota(all_params.begin(), all_params.end(), 0u);
       const u32 clause_row = tables.clause_of(tables.image->connectors[connector].type, {all_params.data(), type.params.size});
       tables.plan_uses.push_back({connector, 0, static_cast<u32>(tables.plan_params.size()), link, clause_row});
       tables.plan_params.resize(tables.plan_params.size() + type.params.size, kNone);
       const u32 use = static_cast<u32>(tables.plan_uses.size()) - 1 - plan.first_use;
-      todo.push_back({use, 0, link, false});
+      todo.push_back({use, 0, link, false, nullptr});
     };
     add_use(info.row, kNone);
     while (!todo.empty()) {
@@ -135,14 +137,15 @@ void link_plans(Tables& tables) {
       todo.pop_back();
       PlanUse& use = tables.plan_uses[plan.first_use + next.use];
       const DefineNode& define = tables.connector_type(use.connector).define[next.define];
+      const bool is_group = next.alternative == nullptr && !define.is_leaf;
       const u32 row = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
       PlanNode node;
       node.trigger = next.trigger;
       node.parent = next.parent;
       node.leaf = plan.leaves;
       node.use = next.use;
-      if (next.define == 0) use.root = row;
-      if (!define.is_leaf) {
+      if (next.define == 0 && next.alternative == nullptr) use.root = row;
+      if (is_group) {
         node.kind = NodeKind::Group;
         node.children = define.children.size;
         for (u32 i = define.children.size; i-- > 0;) {
@@ -150,14 +153,24 @@ void link_plans(Tables& tables) {
           const bool trigger = tables.connector_type(use.connector).define[child].trigger;
           node.has_trigger |= trigger;
           plan.rigid &= !trigger;
-          todo.push_back({next.use, child, row, trigger});
+          todo.push_back({next.use, child, row, trigger, nullptr});
         }
         tables.plan_nodes.push_back(node);
         continue;
       }
-      tables.plan_params[use.first_param + define.param] = row;
-      const PortRef& ref = tables.port_ref(use.connector, define.param);
-      if (ref.atom != kNone) {
+      if (next.alternative == nullptr) tables.plan_params[use.first_param + define.param] = row;
+      const PortRef& ref = next.alternative != nullptr ? *next.alternative : tables.port_ref(use.connector, define.param);
+      if (ref.choice != kNone) {
+        const Span<PortRef>& ports = tables.image->choices[ref.choice].ports;
+        node.kind = NodeKind::Choice;
+        node.maximal_only = true;
+        node.children = ports.size;
+        node.ref = ref.choice;
+        use.has_choice = plan.has_choice = true;
+        plan.rigid = false;
+        for (u32 i = ports.size; i-- > 0;) todo.push_back({next.use, next.define, row, false, &ports[i]});
+        tables.plan_nodes.push_back(node);
+      } else if (ref.atom != kNone) {
         node.kind = NodeKind::Leaf;
         node.ref = tables.instance(ref.atom, ref.port);
         ++plan.leaves;
@@ -180,7 +193,8 @@ void link_plans(Tables& tables) {
       nodes[i].end = std::max(nodes[i].end, i + 1);
       if (nodes[i].parent != kNone) nodes[nodes[i].parent].end = std::max(nodes[nodes[i].parent].end, nodes[i].end);
     }
-    info.searched |= plan.guarded;
+    // Alternatives of one parameter are several candidates: they are listed.
+    info.searched |= plan.guarded || plan.has_choice;
     tables.any_searched |= info.searched;
     info.plan = static_cast<u32>(tables.plans.size());
     tables.plans.push_back(plan);
@@ -194,6 +208,10 @@ void link_network(Tables& tables) {
   tables.node_start.assign(tables.slots.size(), -1);
   std::vector<Csr::Pair> from_ports, from_nodes;
   for (u32 slot = tables.connector_slots; slot < tables.slots.size(); ++slot) from_ports.push_back({tables.slots[slot].row, slot});
+
+  // A choice is available if one of its ports is: a node that counts them.
+  const u32 first_choice = static_cast<u32>(tables.node_start.size());
+  tables.node_start.resize(tables.node_start.size() + image.choices.size, -1);
 
   std::vector<u32> group;  // by define node of the connector at hand
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
@@ -212,7 +230,8 @@ void link_network(Tables& tables) {
     root_node[connector] = group[0];
     const auto bind = [&](u32 param, u32 node) {
       const PortRef& ref = tables.port_ref(connector, param);
-      if (ref.atom != kNone) from_ports.push_back({tables.instance(ref.atom, ref.port), node});
+      if (ref.choice != kNone) from_nodes.push_back({first_choice + ref.choice, node});
+      else if (ref.atom != kNone) from_ports.push_back({tables.instance(ref.atom, ref.port), node});
       else from_nodes.push_back({root_node[ref.connector], node});
     };
     for (u32 i = 0; i < type.define.size; ++i) {
@@ -233,6 +252,12 @@ void link_network(Tables& tables) {
         if (type.define[child].is_leaf) bind(type.define[child].param, group[i]);
         else from_nodes.push_back({group[child], group[i]});
       }
+    }
+  }
+  for (u32 choice = 0; choice < image.choices.size; ++choice) {
+    for (const PortRef& ref : image.choices[choice].ports) {
+      if (ref.atom != kNone) from_ports.push_back({tables.instance(ref.atom, ref.port), first_choice + choice});
+      else from_nodes.push_back({root_node[ref.connector], first_choice + choice});
     }
   }
   tables.port_out = Csr::build(tables.port_atom.size(), from_ports);

@@ -1,81 +1,174 @@
-// Whole steps as short programs. A rendezvous of atoms of simple types has the same effect every time: these places, these
-// counters of the availability network, each by a known amount. Listed once, firing is two loops over one array, without
-// a look at ports (PERFORMANCE's "superinstruction"; about twice as fast as following ports one by one).
+// Whole steps as short programs. A rendezvous of atoms of simple types has the same effect every time: these pieces of code
+// on these rows, these places, these counters of the availability network each by a known amount, these guards to look at
+// again. Listed once, firing is a few loops over one array, without a look at ports or at the image (PERFORMANCE's
+// "superinstruction"; two to four times as fast as following ports one by one). Hierarchies without triggers, guards and
+// merged ports are such rendezvous too.
 //
-// A program: a header (1: has a transfer, 2: pure; moves << 2; deltas << 16), then (atom, transition) pairs, then deltas,
-// packed into one word each, node << 5 | difference + 16. Pure: all nodes are slots whose counter is all there is to
+// A program: a header (1: pure; deltas << 2, touched << 8, codes before the places << 14, places << 20, codes after << 26;
+// if a count does not fit, kWide and a word each), then codes (row of codes_, row in `all` of their own slots, row of
+// binds), (atom, place) pairs, codes, touched slots, and deltas: node << 6 | last << 5 | difference + 16, `last` ends the
+// nodes of one word of the enabled set. Pure: nothing is touched and all nodes are slots whose counter is all there is to
 // know; then nothing branches on what becomes enabled, which under a random policy nobody can predict.
 // Only for rendezvous that touch few counters: a hub's ports would make the tables quadratic. Slot k's program is at row k
-// of equal rows, so that reaching it costs one cache line; what is longer than a row lies elsewhere, where the row says.
+// of equal rows, a cache line at most, so that reaching it costs one; what is longer lies elsewhere, where the row says.
 #include <algorithm>
 
 #include "runtime/core/core.hpp"
+#include "runtime/core/program_words.hpp"
 
 namespace bip::rt {
 
 namespace {
 
 constexpr std::size_t kDeltasKept = 32;
-constexpr u32 kMovesKept = 4096;
-constexpr u32 kNodesKept = 1u << 27;
-constexpr u32 kTransfer = 1, kPure = 2;
-constexpr u32 kFar = 1u << 31;
+constexpr u32 kOpsKept = 1u << 17;
+constexpr u32 kNodesKept = 1u << 26;
 constexpr u32 kRowWords = 16;  // a cache line
 
 }  // namespace
 
+u32 Core::code_row(Code code, u32 zeroed) {
+  const auto [row, is_new] = code_rows_.try_emplace({code.fn, code.context, zeroed}, static_cast<u32>(codes_.size()));
+  if (is_new) codes_.push_back({code, zeroed});
+  return row->second;
+}
+
+// Code of a connector's clause; what runs first zeroes the connector's own data.
+void Core::list_code(u32 connector, Code code, bool zeroes, ProgramCodes& out) {
+  const Connector& row = tables_.image->connectors[connector];
+  const u32 size = zeroes ? tables_.connector_type(connector).slots.size : 0;
+  if (code.fn == nullptr && size == 0) return;
+  out.words.insert(out.words.end(), {code_row(code, size), row.slot_base, row.binds});
+  out.owners.push_back({false, connector});
+}
+
+void Core::list_port(u32 instance, ProgramParts& parts) {
+  const PortState& port = ports_[instance];
+  parts.instances.push_back(instance);
+  if (port.transition == kNone) return;
+  const LinkedTransition& transition = tables_.transitions[port.transition];
+  if (transition.from != transition.to) parts.places.insert(parts.places.end(), {port.atom, transition.to});
+  if (transition.action.fn != nullptr) {
+    parts.after.words.insert(parts.after.words.end(), {code_row(transition.action, 0), atoms_[port.atom].slot_base, 0});
+    parts.after.owners.push_back({true, instance});
+  }
+}
+
+// The plan's codes and ports in the order in which fire_planned would run them.
+void Core::list_plan(const Plan& plan, ProgramParts& parts) {
+  const auto clause_code = [&](const PlanUse& use, bool up) {
+    if (use.clause == kNone) return Code{};
+    const Clause& clause = tables_.connector_type(use.connector).clauses[use.clause];
+    return tables_.code(up ? clause.up : clause.down);
+  };
+  for (u32 i = plan.use_count; i-- > 0;) {
+    const PlanUse& use = tables_.plan_uses[plan.first_use + i];
+    list_code(use.connector, clause_code(use, true), true, parts.before);
+  }
+  std::vector<std::pair<u32, u32>> stack{{0, 0}};
+  while (!stack.empty()) {
+    const PlanUse& use = tables_.plan_uses[plan.first_use + stack.back().first];
+    const u32 param = stack.back().second++;
+    if (param == 0) list_code(use.connector, clause_code(use, false), false, parts.instances.empty() ? parts.before : parts.after);
+    if (param == tables_.connector_type(use.connector).params.size) {
+      stack.pop_back();
+      continue;
+    }
+    const u32 node = tables_.plan_params[use.first_param + param];
+    if (node == kNone) continue;
+    const PlanNode& at = tables_.plan_nodes[plan.first_node + node];
+    if (at.kind == NodeKind::Link) stack.emplace_back(at.use, 0);
+    else list_port(at.ref, parts);
+  }
+}
+
+// Counters and guards that the step moves. False: not a step for a program.
+bool Core::list_effects(ProgramParts& parts) {
+  std::vector<u32> atoms;
+  std::vector<std::pair<u32, std::int32_t>>& deltas = parts.deltas;
+  for (u32 instance : parts.instances) {
+    const PortState& port = ports_[instance];
+    const AtomInfo& atom = atoms_[port.atom];
+    if (port.place == kNone) return false;
+    atoms.push_back(port.atom);
+    if (atom.watched != 0) {
+      for (u32 item : tables_.atom_watch[port.atom]) {
+        // Rules of priorities follow another way.
+        if (item >= tables_.slots.size()) return false;
+        parts.touched.push_back(item);
+      }
+    }
+    const LinkedTransition& transition = tables_.transitions[port.transition];
+    for (u32 d = 0; d < transition.delta_count; ++d) {
+      const PortDelta& delta = tables_.deltas[transition.delta_first + d];
+      const u32 moved = atom.port_base + delta.port;
+      if (tables_.port_watch[moved].size != 0 || deltas.size() > 4 * kDeltasKept) return false;
+      for (u32 node : tables_.port_out[moved]) deltas.emplace_back(node, delta.transition != kNone ? 1 : -1);
+    }
+    if (parts.touched.size() > 4 * kDeltasKept) return false;
+  }
+  std::sort(atoms.begin(), atoms.end());
+  if (std::adjacent_find(atoms.begin(), atoms.end()) != atoms.end()) return false;
+  std::sort(parts.touched.begin(), parts.touched.end());
+  parts.touched.erase(std::unique(parts.touched.begin(), parts.touched.end()), parts.touched.end());
+  std::sort(deltas.begin(), deltas.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < deltas.size();) {
+    std::pair<u32, std::int32_t> sum = deltas[i];
+    for (++i; i < deltas.size() && deltas[i].first == sum.first; ++i) sum.second += deltas[i].second;
+    if (sum.second != 0) deltas[kept++] = sum;
+  }
+  deltas.resize(kept);
+  if (kept > kDeltasKept || parts.touched.size() > kDeltasKept) return false;
+  return std::all_of(deltas.begin(), deltas.end(), [](const auto& d) { return d.second >= -16 && d.second < 16; });
+}
+
+bool Core::list_program(u32 slot, ProgramParts& parts) {
+  const SlotInfo& info = tables_.slots[slot];
+  parts = {};
+  if (info.kind == SlotKind::Flat) {
+    if (info.count > kOpsKept) return false;
+    if (info.clause != kNone) {
+      if (!extern_data_.empty()) return false;
+      const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
+      const Code up = tables_.code(clause.up), down = tables_.code(clause.down);
+      if (up.fn != nullptr) list_code(info.row, up, true, parts.before);
+      if (down.fn != nullptr) list_code(info.row, down, up.fn == nullptr, parts.before);
+    }
+    for (u32 i = 0; i < info.count; ++i) list_port(tables_.flat_ports[info.first + i], parts);
+  } else {
+    if (info.kind != SlotKind::Planned || info.searched || !extern_data_.empty()) return false;
+    const Plan& plan = tables_.plans[info.plan];
+    if (!plan.rigid || plan.guarded || plan.has_choice || plan.node_count > kOpsKept) return false;
+    list_plan(plan, parts);
+  }
+  return list_effects(parts);
+}
+
 void Core::build_programs() {
   std::vector<u32> words;  // all programs, each after its slot and length
   std::size_t longest = 1;
-  std::vector<std::pair<u32, std::int32_t>> deltas;
-  std::vector<u32> atoms;
-  for (u32 slot = 0; slot < tables_.connector_slots; ++slot) {
-    const SlotInfo& info = tables_.slots[slot];
-    if (info.kind != SlotKind::Flat || info.searched || info.count > kMovesKept) continue;
-    deltas.clear();
-    atoms.clear();
-    bool fits = true;
-    for (u32 i = 0; i < info.count && fits; ++i) {
-      const u32 instance = tables_.flat_ports[info.first + i];
-      const PortState& port = ports_[instance];
-      const AtomInfo& atom = atoms_[port.atom];
-      fits = port.place != kNone && atom.watched == 0;
-      if (!fits) break;
-      atoms.push_back(port.atom);
-      const LinkedTransition& transition = tables_.transitions[port.transition];
-      for (u32 d = 0; d < transition.delta_count && fits; ++d) {
-        const PortDelta& delta = tables_.deltas[transition.delta_first + d];
-        const u32 moved = atom.port_base + delta.port;
-        fits = tables_.port_watch[moved].size == 0 && deltas.size() <= 4 * kDeltasKept;
-        for (u32 node : tables_.port_out[moved]) deltas.emplace_back(node, delta.transition != kNone ? 1 : -1);
-      }
-    }
-    if (!fits) continue;
-    std::sort(atoms.begin(), atoms.end());
-    if (std::adjacent_find(atoms.begin(), atoms.end()) != atoms.end()) continue;
-    std::sort(deltas.begin(), deltas.end());
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < deltas.size();) {
-      std::pair<u32, std::int32_t> sum = deltas[i];
-      for (++i; i < deltas.size() && deltas[i].first == sum.first; ++i) sum.second += deltas[i].second;
-      if (sum.second != 0) deltas[kept++] = sum;
-    }
-    if (kept > kDeltasKept || values_.size() >= kNodesKept) continue;
-    bool pure = !tables_.any_searched;
-    for (std::size_t i = 0; i < kept; ++i) {
-      fits = fits && deltas[i].second >= -16 && deltas[i].second < 16;
-      pure = pure && deltas[i].first < is_direct_.size() && is_direct_[deltas[i].first] != 0;
-    }
-    if (!fits) continue;
-    const u32 kept_count = static_cast<u32>(kept);
+  ProgramParts parts;
+  for (u32 slot = 0; slot < tables_.connector_slots && values_.size() < kNodesKept; ++slot) {
+    if (!list_program(slot, parts)) continue;
+    bool pure = !tables_.any_searched && parts.touched.empty();
+    for (const auto& [node, by] : parts.deltas) pure = pure && node < is_direct_.size() && is_direct_[node] != 0;
     const std::size_t start = words.size();
     words.insert(words.end(), {slot, 0});
-    words.push_back((info.clause != kNone ? kTransfer : 0) | (pure ? kPure : 0) | info.count << 2 | kept_count << 16);
-    for (u32 i = 0; i < info.count; ++i) {
-      const PortState& port = ports_[tables_.flat_ports[info.first + i]];
-      words.insert(words.end(), {port.atom, port.transition});
+    const u32 before = static_cast<u32>(parts.before.owners.size()), after = static_cast<u32>(parts.after.owners.size());
+    const u32 places = static_cast<u32>(parts.places.size() / 2);
+    const u32 deltas = static_cast<u32>(parts.deltas.size()), touched = static_cast<u32>(parts.touched.size());
+    const bool wide = before > 63 || places > 63 || after > 31;
+    words.push_back((pure ? kPure : 0) | (wide ? kWide : before << 14 | places << 20 | after << 26) | deltas << 2 | touched << 8);
+    if (wide) words.insert(words.end(), {before, places, after});
+    for (const std::vector<u32>* part : {&parts.before.words, &parts.places, &parts.after.words, &parts.touched}) {
+      words.insert(words.end(), part->begin(), part->end());
     }
-    for (std::size_t i = 0; i < kept; ++i) words.push_back(deltas[i].first << 5 | static_cast<u32>(deltas[i].second + 16));
+    for (u32 i = 0; i < deltas; ++i) {
+      const auto [node, by] = parts.deltas[i];
+      const bool last = i + 1 == deltas || parts.deltas[i + 1].first >> 6 != node >> 6;
+      words.push_back(node << 6 | (last ? kDeltaLast : 0) | static_cast<u32>(by + 16));
+    }
     words[start + 1] = static_cast<u32>(words.size() - start) - 2;
     longest = std::max(longest, std::size_t{std::min(words[start + 1], kRowWords)});
   }
@@ -92,41 +185,6 @@ void Core::build_programs() {
       programs_.insert(programs_.end(), program, program + length);
     }
   }
-}
-
-bool Core::run_program(const u32* word, u32 slot) {
-  if ((*word & kFar) != 0) word = programs_.data() + (*word & ~kFar);
-  const u32 header = *word++;
-  remember(slot);
-  if ((header & kTransfer) != 0 && !run_transfer(tables_.slots[slot], tables_.slots[slot].clause)) return false;
-  for (u32 i = header >> 2 & 0x3fff; i > 0; --i, word += 2) {
-    const u32 atom = word[0];
-    const LinkedTransition& transition = tables_.transitions[word[1]];
-    places_[atom] = transition.to;
-    if (transition.action.fn == nullptr) continue;
-    const std::int32_t status =
-        transition.action.fn(transition.action.context, all_.data() + atoms_[atom].slot_base, all_.data(), nullptr);
-    if (status >= 2) return fail_code(status, atom, kNone, transition.source);
-  }
-  const u32* end = word + (header >> 16);
-  if ((header & kPure) != 0) {
-    for (; word != end; ++word) {
-      const u32 node = *word >> 5;
-      const std::int32_t before = values_[node];
-      const std::int32_t after = before + static_cast<std::int32_t>(*word & 31) - 16;
-      values_[node] = after;
-      enabled_.follow(node, before, after);
-    }
-    return true;
-  }
-  for (; word != end; ++word) {
-    const u32 node = *word >> 5;
-    const std::int32_t before = values_[node];
-    const std::int32_t after = before + static_cast<std::int32_t>(*word & 31) - 16;
-    values_[node] = after;
-    if ((before ^ after) < 0) crossed(node, after >= 0);
-  }
-  return (dirty_.empty() && dirty_rules_.empty()) || settle();
 }
 
 }  // namespace bip::rt

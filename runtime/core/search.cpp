@@ -25,6 +25,9 @@ void Core::look_at_availability(const Plan& plan, u32 root) {
         available = node_scratch_[i] != 0 &&
                     (!node.maximal_only || link_alternatives_.empty() || !link_alternatives_[i].empty());
         break;
+      case NodeKind::Choice:
+        available = node_scratch_[i] != 0 && (link_alternatives_.empty() || !link_alternatives_[i].empty());
+        break;
       case NodeKind::Group:
         available = node.has_trigger ? node_scratch_[i] != 0 : node.children != 0 && node_scratch_[i] == node.children;
         break;
@@ -82,6 +85,7 @@ bool Core::evaluate(const Plan& plan, u32 root, u32& failed) {
     const PlanUse& use = tables_.plan_uses[plan.first_use + i];
     if (use.root < root || use.root >= end || chosen_[use.root] == 0) continue;
     zero_frame(use.connector);
+    if (use.has_choice) bind_choices(plan, use);
     const u32 row = chosen_clause(plan, i);
     if (row == kNone) continue;
     const Clause& clause = tables_.connector_type(use.connector).clauses[row];
@@ -89,7 +93,7 @@ bool Core::evaluate(const Plan& plan, u32 root, u32& failed) {
     if (guard.fn != nullptr) {
       const Connector& connector = tables_.image->connectors[use.connector];
       const std::int32_t status = guard.fn(guard.context, all_.data() + connector.slot_base, all_.data(),
-                                           tables_.image->binds.data + connector.binds);
+                                           binds_ + connector.binds);
       if (status >= 2) return fail_code(status, kNone, use.connector, nullptr);
       if (status == 0) {
         failed = i;
@@ -139,8 +143,8 @@ void keep_maximal(std::vector<Bits>& found) {
 
 }  // namespace
 
-// The largest available configurations below root: one, unless parameters that show only their maximal interactions
-// have several; then each combination of those.
+// The largest available configurations below root: one, unless merged ports or parameters that show only their maximal
+// interactions have several; then each combination of those.
 bool Core::initial_configurations(const Plan& plan, u32 root, std::vector<Bits>& out) {
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
   look_at_availability(plan, root);
@@ -149,7 +153,7 @@ bool Core::initial_configurations(const Plan& plan, u32 root, std::vector<Bits>&
   choose_largest(plan, root);
   std::vector<u32> links;
   for (u32 i = root; i < nodes[root].end;) {
-    if (nodes[i].kind == NodeKind::Link && nodes[i].maximal_only && chosen_[i] != 0) {
+    if (nodes[i].maximal_only && chosen_[i] != 0) {
       links.push_back(i);
       for (u32 j = i + 1; j < nodes[i].end; ++j) chosen_[j] = 0;
       i = nodes[i].end;
@@ -194,6 +198,7 @@ void Core::smaller(const Plan& plan, u32 root, u32 failed, const Bits& bits, std
   std::vector<std::uint8_t> shrinks(plan.node_count, 0), rigid(plan.node_count, 0);
   for (u32 i = top + 1; i < nodes[top].end; ++i) {
     const PlanNode& parent = nodes[nodes[i].parent];
+    // Below a choice only what a Link that is not maximal_only leads to can shrink.
     rigid[i] = rigid[nodes[i].parent] | (parent.kind == NodeKind::Link && parent.maximal_only ? 1 : 0);
   }
   for (u32 i = nodes[top].end; i-- > top + 1;) {
@@ -240,15 +245,38 @@ bool Core::search(const Plan& plan, u32 root, std::vector<Bits>& found) {
   return true;
 }
 
-// The alternatives of parameters bound through a compound's exported port, inner ones first.
+// The alternatives of merged ports and of parameters bound through a compound's exported port, inner ones first.
 bool Core::search_links(const Plan& plan) {
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
   link_alternatives_.assign(plan.node_count, {});
   for (u32 i = plan.node_count; i-- > 0;) {
-    if (nodes[i].kind != NodeKind::Link || !nodes[i].maximal_only) continue;
+    if (!nodes[i].maximal_only) continue;
     std::vector<Bits> found;
-    if (!search(plan, i + 1, found)) return false;
+    if (nodes[i].kind == NodeKind::Link) {
+      if (!search(plan, i + 1, found)) return false;
+    } else if (!choice_alternatives(plan, i, found)) {
+      return false;
+    }
     link_alternatives_[i] = std::move(found);
+  }
+  return true;
+}
+
+// Those of its ports, in their order: what differs between them differs in leaves.
+bool Core::choice_alternatives(const Plan& plan, u32 choice, std::vector<Bits>& found) {
+  const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
+  for (u32 child = choice + 1; child < nodes[choice].end; child = nodes[child].end) {
+    if (nodes[child].kind == NodeKind::Leaf) {
+      if (enabled_row(nodes[child].ref) == kNone) continue;
+      found.emplace_back(plan.words, 0);
+      found.back()[nodes[child].leaf >> 6] |= u64{1} << (nodes[child].leaf & 63);
+    } else if (nodes[child].maximal_only) {
+      found.insert(found.end(), link_alternatives_[child].begin(), link_alternatives_[child].end());
+    } else {
+      std::vector<Bits> largest;
+      if (!initial_configurations(plan, child + 1, largest)) return false;
+      found.insert(found.end(), largest.begin(), largest.end());
+    }
   }
   return true;
 }
@@ -270,6 +298,13 @@ bool Core::enumerate(const Plan& plan, std::vector<Bits>& found) {
     }
     if (node.kind == NodeKind::Link) {
       choices[i] = node.maximal_only ? link_alternatives_[i] : std::move(choices[i + 1]);
+      continue;
+    }
+    if (node.kind == NodeKind::Choice) {
+      for (u32 child = i + 1; child < node.end; child = nodes[child].end) {
+        choices[i].insert(choices[i].end(), choices[child].begin(), choices[child].end());
+        choices[child].clear();
+      }
       continue;
     }
     // Two lists: without and with a trigger.
@@ -316,18 +351,27 @@ bool Core::list(u32 slot) {
   listing.count = 0;
   listing.configs.clear();
   if (values_[slot] < 0) return true;
+  if (const FlatGuard& guard = flat_guards_[listing_of_[slot]]; guard.code != kNone) {
+    const ProgramCode& code = codes_[guard.code];
+    Slot* own = all_.data() + guard.own;
+    for (u32 i = 0; i < code.zeroed; ++i) own[i] = Slot{0};
+    const std::int32_t status = code.code.fn(code.code.context, own, all_.data(), binds_ + guard.binds);
+    if (status >= 2) return fail_code(status, kNone, info.row, nullptr);
+    listing.count = status != 0 ? 1 : 0;
+    return true;
+  }
   if (info.kind == SlotKind::Flat) {
     listing.count = 1;
     if (info.clause == kNone) return true;
     const Connector& row = tables_.image->connectors[info.row];
-    const Code guard = tables_.code(tables_.connector_type(info.row).clauses[info.clause].guard);
-    if (guard.fn == nullptr) return true;
+    const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
+    const Code guard = tables_.code(clause.guard);
     zero_frame(info.row);
     const std::int32_t status =
-        guard.fn(guard.context, all_.data() + row.slot_base, all_.data(), tables_.image->binds.data + row.binds);
+        guard.fn == nullptr ? 1 : guard.fn(guard.context, all_.data() + row.slot_base, all_.data(), binds_ + row.binds);
     if (status >= 2) return fail_code(status, kNone, info.row, nullptr);
     listing.count = status != 0 ? 1 : 0;
-    return true;
+    return status == 0 || !clause.may_fault || run_code(tables_.code(clause.up), info.row);
   }
   const Plan& plan = tables_.plans[info.plan];
   std::vector<Bits> found;

@@ -24,6 +24,7 @@ class EnabledSet {
       if (entries <= 8) break;
     }
     total_ = 0;
+    members_xor_ = 0;
   }
 
   [[nodiscard]] std::uint64_t total() const { return total_; }
@@ -35,24 +36,28 @@ class EnabledSet {
   /// Unweighted sets. The slot must not be in the set.
   void insert(std::uint32_t slot) {
     words_[slot >> 6] |= std::uint64_t{1} << (slot & 63);
+    members_xor_ ^= slot;
     add(slot, 1);
   }
   /// Unweighted sets. The slot must be in the set.
   void erase(std::uint32_t slot) {
     words_[slot >> 6] &= ~(std::uint64_t{1} << (slot & 63));
+    members_xor_ ^= slot;
     add(slot, ~0u);
   }
-  /// Unweighted sets. The slot is in the set iff its counter is not negative; the counter changed. Free of branches.
-  void follow(std::uint32_t slot, std::int32_t before, std::int32_t after) {
-    const auto was = static_cast<std::uint32_t>(before) >> 31, is = static_cast<std::uint32_t>(after) >> 31;
-    words_[slot >> 6] ^= std::uint64_t{was ^ is} << (slot & 63);
-    add(slot, was - is);
+  /// Unweighted sets. Members of the word that holds slots 64 * word ... come and go, `difference` more than before;
+  /// slots_xor: of all that come or go.
+  void flip(std::uint32_t word, std::uint64_t flips, std::uint32_t difference, std::uint32_t slots_xor) {
+    words_[word] ^= flips;
+    members_xor_ ^= slots_xor;
+    add(word << 6, difference);
   }
   void set(std::uint32_t slot, std::uint32_t weight_now) {
     const std::uint32_t before = weight(slot);
     if (before == weight_now) return;
     const std::uint64_t bit = std::uint64_t{1} << (slot & 63);
     if (weight_now != 0) words_[slot >> 6] |= bit; else words_[slot >> 6] &= ~bit;
+    if ((before == 0) != (weight_now == 0)) members_xor_ ^= slot;
     if (!weights_.empty()) weights_[slot] = weight_now;
     add(slot, weight_now - before);
   }
@@ -63,22 +68,25 @@ class EnabledSet {
   };
   /// The k-th candidate, k < total().
   [[nodiscard]] Position select(std::uint64_t k) const {
+    if (total_ == 1) return {members_xor_, 0};
     auto left = static_cast<std::uint32_t>(k);
     std::size_t entry = 0;
     for (std::uint32_t level = levels_; level-- > 0;) {
-      const std::uint32_t* counts = counts_.data() + offset_[level] + entry * 8;
-      std::uint32_t sum = 0, before = 0, skipped = 0;
-      for (int i = 0; i < 7; ++i) {
-        sum += counts[i];
-        const std::uint32_t passed = sum <= left ? 1 : 0;
-        skipped += passed;
-        before = passed != 0 ? sum : before;
-      }
+      const std::uint32_t* c = counts_.data() + offset_[level] + entry * 8;
+      // Sums up to each entry, and of those that are passed, as short trees: a step waits for this chain of additions.
+      const std::uint32_t c01 = c[0] + c[1], c45 = c[4] + c[5], c03 = c01 + (c[2] + c[3]), c05 = c03 + c45;
+      const std::uint32_t p0 = passed(c[0], left), p1 = passed(c01, left), p2 = passed(c01 + c[2], left), p3 = passed(c03, left);
+      const std::uint32_t p4 = passed(c03 + c[4], left), p5 = passed(c05, left), p6 = passed(c05 + c[6], left);
+      const std::uint32_t skipped = 0 - (((p0 + p1) + (p2 + p3)) + ((p4 + p5) + p6));
+      const std::uint32_t before =
+          (((c[0] & p0) + (c[1] & p1)) + ((c[2] & p2) + (c[3] & p3))) + (((c[4] & p4) + (c[5] & p5)) + (c[6] & p6));
       left -= before;
       entry = entry * 8 + skipped;
     }
     std::uint64_t word = words_[entry];
-    if (weights_.empty()) return {static_cast<std::uint32_t>(entry * 64) + select_bit(word, left), 0};
+    if (weights_.empty()) {
+      return {static_cast<std::uint32_t>(entry * 64) + (fast_pdep_ ? select_bit_pdep(word, left) : select_bit(word, left)), 0};
+    }
     for (;; word &= word - 1) {
       const std::uint32_t slot = static_cast<std::uint32_t>(entry * 64) + static_cast<std::uint32_t>(std::countr_zero(word));
       if (left < weights_[slot]) return {slot, left};
@@ -102,6 +110,35 @@ class EnabledSet {
     return sum;
   }
 
+  /// The position of the k-th one of the word, two ways to the same answer.
+#if defined(__x86_64__)
+  [[gnu::target("bmi2")]] static std::uint32_t select_bit_pdep(std::uint64_t word, std::uint32_t k) {
+    return static_cast<std::uint32_t>(std::countr_zero(__builtin_ia32_pdep_di(std::uint64_t{1} << k, word)));
+  }
+  // The first two Zens have the instruction in microcode, slower than what it replaces.
+  static bool has_fast_pdep() {
+    return __builtin_cpu_supports("bmi2") && !__builtin_cpu_is("znver1") && !__builtin_cpu_is("znver2");
+  }
+#else
+  static std::uint32_t select_bit_pdep(std::uint64_t word, std::uint32_t k) { return select_bit(word, k); }
+  static bool has_fast_pdep() { return false; }
+#endif
+  // The position of the k-th one, free of branches (Vigna, "Broadword implementation of rank/select queries", 2008).
+  static std::uint32_t select_bit(std::uint64_t word, std::uint32_t k) {
+    constexpr std::uint64_t kOnes = 0x0101010101010101u;
+    std::uint64_t sums = word - (word >> 1 & 0x5555555555555555u);
+    sums = (sums & 0x3333333333333333u) + (sums >> 2 & 0x3333333333333333u);
+    sums = ((sums + (sums >> 4)) & 0x0f0f0f0f0f0f0f0fu) * kOnes;
+    const std::uint64_t not_above = ((k * kOnes | kOnes << 7) - sums) & kOnes << 7;
+    const auto place = static_cast<std::uint32_t>((not_above >> 7) * kOnes >> 56) * 8;
+    const std::uint32_t left = k - static_cast<std::uint32_t>((sums << 8) >> place & 0xff);
+    // Bit i of the byte alone in byte i, then 1 there, then how many up to there.
+    const std::uint64_t spread = (word >> place & 0xff) * kOnes & 0x8040201008040201u;
+    const std::uint64_t upto = ((spread + 0x7f7f7f7f7f7f7f7fu) >> 7 & kOnes) * kOnes;
+    const std::uint64_t passed = ((left * kOnes | kOnes << 7) - upto) & kOnes << 7;
+    return place + static_cast<std::uint32_t>((passed >> 7) * kOnes >> 56);
+  }
+
  private:
   // Without -mpopcnt std::popcount is a call; this is a dozen instructions.
   static std::uint32_t count_bits(std::uint64_t x) {
@@ -110,18 +147,9 @@ class EnabledSet {
     x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
     return static_cast<std::uint32_t>(x * 0x0101010101010101u >> 56);
   }
-  // The position of the k-th one (Vigna, "Broadword implementation of rank/select queries", 2008, to the byte).
-  static std::uint32_t select_bit(std::uint64_t word, std::uint32_t k) {
-    constexpr std::uint64_t kOnes = 0x0101010101010101u;
-    std::uint64_t sums = word - (word >> 1 & 0x5555555555555555u);
-    sums = (sums & 0x3333333333333333u) + (sums >> 2 & 0x3333333333333333u);
-    sums = ((sums + (sums >> 4)) & 0x0f0f0f0f0f0f0f0fu) * kOnes;
-    const std::uint64_t not_above = ((k * kOnes | kOnes << 7) - sums) & kOnes << 7;
-    const auto place = static_cast<std::uint32_t>((not_above >> 7) * kOnes >> 56) * 8;
-    std::uint32_t left = k - static_cast<std::uint32_t>((sums << 8) >> place & 0xff);
-    word >>= place;
-    for (; left > 0; --left) word &= word - 1;
-    return place + static_cast<std::uint32_t>(std::countr_zero(word));
+  // All ones if `left` is not below `sum`, both less than 2^31. A mask, for compilers make branches of conditions here.
+  static std::uint32_t passed(std::uint32_t sum, std::uint32_t left) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(~(left - sum)) >> 31);
   }
   void add(std::uint32_t slot, std::uint32_t difference) {
     total_ += difference;
@@ -135,6 +163,8 @@ class EnabledSet {
   std::uint32_t offset_[12] = {};
   std::uint32_t levels_ = 0;
   std::uint32_t total_ = 0;
+  bool fast_pdep_ = has_fast_pdep();
+  std::uint32_t members_xor_ = 0;  // of all slots in the set: where there is one, that one
 };
 
 }  // namespace bip::rt

@@ -76,7 +76,7 @@ bool Core::evaluate_rule_guards() {
     bool holds = true;
     if (row.guard != kNone) {
       const Code guard = image.codes[row.guard];
-      const std::int32_t status = guard.fn(guard.context, nullptr, all_.data(), image.binds.data + row.binds);
+      const std::int32_t status = guard.fn(guard.context, nullptr, all_.data(), binds_ + row.binds);
       if (status >= 2) return fail_code(status, kNone, kNone, nullptr);
       holds = status != 0;
     }

@@ -148,7 +148,9 @@ class Story {
     const DefineNode& node = type.define[i];
     if (node.is_leaf) {
       const PortRef& ref = tables_.port_ref(connector, node.param);
-      if (ref.atom != kNone) {
+      if (ref.choice != kNone) {
+        look_at_choice(image_.choices[ref.choice], base + i, up_port, up_connector);
+      } else if (ref.atom != kNone) {
         const u32 instance = tables_.instance(ref.atom, ref.port);
         up_port.push_back({instance, base + i});
         bound_[instance] = true;
@@ -177,6 +179,28 @@ class Story {
         if (missing_[base + i].size() < kMissingKept) missing_[base + i].push_back(instance);
       }
     }
+  }
+
+  // A merged port misses what each of its ports misses.
+  void look_at_choice(const Choice& choice, u32 row, std::vector<Csr::Pair>& up_port, std::vector<Csr::Pair>& up_connector) {
+    for (const PortRef& ref : choice.ports) {
+      if (ref.atom != kNone) {
+        const u32 instance = tables_.instance(ref.atom, ref.port);
+        up_port.push_back({instance, row});
+        bound_[instance] = true;
+        const bool enabled = core_.enabled_transition(ref.atom, ref.port) != kNone;
+        available_[row] = available_[row] || enabled;
+        if (!enabled && missing_[row].size() < kMissingKept) missing_[row].push_back(instance);
+      } else {
+        const u32 below = first_node_[ref.connector];
+        up_connector.push_back({ref.connector, row});
+        available_[row] = available_[row] || available_[below];
+        for (u32 instance : missing_[below]) {
+          if (missing_[row].size() < kMissingKept) missing_[row].push_back(instance);
+        }
+      }
+    }
+    if (available_[row]) missing_[row].clear();
   }
 
   void look_at_atoms() {

@@ -35,8 +35,9 @@ bool is_automaton(const AtomType& type) {
                      [](const Transition& t) { return t.from.size == 1 && t.to.size == 1; });
 }
 
-// A fixed type: no guards, no internal transitions, at most one transition a place and port.
+// A fixed type: no guards, internal transitions, priorities or invariants, at most one transition a place and port.
 bool is_fixed(const AtomType& type) {
+  if (type.priorities.size != 0 || type.invariants.size != 0) return false;
   for (const Transition& t : type.transitions) {
     if (t.guard != kNone || t.port == kNone) return false;
   }
@@ -94,6 +95,8 @@ void link_atoms(Tables& tables) {
     linked.mark_words = automaton ? 0 : (type.places.size + 63) / 64;
     linked.fixed = automaton && is_fixed(type);
     linked.simple = linked.fixed && is_simple(type);
+    linked.has_priorities = type.priorities.size != 0;
+    linked.has_invariants = type.invariants.size != 0;
     linked.initial = tables.code(type.initial_action);
     for (const Transition& t : type.transitions) {
       linked.has_internal |= t.port == kNone;

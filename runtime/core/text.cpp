@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cstring>
 
+#include "bip/outside.hpp"
+
 namespace bip::rt {
 
 void append_number(std::string& out, std::uint64_t value) {
@@ -56,7 +58,12 @@ void append_value(std::string& out, const Image& image, SlotType type, Slot valu
     }
     case SlotType::Bool: out += value.i != 0 ? "true" : "false"; break;
     case SlotType::Float: append_double(out, value.f); break;
-    case SlotType::String: append_quoted(out, image.strings.size == 0 ? "" : image.strings[static_cast<u32>(value.i)]); break;
+    case SlotType::String: append_quoted(out, string_of(image, value)); break;
+    default:
+      out += '<';
+      out += image.extern_types[static_cast<u32>(type) - kFirstExtern].name;
+      out += '>';
+      break;
   }
 }
 

@@ -7,10 +7,14 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 #include "runtime/core/story.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/engine/ask.hpp"
+#include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/scheduler.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -20,22 +24,6 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 extern "C" void bip_on_interrupt(int) { interrupted = 1; }
-
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    interrupted = 0;
-    before_ = std::signal(SIGINT, bip_on_interrupt);
-  }
-  ~InterruptGuard() {
-    if (before_ != SIG_ERR) std::signal(SIGINT, before_);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  void (*before_)(int);
-};
 
 // Text on its way to a file, written in large pieces.
 class Sink {
@@ -64,6 +52,7 @@ struct Output {
   Sink out;
   Sink trace;
   bool to_trace;
+  bool image_calls_cpp = false;
   StepWriter steps{};
   Bip2Writer bip2{};
   JsonWriter json{};
@@ -86,27 +75,44 @@ struct Output {
     }
     out.flush();
   }
+  // What can be chosen, for a person who is asked next.
+  void list(Core& core, std::uint64_t number) {
+    if (bip2_format()) {
+      in_bip2([&](std::string& text) { bip2.state(text, core, number); });
+      if (options.silent) bip2.state(out.text, core, number);
+    } else {
+      out.text += "state ";
+      append_number(out.text, number);
+      out.text += ":\n";
+      steps.state(out.text, core);
+    }
+    out.flush();
+  }
   void step(Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
     if (bip2_format()) {
       in_bip2([&](std::string& text) {
-        bip2.state(text, core, number);
+        if (!options.interactive) bip2.state(text, core, number);
         bip2.choice(text, core, k);
       });
     } else {
       if (options.format == TraceFormat::Json) {
         if (!options.silent) json.step(out.text, core, candidate, number, k);
       } else {
-        if (options.debug) steps.state(out.text, core);
+        if (options.debug && !options.interactive) steps.state(out.text, core);
         if (!options.silent) steps.step(out.text, core, candidate, number);
       }
       if (to_trace) json.step(trace.text, core, candidate, number, k);
     }
-    out.drain(kPiece);
+    // What C++ prints comes after the line of its step.
+    out.drain(image_calls_cpp ? 0 : kPiece);
     trace.drain(kPiece);
   }
   void end(const Core& core, End how, std::uint64_t number) {
     if (bip2_format()) {
-      in_bip2([&](std::string& text) { bip2.end(text, how, number); });
+      in_bip2([&](std::string& text) {
+        if (how == End::Fault) bip2.fault(text, core);
+        bip2.end(text, how, number);
+      });
     } else if (to_trace) {
       json.end(trace.text, core, how, number);
     }
@@ -126,12 +132,23 @@ struct Output {
   }
 };
 
-void print_stats(std::FILE* err, std::uint64_t steps, double seconds) {
-  const double each = steps == 0 ? 0 : seconds * 1e9 / static_cast<double>(steps);
-  std::fprintf(err, "steps %llu, seconds %.6f, ns/step %.1f\n", static_cast<unsigned long long>(steps), seconds, each);
+// Of the steps alone, without the initial state.
+void print_stats(std::FILE* err, std::uint64_t steps, double seconds, double cpu_seconds) {
+  const double scale = steps == 0 ? 0 : 1e9 / static_cast<double>(steps);
+  std::fprintf(err, "steps %llu, seconds %.6f, ns/step %.1f, CPU ns/step %.1f\n", static_cast<unsigned long long>(steps), seconds,
+               seconds * scale, cpu_seconds * scale);
 }
 
 }  // namespace
+
+InterruptGuard::InterruptGuard() {
+  interrupted = 0;
+  before_ = std::signal(SIGINT, bip_on_interrupt);
+}
+InterruptGuard::~InterruptGuard() {
+  if (before_ != SIG_ERR) std::signal(SIGINT, before_);
+}
+bool is_interrupted() { return interrupted != 0; }
 
 std::uint64_t draw_seed() {
   std::uint32_t seed = 0;
@@ -144,6 +161,10 @@ std::uint64_t draw_seed() {
 }
 
 RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err) {
+  if (options.explore) {
+    const ExploreResult found = explore(image, options, out, err);
+    return {found.complete ? End::Deadlock : End::Limit, 0, found.exit_code};
+  }
   RunResult result;
   std::FILE* file = nullptr;
   if (!options.trace_path.empty()) {
@@ -154,15 +175,18 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
     }
   }
   const std::uint64_t seed = options.has_seed ? options.seed : draw_seed();
-  Output output{options, seed, Sink(out), Sink(file), file != nullptr};
+  Output output{options, seed, Sink(out), Sink(file), file != nullptr, image.outside != nullptr};
   const InterruptGuard guard;
   output.begin(image);
 
   Core core(image, {.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   Scheduler scheduler(options.policy, seed);
   const bool writes = output.writes_steps();
-  const auto started = std::chrono::steady_clock::now();
+  // Models that draw numbers by rand() run alike wherever they run.
+  if (image.outside != nullptr) std::srand(static_cast<unsigned>(seed));
   bool sound = core.initialize();
+  const auto started = std::chrono::steady_clock::now();
+  const std::clock_t cpu_started = std::clock();
   while (true) {
     if (!sound) {
       result.end = End::Fault;
@@ -173,7 +197,16 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
     } else if (interrupted != 0) {
       result.end = End::Interrupted;
     } else {
-      const std::uint64_t k = scheduler.choose(core);
+      std::uint64_t k = 0;
+      if (options.interactive) {
+        output.list(core, result.steps);
+        if (!ask_candidate(options.input == nullptr ? stdin : options.input, out, core.candidate_count(), k)) {
+          result.end = End::Interrupted;
+          break;
+        }
+      } else {
+        k = scheduler.choose(core);
+      }
       if (writes) output.step(core, core.candidate(k), result.steps, k);
       u32 slot = 0;
       sound = core.take(k, slot);
@@ -184,18 +217,20 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
     break;
   }
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started;
+  const double cpu_seconds = static_cast<double>(std::clock() - cpu_started) / CLOCKS_PER_SEC;
 
   output.end(core, result.end, result.steps);
   if (result.end == End::Fault) {
     const std::string text = text_of(core.fault(), image, seed, result.steps);
     std::fwrite(text.data(), 1, text.size(), err);
-    result.exit_code = 1;
+    // Scripts made for the published engine look at its numbers.
+    result.exit_code = output.bip2_format() ? published_exit_code(core.fault().code) : 1;
   }
   if (file != nullptr && std::fclose(file) != 0) {
     std::fprintf(err, "error: cannot write `%s`: %s\n", options.trace_path.c_str(), std::strerror(errno));
     result.exit_code = 2;
   }
-  if (options.stats) print_stats(err, result.steps, seconds.count());
+  if (options.stats) print_stats(err, result.steps, seconds.count(), cpu_seconds);
   return result;
 }
 

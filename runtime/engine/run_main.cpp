@@ -19,6 +19,9 @@ constexpr const char* kHelp =
     "  --silent                    no line a step\n"
     "  --debug                     every state's candidates\n"
     "  --stats                     steps, seconds, ns/step at the end\n"
+    "  --interactive               choose each step by its number, read from standard input\n"
+    "  --explore                   count all reachable states, deadlocks and errors (at most --limit states)\n"
+    "  --first-enabled             --policy first\n"
     "  --trace FILE                write the trace, JSON lines (bip2 with --trace-format bip2)\n"
     "  --trace-format F            steps (default), json or bip2\n"
     "  --disable-maximal-progress  smaller interactions are candidates too\n"
@@ -71,6 +74,9 @@ int run_main(const Image& image, int argc, char** argv) {
     }
     if (name == "--silent") options.silent = true;
     else if (name == "--debug") options.debug = true;
+    else if (name == "--interactive") options.interactive = true;
+    else if (name == "--explore") options.explore = true;
+    else if (name == "--first-enabled") options.policy = Policy::First;
     else if (name == "--stats") options.stats = true;
     else if (name == "--disable-maximal-progress") options.maximal_progress = false;
     else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format") {

@@ -1,8 +1,10 @@
 // The embedding API: a Core and a Scheduler in one object. See bip/bip.hpp.
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 #include "bip/bip.hpp"
+#include "bip/outside.hpp"
 #include "runtime/core/story.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/scheduler.hpp"
@@ -19,6 +21,7 @@ struct System::Impl {
     std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
       return std::strcmp(image.atoms[a].path, image.atoms[b].path) < 0;
     });
+    if (image.outside != nullptr) std::srand(static_cast<unsigned>(options.seed));
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
   }
 
@@ -139,7 +142,7 @@ bool System::read(const std::string& path, double& value) const {
 }
 bool System::read(const std::string& path, std::string& value) const {
   const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::String);
-  if (slot != nullptr) value = impl_->core.image().strings[static_cast<rt::u32>(slot->i)];
+  if (slot != nullptr) value = rt::string_of(impl_->core.image(), *slot);
   return slot != nullptr;
 }
 

@@ -113,6 +113,25 @@ void Bip2Writer::choice(std::string& out, Core& core, std::uint64_t k) {
   out += '\n';
 }
 
+// The published engine's own words, for scripts that look for them.
+void Bip2Writer::fault(std::string& out, const Core& core) {
+  const Fault& fault = core.fault();
+  const Image& image = core.image();
+  const std::string atom = fault.atom == kNone ? "" : image.atoms[fault.atom].path;
+  std::string text;
+  switch (fault.code) {
+    case FaultCode::TwoTransitions:
+    case FaultCode::TwoInternals: text = "non deterministic Petri net in " + atom; break;
+    case FaultCode::NotOneSafe: text = "Petri net not 1-safe in " + atom; break;
+    case FaultCode::InvariantViolated: text = "invariant " + atom + '.' + fault.rule + " violated"; break;
+    case FaultCode::PriorityCycle: text = "cycle in priorities of compound: " + fault.rule; break;
+    case FaultCode::AtomPriorityCycle: text = "cycle in priorities of atom " + atom + ": " + fault.rule; break;
+    default: return;
+  }
+  out += kPrefix;
+  out += "ERROR: " + text + "!\n";
+}
+
 void Bip2Writer::end(std::string& out, End end, std::uint64_t number) {
   out += kPrefix;
   out += "state #";

@@ -10,7 +10,7 @@ namespace {
 
 void append_json_value(std::string& out, const Image& image, SlotType type, Slot value) {
   // JSON has no word for these.
-  const bool quoted = type == SlotType::Float && !std::isfinite(value.f);
+  const bool quoted = is_extern(type) || (type == SlotType::Float && !std::isfinite(value.f));
   if (quoted) out += '"';
   append_value(out, image, type, value);
   if (quoted) out += '"';

@@ -36,6 +36,8 @@ class Bip2Writer {
   void state(std::string& out, Core& core, std::uint64_t number);
   void choice(std::string& out, Core& core, std::uint64_t k);
   void end(std::string& out, End end, std::uint64_t number);
+  /// `ERROR: invariant ROOT.a.i violated!`; nothing for faults that the published engine does not know.
+  void fault(std::string& out, const Core& core);
 
  private:
   void append(std::string& out, Core& core, std::uint64_t k);

@@ -11,6 +11,26 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "compiler/docs/cli.md"
 
 
+PUBLISHED = """
+### As the published tools are called
+
+`bipc -p Package -I DIR -d 'Root(1)' [--gencpp-output DIR]`, so that scripts made for the published compiler go on working:
+
+| published | here |
+|---|---|
+| `-p a.b.C -I DIR …` | the file `a/b/C.bip` in the first folder that has it; its package must be `a.b.C` (B1062) |
+| `-d 'Root(1)'` | the root; without it every parameterless compound that nobody instantiates is checked |
+| no back end | checks: `bipc check` |
+| `--gencpp-output DIR` | writes C++: `bipc emit -o DIR`. The folder gets its own `CMakeLists.txt` and the runtime; no engine is linked |
+| `--Werr`, `--WError`, `-WError` | warnings count as errors: `--Werror` |
+| other `--gencpp-…` options | taken, and a note says that they have no effect: headers and sources are named by `@cpp` in the package |
+
+The options of the published engine are options of `bipc run` and of programs that `bipc build` makes: `--limit`, `--seed`, `--silent`,
+`--debug`, `--interactive`, `--explore`, `--first-enabled`, `--disable-maximal-progress`. With `--trace-format=bip2` the lines are the
+published engine's, too. Random choices with the same seed differ from the published engine's: the generator is another one.
+"""
+
+
 def bipc():
     return os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
 
@@ -26,7 +46,10 @@ def page():
             "Exit codes: 0 ok, 1 errors in the model or at run time, 2 wrong command line, 70 a bug of bipc. Ctrl-C ends a run\n"
             "like a limit does.\n"
             "Errors and warnings go to standard error, everything else to standard output.\n\n"
+            "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ once\n"
+            "and keeps it below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`), named by content; the folder may be removed at any time.\n\n"
             f"## bipc\n\n```text\n{top}\n```\n")
+    text += PUBLISHED
     for command in commands:
         text += f"\n## bipc {command}\n\n```text\n{help_of(command)}\n```\n"
     return text

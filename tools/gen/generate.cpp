@@ -16,6 +16,7 @@ Description generate(std::uint64_t seed, Features features) {
   style.merged = random.percent(20);
   style.atom_rules = random.percent(20);
   style.invariants = random.percent(10);
+  style.calls = random.percent(15);
   if (features == Features::Plain) style.merged = style.atom_rules = style.invariants = false;
   if (style.large) style.max_weight = 3000;
   CodeMaker code(random, style);

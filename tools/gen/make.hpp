@@ -27,6 +27,7 @@ struct Style {
   bool merged = false;       // ports exported under one name
   bool atom_rules = false;   // priorities of atoms
   bool invariants = false;
+  bool calls = false;        // max and min of the C++ library in code
   bool ruled = false;        // many priority rules, in chains, with guards
   int max_weight = 120;      // alternatives of one connector
 };

@@ -66,6 +66,7 @@ Expr CodeMaker::int_operation(const std::vector<Known>& known, int depth) {
   static const std::vector<std::string> ops = {"+", "+", "-", "*", "&", "|", "^", "/", "%"};
   if (random_->percent(12)) return unary(random_->percent(50) ? "-" : "~", expression(Ty::Int, known, depth - 1), Ty::Int);
   std::string op = random_->pick(ops);
+  if (style_->calls && random_->percent(20)) op = random_->percent(50) ? "max" : "min";
   Expr a = expression(Ty::Int, known, depth - 1), b = expression(Ty::Int, known, depth - 1);
   bool division = op == "/" || op == "%";
   if (division && !(style_->faults && random_->percent(30))) {

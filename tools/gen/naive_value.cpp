@@ -82,6 +82,8 @@ Value int_operation(const std::string& op, std::int64_t a, std::int64_t b, bool&
   if (op == "&") return of_int(a & b);
   if (op == "|") return of_int(a | b);
   if (op == "^") return of_int(a ^ b);
+  if (op == "max") return of_int(a > b ? a : b);
+  if (op == "min") return of_int(a < b ? a : b);
   if (b == 0 || (a == INT32_MIN && b == -1)) {
     fault = true;
     return {};

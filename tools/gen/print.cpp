@@ -140,12 +140,16 @@ const char* name_of(Ty type) {
 }
 
 std::string print(const Description& model) {
-  std::string text = "package " + model.package + "\n";
+  std::string text;
   for (const PortType& type : model.port_types) text += "  port type " + type.name + "(" + typed(type.vars) + ")\n";
   for (const AtomType& type : model.atom_types) text += type.paper ? print_paper(type) : print(type);
   for (const ConnectorType& type : model.connector_types) text += print(type);
   for (const CompoundType& type : model.compound_types) text += type.paper ? print_paper(model, type) : print(type);
-  return text + "end\n";
+  std::string head = "package " + model.package + "\n";
+  for (const char* name : {"max", "min"}) {
+    if (text.find(std::string(name) + "(") != std::string::npos) head += "  extern function int " + std::string(name) + "(const int, const int)\n";
+  }
+  return head + text + "end\n";
 }
 
 std::string broadcast_text(int receivers) {

@@ -19,7 +19,11 @@ int precedence(const std::string& op) {
 constexpr int kUnary = 10;
 constexpr int kPrimary = 11;
 
+// max and min: written as calls of the C++ library.
+bool is_call(const Expr& expr) { return expr.kind == ExprKind::Binary && expr.text.size() == 3; }
+
 int precedence(const Expr& expr) {
+  if (is_call(expr)) return kPrimary;
   if (expr.kind == ExprKind::Binary) return precedence(expr.text);
   return expr.kind == ExprKind::Unary ? kUnary : kPrimary;
 }
@@ -57,6 +61,10 @@ std::string text_of(const Expr& expr, const NameText& names, Spelling spelling) 
       break;
     }
     case ExprKind::Binary: {
+      if (is_call(expr)) {
+        text = expr.text + "(" + text_of(expr.args[0], names, spelling) + ", " + text_of(expr.args[1], names, spelling) + ")";
+        break;
+      }
       int mine = precedence(expr.text);
       // Comparison chains are errors, so comparisons inside comparisons keep their parentheses.
       bool comparison = mine == 6 || mine == 7;

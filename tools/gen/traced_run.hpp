@@ -4,11 +4,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
 #include "bip/run.hpp"
+#include "runtime/core/core.hpp"
 
 namespace bip::gen {
 
@@ -39,6 +41,9 @@ inline std::string traced_run(const rt::Image& image, const RunSpec& spec) {
   options.seed = spec.seed;
   options.has_seed = true;
   options.limit = spec.steps;
+  // A state with thousands of interactions has as many lines in the bip2 trace: a few steps of it say enough.
+  rt::Core first(image, {.progress = spec.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off});
+  if (first.initialize() && first.candidate_count() > 1000) options.limit = std::min<std::uint64_t>(spec.steps, 2);
   options.policy = spec.policy;
   options.format = spec.format;
   options.maximal_progress = spec.maximal_progress;

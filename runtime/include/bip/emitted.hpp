@@ -41,6 +41,8 @@ class IntVar {
   }
   IntVar& operator=(const IntVar& other) { return *this = other.slot_.i; }
   operator std::int32_t() const { return slot_.i; }
+  /// For C++ functions that change their argument.
+  operator std::int32_t&() { return slot_.i; }
 
  private:
   Slot& slot_;
@@ -73,6 +75,7 @@ class FloatVar {
   }
   FloatVar& operator=(const FloatVar& other) { return *this = other.slot_.f; }
   operator double() const { return slot_.f; }
+  operator double&() { return slot_.f; }
 
  private:
   Slot& slot_;

@@ -23,7 +23,10 @@ struct Slice {
   std::uint32_t count = 0;
 };
 
-enum class SlotType : std::uint8_t { Int, Bool, Float, String };
+/// A native type, or from kFirstExtern on a row of Image::extern_types: the slot holds the address of a C++ object.
+enum class SlotType : std::uint16_t { Int, Bool, Float, String };
+inline constexpr std::uint16_t kFirstExtern = 4;
+constexpr bool is_extern(SlotType type) { return static_cast<std::uint16_t>(type) >= kFirstExtern; }
 /// One variable. Bool is 0 or 1 in i; String is a row of Image::strings in i. Unused bits are zero.
 union Slot {
   std::uint64_t bits;
@@ -51,10 +54,21 @@ constexpr std::int32_t fault_status(std::uint32_t site, FaultKind kind) {
 struct Loc {  // file: row of Image::files; line 0: none
   std::uint32_t file = 0, line = 0, column = 0;
 };
-/// A division or modulo in the source.
+/// A division or modulo in the source, or the call of a C++ function, whose fault is an exception.
 struct Site {
   Loc loc;
+  const char* function = nullptr;
 };
+/// What the runtime does with objects of a C++ type. Nothing throws.
+struct ExternType {
+  const char* name;
+  void* (*make)();                              // a new default one
+  void (*reset)(void* object);                  // to a default one
+  void (*copy)(void* to, const void* from);
+  bool (*equal)(const void*, const void*);      // null: its values cannot be compared
+  void (*destroy)(void* object);
+};
+class Outside;  // outside.hpp
 
 struct Var {
   const char* name;
@@ -205,6 +219,8 @@ struct Image {
   Span<Priority> priorities;
   std::uint32_t slot_count = 0;          // of all atoms, then of all connectors
   Span<Choice> choices = {};
+  Span<ExternType> extern_types = {};
+  Outside* outside = nullptr;            // if the model calls C++
 };
 
 }  // namespace bip::rt

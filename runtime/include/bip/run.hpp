@@ -20,6 +20,9 @@ struct RunOptions {
   bool silent = false;             // no step lines; the seed and the end are still told
   bool stats = false;              // steps, seconds, ns/step at the end
   bool debug = false;              // every state's candidates
+  bool interactive = false;        // the candidates are listed and a number is read for each step
+  std::FILE* input = nullptr;      // interactive: where from; null: standard input
+  bool explore = false;            // no run: all reachable states, at most `limit`
   TraceFormat format = TraceFormat::Steps;  // of standard output: Steps or Bip2
   std::string trace_path;          // JSON lines, or the bip2 format if `format` is Bip2; empty: none
 };
@@ -34,8 +37,16 @@ struct RunResult {
 /// Runs from the initial state to the end that comes first. Writes steps to `out`, run-time errors to `err`.
 RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err);
 
-/// main() of an emitted program: --seed N --limit N --policy P --silent --stats --trace FILE --trace-format F
-/// --disable-maximal-progress --help; exit code as bipc run's.
+/// How options.explore ends.
+struct ExploreResult {
+  std::uint64_t states = 0, deadlocks = 0, errors = 0;
+  bool complete = true;  // false: the limit or Ctrl-C came first
+  int exit_code = 0;     // 1 if a state has a run-time error
+};
+/// Fires every candidate of every reachable stable state, breadth first; with --silent only the last line is written.
+ExploreResult explore(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err);
+
+/// main() of an emitted program: the options of `run`, see --help; exit code as bipc run's.
 int run_main(const Image& image, int argc, char** argv);
 
 }  // namespace bip::rt

@@ -122,6 +122,38 @@ TEST_CASE("the enabled set agrees with a list") {
   }
 }
 
+TEST_CASE("the k-th one of a word, with and without the instruction") {
+  Prng prng(5);
+  for (int i = 0; i < 2000; ++i) {
+    std::uint64_t word = prng.next() & prng.next();
+    if (i == 0) word = ~std::uint64_t{0};
+    u32 k = 0;
+    for (u32 bit = 0; bit < 64; ++bit) {
+      if ((word >> bit & 1) == 0) continue;
+      REQUIRE(EnabledSet::select_bit(word, k) == bit);
+      if (EnabledSet::has_fast_pdep()) REQUIRE(EnabledSet::select_bit_pdep(word, k) == bit);
+      ++k;
+    }
+  }
+}
+
+TEST_CASE("members of a word come and go together, and a single one is known") {
+  EnabledSet set;
+  set.reset(200, false);
+  set.insert(70);
+  set.insert(130);
+  // 70 goes, 65 and 99 come.
+  set.flip(1, std::uint64_t{1} << 6 | std::uint64_t{1} << 1 | std::uint64_t{1} << 35, 1, 70 ^ 65 ^ 99);
+  REQUIRE(set.total() == 3);
+  CHECK(set.select(0).slot == 65);
+  CHECK(set.select(1).slot == 99);
+  CHECK(set.select(2).slot == 130);
+  set.erase(65);
+  set.erase(130);
+  REQUIRE(set.total() == 1);
+  CHECK(set.select(0).slot == 99);
+}
+
 TEST_CASE("steps, limit, values before down") {
   Builder b;
   build_pairs(b, 2);

@@ -1,0 +1,136 @@
+// `bipc replay --published TRACE FILE`: does a model still mean what the published engine made of it.
+//
+// Follows the choices of the trace with our own core and compares, state by state, the candidates as multisets of their
+// printed form (names and port values). The first difference is told with both sets.
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/executor.hpp"
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/published_trace.hpp"
+#include "compiler/driver/report.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::driver {
+namespace {
+
+// One candidate: how it is shown and how it is compared.
+struct Shown {
+  std::string text, normal;
+};
+
+std::vector<Shown> shown(const std::vector<std::string>& texts) {
+  std::vector<Shown> all;
+  for (const std::string& text : texts) all.push_back({text, normal_candidate(text)});
+  return all;
+}
+
+// Ours, in canonical order: what the bip2 writer prints for the state.
+std::vector<Shown> our_candidates(rt::Core& core, rt::Bip2Writer& writer) {
+  std::string text;
+  writer.state(text, core, 0);
+  const Result<std::vector<TraceState>> states = read_published_trace(text);
+  return states && core.candidate_count() > 0 ? shown((*states).front().candidates) : std::vector<Shown>();
+}
+
+// Those of `a` that `b` lacks, counted.
+std::vector<std::string> missing_in(const std::vector<Shown>& a, const std::vector<Shown>& b) {
+  std::map<std::string, std::size_t> have;
+  for (const Shown& s : b) ++have[s.normal];
+  std::vector<std::string> missing;
+  for (const Shown& s : a) {
+    if (auto it = have.find(s.normal); it != have.end() && it->second > 0) {
+      --it->second;
+    } else {
+      missing.push_back(s.text);
+    }
+  }
+  return missing;
+}
+
+std::string set_text(const std::vector<Shown>& candidates) {
+  if (candidates.empty()) return " nothing (a deadlock)";
+  std::string text;
+  for (const Shown& s : candidates) text += "\n      " + s.text;
+  return text;
+}
+
+class Replay {
+ public:
+  Replay(Compilation& c, const std::string& trace_path, bool maximal_progress)
+      : c_(c), trace_path_(trace_path), core_(c.lowered->image, {.progress = maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}) {}
+
+  // True if all states agree.
+  bool follow(const std::vector<TraceState>& states) {
+    if (!core_.initialize()) return fault(states.front(), 0);
+    for (const TraceState& state : states) {
+      const std::vector<Shown> ours = our_candidates(core_, writer_);
+      const std::vector<Shown> theirs = shown(state.candidates);
+      // The last state of a run that was cut off may lack lines.
+      const bool is_cut = !state.is_complete && &state == &states.back() && state.chosen.empty();
+      if (!missing_in(theirs, ours).empty() || (!is_cut && !missing_in(ours, theirs).empty())) return differ(state, theirs, ours);
+      ++compared_;
+      if (state.chosen.empty()) continue;
+      const std::string wanted = normal_candidate(state.chosen);
+      const auto chosen = std::find_if(ours.begin(), ours.end(), [&](const Shown& s) { return s.normal == wanted; });
+      if (chosen == ours.end()) {
+        c_.diags.report(Diag::kB5021, {}, fmt::format("state #{} of `{}` chooses what it does not list: {}", state.number, trace_path_, state.chosen));
+        return false;
+      }
+      if (!core_.fire(static_cast<std::uint64_t>(chosen - ours.begin()))) return fault(state, steps_);
+      ++steps_;
+    }
+    return true;
+  }
+  [[nodiscard]] std::uint64_t compared() const { return compared_; }
+  [[nodiscard]] std::uint64_t steps() const { return steps_; }
+
+ private:
+  bool differ(const TraceState& state, const std::vector<Shown>& theirs, const std::vector<Shown>& ours) {
+    auto d = c_.diags.report(Diag::kB5021, {}, fmt::format("state #{} differs from `{}`, line {}", state.number, trace_path_, state.line));
+    for (const std::string& text : missing_in(theirs, ours)) d.note("only in the trace: " + text);
+    for (const std::string& text : missing_in(ours, theirs)) d.note("only in the model: " + text);
+    d.note("the trace has" + set_text(theirs)).note("the model has" + set_text(ours));
+    return false;
+  }
+  bool fault(const TraceState& state, std::uint64_t step) {
+    c_.diags.report(Diag::kB5021, {}, fmt::format("a run-time error ends the model at state #{} of `{}`: {}", state.number, trace_path_, core_.fault().what))
+        .note(fmt::format("after {} step{}", step, step == 1 ? "" : "s"));
+    return false;
+  }
+
+  Compilation& c_;
+  const std::string& trace_path_;
+  rt::Core core_;
+  rt::Bip2Writer writer_;
+  std::uint64_t compared_ = 0, steps_ = 0;
+};
+
+}  // namespace
+
+int command_replay(const ReplayArguments& arguments) {
+  Compilation c(arguments.compile);
+  Executor executor;
+  if (!compile(c, arguments.file, Stage::Image) || !executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
+  SourceMap traces;
+  const Result<FileId> file = traces.load(arguments.published_trace);
+  if (!file) {
+    c.diags.report(Diag::kB0090, {}, arguments.published_trace, file.error());
+    return report(c);
+  }
+  const Result<std::vector<TraceState>> states = read_published_trace(traces.text(*file));
+  if (!states) {
+    c.diags.report(Diag::kB5020, {}, arguments.published_trace, states.error());
+    return report(c);
+  }
+  Replay replay(c, arguments.published_trace, arguments.maximal_progress);
+  const bool agree = replay.follow(*states);
+  if (agree) {
+    std::printf("replay: %llu states and %llu steps agree\n", static_cast<unsigned long long>(replay.compared()), static_cast<unsigned long long>(replay.steps()));
+  }
+  return report(c);
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,24 @@
+// The C++ side of a model: where its files are, and for `bipc run` a shared object with everything that is called.
+//
+// The object is compiled once by the host compiler and kept below $XDG_CACHE_HOME/bipc (or ~/.cache/bipc), named by the
+// content of all that went into it. A model that calls nothing needs none of this.
+#pragma once
+#include "compiler/driver/pipeline.hpp"
+#include "compiler/emit_cpp/emit_cpp.hpp"
+
+namespace bip::driver {
+
+[[nodiscard]] bool has_cpp_side(const Compilation& c);
+
+/// The files that `@cpp` names: below the package's folder, its `ext-cpp`, the -I folders and theirs. False if one is
+/// missing (reported).
+[[nodiscard]] bool find_cpp_side(Compilation& c, emit_cpp::CppBuild& out);
+
+/// Compiles and loads the shared object and fills c.lowered's functions and extern types. False after a report; what
+/// C++ does not have is told by its prototype.
+[[nodiscard]] bool load_cpp_side(Compilation& c);
+
+/// Reports why the C++ compiler failed: the function that it could not call, or the first thing that it said.
+void report_cpp_failure(Compilation& c, const std::string& said);
+
+}  // namespace bip::driver

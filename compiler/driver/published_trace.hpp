@@ -1,0 +1,30 @@
+// The text trace of the published engine (and of --trace-format=bip2), read back.
+//
+// Lines that matter begin with `[BIP ENGINE]: `; what the model printed in between is passed over. A state is what may be
+// chosen in it, then what was chosen; the last one may be a deadlock or be cut off anywhere.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/base/result.hpp"
+
+namespace bip::driver {
+
+struct TraceState {
+  std::uint64_t number = 0;
+  std::size_t line = 0;                 // of its first line, from 1
+  std::vector<std::string> candidates;  // without "[k] "
+  std::string chosen;                   // empty: none
+  bool is_deadlock = false;
+  bool is_complete = false;             // as many candidates as its first line says
+};
+
+/// Fails if no state is found or a line of one cannot be read; the message names the line.
+[[nodiscard]] Result<std::vector<TraceState>> read_published_trace(std::string_view text);
+
+/// A candidate in the form in which two engines' are compared: white space, truth values and digits of floats apart.
+[[nodiscard]] std::string normal_candidate(std::string_view candidate);
+
+}  // namespace bip::driver

@@ -1,0 +1,164 @@
+// See foreign.hpp. Wrappers are called `call_f`, so that they never hide the `f` that they call.
+#include "compiler/emit_cpp/foreign.hpp"
+
+#include "compiler/emit_cpp/writer.hpp"
+#include "compiler/lower/unit_names.hpp"
+
+namespace bip::emit_cpp {
+
+namespace {
+
+const char* native_type(Type type) {
+  switch (type) {
+    case Type::Bool: return "bool";
+    case Type::Float: return "double";
+    default: return "std::int32_t";
+  }
+}
+
+const char* operator_name(const std::string& sign) {
+  static constexpr std::pair<const char*, const char*> kNames[] = {
+      {"||", "or"}, {"&&", "and"}, {"|", "bit_or"}, {"^", "bit_xor"}, {"&", "bit_and"}, {"==", "equal"}, {"!=", "not_equal"}, {"<", "less"},
+      {">", "greater"}, {"<=", "less_equal"}, {">=", "greater_equal"}, {"+", "plus"}, {"-", "minus"}, {"*", "times"}, {"/", "divide"},
+      {"%", "modulo"}, {"!", "not"}, {"~", "complement"}, {"=", "assign"}};
+  for (const auto& [text, name] : kNames) {
+    if (sign == text) return name;
+  }
+  return "operator";
+}
+
+// A parameter as it is handed on: strings are rows until here.
+std::string argument(const Function& function, std::size_t k) {
+  const std::string name = "a" + std::to_string(k);
+  if (function.params[k].type != Type::String) return name;
+  const std::string text = "world->text(" + name + ")";
+  return function.kind == FunctionKind::Operator ? "std::string(" + text + ")" : text;
+}
+
+std::string call_text(const Function& function, const ConstNames& const_names, const std::string& result) {
+  if (function.kind == FunctionKind::Cast) return "static_cast<" + result + ">(" + argument(function, 0) + ")";
+  if (function.kind == FunctionKind::Operator) {
+    if (function.params.size() == 1) return function.name + argument(function, 0);
+    return argument(function, 0) + " " + function.name + " " + argument(function, 1);
+  }
+  std::string text = function.is_const && const_names.contains(function.name) ? "const_" + function.name : function.name;
+  text += "(";
+  for (std::size_t k = 0; k < function.params.size(); ++k) text += (k == 0 ? "" : ", ") + argument(function, k);
+  return text + ")";
+}
+
+std::string local(const std::string& qualified) { return qualified.starts_with("outside::") ? qualified.substr(9) : qualified; }
+
+}  // namespace
+
+ForeignNames::ForeignNames(const CodeTable& code) {
+  lower::UniqueNames names;
+  for (const char* taken : {"world", "own_world"}) names.reserve(taken);
+  for (const ExternType& type : code.extern_types) types_.push_back("outside::" + names.make(type.name + "_type"));
+  for (const Function& function : code.functions) {
+    std::string name = "call_" + function.name;
+    if (function.kind == FunctionKind::Operator) name = std::string("operator_") + operator_name(function.name);
+    if (function.kind == FunctionKind::Cast) name = "to_" + function.name;
+    functions_.push_back("outside::" + names.make(name));
+  }
+}
+
+std::string ForeignNames::type(Type type) const { return is_extern(type) ? types_[extern_row(type)] : native_type(type); }
+
+std::string signature_text(const CodeTable& code, const Function& function) {
+  std::string text = function.has_result ? code.type_name(function.result) + " " : "";
+  text += (function.kind == FunctionKind::Operator ? "operator " : "") + function.name + "(";
+  for (std::size_t k = 0; k < function.params.size(); ++k) text += (k == 0 ? "" : ", ") + code.type_name(function.params[k].type);
+  return text + ")";
+}
+
+std::string foreign_includes(const CodeTable& code) {
+  std::string out;
+  const auto line = [&](const std::string& text) { out += text + "\n"; };
+  for (const char* header : {"algorithm", "cmath", "cstdio", "cstdlib", "iostream", "string"}) line(std::string("#include <") + header + ">");
+  line("");
+  line("#include \"bip/foreign.hpp\"");
+  for (const CppFile& file : code.cpp.includes) line("#include \"" + file.name + "\"");
+  return out;
+}
+
+std::string foreign_text(const CodeTable& code, const ConstNames& const_names, const ForeignOptions& options) {
+  const ForeignNames names(code);
+  std::string out;
+  const auto line = [&](const std::string& text) { out += text + "\n"; };
+  line("// The C++ that the model calls. An exception is a fault of the call at its site.");
+  line("namespace outside {");
+  line("using namespace std;");
+  if (options.own_world) line("inline bip::rt::Outside own_world;");
+  line(std::string("inline bip::rt::Outside* world = ") + (options.own_world ? "&own_world;" : "nullptr;"));
+  for (std::size_t k = 0; k < code.extern_types.size(); ++k) {
+    if (options.mark) line("#line 1 \"bip-type-" + std::to_string(k) + "\"");
+    line("using " + local(names.type(extern_type(k))) + " = " + code.extern_types[k].cpp + ";");
+  }
+  if (options.mark) line("#line 1 \"bip-shim\"");
+  for (std::size_t k = 0; k < code.functions.size(); ++k) {
+    const Function& function = code.functions[k];
+    const std::string result = function.has_result ? local(names.type(function.result)) : "void";
+    std::string head = "inline " + result + " " + local(names.function(k)) + "(";
+    for (std::size_t p = 0; p < function.params.size(); ++p) {
+      const FunctionParam& param = function.params[p];
+      const std::string type = local(names.type(param.type));
+      head += (is_extern(param.type) && !param.by_reference ? "const " : "") + type + (is_extern(param.type) || param.by_reference ? "&" : "") + " a" + std::to_string(p) + ", ";
+    }
+    line("");
+    line(head + "[[maybe_unused]] std::uint32_t site) try {");
+    if (options.mark) line("#line 1 \"bip-prototype-" + std::to_string(k) + "\"");
+    const std::string call = call_text(function, const_names, result);
+    if (!function.has_result) line("  " + call + ";");
+    else if (function.result == Type::String) line("  return world->intern(" + call + ");");
+    else if (is_extern(function.result)) line("  return " + call + ";");
+    else line("  return static_cast<" + result + ">(" + call + ");");
+    if (options.mark) line("#line 1 \"bip-shim\"");
+    line("} catch (...) {");
+    line("  bip::rt::raise(*world, site);");
+    line("}");
+  }
+  line("}  // namespace outside");
+  return out;
+}
+
+std::string shim_text(const CodeTable& code, const ConstNames& const_names) {
+  const ForeignNames names(code);
+  std::string out = foreign_includes(code) + "\n" + foreign_text(code, const_names, {.own_world = false, .mark = true});
+  const auto line = [&](const std::string& text) { out += text + "\n"; };
+  for (std::size_t k = 0; k < code.functions.size(); ++k) {
+    const Function& function = code.functions[k];
+    line("");
+    line("extern \"C\" std::int32_t bip_call_" + std::to_string(k) + "(bip::rt::Outside* outside_world, [[maybe_unused]] bip::rt::Slot* result, "
+         "[[maybe_unused]] bip::rt::Slot* const* args) {");
+    line("  outside::world = outside_world;");
+    line("  try {");
+    std::string call = names.function(k) + "(";
+    for (std::size_t p = 0; p < function.params.size(); ++p) {
+      const std::string slot = "args[" + std::to_string(p) + "]";
+      const Type type = function.params[p].type;
+      if (is_extern(type)) call += "bip::rt::object_in<" + names.type(type) + ">(*" + slot + "), ";
+      else call += slot + (type == Type::Float ? "->f, " : type == Type::Bool ? "->i != 0, " : "->i, ");
+    }
+    call += "0)";
+    if (!function.has_result) line("    " + call + ";");
+    else if (is_extern(function.result)) line("    bip::rt::object_in<" + names.type(function.result) + ">(*result) = " + call + ";");
+    else if (function.result == Type::Float) line("    *result = bip::rt::float_slot(" + call + ");");
+    else line("    *result = bip::rt::int_slot(" + call + (function.result == Type::Bool ? " ? 1 : 0);" : ");"));
+    line("    return 0;");
+    line("  } catch (...) {");
+    line("    return 1;");
+    line("  }");
+    line("}");
+  }
+  if (code.extern_types.empty()) return out;
+  line("");
+  line("extern \"C\" const bip::rt::ExternType bip_extern_types[] = {");
+  for (std::size_t k = 0; k < code.extern_types.size(); ++k) {
+    line("    bip::rt::extern_type_of<" + names.type(extern_type(k)) + ">(" + string_literal(code.extern_types[k].name) + "),");
+  }
+  line("};");
+  return out;
+}
+
+}  // namespace bip::emit_cpp

@@ -1,0 +1,103 @@
+// Building the index, and the questions that it answers.
+#include "compiler/index/index.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "compiler/index/builder.hpp"
+
+namespace bip::index {
+
+const char* name_of(SymbolKind kind) {
+  switch (kind) {
+    case SymbolKind::Package: return "package";
+    case SymbolKind::Constant: return "constant";
+    case SymbolKind::ExternType: return "extern type";
+    case SymbolKind::Function: return "function";
+    case SymbolKind::PortType: return "port type";
+    case SymbolKind::ConnectorType: return "connector type";
+    case SymbolKind::AtomType: return "atom type";
+    case SymbolKind::CompoundType: return "compound type";
+    case SymbolKind::Parameter: return "parameter";
+    case SymbolKind::Data: return "data";
+    case SymbolKind::Clock: return "clock";
+    case SymbolKind::Port: return "port";
+    case SymbolKind::Place: return "place";
+    case SymbolKind::Priority: return "priority";
+    case SymbolKind::Invariant: return "invariant";
+    case SymbolKind::Component: return "component";
+    case SymbolKind::Connector: return "connector";
+    case SymbolKind::LoopVariable: return "loop variable";
+    case SymbolKind::ExportedPort: return "exported port";
+    case SymbolKind::ExportedData: return "exported data";
+  }
+  return "name";
+}
+
+Index build_index(std::span<const syntax::Syntax* const> files, const SourceMap& sources) {
+  Index index = Builder(sources).run(files);
+  const auto place = [](const Use& u) { return std::tuple(u.range.file.value, u.range.begin, u.range.end); };
+  std::stable_sort(index.uses.begin(), index.uses.end(), [&](const Use& a, const Use& b) {
+    return std::tuple(place(a), a.kind == UseKind::Declaration ? 0 : 1) < std::tuple(place(b), b.kind == UseKind::Declaration ? 0 : 1);
+  });
+  // A state is a place and the `from` of its transitions, `port T p, q` names T for both: one use each.
+  const auto last = std::unique(index.uses.begin(), index.uses.end(), [&](const Use& a, const Use& b) { return place(a) == place(b); });
+  index.uses.erase(last, index.uses.end());
+  return index;
+}
+
+const Use* Index::use_at(FileId file, std::uint32_t offset) const {
+  const auto after = std::upper_bound(uses.begin(), uses.end(), std::pair(file.value, offset), [](const std::pair<std::uint32_t, std::uint32_t>& at, const Use& u) {
+    return at < std::pair(u.range.file.value, u.range.begin);
+  });
+  if (after == uses.begin()) return nullptr;
+  const Use& before = *std::prev(after);
+  return before.range.file == file && offset <= before.range.end ? &before : nullptr;
+}
+
+std::vector<Use> Index::uses_of(SymbolId symbol) const {
+  std::vector<Use> found;
+  std::copy_if(uses.begin(), uses.end(), std::back_inserter(found), [&](const Use& u) { return u.symbol == symbol; });
+  return found;
+}
+
+SymbolId Index::member(SymbolId owner, std::string_view name) const {
+  const Symbol& symbol = symbols[owner];
+  const auto among = [&](const Symbol& in, bool hidden_too) -> SymbolId {
+    for (const SymbolId m : in.members) {
+      if (symbols[m].name == name && (hidden_too || symbols[m].is_visible)) return m;
+    }
+    return {};
+  };
+  if (symbol.type.is_valid()) {
+    if (const SymbolId found = among(symbols[symbol.type], false); found.is_valid()) return found;
+  }
+  if (const SymbolId found = among(symbol, true); found.is_valid()) return found;
+  // What may not be named from here is still what was meant.
+  return symbol.type.is_valid() ? among(symbols[symbol.type], true) : SymbolId();
+}
+
+std::vector<SymbolId> Index::members_behind_dot(SymbolId owner) const {
+  const Symbol& symbol = symbols[owner];
+  const bool is_typed = symbol.type.is_valid();
+  std::vector<SymbolId> found;
+  for (const SymbolId m : is_typed ? symbols[symbol.type].members : symbol.members) {
+    const bool is_port_variable = symbol.kind == SymbolKind::Port || symbol.kind == SymbolKind::ExportedPort;
+    if (symbols[m].is_visible || (!is_typed && is_port_variable)) found.push_back(m);
+  }
+  return found;
+}
+
+SymbolId Index::enclosing(FileId file, std::uint32_t offset) const {
+  SymbolId best;
+  for (std::uint32_t row = 0; row < symbols.size(); ++row) {
+    const Symbol& s = symbols[SymbolId(row)];
+    const bool is_inline = s.kind == SymbolKind::Connector && s.type_text.empty();
+    const bool is_type = s.kind == SymbolKind::ConnectorType || s.kind == SymbolKind::AtomType || s.kind == SymbolKind::CompoundType;
+    if ((!is_inline && !is_type) || s.range.file != file || offset < s.range.begin || offset > s.range.end) continue;
+    if (!best.is_valid() || s.range.end - s.range.begin <= symbols[best].range.end - symbols[best].range.begin) best = SymbolId(row);
+  }
+  return best;
+}
+
+}  // namespace bip::index

@@ -1,0 +1,124 @@
+// Calls of C++ functions and operators as typed code. Part of CodeBuilder (code_builder.hpp).
+//
+// The prototype is chosen by the arguments' types (externs.hpp). A row of CodeTable::functions says how C++ is called with
+// exactly these types, so conversions along `refine` are left to C++, which knows the classes.
+#include "compiler/model/externs.hpp"
+
+namespace bip::model {
+
+namespace {
+
+constexpr std::size_t kShownPrototypes = 8;
+
+void list_prototypes(const Model& model, DiagnosticBuilder d, const std::vector<const syntax::Decl*>& prototypes) {
+  for (std::size_t k = 0; k < prototypes.size() && k < kShownPrototypes; ++k) {
+    d.label(prototypes[k]->range, fmt::format("`{}`", prototype_text(model, *prototypes[k])));
+  }
+  if (prototypes.size() > kShownPrototypes) d.note(fmt::format("and {} more", prototypes.size() - kShownPrototypes));
+}
+
+}  // namespace
+
+std::optional<Argument> CodeBuilder::argument(const syntax::Expr* e) {
+  const std::optional<Typed> typed = expr(e);
+  if (!typed) return std::nullopt;
+  bool is_variable = false;
+  if (in_block_ && e->kind == syntax::ExprKind::Path) {
+    const Binding* b = find(e->path, false);
+    is_variable = b != nullptr && b->read_only.empty() && !b->value.is_valid() && !b->poison;
+  }
+  return Argument{*typed, is_variable, e->range};
+}
+
+std::optional<Typed> CodeBuilder::extern_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes, std::vector<Argument> args,
+                                              SourceRange at, bool needs_value) {
+  CodeTable& code = model_.code;
+  const std::vector<const syntax::Decl*> best = best_prototypes(model_, prototypes, args);
+  if (best.size() != 1) {
+    const bool is_operator = prototypes.front()->kind == syntax::DeclKind::ExternOperator;
+    const std::string shown = is_operator ? std::string(prototypes.front()->op.text) : name;
+    if (best.empty()) {
+      auto d = diags_.report(Diag::kB1040, at, shown, types_text(code, args));
+      list_prototypes(model_, d, prototypes);
+      for (const Argument& arg : args) {
+        if (is_extern(arg.typed.type) && !arg.is_variable) {
+          d.help("an object that may not change here needs a `const` parameter");
+          break;
+        }
+      }
+    } else {
+      list_prototypes(model_, diags_.report(Diag::kB1041, at, shown, types_text(code, args), best.size()), best);
+    }
+    return std::nullopt;
+  }
+  const syntax::Decl& prototype = *best.front();
+  Diagnostics quiet;
+  Function row{.kind = prototype.kind == syntax::DeclKind::ExternOperator ? FunctionKind::Operator : FunctionKind::Function,
+               .name = std::string(prototype.kind == syntax::DeclKind::ExternOperator ? prototype.op.text : prototype.name.text),
+               .is_const = const_calls_,
+               .has_result = prototype.result.is_written(),
+               .result = prototype.result.is_written() ? data_type(model_, prototype.result, quiet) : Type::Int,
+               .params = {},
+               .loc = loc(prototype.range)};
+  if (needs_value && !row.has_result) {
+    diags_.report(Diag::kB1043, at, row.name).label(prototype.range, "declared here without a type");
+    return std::nullopt;
+  }
+  std::vector<ExprId> ids;
+  for (std::size_t k = 0; k < args.size(); ++k) {
+    const syntax::TypeRef& param = prototype.params[k].type;
+    const Type wanted = data_type(model_, param, quiet);
+    Typed value = args[k].typed;
+    if (value.type == Type::Int && wanted == Type::Float) value = convert(value, Type::Float);
+    const bool can_refer = is_extern(value.type) || ((value.type == Type::Int || value.type == Type::Float) && value.id == args[k].typed.id);
+    row.params.push_back({value.type, args[k].is_variable && !param.is_const && can_refer});
+    ids.push_back(value.id);
+  }
+  const auto first = static_cast<std::int32_t>(code.args.size());
+  code.args.insert(code.args.end(), ids.begin(), ids.end());
+  const Type result = row.result;
+  const std::uint32_t function = function_row(code, std::move(row));
+  return Typed{make({.op = Op::Call, .type = result, .index = function, .int_value = first, .a = {}, .b = {}, .loc = loc(at)}), result};
+}
+
+std::optional<Typed> CodeBuilder::extern_function(const syntax::Expr* e, const std::string& name, const std::vector<const syntax::Decl*>& prototypes) {
+  const bool needs_value = !is_statement_;
+  is_statement_ = false;
+  std::vector<Argument> args;
+  bool sound = true;
+  for (const syntax::Expr* operand : e->operands) {
+    const std::optional<Argument> arg = argument(operand);
+    sound = sound && arg.has_value();
+    if (arg) args.push_back(*arg);
+  }
+  if (!sound) return std::nullopt;
+  return extern_call(name, prototypes, std::move(args), e->range, needs_value);
+}
+
+std::optional<Typed> CodeBuilder::extern_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args, bool& handled) {
+  bool has_object = false, has_string = false;
+  for (const Argument& arg : args) {
+    has_object = has_object || is_extern(arg.typed.type);
+    has_string = has_string || arg.typed.type == Type::String;
+  }
+  const auto found = model_.operators.find("operator " + std::string(sign));
+  handled = has_object;
+  if (found == model_.operators.end()) {
+    if (has_object) diags_.report(Diag::kB1042, e->op_range, sign, types_text(model_.code, args)).help(fmt::format("declare it: `extern operator const bool {}(…)`", sign));
+    return std::nullopt;
+  }
+  // Native values keep their own meaning; strings may get one that BIP does not have.
+  if (!has_object && !(has_string && sign != "==" && sign != "!=" && !best_prototypes(model_, found->second, args).empty())) return std::nullopt;
+  handled = true;
+  return extern_call(std::string(sign), found->second, std::move(args), e->op_range, true);
+}
+
+Typed CodeBuilder::cast(Typed v, Type to) {
+  CodeTable& code = model_.code;
+  const std::uint32_t function = function_row(code, {.kind = FunctionKind::Cast, .name = code.type_name(to), .is_const = false, .has_result = true, .result = to, .params = {{v.type, false}}, .loc = code.extern_types[extern_row(v.type)].loc});
+  const auto first = static_cast<std::int32_t>(code.args.size());
+  code.args.push_back(v.id);
+  return {make({.op = Op::Call, .type = to, .index = function, .int_value = first, .a = {}, .b = {}, .loc = code.exprs[v.id].loc}), to};
+}
+
+}  // namespace bip::model

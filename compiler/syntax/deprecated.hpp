@@ -1,0 +1,19 @@
+// Spellings that still compile, with a warning, and what one writes today. `bipc migrate` applies them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/syntax/syntax.hpp"
+
+namespace bip::syntax {
+
+/// The text of `range` becomes `with`.
+struct Edit {
+  SourceRange range;
+  std::string with;
+};
+
+/// In source order, without overlaps. Today: `double`, which is `float`.
+[[nodiscard]] std::vector<Edit> deprecated_spellings(const Syntax& syntax);
+
+}  // namespace bip::syntax

@@ -1,0 +1,44 @@
+// The question as clauses: exactly one reachable mode an atom; no connector and no internal port has a step for sure; the
+// invariants found so far.
+//
+// One variable a reachable mode, one auxiliary variable a group of a connector's tree. What data decides is not known: a
+// port counts as enabled only in modes in which it is surely enabled, a guarded interaction only where the guard is true
+// for the values of the modes. So every deadlock is a model of the clauses, and models may be spurious.
+#pragma once
+#include "compiler/verify/solver/solver.hpp"
+#include "compiler/verify/traps.hpp"
+
+namespace bip::verify {
+
+class Encoding {
+ public:
+  Encoding(const Net& net, const Spread& reachable);
+
+  void add(const TokenInvariant& invariant);
+  [[nodiscard]] Answer solve(double seconds) { return solver_.solve(seconds); }
+  /// By mode: 1 if marked in the model.
+  [[nodiscard]] std::vector<std::uint8_t> marked() const;
+
+ private:
+  // "not surely available" of a node: always, never, or a literal that implies it.
+  struct Lacking {
+    enum class Kind : std::uint8_t { Always, Never, Literal } kind = Kind::Always;
+    Lit literal = 0;
+  };
+  void add_atoms();
+  [[nodiscard]] Lacking port(u32 row);
+  [[nodiscard]] Lacking group(u32 row);
+  [[nodiscard]] Lacking all_of(const std::vector<u32>& children);
+  [[nodiscard]] Lacking any_of(const std::vector<u32>& children);
+  [[nodiscard]] Lacking guarded(u32 row);
+  void add_guarded_rendezvous(u32 row);
+  void add_step(const Lacking& lacking);
+
+  const Net& net_;
+  const Spread& reachable_;
+  Solver solver_;
+  std::vector<Lit> marked_;       // by mode; 0: not reachable
+  std::vector<Lacking> lacking_;  // by node
+};
+
+}  // namespace bip::verify

@@ -1,0 +1,176 @@
+// See outside.hpp. A slot is observed if a guard reads it, or if an observed slot is computed from it.
+#include "compiler/verify/outside.hpp"
+
+#include "compiler/verify/abstract_code.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+class Look {
+ public:
+  explicit Look(const System& system) : system_(system), code_(system.code) {
+    for (const AtomType& type : system.atom_types) {
+      TypeAccess access;
+      access.written.resize(type.ports.size());
+      access.observed.assign(type.slots.size(), 0);
+      access.unfollowed.assign(type.slots.size(), 0);
+      rows_.push_back(std::move(access));
+    }
+  }
+
+  std::vector<TypeAccess> all() {
+    for (const Connector& connector : system_.connectors) look_at_connector(connector);
+    for (const Priority& priority : system_.priorities) {
+      for (const DataRef& ref : priority.data) give_away(ref, priority.guard, ref_number(priority.data, ref));
+    }
+    for (std::size_t row = 0; row < rows_.size(); ++row) look_at_type(system_.atom_types[AtomTypeId(row)], rows_[row]);
+    return std::move(rows_);
+  }
+
+ private:
+  static std::uint32_t ref_number(const std::vector<DataRef>& data, const DataRef& ref) {
+    return static_cast<std::uint32_t>(&ref - data.data());
+  }
+  TypeAccess& access_of(AtomId atom) { return rows_[system_.atoms[atom].type.value]; }
+
+  // Bind variables that C++ gets a reference to in this expression.
+  void references(ExprId expr, std::vector<std::uint32_t>& binds, std::vector<std::uint32_t>& selves) const {
+    for_each_expr(code_, expr, [&](const Expr& e) {
+      if (e.op != Op::Call) return;
+      const Function& function = code_.functions[e.index];
+      const std::span<const ExprId> args = code_.args_of(e);
+      for (std::size_t k = 0; k < args.size(); ++k) {
+        if (!function.params[k].by_reference) continue;
+        const Expr& arg = code_.exprs[args[k]];
+        if (arg.op == Op::LoadBind) binds.push_back(arg.index);
+        if (arg.op == Op::LoadSelf) selves.push_back(arg.index);
+      }
+    });
+  }
+  void references(StmtId body, std::vector<std::uint32_t>& binds, std::vector<std::uint32_t>& selves) const {
+    for_each_stmt(code_, body, [&](const Stmt& s) { references(s.value, binds, selves); });
+  }
+
+  void give_away(const DataRef& ref, ExprId guard, std::uint32_t number) {
+    std::vector<std::uint32_t> binds, selves;
+    references(guard, binds, selves);
+    for (std::uint32_t bind : binds) {
+      if (bind == number) access_of(ref.atom).unfollowed[ref.slot] = 1;
+    }
+  }
+
+  void write(const PortRef& ref, std::uint32_t variable, bool with_port) {
+    if (ref.kind == PortRef::Kind::Choice) {
+      for (const PortRef& alternative : system_.choices[ref.choice].ports) write(alternative, variable, with_port);
+    } else if (ref.kind == PortRef::Kind::Atom) {
+      const Port& port = system_.atom_types[system_.atoms[ref.atom].type].ports[ref.port];
+      if (variable >= port.slots.size()) return;
+      TypeAccess& access = access_of(ref.atom);
+      if (with_port) access.written[ref.port].push_back(port.slots[variable]);
+      else access.unfollowed[port.slots[variable]] = 1;
+    }
+  }
+  void observe(const PortRef& ref, std::uint32_t variable) {
+    if (ref.kind == PortRef::Kind::Choice) {
+      for (const PortRef& alternative : system_.choices[ref.choice].ports) observe(alternative, variable);
+    } else if (ref.kind == PortRef::Kind::Atom) {
+      const Port& port = system_.atom_types[system_.atoms[ref.atom].type].ports[ref.port];
+      if (variable < port.slots.size()) access_of(ref.atom).observed[port.slots[variable]] = 1;
+    }
+  }
+
+  void look_at_connector(const Connector& connector) {
+    const ConnectorType& type = system_.connector_types[connector.type];
+    const std::uint32_t variables = type.bind_count(system_.port_types) - static_cast<std::uint32_t>(type.data_reads.size());
+    // Which parameter, and which of its variables, a Bind number is.
+    const auto param_of = [&](std::uint32_t bind) {
+      std::uint32_t param = 0;
+      while (param + 1 < type.params.size() && type.params[param + 1].first_bind <= bind) ++param;
+      return param;
+    };
+    const auto changes = [&](std::uint32_t bind, const Clause* clause) {
+      if (bind >= variables) {
+        if (bind - variables < connector.data.size()) {
+          const DataRef& ref = connector.data[bind - variables];
+          access_of(ref.atom).unfollowed[ref.slot] = 1;
+        }
+        return;
+      }
+      const std::uint32_t param = param_of(bind);
+      bool takes_part = false;
+      if (clause != nullptr) {
+        for (std::uint32_t one : clause->params) takes_part |= one == param;
+      }
+      write(connector.ports[param], bind - type.params[param].first_bind, takes_part);
+    };
+    for (const Clause& clause : type.clauses) {
+      for_each_stmt(code_, clause.down, [&](const Stmt& s) {
+        if (s.op == StmtOp::StoreBind) changes(s.index, &clause);
+      });
+      std::vector<std::uint32_t> binds, selves;
+      references(clause.guard, binds, selves);
+      references(clause.up, binds, selves);
+      references(clause.down, binds, selves);
+      for (std::uint32_t bind : binds) changes(bind, nullptr);
+      for_each_stmt(code_, clause.up, [&](const Stmt& s) {
+        if (s.op == StmtOp::StoreBind) changes(s.index, nullptr);
+      });
+      for_each_expr(code_, clause.guard, [&](const Expr& e) {
+        if (e.op != Op::LoadBind) return;
+        if (e.index < variables) {
+          const std::uint32_t param = param_of(e.index);
+          observe(connector.ports[param], e.index - type.params[param].first_bind);
+        } else if (e.index - variables < connector.data.size()) {
+          const DataRef& ref = connector.data[e.index - variables];
+          access_of(ref.atom).observed[ref.slot] = 1;
+        }
+      });
+    }
+  }
+
+  void look_at_type(const AtomType& type, TypeAccess& access) {
+    std::vector<std::uint32_t> binds, selves;
+    const auto reads = [&](ExprId expr) {
+      bool is_new = false;
+      for_each_expr(code_, expr, [&](const Expr& e) {
+        if (e.op != Op::LoadSelf || access.observed[e.index] != 0) return;
+        access.observed[e.index] = 1;
+        is_new = true;
+      });
+      return is_new;
+    };
+    references(type.initial_action, binds, selves);
+    for (const Transition& t : type.transitions) {
+      reads(t.guard);
+      references(t.guard, binds, selves);
+      references(t.action, binds, selves);
+    }
+    for (const AtomPriority& p : type.priorities) {
+      reads(p.guard);
+      references(p.guard, binds, selves);
+    }
+    for (const Invariant& i : type.invariants) references(i.condition, binds, selves);
+    for (std::uint32_t slot : selves) access.unfollowed[slot] = 1;
+    for (bool changed = true; changed;) {
+      changed = false;
+      const auto close = [&](StmtId body) {
+        for_each_stmt(code_, body, [&](const Stmt& s) {
+          if (s.op == StmtOp::If || (s.op == StmtOp::StoreSelf && access.observed[s.index] != 0)) changed |= reads(s.value);
+        });
+      };
+      close(type.initial_action);
+      for (const Transition& t : type.transitions) close(t.action);
+    }
+  }
+
+  const System& system_;
+  const CodeTable& code_;
+  std::vector<TypeAccess> rows_;
+};
+
+}  // namespace
+
+std::vector<TypeAccess> look_outside(const System& system) { return Look(system).all(); }
+
+}  // namespace bip::verify

@@ -1,0 +1,63 @@
+// The loop of VERIFICATION: solve, largest trap, small traps, one-token invariants.
+#include "compiler/verify/prove.hpp"
+
+#include "compiler/verify/encode.hpp"
+#include "compiler/verify/one_token.hpp"
+
+namespace bip::verify {
+
+namespace {
+constexpr std::size_t kOneTokenBatch = 16;
+// Candidates that the caller is asked about.
+constexpr int kQuestions = 3;
+}
+
+Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at) {
+  Proof proof;
+  if (net.too_large_atom != kNoRow) {
+    proof.end = ProofEnd::TooLarge;
+    return proof;
+  }
+  Spread reachable(net, Direction::Forward, nullptr);
+  for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
+    for (u32 mode : net.class_at(atom).initial) reachable.turn_on(net.mode_base[atom] + mode);
+  }
+  reachable.run();
+  for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
+
+  Encoding encoding(net, reachable);
+  TrapFinder traps(net, reachable);
+  OneTokenFinder one_tokens(net, reachable);
+  int questions = 0;
+  while (true) {
+    const Answer answer = encoding.solve(seconds_until(end));
+    if (answer != Answer::Satisfiable) {
+      proof.end = answer == Answer::Unsatisfiable ? ProofEnd::Free : ProofEnd::Timeout;
+      return proof;
+    }
+    ++proof.candidates;
+    const std::vector<std::uint8_t> marked = encoding.marked();
+    std::vector<TokenInvariant> found = traps.find(marked);
+    if (found.empty()) {
+      proof.candidate.clear();
+      for (u32 mode = 0; mode < net.mode_count(); ++mode) {
+        if (marked[mode] != 0) proof.candidate.push_back(mode);
+      }
+      if (stop_at && questions++ < kQuestions && stop_at(proof.candidate)) {
+        proof.end = ProofEnd::Stopped;
+        return proof;
+      }
+    }
+    if (found.empty()) found = one_tokens.find(traps, marked, kOneTokenBatch, seconds_until(end));
+    if (found.empty()) {
+      proof.end = seconds_until(end) > 0 ? ProofEnd::Candidate : ProofEnd::Timeout;
+      return proof;
+    }
+    for (TokenInvariant& invariant : found) {
+      encoding.add(invariant);
+      proof.invariants.push_back(std::move(invariant));
+    }
+  }
+}
+
+}  // namespace bip::verify

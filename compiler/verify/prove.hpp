@@ -1,0 +1,38 @@
+// Deadlock-freedom by invariants: candidates from SAT, invariants from candidates, until there is no candidate or no
+// invariant that excludes it.
+//
+// Free is a proof: every reachable stable state has a candidate step. Candidate is not a deadlock, only what the
+// invariants leave open. Run-time errors end a run without being deadlocks; they are not looked at here.
+#pragma once
+#include <chrono>
+#include <functional>
+
+#include "compiler/verify/net.hpp"
+#include "compiler/verify/traps.hpp"
+
+namespace bip::verify {
+
+using Clock = std::chrono::steady_clock;
+[[nodiscard]] inline double seconds_until(Clock::time_point end) { return std::chrono::duration<double>(end - Clock::now()).count(); }
+
+enum class ProofEnd : std::uint8_t {
+  Free,       // proved
+  Candidate,  // a state that no invariant excludes
+  Stopped,    // the caller wants no more: it found out about the candidate
+  TooLarge,   // an atom has too many local states
+  Timeout
+};
+struct Proof {
+  ProofEnd end = ProofEnd::Timeout;
+  std::vector<TokenInvariant> invariants;
+  std::vector<std::uint8_t> reachable;  // by mode, as far as the abstraction sees
+  std::vector<u32> candidate;           // by atom: the mode
+  std::uint64_t candidates = 0;         // models of the formula looked at
+};
+
+/// Asked about a candidate (by atom: the mode) that no trap excludes, before other invariants are looked for: true stops.
+using StopAt = std::function<bool(const std::vector<u32>& candidate)>;
+
+[[nodiscard]] Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at = {});
+
+}  // namespace bip::verify

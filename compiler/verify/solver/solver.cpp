@@ -1,0 +1,73 @@
+// CaDiCaL (Biere et al.) behind Solver.
+#include "compiler/verify/solver/solver.hpp"
+
+#include <chrono>
+
+#include <cadical.hpp>
+
+namespace bip::verify {
+
+namespace {
+
+class Deadline : public CaDiCaL::Terminator {
+ public:
+  explicit Deadline(double seconds)
+      : at_(std::chrono::steady_clock::now() +
+            std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
+  bool terminate() override { return std::chrono::steady_clock::now() >= at_; }
+
+ private:
+  std::chrono::steady_clock::time_point at_;
+};
+
+}  // namespace
+
+struct Solver::Impl {
+  CaDiCaL::Solver solver;
+  int variables = 0;
+};
+
+Solver::Solver() : impl_(std::make_unique<Impl>()) { impl_->solver.set("quiet", 1); }
+Solver::~Solver() = default;
+
+Lit Solver::new_variable() { return ++impl_->variables; }
+
+void Solver::add(std::span<const Lit> clause) {
+  for (Lit literal : clause) impl_->solver.add(literal);
+  impl_->solver.add(0);
+}
+
+void Solver::assume(Lit literal) { impl_->solver.assume(literal); }
+void Solver::prefer(Lit literal) { impl_->solver.phase(literal); }
+
+Answer Solver::solve(double seconds) {
+  if (seconds <= 0) return Answer::Unknown;
+  Deadline deadline(seconds);
+  impl_->solver.connect_terminator(&deadline);
+  const int status = impl_->solver.solve();
+  impl_->solver.disconnect_terminator();
+  return status == 10 ? Answer::Satisfiable : status == 20 ? Answer::Unsatisfiable : Answer::Unknown;
+}
+
+bool Solver::is_true(Lit literal) const { return impl_->solver.val(literal) == literal; }
+
+void add_at_most_one(Solver& solver, std::span<const Lit> literals) {
+  if (literals.size() <= 6) {
+    for (std::size_t i = 0; i < literals.size(); ++i) {
+      for (std::size_t j = i + 1; j < literals.size(); ++j) solver.add({-literals[i], -literals[j]});
+    }
+    return;
+  }
+  Lit before = 0;
+  for (Lit literal : literals) {
+    const Lit seen = solver.new_variable();
+    solver.add({-literal, seen});
+    if (before != 0) {
+      solver.add({-before, seen});
+      solver.add({-before, -literal});
+    }
+    before = seen;
+  }
+}
+
+}  // namespace bip::verify

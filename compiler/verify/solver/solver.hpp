@@ -1,0 +1,41 @@
+// An incremental SAT solver: clauses in, a model or "no" out. The only door to the solver's library.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace bip::verify {
+
+/// A literal: variable v > 0 as v, its negation as -v.
+using Lit = int;
+
+enum class Answer : std::uint8_t { Satisfiable, Unsatisfiable, Unknown };
+
+class Solver {
+ public:
+  Solver();
+  ~Solver();
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  [[nodiscard]] Lit new_variable();
+  void add(std::span<const Lit> clause);
+  void add(std::initializer_list<Lit> clause) { add(std::span<const Lit>(clause.begin(), clause.size())); }
+  /// Holds for the next solve only.
+  void assume(Lit literal);
+  /// Decisions try this value first.
+  void prefer(Lit literal);
+  /// Unknown: `seconds` have passed.
+  [[nodiscard]] Answer solve(double seconds);
+  /// In the model of the last solve.
+  [[nodiscard]] bool is_true(Lit literal) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// At most one of the literals: pairs up to six, else a sequential counter (Sinz 2005).
+void add_at_most_one(Solver& solver, std::span<const Lit> literals);
+
+}  // namespace bip::verify

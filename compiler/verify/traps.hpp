@@ -1,0 +1,61 @@
+// Traps: sets of modes that no step can empty. If one holds a token at first, it always holds one.
+//
+// From a candidate: the largest trap within its unmarked modes (Spread backward, linear), and from that, around each
+// initial mode in it, a small trap, grown by repairing what would leave it and then shrunk place by place.
+// A set is a trap if in every step in which a port moves out of the set, another port moves into it or stays in it; all
+// choices of a trigger group and all moves of a port count, so the check is by structure, never by listing interactions.
+// After Bensalem, Bozga, Nguyen, Sifakis: Compositional Verification for Component-Based Systems and Application (2010);
+// lazily as in VERIFICATION: candidates first, traps second.
+#pragma once
+#include <vector>
+
+#include "compiler/verify/net.hpp"
+#include "compiler/verify/spread.hpp"
+
+namespace bip::verify {
+
+enum class InvariantKind : std::uint8_t { Trap, OneToken };
+/// Trap: at least one of the modes is marked. OneToken: exactly one.
+struct TokenInvariant {
+  InvariantKind kind = InvariantKind::Trap;
+  std::vector<u32> modes;  // sorted
+};
+
+class TrapFinder {
+ public:
+  TrapFinder(const Net& net, const Spread& reachable);
+
+  /// Traps that are marked at first and not in the candidate (by mode: 1 if marked). Empty: there is none.
+  [[nodiscard]] std::vector<TokenInvariant> find(const std::vector<std::uint8_t>& marked);
+
+  /// Does every step keep the number of tokens in the set, and is it one at first? Decided by structure.
+  [[nodiscard]] bool holds_one_token(const std::vector<u32>& modes);
+
+ private:
+  static constexpr std::size_t kMaxGrown = 400, kMaxShrunk = 64;
+  static constexpr std::size_t kBatch = 20000;
+  static constexpr u32 kMaxDepth = 64;
+  static constexpr std::uint64_t kImpossible = 1u << 30;
+
+  [[nodiscard]] bool is_possible(u32 port, u32 from_mode) const { return reachable_.is_on(from_mode) && reachable_.in_context(port); }
+  [[nodiscard]] bool may_put_nothing(u32 node, u32 depth) const;
+  [[nodiscard]] bool others_may_put_nothing(u32 parent, const Edge& edge_up, u32 child) const;
+  [[nodiscard]] bool is_in_bad_context(u32 node, u32 depth) const;
+  std::uint64_t make_putter(u32 node, bool apply, u32 depth);
+  std::uint64_t protect(u32 node, bool apply, u32 depth);
+  bool grow(u32 start);
+  [[nodiscard]] bool leaves_set(u32 mode) const;
+  bool shrink(u32 start, std::size_t drop);
+  [[nodiscard]] bool is_trap() const;
+  void put(u32 mode);
+  void clear();
+  [[nodiscard]] int delta(u32 node, u32 depth) const;
+
+  const Net& net_;
+  const Spread& reachable_;
+  std::vector<std::uint8_t> in_large_;  // by mode: in the largest trap
+  std::vector<std::uint8_t> in_set_;    // by mode: in the set at hand
+  std::vector<u32> set_;
+};
+
+}  // namespace bip::verify

@@ -1,0 +1,85 @@
+// The C++ side of a running model: strings that were made at run time, the last exception, objects of extern types.
+//
+// Header only: the emitted program, the shared object of `bipc run` and the compiler all use it. Strings are rows; those
+// of the image come first, C++ results are interned above them, so that equal texts stay equal rows. Not thread-safe.
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "bip/image.hpp"
+
+namespace bip::rt {
+
+class Outside {
+ public:
+  Outside() = default;
+  Outside(const Outside&) = delete;
+  Outside& operator=(const Outside&) = delete;
+
+  /// Takes over the image's strings; once, before anything is called.
+  void attach(Span<const char*> strings) {
+    if (is_attached_) return;
+    is_attached_ = true;
+    for (const char* text : strings) add(text);
+  }
+  [[nodiscard]] const char* text(std::int32_t row) const { return texts_[static_cast<std::size_t>(row)].c_str(); }
+  [[nodiscard]] std::int32_t intern(std::string_view text) {
+    const auto it = rows_.find(text);
+    return it != rows_.end() ? it->second : add(text);
+  }
+  /// A null pointer is the empty string.
+  [[nodiscard]] std::int32_t intern(const char* text) { return intern(std::string_view(text == nullptr ? "" : text)); }
+  /// What the exception that ended the last call said.
+  [[nodiscard]] const std::string& message() const { return message_; }
+  void set_message(const char* message) { message_ = message; }
+
+ private:
+  std::int32_t add(std::string_view text) {
+    const auto row = static_cast<std::int32_t>(texts_.size());
+    texts_.emplace_back(text);
+    rows_.try_emplace(texts_.back(), row);
+    return row;
+  }
+
+  bool is_attached_ = false;
+  std::deque<std::string> texts_;  // never moves
+  std::unordered_map<std::string_view, std::int32_t> rows_;
+  std::string message_;
+};
+
+/// A C++ function behind an adapter: 0, or 1 after an exception. An extern result is assigned to the object that
+/// `result` points to.
+using ForeignFn = std::int32_t (*)(Outside* outside, Slot* result, Slot* const* args);
+
+/// A string of a running model.
+[[nodiscard]] inline const char* string_of(const Image& image, Slot row) {
+  if (image.outside != nullptr) return image.outside->text(row.i);
+  return image.strings.size == 0 ? "" : image.strings[static_cast<std::uint32_t>(row.i)];
+}
+
+template <class T>
+[[nodiscard]] T& object_in(const Slot& slot) {
+  return *reinterpret_cast<T*>(static_cast<std::uintptr_t>(slot.bits));
+}
+[[nodiscard]] inline Slot object_slot(void* object) { return Slot{.bits = reinterpret_cast<std::uintptr_t>(object)}; }
+
+/// The row of a C++ type.
+template <class T>
+[[nodiscard]] constexpr ExternType extern_type_of(const char* name) {
+  ExternType type{name,
+                  []() -> void* { return new T(); },
+                  [](void* object) { *static_cast<T*>(object) = T(); },
+                  [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); },
+                  nullptr,
+                  [](void* object) { delete static_cast<T*>(object); }};
+  if constexpr (requires(const T& value) { static_cast<bool>(value == value); }) {
+    type.equal = [](const void* a, const void* b) { return static_cast<bool>(*static_cast<const T*>(a) == *static_cast<const T*>(b)); };
+  }
+  return type;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,292 @@
+"""Scripted sessions: every request with its expected answer, the protocol's order, positions, several documents."""
+import pathlib
+import tempfile
+
+import client
+
+MODEL = """package m
+  // What is exchanged.
+  port type Value(int v)
+  connector type Pass(Value a, Value b)
+    define a b
+    on a b down { b.v = a.v; }
+  end
+  // Counts.
+  atom type Node(int n)
+    data int x = n
+    export port Value in(x), out(x)
+    place S, T
+    initial to S
+    on in from S to T provided (x < n) do { x = x + 1; }
+    on out from T to S
+  end
+  compound type Root()
+    component Node a(3), b(4)
+    connector Pass c(a.out, b.in)
+    connector Pass d(b.out, a.in)
+  end
+end
+"""
+URI = "file:///nowhere/m.bip"
+NOT_INITIALIZED, INVALID_REQUEST, NO_METHOD, BAD_PARAMS, PARSE_ERROR, FAILED = -32002, -32600, -32601, -32602, -32700, -32803
+
+
+def equal(got, want):
+    if got != want:
+        raise AssertionError(f"{got!r}, expected {want!r}")
+
+
+def at(what, skip=0, text=MODEL):
+    """Line and character of the first place of `what`, `skip` further on."""
+    return client.position(text, text.index(what) + skip)
+
+
+def span(what, length, skip=0, text=MODEL):
+    index = text.index(what) + skip
+    return {"start": client.position(text, index), "end": client.position(text, index + length)}
+
+
+def started(text=MODEL, uri=URI, **options):
+    c = client.Client()
+    c.start(**options)
+    c.open(uri, text)
+    return c
+
+
+def ask(c, method, position, uri=URI, **more):
+    return c.at(method, uri, position["line"], position["character"], **more)
+
+
+def test_initialize_and_exit():
+    c = client.Client()
+    equal(c.error("textDocument/hover", {}), NOT_INITIALIZED)
+    answer = c.start()
+    equal(answer["capabilities"]["positionEncoding"], "utf-16")
+    equal(answer["capabilities"]["textDocumentSync"]["change"], 2)
+    equal(c.error("initialize", {"capabilities": {}}), INVALID_REQUEST)
+    equal(c.error("workspace/nothing", {}), NO_METHOD)
+    equal(c.error("textDocument/nothing", {}), NO_METHOD)
+    c.notify("$/nothing", {})
+    c.notify("nothing", None)
+    equal(c.result("shutdown"), None)
+    equal(c.error("textDocument/hover", {}), INVALID_REQUEST)
+    c.notify("exit", None)
+    equal(c.process.wait(client.TIMEOUT), 0)
+
+
+def test_exit_without_shutdown():
+    c = client.Client()
+    c.start()
+    c.notify("exit", None)
+    equal(c.process.wait(client.TIMEOUT), 1)
+
+
+def test_end_of_input():
+    c = client.Client()
+    c.start()
+    c.process.stdin.close()
+    equal(c.process.wait(client.TIMEOUT), 1)
+
+
+def test_diagnostics_with_versions():
+    c = started()
+    equal(c.diagnostics(URI, 1), [])
+    c.change(URI, 2, [{"range": span("place S", 1, 6), "text": "Z"}])
+    found = c.diagnostics(URI, 2)
+    equal([d["code"] for d in found if d["severity"] == 1][0], "B1020")
+    equal(found[0]["source"], "bipc")
+    c.change(URI, 3, [{"text": MODEL}])
+    equal(c.diagnostics(URI, 3), [])
+    # Two changes at once: the second counts from the result of the first.
+    c.change(URI, 4, [{"range": {"start": {"line": 0, "character": 0}, "end": {"line": 0, "character": 0}}, "text": "// é𝄞\n"},
+                      {"range": {"start": {"line": 0, "character": 4}, "end": {"line": 0, "character": 6}}, "text": "x"}])
+    equal(c.diagnostics(URI, 4), [])
+    edits = c.result("textDocument/formatting", {"textDocument": {"uri": URI}, "options": {}})
+    assert edits[0]["newText"].startswith("// éx\npackage m"), edits
+    c.notify("textDocument/didSave", {"textDocument": {"uri": URI}})
+    c.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
+    equal(c.error("textDocument/documentSymbol", {"textDocument": {"uri": URI}}), BAD_PARAMS)
+    equal(c.stop(), 0)
+
+
+def test_definition():
+    c = started()
+    for use, skip, declared, length in (("a b\n", 0, "a, Value b", 1), ("b.v =", 2, "v)", 1), ("Node a", 0, "Node(int", 4), ("a.out", 2, "out(x)", 3), ("a.out", 0, "a(3)", 1),
+                                        ("S to T", 0, "S, T", 1), ("x < n", 4, "n)", 1), ("Pass d", 1, "Pass(", 4), ("in from", 2, "in(x)", 2), ("x = n", 0, "x = n", 1)):
+        equal(ask(c, "definition", at(use, skip)), [{"uri": URI, "range": span(declared, length)}])
+    equal(ask(c, "definition", at("define")), None)
+    equal(c.stop(), 0)
+
+
+def test_references():
+    c = started()
+    found = ask(c, "references", at("T to S"), context={"includeDeclaration": False})
+    equal([f["range"]["start"] for f in found], [at("to T provided", 3), at("T to S")])
+    equal(len(ask(c, "references", at("T to S"), context={"includeDeclaration": True})), 3)
+    equal(len(ask(c, "references", at("v)"), context={"includeDeclaration": True})), 3)
+    equal(ask(c, "references", at("package"), context={"includeDeclaration": True}), None)
+    equal(c.stop(), 0)
+
+
+def test_hover():
+    c = started()
+    text = ask(c, "hover", at("Node a"))["contents"]["value"]
+    equal(text, "```bip\natom type Node(int n)\n  export port Value in(x)\n  export port Value out(x)\n```\natom type\n\n---\nCounts.")
+    text = ask(c, "hover", at("a.out", 2))["contents"]["value"]
+    equal(text, "```bip\nexport port Value out(x)\nport type Value(int v)\n```\nport of atom type `Node`")
+    text = ask(c, "hover", at("x + 1"))["contents"]["value"]
+    equal(text, "```bip\ndata int x = n\n```\ndata of atom type `Node`")
+    text = ask(c, "hover", at("Value a"))["contents"]["value"]
+    equal(text, "```bip\nport type Value(int v)\n```\nport type\n\n---\nWhat is exchanged.")
+    text = ask(c, "hover", at("b.in"))["contents"]["value"]
+    assert text.startswith("```bip\ncomponent Node b\natom type Node(int n)\n  export port"), text
+    equal(ask(c, "hover", at("atom type")), None)
+    equal(c.stop(), 0)
+
+
+def test_document_symbols():
+    c = started()
+    outline = c.result("textDocument/documentSymbol", {"textDocument": {"uri": URI}})
+
+    def names(list_):
+        return [(s["name"], names(s["children"])) if "children" in s else s["name"] for s in list_]
+    equal(names(outline), [("m", ["Value", "Pass", ("Node", ["x", "in", "out", "S", "T"]), ("Root", ["a", "b", "c", "d"])])])
+    equal(outline[0]["children"][2]["selectionRange"], span("Node(int", 4))
+    equal(c.stop(), 0)
+
+
+def test_rename():
+    c = started()
+    equal(ask(c, "prepareRename", at("x + 1")), {"range": span("x + 1", 1), "placeholder": "x"})
+    equal(ask(c, "prepareRename", at("define")), None)
+    changes = ask(c, "rename", at("x + 1"), newName="count")["changes"][URI]
+    equal(len(changes), 6)
+    equal({e["newText"] for e in changes}, {"count"})
+
+    def code(position, name):
+        return c.error("textDocument/rename", {"textDocument": {"uri": URI}, "position": position, "newName": name})
+    equal(code(at("x + 1"), "in"), BAD_PARAMS)
+    equal(code(at("x + 1"), "1x"), BAD_PARAMS)
+    equal(code(at("x + 1"), ""), BAD_PARAMS)
+    equal(code(at("x + 1"), "n"), FAILED)
+    equal(code(at("m\n"), "other"), FAILED)
+    equal(code(at("define"), "other"), FAILED)
+    equal(c.error("textDocument/rename", {"textDocument": {"uri": URI}, "position": at("x + 1")}), BAD_PARAMS)
+    equal(c.stop(), 0)
+
+
+def labels(c, text, marker="|"):
+    index = text.index(marker)
+    text = text.replace(marker, "", 1)
+    c.open(URI, text)
+    answer = ask(c, "completion", client.position(text, index))
+    return [i["label"] for i in answer["items"]]
+
+
+def test_completion():
+    c = started()
+    equal(labels(c, MODEL.replace("b.in)", "b.|)")), ["in", "out"])
+    equal(labels(c, MODEL.replace("= a.v;", "= a.|;")), ["v"])
+    equal(labels(c, MODEL.replace("from T to S", "from |T to S")), ["S", "T"])
+    equal(labels(c, MODEL.replace("component Node a", "component |Node a")), ["Node", "Root"])
+    equal(labels(c, MODEL.replace("connector Pass d", "connector |Pass d")), ["Pass"])
+    equal(labels(c, MODEL.replace("data int x", "data |int x")), ["int", "bool", "float", "string"])
+    equal(labels(c, MODEL.replace("port Value in", "port |Value in")), ["Value"])
+    equal(labels(c, MODEL.replace("on out", "on |out")), ["n", "in", "out"])
+    for name in ("x", "n", "in", "if"):
+        assert name in labels(c, MODEL.replace("{ x = x + 1; }", "{ | }")), name
+    for name in ("component", "connector", "for", "priority"):
+        assert name in labels(c, MODEL.replace("connector Pass d", "|\n connector Pass d")), name
+    for name in ("place", "initial to", "on", "internal"):
+        assert name in labels(c, MODEL.replace("on out", "|\n    on out")), name
+    equal(labels(c, MODEL.replace("// Counts.", "// Counts|.")), [])
+    assert "package" in labels(c, "|")
+    # While the file cannot be read the names of its last state serve.
+    c.open(URI, MODEL)
+    c.change(URI, 2, [{"text": "from "}])
+    ask(c, "completion", {"line": 0, "character": 5})
+    equal(c.stop(), 0)
+
+
+def test_formatting():
+    c = started(MODEL.replace("    place S, T", "place S,T"))
+    edit, = c.result("textDocument/formatting", {"textDocument": {"uri": URI}, "options": {"tabSize": 2, "insertSpaces": True}})
+    assert "    place S, T\n" in edit["newText"]
+    c.open(URI, edit["newText"], 2)
+    equal(c.result("textDocument/formatting", {"textDocument": {"uri": URI}, "options": {}}), [])
+    c.open(URI, "package p atom end", 3)
+    equal(c.result("textDocument/formatting", {"textDocument": {"uri": URI}, "options": {}}), [])
+    equal(c.stop(), 0)
+
+
+def test_semantic_tokens():
+    c = started("package é\nend", encodings=("utf-16",))
+    c.open(URI, "package p\n  port type /* é𝄞 */ T()\n  const data int k = 1\nend\n", 2)
+    tokens = c.result("textDocument/semanticTokens/full", {"textDocument": {"uri": URI}})["data"]
+    equal(tokens, [0, 8, 1, 0, 1, 1, 22, 1, 1, 1, 1, 17, 1, 6, 3])
+    equal(c.stop(), 0)
+
+
+def test_utf8_positions():
+    c = started("package p\n  port type /* é𝄞 */ T()\nend\n", encodings=("utf-8", "utf-16"))
+    tokens = c.result("textDocument/semanticTokens/full", {"textDocument": {"uri": URI}})["data"]
+    equal(tokens, [0, 8, 1, 0, 1, 1, 25, 1, 1, 1])
+    equal(c.stop(), 0)
+
+
+def test_code_action():
+    text = MODEL.replace("b.in)", "b.im)")
+    c = started(text)
+    line = text[:text.index("b.im")].count("\n")
+    whole = {"start": {"line": line, "character": 0}, "end": {"line": line, "character": 99}}
+    actions = c.result("textDocument/codeAction", {"textDocument": {"uri": URI}, "range": whole, "context": {"diagnostics": []}})
+    assert any(a["edit"]["changes"][URI][0]["newText"] == "in" for a in actions), actions
+    equal(c.stop(), 0)
+
+
+def test_bad_parameters():
+    c = started()
+    for params in (None, [], {}, {"textDocument": 3}, {"textDocument": {"uri": 3}}, {"textDocument": {"uri": "file:///other"}}, {"textDocument": {"uri": URI}},
+                   {"textDocument": {"uri": URI}, "position": {"line": -1, "character": 0}}, {"textDocument": {"uri": URI}, "position": {"line": 0, "character": -5}},
+                   {"textDocument": {"uri": URI}, "position": {"line": 1 << 40, "character": 0}}, {"textDocument": {"uri": URI}, "position": {"line": 999999, "character": 0}},
+                   {"textDocument": {"uri": URI}, "position": {"line": 1.5, "character": 0}}, {"textDocument": {"uri": URI}, "position": "here"}):
+        for method in ("hover", "definition", "references", "completion", "rename", "prepareRename"):
+            equal(c.error("textDocument/" + method, params), BAD_PARAMS)
+    # Past the end of a line is its end.
+    equal(ask(c, "hover", {"line": 0, "character": 2000000000}) is not None, True)
+    c.change(URI, 2, [{"range": {"start": {"line": -1, "character": 0}, "end": {"line": 0, "character": 0}}, "text": "x"}])
+    c.change(URI, 2, [{"range": {"start": {"line": 2, "character": 0}, "end": {"line": 1, "character": 0}}, "text": "x"}])
+    c.change(URI, 2, [{"rangeLength": 2}])
+    c.change(URI, 2, None)
+    c.notify("textDocument/didOpen", {"textDocument": {"uri": URI}})
+    c.notify("textDocument/didClose", {})
+    equal(len(ask(c, "references", at("T to S"), context={"includeDeclaration": True})), 3)
+    equal(c.stop(), 0)
+
+
+def test_packages_across_documents():
+    with tempfile.TemporaryDirectory() as folder:
+        base = pathlib.Path(folder)
+        (base / "lib").mkdir()
+        (base / "lib/ports.bip").write_text("package lib.ports\n  port type P(int v)\nend\n")
+        user = "package top\n  use lib.ports\n  atom type A()\n    data int x = 0\n    export port P p(x)\n    place S\n    initial to S\n    on p from S to S\n  end\nend\n"
+        (base / "top.bip").write_text(user)
+        top, lib = (f"file://{base}/{n}" for n in ("top.bip", "lib/ports.bip"))
+        c = started(user, uri=top)
+        equal([d for d in c.diagnostics(top) if d["severity"] == 1], [])
+        equal(ask(c, "definition", at("P p", 0, user), top), [{"uri": lib, "range": {"start": {"line": 1, "character": 12}, "end": {"line": 1, "character": 13}}}])
+        equal(c.error("textDocument/rename", {"textDocument": {"uri": top}, "position": at("P p", 0, user), "newName": "Q"}), FAILED)
+        # Open, but not saved: the user sees the new text.
+        c.open(lib, "package lib.ports\n  port type Q(int v)\nend\n")
+        equal([d["code"] for d in c.diagnostics(top) if d["severity"] == 1][:1], ["B1006"])
+        c.change(lib, 2, [{"text": "package lib.ports\n  port type P(int v)\nend\n"}])
+        equal([d for d in c.diagnostics(top) if d["severity"] == 1], [])
+        changes = ask(c, "rename", at("P p", 0, user), top, newName="Q")["changes"]
+        equal(sorted(changes), sorted([top, lib]))
+        # An error in a package that is not open is shown there.
+        c.notify("textDocument/didClose", {"textDocument": {"uri": lib}})
+        (base / "lib/ports.bip").write_text("package lib.ports\n  port type P(int\nend\n")
+        c.pending.clear()
+        c.notify("textDocument/didSave", {"textDocument": {"uri": top}})
+        equal(c.diagnostics(lib)[0]["severity"], 1)
+        equal(c.stop(), 0)

@@ -1,0 +1,57 @@
+// Reading the published engine's text: states, choices, cut-off ends, and what counts as the same candidate.
+#include <catch2/catch.hpp>
+
+#include "compiler/driver/published_trace.hpp"
+
+using namespace bip::driver;
+
+TEST_CASE("states, candidates and choices are read, other lines passed over") {
+  const auto states = read_published_trace(
+      "[BIP ENGINE]: initialize components...\n"
+      "something that the model says\n"
+      "[BIP ENGINE]: state #0: 1 interaction and 1 internal port:\r\n"
+      "[BIP ENGINE]:   [0] ROOT.k: p.put(v=1;) c.get(v=0;)\r\n"
+      "[BIP ENGINE]:   [1] ROOT.a.think\n"
+      "[BIP ENGINE]: -> choose [1] ROOT.a.think\n"
+      "[BIP ENGINE]: state #1: deadlock!\n");
+  REQUIRE(states);
+  REQUIRE((*states).size() == 2);
+  const TraceState& first = (*states)[0];
+  CHECK(first.line == 3);
+  CHECK(first.candidates == std::vector<std::string>{"ROOT.k: p.put(v=1;) c.get(v=0;)", "ROOT.a.think"});
+  CHECK(first.chosen == "ROOT.a.think");
+  CHECK(first.is_complete);
+  CHECK((*states)[1].is_deadlock);
+  CHECK((*states)[1].candidates.empty());
+}
+
+TEST_CASE("a last state that was cut off is not complete") {
+  const auto states = read_published_trace(
+      "[BIP ENGINE]: state #7 and global time 6s: 2 interactions:\n"
+      "[BIP ENGINE]:   [0] ROOT.k: a.p()\n");
+  REQUIRE(states);
+  CHECK((*states)[0].number == 7);
+  CHECK_FALSE((*states)[0].is_complete);
+}
+
+TEST_CASE("a limit is no state") {
+  const auto states = read_published_trace("[BIP ENGINE]: state #0: 1 internal port:\n[BIP ENGINE]:   [0] ROOT.a.p\n[BIP ENGINE]: state #1: limit reached\n");
+  REQUIRE(states);
+  CHECK((*states).size() == 1);
+}
+
+TEST_CASE("what is no trace fails with a reason") {
+  CHECK_FALSE(read_published_trace("hello\n"));
+  CHECK_FALSE(read_published_trace("[BIP ENGINE]: state #x: 1 interaction:\n"));
+  const auto choice = read_published_trace("[BIP ENGINE]: -> choose [0] ROOT.k\n");
+  REQUIRE_FALSE(choice);
+  CHECK(choice.error().find("line 1") == 0);
+}
+
+TEST_CASE("candidates are compared apart from spaces, truth values, quotes and late digits") {
+  CHECK(normal_candidate("R.k:  a.p(b=true;)   c.q()") == normal_candidate("R.k: a.p(b=1;) c.q()"));
+  CHECK(normal_candidate("R.k: a.p(x=0.333333;)") == normal_candidate("R.k: a.p(x=0.3333333333333333;)"));
+  CHECK(normal_candidate("R.k: a.p(s=\"a; b=2\";y=1;)") == normal_candidate("R.k: a.p(s=\"a; b=2\";y=1;)"));
+  CHECK(normal_candidate("R.k: a.p(x=1;)") != normal_candidate("R.k: a.p(x=2;)"));
+  CHECK(normal_candidate("R.k: a.p(x=1000001;)") != normal_candidate("R.k: a.p(x=1000002;)"));
+}

@@ -1,0 +1,40 @@
+// Formatting by the printer of `bipc fmt`, and the edits that diagnostics suggest.
+#include "compiler/parse/parse.hpp"
+#include "compiler/syntax/print.hpp"
+#include "tools/lsp/features.hpp"
+
+namespace bip::lsp {
+
+Reply formatting(Workspace& w, const Document& d) {
+  Json edits = Json::array();
+  if (d.path.ends_with(".bsys")) return edits;
+  SourceMap sources;
+  Diagnostics diags;
+  const Result<FileId> file = sources.load_text(d.path, d.text.str());
+  if (!file) return edits;
+  const std::optional<syntax::Syntax> syntax = parse::parse_file(sources, *file, diags);
+  // What could not be read would be lost; the diagnostics say what that is.
+  if (!syntax || diags.has_errors()) return edits;
+  const std::string text = syntax::print(*syntax, sources);
+  if (text == d.text.str()) return edits;
+  const auto end = static_cast<std::uint32_t>(d.text.str().size());
+  edits.push_back({{"range", {{"start", json_of(d.text.position(0, w.encoding))}, {"end", json_of(d.text.position(end, w.encoding))}}}, {"newText", text}});
+  return edits;
+}
+
+Reply code_actions(Workspace& w, const Document& d, std::uint32_t begin, std::uint32_t end) {
+  Json actions = Json::array();
+  for (const Diagnostic* from : d.analysis.diagnostics) {
+    if (from->range.file != d.analysis.file || from->range.end < begin || from->range.begin > end) continue;
+    for (const Help& help : from->helps) {
+      if (!help.replace.is_valid() || help.replace.file != d.analysis.file) continue;
+      Json edit{{"range", w.range(d.analysis, help.replace)}, {"newText", help.with}};
+      Json changes = Json::object();
+      changes[d.uri].push_back(std::move(edit));
+      actions.push_back({{"title", help.text}, {"kind", "quickfix"}, {"edit", {{"changes", std::move(changes)}}}});
+    }
+  }
+  return actions;
+}
+
+}  // namespace bip::lsp

@@ -1,0 +1,59 @@
+// bipc-lsp: the language server on standard input and output. Nothing else is ever written to standard output.
+//
+// Ends after `exit`, or with 1 when the input ends without it.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "tools/lsp/server.hpp"
+
+namespace {
+
+constexpr std::size_t kMostAtOnce = 1u << 20;
+
+bool write_all(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(done));
+  }
+  return true;
+}
+
+int serve() {
+  bool is_heard = true;
+  bip::lsp::Server server([&is_heard](std::string_view message) { is_heard = is_heard && write_all(bip::lsp::framed(message)); });
+  bip::lsp::Framing framing;
+  std::string chunk;
+  while (is_heard) {
+    while (auto frame = framing.next()) {
+      server.handle(*frame);
+      if (server.is_finished()) return server.exit_code();
+    }
+    chunk.resize(std::clamp<std::size_t>(framing.missing(), 4096, kMostAtOnce));
+    const ssize_t got = ::read(STDIN_FILENO, chunk.data(), chunk.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    framing.feed(std::string_view(chunk).substr(0, static_cast<std::size_t>(got)));
+  }
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Editors pass `--stdio`; there is no other way to talk, so it says nothing.
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--stdio") == 0) continue;
+    const bool wants_help = std::strcmp(argv[i], "--help") == 0;
+    std::fputs("bipc-lsp [--stdio]: the language server of BIP, to be started by an editor; it talks on standard input and output\n", wants_help ? stdout : stderr);
+    return wants_help ? 0 : 2;
+  }
+  return serve();
+}

@@ -1,0 +1,151 @@
+// See workspace.hpp. Cost: a check of the document and of each open document that uses it.
+#include "tools/lsp/workspace.hpp"
+
+#include <algorithm>
+
+#include "compiler/driver/load_packages.hpp"
+#include "tools/lsp/uri.hpp"
+
+namespace bip::lsp {
+
+const std::string* Analysis::path_of(FileId id) const {
+  if (compilation == nullptr) return nullptr;
+  const auto found = compilation->paths.find(id);
+  return found == compilation->paths.end() ? nullptr : &found->second;
+}
+
+Document& Workspace::open(std::string uri, std::string text, std::int64_t version) {
+  const std::string path = lsp::path_of(uri);
+  auto document = std::make_unique<Document>();
+  document->uri = std::move(uri);
+  document->path = path;
+  document->version = version;
+  document->text = Text(std::move(text));
+  std::unique_ptr<Document>& slot = documents_[path];
+  slot = std::move(document);
+  return *slot;
+}
+
+void Workspace::close(const std::string& uri) { documents_.erase(lsp::path_of(uri)); }
+
+Document* Workspace::find(const std::string& uri) { return find_path(lsp::path_of(uri)); }
+
+Document* Workspace::find_path(const std::string& path) {
+  const auto found = documents_.find(path);
+  return found == documents_.end() ? nullptr : found->second.get();
+}
+
+void Workspace::analyse(Document& d) {
+  driver::CompileOptions options;
+  options.folders = folders;
+  auto c = std::make_unique<driver::Compilation>(std::move(options));
+  for (const auto& [path, other] : documents_) c->open_texts.emplace(path, other->text.str());
+  (void)driver::check(*c, d.path);
+  Analysis a;
+  a.diagnostics = c->diags.sorted();
+  a.file = c->file;
+  // `check` stops at the first stage with errors; names are wanted whatever it found. Sorted before, so nothing is added.
+  const bool has_tree = c->syntax.has_value() && c->syntax->package != nullptr;
+  if (has_tree && c->packages.empty()) (void)driver::load_packages(*c);
+  if (has_tree && c->packages.empty()) c->packages.push_back(&*c->syntax);
+  a.index = index::build_index(c->packages, c->sources);
+  // The index needs texts only, and an instantiated system may be large.
+  c->system.reset();
+  c->model.reset();
+  c->packages.clear();
+  c->used.clear();
+  c->syntax.reset();
+  c->open_texts.clear();
+  a.compilation = std::move(c);
+  if (!has_tree && d.analysis.index.symbols.size() > 0) {
+    d.last_names = std::move(d.analysis.index);
+    d.last_compilation = std::move(d.analysis.compilation);
+  } else if (has_tree) {
+    d.last_names = {};
+    d.last_compilation.reset();
+  }
+  d.analysis = std::move(a);
+}
+
+std::vector<Json> Workspace::check(const std::string& path) {
+  for (auto& [other, document] : documents_) {
+    const auto& paths = document->analysis.compilation == nullptr ? std::map<FileId, std::string>() : document->analysis.compilation->paths;
+    const bool uses_it = std::any_of(paths.begin(), paths.end(), [&](const auto& row) { return row.second == path; });
+    // A package that was missing may have appeared.
+    const bool misses_one = std::any_of(document->analysis.diagnostics.begin(), document->analysis.diagnostics.end(), [](const Diagnostic* d) { return d->kind == Diag::kB1060; });
+    if (other == path || uses_it || misses_one) analyse(*document);
+  }
+  return publish();
+}
+
+Json Workspace::range(const Analysis& a, SourceRange r) const {
+  const std::string* path = a.path_of(r.file);
+  const auto open = path == nullptr ? documents_.end() : documents_.find(*path);
+  // An open document was checked with the text that it has: any other text here would be a stale answer.
+  if (open != documents_.end() && a.compilation->sources.text(r.file) == open->second->text.str()) {
+    const Text& text = open->second->text;
+    return {{"start", json_of(text.position(r.begin, encoding))}, {"end", json_of(text.position(r.end, encoding))}};
+  }
+  const Text text{r.is_valid() && a.compilation != nullptr ? std::string(a.compilation->sources.text(r.file)) : std::string()};
+  return {{"start", json_of(text.position(r.begin, encoding))}, {"end", json_of(text.position(r.end, encoding))}};
+}
+
+Json Workspace::location(const Analysis& a, SourceRange r) const {
+  const std::string* path = a.path_of(r.file);
+  if (path == nullptr) return nullptr;
+  const auto open = documents_.find(*path);
+  return {{"uri", open == documents_.end() ? uri_of(*path) : open->second->uri}, {"range", range(a, r)}};
+}
+
+Json Workspace::diagnostic(const Document& d, const Diagnostic& from) const {
+  Json to{{"code", info(from.kind).code}, {"severity", from.severity == Severity::Error ? 1 : 2}, {"source", "bipc"}, {"message", from.message}};
+  to["range"] = range(d.analysis, from.range);
+  Json related = Json::array();
+  const auto add = [&](SourceRange at, const std::string& text) {
+    Json where = location(d.analysis, at);
+    if (where.is_null()) where = {{"uri", d.uri}, {"range", range(d.analysis, {})}};
+    related.push_back({{"location", std::move(where)}, {"message", text}});
+  };
+  if (!from.label.empty()) add(from.range, from.label);
+  for (const Label& label : from.labels) add(label.range, label.text);
+  for (const std::string& note : from.notes) add(from.range, "note: " + note);
+  for (const Help& help : from.helps) add(help.replace.is_valid() ? help.replace : from.range, "help: " + help.text);
+  if (!related.empty()) to["relatedInformation"] = std::move(related);
+  return to;
+}
+
+std::vector<Json> Workspace::publish() {
+  // A document shows its own check; a package that is not open shows what the checks of its users found in it.
+  std::map<std::string, Json> found;
+  for (const auto& [path, document] : documents_) found[document->uri] = Json::array();
+  for (const auto& [path, document] : documents_) {
+    for (const Diagnostic* d : document->analysis.diagnostics) {
+      const std::string* in = document->analysis.path_of(d->range.file);
+      const bool is_own = in == nullptr || *in == path;
+      if (!is_own && documents_.contains(*in)) continue;
+      Json& list = found.try_emplace(is_own ? document->uri : uri_of(*in), Json::array()).first->second;
+      Json made = diagnostic(*document, *d);
+      if (is_own || std::find(list.begin(), list.end(), made) == list.end()) list.push_back(std::move(made));
+    }
+  }
+  for (const auto& [uri, text] : published_) found.try_emplace(uri, Json::array());
+  std::vector<Json> messages;
+  for (auto& [uri, list] : found) {
+    const auto open = documents_.find(lsp::path_of(uri));
+    std::string now = list.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (open != documents_.end()) now += "#" + std::to_string(open->second->version);
+    const auto before = published_.find(uri);
+    if (before != published_.end() && before->second == now) continue;
+    if (open == documents_.end() && list.empty()) {
+      published_.erase(uri);
+    } else {
+      published_[uri] = now;
+    }
+    Json message{{"uri", uri}, {"diagnostics", std::move(list)}};
+    if (open != documents_.end()) message["version"] = open->second->version;
+    messages.push_back(std::move(message));
+  }
+  return messages;
+}
+
+}  // namespace bip::lsp

@@ -1,0 +1,66 @@
+// The open documents, and what the compiler says of each.
+//
+// Every change is followed by a full check with the code of `bipc check`, so the diagnostics are the same by construction;
+// a document whose packages include the changed one is checked again. Texts that are open stand for the files on disk.
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "compiler/driver/pipeline.hpp"
+#include "compiler/index/index.hpp"
+#include "tools/lsp/protocol.hpp"
+
+namespace bip::lsp {
+
+/// One check of one document. Files of the compilation are found by id in `compilation->paths`.
+struct Analysis {
+  std::unique_ptr<driver::Compilation> compilation;
+  std::vector<const Diagnostic*> diagnostics;  // as `bipc check` lists them
+  index::Index index;
+  FileId file;  // the document's; none if its text was refused
+
+  [[nodiscard]] const std::string* path_of(FileId id) const;
+};
+
+struct Document {
+  std::string uri;
+  std::string path;
+  std::int64_t version = 0;
+  Text text{std::string()};
+  Analysis analysis;
+  /// Names as they were when the text could last be read: for completion while it cannot.
+  index::Index last_names;
+  std::unique_ptr<driver::Compilation> last_compilation;
+};
+
+class Workspace {
+ public:
+  Encoding encoding = Encoding::Utf16;
+  std::vector<std::string> folders;  // as -I
+
+  Document& open(std::string uri, std::string text, std::int64_t version);
+  void close(const std::string& uri);
+  [[nodiscard]] Document* find(const std::string& uri);
+  [[nodiscard]] Document* find_path(const std::string& path);
+  [[nodiscard]] std::map<std::string, std::unique_ptr<Document>>& documents() { return documents_; }
+
+  /// Checks the document and those that use its package. Returns the parameters of publishDiagnostics that are due.
+  [[nodiscard]] std::vector<Json> check(const std::string& path);
+
+  /// A range of an analysis in the protocol's form. Files that are not open are read from the analysis' own text.
+  [[nodiscard]] Json range(const Analysis& a, SourceRange r) const;
+  /// {uri, range}
+  [[nodiscard]] Json location(const Analysis& a, SourceRange r) const;
+
+ private:
+  void analyse(Document& d);
+  [[nodiscard]] Json diagnostic(const Document& d, const Diagnostic& from) const;
+  [[nodiscard]] std::vector<Json> publish();
+
+  std::map<std::string, std::unique_ptr<Document>> documents_;  // by path
+  std::map<std::string, std::string> published_;                // by URI: what was sent last, without the version
+};
+
+}  // namespace bip::lsp
