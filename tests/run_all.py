@@ -58,6 +58,9 @@ def groups():
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
     if (BUILD / "bip-fuzz").exists():
         yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]
+    if (BUILD / "bipc-lsp").exists():
+        os.environ["BIPC_BUILD_DIR"] = str(BUILD)
+        yield "lsp", [("lsp", lambda: run_script("lsp", [sys.executable, str(ROOT / "tests/lsp/run")]))]
     if (BUILD / "bip-gen").exists():
         os.environ["BUILD"] = str(BUILD)
         yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"]))]

@@ -162,6 +162,8 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp) {
   hash.add(BIPC_VERSION);
   for (const std::string& word : command) hash.add(word);
   hash.add(shim);
+  // So that messages are alike wherever we run.
+  command.insert(command.begin(), {"env", "LC_ALL=C.UTF-8"});
   add_headers(hash, fs::path(runtime.directory) / "include/bip");
   for (const CppFile& file : c.system->code.cpp.includes) {
     std::string folder;

@@ -40,7 +40,7 @@ def run(models, report):
         before, renamed = {}, []
         for model in models:
             text = model.read_text(encoding="ascii", errors="replace").replace("\ufffd", "?")
-            base = pathlib.Path(folder) / model.stem
+            base = pathlib.Path(folder) / (model.parent.name + "_" + model.stem)
             base.mkdir()
             original = base / "original.bip"
             original.write_text(text)

@@ -4,33 +4,25 @@
 #include "tools/certcheck/check.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include <z3++.h>
+
+#include "tools/certcheck/certificate.hpp"
 
 namespace certcheck {
 
 namespace {
-
-struct Class {
-  std::size_t type = 0;
-  std::vector<bool> followed;
-  std::vector<LocalState> states;
-  std::map<LocalState, std::size_t> numbers;
-  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> moves;  // by port: from, to
-};
-struct Set {
-  bool is_one_token = false;
-  std::vector<std::pair<std::size_t, std::size_t>> members;  // atom, state
-  std::string text;
-};
 
 class Checker {
  public:
   explicit Checker(const Model& model) : m_(model) {}
 
   std::string run(const std::string& text) {
-    read(text);
+    Certificate certificate = read_certificate(m_, text);
+    classes_ = std::move(certificate.classes);
+    class_of_ = std::move(certificate.class_of);
+    reachable_ = std::move(certificate.reachable);
+    sets_ = std::move(certificate.sets);
     check_locally();
     check_reachability();
     for (const Set& set : sets_) check_set(set);
@@ -39,102 +31,6 @@ class Checker {
   }
 
  private:
-  // ---- reading
-  void read(const std::string& text) {
-    std::istringstream in(text);
-    std::string line;
-    std::size_t number = 0;
-    bool has_end = false;
-    std::map<std::string, std::size_t> atom_rows;
-    for (std::size_t k = 0; k < m_.atoms.size(); ++k) atom_rows.emplace(m_.atoms[k].path, k);
-    class_of_.assign(m_.atoms.size(), kNone);
-    reachable_.resize(m_.atoms.size());
-    while (std::getline(in, line)) {
-      std::istringstream words(line);
-      std::string head, word;
-      words >> head;
-      ++number;
-      const auto fail = [&](const std::string& why) { throw Rejected("line " + std::to_string(number) + ": " + why); };
-      if (number == 1 && line != "bipc-certificate 1") fail("not a certificate of version 1");
-      if (has_end) fail("something follows the end");
-      if (head == "method" && line != "method invariants") throw NotCheckable("the evidence is a search of all states");
-      if (head == "claim" && line != "claim deadlock-free") fail("an unknown claim");
-      if (head == "class") {
-        words >> word >> word;
-        Class row;
-        while (row.type < m_.atom_types.size() && m_.atom_types[row.type].name != word) ++row.type;
-        if (row.type == m_.atom_types.size()) fail("no atom type `" + word + "`");
-        const AtomType& type = m_.atom_types[row.type];
-        row.followed.assign(type.slots.size(), false);
-        while (words >> word) {
-          const auto slot = std::find(type.slots.begin(), type.slots.end(), word);
-          if (slot == type.slots.end()) fail("no slot `" + word + "`");
-          const std::size_t k = static_cast<std::size_t>(slot - type.slots.begin());
-          if (type.types[k] != "int" && type.types[k] != "bool" && type.types[k] != "string") fail("`" + word + "` cannot be followed");
-          row.followed[k] = true;
-        }
-        classes_.push_back(std::move(row));
-      } else if (head == "mode") {
-        if (classes_.empty()) fail("a mode without class");
-        mode(words, classes_.back(), fail);
-      } else if (head == "component") {
-        std::size_t row = 0, state = 0;
-        words >> word;
-        const auto atom = atom_rows.find(word);
-        if (atom == atom_rows.end()) fail("no component `" + word + "`");
-        words >> word >> row >> word;
-        if (row >= classes_.size() || classes_[row].type != m_.atoms[atom->second].type) fail("the class does not fit");
-        class_of_[atom->second] = row;
-        while (words >> state) reachable_[atom->second].insert(state);
-        if (!reachable_[atom->second].empty() && *reachable_[atom->second].rbegin() >= classes_[row].states.size()) fail("no such mode");
-      } else if (head == "trap" || head == "one-token") {
-        Set set;
-        set.is_one_token = head == "one-token";
-        set.text = "line " + std::to_string(number);
-        std::set<std::pair<std::size_t, std::size_t>> members;
-        while (words >> word) {
-          const std::size_t colon = word.rfind(':');
-          const auto atom = atom_rows.find(word.substr(0, colon));
-          if (colon == std::string::npos || atom == atom_rows.end()) fail("no component in `" + word + "`");
-          members.emplace(atom->second, std::stoul(word.substr(colon + 1)));
-        }
-        set.members.assign(members.begin(), members.end());
-        sets_.push_back(std::move(set));
-      } else if (head == "end") {
-        has_end = true;
-      }
-    }
-    if (!has_end) throw Rejected("the certificate has no end");
-    if (std::find(class_of_.begin(), class_of_.end(), kNone) != class_of_.end()) throw Rejected("a component has no row");
-  }
-
-  template <class Fail>
-  void mode(std::istringstream& words, Class& row, const Fail& fail) {
-    const AtomType& type = m_.atom_types[row.type];
-    LocalState state;
-    state.values.resize(type.slots.size());
-    std::string word;
-    words >> word >> word;
-    while (words >> word) {
-      const std::size_t equals = word.find('=');
-      const auto row_of = [&](const std::vector<std::string>& names, const std::string& name) {
-        const auto at = std::find(names.begin(), names.end(), name);
-        if (at == names.end()) fail("no `" + name + "` here");
-        return static_cast<std::size_t>(at - names.begin());
-      };
-      if (equals == std::string::npos) {
-        state.places.insert(row_of(type.places, word));
-        continue;
-      }
-      const std::size_t slot = row_of(type.slots, word.substr(0, equals));
-      if (!row.followed[slot]) fail("a value that is not followed");
-      const std::string value = word.substr(equals + 1);
-      if (value != "?") state.values[slot] = {true, static_cast<std::int32_t>(std::stol(value))};
-    }
-    if (!row.numbers.emplace(state, row.states.size()).second) fail("a mode twice");
-    row.states.push_back(std::move(state));
-  }
-
   // ---- atoms
   void check_locally() {
     for (Class& row : classes_) {
@@ -444,7 +340,6 @@ class Checker {
     return z3::mk_and(all);
   }
 
-  static constexpr std::size_t kNone = ~std::size_t{0};
   const Model& m_;
   std::vector<Class> classes_;
   std::vector<std::size_t> class_of_;             // by atom

@@ -1,0 +1,29 @@
+// A certificate's rows, with names turned into numbers.
+#pragma once
+#include "tools/certcheck/model.hpp"
+
+namespace certcheck {
+
+struct Class {
+  std::size_t type = 0;
+  std::vector<bool> followed;
+  std::vector<LocalState> states;
+  std::map<LocalState, std::size_t> numbers;
+  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> moves;  // by port: from, to
+};
+struct Set {
+  bool is_one_token = false;
+  std::vector<std::pair<std::size_t, std::size_t>> members;  // atom, state
+  std::string text;
+};
+
+struct Certificate {
+  std::vector<Class> classes;
+  std::vector<std::size_t> class_of;             // by atom
+  std::vector<std::set<std::size_t>> reachable;  // by atom
+  std::vector<Set> sets;
+};
+
+[[nodiscard]] Certificate read_certificate(const Model& model, const std::string& text);
+
+}  // namespace certcheck
