@@ -37,7 +37,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.
-  for (const char* name : {"BoolVar", "divide", "Fault", "FloatVar", "IntVar", "modulo", "Slot", "StringVar", "wrap_add",
+  for (const char* name : {"BoolVar", "divide", "CodeFault", "FloatVar", "IntVar", "modulo", "Slot", "StringVar", "wrap_add",
                            "wrap_mul", "wrap_neg", "wrap_sub"}) {
     out.line(std::string("using bip::rt::") + name + ";");
   }

@@ -153,6 +153,7 @@ Text call(ExprContext& c, ExprId id, const Expr& e) {
       before += "const " + c.foreign.type(type) + (is_extern(type) ? "& " : " ") + name + " = " + arg + "; ";
       arg = name;
     }
+    if (function.params[k].by_reference && !is_extern(type)) arg += ".ref()";
     text += arg + ", ";
   }
   text += std::to_string(c.lowered.site_of_expr[id.value]) + ")";

@@ -226,7 +226,7 @@ void FunctionEmitter::emit(const lower::CodeUnit& unit) {
     indented(1, "return 1;");
   }
   if (uses.faults) {
-    out_.line("} catch (const Fault& fault) {");
+    out_.line("} catch (const CodeFault& fault) {");
     indented(1, "return fault.status;");
   }
   out_.line("}");

@@ -1,7 +1,7 @@
 // What the C++ written by `bipc emit` is made of: variables by name, divisions that fault, tables as constants.
 //
 // An emitted function stays one readable piece: its variables are references into the slots (IntVar, BoolVar, …), and a
-// faulting division leaves it as a Fault that the same function catches and returns as its status. No exception leaves
+// faulting division leaves it as a CodeFault that the same function catches and returns as its status. No exception leaves
 // a CodeFn. Header only; everything but a fault is free after inlining.
 #pragma once
 #include <cstddef>
@@ -13,16 +13,16 @@
 namespace bip::rt {
 
 /// Thrown by `divide` and `modulo`, caught in the function that called them.
-struct Fault {
+struct CodeFault {
   std::int32_t status;
 };
 
 constexpr std::int32_t divide(std::int32_t a, std::int32_t b, std::uint32_t site) {
-  if (const std::int32_t status = division_status(a, b, site); status != 0) throw Fault{status};
+  if (const std::int32_t status = division_status(a, b, site); status != 0) throw CodeFault{status};
   return quotient(a, b);
 }
 constexpr std::int32_t modulo(std::int32_t a, std::int32_t b, std::uint32_t site) {
-  if (const std::int32_t status = division_status(a, b, site); status != 0) throw Fault{status};
+  if (const std::int32_t status = division_status(a, b, site); status != 0) throw CodeFault{status};
   return remainder(a, b);
 }
 
@@ -42,7 +42,7 @@ class IntVar {
   IntVar& operator=(const IntVar& other) { return *this = other.slot_.i; }
   operator std::int32_t() const { return slot_.i; }
   /// For C++ functions that change their argument.
-  operator std::int32_t&() { return slot_.i; }
+  std::int32_t& ref() { return slot_.i; }
 
  private:
   Slot& slot_;
@@ -75,7 +75,7 @@ class FloatVar {
   }
   FloatVar& operator=(const FloatVar& other) { return *this = other.slot_.f; }
   operator double() const { return slot_.f; }
-  operator double&() { return slot_.f; }
+  double& ref() { return slot_.f; }
 
  private:
   Slot& slot_;

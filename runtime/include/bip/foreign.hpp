@@ -17,7 +17,7 @@ namespace bip::rt {
   } catch (...) {
     outside.set_message("");
   }
-  throw Fault{fault_status(site, FaultKind{})};
+  throw CodeFault{fault_status(site, FaultKind{})};
 }
 
 /// A variable of an extern type. Assignment copies the object.

@@ -148,7 +148,7 @@ TEST_CASE("if chains and divisions") {
   CHECK_THAT(text, Contains("  if (x == 0) {\n    y = 1;\n  } else if (x > 0) {\n    y = 2;\n  } else {\n    y = 3;\n  }\n"));
   CHECK_THAT(text, Contains("const std::int32_t left = divide(x, y, 0); const std::int32_t right = modulo(x, y, 1); "
                             "return wrap_add(left, right); }()"));
-  CHECK_THAT(text, Contains("} catch (const Fault& fault) {\n  return fault.status;\n}\n"));
+  CHECK_THAT(text, Contains("} catch (const CodeFault& fault) {\n  return fault.status;\n}\n"));
 }
 
 TEST_CASE("emitted code agrees with the interpreter on random units") {
