@@ -97,8 +97,9 @@ void NaiveEngine::hide_dominated(AtomState& state, const AtomType& type) {
   std::set<std::pair<std::string, std::string>> below;
   for (const AtomRule& rule : type.rules) {
     bool fault = false;
-    if (rule.guard && evaluate(*rule.guard, gen::lookup_in(state.vars), fault).i == 0) continue;
-    if (fault) trouble(Trouble::Possible);
+    const bool holds = !rule.guard || evaluate(*rule.guard, gen::lookup_in(state.vars), fault).i != 0;
+    if (fault) trouble(Trouble::Possible);  // before the value is believed: the core may look at the guard or not
+    if (!holds) continue;
     for (const Port& low : type.ports) {
       for (const Port& high : type.ports) {
         bool low_fits = rule.low == "*" ? low.name != rule.high : low.name == rule.low;
