@@ -46,8 +46,8 @@ TEST_CASE("an emitted project builds alone and runs like the interpreter", "[slo
   const Result<bool> written = emit_cpp::emit_project(*lowered, dir, (test::repository() / "runtime").string(), "my sum");
   REQUIRE(written);
   const std::string log = (scratch.path() / "log.txt").string();
-  // Debug only because it builds faster.
-  const std::string build = "(cmake -S " + dir + " -B " + dir + "/build -DCMAKE_BUILD_TYPE=Debug && cmake --build " + dir +
+  // Debug only because it builds faster; Ninja because tools/setup brings it, and a fresh machine has no make.
+  const std::string build = "(cmake -G Ninja -S " + dir + " -B " + dir + "/build -DCMAKE_BUILD_TYPE=Debug && cmake --build " + dir +
                             "/build -j 2) >" + log + " 2>&1";
   const int status = std::system(build.c_str());
   INFO(text_of(log));
