@@ -35,38 +35,38 @@ std::vector<bool> reachable_places(const AtomType& atom) {
   return reached;
 }
 
-void collect_reads(const CodeTable& code, ExprId root, std::vector<bool>& read) {
+// Calls `visit` on every expression below `root`, arguments of calls included.
+template <class Visit>
+void visit_exprs(const CodeTable& code, ExprId root, Visit visit) {
   std::vector<ExprId> todo{root};
   while (!todo.empty()) {
     const ExprId id = todo.back();
     todo.pop_back();
     if (!id.is_valid()) continue;
     const Expr& e = code.exprs[id];
-    if (e.op == Op::LoadSelf) read[e.index] = true;
-    todo.push_back(e.a);
-    todo.push_back(e.b);
+    visit(e);
+    todo.insert(todo.end(), {e.a, e.b});
     if (e.op != Op::Call) continue;
     for (const ExprId arg : code.args_of(e)) todo.push_back(arg);
   }
 }
 
+void collect_reads(const CodeTable& code, ExprId root, std::vector<bool>& read) {
+  visit_exprs(code, root, [&](const Expr& e) {
+    if (e.op == Op::LoadSelf) read[e.index] = true;
+  });
+}
+
 // Variables that a call hands over to C++ by reference.
 void collect_changes(const CodeTable& code, ExprId root, std::vector<bool>& written) {
-  std::vector<ExprId> todo{root};
-  while (!todo.empty()) {
-    const ExprId id = todo.back();
-    todo.pop_back();
-    if (!id.is_valid()) continue;
-    const Expr& e = code.exprs[id];
-    todo.insert(todo.end(), {e.a, e.b});
-    if (e.op != Op::Call) continue;
+  visit_exprs(code, root, [&](const Expr& e) {
+    if (e.op != Op::Call) return;
     const std::span<const ExprId> args = code.args_of(e);
     for (std::size_t k = 0; k < args.size(); ++k) {
       const Expr& arg = code.exprs[args[k]];
       if (code.functions[e.index].params[k].by_reference && arg.op == Op::LoadSelf) written[arg.index] = true;
-      todo.push_back(args[k]);
     }
-  }
+  });
 }
 
 void collect_stmts(const CodeTable& code, StmtId first, std::vector<bool>& read, std::vector<bool>& written) {
