@@ -4,7 +4,7 @@
 //   bip-fuzz TARGET --edits N --seed S FILE...       N edits of the files
 //
 // An input that crashes or takes more than ten seconds is left in `fuzz-failed` in the working directory. The last line is
-// "N inputs, N failed". Exit code 1 if one failed.
+// "N inputs, N accepted, N failed". Exit code 1 if one failed.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -47,13 +47,15 @@ void catch_signals() {
 }
 
 std::size_t failed = 0;
+std::size_t accepted = 0;
 
 void run(bip::fuzz::Target target, const std::string& input, const std::string& name) {
   current = input.data();
   current_size = input.size();
   alarm(kSeconds);
-  const std::string problem = target(input);
+  const auto [problem, is_accepted] = target(input);
   alarm(0);
+  if (is_accepted) ++accepted;
   if (problem.empty()) return;
   std::printf("%s: %s\n", name.c_str(), problem.c_str());
   if (++failed > 20) return;
@@ -65,7 +67,7 @@ void run(bip::fuzz::Target target, const std::string& input, const std::string& 
 int main(int argc, char** argv) {
   const bip::fuzz::Target target = argc > 1 ? bip::fuzz::find_target(argv[1]) : nullptr;
   if (target == nullptr) {
-    std::fprintf(stderr, "usage: bip-fuzz text|bsys|format [--edits N] [--seed S] FILE...\n");
+    std::fprintf(stderr, "usage: bip-fuzz text|bsys|format|lsp [--edits N] [--seed S] FILE...\n");
     return 64;
   }
   std::size_t edits = 0;
@@ -90,10 +92,10 @@ int main(int argc, char** argv) {
       bip::fuzz::Random random(seed * 0x100000001u + i);
       run(target, bip::fuzz::mutated(sources, random), "edit " + std::to_string(i) + " of seed " + std::to_string(seed));
     }
-    std::printf("%zu inputs, %zu failed\n", edits, failed);
+    std::printf("%zu inputs, %zu accepted, %zu failed\n", edits, accepted, failed);
   } else {
     for (std::size_t i = 0; i < sources.size(); ++i) run(target, sources[i], names[i]);
-    std::printf("%zu inputs, %zu failed\n", sources.size(), failed);
+    std::printf("%zu inputs, %zu accepted, %zu failed\n", sources.size(), accepted, failed);
   }
   return failed == 0 ? 0 : 1;
 }

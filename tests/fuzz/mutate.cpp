@@ -79,7 +79,8 @@ std::uint64_t Random::next() {
 std::string mutated(const std::vector<std::string>& sources, Random& random) {
   std::string text = sources[random.below(sources.size())];
   const std::size_t most = text.size() + text.size() / 3 + 100;
-  for (std::size_t edits = 1 + random.below(8); edits > 0 && text.size() < most; --edits) {
+  // Half of the time a single edit: more of them are accepted, and what comes after the check is tried too.
+  for (std::size_t edits = random.below(2) == 0 ? 1 : 2 + random.below(7); edits > 0 && text.size() < most; --edits) {
     edit(text, random.below(2) == 0 ? text : sources[random.below(sources.size())], random);
   }
   if (text.size() > most) text.resize(most);

@@ -1,5 +1,5 @@
-// What is tried with any bytes at all. Each function returns what is wrong in one line, empty if nothing is; a crash, a
-// sanitizer's report or a failed BIP_ASSERT speaks for itself.
+// What is tried with any bytes at all. A crash, a sanitizer's report or a failed BIP_ASSERT speaks for itself; the other
+// things that can be wrong are returned.
 //
 // The same functions run in three places: under libFuzzer (preset `fuzz`), over the kept crashers and over random edits of
 // good sources (`bip-fuzz`, in every test run).
@@ -9,18 +9,26 @@
 
 namespace bip::fuzz {
 
-/// Text -> tree -> model -> system: a diagnostic or a system, never both, never neither; a system is sound, can be written
-/// and read back, and can be lowered.
-[[nodiscard]] std::string try_text(std::string_view input);
+struct Verdict {
+  std::string problem;      // one line; empty: nothing is wrong
+  bool is_accepted = false; // the input was good, so that all of the target was tried
+};
 
-/// `.bsys`: a failure with a place, or a system that is sound and whose text reads back as itself.
-[[nodiscard]] std::string try_bsys(std::string_view input);
+/// `check` of a text: errors that can be read, or acceptance, never both, never neither. The system of each root is sound,
+/// can be written and read back, and runs 20 steps in the interpreter.
+[[nodiscard]] Verdict try_text(std::string_view input);
+
+/// `.bsys`: a failure with a place, or a system that is sound, whose text reads back as itself, and that runs 20 steps.
+[[nodiscard]] Verdict try_bsys(std::string_view input);
 
 /// The formatter: what parses prints as something that parses, and that prints as itself.
-[[nodiscard]] std::string try_format(std::string_view input);
+[[nodiscard]] Verdict try_format(std::string_view input);
 
-/// "text", "bsys" or "format"; nullptr for another name.
-using Target = std::string (*)(std::string_view);
+/// The language server: whatever comes, what it sends is JSON, nothing is an internal error, and the session goes on.
+[[nodiscard]] Verdict try_lsp(std::string_view input);
+
+/// "text", "bsys", "format" or "lsp"; nullptr for another name.
+using Target = Verdict (*)(std::string_view);
 [[nodiscard]] Target find_target(std::string_view name);
 
 }  // namespace bip::fuzz
