@@ -48,8 +48,9 @@ fragment STRING_CHAR: ~["\\\r\n] | '\\' ~[\r\n];
 
 // ---- punctuation, with the printed signs of the paper -------------------------------------------------------------------
 LPAREN: '('; RPAREN: ')'; LBRACK: '['; RBRACK: ']'; LBRACE: '{'; RBRACE: '}';
-COMMA: ','; SEMI: ';'; DOTDOT: '..'; DOT: '.'; AT_SIGN: '@';
+COMMA: ','; SEMI: ';'; ELLIPSIS: '\u2026' | '.' [ \t]* '.' [ \t]* '.'; DOTDOT: '..'; DOT: '.'; AT_SIGN: '@';
 ARROW: ':=' | '\u2190'; COLON: ':';
+SUBSCRIPT: [\u2080-\u2089]+ | '\u2099';
 PRIME: '\'' | '\u2019' | '\u2032';
 OROR: '||' | '\u2228'; ANDAND: '&&' | '\u2227';
 EQ: '=='; NE: '!=' | '\u2260'; LE: '<=' | '\u2264'; GE: '>=' | '\u2265'; LT: '<'; GT: '>'; ASSIGN: '=';

@@ -47,10 +47,13 @@ bodyItem: annotation* (dataDecl | portDecl | compoundExport | clockDecl | places
 connectorPart: annotation* (dataDecl | connectorExport | define | clause);
 connectorExport: EXPORT PORT typeName? id (LPAREN idList? RPAREN)?;
 define: DEFINE portTerm (COMMA? portTerm)*;
-portTerm: (portPath | (LPAREN | LBRACK | GROUP_OPEN) portTerm (COMMA? portTerm)* (RPAREN | RBRACK)) PRIME?;
+portTerm: (portPath | family | (LPAREN | LBRACK | GROUP_OPEN) portTerm (COMMA? portTerm)* (RPAREN | RBRACK)) PRIME?;
 portPath: portPart (DOT portPart)*;
 portPart: id (LBRACK (expr | STAR) RBRACK)?;
-clause: ON portPath (COMMA? portPath)* (provided | up | down | action)*;
+clause: ON clausePort (COMMA? clausePort)* (provided | up | down | action)*;
+clausePort: portPath | family;
+// the paper's c₁, . . . , cₙ
+family: id SUBSCRIPT COMMA ELLIPSIS COMMA id SUBSCRIPT;
 up: UP block;
 down: DOWN block;
 provided: PROVIDED expr;
@@ -80,7 +83,7 @@ args: expr (COMMA expr)*;
 connectorDecl: CONNECTOR path binding (COMMA binding)*;
 binding: id index? LPAREN boundPorts? RPAREN;
 boundPorts: boundPort (COMMA boundPort)*;
-boundPort: path | (LBRACK | GROUP_OPEN) boundPorts RBRACK;
+boundPort: path | family | (LBRACK | GROUP_OPEN) boundPorts RBRACK;
 inlineConnector: CONNECTOR binding connectorPart*;
 compoundExport: EXPORT (PORT | DATA) path (COMMA path)* AS id;
 forItems: FOR id IN expr DOTDOT expr (bodyItem | LBRACE bodyItem* RBRACE);

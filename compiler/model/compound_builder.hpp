@@ -42,7 +42,14 @@ struct CompoundBuilder {
   // paths.cpp
   bool element(const syntax::PathPart& part, bool is_array, ElementRef& ref, const std::string& what);
   bool port_path(const syntax::Path& path, PortPath& ref);
+  bool component_port(const syntax::Path& path, std::uint32_t family, PortPath& ref);
+  bool connector_port(const syntax::Path& path, std::uint32_t family, PortPath& ref);
   bool data_path(const syntax::Path& path, DataPath& ref, bool report);
+  // deep_paths.cpp
+  bool deep_port_path(const syntax::Path& path, PortPath& ref);
+  std::optional<std::pair<std::uint32_t, Type>> deep_data(const ComponentFamily& family, std::span<const syntax::PathPart> parts) const;
+  // inline_connector.cpp
+  std::vector<DataRead> data_reads(const syntax::CompoundItem& i, std::span<const PortPath> ports, std::vector<DataPath>& data);
   // build_items.cpp
   CompoundItem item(const syntax::CompoundItem& i);
   void component_item(const syntax::CompoundItem& i, CompoundItem& row);
@@ -61,8 +68,8 @@ struct CompoundBuilder {
 std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family, std::string_view name);
 
 /// Builds the type of an inline connector. `counts[k]`: how many parameters path k stands for (1 without [*]).
-/// `paths` are the connector's resolved ports; `data` receives one row a data read of the type.
-void build_inline_connector(Builder& b, const std::vector<ComponentFamily>& components, const syntax::CompoundItem& item, const std::vector<PortPath>& paths,
-                            const std::vector<std::uint32_t>& counts, std::vector<DataPath>& data, ConnectorType& out);
+/// `paths` are the connector's resolved ports, `reads` the data of components that its code names.
+void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
+                            const std::vector<DataRead>& reads, ConnectorType& out);
 
 }  // namespace bip::model

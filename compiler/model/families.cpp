@@ -14,8 +14,8 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
     const std::string name(i->name.text);
     const bool is_component = i->kind == syntax::ItemKind::Component;
     auto& rows = is_component ? components : connectors;
-    // Elements of one array may be declared by several items of loops.
-    if (const auto known = rows.find(name); known != rows.end() && i->index != nullptr && in_loop) {
+    // Elements of one array may be declared by several items: of loops, and connectors, whose index is never a size, anywhere.
+    if (const auto known = rows.find(name); known != rows.end() && i->index != nullptr && (in_loop || !is_component)) {
       if (is_component && out.components[known->second].is_array) continue;
       if (!is_component && out.connectors[known->second].is_array) {
         // Its exported port is compared with that of the first item when both are built.
@@ -56,9 +56,11 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
       ConnectorFamily family{.name = name, .is_array = i->index != nullptr, .export_type = {}, .range = i->name.range};
       if (i->inline_body != nullptr) {
         family.exports = i->inline_body->exported.present;
+        family.export_name = std::string(i->inline_body->exported.name.text);
       } else if (const auto row = b.type_row(i->type, TypeName::Kind::Connector, "connector type")) {
         const ConnectorType& type = b.model.connector_types[ConnectorTypeId(*row)];
         family.exports = type.exports;
+        family.export_name = type.export_name;
         family.export_type = type.export_type;
       }
       rows[name] = static_cast<std::uint32_t>(out.connectors.size());

@@ -1,7 +1,7 @@
 // Inline connectors (the paper's notation): type and instance at once; ports are named by what they connect, and the
-// code may read exported data of the components that take part.
+// code may read exported data of the compound's components, whether they take part or not.
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "compiler/model/compound_builder.hpp"
 
@@ -9,18 +9,19 @@ namespace bip::model {
 
 namespace {
 
-// Keys of all names that the clauses read or write.
+// All names that the clauses read or write, by key.
 struct NameCollector {
   const SourceMap& sources;
-  std::set<std::string> names{};
+  std::map<std::string, const syntax::Path*> names{};
 
   void expr(const syntax::Expr* e) {
     if (e == nullptr) return;
-    if (e->kind == syntax::ExprKind::Path) names.insert(path_key(e->path, sources));
+    if (e->kind == syntax::ExprKind::Path) names.try_emplace(path_key(e->path, sources), &e->path);
     for (const syntax::Expr* operand : e->operands) expr(operand);
   }
   void stmts(std::span<const syntax::Stmt* const> list) {
     for (const syntax::Stmt* s : list) {
+      if (s->kind == syntax::StmtKind::Assign) names.try_emplace(path_key(s->target, sources), &s->target);
       expr(s->value);
       stmts(s->then_body);
       stmts(s->else_body);
@@ -30,8 +31,28 @@ struct NameCollector {
 
 }  // namespace
 
-void build_inline_connector(Builder& b, const std::vector<ComponentFamily>& components, const syntax::CompoundItem& item, const std::vector<PortPath>& paths,
-                            const std::vector<std::uint32_t>& counts, std::vector<DataPath>& data, ConnectorType& out) {
+std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i, std::span<const PortPath> ports, std::vector<DataPath>& data) {
+  NameCollector used{b.sources};
+  for (const syntax::Clause& c : i.inline_body->clauses) {
+    used.expr(c.guard);
+    used.stmts(c.up.stmts);
+    used.stmts(c.down.stmts);
+    used.stmts(c.action.stmts);
+  }
+  std::vector<DataRead> reads;
+  for (const auto& [key, path] : used.names) {
+    if (path->parts.size() < 2) continue;
+    const auto is_of = [&key = key, this](const PortPath& port) { return key.starts_with(b.text(*port.path) + "."); };
+    DataPath ref;
+    if (std::any_of(ports.begin(), ports.end(), is_of) || !data_path(*path, ref, false)) continue;
+    reads.push_back({key, ref.type});
+    data.push_back(ref);
+  }
+  return reads;
+}
+
+void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
+                            const std::vector<DataRead>& reads, ConnectorType& out) {
   ConnectorPorts ports;
   std::uint32_t bind = 0;
   for (std::size_t k = 0; k < paths.size(); ++k) {
@@ -49,35 +70,18 @@ void build_inline_connector(Builder& b, const std::vector<ComponentFamily>& comp
       if (paths[k].type.is_valid()) bind += static_cast<std::uint32_t>(b.model.port_types[paths[k].type].variables.size());
     }
   }
-  NameCollector used{b.sources};
-  for (const syntax::Clause& c : item.inline_body->clauses) {
-    used.expr(c.guard);
-    used.stmts(c.up.stmts);
-    used.stmts(c.down.stmts);
-    used.stmts(c.action.stmts);
+  for (const DataRead& read : reads) {
+    ports.data[read.path] = {.load = Op::LoadBind, .index = bind++, .type = read.type, .read_only = "exported data are read-only from outside", .value = {}, .declared = {}};
   }
-  data.clear();
-  for (const PortPath& path : paths) {
-    if (path.is_connector || path.element.star) continue;
-    const syntax::Path component{path.path->parts.subspan(0, 1), path.path->parts[0].name.range};
-    const std::string prefix = b.text(component) + ".";
-    for (const std::string& name : used.names) {
-      if (!name.starts_with(prefix) || ports.data.contains(name)) continue;
-      const auto found = exported_data(b.model, components[path.element.family], std::string_view(name).substr(prefix.size()));
-      if (!found) continue;
-      ports.data[name] = {.load = Op::LoadBind, .index = bind++, .type = found->second, .read_only = "exported data are read-only from outside", .value = {}, .declared = {}};
-      ports.data_reads.push_back({name, found->second});
-      data.push_back({path.element, found->first, found->second, path.range});
-    }
-  }
+  ports.data_reads = reads;
   build_connector_body(b, *item.inline_body, ports, true, item.name.range, item.annotations, out);
 }
 
-ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundType& compound, const CompoundItem& item,
-                                        const std::vector<std::uint32_t>& counts, std::vector<DataPath>& data) {
+ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts) {
   Builder b{model, diags, *model.sources, {}};
+  const std::vector<DataRead> reads = model.connector_types[item.type].data_reads;
   ConnectorType type{.name = model.connector_types[item.type].name, .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = model.connector_types[item.type].loc};
-  build_inline_connector(b, compound.components, *item.syntax, item.ports, counts, data, type);
+  build_inline_connector(b, *item.syntax, item.ports, counts, reads, type);
   return model.connector_types.push(std::move(type));
 }
 

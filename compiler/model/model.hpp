@@ -34,6 +34,7 @@ struct DataPath {
   std::uint32_t slot = 0;     // atom: slot; compound: row of data_exports
   Type type = Type::Int;
   SourceRange range;
+  const syntax::Path* path = nullptr;
 };
 
 /// A name in a compound with one instance, or an array of instances, of one type.
@@ -49,6 +50,7 @@ struct ConnectorFamily {
   std::string name;
   bool is_array = false;
   bool exports = false;
+  std::string export_name{};
   PortTypeId export_type;
   SourceRange range;
 };
@@ -165,9 +167,8 @@ namespace model {
 [[nodiscard]] std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources, Diagnostics& diags);
 /// A package that uses no other.
 [[nodiscard]] std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& sources, Diagnostics& diags);
-/// The type of an inline connector whose paths with [*] stand for `counts[k]` ports; `data` as in CompoundItem.
-[[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundType& compound, const CompoundItem& item,
-                                                      const std::vector<std::uint32_t>& counts, std::vector<DataPath>& data);
+/// The type of an inline connector whose paths with [*] stand for `counts[k]` ports; it reads the same data as the item's.
+[[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts);
 /// True if `define` gives the interaction of these parameters (sorted).
 [[nodiscard]] bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
 /// The largest interaction within `params` (sorted); empty if there is none.

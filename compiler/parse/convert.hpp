@@ -84,6 +84,7 @@ class Converter {
   std::span<const syntax::Name> names(const std::vector<BipParser::IdContext*>& ids);
   syntax::Path path(BipParser::PathContext* ctx);
   syntax::Path path(BipParser::PortPathContext* ctx);
+  syntax::Path path(BipParser::FamilyContext* ctx);
   syntax::PathPart part(BipParser::PathPartContext* ctx);
   syntax::TypeRef type_ref(BipParser::TypeNameContext* ctx, bool is_const);
   std::string_view string(antlr4::tree::TerminalNode* node);

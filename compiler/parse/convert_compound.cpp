@@ -75,6 +75,8 @@ void Converter::bound_ports(BipParser::BoundPortsContext* ctx, std::vector<Path>
   for (BipParser::BoundPortContext* p : ctx->boundPort()) {
     if (p->path() != nullptr) {
       to.push_back(path(p->path()));
+    } else if (p->family() != nullptr) {
+      to.push_back(path(p->family()));
     } else {
       bound_ports(p->boundPorts(), to);
     }

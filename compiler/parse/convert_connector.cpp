@@ -66,6 +66,10 @@ const PortExpr* Converter::port_term(BipParser::PortTermContext* ctx) {
     e.port = path(ctx->portPath());
     return arena_.make(e);
   }
+  if (ctx->family() != nullptr) {
+    e.port = path(ctx->family());
+    return arena_.make(e);
+  }
   e.kind = PortExprKind::Group;
   std::vector<const PortExpr*> children;
   for (BipParser::PortTermContext* term : ctx->portTerm()) children.push_back(port_term(term));
@@ -76,7 +80,7 @@ const PortExpr* Converter::port_term(BipParser::PortTermContext* ctx) {
 Clause Converter::clause(BipParser::ClauseContext* ctx, Annotations marks) {
   Clause c{.annotations = marks, .range = range(ctx)};
   std::vector<Path> ports;
-  for (BipParser::PortPathContext* p : ctx->portPath()) ports.push_back(path(p));
+  for (BipParser::ClausePortContext* p : ctx->clausePort()) ports.push_back(p->family() != nullptr ? path(p->family()) : path(p->portPath()));
   c.ports = arena_.list(ports);
   constexpr std::string_view kWhole = "an `on` clause";
   for (std::size_t i = 1; i < ctx->provided().size(); ++i) repeated("`provided`", kWhole, range(ctx->provided(i)));

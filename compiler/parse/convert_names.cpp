@@ -65,6 +65,18 @@ Path Converter::path(BipParser::PortPathContext* ctx) {
   return {arena_.list(parts), range(ctx)};
 }
 
+// The elements of an array, all of them: `c[*]`.
+Path Converter::path(BipParser::FamilyContext* ctx) {
+  const Name first = name(ctx->id(0));
+  const std::string_view low = text(range(ctx->SUBSCRIPT(0)->getSymbol()));
+  const std::string_view high = text(range(ctx->SUBSCRIPT(1)->getSymbol()));
+  if (first.text != name(ctx->id(1)).text || low != "\u2081" || high != "\u2099") {
+    diags_.report(Diag::kB2051, range(ctx), text(range(ctx)))
+        .help(fmt::format("write `{0}\u2081, \u2026, {0}\u2099`, or `{0}[*]`", first.text), range(ctx), fmt::format("{}[*]", first.text));
+  }
+  return {arena_.list(std::vector<PathPart>{{.name = first, .star = true}}), range(ctx)};
+}
+
 TypeRef Converter::type_ref(BipParser::TypeNameContext* ctx, bool is_const) {
   TypeRef type;
   type.is_const = is_const;

@@ -40,6 +40,7 @@ constexpr Spelling kSpellings[] = {
     {BipParser::LBRACE, "{"},          {BipParser::RBRACE, "}"},          {BipParser::SEMI, ";"},
     {BipParser::ASSIGN, "="},          {BipParser::ARROW, "<-"},          {BipParser::LT, "<"},
     {BipParser::COLON, ":"},           {BipParser::DOTDOT, ".."},         {BipParser::COMMA, ","},
+    {BipParser::ELLIPSIS, "\u2026"},
     {BipParser::AT_SIGN, "@"},         {BipParser::STAR, "*"},            {BipParser::PRIME, "'"},
     {BipParser::DOT, "."},             {BipParser::GT, ">"},              {BipParser::LE, "<="},
     {BipParser::GE, ">="},             {BipParser::EQ, "=="},             {BipParser::NE, "!="},
@@ -67,7 +68,7 @@ constexpr std::size_t kItemStarts[] = {BipParser::DATA, BipParser::EXPORT, BipPa
 constexpr std::size_t kDeclStarts[] = {BipParser::ATOM, BipParser::COMPOUND, BipParser::CONNECTOR_DECL, BipParser::PORT_DECL,
                                        BipParser::EXTERN_DECL, BipParser::COMPONENT_DECL, BipParser::CONST, BipParser::DATA, BipParser::FUNCTION,
                                        BipParser::AT_SIGN};
-constexpr std::size_t kPostfix[] = {BipParser::LBRACK, BipParser::GROUP_OPEN, BipParser::DOT, BipParser::PRIME};
+constexpr std::size_t kPostfix[] = {BipParser::SUBSCRIPT, BipParser::LBRACK, BipParser::GROUP_OPEN, BipParser::DOT, BipParser::PRIME};
 
 template <std::size_t N>
 void drop(std::vector<std::size_t>& types, const std::size_t (&set)[N]) {

@@ -41,7 +41,7 @@ struct Instantiator {
   Diagnostics& diags;
   System out{};
   std::vector<Instance> instances{};
-  std::map<std::pair<const CompoundItem*, std::vector<std::uint32_t>>, std::pair<ConnectorTypeId, std::vector<DataPath>>> expanded{};
+  std::map<std::pair<const CompoundItem*, std::vector<std::uint32_t>>, ConnectorTypeId> expanded{};
   std::size_t rounds = 0;
   bool stopped = false;  // a limit was reached: unwind
 

@@ -155,13 +155,10 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
     if (!resolve_port(instance, path, self, row.ports, depth)) return {};
     counts.push_back(static_cast<std::uint32_t>(row.ports.size() - before));
   }
-  const CompoundType& compound_type = model.compound_types[instances[instance].type];
-  const std::vector<DataPath>* data = &item.data;
   if (item.has_star && item.syntax->inline_body != nullptr) {
     auto [it, is_new] = expanded.try_emplace({&item, counts});
-    if (is_new) it->second.first = model::expand_inline_connector(model, diags, compound_type, item, counts, it->second.second);
-    row.type = it->second.first;
-    data = &it->second.second;
+    if (is_new) it->second = model::expand_inline_connector(model, diags, item, counts);
+    row.type = it->second;
   }
   const ConnectorType& type = model.connector_types[row.type];
   if (row.ports.size() != type.params.size()) {
@@ -176,7 +173,7 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
       return {};
     }
   }
-  for (const DataPath& d : *data) {
+  for (const DataPath& d : item.data) {
     const std::optional<DataRef> ref = resolve_data(instance, d, self);
     if (!ref) return {};
     row.data.push_back(*ref);
