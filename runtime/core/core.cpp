@@ -128,11 +128,33 @@ bool Core::initialize() {
     if (!settle_atom(atom, kNone)) return false;
     if (state.watched != 0) touch(atom);
   }
-  return settle();
+  return settle_anew();
 }
 
-Candidate Core::candidate(std::uint64_t k) const {
-  const EnabledSet::Position at = enabled_.select(k);
+// The list of the uniform policy starts from the order of candidates.
+bool Core::settle_anew() {
+  enabled_.unlist();
+  if (!settle()) return false;
+  if (keeps_list_) enabled_.list(static_cast<u32>(tables_.slots.size()));
+  return true;
+}
+
+void Core::keep_list() {
+  keeps_list_ = true;
+  enabled_.list(static_cast<u32>(tables_.slots.size()));
+}
+
+std::vector<u32> Core::list_order() const {
+  std::vector<u32> order;
+  for (u32 i = 0; keeps_list_ && i < enabled_.listed_count(); ++i) order.push_back(enabled_.listed(i));
+  return order;
+}
+
+void Core::set_list_order(const std::vector<u32>& order) {
+  if (keeps_list_) enabled_.list(order, static_cast<u32>(tables_.slots.size()));
+}
+
+Candidate Core::candidate(EnabledSet::Position at) const {
   const SlotInfo& info = tables_.slots[at.slot];
   Candidate candidate;
   candidate.slot = at.slot;
@@ -168,6 +190,7 @@ State Core::snapshot() const {
 
 bool Core::restore(const State& state) {
   const Image& image = *tables_.image;
+  enabled_.unlist();
   // A fault leaves things between two states.
   if (fault_) forget();
   fault_ = {};
@@ -190,7 +213,7 @@ bool Core::restore(const State& state) {
     if (!update_ports(atom, before)) return false;
     if (now.watched != 0) touch(atom);
   }
-  return settle();
+  return settle_anew();
 }
 
 bool Core::is_marked(u32 atom, u32 place) const {

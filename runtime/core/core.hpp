@@ -59,21 +59,36 @@ class Core {
 
   [[nodiscard]] std::uint64_t candidate_count() const { return enabled_.total(); }
   /// The k-th candidate in canonical order, k < candidate_count(). O(log slots).
-  [[nodiscard]] Candidate candidate(std::uint64_t k) const;
+  [[nodiscard]] Candidate candidate(std::uint64_t k) const { return candidate(enabled_.select(k)); }
   /// The number of the first candidate in a slot greater than `slot`, cyclically. O(log slots).
   [[nodiscard]] std::uint64_t next_after(u32 slot) const;
 
+  // ---- the list of the slots that have candidates, whose order is the history's: what the policy `uniform` draws from
+  /// From now on, starting in canonical order. `initialize` and `restore` start it anew.
+  void keep_list();
+  /// In the list's order; empty without one.
+  [[nodiscard]] std::vector<u32> list_order() const;
+  /// Of the same state.
+  void set_list_order(const std::vector<u32>& order);
+  /// The k-th candidate in the list's order while every slot in it has one, else in canonical order; k < candidate_count().
+  /// Needs the list. O(1) while every slot has one.
+  [[nodiscard]] EnabledSet::Position drawn(std::uint64_t k) const {
+    if (enabled_.listed_count() == enabled_.total()) return {enabled_.listed(k), 0};
+    return enabled_.select(k);
+  }
+  /// Where the k-th candidate in canonical order is. O(log slots).
+  [[nodiscard]] EnabledSet::Position position(std::uint64_t k) const { return enabled_.select(k); }
+  /// The number of a candidate in canonical order. O(log slots).
+  [[nodiscard]] std::uint64_t number(EnabledSet::Position at) const { return enabled_.rank(at.slot) + at.rank; }
+  [[nodiscard]] Candidate candidate(EnabledSet::Position at) const;
+
   /// Takes the step. False: a fault; the state is then between two stable ones.
   bool fire(const Candidate& candidate);
-  bool fire(std::uint64_t k) {
-    u32 slot = 0;
-    return take(k, slot);
-  }
-  /// fire(candidate(k)) by the shortest way; slot: of the candidate. The engine's loop.
-  bool take(std::uint64_t k, u32& slot) {
-    slot = enabled_.select(k).slot;
-    const u32* program = rows_.data() + std::size_t{slot} * row_words_;
-    return *program != kNone ? run_program(program, slot) : fire(candidate(k));
+  bool fire(std::uint64_t k) { return take(enabled_.select(k)); }
+  /// fire(candidate(at)) by the shortest way. The engine's loop.
+  bool take(EnabledSet::Position at) {
+    const u32* program = rows_.data() + std::size_t{at.slot} * row_words_;
+    return *program != kNone ? run_program(program, at.slot) : fire(candidate(at));
   }
 
   /// The atom ports that take part, in the order in which they fire.
@@ -134,6 +149,7 @@ class Core {
 
   FlatGuard flat_guard(const SlotInfo& info);
   void forget();
+  bool settle_anew();
   void remember(u32 slot) {
     history_[history_at_] = slot;
     history_at_ = (history_at_ + 1) % kHistory;
@@ -256,6 +272,7 @@ class Core {
   std::vector<ProgramCode> codes_;         // what programs call
   std::map<std::tuple<CodeFn, const void*, u32>, u32> code_rows_;
   EnabledSet enabled_;
+  bool keeps_list_ = false;
 
   std::vector<u32> dirty_;
   std::vector<std::uint8_t> is_dirty_;     // by slot

@@ -21,9 +21,7 @@ bool Core::fire(const Candidate& candidate) {
     case SlotKind::Planned: done = fire_planned(candidate, info); break;
     case SlotKind::Port: done = fire_port(info.row); break;
   }
-  if (!done) return false;
-  if (dirty_.empty() && dirty_rules_.empty()) return true;
-  return settle();
+  return done && settle();
 }
 
 void Core::zero_frame(u32 connector) {

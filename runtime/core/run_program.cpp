@@ -55,7 +55,7 @@ bool Core::run_program(const u32* word, u32 slot) {
     while (word != end) {
       // The nodes of one word of the enabled set together: its counts change once.
       u64 flips = 0;
-      u32 difference = 0, slots_xor = 0, delta = 0;
+      u32 difference = 0, delta = 0;
       do {
         delta = *word++;
         const u32 node = delta >> 6;
@@ -64,10 +64,9 @@ bool Core::run_program(const u32* word, u32 slot) {
         values[node] = is;
         const u32 was_out = static_cast<u32>(was) >> 31, is_out = static_cast<u32>(is) >> 31;
         flips |= u64{was_out ^ is_out} << (node & 63);
-        slots_xor ^= node & (0 - (was_out ^ is_out));
         difference += was_out - is_out;
       } while ((delta & kDeltaLast) == 0);
-      enabled_.flip(delta >> 12, flips, difference, slots_xor);
+      enabled_.flip(delta >> 12, flips, difference);
     }
     return true;
   }
@@ -82,7 +81,7 @@ bool Core::run_program(const u32* word, u32 slot) {
   for (u32 left = header >> 8 & 63; left > 0; --left, ++touched) {
     if (values_[*touched] >= 0) mark_dirty(*touched);
   }
-  return (dirty_.empty() && dirty_rules_.empty()) || settle();
+  return settle();
 }
 
 }  // namespace bip::rt

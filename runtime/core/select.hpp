@@ -1,9 +1,15 @@
-// The enabled set: how many candidates each slot has, in slot order. A bitset with a tree of counts of fan-out 8 above
-// it, so that "the k-th candidate" and "how many before slot s" cost O(log n) and an update costs one addition a level.
-// Choices are random, so the descent has no branch that depends on them.
+// The enabled set: how many candidates each slot has, kept in one or both of two ways.
 //
-// Most systems have at most one candidate a slot; only `weighted` sets keep a weight a slot.
+// Ranked: a bitset in slot order with a tree of counts of fan-out 8 above it, so that "the k-th candidate" and "how many
+// before slot s" cost O(log n) and an update costs one addition a level. Choices are random, so the descent has no branch
+// that depends on them. Listed: the slots that have candidates as one dense array and where each of them is: a uniform
+// choice is one load, an update a few stores. Its order is part of what the policy `uniform` means (semantics.md): after a
+// step the changes are applied in slot order, what goes is replaced by the last one, what comes goes to the end.
+//
+// Most systems have at most one candidate a slot; only `weighted` sets keep a weight a slot. A set starts ranked; one that
+// only draws uniformly ranks no more until it is asked for a rank.
 #pragma once
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -24,41 +30,81 @@ class EnabledSet {
       if (entries <= 8) break;
     }
     total_ = 0;
-    members_xor_ = 0;
+    ranked_ = true;
+    unlist();
   }
 
   [[nodiscard]] std::uint64_t total() const { return total_; }
   [[nodiscard]] std::uint32_t weight(std::uint32_t slot) const {
     if (!weights_.empty()) return weights_[slot];
-    return static_cast<std::uint32_t>(words_[slot >> 6] >> (slot & 63) & 1);
+    if (ranked_) return static_cast<std::uint32_t>(words_[slot >> 6] >> (slot & 63) & 1);
+    return static_cast<std::uint32_t>(position_[slot] != kAbsent) ^ pending_[slot];
   }
 
+  // ---- the list
+  /// Starts the list: all slots with candidates, in slot order.
+  void list(std::uint32_t slots) {
+    ensure_ranked();
+    position_.assign(slots, kAbsent);
+    pending_.assign(slots, 0);
+    members_.assign(std::size_t{slots} + 1, 0);
+    listed_count_ = 0;
+    changed_.clear();
+    for (std::size_t entry = 0; entry < words_.size(); ++entry) {
+      for (std::uint64_t word = words_[entry]; word != 0; word &= word - 1) {
+        append(static_cast<std::uint32_t>(entry * 64) + static_cast<std::uint32_t>(std::countr_zero(word)));
+      }
+    }
+    listed_ = true;
+    ranked_ = !weights_.empty();
+  }
+  void list(const std::vector<std::uint32_t>& order, std::uint32_t slots) {
+    list(slots);
+    listed_count_ = 0;
+    for (const std::uint32_t slot : order) append(slot);
+  }
+  /// Back to ranks alone.
+  void unlist() {
+    ensure_ranked();
+    listed_ = false;
+    changed_.clear();
+  }
+  [[nodiscard]] bool is_listed() const { return listed_; }
+  [[nodiscard]] std::uint32_t listed_count() const { return listed_count_; }
+  [[nodiscard]] std::uint32_t listed(std::uint64_t position) const { return members_[position]; }
+  /// Brings the list up to date with what came and went since the last time.
+  void settle_list() {
+    if (!changed_.empty()) apply_changes();
+  }
+
+  // ---- changes; with a list they count from settle_list on
   /// Unweighted sets. The slot must not be in the set.
-  void insert(std::uint32_t slot) {
-    words_[slot >> 6] |= std::uint64_t{1} << (slot & 63);
-    members_xor_ ^= slot;
-    add(slot, 1);
-  }
+  void insert(std::uint32_t slot) { toggle(slot, 1); }
   /// Unweighted sets. The slot must be in the set.
-  void erase(std::uint32_t slot) {
-    words_[slot >> 6] &= ~(std::uint64_t{1} << (slot & 63));
-    members_xor_ ^= slot;
-    add(slot, ~0u);
-  }
-  /// Unweighted sets. Members of the word that holds slots 64 * word ... come and go, `difference` more than before;
-  /// slots_xor: of all that come or go.
-  void flip(std::uint32_t word, std::uint64_t flips, std::uint32_t difference, std::uint32_t slots_xor) {
-    words_[word] ^= flips;
-    members_xor_ ^= slots_xor;
-    add(word << 6, difference);
+  void erase(std::uint32_t slot) { toggle(slot, ~0u); }
+  /// Unweighted sets without unsettled changes. Members of the word that holds slots 64 * word ... come and go,
+  /// `difference` more than before.
+  void flip(std::uint32_t word, std::uint64_t flips, std::uint32_t difference) {
+    if (ranked_) {
+      words_[word] ^= flips;
+      add(word << 6, difference);
+    }
+    total_ += difference;
+    if (!listed_) return;
+    for (; flips != 0; flips &= flips - 1) exchange((word << 6) + static_cast<std::uint32_t>(std::countr_zero(flips)));
   }
   void set(std::uint32_t slot, std::uint32_t weight_now) {
     const std::uint32_t before = weight(slot);
     if (before == weight_now) return;
+    if (weights_.empty()) {
+      toggle(slot, weight_now - before);
+      return;
+    }
     const std::uint64_t bit = std::uint64_t{1} << (slot & 63);
     if (weight_now != 0) words_[slot >> 6] |= bit; else words_[slot >> 6] &= ~bit;
-    if ((before == 0) != (weight_now == 0)) members_xor_ ^= slot;
-    if (!weights_.empty()) weights_[slot] = weight_now;
+    if (listed_ && (before == 0) != (weight_now == 0)) note(slot);
+    weights_[slot] = weight_now;
+    total_ += weight_now - before;
     add(slot, weight_now - before);
   }
 
@@ -68,7 +114,7 @@ class EnabledSet {
   };
   /// The k-th candidate, k < total().
   [[nodiscard]] Position select(std::uint64_t k) const {
-    if (total_ == 1) return {members_xor_, 0};
+    ensure_ranked();
     auto left = static_cast<std::uint32_t>(k);
     std::size_t entry = 0;
     for (std::uint32_t level = levels_; level-- > 0;) {
@@ -95,6 +141,7 @@ class EnabledSet {
   }
   /// The number of candidates in slots below `slot`.
   [[nodiscard]] std::uint64_t rank(std::uint32_t slot) const {
+    ensure_ranked();
     std::uint64_t sum = 0;
     std::size_t entry = slot >> 6;
     std::uint64_t word = words_[entry] & ((std::uint64_t{1} << (slot & 63)) - 1);
@@ -151,20 +198,84 @@ class EnabledSet {
   static std::uint32_t passed(std::uint32_t sum, std::uint32_t left) {
     return static_cast<std::uint32_t>(static_cast<std::int32_t>(~(left - sum)) >> 31);
   }
-  void add(std::uint32_t slot, std::uint32_t difference) {
-    total_ += difference;
+  void add(std::uint32_t slot, std::uint32_t difference) const {
     std::uint32_t entry = slot >> 6;
     for (std::uint32_t level = 0; level < levels_; ++level, entry >>= 3) counts_[offset_[level] + entry] += difference;
   }
 
-  std::vector<std::uint64_t> words_;
+  void toggle(std::uint32_t slot, std::uint32_t difference) {
+    total_ += difference;
+    if (ranked_) {
+      words_[slot >> 6] ^= std::uint64_t{1} << (slot & 63);
+      add(slot, difference);
+    }
+    if (listed_) note(slot);
+  }
+  void note(std::uint32_t slot) {
+    pending_[slot] ^= 1;
+    changed_.push_back(slot);
+  }
+  void append(std::uint32_t slot) {
+    position_[slot] = listed_count_;
+    members_[listed_count_++] = slot;
+  }
+  void exchange(std::uint32_t slot) {
+    const std::uint32_t at = position_[slot];
+    if (at == kAbsent) {
+      append(slot);
+      return;
+    }
+    const std::uint32_t last = members_[--listed_count_];
+    members_[at] = last;
+    position_[last] = at;
+    position_[slot] = kAbsent;
+  }
+  void apply_changes() {
+    if (changed_.size() > 1) std::sort(changed_.begin(), changed_.end());
+    for (const std::uint32_t slot : changed_) {
+      if (pending_[slot] == 0) continue;
+      pending_[slot] = 0;
+      exchange(slot);
+    }
+    changed_.clear();
+  }
+  // Counts anew, from the list.
+  void ensure_ranked() const {
+    if (ranked_) return;
+    ranked_ = true;
+    std::fill(words_.begin(), words_.end(), std::uint64_t{0});
+    std::fill(counts_.begin(), counts_.end(), 0u);
+    const auto enter = [&](std::uint32_t slot) {
+      words_[slot >> 6] |= std::uint64_t{1} << (slot & 63);
+      add(slot, 1);
+    };
+    for (std::uint32_t i = 0; i < listed_count_; ++i) {
+      if (pending_[members_[i]] == 0) enter(members_[i]);
+    }
+    for (const std::uint32_t slot : changed_) {
+      const bool is_new = pending_[slot] != 0 && position_[slot] == kAbsent;
+      if (is_new && (words_[slot >> 6] >> (slot & 63) & 1) == 0) enter(slot);
+    }
+  }
+
+  static constexpr std::uint32_t kAbsent = 0xffffffffu;
+
+  // Ranks; made anew when somebody asks, so a question may change them.
+  mutable std::vector<std::uint64_t> words_;
+  mutable std::vector<std::uint32_t> counts_;
+  mutable bool ranked_ = true;
   std::vector<std::uint32_t> weights_;
-  std::vector<std::uint32_t> counts_;
   std::uint32_t offset_[12] = {};
   std::uint32_t levels_ = 0;
   std::uint32_t total_ = 0;
   bool fast_pdep_ = has_fast_pdep();
-  std::uint32_t members_xor_ = 0;  // of all slots in the set: where there is one, that one
+
+  bool listed_ = false;
+  std::uint32_t listed_count_ = 0;
+  std::vector<std::uint32_t> members_;    // the first listed_count_; one more than slots, for who writes before it looks
+  std::vector<std::uint32_t> position_;   // by slot, in members_
+  std::vector<std::uint8_t> pending_;     // by slot: in or out, contrary to the list
+  std::vector<std::uint32_t> changed_;    // those, and others
 };
 
 }  // namespace bip::rt

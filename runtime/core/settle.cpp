@@ -12,6 +12,10 @@ u32 Core::base_count(u32 slot) const {
 }
 
 bool Core::settle() {
+  if (dirty_.empty() && dirty_rules_.empty()) {
+    enabled_.settle_list();
+    return true;
+  }
   for (u32 slot : dirty_) {
     if (listing_of_[slot] != kNone && !list(slot)) return false;
   }
@@ -22,6 +26,7 @@ bool Core::settle() {
   }
   for (u32 slot : dirty_) is_dirty_[slot] = 0;
   dirty_.clear();
+  enabled_.settle_list();
   return true;
 }
 

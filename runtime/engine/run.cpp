@@ -185,6 +185,7 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
   // Models that draw numbers by rand() run alike wherever they run.
   if (image.outside != nullptr) std::srand(static_cast<unsigned>(seed));
   bool sound = core.initialize();
+  if (sound) scheduler.start(core);
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
   while (true) {
@@ -197,20 +198,21 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
     } else if (interrupted != 0) {
       result.end = End::Interrupted;
     } else {
-      std::uint64_t k = 0;
+      EnabledSet::Position at{};
       if (options.interactive) {
+        std::uint64_t k = 0;
         output.list(core, result.steps);
         if (!ask_candidate(options.input == nullptr ? stdin : options.input, out, core.candidate_count(), k)) {
           result.end = End::Interrupted;
           break;
         }
+        at = core.position(k);
       } else {
-        k = scheduler.choose(core);
+        at = scheduler.choose(core);
       }
-      if (writes) output.step(core, core.candidate(k), result.steps, k);
-      u32 slot = 0;
-      sound = core.take(k, slot);
-      scheduler.fired(slot);
+      if (writes) output.step(core, core.candidate(at), result.steps, core.number(at));
+      sound = core.take(at);
+      scheduler.fired(at.slot);
       if (sound) ++result.steps;
       continue;
     }

@@ -11,16 +11,19 @@ class Scheduler {
  public:
   Scheduler(Policy policy, std::uint64_t seed) : policy_(policy), prng_(seed) {}
 
-  /// The number of the candidate to take. There must be one.
-  std::uint64_t choose(const Core& core) {
+  /// Once, after the initial state is known.
+  void start(Core& core) const {
+    if (policy_ == Policy::Uniform) core.keep_list();
+  }
+  /// The candidate to take. There must be one.
+  EnabledSet::Position choose(const Core& core) {
     const std::uint64_t count = core.candidate_count();
-    if (count <= 1) return 0;
     switch (policy_) {
-      case Policy::Uniform: return prng_.below(count);
-      case Policy::First: return 0;
-      case Policy::Fair: return has_fired_ ? core.next_after(last_) : 0;
+      case Policy::Uniform: return core.drawn(count == 1 ? 0 : prng_.below(count));
+      case Policy::First: break;
+      case Policy::Fair: return core.position(has_fired_ && count > 1 ? core.next_after(last_) : 0);
     }
-    return 0;
+    return core.position(0);
   }
   void fired(u32 slot) {
     last_ = slot;

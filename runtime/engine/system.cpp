@@ -23,6 +23,7 @@ struct System::Impl {
     });
     if (image.outside != nullptr) std::srand(static_cast<unsigned>(options.seed));
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
+    if (outcome == Outcome::Stepped) scheduler.start(core);
   }
 
   [[nodiscard]] rt::u32 find_atom(const std::string& path) const {
@@ -43,10 +44,10 @@ struct System::Impl {
     }
     return nullptr;
   }
-  Outcome take(std::uint64_t k) {
-    const rt::Candidate candidate = core.candidate(k);
+  Outcome take(rt::EnabledSet::Position at) {
     Step step;
     if (callback) {
+      const rt::Candidate candidate = core.candidate(at);
       step.number = steps;
       rt::append_candidate(step.interaction, core, candidate);
       core.participants(candidate, participants);
@@ -54,8 +55,8 @@ struct System::Impl {
         step.ports.push_back(std::string(core.image().atoms[p.atom].path) + "." + core.tables().atom_type(p.atom).ports[p.port].name);
       }
     }
-    if (!core.fire(candidate)) return outcome = Outcome::Fault;
-    scheduler.fired(candidate.slot);
+    if (!core.take(at)) return outcome = Outcome::Fault;
+    scheduler.fired(at.slot);
     ++steps;
     if (callback) callback(step);
     return outcome = Outcome::Stepped;
@@ -73,6 +74,7 @@ struct System::Impl {
 
 struct System::Snapshot::Impl {
   rt::State state;
+  std::vector<rt::u32> order;  // of the list that `uniform` draws from
   rt::Scheduler scheduler;
   std::uint64_t steps;
   Outcome outcome;
@@ -115,7 +117,7 @@ std::string System::candidate(std::uint64_t k) const {
 Outcome System::fire(std::uint64_t k) {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
   if (k >= impl_->core.candidate_count()) return impl_->outcome = Outcome::Deadlock;
-  return impl_->take(k);
+  return impl_->take(impl_->core.position(k));
 }
 
 void System::on_step(std::function<void(const Step&)> callback) { impl_->callback = std::move(callback); }
@@ -149,12 +151,13 @@ bool System::read(const std::string& path, std::string& value) const {
 System::Snapshot System::snapshot() const {
   Snapshot snapshot;
   snapshot.impl_ = std::make_unique<Snapshot::Impl>(
-      Snapshot::Impl{impl_->core.snapshot(), impl_->scheduler, impl_->steps, impl_->outcome});
+      Snapshot::Impl{impl_->core.snapshot(), impl_->core.list_order(), impl_->scheduler, impl_->steps, impl_->outcome});
   return snapshot;
 }
 
 void System::restore(const Snapshot& snapshot) {
   const bool sound = impl_->core.restore(snapshot.impl_->state);
+  if (sound) impl_->core.set_list_order(snapshot.impl_->order);
   impl_->scheduler = snapshot.impl_->scheduler;
   impl_->steps = snapshot.impl_->steps;
   impl_->outcome = sound ? snapshot.impl_->outcome : Outcome::Fault;
