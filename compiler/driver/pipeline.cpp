@@ -11,6 +11,7 @@
 #include "compiler/driver/roots.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/instantiate.hpp"
+#include "compiler/system/timed.hpp"
 
 namespace bip::driver {
 namespace {
@@ -76,6 +77,11 @@ bool verify_system(Compilation& c) {
 }
 
 bool lower_system(Compilation& c) {
+  // What executors do not know yet is no System for them.
+  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
+    c.diags.report(Diag::kB1801, c.root_range).note(timed);
+    return false;
+  }
   c.root_name = name_of_root(c);
   c.lowered = lower::lower(*c.system, c.root_name);
   return true;

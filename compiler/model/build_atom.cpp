@@ -1,6 +1,7 @@
 // Atom types: slots, ports, places, transitions with their code.
 #include <algorithm>
 
+#include "compiler/model/build_time.hpp"
 #include "compiler/model/externs.hpp"
 
 namespace bip::model {
@@ -13,6 +14,7 @@ struct AtomBuilder {
   AtomType out{};
   NameSpace names;
   Scope scope;
+  TimeBuilder time;
   std::unordered_map<std::string, std::uint32_t> slots, ports, places;
   StmtId initialisers;  // declared initial values, in reverse while collecting
   struct Init {
@@ -24,7 +26,7 @@ struct AtomBuilder {
   std::vector<Init> inits;
 
   AtomBuilder(Builder& builder, const syntax::Decl& d)
-      : b(builder), decl(d), names(builder.diags, fmt::format("atom type `{}`", d.name.text)) {
+      : b(builder), decl(d), names(builder.diags, fmt::format("atom type `{}`", d.name.text)), time(builder, out, scope) {
     out.name = b.key(decl);
     out.loc = b.loc(decl.name.range);
     scope.owner = fmt::format("atom type `{}`", decl.name.text);
@@ -77,7 +79,11 @@ struct AtomBuilder {
       if (slot == slots.end()) {
         std::vector<std::string> known;
         for (const Slot& s : out.slots) known.push_back(s.name);
-        help_similar(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var.text, var.range, known);
+        const auto clock = std::find_if(decl.clocks.begin(), decl.clocks.end(), [&](const syntax::ClockDecl& c) {
+          return std::any_of(c.names.begin(), c.names.end(), [&](const syntax::Name& n) { return n.text == var.text; });
+        });
+        if (clock != decl.clocks.end()) b.diags.report(Diag::kB1610, var.range, port.name, var.text).label(clock->range, "declared here");
+        else help_similar(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var.text, var.range, known);
         port.slots.push_back(0);
         sound = false;
         variables.push_back({std::string(var.text), Type::Int, {}});
@@ -115,13 +121,11 @@ struct AtomBuilder {
   void build_ports() {
     NameSpace exported(b.diags, fmt::format("the exports of atom type `{}`", decl.name.text));
     for (const syntax::PortDecl& d : decl.ports) {
-      if (d.role == syntax::PortRole::External) {
-        b.not_yet(d.range, "an `extern port`");
-      }
       const bool merged = !d.merged_as.text.empty() && d.items.size() > 1;
       const std::size_t first = out.ports.size();
       for (const syntax::PortItem& item : d.items) {
         build_port(d, item);
+        if (d.role == syntax::PortRole::External && !out.ports.empty()) declare_event(d, out.ports.back());
         if (d.role != syntax::PortRole::Exported || merged) continue;
         exported.declare(d.merged_as.text.empty() ? item.name : d.merged_as, "port");
         // What connectors see is the exported name; transitions still use the port's own.
@@ -130,9 +134,31 @@ struct AtomBuilder {
       if (merged) merge_ports(d, first, exported);
     }
     for (const syntax::ClockDecl& c : decl.clocks) {
-      b.not_yet(c.range, "a clock");
-      for (const syntax::Name& name : c.names) scope.names[std::string(name.text)] = {.value = {}, .poison = true, .declared = name.range};
+      for (const syntax::Name& name : c.names) {
+        if (names.declare(name, "clock")) time.add_clock(name, c.unit);
+      }
     }
+  }
+
+  void declare_event(const syntax::PortDecl& d, Port& port) {
+    port.external = true;
+    port.event_class = std::string(d.extern_class);
+    if (d.extern_policy.text == "ignore") port.policy = EventPolicy::Ignore;
+    if (d.extern_policy.text == "error") port.policy = EventPolicy::Error;
+    if (!is_class_name(d.extern_class)) b.diags.report(Diag::kB1613, d.range, port.name, d.extern_class);
+  }
+
+  // `Class` or `space::Class`; empty: none is given.
+  static bool is_class_name(std::string_view name) {
+    bool may_begin = false;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      const char c = name[i];
+      const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+      if (c == ':' && may_begin && i + 2 < name.size() && name[i + 1] == ':') ++i, may_begin = false;
+      else if (is_letter || (may_begin && c >= '0' && c <= '9')) may_begin = true;
+      else return false;
+    }
+    return name.empty() || may_begin;
   }
 
   // The ports of the declaration, from row `first` on, are one to whoever binds them.
@@ -177,8 +203,8 @@ struct AtomBuilder {
     }
     for (const syntax::Invariant& i : decl.invariants) {
       names.declare(i.name, "invariant");
-      code.set_const_calls();
-      Invariant row{.name = std::string(i.name.text), .scope = static_cast<InvariantScope>(i.scope), .places = place_rows(i.places), .condition = code.expr_as(i.expr, Type::Bool, "an invariant"), .loc = b.loc(i.range)};
+      TimedCondition parts = time.condition(i.expr, "an invariant");
+      Invariant row{.name = std::string(i.name.text), .scope = static_cast<InvariantScope>(i.scope), .places = place_rows(i.places), .condition = parts.data, .loc = b.loc(i.range), .when = std::move(parts.when)};
       std::sort(row.places.begin(), row.places.end());
       out.invariants.push_back(std::move(row));
     }
@@ -211,12 +237,24 @@ struct AtomBuilder {
         row.port = port->second;
       }
     }
-    if (!t.urgency.text.empty()) b.not_yet(t.urgency.range, fmt::format("urgency `{}`", t.urgency.text));
-    if (t.resumes) b.not_yet(t.range, "`resume`");
+    row.urgency = t.urgency.text == "eager" ? Urgency::Eager : t.urgency.text == "delayable" ? Urgency::Delayable : Urgency::Lazy;
+    if (t.internal) check_internal(t);
     CodeBuilder code(b.model, b.diags, scope);
-    row.guard = code.guard(t.guard);
+    TimedCondition parts = time.condition(t.guard, "the guard");
+    row.guard = parts.data;
+    row.when = std::move(parts.when);
     row.action = code.block(t.action.stmts);
+    row.resume = time.resume(t.resumes, t.resume, t.range);
     out.transitions.push_back(std::move(row));
+  }
+
+  // Internal transitions run at once, before anyone looks.
+  void check_internal(const syntax::Transition& t) {
+    if (const syntax::Expr* clock = time.clock_in(t.guard)) {
+      b.diags.report(Diag::kB1611, clock->range, clock->path.parts[0].name.text).help("label the transition with a port that is not exported, and make it `eager`");
+    }
+    if (!t.urgency.text.empty()) b.diags.report(Diag::kB1612, t.urgency.range, "urgency", t.urgency.text);
+    if (t.resumes) b.diags.report(Diag::kB1612, t.range, "a", "resume");
   }
 
   AtomType build() {
@@ -227,7 +265,7 @@ struct AtomBuilder {
       if (places.try_emplace(std::string(place.text), static_cast<std::uint32_t>(out.places.size())).second) out.places.emplace_back(place.text);
     }
     out.initial = place_rows(decl.initial.to);
-    if (decl.initial.resumes) b.not_yet(decl.initial.range, "`resume`");
+    out.initial_resume = time.resume(decl.initial.resumes, decl.initial.resume, decl.initial.range);
     CodeBuilder code(b.model, b.diags, scope);
     StmtId next = code.block(decl.initial.action.stmts);
     for (std::size_t i = inits.size(); i-- > 0;) {

@@ -140,7 +140,8 @@ struct BodyBuilder {
     for (std::size_t p = 0; p < seen.size(); ++p) {
       if (!seen[p].is_valid()) b.diags.report(Diag::kB2008, body.define->range, out.params[p].name);
     }
-    if (!body.resume.text.empty()) b.not_yet(body.resume.range, "`resume`");
+    if (body.resume.text == "sync") out.resume = ResumeMode::Sync;
+    if (!body.resume.text.empty() && out.exports) b.diags.report(Diag::kB1614, body.resume.range).label(body.exported.name.range, "exported here");
   }
 
   // ---- clauses -------------------------------------------------------------------------------------------------

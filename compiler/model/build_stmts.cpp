@@ -50,6 +50,7 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     expr(s->value);
     return next;
   }
+  if (s->clock_speed || target->is_clock) return clock_statement(s, *target, next);
   if (!target->read_only.empty() || target->value.is_valid()) {
     auto d = diags_.report(Diag::kB1018, s->target.range, name, target->read_only);
     if (target->declared.is_valid()) d.label(target->declared, "declared here");

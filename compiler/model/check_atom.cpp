@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/model/build_time.hpp"
 #include "compiler/model/builder.hpp"
 
 namespace bip::model {
@@ -88,10 +89,17 @@ void collect_stmts(const CodeTable& code, StmtId first, std::vector<bool>& read,
 void check_uninitialised(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
   std::vector<bool> read(atom.slots.size()), written(atom.slots.size()), unused(atom.slots.size());
   collect_stmts(b.model.code, atom.initial_action, unused, written);
+  const auto collect_time = [&](const TimeGuard& when) { collect_stmts(b.model.code, when.measure, read, unused); };
   for (const Transition& t : atom.transitions) {
     collect_reads(b.model.code, t.guard, read);
+    collect_reads(b.model.code, t.resume.guard, read);
+    collect_time(t.when);
+    collect_time(t.resume.when);
     collect_stmts(b.model.code, t.action, read, unused);
   }
+  collect_reads(b.model.code, atom.initial_resume.guard, read);
+  collect_time(atom.initial_resume.when);
+  for (const Invariant& i : atom.invariants) collect_time(i.when);
   for (const AtomPriority& p : atom.priorities) collect_reads(b.model.code, p.guard, read);
   for (const Invariant& i : atom.invariants) collect_reads(b.model.code, i.condition, read);
   std::uint32_t slot = static_cast<std::uint32_t>(std::count_if(atom.slots.begin(), atom.slots.end(), [](const Slot& s) { return s.is_param; }));
@@ -117,7 +125,9 @@ void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& 
     if (is_new) continue;
     if (is_suppressed(decl.annotations, "nondeterminism") || is_suppressed(decl.transitions[j].annotations, "nondeterminism")) continue;
     const bool is_internal = second.port == Transition::kInternal;
-    const bool sure = !atom.transitions[known->second].guard.is_valid() && !second.guard.is_valid();
+    const Transition& first = atom.transitions[known->second];
+    if (are_disjoint(first.when, second.when)) continue;
+    const bool sure = !first.guard.is_valid() && !second.guard.is_valid() && first.when.empty() && second.when.empty();
     const std::string what = is_internal ? fmt::format("atom type `{}` has two internal transitions", atom.name)
                                          : fmt::format("port `{}` has two transitions", atom.ports[second.port].name);
     const std::string place = second.from.empty() ? "?" : atom.places[second.from[0]];
@@ -126,6 +136,28 @@ void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& 
         .help(!sure         ? "write guards that exclude each other, or `@SuppressWarning(nondeterminism)` before the transition"
               : is_internal ? "give them guards that exclude each other"
                             : "give them two ports, or guards that exclude each other");
+  }
+}
+
+void check_clocks(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+  std::vector<bool> used(atom.clocks.size());
+  const auto look = [&](const TimeGuard& when) {
+    for (const Bound& bound : when.bounds) {
+      used[bound.clock] = true;
+      if (bound.minus != Bound::kNone) used[bound.minus] = true;
+    }
+  };
+  for (const Transition& t : atom.transitions) {
+    look(t.when);
+    look(t.resume.when);
+  }
+  for (const Invariant& i : atom.invariants) look(i.when);
+  look(atom.initial_resume.when);
+  std::size_t row = 0;
+  for (const syntax::ClockDecl& c : decl.clocks) {
+    for (const syntax::Name& name : c.names) {
+      if (!used[row++]) b.diags.report(Diag::kB1615, name.range, name.text);
+    }
   }
 }
 
@@ -148,6 +180,7 @@ void check_atom(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
     }
   }
   check_uninitialised(b, atom, decl);
+  check_clocks(b, atom, decl);
   check_nondeterminism(b, atom, decl);
   check_atom_priorities(b, atom, decl);
 }

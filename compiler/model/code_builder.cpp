@@ -166,11 +166,8 @@ const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
 }
 
 std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
-  if (e->clock_speed && find(e->path, false) == nullptr) {
-    diags_.report(Diag::kB1900, e->range, "the speed of a clock");
-    return std::nullopt;
-  }
   const Binding* b = find(e->path, false);
+  if (e->clock_speed || (b != nullptr && b->is_clock)) return clock_path(e);
   if (b == nullptr) {
     const auto* constant = find_visible(model_, model_.constants, path_key(e->path, *model_.sources), e->path.range, diags_);
     if (constant != nullptr) return Typed{constant->first, constant->second};

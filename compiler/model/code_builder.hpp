@@ -20,6 +20,7 @@ struct Binding {
   std::string read_only{};// why it cannot be assigned; empty: it can
   ExprId value{};         // valid: the name stands for this expression
   bool poison = false;    // its declaration was wrong or is not supported: uses say nothing more
+  bool is_clock = false;  // index: the first of its hidden slots. Code sets it, and reads and sets its speed
   SourceRange declared{};
 };
 
@@ -74,6 +75,8 @@ class CodeBuilder {
 
  private:
   std::optional<Typed> path(const syntax::Expr* e);
+  std::optional<Typed> clock_path(const syntax::Expr* e);
+  StmtId clock_statement(const syntax::Stmt* s, const Binding& target, StmtId next);
   std::optional<Typed> literal(const syntax::Expr* e);
   std::optional<Typed> unary(const syntax::Expr* e);
   std::optional<Typed> binary(const syntax::Expr* e);

@@ -61,6 +61,18 @@ struct Dumper {
   }
   std::string port_type(PortTypeId id) const { return id.is_valid() ? m.port_types[id].name : "-"; }
 
+  std::string when(const AtomType& t, const TimeGuard& guard) const {
+    std::string text;
+    for (const Bound& b : guard.bounds) {
+      text += fmt::format(" when ({} {}{} {})", name_of(b.op), t.clocks[b.clock].name, b.minus == Bound::kNone ? "" : " - " + t.clocks[b.minus].name,
+                          b.slot == Bound::kNone ? fmt::format("{}ns", b.ticks) : fmt::format("self{}", b.slot));
+    }
+    if (guard.measure.is_valid()) text += fmt::format(" measured by {{{}}}", stmts(guard.measure));
+    return text;
+  }
+  std::string resume(const AtomType& t, const Resume& r) const {
+    return r.present ? fmt::format(" resume {}{}", expr(r.guard), when(t, r.when)) : "";
+  }
   void slots(const std::vector<Slot>& list) {
     for (std::size_t k = 0; k < list.size(); ++k) {
       const Slot& s = list[k];
@@ -73,20 +85,24 @@ struct Dumper {
     for (const Port& p : t.ports) {
       std::string vars;
       for (const std::uint32_t s : p.slots) vars += (vars.empty() ? "" : ", ") + t.slots[s].name;
-      line("  {}port {} {}({})", p.exported ? "export " : "", port_type(p.type), p.name, vars);
+      const std::string event = p.external ? fmt::format(" as \"{}\" {}", p.event_class, name_of(p.policy)) : "";
+      line("  {}port {} {}({}){}", p.exported ? "export " : p.external ? "extern " : "", port_type(p.type), p.name, vars, event);
     }
     std::vector<std::uint32_t> all(t.places.size());
     for (std::uint32_t p = 0; p < all.size(); ++p) all[p] = p;
     line("  places {}", places(t, all));
-    line("  initial to {} do {{{}}}", places(t, t.initial), stmts(t.initial_action));
+    for (const Clock& c : t.clocks) line("  clock {} of {}ns", c.name, c.unit);
+    line("  initial to {} do {{{}}}{}", places(t, t.initial), stmts(t.initial_action), resume(t, t.initial_resume));
     for (const Transition& x : t.transitions) {
-      line("  on {} from {} to {} provided {} do {{{}}}", x.port == Transition::kInternal ? "(internal)" : t.ports[x.port].name, places(t, x.from), places(t, x.to), expr(x.guard), stmts(x.action));
+      const std::string urgency = x.urgency == Urgency::Lazy ? "" : fmt::format(" {}", name_of(x.urgency));
+      line("  on {} from {} to {} provided {}{}{} do {{{}}}{}", x.port == Transition::kInternal ? "(internal)" : t.ports[x.port].name, places(t, x.from), places(t, x.to), expr(x.guard), when(t, x.when), urgency, stmts(x.action),
+           resume(t, x.resume));
     }
     const auto side = [&](std::uint32_t p) { return p == AtomPriority::kAnyPort ? std::string("*") : t.ports[p].name; };
     for (const AtomPriority& p : t.priorities) line("  priority {} {} < {} provided {}", p.name, side(p.low), side(p.high), expr(p.guard));
     for (const Invariant& i : t.invariants) {
       static constexpr const char* kScopes[] = {"", " at ", " from "};
-      line("  invariant {}{}{} provided {}", i.name, kScopes[static_cast<int>(i.scope)], places(t, i.places), expr(i.condition));
+      line("  invariant {}{}{} provided {}{}", i.name, kScopes[static_cast<int>(i.scope)], places(t, i.places), expr(i.condition), when(t, i.when));
     }
     for (const MergedPort& merged : t.merged) {
       std::string parts;
@@ -115,7 +131,7 @@ struct Dumper {
     for (const DataRead& d : t.data_reads) line("  reads {} {}", name_of(d.type), d.path);
     slots(t.slots);
     if (t.exports) line("  export port {} {}", port_type(t.export_type), t.export_name);
-    if (!t.define.empty()) line("  define {}", define(t, 0));
+    if (!t.define.empty()) line("  define {}{}", define(t, 0), t.resume == ResumeMode::Sync ? " resume sync" : "");
     for (const Clause& c : t.clauses) {
       std::string ports;
       for (const std::uint32_t p : c.params) ports += (ports.empty() ? "" : " ") + t.params[p].name;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/model/code.hpp"
+#include "compiler/model/time.hpp"
 
 namespace bip {
 
@@ -28,7 +29,7 @@ struct PortType {
 };
 
 // ---- atoms ---------------------------------------------------------------------------------------------------
-/// A slot of an atom: parameters first (read-only), then data in declaration order.
+/// A slot of an atom: parameters first (read-only), then data in declaration order, then the hidden slots of time.
 struct Slot {
   std::string name;
   Type type = Type::Int;
@@ -42,6 +43,9 @@ struct Port {
   std::vector<std::uint32_t> slots;  // one a variable of the port type
   bool exported = false;             // false: its transitions are steps of their own
   Loc loc{};
+  bool external = false;             // its transitions wait for an event from outside; not exported
+  EventPolicy policy = EventPolicy::Remember;
+  std::string event_class{};         // external: the C++ class of its events; may be empty
 };
 struct Transition {
   static constexpr std::uint32_t kInternal = 0xffffffffu;
@@ -51,6 +55,9 @@ struct Transition {
   ExprId guard;                     // invalid: true. Reads Self
   StmtId action;                    // invalid: nothing. Reads and writes Self
   Loc loc{};
+  TimeGuard when{};
+  Urgency urgency = Urgency::Lazy;
+  Resume resume{};
 };
 /// low < high provided guard: low is hidden while high is enabled (closed transitively through rules whose guards hold).
 struct AtomPriority {
@@ -62,12 +69,14 @@ struct AtomPriority {
 };
 enum class InvariantScope : std::uint8_t { Always, At, From };
 /// Holds after every firing: always, while the marking is exactly `places` (At), or while it includes them (From).
+/// Time may not pass beyond the last instant at which `when` holds.
 struct Invariant {
   std::string name;
   InvariantScope scope = InvariantScope::Always;
   std::vector<std::uint32_t> places;  // sorted
-  ExprId condition{};                 // Reads Self
+  ExprId condition{};                 // Reads Self; invalid: true, if there are bounds
   Loc loc{};
+  TimeGuard when{};
 };
 /// `export port T p(x), q(y) as e`: e offers each enabled one of its ports as an alternative.
 struct MergedPort {
@@ -88,6 +97,11 @@ struct AtomType {
   std::vector<Invariant> invariants;
   std::vector<MergedPort> merged;      // their ports are exported under the merged name only
   Loc loc{};
+  std::vector<Clock> clocks{};
+  Resume initial_resume{};
+
+  /// The first hidden slot: none of the model's own.
+  [[nodiscard]] std::size_t visible_slots() const { return clocks.empty() ? slots.size() : clocks.front().slot; }
 };
 
 // ---- connectors ----------------------------------------------------------------------------------------------
@@ -128,6 +142,7 @@ struct ConnectorType {
   PortTypeId export_type;
   std::vector<std::uint32_t> export_slots;  // one a variable of export_type
   Loc loc{};
+  ResumeMode resume = ResumeMode::Async;
 
   /// Number of Bind variables.
   [[nodiscard]] std::uint32_t bind_count(const IndexVector<PortTypeId, PortType>& types) const;

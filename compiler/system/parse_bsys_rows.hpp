@@ -54,6 +54,10 @@ class RowParser {
   ExprId guard(List& list, const CodeScope& scope);
   StmtId body(List& list, const char* head, const CodeScope& scope);
   std::vector<Slot> slots(List& list);
+  Clock clock(List& list, const AtomType& type);
+  TimeGuard when(List& list, const AtomType& type, const CodeScope& scope);
+  Resume resume(List& list, const AtomType& type, const CodeScope& scope);
+  void event(List& list, Port& port);
   Transition transition(List& list, const AtomType& type, const CodeScope& scope);
   AtomPriority atom_priority(List& list, const AtomType& type, const CodeScope& scope);
   Invariant invariant(List& list, const AtomType& type, const CodeScope& scope);

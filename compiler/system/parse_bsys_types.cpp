@@ -45,6 +45,7 @@ AtomType RowParser::atom_type(List& list) {
     port.name = r_.name(*one);
     port.type = port_type_ref(*one);
     port.exported = r_.flag(*one, "export");
+    if (std::optional<List> extern_list = r_.sub(*one, "extern")) event(*extern_list, port);
     port.slots = sub_refs(*one, "slots", row.slots, "slot");
     r_.close(*one);
     port.loc = one->loc;
@@ -55,9 +56,11 @@ AtomType RowParser::atom_type(List& list) {
     row.places.push_back(r_.name(*one));
     r_.close(*one);
   }
+  while (std::optional<List> one = r_.sub(list, "clock")) row.clocks.push_back(clock(*one, row));
   const CodeScope scope = scope_of(row);
   row.initial = sub_refs(list, "initial", row.places, "place");
   row.initial_action = body(list, "do", scope);
+  row.initial_resume = resume(list, row, scope);
   while (std::optional<List> one = r_.sub(list, "transition")) {
     row.transitions.push_back(transition(*one, row, scope));
   }
@@ -80,7 +83,10 @@ Transition RowParser::transition(List& list, const AtomType& type, const CodeSco
   row.from = sub_refs(list, "from", type.places, "place");
   row.to = sub_refs(list, "to", type.places, "place");
   row.guard = guard(list, scope);
+  row.when = when(list, type, scope);
+  row.urgency = r_.flag(list, "eager") ? Urgency::Eager : r_.flag(list, "delayable") ? Urgency::Delayable : Urgency::Lazy;
   row.action = body(list, "do", scope);
+  row.resume = resume(list, type, scope);
   r_.close(list);
   row.loc = list.loc;
   return row;
@@ -117,6 +123,7 @@ Invariant RowParser::invariant(List& list, const AtomType& type, const CodeScope
   row.scope = word.value_or(InvariantScope::Always);
   row.places = sub_refs(list, "places", type.places, "place");
   row.condition = guard(list, scope);
+  row.when = when(list, type, scope);
   r_.close(list);
   row.loc = list.loc;
   return row;
@@ -160,6 +167,10 @@ ConnectorType RowParser::connector_type(List& list) {
   List define_list = r_.need(list, "define");
   if (!r_.failed()) define(define_list, row);
   r_.close(define_list);
+  if (std::optional<List> one = r_.sub(list, "resume")) {
+    if (r_.flag(*one, "sync")) row.resume = ResumeMode::Sync;
+    r_.close(*one);
+  }
   const CodeScope scope = scope_of(s_, row);
   while (std::optional<List> one = r_.sub(list, "clause")) {
     Clause clause;

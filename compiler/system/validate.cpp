@@ -45,6 +45,44 @@ void check_port(const System& system, const AtomType& type, const Port& port, Pr
   }
 }
 
+/// Three slots a clock, in their order, and nobody else's; limits are known.
+void check_when(const AtomType& type, const TimeGuard& when, Problems& problems) {
+  for (const Bound& bound : when.bounds) {
+    const bool has_clocks = bound.clock < type.clocks.size() && (bound.minus == Bound::kNone || bound.minus < type.clocks.size());
+    if (!problems.expect(has_clocks, "a bound's clock is no row")) continue;
+    problems.expect(bound.minus != bound.clock, "a bound is on the difference of a clock with itself");
+    problems.expect(bound.minus == Bound::kNone || type.clocks[bound.minus].unit == type.clocks[bound.clock].unit, "a bound is on clocks of two units");
+    problems.expect(bound.ticks >= -kMaxTicks && bound.ticks <= kMaxTicks, "a bound is beyond the end of time");
+    if (bound.slot == Bound::kNone) continue;
+    const bool is_hidden = bound.slot < type.slots.size() && bound.slot >= type.visible_slots();
+    if (problems.expect(is_hidden, "a bound's slot is none of the hidden ones")) problems.expect(type.slots[bound.slot].type == Type::Float, "a bound's slot is no float");
+    problems.expect(when.measure.is_valid(), "nothing measures a bound's limit");
+  }
+}
+void check_time(const AtomType& type, Problems& problems) {
+  std::uint32_t next = static_cast<std::uint32_t>(type.visible_slots());
+  for (const Clock& clock : type.clocks) {
+    problems.expect(clock.unit > 0 && clock.unit <= 86'400'000'000'000, "a clock's unit is not between 1 ns and a day");
+    if (!problems.expect(clock.slot == next && clock.slot + kClockSlots <= type.slots.size(), "a clock's slots do not follow those before it")) return;
+    problems.expect(type.slots[next].type == Type::Float && type.slots[next + 1].type == Type::Bool && type.slots[next + 2].type == Type::Float,
+                    "a clock's slots are not float, bool, float");
+    next += kClockSlots;
+  }
+  for (std::size_t k = type.visible_slots(); k < type.slots.size(); ++k)
+    problems.expect(!type.slots[k].is_param && !type.slots[k].exported, "a hidden slot is a parameter or exported");
+  for (const Port& port : type.ports) {
+    problems.expect(!(port.external && port.exported), "a port of events from outside is exported");
+    for (const std::uint32_t slot : port.slots) problems.expect(slot < type.visible_slots(), "a port shows a hidden slot");
+  }
+  check_when(type, type.initial_resume.when, problems);
+  for (const Transition& row : type.transitions) {
+    check_when(type, row.when, problems);
+    check_when(type, row.resume.when, problems);
+    const bool is_timed = !row.when.empty() || row.urgency != Urgency::Lazy || row.resume.present;
+    problems.expect(row.port != Transition::kInternal || !is_timed, "an internal transition has to do with time");
+  }
+}
+
 /// Priorities, invariants and merged ports.
 void check_rules(const System& system, const AtomType& type, Problems& problems) {
   const auto is_port = [&](std::uint32_t port) { return port < type.ports.size(); };
@@ -57,7 +95,8 @@ void check_rules(const System& system, const AtomType& type, Problems& problems)
   for (const Invariant& row : type.invariants) {
     check_loc(system, row.loc, problems);
     problems.expect(row.scope <= InvariantScope::From, "an invariant has no scope");
-    problems.expect(row.condition.is_valid(), "an invariant has no condition");
+    problems.expect(row.condition.is_valid() || !row.when.empty(), "an invariant has no condition");
+    check_when(type, row.when, problems);
     problems.expect(row.places.empty() == (row.scope == InvariantScope::Always), "an invariant has places if it is not `always`");
     for (std::size_t k = 0; k < row.places.size(); ++k) {
       problems.expect(row.places[k] < type.places.size(), "a place is no row");
@@ -98,6 +137,7 @@ void check_atom_type(const System& system, const AtomType& type, Problems& probl
     check_places(transition.from);
     check_places(transition.to);
   }
+  check_time(type, problems);
   check_rules(system, type, problems);
 }
 

@@ -217,12 +217,22 @@ void check_code(const System& system, Problems& problems) {
     const CodeScope scope = scope_of(type);
     problems.at(Table::AtomTypes, k);
     checker.body(type.initial_action, scope, Writes::Self);
+    const auto resume = [&](const Resume& row) {
+      checker.guard(row.guard, scope);
+      checker.body(row.when.measure, scope, Writes::Self);
+    };
+    resume(type.initial_resume);
     for (const Transition& transition : type.transitions) {
       checker.guard(transition.guard, scope);
+      checker.body(transition.when.measure, scope, Writes::Self);
       checker.body(transition.action, scope, Writes::Self);
+      resume(transition.resume);
     }
     for (const AtomPriority& row : type.priorities) checker.guard(row.guard, scope);
-    for (const Invariant& row : type.invariants) checker.guard(row.condition, scope);
+    for (const Invariant& row : type.invariants) {
+      checker.guard(row.condition, scope);
+      checker.body(row.when.measure, scope, Writes::Self);
+    }
   }
   for (std::size_t k = 0; k < system.connector_types.size(); ++k) {
     const ConnectorType& type = system.connector_types.rows()[k];

@@ -73,6 +73,31 @@ DefineNode group(std::vector<std::uint32_t> children, bool trigger = false) {
   return {.is_leaf = false, .trigger = trigger, .param = 0, .children = std::move(children)};
 }
 
+/// Hidden slots 5 to 11: two clocks and a limit. Every kind of bound, urgency and policy occurs.
+void add_time(AtomType& type, Code& c) {
+  using enum Type;
+  for (const char* name : {"t", "u"}) {
+    type.clocks.push_back({.name = name, .unit = 1'000'000, .slot = static_cast<std::uint32_t>(type.slots.size()), .loc = {0, 12, 3}});
+    for (const Type slot : {Float, Bool, Float})
+      type.slots.push_back({.name = std::string("clock ") + name, .type = slot, .is_param = false, .exported = false, .loc = {}});
+  }
+  type.slots.push_back({.name = "limit 0", .type = Float, .is_param = false, .exported = false, .loc = {}});
+  const Bound at_least{.clock = 0, .op = BoundOp::Ge, .ticks = 5'000'000, .loc = {0, 17, 9}};
+  const Bound difference{.clock = 1, .minus = 0, .op = BoundOp::Lt, .ticks = -7, .loc = {}};
+  const Bound measured{.clock = 0, .op = BoundOp::Le, .slot = 11, .loc = {}};
+  const auto measure = [&] { return c.store(StmtOp::StoreSelf, Float, 11, c.op(Op::IntToFloat, Float, c.self(Int, 0))); };
+  type.initial_resume = {.present = true, .guard = {}, .when = {.bounds = {{.clock = 1, .op = BoundOp::Gt, .ticks = 1}}}, .loc = {0, 11, 30}};
+  type.transitions[0].when = {.bounds = {at_least, difference}};
+  type.transitions[0].urgency = Urgency::Eager;
+  type.transitions[0].resume = {.present = true, .guard = c.self(Bool, 2), .when = {.bounds = {measured}, .measure = measure()}, .loc = {}};
+  type.transitions[2].when = {.bounds = {measured, {.clock = 1, .op = BoundOp::Eq, .ticks = 3}}, .measure = measure()};
+  type.transitions[2].urgency = Urgency::Delayable;
+  type.ports[1].external = true;
+  type.ports[1].policy = EventPolicy::Ignore;
+  type.ports[1].event_class = "space::Button";
+  type.invariants.push_back({.name = "life", .scope = InvariantScope::Always, .places = {}, .condition = {}, .loc = {}, .when = {.bounds = {measured}, .measure = measure()}});
+}
+
 /// Slots: param n, data x, on, f, s. Every operator occurs in its code.
 AtomType worker(Code& c) {
   using enum Type;
@@ -118,6 +143,7 @@ AtomType worker(Code& c) {
   type.invariants = {{.name = "i", .scope = InvariantScope::Always, .places = {}, .condition = c.b(true), .loc = {0, 31, 3}},
                      {.name = "j", .scope = InvariantScope::At, .places = {0, 2}, .condition = c.self(Bool, 2), .loc = {}},
                      {.name = "k", .scope = InvariantScope::From, .places = {1}, .condition = c.b(true), .loc = {}}};
+  add_time(type, c);
   return type;
 }
 
@@ -143,6 +169,7 @@ ConnectorType gather(Code& c) {
   type.export_name = "out";
   type.export_type = PortTypeId(3u);
   type.export_slots = {0};
+  type.resume = ResumeMode::Sync;
   return type;
 }
 

@@ -1,0 +1,50 @@
+// Conditions that speak of clocks: from an expression of the source to a condition on data and bounds (model/time.hpp).
+#pragma once
+#include <optional>
+
+#include "compiler/model/builder.hpp"
+
+namespace bip::model {
+
+/// A condition of an atom, taken apart: `data && when`.
+struct TimedCondition {
+  ExprId data{};     // invalid: true
+  TimeGuard when{};
+};
+
+/// Builds an atom type's clocks and conditions. The scope must know the clocks; hidden slots are added to `atom`.
+class TimeBuilder {
+ public:
+  TimeBuilder(Builder& b, AtomType& atom, Scope& scope) : b_(b), atom_(atom), scope_(scope) {}
+
+  /// A clock and its hidden slots. All slots of data must be there.
+  void add_clock(const syntax::Name& name, const syntax::Name& unit);
+  /// Null is true. `what` is what the condition is for: "the guard".
+  TimedCondition condition(const syntax::Expr* e, const std::string& what);
+  Resume resume(bool present, const syntax::Expr* e, SourceRange at);
+  /// The first clock that the expression reads, or null.
+  [[nodiscard]] const syntax::Expr* clock_in(const syntax::Expr* e) const;
+
+ private:
+  struct Linear;
+  void conjunct(const syntax::Expr* e, const std::string& what, TimedCondition& out);
+  void bound(const syntax::Expr* e, TimedCondition& out);
+  bool collect(const syntax::Expr* e, bool is_negative, Linear& out);
+  void set_limit(const syntax::Expr* e, ExprId limit, std::int64_t unit, Bound& bound, TimeGuard& out);
+  void check_satisfiable(const TimeGuard& when, const syntax::Expr* e);
+  [[nodiscard]] bool is_constant(ExprId e) const;
+  ExprId make(Op op, Type type, ExprId left, ExprId right, SourceRange at);
+
+  Builder& b_;
+  AtomType& atom_;
+  Scope& scope_;
+  std::vector<std::uint32_t> limit_slots_;  // hidden slots for limits, shared by all conditions
+};
+
+/// True if constants alone say that the two never hold together.
+[[nodiscard]] bool are_disjoint(const TimeGuard& a, const TimeGuard& b);
+
+/// "clock of milliseconds", for messages.
+[[nodiscard]] const char* unit_name(std::int64_t ticks);
+
+}  // namespace bip::model

@@ -1,0 +1,14 @@
+// Has a System to do with time? What runs or proves untimed systems asks first.
+#pragma once
+#include <string>
+
+#include "compiler/system/system.hpp"
+
+namespace bip::system {
+
+/// "atom type `Timer` has clock `x` (timer.bip:5:11)": the first thing in an instance's type that only means something with
+/// time. Empty: there is none.
+[[nodiscard]] std::string first_timed(const System& system);
+[[nodiscard]] inline bool is_timed(const System& system) { return !first_timed(system).empty(); }
+
+}  // namespace bip::system
