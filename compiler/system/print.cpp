@@ -185,7 +185,7 @@ class Printer {
     out_ += " ";
     refs(" (initial", row.initial, row.places);
     body(" (do", row.initial_action, scope);
-    resume(row, row.initial_resume, scope);
+    put_resume(out_, s_.code, row, row.initial_resume, scope);
     out_ += '\n';
     for (std::size_t t = 0; t < row.transitions.size(); ++t) transition(row, t, scope);
     for (std::size_t p = 0; p < row.priorities.size(); ++p) atom_priority(row, p, scope);
@@ -217,35 +217,8 @@ class Printer {
     out_ += word_of(row.scope);
     refs(" (places", row.places, type.places);
     guard(row.condition, scope);
-    when(type, row.when, scope);
+    put_when(out_, s_.code, type, row.when, scope);
     close(row.loc);
-  }
-  void when(const AtomType& type, const TimeGuard& guard, const CodeScope& scope) {
-    for (const Bound& bound : guard.bounds) {
-      fmt::format_to(std::back_inserter(out_), " (bound {}", name_of(bound.op));
-      ref(bound.clock, type.clocks[bound.clock].name);
-      if (bound.minus != Bound::kNone) {
-        out_ += " (minus";
-        ref(bound.minus, type.clocks[bound.minus].name);
-        out_ += ')';
-      }
-      if (bound.slot == Bound::kNone) {
-        fmt::format_to(std::back_inserter(out_), " {}ns", bound.ticks);
-      } else {
-        out_ += " (slot";
-        ref(bound.slot, type.slots[bound.slot].name);
-        out_ += ')';
-      }
-      close(bound.loc, ")");
-    }
-    body(" (measure", guard.measure, scope);
-  }
-  void resume(const AtomType& type, const Resume& row, const CodeScope& scope) {
-    if (!row.present) return;
-    out_ += " (resume";
-    guard(row.guard, scope);
-    when(type, row.when, scope);
-    close(row.loc, ")");
   }
   void merged(const AtomType& type, std::size_t k) {
     const MergedPort& row = type.merged[k];
@@ -265,10 +238,10 @@ class Printer {
     refs(" (from", row.from, type.places);
     refs(" (to", row.to, type.places);
     guard(row.guard, scope);
-    when(type, row.when, scope);
+    put_when(out_, s_.code, type, row.when, scope);
     if (row.urgency != Urgency::Lazy) fmt::format_to(std::back_inserter(out_), " {}", name_of(row.urgency));
     body(" (do", row.action, scope);
-    resume(type, row.resume, scope);
+    put_resume(out_, s_.code, type, row.resume, scope);
     close(row.loc);
   }
 
