@@ -71,7 +71,7 @@ from: FROM idList;
 to: TO idList;
 urgency: LAZY | DELAYABLE | EAGER;
 resume: RESUME (LPAREN expr RPAREN)?;
-priority: PRIORITY id prioritySide LT prioritySide provided?;
+priority: PRIORITY id index? prioritySide LT prioritySide provided?;
 prioritySide: STAR (COLON STAR)? | path (COLON (STAR | path (COMMA path)*))?;
 invariant: INVARIANT id ((AT | FROM) idList)? provided;
 

@@ -172,6 +172,10 @@ void Builder::declare_items(std::span<const CompoundItem* const> items, SymbolId
       declare_items(item->items, owner, item->annotations);
       continue;
     }
+    if (item->kind == ItemKind::Priority) {
+      add(SymbolKind::Priority, item->name, item->range, owner, item->annotations);
+      continue;
+    }
     const bool is_component = item->kind == ItemKind::Component;
     const SymbolId id = add(is_component ? SymbolKind::Component : SymbolKind::Connector, item->name, item->range, owner, item->annotations.empty() ? marks : item->annotations);
     if (!id.is_valid()) continue;

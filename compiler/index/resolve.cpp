@@ -86,6 +86,7 @@ void Builder::link_items(std::span<const CompoundItem* const> items, SymbolId ow
       link_items(item->items, owner, file);
       continue;
     }
+    if (item->kind == ItemKind::Priority) continue;
     const SymbolId symbol = find(owner, item->name.text);
     set_type(symbol, item->type, use_type(item->type.name, file));
     if (item->inline_body != nullptr && symbol.is_valid()) link_body(*item->inline_body, symbol, file);

@@ -35,6 +35,12 @@ void Builder::resolve_items(std::span<const CompoundItem* const> items, SymbolId
       continue;
     }
     expr(item->index, scope);
+    if (item->kind == ItemKind::Priority) {
+      resolve_pattern(item->priority->low, scope);
+      resolve_pattern(item->priority->high, scope);
+      expr(item->priority->guard, scope);
+      continue;
+    }
     const SymbolId symbol = find(owner, item->name.text);
     for (const NamedArg& arg : item->args) {
       if (!arg.name.text.empty() && symbol.is_valid() && out_.symbols[symbol].type.is_valid()) use_member(out_.symbols[symbol].type, arg.name);

@@ -53,8 +53,10 @@ void CompoundBuilder::build() {
   declare_families(decl.items, names, false);
   connector_states.assign(out.connectors.size(), BuildState::Untouched);
   for (const syntax::CompoundItem* i : decl.items) out.items.push_back(item(*i));
-  for (const syntax::CompoundPriority& p : decl.priorities) names.declare(p.name, "priority");
-  build_priorities();
+  for (const syntax::CompoundPriority& p : decl.priorities) {
+    names.declare(p.name, "priority");
+    build_priority(p);
+  }
   build_exports();
   if (!b.diags.has_errors()) warn_unbound();
 }
@@ -89,36 +91,34 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
   }
 }
 
-void CompoundBuilder::build_priorities() {
-  for (const syntax::CompoundPriority& p : decl.priorities) {
-    PriorityRule row{.name = std::string(p.name.text), .low = {}, .high = {}, .guard = {}, .data = {}, .range = p.range};
-    pattern(p.low, row.low);
-    pattern(p.high, row.high);
-    if (p.low.any_connector && p.high.any_connector) b.diags.report(Diag::kB3003, p.high.range).label(p.low.range, "and here").help("name the interactions of one side: `connector:*` or `connector:port,port`");
-    if (p.guard != nullptr) {
-      // Every exported datum of every component is in scope; those that are read become Bind rows.
-      Scope data{.names = {}, .owner = fmt::format("priority `{}`", p.name.text)};
-      struct Reader {
-        CompoundBuilder& self;
-        Scope& data;
-        PriorityRule& row;
-        void visit(const syntax::Expr* e) {
-          for (const syntax::Expr* operand : e->operands) visit(operand);
-          DataPath ref;
-          if (e->kind != syntax::ExprKind::Path || data.names.contains(self.b.text(e->path)) || e->path.parts.size() < 2) return;
-          if (!self.data_path(e->path, ref, true)) {
-            data.names[self.b.text(e->path)] = {.read_only = "unknown", .value = {}, .declared = {}};
-            return;
-          }
-          data.names[self.b.text(e->path)] = {.load = Op::LoadBind, .index = static_cast<std::uint32_t>(row.data.size()), .type = ref.type, .read_only = "a guard", .value = {}, .declared = {}};
-          row.data.push_back(ref);
+void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
+  PriorityRule row{.name = std::string(p.name.text), .low = {}, .high = {}, .guard = {}, .data = {}, .range = p.range};
+  pattern(p.low, row.low);
+  pattern(p.high, row.high);
+  if (p.low.any_connector && p.high.any_connector) b.diags.report(Diag::kB3003, p.high.range).label(p.low.range, "and here").help("name the interactions of one side: `connector:*` or `connector:port,port`");
+  if (p.guard != nullptr) {
+    // Every exported datum of every component is in scope; those that are read become Bind rows.
+    Scope data{.names = {}, .owner = fmt::format("priority `{}`", p.name.text)};
+    struct Reader {
+      CompoundBuilder& self;
+      Scope& data;
+      PriorityRule& row;
+      void visit(const syntax::Expr* e) {
+        for (const syntax::Expr* operand : e->operands) visit(operand);
+        DataPath ref;
+        if (e->kind != syntax::ExprKind::Path || data.names.contains(self.b.text(e->path)) || e->path.parts.size() < 2) return;
+        if (!self.data_path(e->path, ref, true)) {
+          data.names[self.b.text(e->path)] = {.read_only = "unknown", .value = {}, .declared = {}};
+          return;
         }
-      };
-      Reader{*this, data, row}.visit(p.guard);
-      row.guard = CodeBuilder(b.model, b.diags, data).guard(p.guard);
-    }
-    out.priorities.push_back(std::move(row));
+        data.names[self.b.text(e->path)] = {.load = Op::LoadBind, .index = static_cast<std::uint32_t>(row.data.size()), .type = ref.type, .read_only = "a guard", .value = {}, .declared = {}};
+        row.data.push_back(ref);
+      }
+    };
+    Reader{*this, data, row}.visit(p.guard);
+    row.guard = CodeBuilder(b.model, b.diags, data).guard(p.guard);
   }
+  out.priorities.push_back(std::move(row));
 }
 
 void CompoundBuilder::build_exports() {

@@ -26,6 +26,13 @@ CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
       row.kind = ItemKind::Connector;
       connector_item(i, row);
       break;
+    case syntax::ItemKind::Priority:
+      row.kind = ItemKind::Priority;
+      if (i.index != nullptr) row.index = CodeBuilder(b.model, b.diags, scope).expr_as(i.index, Type::Int, "the index");
+      row.family = static_cast<std::uint32_t>(out.priorities.size());
+      build_priority(*i.priority);
+      out.priorities[row.family].in_loop = true;
+      break;
     case syntax::ItemKind::For: {
       row.kind = ItemKind::For;
       CodeBuilder code(b.model, b.diags, scope);

@@ -32,6 +32,7 @@ struct CompoundBuilder {
   std::vector<BuildState> connector_states{};
   std::vector<std::vector<bool>> bound_ports{};                    // by component family and port
   std::vector<bool> bound_connectors{};
+  std::unordered_set<std::string> loop_priorities{};                // names of those in a `for`
   std::uint32_t loop_depth = 0;
   std::uint32_t chain = 0;  // inline connectors that are being built, each for the one before
   std::uint32_t height = 0;
@@ -57,7 +58,7 @@ struct CompoundBuilder {
   void check_same_export(const syntax::CompoundItem& i, const ConnectorType& type, const ConnectorFamily& family);
   std::vector<ExprId> arguments(const syntax::CompoundItem& i, const ComponentFamily& family);
   // build_compound.cpp
-  void build_priorities();
+  void build_priority(const syntax::CompoundPriority& p);
   void build_exports();
   void merge_target(const syntax::CompoundExport& e, PortExport& row, const PortPath& target);
   void pattern(const syntax::InteractionPattern& p, PatternPath& row);

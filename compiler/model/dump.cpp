@@ -144,6 +144,8 @@ struct Dumper {
       if (i.kind == ItemKind::For) {
         line("{}for self{} in {}..{}", indent, i.loop_slot, expr(i.low), expr(i.high));
         items(t, i.items, indent + "  ");
+      } else if (i.kind == ItemKind::Priority) {
+        line("{}priority {}{}", indent, t.priorities[i.family].name, index);
       } else if (i.kind == ItemKind::Component) {
         const ComponentFamily& f = t.components[i.family];
         std::string args;

@@ -12,6 +12,11 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
       continue;
     }
     const std::string name(i->name.text);
+    if (i->kind == syntax::ItemKind::Priority) {
+      if (i->index == nullptr) b.diags.report(Diag::kB4010, i->name.range, name).help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range, fmt::format("{}[i]", name));
+      if (loop_priorities.insert(name).second) names.declare(i->name, "priority");
+      continue;
+    }
     const bool is_component = i->kind == syntax::ItemKind::Component;
     auto& rows = is_component ? components : connectors;
     // Elements of one array may be declared by several items: of loops, and connectors, whose index is never a size, anywhere.

@@ -55,11 +55,11 @@ struct ConnectorFamily {
   SourceRange range;
 };
 
-enum class ItemKind : std::uint8_t { Component, Connector, For };
+enum class ItemKind : std::uint8_t { Component, Connector, For, Priority };
 struct CompoundItem {
   ItemKind kind = ItemKind::Component;
   SourceRange range;
-  std::uint32_t family = 0;
+  std::uint32_t family = 0;    // Priority: row of CompoundType::priorities
   ExprId index;                // array size (outside For), element (inside), invalid: neither
   std::vector<ExprId> args;    // Component: one a parameter, of the parameter's type
   ConnectorTypeId type;        // Connector
@@ -90,6 +90,7 @@ struct PriorityRule {
   ExprId guard;                // reads Bind = data
   std::vector<DataPath> data;
   SourceRange range;
+  bool in_loop = false;        // an item of a `for` says when it is made
 };
 struct PortExport {
   std::string name;

@@ -128,7 +128,7 @@ class Converter {
   void inline_connector(BipParser::InlineConnectorContext* ctx, syntax::Annotations annotations, Items& to);
   void bound_ports(BipParser::BoundPortsContext* ctx, std::vector<syntax::Path>& to);
   void for_items(BipParser::ForItemsContext* ctx, syntax::Annotations annotations, Items& to);
-  void compound_priority(BipParser::PriorityContext* ctx, syntax::Annotations annotations, Items& to);
+  syntax::CompoundPriority compound_priority(BipParser::PriorityContext* ctx, syntax::Annotations annotations);
   syntax::InteractionPattern pattern(BipParser::PrioritySideContext* ctx);
 
   std::string_view text_;

@@ -55,6 +55,7 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
     if (!failed(ctx->transition())) transition(ctx->transition(), marks, nullptr, to);
   } else if (ctx->priority() != nullptr) {
     atom_priority(ctx->priority(), to);
+    if (BipParser::IndexContext* index = ctx->priority()->index()) diags_.report(Diag::kB3020, range(index), name(ctx->priority()->id()).text);
   } else if (ctx->invariant() != nullptr) {
     if (!failed(ctx->invariant()->provided())) to.invariants.push_back(invariant(ctx->invariant()));
   } else if (ctx->behavior() != nullptr) {

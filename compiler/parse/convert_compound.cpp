@@ -30,7 +30,10 @@ bool Converter::compound_item(BipParser::BodyItemContext* ctx, Annotations marks
   } else if (ctx->forItems() != nullptr) {
     for_items(ctx->forItems(), marks, to);
   } else if (ctx->priority() != nullptr) {
-    compound_priority(ctx->priority(), marks, to);
+    to.priorities.push_back(compound_priority(ctx->priority(), marks));
+    if (const CompoundPriority& made = to.priorities.back(); made.index != nullptr) {
+      diags_.report(Diag::kB3020, made.index->range, made.name.text).help("only in a `for` are there several of one name");
+    }
   } else if (BipParser::CompoundExportContext* e = ctx->compoundExport()) {
     CompoundExport made{.annotations = marks, .is_data = e->DATA() != nullptr, .name = name(e->id()), .range = range(e)};
     std::vector<Path> targets;
@@ -128,8 +131,14 @@ void Converter::for_items(BipParser::ForItemsContext* ctx, Annotations marks, It
                          i->inlineConnector() != nullptr || i->forItems() != nullptr;
     if (repeats) {
       body_item(i, inner);
+    } else if (i->priority() != nullptr) {
+      CompoundItem rule{.kind = ItemKind::Priority, .annotations = annotations(i->annotation()), .range = range(i->priority())};
+      rule.priority = arena_.make(compound_priority(i->priority(), rule.annotations));
+      rule.name = rule.priority->name;
+      rule.index = rule.priority->index;
+      inner.items.push_back(arena_.make(rule));
     } else {
-      diags_.report(Diag::kB0019, range(i), "a `for` repeats components, connectors and other `for`s only");
+      diags_.report(Diag::kB0019, range(i), "a `for` repeats components, connectors, priorities and other `for`s only");
     }
   }
   item.items = arena_.list(inner.items);
@@ -151,11 +160,13 @@ InteractionPattern Converter::pattern(BipParser::PrioritySideContext* ctx) {
   return p;
 }
 
-void Converter::compound_priority(BipParser::PriorityContext* ctx, Annotations marks, Items& to) {
-  CompoundPriority made{.annotations = marks, .name = name(ctx->id()), .low = pattern(ctx->prioritySide(0)), .high = pattern(ctx->prioritySide(1))};
+CompoundPriority Converter::compound_priority(BipParser::PriorityContext* ctx, Annotations marks) {
+  CompoundPriority made{.annotations = marks, .name = name(ctx->id()), .index = nullptr, .low = pattern(ctx->prioritySide(0)), .high = pattern(ctx->prioritySide(1))};
   if (ctx->provided() != nullptr) made.guard = guard(ctx->provided());
+  if (ctx->index() != nullptr && ctx->index()->expr() != nullptr) made.index = value(ctx->index()->expr());
+  if (ctx->index() != nullptr && ctx->index()->STAR() != nullptr) diags_.report(Diag::kB0019, range(ctx->index()), "a priority's `[ ]` holds an index, not `*`");
   made.range = range(ctx);
-  to.priorities.push_back(made);
+  return made;
 }
 
 }  // namespace bip::parse

@@ -208,6 +208,8 @@ void Dumper::item(const CompoundItem& i) {
       if (i.inline_body != nullptr) connector(*i.inline_body);
       --indent_;
       return;
+    case ItemKind::Priority:
+      return line("Priority", i.range, details + " " + text(i.priority->low) + " < " + text(i.priority->high) + guard(i.priority->guard));
     case ItemKind::For:
       line("For", i.range, details + " in " + text(i.low) + ".." + text(i.high));
       ++indent_;

@@ -30,6 +30,7 @@ void Printer::item_group(std::span<const CompoundItem* const> group, bool in_lin
     put("}");
     return end_line(end);
   }
+  if (first.kind == ItemKind::Priority) return priority(*first.priority);
   const bool component = first.kind == ItemKind::Component;
   put(component ? (notation_ == Notation::Paper ? "contains " : "component ") : "connector ");
   if (first.type.is_written()) put(text(first.type) + " ");
@@ -49,6 +50,14 @@ void Printer::item_group(std::span<const CompoundItem* const> group, bool in_lin
   connector_parts(*first.inline_body);
   notation_ = outer;
   --indent_;
+}
+
+void Printer::priority(const CompoundPriority& p) {
+  out_.append("priority ").append(p.name.text);
+  if (p.index != nullptr) put("[" + text(p.index) + "]");
+  out_.append(" ").append(text(p.low)).append(" < ").append(text(p.high));
+  if (p.guard != nullptr) put(guard(p.guard));
+  end_line(p.range.end);
 }
 
 void Printer::items(std::span<const CompoundItem* const> list, std::vector<Piece>& pieces) {
@@ -75,9 +84,7 @@ void Printer::compound(const Decl& d) {
                         annotations(p.annotations, p.range.begin);
                         lead_in(p.range.begin, p.range.end);
                         begin_line();
-                        out_.append("priority ").append(p.name.text).append(" ").append(text(p.low)).append(" < ").append(text(p.high));
-                        if (p.guard != nullptr) put(guard(p.guard));
-                        end_line(p.range.end);
+                        priority(p);
                       }});
   }
   for (const CompoundExport& e : d.exports) {

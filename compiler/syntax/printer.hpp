@@ -79,6 +79,7 @@ class Printer {
   // print_compound.cpp
   void compound(const Decl& d);
   void items(std::span<const CompoundItem* const> list, std::vector<Piece>& pieces);
+  void priority(const CompoundPriority& p);
   void item_group(std::span<const CompoundItem* const> group, bool in_line);
 
   const Syntax& syntax_;

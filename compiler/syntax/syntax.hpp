@@ -204,7 +204,8 @@ struct NamedArg {
   Name name{};  // empty: by position
   const Expr* value = nullptr;
 };
-enum class ItemKind : std::uint8_t { Component, Connector, For };
+enum class ItemKind : std::uint8_t { Component, Connector, For, Priority };
+struct CompoundPriority;
 struct CompoundItem {
   ItemKind kind = ItemKind::Component;
   Annotations annotations{};
@@ -218,6 +219,7 @@ struct CompoundItem {
   const Expr* low = nullptr;       // For i in low..high (high excluded)
   const Expr* high = nullptr;
   std::span<const CompoundItem* const> items{};  // For
+  const CompoundPriority* priority = nullptr;    // Priority: one in a `for`; name and index are its own
 };
 /// One side of a compound priority: c:a.p,b.q | c:* | *:*
 struct InteractionPattern {
@@ -230,6 +232,7 @@ struct InteractionPattern {
 struct CompoundPriority {
   Annotations annotations{};
   Name name{};
+  const Expr* index = nullptr;  // in a `for`: name[index]
   InteractionPattern low{};
   InteractionPattern high{};
   const Expr* guard = nullptr;

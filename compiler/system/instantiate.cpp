@@ -114,6 +114,7 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
     switch (item.kind) {
       case ItemKind::Component: component(instance, item, self, self.size() > params, depth); break;
       case ItemKind::Connector: declare_connector(instance, item, self); break;
+      case ItemKind::Priority: declare_priority(instance, item, self); break;
       case ItemKind::For: {
         const std::optional<Value> low = value(item.low, self, item.syntax->low->range);
         const std::optional<Value> high = value(item.high, self, item.syntax->high->range);
@@ -135,7 +136,7 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
 std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc, std::size_t depth) {
   const CompoundType& t = model.compound_types[type];
   const std::uint32_t row = static_cast<std::uint32_t>(instances.size());
-  Instance in{.type = type, .row = {}, .params = params, .components = {}, .connectors = {}, .pending = {}};
+  Instance in{.type = type, .row = {}, .params = params, .components = {}, .connectors = {}, .pending = {}, .priorities = {}};
   in.row = out.compounds.push({std::move(path), t.name, parent, loc});
   in.components.resize(t.components.size());
   in.connectors.resize(t.connectors.size());

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <iterator>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "compiler/system/instantiator.hpp"
 
 namespace bip::system {
 
-bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, Pattern& to) {
+bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self, Pattern& to) {
   to.any_connector = path.any_connector;
   to.any_interaction = path.any_interaction;
   if (path.any_connector) return true;
-  const std::vector<Value> self = instances[instance].params;
   const std::optional<std::uint32_t> row = find(instances[instance], path.connector, true, self, path.range);
   if (!row) return false;
   to.connector = instances[instance].pending[*row].id;
@@ -39,18 +39,45 @@ bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, Patt
   return true;
 }
 
+// Those of loops are known when all connectors are: until then, only with which values of the loops' variables.
+void Instantiator::declare_priority(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self) {
+  Instance& in = instances[instance];
+  const PriorityRule& rule = model.compound_types[in.type].priorities[item.family];
+  if (too_many(out.priorities.size() + in.priorities.size(), "priorities", item.range)) return;
+  std::string name = rule.name;
+  if (item.index.is_valid()) {
+    const std::optional<Value> n = value(item.index, self, item.syntax->index->range);
+    if (!n) return;
+    name += fmt::format("[{}]", n->int_value);
+  }
+  in.priorities.push_back({item.family, std::move(name), self});
+}
+
 void Instantiator::priorities(std::uint32_t instance) {
-  const std::vector<PriorityRule>& rules = model.compound_types[instances[instance].type].priorities;
+  const std::vector<PriorityRule>& types = model.compound_types[instances[instance].type].priorities;
+  std::vector<PendingPriority> pending = std::move(instances[instance].priorities);
+  std::unordered_set<std::string> names;
+  for (const PendingPriority& p : pending) {
+    if (names.insert(p.name).second) continue;
+    diags.report(Diag::kB4015, types[p.rule].range, p.name);
+    return;
+  }
+  for (std::uint32_t r = 0; r < types.size(); ++r) {
+    if (!types[r].in_loop) pending.push_back({r, types[r].name, instances[instance].params});
+  }
   const std::size_t first = out.priorities.size();
-  for (const PriorityRule& rule : rules) {
-    Priority row{.name = rule.name, .parent = instances[instance].row, .low = {}, .high = {}, .guard = rule.guard, .data = {}, .loc = model.loc(rule.range)};
-    if (!pattern(instance, rule.low, row.low) || !pattern(instance, rule.high, row.high)) return;
+  std::vector<const PriorityRule*> rules;
+  for (const PendingPriority& p : pending) {
+    const PriorityRule& rule = types[p.rule];
+    Priority row{.name = p.name, .parent = instances[instance].row, .low = {}, .high = {}, .guard = rule.guard, .data = {}, .loc = model.loc(rule.range)};
+    if (!pattern(instance, rule.low, p.self, row.low) || !pattern(instance, rule.high, p.self, row.high)) return;
     for (const DataPath& d : rule.data) {
-      const std::optional<DataRef> ref = resolve_data(instance, d, instances[instance].params);
+      const std::optional<DataRef> ref = resolve_data(instance, d, p.self);
       if (!ref) return;
       row.data.push_back(*ref);
     }
     out.priorities.push(std::move(row));
+    rules.push_back(&rule);
   }
   check_priorities(instances[instance].row, first, rules);
 }
@@ -111,14 +138,14 @@ struct Chains {
 
 }  // namespace
 
-void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<PriorityRule>& rules) {
+void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules) {
   const Chains chains{out, model.connector_types};
   const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const Priority& r = row(i);
     if (r.low.any_connector || r.high.any_connector || r.low.connector != r.high.connector || r.low.any_interaction || r.high.any_interaction) continue;
-    if (contains(r.low.params, r.high.params)) diags.report(Diag::kB3007, compared(rules[i]), r.name).help("maximal progress always prefers the larger interaction");
-    else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, compared(rules[i]), r.name);
+    if (contains(r.low.params, r.high.params)) diags.report(Diag::kB3007, compared(*rules[i]), r.name).help("maximal progress always prefers the larger interaction");
+    else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, compared(*rules[i]), r.name);
   }
   if (diags.has_errors()) return;
   // Depth first through the rules without guards; a rule that is met on its own path closes a cycle. A rule can be followed
@@ -170,10 +197,10 @@ void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, c
       std::string names;
       const auto first = std::find_if(path.begin(), path.end(), [&](const Frame& f) { return f.rule == j; });
       for (auto it = first; it != path.end(); ++it) names += row(it->rule).name + " < ";
-      auto d = diags.report(Diag::kB3006, compared(rules[j]), names + row(j).name);
+      auto d = diags.report(Diag::kB3006, compared(*rules[j]), names + row(j).name);
       d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
       for (auto it = first; it != path.end(); ++it) {
-        if (it->rule != j) d.label(compared(rules[it->rule]), "");
+        if (it->rule != j) d.label(compared(*rules[it->rule]), "");
       }
       return;
     }

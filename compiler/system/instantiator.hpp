@@ -24,6 +24,13 @@ struct PendingConnector {
   bool failed = false;      // reported
 };
 
+/// A priority that a `for` makes.
+struct PendingPriority {
+  std::uint32_t rule = 0;  // row of CompoundType::priorities
+  std::string name;        // "p[3]"
+  std::vector<Value> self;
+};
+
 struct Instance {
   CompoundTypeId type;
   CompoundId row;
@@ -31,6 +38,7 @@ struct Instance {
   std::vector<std::vector<Element>> components;             // by family and index
   std::vector<std::vector<std::uint32_t>> connectors;       // by family and index: rows of pending, or kHole
   std::vector<PendingConnector> pending;
+  std::vector<PendingPriority> priorities;
 };
 
 /// Nobody reads more; a loop may repeat one without end.
@@ -51,6 +59,7 @@ struct Instantiator {
   void items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self, std::size_t depth);
   void component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self, bool in_loop, std::size_t depth);
   void declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
+  void declare_priority(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   bool too_many(std::size_t count, const char* what, SourceRange at);
 
   // resolve.cpp
@@ -66,8 +75,8 @@ struct Instantiator {
 
   // instantiate_priorities.cpp
   void priorities(std::uint32_t instance);
-  bool pattern(std::uint32_t instance, const PatternPath& path, Pattern& to);
-  void check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<PriorityRule>& rules);
+  bool pattern(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self, Pattern& to);
+  void check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules);
 
   // check_alternatives.cpp
   void check_alternatives(ConnectorId id, SourceRange at);
