@@ -172,8 +172,9 @@ void build_constants(Builder& b) {
       for (const syntax::Var& v : d.vars) {
         CodeBuilder code(b.model, b.diags, scope);
         if (v.init == nullptr) b.diags.report(Diag::kB1008, v.name.range, v.name.text);
-        const ExprId value = v.init == nullptr ? code.poison(type) : code.expr_as(v.init, type, fmt::format("constant `{}`", v.name.text));
+        ExprId value = v.init == nullptr ? code.poison(type) : code.expr_as(v.init, type, fmt::format("constant `{}`", v.name.text));
         if (calls_cpp(b.model.code, value)) b.diags.report(Diag::kB1045, v.init->range, v.name.text);
+        value = code.folded(value);
         b.model.constants[package.prefix + std::string(v.name.text)] = {value, type};
       }
     }

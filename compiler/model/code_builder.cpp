@@ -170,12 +170,17 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
   if (e->clock_speed || (b != nullptr && b->is_clock)) return clock_path(e);
   if (b == nullptr) {
     const auto* constant = find_visible(model_, model_.constants, path_key(e->path, *model_.sources), e->path.range, diags_);
-    if (constant != nullptr) return Typed{constant->first, constant->second};
+    if (constant != nullptr) return Typed{copy(constant->first), constant->second};
     find(e->path, true);
     return std::nullopt;
   }
   if (b->poison) return std::nullopt;
-  if (b->value.is_valid()) return Typed{b->value, b->type};
+  if (b->value.is_valid()) {
+    // A parameter of a function. Each use adds as much as the argument is large.
+    if (model_.code.exprs.size() - unfold_start_ <= kMaxUnfolded) return Typed{copy(b->value), b->type};
+    report_too_large(e);
+    return std::nullopt;
+  }
   return Typed{make({.op = b->load, .type = b->type, .index = b->index, .a = {}, .b = {}, .loc = loc(e->range)}), b->type};
 }
 
@@ -284,7 +289,7 @@ void CodeBuilder::report_too_large(const syntax::Expr* e) {
   if (!diags_.has_errors()) diags_.report(Diag::kB4006, e->path.range, kMaxUnfolded, "operations in one call").label("unfolded here");
 }
 
-// Arguments are shared rows, so what executors walk as a tree may be larger than the rows: its size is counted as a tree.
+// Size and depth of what a call became; the rows before it were counted when they were asked for.
 bool CodeBuilder::is_small(ExprId unfolded, const syntax::Expr* e) {
   auto& shapes = model_.code_shapes;
   for (std::size_t row = shapes.size(); row < model_.code.exprs.size(); ++row) {  // operands come before their operator

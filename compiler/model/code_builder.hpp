@@ -69,6 +69,8 @@ class CodeBuilder {
   StmtId block(std::span<const syntax::Stmt* const> stmts, StmtId tail = {});
   /// Data initialiser as a store into Self slot.
   StmtId store_self(std::uint32_t slot, Type type, ExprId value, Loc loc, StmtId next);
+  /// The value of a constant in a few rows: itself, or the division that faults wherever the constant is read.
+  ExprId folded(ExprId value);
   /// A default-valued constant, so that building can go on after an error.
   ExprId poison(Type type);
   Typed convert(Typed v, Type to);
@@ -91,6 +93,8 @@ class CodeBuilder {
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);
   const Binding* find(const syntax::Path& p, bool report);
+  /// Code is a tree: what stands for a name is copied to each place where the name does.
+  ExprId copy(ExprId from);
   bool may_inline(const syntax::Expr* e, const syntax::Decl& function);
   bool is_small(ExprId unfolded, const syntax::Expr* e);
   void report_too_large(const syntax::Expr* e);

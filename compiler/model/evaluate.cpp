@@ -54,7 +54,7 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
     case Op::ConstFloat: return {{e.type, e.int_value, e.float_value}};
     case Op::LoadSelf: return {self[e.index]};
     case Op::LoadBind: BIP_UNREACHABLE("a constant expression reads a bound variable");
-    case Op::Call: return {{e.type, 0, 0}, Fault::Call};
+    case Op::Call: return {{e.type, 0, 0}, Fault::Call, id};
     default: break;
   }
   const Evaluated a = evaluate(code, e.a, self);
@@ -77,7 +77,9 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
   if (e.op >= Op::Eq) {
     return {a.value.type == Type::Float ? compare(e.op, a.value.float_value, b.value.float_value) : compare(e.op, a.value.int_value, b.value.int_value)};
   }
-  return arithmetic(e.op, a.value, b.value);
+  Evaluated result = arithmetic(e.op, a.value, b.value);
+  if (result.fault != Fault::None) result.at = id;
+  return result;
 }
 
 }  // namespace bip::model

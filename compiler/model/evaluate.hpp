@@ -11,6 +11,7 @@ enum class Fault : std::uint8_t { None, DivisionByZero, DivisionOverflow, Call }
 struct Evaluated {
   Value value;
   Fault fault = Fault::None;
+  ExprId at{};  // the row that faults
 };
 /// The expression reads nothing but Self. Its depth is bounded by the parser's.
 [[nodiscard]] Evaluated evaluate(const CodeTable& code, ExprId expr, std::span<const Value> self);

@@ -8,6 +8,7 @@
 #endif
 #include "compiler/system/bsys.hpp"
 #include "tools/gen/compiled.hpp"
+#include "tools/gen/functions.hpp"
 #include "tools/gen/traced_run.hpp"
 
 namespace bip::gen {
@@ -27,9 +28,11 @@ std::string compare_traces(const char* kind, const std::vector<std::string>& wan
 }
 
 std::string check_formatted(const Compiled& c) {
-  Compiled again = compile_text(c.formatted);
-  if (!again.problem.empty()) return "fmt: its output does not compile, " + again.problem + "\n" + c.formatted;
-  if (again.formatted != c.formatted) return "fmt: not idempotent, " + first_difference(c.formatted, again.formatted);
+  Compiled again = compile_texts(c.formatted);
+  if (!again.problem.empty()) return "fmt: its output does not compile, " + again.problem + "\n" + c.formatted.back();
+  for (std::size_t k = 0; k < c.formatted.size(); ++k) {
+    if (again.formatted[k] != c.formatted[k]) return "fmt: not idempotent, " + first_difference(c.formatted[k], again.formatted[k]);
+  }
   System one = *c.system, two = *again.system;
   forget_places(one);
   forget_places(two);
@@ -62,13 +65,13 @@ std::string first_difference(const std::string& a, const std::string& b) {
 
 SupportedModel supported_model(std::uint64_t seed) {
   SupportedModel result{generate(seed), false};
-  if (compile_text(print(result.model)).problem.find("[B1900]") == std::string::npos) return result;
+  if (compile_texts(print_packages(result.model)).problem.find("[B1900]") == std::string::npos) return result;
   return {generate(seed, Features::Plain), true};
 }
 
 std::string check_model(const Description& model, std::uint64_t seed, const CheckOptions& options, OracleCounts& counts,
                         EmittedCase* emitted) {
-  Compiled c = compile_text(print(model));
+  Compiled c = compile_texts(print_packages(model));
   if (!c.problem.empty()) return "compile " + c.problem;
   const rt::Image& image = c.lowered->image;
   std::vector<std::string> traces;
@@ -97,6 +100,9 @@ std::string check_model(const Description& model, std::uint64_t seed, const Chec
     how.namespace_name = "m" + std::to_string(seed);
     how.with_main = false;
     how.line_directives = false;
+    for (const Function& f : c.system->code.functions) {
+      if (has_const_variant(f.name)) how.const_names.insert(f.name);
+    }
     *emitted = {seed, emit_cpp::emit(*c.lowered, how), std::move(traces)};
   }
   return "";

@@ -59,7 +59,7 @@ std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const 
   std::ofstream(base + ".cpp") << program(cases, options.steps);
   std::string root = options.source_dir;
   std::string command = "ccache g++ -std=c++20 -O0 -ffp-contract=off -fuse-ld=mold -I" + quoted(root) + " -I" + quoted(root + "/runtime/include") +
-                        " -I" + quoted(root + "/runtime") + " " + quoted(base + ".cpp") + " " + quoted(options.runtime_lib) + " -lpthread -o " +
+                        " -I" + quoted(root + "/runtime") + " -I" + quoted(root + "/tools/gen/outside") + " " + quoted(base + ".cpp") + " " + quoted(options.runtime_lib) + " -lpthread -o " +
                         quoted(base + ".exe") + " >" + quoted(base + ".log") + " 2>&1";
   if (std::system(command.c_str()) != 0) {
     if (cases.size() == 1) return {{cases[0].seed, "emitted C++: does not compile, " + head(read_file(base + ".log"))}};

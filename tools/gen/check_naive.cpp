@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/outside.hpp"
 #include "runtime/core/core.hpp"
 #include "tools/gen/check.hpp"
 #include "tools/gen/naive.hpp"
@@ -15,13 +16,15 @@ namespace bip::gen {
 namespace {
 
 std::string slot_text(const rt::Image& image, rt::SlotType type, rt::Slot slot) {
-  if (type == rt::SlotType::String) return std::string("\"") + image.strings[slot.bits] + "\"";
+  if (type == rt::SlotType::String) return std::string("\"") + rt::string_of(image, slot) + "\"";
+  if (rt::is_extern(type)) return fmt::format("({}, {})", rt::object_in<Pair>(slot).a, rt::object_in<Pair>(slot).b);
   if (type == rt::SlotType::Float) return fmt::format("{}", slot.f);
   return std::to_string(slot.i);
 }
 std::string value_text(const Value& value) {
   if (value.type == Ty::String) return "\"" + value.s + "\"";
   if (value.type == Ty::Float) return fmt::format("{}", value.f);
+  if (value.type == Ty::Pair || value.type == Ty::Wide) return fmt::format("({}, {}, {})", value.w.a, value.w.b, value.w.c);
   return std::to_string(value.i);
 }
 bool is_equal(const rt::Image& image, rt::Slot slot, const Value& value) {
@@ -29,7 +32,9 @@ bool is_equal(const rt::Image& image, rt::Slot slot, const Value& value) {
     case Ty::Int: return slot.i == value.i;
     case Ty::Bool: return slot.bits == static_cast<std::uint64_t>(value.i);
     case Ty::Float: return std::memcmp(&slot.f, &value.f, sizeof value.f) == 0 || (slot.f != slot.f && value.f != value.f);
-    case Ty::String: return value.s == image.strings[slot.bits];
+    case Ty::String: return value.s == rt::string_of(image, slot);
+    case Ty::Pair: return rt::object_in<Pair>(slot) == value.w;
+    case Ty::Wide: return rt::object_in<Pair>(slot) == value.w && rt::object_in<Wide>(slot).c == value.w.c;
   }
   return false;
 }

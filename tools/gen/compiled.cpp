@@ -17,15 +17,6 @@ std::string errors_of(const Diagnostics& diags, const SourceMap& sources) {
   return render(diags, sources, options);
 }
 
-std::int32_t call_max(rt::Outside*, rt::Slot* result, rt::Slot* const* args) {
-  *result = rt::Slot{.bits = static_cast<std::uint32_t>(args[0]->i > args[1]->i ? args[0]->i : args[1]->i)};
-  return 0;
-}
-std::int32_t call_min(rt::Outside*, rt::Slot* result, rt::Slot* const* args) {
-  *result = rt::Slot{.bits = static_cast<std::uint32_t>(args[0]->i < args[1]->i ? args[0]->i : args[1]->i)};
-  return 0;
-}
-
 void lower_sound(Compiled& c) {
   std::vector<std::string> broken = system::validate(*c.system);
   if (!broken.empty()) {
@@ -33,31 +24,38 @@ void lower_sound(Compiled& c) {
     return;
   }
   c.lowered = lower::lower(*c.system, "Root()");
-  // What `bipc run` compiles, here by hand.
-  for (std::size_t k = 0; k < c.lowered->functions.size(); ++k) {
-    c.lowered->functions[k] = c.system->code.functions[k].name == "max" ? &call_max : &call_min;
-  }
+  std::string missing;
+  c.objects = bind_outside(*c.lowered, missing);
+  if (!missing.empty()) c.problem = "outside: no C++ function " + missing;
 }
 
 }  // namespace
 
-Compiled compile_text(const std::string& text) {
+Compiled compile_texts(const std::vector<std::string>& texts) {
   Compiled c;
   SourceMap sources;
   Diagnostics diags;
-  FileId file = sources.add("random.bip", text);
-  std::optional<syntax::Syntax> syntax = parse::parse_file(sources, file, diags);
-  if (!syntax || diags.has_errors()) {
-    c.problem = "parse: " + errors_of(diags, sources);
-    return c;
+  std::vector<syntax::Syntax> packages;
+  packages.reserve(texts.size());
+  for (const std::string& text : texts) {
+    const FileId file = sources.add("random" + std::to_string(packages.size()) + ".bip", text);
+    std::optional<syntax::Syntax> syntax = parse::parse_file(sources, file, diags);
+    if (!syntax || diags.has_errors()) {
+      c.problem = "parse: " + errors_of(diags, sources);
+      return c;
+    }
+    c.formatted.push_back(syntax::print(*syntax, sources));
+    packages.push_back(std::move(*syntax));
   }
-  c.formatted = syntax::print(*syntax, sources);
-  std::optional<Model> model = model::build_model(*syntax, sources, diags);
+  std::vector<const syntax::Syntax*> used;
+  for (const syntax::Syntax& package : packages) used.push_back(&package);
+  std::optional<Model> model = model::build_model(used, sources, diags);
   if (!model || diags.has_errors()) {
     c.problem = "model: " + errors_of(diags, sources);
     return c;
   }
-  std::optional<System> system = system::instantiate(*model, "Root", {}, diags, {.file = file, .begin = 0, .end = 0});
+  const FileId last = packages.back().file;
+  std::optional<System> system = system::instantiate(*model, "Root", {}, diags, {.file = last, .begin = 0, .end = 0});
   if (!system || diags.has_errors()) {
     c.problem = "instantiate: " + errors_of(diags, sources);
     return c;

@@ -1,10 +1,11 @@
-// One generated text through the compiler, in process: the stages one by one, no files.
+// One generated model through the compiler, in process: the stages one by one, no files.
 #pragma once
 #include <memory>
 #include <string>
 
 #include "compiler/lower/lower.hpp"
 #include "compiler/system/system.hpp"
+#include "tools/gen/bind_outside.hpp"
 
 namespace bip::gen {
 
@@ -12,11 +13,13 @@ struct Compiled {
   std::string problem;  // empty: sound. Else the first stage that failed and what it said
   std::unique_ptr<System> system;
   std::unique_ptr<lower::LoweredSystem> lowered;
-  std::string formatted;  // the text as `fmt` writes it
+  OutsideObjects objects;
+  std::vector<std::string> formatted;  // the texts as `fmt` writes them
 };
 
-/// From .bip text. Every diagnostic of severity error, and every broken promise of the System, is a problem.
-[[nodiscard]] Compiled compile_text(const std::string& text);
+/// From .bip texts, a package each, after those that they use. Every diagnostic of severity error, and every broken promise
+/// of the System, is a problem.
+[[nodiscard]] Compiled compile_texts(const std::vector<std::string>& texts);
 /// From .bsys text.
 [[nodiscard]] Compiled compile_bsys(const std::string& text);
 

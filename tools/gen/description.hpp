@@ -10,21 +10,26 @@
 
 namespace bip::gen {
 
-enum class Ty : std::uint8_t { Int, Bool, Float, String };
+/// Pair and Wide: the extern types of outside.hpp; Wide refines Pair.
+enum class Ty : std::uint8_t { Int, Bool, Float, String, Pair, Wide };
 [[nodiscard]] const char* name_of(Ty type);
 
-enum class ExprKind : std::uint8_t { Literal, Name, Unary, Binary };
+/// Constant: `text` names it and args[0] is its value. Call: args of row `row` of outside_functions(). Inline: `text` names
+/// a function of the model and args follow; its last one is the function's body, whose parameters are names in scope "$".
+enum class ExprKind : std::uint8_t { Literal, Name, Unary, Binary, Constant, Call, Inline };
 struct Expr {
   ExprKind kind = ExprKind::Literal;
   Ty type = Ty::Int;
   std::string text;          // Literal: as written; Unary, Binary: the operator
   std::string scope, name;   // Name: port, component or empty; the variable
   std::vector<Expr> args;
+  int row = -1;              // Call
   bool extra_parens = false; // printed in parentheses although none are needed
 };
 
 struct Stmt {
   bool is_if = false;
+  bool is_call = false;      // `value` is a call, whose result is not wanted
   std::string scope, name;   // assignment's target
   Expr value;                // assigned value, or the condition
   std::vector<Stmt> then_body, else_body;
@@ -153,8 +158,24 @@ struct CompoundType {
   bool paper = false;  // printed in the paper's notation, its connectors inline
 };
 
+/// `function int f0(int n0) = …`: parameters are names in scope "$".
+struct InlineFunction {
+  std::string name;
+  Ty result = Ty::Int;
+  std::vector<Var> params;
+  Expr body;
+};
+
+/// How a model is spread over packages: all in one; port types, constants and functions in `….base`; atom and connector
+/// types in `….parts`, too.
+enum class Split : std::uint8_t { One, Base, Parts };
+
 struct Description {
   std::string package;
+  Split split = Split::One;
+  bool qualified = false;  // names of other packages are written with them
+  std::vector<Var> constants;
+  std::vector<InlineFunction> functions;
   std::vector<PortType> port_types;
   std::vector<AtomType> atom_types;
   std::vector<ConnectorType> connector_types;
@@ -176,7 +197,9 @@ enum class Features : std::uint8_t { All, Plain };
 /// Every interaction that `define` gives, as sorted sets of parameters, each once; straight from LANGUAGE.md §4.
 [[nodiscard]] std::vector<std::vector<int>> expand(const Define& define);
 
-/// The model as .bip text.
+/// The model as .bip texts: packages in the order in which they are used, the root's last.
+[[nodiscard]] std::vector<std::string> print_packages(const Description& model);
+/// All of them as one text, for people.
 [[nodiscard]] std::string print(const Description& model);
 
 /// The receiver side of one broadcast as text, for tools/bench: a trigger and `receivers` synchrons.

@@ -17,12 +17,26 @@ Description generate(std::uint64_t seed, Features features) {
   style.atom_rules = random.percent(20);
   style.invariants = random.percent(10);
   style.calls = random.percent(15);
+  style.outside = random.percent(25);
+  style.objects = style.outside && random.percent(60);
   if (features == Features::Plain) style.merged = style.atom_rules = style.invariants = false;
   if (style.large) style.max_weight = 3000;
   CodeMaker code(random, style);
 
   Description model;
   model.package = "random" + std::to_string(seed);
+  if (random.percent(25)) {
+    model.split = random.percent(50) ? Split::Base : Split::Parts;
+    model.qualified = random.percent(40);
+  }
+  if (random.percent(25)) style.constants = model.constants = make_constants(code, random);
+  if (random.percent(20)) {
+    // Their bodies are one expression over the parameters: no calls of C++, and of each other none.
+    Style plain = style;
+    plain.calls = plain.outside = plain.objects = false;
+    CodeMaker of_functions(random, plain);
+    style.functions = model.functions = make_functions(of_functions, random);
+  }
   model.port_types.push_back({"T0", {}});
   for (int k = 1, n = random.between(1, 3); k <= n; ++k) {
     PortType type;

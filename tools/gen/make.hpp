@@ -27,9 +27,13 @@ struct Style {
   bool merged = false;       // ports exported under one name
   bool atom_rules = false;   // priorities of atoms
   bool invariants = false;
-  bool calls = false;        // max and min of the C++ library in code
+  bool calls = false;        // functions of the C and C++ libraries in code
+  bool outside = false;      // and those of outside.hpp
+  bool objects = false;      // and its types
   bool ruled = false;        // many priority rules, in chains, with guards
   int max_weight = 120;      // alternatives of one connector
+  std::vector<Var> constants;
+  std::vector<InlineFunction> functions;
 };
 
 class CodeMaker {
@@ -37,13 +41,20 @@ class CodeMaker {
   CodeMaker(Prng& random, const Style& style) : random_(&random), style_(&style) {}
   Expr expression(Ty type, const std::vector<Known>& known, int depth);
   Expr guard(const std::vector<Known>& known);
-  /// `count` statements; empty if nothing is writable.
-  Body body(const std::vector<Known>& known, int count, int depth);
+  /// `count` statements; empty if nothing is writable. Where calls may not change anything (`up`) none does.
+  enum class Changes : std::uint8_t { ByCalls, ByAssignment };
+  Body body(const std::vector<Known>& known, int count, int depth, Changes changes = Changes::ByCalls);
   /// A literal, for initialisers and arguments.
   Expr literal(Ty type);
   Ty type();
+  /// One of the native types.
+  Ty native_type();
 
  private:
+  Expr call(Ty type, const std::vector<Known>& known, int depth);
+  Expr inline_call(const InlineFunction& function, const std::vector<Known>& known, int depth);
+  Expr pair_of(Expr a, Expr b);
+  std::optional<Stmt> call_statement(const std::vector<Known>& known, int depth);
   Expr leaf(Ty type, const std::vector<Known>& known);
   Expr int_operation(const std::vector<Known>& known, int depth);
   Expr bool_operation(const std::vector<Known>& known, int depth);
@@ -57,6 +68,10 @@ class CodeMaker {
 [[nodiscard]] Expr unary(std::string op, Expr a, Ty type);
 [[nodiscard]] Expr binary(std::string op, Expr a, Expr b, Ty type);
 [[nodiscard]] Expr int_literal(int value);
+[[nodiscard]] Expr constant(const Var& var);
+
+[[nodiscard]] std::vector<Var> make_constants(CodeMaker& code, Prng& random);
+[[nodiscard]] std::vector<InlineFunction> make_functions(CodeMaker& code, Prng& random);
 
 [[nodiscard]] AtomType make_atom(Prng& random, const Style& style, const std::vector<PortType>& types, const std::string& name);
 

@@ -43,7 +43,9 @@ class AtomMaker {
     var.name = fresh("x");
     var.type = type;
     var.exported = random_.percent(style_.ruled ? 60 : 25);
-    if (random_.percent(40)) var.init = code_.literal(type);
+    // Objects begin as C++ makes them.
+    const bool is_object = type == Ty::Pair || type == Ty::Wide;
+    if (!is_object && random_.percent(40)) var.init = random_.percent(30) ? code_.expression(type, {}, 1) : code_.literal(type);
     atom_.data.push_back(var);
     return var.name;
   }
@@ -51,7 +53,7 @@ class AtomMaker {
     for (int n = random_.percent(50) ? random_.between(1, 2) : 0; n > 0; --n) {
       Var var;
       var.name = fresh("n");
-      var.type = code_.type();
+      var.type = code_.native_type();
       atom_.params.push_back(var);
     }
     for (int n = random_.between(1, 3); n > 0; --n) data_of(code_.type());

@@ -28,6 +28,11 @@ Expr int_literal(int value) {
 }
 
 Ty CodeMaker::type() {
+  if (style_->objects && random_->percent(25)) return random_->percent(60) ? Ty::Pair : Ty::Wide;
+  return native_type();
+}
+
+Ty CodeMaker::native_type() {
   static const std::vector<Ty> kinds = {Ty::Int, Ty::Int, Ty::Int, Ty::Bool, Ty::Float, Ty::String};
   return random_->pick(kinds);
 }
@@ -43,14 +48,20 @@ Expr CodeMaker::literal(Ty type) {
     case Ty::Bool: e.text = random_->percent(50) ? "true" : "false"; break;
     case Ty::Float: e.text = random_->pick(floats); break;
     case Ty::String: e.text = random_->pick(strings); break;
+    case Ty::Pair: return pair_of(literal(Ty::Int), literal(Ty::Int));
+    case Ty::Wide: return call(Ty::Wide, {}, 0);
   }
   return e;
 }
 
 Expr CodeMaker::leaf(Ty type, const std::vector<Known>& known) {
   std::vector<const Known*> fitting;
+  if (!style_->constants.empty() && random_->percent(12)) {
+    const Var& var = random_->pick(style_->constants);
+    if (var.type == type) return constant(var);
+  }
   for (const Known& k : known) {
-    if (k.type == type || (type == Ty::Float && k.type == Ty::Int && random_->percent(30))) fitting.push_back(&k);
+    if (k.type == type || (type == Ty::Pair && k.type == Ty::Wide) || (type == Ty::Float && k.type == Ty::Int && random_->percent(30))) fitting.push_back(&k);
   }
   if (fitting.empty() || random_->percent(25)) return literal(type);
   const Known& k = *random_->pick(fitting);
@@ -66,7 +77,6 @@ Expr CodeMaker::int_operation(const std::vector<Known>& known, int depth) {
   static const std::vector<std::string> ops = {"+", "+", "-", "*", "&", "|", "^", "/", "%"};
   if (random_->percent(12)) return unary(random_->percent(50) ? "-" : "~", expression(Ty::Int, known, depth - 1), Ty::Int);
   std::string op = random_->pick(ops);
-  if (style_->calls && random_->percent(20)) op = random_->percent(50) ? "max" : "min";
   Expr a = expression(Ty::Int, known, depth - 1), b = expression(Ty::Int, known, depth - 1);
   bool division = op == "/" || op == "%";
   if (division && !(style_->faults && random_->percent(30))) {
@@ -91,6 +101,7 @@ Expr CodeMaker::bool_operation(const std::vector<Known>& known, int depth) {
     return binary(random_->pick(equalities), std::move(low_bits), int_literal(random_->between(0, mask)), Ty::Bool);
   }
   Ty operand = type();
+  if (operand == Ty::Pair || operand == Ty::Wide) return call(Ty::Bool, known, depth);
   bool ordered = operand == Ty::Int || operand == Ty::Float;
   std::string op = random_->pick(ordered ? relations : equalities);
   Expr a = expression(operand, known, depth - 1), b = expression(operand, known, depth - 1);
@@ -122,7 +133,13 @@ Expr CodeMaker::float_operation(const std::vector<Known>& known, int depth) {
 
 Expr CodeMaker::expression(Ty type, const std::vector<Known>& known, int depth) {
   Expr e;
-  if (depth <= 0 || type == Ty::String || random_->percent(30)) {
+  const bool may_call = style_->calls || style_->outside;
+  const InlineFunction* function = style_->functions.empty() || !random_->percent(15) ? nullptr : &random_->pick(style_->functions);
+  if (depth > 0 && function != nullptr && function->result == type) {
+    e = inline_call(*function, known, depth);
+  } else if (depth > 0 && may_call && random_->percent(type == Ty::String || type == Ty::Pair || type == Ty::Wide ? 60 : 15)) {
+    e = call(type, known, depth);
+  } else if (depth <= 0 || type == Ty::String || type == Ty::Pair || type == Ty::Wide || random_->percent(30)) {
     e = leaf(type, known);
   } else if (type == Ty::Int) {
     e = int_operation(known, depth);
@@ -150,7 +167,7 @@ Stmt CodeMaker::assignment(const Known& target, const std::vector<Known>& known,
   return stmt;
 }
 
-Body CodeMaker::body(const std::vector<Known>& known, int count, int depth) {
+Body CodeMaker::body(const std::vector<Known>& known, int count, int depth, Changes changes) {
   std::vector<const Known*> targets;
   for (const Known& k : known) {
     if (k.writable) targets.push_back(&k);
@@ -158,12 +175,19 @@ Body CodeMaker::body(const std::vector<Known>& known, int count, int depth) {
   Body result;
   if (targets.empty()) return result;
   for (int i = 0; i < count; ++i) {
+    if (style_->outside && changes == Changes::ByCalls && random_->percent(25)) {
+      std::optional<Stmt> stmt = call_statement(known, 1);
+      if (stmt) {
+        result.push_back(std::move(*stmt));
+        continue;
+      }
+    }
     if (depth > 0 && random_->percent(20)) {
       Stmt stmt;
       stmt.is_if = true;
       stmt.value = guard(known);
-      stmt.then_body = body(known, random_->between(1, 2), depth - 1);
-      if (random_->percent(50)) stmt.else_body = body(known, random_->between(1, 2), depth - 1);
+      stmt.then_body = body(known, random_->between(1, 2), depth - 1, changes);
+      if (random_->percent(50)) stmt.else_body = body(known, random_->between(1, 2), depth - 1, changes);
       result.push_back(std::move(stmt));
     } else {
       result.push_back(assignment(*random_->pick(targets), known, random_->between(0, 3)));

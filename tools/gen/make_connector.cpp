@@ -104,7 +104,7 @@ class ConnectorMaker {
     for (Known& k : readable) k.writable = false;
     readable.insert(readable.end(), own.begin(), own.end());
     if (random_.percent(style_.deep ? 50 : 35)) result.guard = code_.guard(all);
-    if (type_.exports && random_.percent(85)) result.up = code_.body(readable, random_.between(1, 3), 1);
+    if (type_.exports && random_.percent(85)) result.up = code_.body(readable, random_.between(1, 3), 1, CodeMaker::Changes::ByAssignment);
     // What `up` computed is only seen if it reaches an atom: own data get more weight.
     for (int copies = 0; copies < 2; ++copies) all.insert(all.end(), own.begin(), own.end());
     if (random_.percent(65)) result.down = code_.body(all, random_.between(1, 3), 1);

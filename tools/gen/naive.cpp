@@ -42,15 +42,15 @@ void NaiveEngine::initialise(std::size_t atom) {
   AtomState& state = states_[atom];
   state.vars = world_.atoms[atom].args;
   for (const Var& var : type.data) state.vars[var.name] = zero_of(var.type);
-  bool fault = false;
+  Place code;
   for (const Var& var : type.data) {
     if (!var.init) continue;
     Value& target = state.vars[var.name];
-    target = converted(evaluate(*var.init, gen::lookup_in(state.vars), fault), target.type);
+    target = converted(evaluate(*var.init, gen::lookup_in(state.vars), code), target.type);
   }
   state.marking.insert(type.initial.begin(), type.initial.end());
-  execute(type.initial_action, gen::lookup_in(state.vars), fault);
-  if (fault || !invariants_hold(state, type)) return trouble(Trouble::Sure);
+  execute(type.initial_action, gen::lookup_in(state.vars), code);
+  if (code.fault || !invariants_hold(state, type)) return trouble(Trouble::Sure);
   settle(atom);
 }
 
@@ -71,9 +71,9 @@ void NaiveEngine::find_enabled(AtomState& state, const AtomType& type) {
   for (const Transition& t : type.transitions) {
     bool marked = std::all_of(t.from.begin(), t.from.end(), [&](const std::string& p) { return state.marking.contains(p); });
     if (!marked) continue;
-    bool fault = false;
-    bool holds = !t.guard || evaluate(*t.guard, gen::lookup_in(state.vars), fault).i != 0;
-    if (fault) trouble(Trouble::Possible);
+    Place code{.is_const = true};
+    bool holds = !t.guard || evaluate(*t.guard, gen::lookup_in(state.vars), code).i != 0;
+    if (code.fault) trouble(Trouble::Possible);
     if (!holds) continue;
     // Two of one port are a run-time error. The generator makes none, but the shrinker may.
     if (state.enabled.contains(t.port)) trouble(Trouble::Possible);
@@ -86,8 +86,8 @@ bool NaiveEngine::invariants_hold(AtomState& state, const AtomType& type) {
   for (const Invariant& i : type.invariants) {
     std::set<std::string> places(i.places.begin(), i.places.end());
     bool concerns = i.scope == "at" ? places == state.marking : std::includes(state.marking.begin(), state.marking.end(), places.begin(), places.end());
-    bool fault = false;
-    if (concerns && (evaluate(i.condition, gen::lookup_in(state.vars), fault).i == 0 || fault)) return false;
+    Place code{.is_const = true};
+    if (concerns && (evaluate(i.condition, gen::lookup_in(state.vars), code).i == 0 || code.fault)) return false;
   }
   return true;
 }
@@ -96,9 +96,9 @@ bool NaiveEngine::invariants_hold(AtomState& state, const AtomType& type) {
 void NaiveEngine::hide_dominated(AtomState& state, const AtomType& type) {
   std::set<std::pair<std::string, std::string>> below;
   for (const AtomRule& rule : type.rules) {
-    bool fault = false;
-    const bool holds = !rule.guard || evaluate(*rule.guard, gen::lookup_in(state.vars), fault).i != 0;
-    if (fault) trouble(Trouble::Possible);  // before the value is believed: the core may look at the guard or not
+    Place code{.is_const = true};
+    const bool holds = !rule.guard || evaluate(*rule.guard, gen::lookup_in(state.vars), code).i != 0;
+    if (code.fault) trouble(Trouble::Possible);  // before the value is believed: the core may look at the guard or not
     if (!holds) continue;
     for (const Port& low : type.ports) {
       for (const Port& high : type.ports) {
@@ -129,9 +129,9 @@ void NaiveEngine::fire_transition(std::size_t atom, const std::string& port) {
   const Transition& t = *state.enabled.at(port);
   for (const std::string& place : t.from) state.marking.erase(place);
   for (const std::string& place : t.to) state.marking.insert(place);
-  bool fault = false;
-  execute(t.action, gen::lookup_in(state.vars), fault);
-  if (fault || !invariants_hold(state, *world_.atoms[atom].type)) return trouble(Trouble::Sure);
+  Place code;
+  execute(t.action, gen::lookup_in(state.vars), code);
+  if (code.fault || !invariants_hold(state, *world_.atoms[atom].type)) return trouble(Trouble::Sure);
   settle(atom);
 }
 
@@ -164,11 +164,11 @@ void NaiveEngine::complete(Choice choice, std::vector<Choice>& result) {
     if (params == choice.params) choice.clause = &clause;
   }
   if (choice.clause != nullptr) {
-    bool fault = false;
-    bool holds = !choice.clause->guard || evaluate(*choice.clause->guard, lookup_in(choice), fault).i != 0;
-    if (holds && !fault) execute(choice.clause->up, lookup_in(choice), fault);
-    if (fault) trouble(Trouble::Possible);
-    if (!holds || fault) return;
+    Place code{.is_const = true};
+    bool holds = !choice.clause->guard || evaluate(*choice.clause->guard, lookup_in(choice), code).i != 0;
+    if (holds && !code.fault) execute(choice.clause->up, lookup_in(choice), code);
+    if (code.fault) trouble(Trouble::Possible);
+    if (!holds || code.fault) return;
   }
   result.push_back(std::move(choice));
 }
@@ -223,9 +223,9 @@ void NaiveEngine::fire(Choice choice) { fire_part(choice); }
 void NaiveEngine::fire_part(Choice& choice) {
   if (trouble_ != Trouble::None) return;
   if (choice.connector < 0) return fire_transition(static_cast<std::size_t>(choice.atom), choice.port);
-  bool fault = false;
-  if (choice.clause != nullptr) execute(choice.clause->down, lookup_in(choice), fault);
-  if (fault) return trouble(Trouble::Sure);
+  Place code;
+  if (choice.clause != nullptr) execute(choice.clause->down, lookup_in(choice), code);
+  if (code.fault) return trouble(Trouble::Sure);
   for (int p : choice.params) fire_part(choice.parts.at(p));
 }
 

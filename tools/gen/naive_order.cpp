@@ -31,16 +31,17 @@ bool NaiveEngine::matches(const WorldRule& rule, bool high, const Node& node) co
 std::vector<bool> NaiveEngine::active_rules() {
   std::vector<bool> active;
   for (const WorldRule& rule : world_.rules) {
-    bool fault = false, holds = true;
+    Place code{.is_const = true};
+    bool holds = true;
     if (rule.source->guard) {
       Lookup lookup = [&](const std::string& scope, const std::string& name) -> Value& {
         const auto& [atom, var] = rule.data.at(scope + "." + name);
         return states_[static_cast<std::size_t>(atom)].vars[var];
       };
-      holds = evaluate(*rule.source->guard, lookup, fault).i != 0;
+      holds = evaluate(*rule.source->guard, lookup, code).i != 0;
     }
-    if (fault) trouble(Trouble::Possible);
-    active.push_back(holds && !fault);
+    if (code.fault) trouble(Trouble::Possible);
+    active.push_back(holds && !code.fault);
   }
   return active;
 }

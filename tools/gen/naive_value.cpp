@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 
+#include "tools/gen/functions.hpp"
+
 namespace bip::gen {
 namespace {
 
@@ -53,7 +55,9 @@ Value literal(const Expr& expr) {
     case Ty::Int: return of_int(std::strtoll(expr.text.c_str(), nullptr, 10));
     case Ty::Bool: return of_bool(expr.text == "true");
     case Ty::Float: return of_float(std::strtod(expr.text.c_str(), nullptr));
-    case Ty::String: break;
+    case Ty::String:
+    case Ty::Pair:
+    case Ty::Wide: break;
   }
   Value v;
   v.type = Ty::String;
@@ -82,8 +86,6 @@ Value int_operation(const std::string& op, std::int64_t a, std::int64_t b, bool&
   if (op == "&") return of_int(a & b);
   if (op == "|") return of_int(a | b);
   if (op == "^") return of_int(a ^ b);
-  if (op == "max") return of_int(a > b ? a : b);
-  if (op == "min") return of_int(a < b ? a : b);
   if (b == 0 || (a == INT32_MIN && b == -1)) {
     fault = true;
     return {};
@@ -98,21 +100,52 @@ Value float_operation(const std::string& op, double a, double b) {
   return of_float(a / b);
 }
 
-Value binary_value(const Expr& expr, const Lookup& lookup, bool& fault) {
+/// Arguments from left to right; one by reference is the variable itself.
+Value call_value(const Expr& expr, const Lookup& lookup, Place& at) {
+  const OutsideFunction& function = outside_functions()[static_cast<std::size_t>(expr.row)];
+  std::vector<Value> values(expr.args.size());
+  std::vector<Value*> args;
+  for (std::size_t k = 0; k < expr.args.size(); ++k) {
+    if (function.params[k].by_reference) {
+      args.push_back(&lookup(expr.args[k].scope, expr.args[k].name));
+      continue;
+    }
+    values[k] = evaluate(expr.args[k], lookup, at);
+    if (at.fault) return {};
+    if (function.params[k].type == Ty::Float) values[k] = converted(values[k], Ty::Float);
+    args.push_back(&values[k]);
+  }
+  Value result;
+  at.fault = !function.apply(args, at.is_const, result);
+  return result;
+}
+
+/// The body; a parameter is its argument wherever it stands.
+Value inline_value(const Expr& expr, const Lookup& lookup, Place& at) {
+  Value given;
+  const Lookup inside = [&](const std::string& scope, const std::string& name) -> Value& {
+    if (scope != "$") return lookup(scope, name);
+    const Expr& arg = expr.args[static_cast<std::size_t>(name[1] - '0')];
+    return given = converted(evaluate(arg, lookup, at), name[0] == 'f' ? Ty::Float : arg.type);
+  };
+  return converted(evaluate(expr.args.back(), inside, at), expr.type);
+}
+
+Value binary_value(const Expr& expr, const Lookup& lookup, Place& at) {
   const std::string& op = expr.text;
-  Value a = evaluate(expr.args[0], lookup, fault);
-  if (fault) return a;
+  Value a = evaluate(expr.args[0], lookup, at);
+  if (at.fault) return a;
   if (op == "&&" && a.i == 0) return a;
   if (op == "||" && a.i == 1) return a;
-  Value b = evaluate(expr.args[1], lookup, fault);
-  if (fault || op == "&&" || op == "||") return b;
+  Value b = evaluate(expr.args[1], lookup, at);
+  if (at.fault || op == "&&" || op == "||") return b;
   if (a.type == Ty::String) return of_bool(related(op, a.s, b.s));
   if (a.type == Ty::Float || b.type == Ty::Float) {
     double x = converted(a, Ty::Float).f, y = converted(b, Ty::Float).f;
     return is_relation(op) ? of_bool(related(op, x, y)) : float_operation(op, x, y);
   }
   if (is_relation(op)) return of_bool(related(op, a.i, b.i));
-  return int_operation(op, a.i, b.i, fault);
+  return int_operation(op, a.i, b.i, at.fault);
 }
 
 }  // namespace
@@ -125,29 +158,37 @@ Value zero_of(Ty type) {
 
 Value converted(Value value, Ty type) {
   if (type == Ty::Float && value.type == Ty::Int) return of_float(value.i);
+  if (type == Ty::Pair && value.type == Ty::Wide) {
+    value.type = Ty::Pair;
+    value.w.c = 0;
+  }
   return value;
 }
 
-Value evaluate(const Expr& expr, const Lookup& lookup, bool& fault) {
+Value evaluate(const Expr& expr, const Lookup& lookup, Place& at) {
   switch (expr.kind) {
     case ExprKind::Literal: return literal(expr);
     case ExprKind::Name: return lookup(expr.scope, expr.name);
-    case ExprKind::Binary: return binary_value(expr, lookup, fault);
+    case ExprKind::Constant: return converted(evaluate(expr.args[0], lookup, at), expr.type);
+    case ExprKind::Call: return call_value(expr, lookup, at);
+    case ExprKind::Inline: return inline_value(expr, lookup, at);
+    case ExprKind::Binary: return binary_value(expr, lookup, at);
     case ExprKind::Unary: break;
   }
-  Value a = evaluate(expr.args[0], lookup, fault);
+  Value a = evaluate(expr.args[0], lookup, at);
   if (expr.text == "!") return of_bool(a.i == 0);
   if (expr.text == "~") return of_int(~static_cast<std::int64_t>(a.i));
   return a.type == Ty::Float ? of_float(-a.f) : of_int(-static_cast<std::int64_t>(a.i));
 }
 
-void execute(const Body& body, const Lookup& lookup, bool& fault) {
+void execute(const Body& body, const Lookup& lookup, Place& at) {
   for (const Stmt& stmt : body) {
-    Value value = evaluate(stmt.value, lookup, fault);
-    if (fault) return;
+    Value value = evaluate(stmt.value, lookup, at);
+    if (at.fault) return;
+    if (stmt.is_call) continue;
     if (stmt.is_if) {
-      execute(value.i != 0 ? stmt.then_body : stmt.else_body, lookup, fault);
-      if (fault) return;
+      execute(value.i != 0 ? stmt.then_body : stmt.else_body, lookup, at);
+      if (at.fault) return;
     } else {
       Value& target = lookup(stmt.scope, stmt.name);
       target = converted(value, target.type);

@@ -59,9 +59,9 @@ class Builder {
 
   Values arguments(Instance& at, const std::vector<Var>& params, const Component& component) {
     Values args;
-    bool fault = false;
+    Place code;
     for (std::size_t k = 0; k < params.size(); ++k) {
-      args[params[k].name] = converted(evaluate(component.args[k], params_of(at), fault), params[k].type);
+      args[params[k].name] = converted(evaluate(component.args[k], params_of(at), code), params[k].type);
     }
     return args;
   }
@@ -124,7 +124,7 @@ class Builder {
     return result;
   }
   void find_data(Instance& at, const Expr& expr, WorldRule& rule) {
-    if (expr.kind == ExprKind::Name) {
+    if (expr.kind == ExprKind::Name && expr.scope != "$") {
       std::string name = expr.scope + "." + expr.name;
       if (auto atom = at.atoms.find(expr.scope); atom != at.atoms.end()) {
         rule.data[name] = {atom->second, expr.name};

@@ -7,7 +7,7 @@ namespace {
 std::string code(const Expr& expr) { return text_of(expr, plain_name, Spelling::Bip2); }
 std::string code(const Body& body) { return text_of(body, plain_name, Spelling::Bip2); }
 
-std::string typed(const Var& var) { return std::string(name_of(var.type)) + " " + var.name; }
+std::string typed(const Var& var) { return (var.type < Ty::Pair ? "" : "$") + std::string(name_of(var.type)) + " " + var.name; }
 std::string typed(const std::vector<Var>& vars) {
   std::vector<std::string> items;
   for (const Var& var : vars) items.push_back(typed(var));
@@ -24,7 +24,7 @@ std::string print(const AtomType& atom) {
   for (const Var& var : atom.data) text += data_line(var);
   for (std::size_t k = 0; k < atom.ports.size(); ++k) {
     const Port& port = atom.ports[k];
-    text += std::string("    ") + (port.exported ? "export " : "") + "port " + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")";
+    text += std::string("    ") + (port.exported ? "export " : "") + "port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")";
     // Merged ports are neighbours.
     for (; !port.merged.empty() && k + 1 < atom.ports.size() && atom.ports[k + 1].merged == port.merged; ++k) {
       text += ", " + atom.ports[k + 1].name + "(" + join(atom.ports[k + 1].vars, ", ") + ")";
@@ -67,11 +67,11 @@ std::string define_text(const ConnectorType& type, const Define& define) {
 
 std::string print(const ConnectorType& type) {
   std::vector<std::string> params, parts;
-  for (const ConnectorParam& p : type.params) params.push_back(p.type + " " + p.name);
+  for (const ConnectorParam& p : type.params) params.push_back("$" + p.type + " " + p.name);
   std::string text = "  connector type " + type.name + "(" + join(params, ", ") + ")\n";
   for (const Var& var : type.data) text += data_line(var);
   if (type.exports) {
-    text += "    export port " + type.export_type + " " + type.export_name + "(" + join(type.export_vars, ", ") + ")\n";
+    text += "    export port $" + type.export_type + " " + type.export_name + "(" + join(type.export_vars, ", ") + ")\n";
   }
   for (const Define& child : type.define.children) parts.push_back(define_text(type, child));
   text += "    define " + join(parts, " ") + "\n";
@@ -100,7 +100,7 @@ std::string print(const CompoundType& compound) {
   for (const Component& component : compound.components) {
     std::vector<std::string> args;
     for (const Expr& arg : component.args) args.push_back(code(arg));
-    text += "    component " + component.type + " " + component.name;
+    text += "    component $" + component.type + " " + component.name;
     if (!component.size.empty()) text += "[" + component.size + "]";
     text += "(" + join(args, ", ") + ")\n";
   }
@@ -108,7 +108,7 @@ std::string print(const CompoundType& compound) {
     std::vector<std::string> ports;
     for (const PortPath& path : connector.ports) ports.push_back(text_of(path));
     bool loop = !connector.size.empty();
-    text += loop ? "    for i in 0.." + connector.size + " connector " : "    connector ";
+    text += loop ? "    for i in 0.." + connector.size + " connector $" : "    connector $";
     text += connector.type + " " + connector.name + (loop ? "[i]" : "") + "(" + join(ports, ", ") + ")\n";
   }
   for (const Priority& rule : compound.priorities) {
@@ -135,21 +135,27 @@ const char* name_of(Ty type) {
     case Ty::Bool: return "bool";
     case Ty::Float: return "float";
     case Ty::String: return "string";
+    case Ty::Pair: return "Pair";
+    case Ty::Wide: return "Wide";
   }
   return "?";
 }
 
-std::string print(const Description& model) {
+std::string print_types(const std::vector<PortType>& types) {
   std::string text;
-  for (const PortType& type : model.port_types) text += "  port type " + type.name + "(" + typed(type.vars) + ")\n";
+  for (const PortType& type : types) text += "  port type " + type.name + "(" + typed(type.vars) + ")\n";
+  return text;
+}
+std::string print_parts(const Description& model) {
+  std::string text;
   for (const AtomType& type : model.atom_types) text += type.paper ? print_paper(type) : print(type);
   for (const ConnectorType& type : model.connector_types) text += print(type);
+  return text;
+}
+std::string print_compounds(const Description& model) {
+  std::string text;
   for (const CompoundType& type : model.compound_types) text += type.paper ? print_paper(model, type) : print(type);
-  std::string head = "package " + model.package + "\n";
-  for (const char* name : {"max", "min"}) {
-    if (text.find(std::string(name) + "(") != std::string::npos) head += "  extern function int " + std::string(name) + "(const int, const int)\n";
-  }
-  return head + text + "end\n";
+  return text;
 }
 
 std::string broadcast_text(int receivers) {

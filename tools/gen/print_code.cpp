@@ -2,6 +2,8 @@
 // paths.
 #include "tools/gen/print_code.hpp"
 
+#include "tools/gen/functions.hpp"
+
 namespace bip::gen {
 namespace {
 
@@ -19,12 +21,13 @@ int precedence(const std::string& op) {
 constexpr int kUnary = 10;
 constexpr int kPrimary = 11;
 
-// max and min: written as calls of the C++ library.
-bool is_call(const Expr& expr) { return expr.kind == ExprKind::Binary && expr.text.size() == 3; }
+// An operator on objects is written like any other.
+bool is_operator(const Expr& expr) {
+  return expr.kind == ExprKind::Binary || (expr.kind == ExprKind::Call && outside_functions()[static_cast<std::size_t>(expr.row)].is_operator);
+}
 
 int precedence(const Expr& expr) {
-  if (is_call(expr)) return kPrimary;
-  if (expr.kind == ExprKind::Binary) return precedence(expr.text);
+  if (is_operator(expr)) return precedence(expr.text);
   return expr.kind == ExprKind::Unary ? kUnary : kPrimary;
 }
 
@@ -46,7 +49,7 @@ std::string wrapped(const Expr& expr, bool parens, const NameText& names, Spelli
 }  // namespace
 
 std::string plain_name(const std::string& scope, const std::string& name) {
-  return scope.empty() ? name : scope + "." + name;
+  return scope.empty() || scope == "$" ? name : scope + "." + name;
 }
 
 std::string text_of(const Expr& expr, const NameText& names, Spelling spelling) {
@@ -60,11 +63,17 @@ std::string text_of(const Expr& expr, const NameText& names, Spelling spelling) 
       text = expr.text + operand;
       break;
     }
-    case ExprKind::Binary: {
-      if (is_call(expr)) {
-        text = expr.text + "(" + text_of(expr.args[0], names, spelling) + ", " + text_of(expr.args[1], names, spelling) + ")";
+    case ExprKind::Constant: text = names("", "$" + expr.text); break;
+    case ExprKind::Inline:
+    case ExprKind::Call:
+      if (!is_operator(expr)) {
+        const std::size_t count = expr.args.size() - (expr.kind == ExprKind::Inline ? 1 : 0);
+        for (std::size_t k = 0; k < count; ++k) text += (k == 0 ? "" : ", ") + text_of(expr.args[k], names, spelling);
+        text = names("", "$" + expr.text) + "(" + text + ")";
         break;
       }
+      [[fallthrough]];
+    case ExprKind::Binary: {
       int mine = precedence(expr.text);
       // Comparison chains are errors, so comparisons inside comparisons keep their parentheses.
       bool comparison = mine == 6 || mine == 7;
@@ -88,6 +97,8 @@ std::string statements(const Body& body, const NameText& names, Spelling spellin
       text += "if (" + text_of(stmt.value, names, spelling) + ") then " + statements(stmt.then_body, names, spelling);
       if (!stmt.else_body.empty()) text += "else " + statements(stmt.else_body, names, spelling);
       text += "fi ";
+    } else if (stmt.is_call) {
+      text += text_of(stmt.value, names, spelling) + "; ";
     } else {
       const char* assign = spelling == Spelling::Bip2 ? " = " : " <- ";
       text += names(stmt.scope, stmt.name) + assign + text_of(stmt.value, names, spelling) + "; ";

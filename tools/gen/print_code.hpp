@@ -20,6 +20,11 @@ enum class Spelling : std::uint8_t { Bip2, Paper, PaperGuard };
 [[nodiscard]] std::string text_of(const PortPath& path);
 [[nodiscard]] std::string join(const std::vector<std::string>& items, const char* separator);
 
+/// What a package holds. Names that other packages may declare are marked by a `$` before them (print_packages.cpp).
+[[nodiscard]] std::string print_types(const std::vector<PortType>& types);
+[[nodiscard]] std::string print_parts(const Description& model);
+[[nodiscard]] std::string print_compounds(const Description& model);
+
 /// An atom type or a compound type in the paper's notation.
 [[nodiscard]] std::string print_paper(const AtomType& atom);
 [[nodiscard]] std::string print_paper(const Description& model, const CompoundType& compound);

@@ -48,9 +48,9 @@ std::string inline_connector(const ConnectorType& type, const Connector& connect
 
 std::string print_paper(const AtomType& atom) {
   std::string text = "  component " + atom.name + "\n";
-  for (const Port& port : atom.ports) text += "    port " + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")\n";
+  for (const Port& port : atom.ports) text += "    port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")\n";
   for (const Var& var : atom.data) {
-    text += std::string("    data ") + name_of(var.type) + " " + var.name;
+    text += std::string("    data ") + (var.type < Ty::Pair ? "" : "$") + name_of(var.type) + " " + var.name;
     if (var.init) text += " = " + code(*var.init);
     text += "\n";
   }
@@ -75,7 +75,7 @@ std::string print_paper(const Description& model, const CompoundType& compound) 
   for (const Component& component : compound.components) {
     std::vector<std::string> args;
     for (const Expr& arg : component.args) args.push_back(code(arg));
-    text += "    contains " + component.type + " " + component.name;
+    text += "    contains $" + component.type + " " + component.name;
     if (!args.empty()) text += "(" + join(args, ", ") + ")";
     text += "\n";
   }

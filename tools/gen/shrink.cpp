@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tools/gen/functions.hpp"
+
 namespace bip::gen {
 namespace {
 
@@ -12,6 +14,8 @@ class Editor {
   [[nodiscard]] bool done() const { return done_; }
 
   void walk(Description& model) {
+    if (model.split != Split::One && here()) model.split = Split::One;
+    if (model.qualified && here()) model.qualified = false;
     for (std::size_t c = model.compound_types.size(); c-- > 0 && !done_;) {
       CompoundType& type = model.compound_types[c];
       remove_one(type.priorities);
@@ -135,13 +139,16 @@ class Editor {
   }
   /// An operand of the same type instead, or a literal.
   void each(Expr& e) {
-    for (std::size_t k = 0; k < e.args.size(); ++k) {
+    const std::size_t count = e.args.size() - (e.kind == ExprKind::Inline ? 1 : 0);
+    for (std::size_t k = 0; k < count; ++k) {
       if (e.args[k].type != e.type || !here()) continue;
       Expr operand = e.args[k];
       e = std::move(operand);
       return;
     }
-    if (e.kind != ExprKind::Literal && here()) {
+    // A constant's value and a function's body stand elsewhere, too; what a call changes stays a variable.
+    if (e.kind == ExprKind::Constant) return;
+    if (e.kind != ExprKind::Literal && e.type < Ty::Pair && here()) {
       static const char* const kSimple[] = {"1", "true", "1.5", "\"a\""};
       Expr literal;
       literal.type = e.type;
@@ -150,7 +157,8 @@ class Editor {
       return;
     }
     if (e.extra_parens && here()) e.extra_parens = false;
-    each(e.args);
+    const bool changes = e.kind == ExprKind::Call && !outside_functions()[static_cast<std::size_t>(e.row)].is_pure();
+    for (std::size_t k = 0; k < count && !changes; ++k) each(e.args[k]);
   }
   void each(Body& body) {
     for (std::size_t k = 0; k < body.size() && !done_; ++k) {
@@ -164,7 +172,7 @@ class Editor {
         drop(body[k].else_body);
         if (body[k].then_body.size() > 1) drop(body[k].then_body);
       }
-      each(body[k].value);
+      if (!body[k].is_call) each(body[k].value);
       each(body[k].then_body);
       each(body[k].else_body);
     }

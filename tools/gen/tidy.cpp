@@ -32,7 +32,7 @@ class Tidier {
   }
   static void names_in(const Body& body, std::set<std::string>& names) {
     for (const Stmt& stmt : body) {
-      if (!stmt.is_if) names.insert(stmt.name);
+      if (!stmt.is_if && !stmt.is_call) names.insert(stmt.name);
       names_in(stmt.value, names);
       names_in(stmt.then_body, names);
       names_in(stmt.else_body, names);
@@ -94,7 +94,7 @@ class Tidier {
     return find_named(at.connectors, path.component) != nullptr;
   }
   [[nodiscard]] bool names_data(const CompoundType& at, const Expr& e) const {
-    if (e.kind == ExprKind::Name) {
+    if (e.kind == ExprKind::Name && e.scope != "$") {
       const Component* component = find_named(at.components, e.scope);
       if (component == nullptr) return false;
       const CompoundType* inner = find_named(model_.compound_types, component->type);

@@ -1,0 +1,145 @@
+// Adapters by templates: a slot a parameter, exceptions as faults with their message. A row of the code table is found by
+// its name, and by the type of its argument where outside.hpp overloads one.
+#include "tools/gen/bind_outside.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "runtime/include/bip/outside.hpp"
+#include "tools/gen/outside/outside.hpp"
+
+namespace bip::gen {
+namespace {
+
+template <class T>
+T read(rt::Outside* outside, rt::Slot& slot) {
+  using Plain = std::remove_cvref_t<T>;
+  if constexpr (std::is_same_v<T, int&>) {
+    return slot.i;
+  } else if constexpr (std::is_same_v<T, double&>) {
+    return slot.f;
+  } else if constexpr (std::is_same_v<Plain, int>) {
+    return slot.i;
+  } else if constexpr (std::is_same_v<Plain, double>) {
+    return slot.f;
+  } else {
+    (void)outside;
+    return rt::object_in<Plain>(slot);
+  }
+}
+
+/// A string is made for the call, so it is handed on by value.
+struct Text {
+  std::string value;
+  operator const std::string&() const { return value; }
+};
+template <class T>
+struct Read {
+  using Result = T;
+  static T from(rt::Outside* outside, rt::Slot& slot) { return read<T>(outside, slot); }
+};
+template <>
+struct Read<const std::string&> {
+  using Result = Text;
+  static Text from(rt::Outside* outside, rt::Slot& slot) { return {outside->text(slot.i)}; }
+};
+
+void write(rt::Outside*, rt::Slot& slot, int value) { slot = rt::Slot{.bits = static_cast<std::uint32_t>(value)}; }
+void write(rt::Outside*, rt::Slot& slot, bool value) { slot = rt::Slot{.bits = value ? 1u : 0u}; }
+void write(rt::Outside*, rt::Slot& slot, double value) { slot.f = value; }
+void write(rt::Outside* outside, rt::Slot& slot, const std::string& value) { slot = rt::Slot{.bits = static_cast<std::uint32_t>(outside->intern(std::string_view(value)))}; }
+template <class T>
+  requires std::is_base_of_v<Pair, T>
+void write(rt::Outside*, rt::Slot& slot, const T& value) {
+  rt::object_in<T>(slot) = value;
+}
+
+template <auto function, class R, class... A, std::size_t... k>
+void call_with(R (*)(A...), std::index_sequence<k...>, rt::Outside* outside, rt::Slot* result, rt::Slot* const* args) {
+  if constexpr (std::is_void_v<R>) {
+    (void)result;
+    function(Read<A>::from(outside, *args[k])...);
+  } else {
+    write(outside, *result, function(Read<A>::from(outside, *args[k])...));
+  }
+}
+template <class R, class... A>
+constexpr std::size_t arity(R (*)(A...)) {
+  return sizeof...(A);
+}
+
+template <auto function>
+std::int32_t call(rt::Outside* outside, rt::Slot* result, rt::Slot* const* args) {
+  try {
+    call_with<function>(function, std::make_index_sequence<arity(function)>(), outside, result, args);
+    return 0;
+  } catch (const std::exception& e) {
+    outside->set_message(e.what());
+    return 1;
+  }
+}
+
+template <auto function>
+constexpr rt::ForeignFn kCall = &call<function>;
+
+template <class R, class A>
+using Unary = R (*)(A);
+
+int larger(int a, int b) { return std::max(a, b); }
+int smaller(int a, int b) { return std::min(a, b); }
+double rounded_down(double a) { return std::floor(a); }
+bool is_greater(double a, double b) { return std::isgreater(a, b); }
+
+std::int32_t to_pair(rt::Outside*, rt::Slot* result, rt::Slot* const* args) {
+  rt::object_in<Pair>(*result) = static_cast<Pair>(rt::object_in<Wide>(*args[0]));
+  return 0;
+}
+
+const std::map<std::string, rt::ForeignFn>& adapters() {
+  static const std::map<std::string, rt::ForeignFn> kAdapters = {
+      {"mix", kCall<&mix>}, {"scale", kCall<&scale>}, {"odd", kCall<&odd>}, {"const_odd", kCall<&const_odd>}, {"label", kCall<&label>},
+      {"joined", kCall<&joined>}, {"length", kCall<&length>}, {"bump", kCall<&bump>}, {"after", kCall<&after>}, {"grow", kCall<&grow>},
+      {"exchange", kCall<&exchange>}, {"picky", kCall<&picky>}, {"make_two", kCall<&make_two>}, {"widened", kCall<&widened>},
+      {"first", kCall<&first>}, {"third", kCall<&third>}, {"push", kCall<&push>},
+      {"+", kCall<static_cast<Pair (*)(const Pair&, const Pair&)>(&operator+)>},
+      {"==", kCall<static_cast<bool (*)(const Pair&, const Pair&)>(&operator==)>},
+      {"<", kCall<static_cast<bool (*)(const Pair&, const Pair&)>(&operator<)>},
+      {"sort_of int", kCall<static_cast<Unary<int, int>>(&sort_of)>}, {"sort_of float", kCall<static_cast<Unary<int, double>>(&sort_of)>},
+      {"sort_of string", kCall<static_cast<Unary<int, const std::string&>>(&sort_of)>},
+      {"sort_of Pair", kCall<static_cast<Unary<int, const Pair&>>(&sort_of)>}, {"sort_of Wide", kCall<static_cast<Unary<int, const Wide&>>(&sort_of)>},
+      {"max", kCall<&larger>}, {"min", kCall<&smaller>},
+      {"floor", kCall<&rounded_down>}, {"isgreater", kCall<&is_greater>}};
+  return kAdapters;
+}
+
+}  // namespace
+
+OutsideObjects bind_outside(lower::LoweredSystem& lowered, std::string& missing) {
+  OutsideObjects objects;
+  const CodeTable& code = lowered.system->code;
+  for (std::size_t row = 0; row < code.functions.size(); ++row) {
+    const Function& f = code.functions[row];
+    std::string name = f.name;
+    if (f.is_const && f.kind == FunctionKind::Function && adapters().contains("const_" + name)) name = "const_" + name;
+    if (name == "sort_of") name += " " + code.type_name(f.params[0].type);
+    const auto found = adapters().find(name);
+    lowered.functions[row] = f.kind == FunctionKind::Cast ? &to_pair : found == adapters().end() ? nullptr : found->second;
+    if (lowered.functions[row] == nullptr) missing = name;
+  }
+  for (rt::ExternType& type : lowered.extern_types) {
+    type = std::string_view(type.name) == "Pair" ? rt::extern_type_of<Pair>("Pair") : rt::extern_type_of<Wide>("Wide");
+  }
+  if (lowered.extern_types.empty()) return objects;
+  lowered.temporaries.assign(code.exprs.size(), rt::Slot{});
+  for (std::size_t row = 0; row < lowered.temporaries.size(); ++row) {
+    const Expr& e = code.exprs[ExprId(row)];
+    if (e.op != Op::Call || !code.functions[e.index].has_result || !is_extern(code.functions[e.index].result)) continue;
+    const rt::ExternType& type = lowered.extern_types[extern_row(code.functions[e.index].result)];
+    objects.emplace_back(type.make(), type.destroy);
+    lowered.temporaries[row] = rt::object_slot(objects.back().get());
+  }
+  return objects;
+}
+
+}  // namespace bip::gen

@@ -1,0 +1,34 @@
+// The functions that code of a random model may call, as data: what the generator needs to write a call, what the oracle
+// needs to answer it. The C++ itself is tools/gen/outside/outside.hpp and the C and C++ libraries.
+#pragma once
+#include "tools/gen/naive_value.hpp"
+
+namespace bip::gen {
+
+struct OutsideParam {
+  Ty type = Ty::Int;
+  bool by_reference = false;
+};
+struct OutsideFunction {
+  const char* name;       // an operator: its sign
+  const char* prototype;  // as declared, without `extern`
+  bool has_result = true;
+  Ty result = Ty::Int;
+  std::vector<OutsideParam> params;
+  bool is_operator = false;
+  bool is_library = false;  // of the C or C++ library: no @cpp
+  bool may_fault = false;
+  /// `is_const`: the call stands where nothing may change. False: an exception.
+  bool (*apply)(const std::vector<Value*>& args, bool is_const, Value& result);
+
+  /// Changes nothing: may stand in any expression.
+  [[nodiscard]] bool is_pure() const;
+};
+
+/// All of them; Expr::row and Stmt's call are rows of it.
+[[nodiscard]] const std::vector<OutsideFunction>& outside_functions();
+
+/// `name` of functions with a `const_name`.
+[[nodiscard]] bool has_const_variant(const std::string& name);
+
+}  // namespace bip::gen
