@@ -110,7 +110,11 @@ class Tidier {
       drop_if(e.targets, [&](const PortPath& path) { return !leads_somewhere(type, path); });
     }
     drop_if(type.port_exports, [](const PortExport& e) { return e.targets.empty(); });
-    drop_if(type.data_exports, [&](const DataExport& e) { return find_named(type.components, e.component) == nullptr; });
+    drop_if(type.data_exports, [&](const DataExport& e) {
+      const Component* component = find_named(type.components, e.component);
+      const CompoundType* inner = component == nullptr ? nullptr : find_named(model_.compound_types, component->type);
+      return component == nullptr || (inner != nullptr && find_named(inner->data_exports, e.data) == nullptr);
+    });
     auto gone = [&](const Pattern& p) { return !p.any_connector && find_named(type.connectors, p.connector) == nullptr; };
     drop_if(type.priorities, [&](const Priority& p) {
       return gone(p.low) || gone(p.high) || (p.guard && !names_data(type, *p.guard));

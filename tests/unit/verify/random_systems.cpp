@@ -20,9 +20,10 @@ struct Tally {
   int free = 0, deadlock = 0, open = 0, skipped = 0, candidates_that_were_free = 0;
 };
 
-void compare(const std::string& text, Tally& tally) {
-  const gen::Compiled c = gen::compile_text(text);
-  if (!c.problem.empty()) {
+void compare(const std::vector<std::string>& texts, Tally& tally) {
+  const gen::Compiled c = gen::compile_texts(texts);
+  // What C++ remembers is outside of a state: `bipc verify` does not take such models.
+  if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.extern_types.empty()) {
     ++tally.skipped;
     return;
   }
@@ -38,7 +39,7 @@ void compare(const std::string& text, Tally& tally) {
   const bool has_deadlock = all.end == verify::SearchEnd::Deadlock;
   ++(has_deadlock ? tally.deadlock : tally.free);
   if (proof.end == verify::ProofEnd::Free && has_deadlock) {
-    INFO(text);
+    INFO(texts.back());
     FAIL("proved free, but there is a deadlock");
   }
   if (proof.end == verify::ProofEnd::Candidate) {
@@ -115,7 +116,7 @@ void report(const char* what, const Tally& t) {
 TEST_CASE("proofs agree with exhaustive search on small nets") {
   Tally tally;
   const std::uint64_t runs = count_of_runs(400);
-  for (std::uint64_t seed = 1; seed <= runs; ++seed) compare(small_net(seed), tally);
+  for (std::uint64_t seed = 1; seed <= runs; ++seed) compare({small_net(seed)}, tally);
   report("small nets", tally);
   CHECK(tally.skipped == 0);
   CHECK(tally.free > 0);
@@ -125,7 +126,7 @@ TEST_CASE("proofs agree with exhaustive search on small nets") {
 TEST_CASE("proofs agree with exhaustive search on random models") {
   Tally tally;
   const std::uint64_t runs = count_of_runs(150);
-  for (std::uint64_t seed = 1; seed <= runs; ++seed) compare(gen::print(gen::generate(seed)), tally);
+  for (std::uint64_t seed = 1; seed <= runs; ++seed) compare(gen::print_packages(gen::generate(seed)), tally);
   report("random models", tally);
   CHECK(tally.skipped < static_cast<int>(runs) / 2);
 }
