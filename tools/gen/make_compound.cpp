@@ -73,10 +73,20 @@ class CompoundMaker {
   void add_nested(Component& component, const CompoundType& type) {
     component.type = type.name;
     if (!type.params.empty()) component.args.push_back(int_literal(random_.between(2, 4)));
-    for (const Interface::Item& item : interfaces_[type.name].ports) {
-      Offer offer{{component.name, {}, item.name}, item.port_type, {}, item.weight, item.depth, false};
-      for (const std::string& atom : item.atoms) offer.atoms.insert(component.name + "." + atom);
-      offers_.push_back(offer);
+    if (random_.percent(12)) component.size = std::to_string(random_.between(2, 3));
+    const int elements = component.size.empty() ? 1 : std::stoi(component.size);
+    for (int k = 0; k < elements; ++k) {
+      std::string name = component.name;
+      Index index;
+      if (!component.size.empty()) {
+        name += "[" + std::to_string(k) + "]";
+        index = {Index::Kind::Constant, k, component.size};
+      }
+      for (const Interface::Item& item : interfaces_[type.name].ports) {
+        Offer offer{{component.name, index, item.name}, item.port_type, {}, item.weight, item.depth, false};
+        for (const std::string& atom : item.atoms) offer.atoms.insert(name + "." + atom);
+        offers_.push_back(offer);
+      }
     }
   }
   void add_atom(Component& component, const AtomType& type) {
@@ -160,8 +170,16 @@ class CompoundMaker {
   /// `for i in 0..n connector K c[i](a[i].p, a[(i + 1) % n].q)`
   void connect_array(const Component& component) {
     if (component.size.empty() || !random_.percent(75)) return;
-    const AtomType& type = *find_named(model_.atom_types, component.type);
-    std::vector<Shown> ports = shown_by(type);
+    std::vector<Shown> ports;
+    if (const AtomType* type = find_named(model_.atom_types, component.type)) {
+      ports = shown_by(*type);
+    } else {
+      // Pairs of them are bound: few alternatives each.
+      for (const Interface::Item& item : interfaces_[component.type].ports) {
+        if (item.weight <= 8 && item.depth <= 2) ports.push_back({item.name, item.port_type, item.weight});
+      }
+    }
+    if (ports.empty()) return;
     Connector connector;
     std::vector<std::string> params;
     for (int k = 0, n = random_.between(1, 2); k < n; ++k) {
@@ -210,13 +228,20 @@ class CompoundMaker {
       item.depth = std::max(item.depth, offer.depth);
     }
   }
+  void export_data(const Component& component, const std::string& data, Ty type) {
+    compound_.data_exports.push_back({component.name, data, "d" + std::to_string(compound_.data_exports.size()), type});
+  }
   void make_data_exports() {
     for (const Component& component : compound_.components) {
-      const AtomType* type = find_named(model_.atom_types, component.type);
-      if (type == nullptr || !component.size.empty()) continue;
-      for (const Var& var : type->data) {
-        if (!var.exported || !random_.percent(40)) continue;
-        compound_.data_exports.push_back({component.name, var.name, "d" + std::to_string(compound_.data_exports.size()), var.type});
+      if (!component.size.empty()) continue;
+      if (const AtomType* type = find_named(model_.atom_types, component.type)) {
+        for (const Var& var : type->data) {
+          if (var.exported && random_.percent(40)) export_data(component, var.name, var.type);
+        }
+      } else {
+        for (const DataExport& inner : find_named(model_.compound_types, component.type)->data_exports) {
+          if (random_.percent(50)) export_data(component, inner.name, inner.type);
+        }
       }
     }
   }

@@ -123,15 +123,19 @@ class Builder {
     result.params.insert(source.params.begin(), source.params.end());
     return result;
   }
+  /// The atom and the variable behind a compound's exported data, through any number of compounds.
+  static std::pair<int, std::string> exported(Instance& at, const std::string& name) {
+    const DataExport& e = *find_named(at.type->data_exports, name);
+    const auto atom = at.atoms.find(e.component);
+    return atom != at.atoms.end() ? std::pair(atom->second, e.data) : exported(*at.children.at(e.component), e.data);
+  }
   void find_data(Instance& at, const Expr& expr, WorldRule& rule) {
     if (expr.kind == ExprKind::Name && expr.scope != "$") {
       std::string name = expr.scope + "." + expr.name;
       if (auto atom = at.atoms.find(expr.scope); atom != at.atoms.end()) {
         rule.data[name] = {atom->second, expr.name};
       } else {
-        Instance& child = *at.children.at(expr.scope);
-        const DataExport& e = *find_named(child.type->data_exports, expr.name);
-        rule.data[name] = {child.atoms.at(e.component), e.data};
+        rule.data[name] = exported(*at.children.at(expr.scope), expr.name);
       }
     }
     for (const Expr& arg : expr.args) find_data(at, arg, rule);
