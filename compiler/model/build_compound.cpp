@@ -75,7 +75,6 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
     return;
   }
   row.connector.family = it->second;
-  if (part.star) return void(b.not_yet(p.connector.range, "`[*]` in a priority"));
   element(part, out.connectors[it->second].is_array, row.connector, fmt::format("connector `{}`", part.name.text));
   if (out.connectors[it->second].exports) {
     b.diags.report(Diag::kB3002, p.connector.range, part.name.text).help("a priority orders interactions of connectors that export no port");

@@ -9,13 +9,25 @@
 
 namespace bip::system {
 
-bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self, Pattern& to) {
+// The connectors that a side of a rule may be about: one, or with [*] all elements; *:* is one without a row.
+std::optional<std::vector<std::uint32_t>> Instantiator::pattern_connectors(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self) {
+  if (path.any_connector) return std::vector<std::uint32_t>{Element::kHole};
+  if (path.connector.star) {
+    std::vector<std::uint32_t> rows = instances[instance].connectors[path.connector.family];
+    std::erase(rows, Element::kHole);
+    return rows;
+  }
+  const std::optional<std::uint32_t> row = find(instances[instance], path.connector, true, self, path.range);
+  if (!row) return std::nullopt;
+  return std::vector<std::uint32_t>{*row};
+}
+
+bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending, const std::vector<Value>& self, Pattern& to) {
   to.any_connector = path.any_connector;
   to.any_interaction = path.any_interaction;
   if (path.any_connector) return true;
-  const std::optional<std::uint32_t> row = find(instances[instance], path.connector, true, self, path.range);
-  if (!row) return false;
-  to.connector = instances[instance].pending[*row].id;
+  const PendingConnector& bound = instances[instance].pending[pending];
+  to.connector = bound.id;
   if (path.any_interaction) return true;
   const Connector& connector = out.connectors[to.connector];
   const ConnectorType& type = model.connector_types[connector.type];
@@ -25,7 +37,7 @@ bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, cons
     std::uint32_t k = 0;
     while (k < type.params.size() && (port.param.empty() ? refs.size() != 1 || !(connector.ports[k] == refs[0]) : type.params[k].name != port.param)) ++k;
     if (k == type.params.size()) {
-      diags.report(Diag::kB3004, port.range, instances[instance].pending[*row].name, model.sources->text(port.range));
+      diags.report(Diag::kB3004, port.range, bound.name, model.sources->text(port.range));
       return false;
     }
     to.params.push_back(k);
@@ -33,7 +45,7 @@ bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, cons
   std::sort(to.params.begin(), to.params.end());
   to.params.erase(std::unique(to.params.begin(), to.params.end()), to.params.end());
   if (!model::is_interaction(type, to.params)) {
-    diags.report(Diag::kB3005, path.range, instances[instance].pending[*row].name);
+    diags.report(Diag::kB3005, path.range, bound.name);
     return false;
   }
   return true;
@@ -70,14 +82,24 @@ void Instantiator::priorities(std::uint32_t instance) {
   for (const PendingPriority& p : pending) {
     const PriorityRule& rule = types[p.rule];
     Priority row{.name = p.name, .parent = instances[instance].row, .low = {}, .high = {}, .guard = rule.guard, .data = {}, .loc = model.loc(rule.range)};
-    if (!pattern(instance, rule.low, p.self, row.low) || !pattern(instance, rule.high, p.self, row.high)) return;
     for (const DataPath& d : rule.data) {
       const std::optional<DataRef> ref = resolve_data(instance, d, p.self);
       if (!ref) return;
       row.data.push_back(*ref);
     }
-    out.priorities.push(std::move(row));
-    rules.push_back(&rule);
+    const auto lows = pattern_connectors(instance, rule.low, p.self);
+    const auto highs = pattern_connectors(instance, rule.high, p.self);
+    if (!lows || !highs) return;
+    for (const std::uint32_t low : *lows) {
+      for (const std::uint32_t high : *highs) {
+        if (too_many(out.priorities.size(), "priorities", rule.range)) return;
+        row.low = {};
+        row.high = {};
+        if (!pattern(instance, rule.low, low, p.self, row.low) || !pattern(instance, rule.high, high, p.self, row.high)) return;
+        out.priorities.push(row);
+        rules.push_back(&rule);
+      }
+    }
   }
   check_priorities(instances[instance].row, first, rules);
 }

@@ -75,7 +75,8 @@ struct Instantiator {
 
   // instantiate_priorities.cpp
   void priorities(std::uint32_t instance);
-  bool pattern(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self, Pattern& to);
+  std::optional<std::vector<std::uint32_t>> pattern_connectors(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self);
+  bool pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending, const std::vector<Value>& self, Pattern& to);
   void check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules);
 
   // check_alternatives.cpp
