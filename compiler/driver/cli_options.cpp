@@ -233,6 +233,28 @@ void add_migrate(CLI::App& app, MigrateArguments& a) {
   command->footer("Nothing else of a text changes: its layout and comments stay.\nExample:\n  bipc migrate -i model.bip");
 }
 
+void add_genom(CLI::App& app, GenomArguments& a) {
+  CLI::App* command = app.add_subcommand("genom", "translate descriptions of robot modules (GenoM 2 and 3) to BIP");
+  command->add_option("FILE", a.files, ".gen files; all together are one functional level")->required()->type_name("");
+  command->add_option("-o,--output", a.output, "the .bip file to write (default: standard output)")->type_name("FILE");
+  command->add_option("--package", a.package, "name of the package (default: of the output file, else of the first module)")->type_name("NAME");
+  command->add_option("--yields", a.side_file, "side file: what codels answer, which triggers wait, who reads which poster")->type_name("FILE");
+  command->add_option("--instances", a.instances, "activities a service may have at once (default 1); one more if it interrupts itself")
+      ->check(CLI::Range(1, 16))
+      ->type_name("N");
+  command->add_option("--lock", a.lock, "what excludes codels: the module's lock, or the data that they use (default: as the generation has it)")
+      ->check(CLI::Validator([](std::string& text) { return text == "module" || text == "codel" ? "" : not_one_of(text, "module|codel"); }, ""))
+      ->type_name("module|codel");
+  command->add_option("--tick", a.tick_ms, "length of a tick (default: the module's clock)")->check(CLI::PositiveNumber)->type_name("MS");
+  command->add_option("--control-period", a.control_period, "ticks between two looks at the message box (default 1)")->check(CLI::Range(1, 1000))->type_name("TICKS");
+  command->add_option("--poster-period", a.poster_period, "ticks between two steps of PosterAge (default 1)")->check(CLI::Range(1, 1000))->type_name("TICKS");
+  command->add_option("--oldest", a.oldest, "where PosterAge stops (default 100)")->check(CLI::Range(1, 1000000))->type_name("N");
+  command->add_option("-I", a.compile.folders, "where headers are; the file's own folder comes first")->allow_extra_args(false)->type_name("DIR");
+  command->add_option("-D", a.defines, "define a macro")->allow_extra_args(false)->type_name("NAME[=VALUE]");
+  add_diagnostics(*command, a.compile);
+  command->footer("Example:\n  bipc genom demo.gen -o demo.bip && bipc verify demo.bip");
+}
+
 }  // namespace
 
 void add_commands(CLI::App& app, Arguments& arguments) {
@@ -245,6 +267,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_replay(app, arguments.replay);
   add_fmt(app, arguments.fmt);
   add_migrate(app, arguments.migrate);
+  add_genom(app, arguments.genom);
   add_explain(app, arguments);
   add_version(app);
 }

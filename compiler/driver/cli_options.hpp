@@ -16,6 +16,7 @@ struct Arguments {
   ReplayArguments replay;
   FmtArguments fmt;
   MigrateArguments migrate;
+  GenomArguments genom;
   PublishedArguments published;
   std::string explain_code;
   ColorChoice explain_color = ColorChoice::Auto;

@@ -84,6 +84,22 @@ struct FmtArguments {
   bool in_place = false;
 };
 
+/// Descriptions of robot modules to BIP.
+struct GenomArguments {
+  CompileOptions compile;  // diagnostics; folders are those of headers
+  std::vector<std::string> files;
+  std::string output;      // empty: standard output
+  std::string side_file;
+  std::string package;
+  std::vector<std::string> defines;
+  std::size_t instances = 1;
+  std::string lock;        // "", "module" or "codel"
+  double tick_ms = 0;
+  std::int64_t control_period = 1;
+  std::int64_t poster_period = 1;
+  std::int64_t oldest = 100;
+};
+
 /// The published tools' own call: bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR].
 struct PublishedArguments {
   CompileOptions compile;

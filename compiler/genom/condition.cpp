@@ -1,0 +1,103 @@
+// Precedence climbing; arithmetic wraps, for nobody counts on overflow in a description.
+#include "compiler/genom/condition.hpp"
+
+#include <string_view>
+
+namespace bip::genom {
+namespace {
+
+struct Operator {
+  std::string_view text;
+  int level;
+};
+constexpr Operator kOperators[] = {{"||", 1}, {"&&", 2}, {"|", 3}, {"^", 4}, {"&", 5}, {"==", 6}, {"!=", 6}, {"<", 7}, {">", 7},
+                                   {"<=", 7}, {">=", 7}, {"+", 8}, {"-", 8}, {"*", 9}, {"/", 9}, {"%", 9}};
+constexpr int kMaxDepth = 100;
+
+std::int64_t wrap(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+
+class Evaluator {
+ public:
+  explicit Evaluator(std::span<const Token> tokens) : tokens_(tokens) {}
+
+  std::optional<std::int64_t> run() {
+    const std::int64_t value = binary(1, 0);
+    if (failed_ || at_ != tokens_.size()) return std::nullopt;
+    return value;
+  }
+
+ private:
+  [[nodiscard]] bool at(std::string_view text) const { return at_ < tokens_.size() && tokens_[at_].kind == TokenKind::Sign && tokens_[at_].text == text; }
+
+  [[nodiscard]] int level() const {
+    for (const Operator& o : kOperators) {
+      if (at(o.text)) return o.level;
+    }
+    return 0;
+  }
+
+  std::int64_t binary(int lowest, int depth) {
+    std::int64_t left = unary(depth);
+    for (int here = level(); !failed_ && here >= lowest && here > 0; here = level()) {
+      const std::string_view op = tokens_[at_++].text;
+      left = apply(op, left, binary(here + 1, depth + 1));
+    }
+    return left;
+  }
+
+  std::int64_t apply(std::string_view op, std::int64_t a, std::int64_t b) {
+    const auto ua = static_cast<std::uint64_t>(a);
+    const auto ub = static_cast<std::uint64_t>(b);
+    if (op == "||") return a != 0 || b != 0;
+    if (op == "&&") return a != 0 && b != 0;
+    if (op == "|") return a | b;
+    if (op == "^") return a ^ b;
+    if (op == "&") return a & b;
+    if (op == "==") return a == b;
+    if (op == "!=") return a != b;
+    if (op == "<") return a < b;
+    if (op == ">") return a > b;
+    if (op == "<=") return a <= b;
+    if (op == ">=") return a >= b;
+    if (op == "+") return wrap(ua + ub);
+    if (op == "-") return wrap(ua - ub);
+    if (op == "*") return wrap(ua * ub);
+    if (b == 0 || b == -1) {
+      failed_ = failed_ || b == 0;
+      return op == "/" ? wrap(0 - ua) : 0;
+    }
+    return op == "/" ? a / b : a % b;
+  }
+
+  std::int64_t unary(int depth) {
+    if (depth > kMaxDepth || at_ >= tokens_.size()) {
+      failed_ = true;
+      return 0;
+    }
+    const Token& token = tokens_[at_++];
+    if (token.is("!")) return unary(depth + 1) == 0;
+    if (token.is("-")) return wrap(0 - static_cast<std::uint64_t>(unary(depth + 1)));
+    if (token.is("+")) return unary(depth + 1);
+    if (token.is("~")) return ~unary(depth + 1);
+    if (token.is("(")) {
+      const std::int64_t value = binary(1, depth + 1);
+      failed_ = failed_ || !at(")");
+      ++at_;
+      return value;
+    }
+    if (token.kind == TokenKind::Word) return 0;
+    std::int64_t value = 0;
+    failed_ = failed_ || token.kind != TokenKind::Number || !whole_number(token.text, value);
+    return value;
+  }
+
+  std::span<const Token> tokens_;
+  std::size_t at_ = 0;
+  bool failed_ = false;
+};
+
+}  // namespace
+
+std::optional<std::int64_t> constant_value(std::span<const Token> tokens) { return Evaluator(tokens).run(); }
+
+}  // namespace bip::genom

@@ -1,0 +1,28 @@
+// From module descriptions to BIP over stdlib/genom, as a text that people read and change. docs/genom.md says, element by
+// element, what becomes what.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/genom/module.hpp"
+
+namespace bip::genom {
+
+/// What a codel has to itself while it runs: all data of its module, or the data that it uses.
+enum class LockGranularity : std::uint8_t { ByGeneration, Module, Codel };
+
+struct GenerateOptions {
+  std::string package;
+  std::vector<std::string> sources;  // file names, for the first comment
+  LockGranularity lock = LockGranularity::ByGeneration;
+  std::int64_t tick_us = 0;          // 0: the clock of GenoM 2 modules, the greatest unit that divides all periods of GenoM 3
+  std::int64_t control_period = 1;   // ticks between two looks at the message box
+  std::int64_t poster_period = 1;    // ticks between two steps of PosterAge
+  std::int64_t oldest = 100;         // where PosterAge stops
+};
+
+/// One package: the types of each module, and the compound `FunctionalLevel` with all of them, the semaphore and the
+/// master timer. Modules are resolved and free of errors.
+[[nodiscard]] std::string generate(const std::vector<Module>& modules, const GenerateOptions& options);
+
+}  // namespace bip::genom

@@ -1,0 +1,113 @@
+// The description of one robot module, whichever generation of GenoM it was written for: what the generator reads, and
+// nothing else of a .gen file.
+//
+// The two front ends fill it with names; `resolve` (resolve.hpp) checks the names and fills the indices. Rows keep the
+// order of the file, which is the order of request numbers and of activity slots.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/source/source.hpp"
+
+namespace bip::genom {
+
+struct Name {
+  std::string text;
+  SourceRange range;
+  [[nodiscard]] bool is_set() const { return !text.empty(); }
+};
+
+/// What a codel may answer. `Other` is anything that its state does not permit: it suspends the task.
+enum class Next : std::uint8_t { State, Pause, Ether, Zombie, Sleep, Other };
+struct Yield {
+  Next next = Next::State;
+  Name name;
+  std::size_t state = 0;  // of Next::State and Next::Pause, after `resolve`
+};
+
+/// Shared data that a codel touches: an ids member or a port.
+struct DataUse {
+  std::string data;
+  bool writes = false;
+};
+
+/// A function that somebody writes in C or C++.
+struct Codel {
+  Name name;
+  std::vector<DataUse> uses;
+};
+
+/// One state of an activity. Without a codel it passes on as its default says; that costs its turn all the same.
+struct State {
+  Name name;
+  Codel codel;
+  std::vector<Yield> yields;
+};
+
+/// The automaton of an activity (paper.md, Figure 3). `stop` is where an interrupted one goes.
+struct Activity {
+  std::vector<State> states;
+  std::size_t start = 0;
+  std::size_t stop = 0;
+};
+
+enum class ServiceKind : std::uint8_t { Execution, Control };
+struct Service {
+  Name name;
+  ServiceKind kind = ServiceKind::Control;
+  bool is_init = false;
+  bool waits = false;         // its trigger may have to wait for a constraint: the lock is given back meanwhile
+  std::string doc;
+  Name task;                  // of an execution service
+  std::size_t task_index = 0;
+  Codel validate;             // looks at the parameters before anything is interrupted
+  bool validate_fails = true; // the side file may say that it never refuses
+  std::vector<Codel> body;    // of a control service
+  bool body_fails = true;
+  Activity activity;          // of an execution service
+  std::vector<Name> reports;  // the service's own
+  bool interrupts_all = false;
+  std::vector<Name> interrupts;
+  std::vector<std::size_t> interrupted;  // indices, execution services only
+  std::vector<Name> before, after;
+  std::vector<std::size_t> before_index, after_index;
+  std::size_t instances = 1;
+};
+
+struct Task {
+  Name name;
+  std::int64_t period_us = 0;  // 0: aperiodic, woken by the control task
+  std::int64_t delay_us = 0;
+  Name permanent;              // GenoM 2: one codel, run in each cycle
+  bool permanent_fails = true;
+  Activity activity;           // GenoM 3: the task's own codels; no states if it has none
+  std::vector<Name> reads;     // posters of other modules, "Module.Poster", read when a cycle begins
+  [[nodiscard]] bool has_permanent() const { return permanent.is_set() || !activity.states.empty(); }
+};
+
+struct Poster {
+  Name name;
+  Name task;                   // the writer (GenoM 2)
+  std::size_t task_index = 0;
+  bool is_auto = false;        // written at the end of each cycle of its task; else by codels, when they like
+};
+
+struct Module {
+  Name name;
+  int generation = 2;
+  std::int64_t tick_us = 10000;  // unit in which the description counts time
+  std::vector<Service> services;
+  std::vector<Task> tasks;
+  std::vector<Poster> posters;   // GenoM 3: ports out
+  bool is_open = false;          // a header was missing: names that are not known may be declared there
+  [[nodiscard]] bool has_init() const {
+    for (const Service& s : services) {
+      if (s.is_init) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace bip::genom

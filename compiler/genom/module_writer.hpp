@@ -1,0 +1,61 @@
+// The writer of a module's compound; its two halves are write_module.cpp (parts, control cycle, requests) and
+// write_module_tasks.cpp (tasks, time, exports). Inside compiler/genom only.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "compiler/genom/names.hpp"
+#include "compiler/genom/plan.hpp"
+#include "compiler/genom/wires.hpp"
+
+namespace bip::genom {
+
+class ModuleWriter {
+ public:
+  ModuleWriter(std::string& out, const Plan& plan);
+  void run(const GenerateOptions& options);
+
+ private:
+  [[nodiscard]] std::string control(const std::string& port) const { return p_.control + "." + port; }
+  [[nodiscard]] std::string of_slot(std::size_t slot, const std::string& port) const { return p_.slots[slot].component + "." + port; }
+  [[nodiscard]] std::string of_task(std::size_t task, const std::string& port) const { return p_.tasks[task].component + "." + port; }
+  /// Writes it under a name that the module does not have yet.
+  void wire(Wire w);
+  /// The name that a connector got.
+  [[nodiscard]] std::string out_of(const std::string& connector) const { return names_.at(connector) + ".out"; }
+  /// Of what the codels use, for a thread (LockPlan); `what` is "take" or "give".
+  void add_locks(std::vector<std::string>& ports, const std::vector<const Codel*>& codels, std::size_t thread, const char* what) const;
+  void add_ports(std::vector<std::string>& ports, const Codel& codel) const;
+  void add_module_lock(std::vector<std::string>& ports, const char* what) const;
+  [[nodiscard]] bool waits(const Service& s) const { return s.waits && !p_.by_codel && s.kind == ServiceKind::Execution; }
+
+  void parts(const GenerateOptions& options);
+  void control_cycle();
+  void request(std::size_t i);
+  void admissions(std::size_t i);
+  void order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const;
+  void validated(const Service& s, std::size_t slot);
+  void interruptions(const Service& s, const ServicePlan& p);
+  void finals(const Service& s, const ServicePlan& p);
+  void aborts();
+  void launches();
+
+  void task(std::size_t i);
+  void permanent(std::size_t task);
+  void turns_of_permanent(std::size_t task);
+  void turns(std::size_t task, std::size_t slot);
+  void ends(std::size_t task, std::size_t slot);
+  void time();
+  void priorities();
+  void exports();
+
+  std::string& out_;
+  const Plan& p_;
+  const Module& m_;
+  bool is_3_;
+  Scope scope_;
+  std::map<std::string, std::string> names_;
+};
+
+}  // namespace bip::genom

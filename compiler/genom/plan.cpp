@@ -1,0 +1,160 @@
+// Names first, then what can be reached, then what is shared.
+#include "compiler/genom/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "compiler/genom/names.hpp"
+
+namespace bip::genom {
+namespace {
+
+ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, bool has_reports, int generation) {
+  ActivityPlan a;
+  Scope scope;
+  for (const char* own : {"ETHER", "SLEEP", "ZOMBIE"}) scope.claim(own, "");
+  for (const State& s : activity.states) a.places.push_back(scope.claim(upper(s.name.text), "state"));
+  a.used.assign(activity.states.size(), false);
+  std::vector<std::size_t> todo{activity.start};
+  if (can_be_stopped) todo.push_back(activity.stop);
+  while (!todo.empty()) {
+    const std::size_t here = todo.back();
+    todo.pop_back();
+    if (a.used[here]) continue;
+    a.used[here] = true;
+    const State& state = activity.states[here];
+    const bool is_stop = can_be_stopped && here == activity.stop;
+    bool ends = false;
+    for (const Yield& y : state.yields) {
+      if (y.next == Next::State || y.next == Next::Pause) todo.push_back(y.state);
+      a.goes_on = a.goes_on || y.next == Next::State || y.next == Next::Sleep;
+      a.pauses = a.pauses || y.next == Next::Pause;
+      a.has_sleep = a.has_sleep || y.next == Next::Sleep;
+      a.has_zombie = a.has_zombie || y.next == Next::Zombie;
+      a.has_bad = a.has_bad || y.next == Next::Other;
+      ends = ends || y.next == Next::Ether;
+    }
+    a.ends = a.ends || (ends && !is_stop);
+    a.ends_stopped = a.ends_stopped || (ends && is_stop);
+    // GenoM 2: a report goes with ETHER. GenoM 3: an exception ends an activity from any codel.
+    a.ends_not_ok = a.ends_not_ok || (has_reports && state.codel.name.is_set() && (generation == 3 || (ends && !is_stop)));
+  }
+  a.rests = can_be_stopped || a.ends || a.pauses || a.has_sleep || a.has_zombie;
+  return a;
+}
+
+class Planner {
+ public:
+  Planner(const Module& module, const GenerateOptions& options) : m_(module) {
+    p_.module = &module;
+    p_.by_codel = options.lock == LockGranularity::Codel || (options.lock == LockGranularity::ByGeneration && module.generation == 3);
+    p_.type = type_name(module.name.text);
+    p_.component = bip_name(module.name.text);
+  }
+
+  Plan run() {
+    p_.control = scope_.claim("control", "task");
+    p_.ids = scope_.claim("ids", "control");
+    if (!p_.by_codel) p_.lock = scope_.claim("lock", "ids");
+    if (!m_.posters.empty()) p_.poster_timer = scope_.claim("poster_timer", "module");
+    for (std::size_t i = 0; i < m_.services.size(); ++i) service(i);
+    for (std::size_t i = 0; i < m_.tasks.size(); ++i) task(i);
+    for (const Poster& poster : m_.posters) p_.posters.push_back(scope_.claim(bip_name(poster.name.text), "poster"));
+    if (p_.by_codel) locks();
+    return std::move(p_);
+  }
+
+ private:
+  void service(std::size_t i) {
+    const Service& s = m_.services[i];
+    ServicePlan plan;
+    plan.id = bip_name(s.name.text);
+    const bool is_execution = s.kind == ServiceKind::Execution;
+    plan.type = is_execution ? p_.type + type_name(s.name.text) : "ControlService";
+    if (is_execution) {
+      if (!types_.insert(plan.type).second) plan.type += std::to_string(i);
+      plan.activity = plan_activity(s.activity, true, !s.reports.empty(), m_.generation);
+      plan.activity.type = plan.type + "Activity";
+    }
+    for (std::size_t k = 0; k < s.instances; ++k) {
+      plan.slots.push_back(p_.slots.size());
+      p_.slots.push_back({i, scope_.claim(k == 0 ? plan.id : fmt::format("{}_{}", plan.id, k + 1), "service")});
+    }
+    if (is_execution) p_.execution_slots += s.instances;
+    p_.services.push_back(std::move(plan));
+  }
+
+  void task(std::size_t i) {
+    const Task& t = m_.tasks[i];
+    TaskPlan plan;
+    plan.component = scope_.claim(bip_name(t.name.text), "task");
+    plan.type = p_.type + type_name(t.name.text);
+    if (!types_.insert(plan.type).second) plan.type += "Task";
+    if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, false, m_.generation);
+    plan.permanent.type = plan.type + "Permanent";
+    for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+      const Service& s = p_.service_of(k);
+      if (s.kind == ServiceKind::Execution && s.task_index == i) plan.slots.push_back(k);
+    }
+    p_.tasks.push_back(std::move(plan));
+  }
+
+  // Data that codels of two threads use, one of them writing. A thread is the control task (0) or a task (1 + its index).
+  void locks() {
+    struct Users {
+      std::set<std::size_t> threads;
+      std::size_t codels = 0;
+      bool written = false;
+    };
+    std::map<std::string, Users> all;
+    std::vector<std::string> order;
+    const auto add = [&](const Codel& codel, std::size_t thread) {
+      for (const DataUse& use : uses_of(m_, codel)) {
+        Users& users = all[use.data];
+        if (users.codels++ == 0) order.push_back(use.data);
+        users.threads.insert(thread);
+        users.written = users.written || use.writes;
+      }
+    };
+    for (const Service& s : m_.services) {
+      add(s.validate, 0);
+      for (const Codel& c : s.body) add(c, 0);
+      for (const State& state : s.activity.states) add(state.codel, 1 + s.task_index);
+    }
+    for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
+      if (m_.tasks[i].permanent.is_set()) add({m_.tasks[i].permanent, {}}, 1 + i);
+      for (const State& state : m_.tasks[i].activity.states) add(state.codel, 1 + i);
+    }
+    for (const std::string& data : order) {
+      const Users& users = all[data];
+      if (users.threads.size() > 1 && users.written) p_.locks.push_back({data, scope_.claim("lock_" + bip_name(data), "data"), {users.threads.begin(), users.threads.end()}});
+    }
+  }
+
+  const Module& m_;
+  Plan p_;
+  Scope scope_;
+  std::set<std::string> types_;
+};
+
+}  // namespace
+
+Plan make_plan(const Module& module, const GenerateOptions& options) { return Planner(module, options).run(); }
+
+bool Plan::may_suspend(std::size_t task) const {
+  const Task& t = module->tasks[task];
+  if (t.permanent.is_set() && t.permanent_fails) return true;
+  return std::any_of(tasks[task].slots.begin(), tasks[task].slots.end(), [&](std::size_t slot) { return services[slots[slot].service].activity.has_bad; });
+}
+
+std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {
+  if (module.generation == 3) return codel.uses;
+  return codel.name.is_set() ? std::vector<DataUse>{{"ids", true}} : std::vector<DataUse>{};
+}
+
+std::string codel_label(const State& state) { return state.codel.name.is_set() ? bip_name(state.codel.name.text) : "no_codel_" + bip_name(state.name.text); }
+
+}  // namespace bip::genom

@@ -1,0 +1,87 @@
+// What the parts of the generator agree on: the names of everything that is generated for a module, and what is needed of it.
+// Inside compiler/genom only.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/genom/generate.hpp"
+#include "compiler/genom/module.hpp"
+
+namespace bip::genom {
+
+/// The states of an activity that can be reached, and which kinds of answers it gives.
+struct ActivityPlan {
+  std::string type;          // of the atom
+  std::vector<std::string> places;  // by state
+  std::vector<bool> used;           // by state
+  bool has_sleep = false, has_zombie = false, has_bad = false;
+  bool goes_on = false;      // yields a state
+  bool pauses = false;       // GenoM 3: yields a state of the next cycle
+  bool ends = false;         // well
+  bool ends_not_ok = false;  // with a report of its own
+  bool ends_stopped = false; // after `stop`
+  bool rests = false;        // has places in which it needs no turn
+};
+
+/// One instance of a service: an activity slot if it is an execution service.
+struct Slot {
+  std::size_t service = 0;
+  std::string component;
+};
+struct ServicePlan {
+  std::string id;                  // in names of ports and connectors
+  std::string type;                // of the compound; ControlService is one for all
+  ActivityPlan activity;
+  std::vector<std::size_t> slots;  // indices of Plan::slots; of a control service one
+};
+struct TaskPlan {
+  std::string component, type;
+  ActivityPlan permanent;          // GenoM 3
+  std::vector<std::size_t> slots;  // its activities, in slot order
+};
+/// Data that codels of several threads share, if one of them writes it (codel granularity). Thread 0 is the control task,
+/// thread 1 + i task i.
+struct LockPlan {
+  std::string data, component;
+  std::vector<std::size_t> threads;  // sorted
+};
+
+struct Plan {
+  const Module* module = nullptr;
+  bool by_codel = false;  // lock granularity
+  std::string type;       // of the module's compound; begins the names of its other types
+  std::string component;  // in the functional level
+  std::vector<Slot> slots;
+  std::vector<ServicePlan> services;
+  std::vector<TaskPlan> tasks;
+  std::vector<std::string> posters;
+  std::vector<LockPlan> locks;
+  std::size_t execution_slots = 0;
+  std::string control, ids, lock, poster_timer;  // components
+
+  [[nodiscard]] const Service& service_of(std::size_t slot) const { return module->services[slots[slot].service]; }
+  /// GenoM 2 refuses requests by the state of the whole module.
+  [[nodiscard]] bool has_checks() const { return module->generation == 2; }
+  [[nodiscard]] bool may_suspend(std::size_t task) const;
+};
+
+[[nodiscard]] Plan make_plan(const Module& module, const GenerateOptions& options);
+
+/// The atom of a service's or (GenoM 3) a task's codels. `has_reports`: it is a service's.
+void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment);
+void write_service(std::string& out, const Plan& plan, std::size_t service);
+void write_scheduler(std::string& out, const Plan& plan, std::size_t task);
+void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64_t tick_us);
+/// A lock for so many threads: many readers or one writer.
+void write_data_lock(std::string& out, std::size_t threads);
+/// The message box and the compound of the control task.
+void write_control(std::string& out, const Plan& plan);
+void write_module(std::string& out, const Plan& plan, const GenerateOptions& options);
+void write_functional_level(std::string& out, const std::vector<Plan>& plans);
+
+/// GenoM 2 does not say what a codel touches: everything.
+[[nodiscard]] std::vector<DataUse> uses_of(const Module& module, const Codel& codel);
+/// How a state's turn is called: by its codel.
+[[nodiscard]] std::string codel_label(const State& state);
+
+}  // namespace bip::genom

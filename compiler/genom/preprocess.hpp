@@ -1,0 +1,33 @@
+// The C preprocessor as far as descriptions need it: #include, object-like #define, #undef, #if and its kin, #pragma
+// (ignored), #error (a diagnostic).
+//
+// Works on tokens, so text inside of strings is never replaced. A header that is not there is a warning, once a file:
+// its types are opaque from then on. Includes nest at most 64 deep; at most 2^20 tokens come out.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compiler/genom/tokens.hpp"
+
+namespace bip::genom {
+
+struct PreprocessOptions {
+  std::vector<std::string> folders;                           // -I, after the including file's own folder
+  std::vector<std::pair<std::string, std::string>> defines;   // -D
+};
+struct Preprocessed {
+  std::vector<Token> tokens;  // the last one is End
+  bool header_missing = false;
+};
+
+/// `path`: of the file to start with.
+[[nodiscard]] Preprocessed preprocess(SourceMap& sources, const std::string& path, FileId file, const PreprocessOptions& options,
+                                      Diagnostics& diags);
+
+/// A description or header as text; bytes that are no UTF-8 are taken as Latin-1.
+[[nodiscard]] Result<FileId> load_description(SourceMap& sources, const std::string& path);
+/// The same for bytes in memory.
+[[nodiscard]] std::string as_utf8(std::string bytes);
+
+}  // namespace bip::genom

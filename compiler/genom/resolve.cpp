@@ -1,0 +1,221 @@
+// Linear searches: a module has tens of names.
+#include "compiler/genom/resolve.hpp"
+
+#include <algorithm>
+
+namespace bip::genom {
+namespace {
+
+template <class Row>
+std::vector<std::string> names_of(const std::vector<Row>& rows) {
+  std::vector<std::string> names;
+  for (const Row& r : rows) names.push_back(r.name.text);
+  return names;
+}
+
+template <class Row>
+std::size_t find(const std::vector<Row>& rows, const std::string& name) {
+  const auto it = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.name.text == name; });
+  return static_cast<std::size_t>(it - rows.begin());
+}
+
+template <class Row>
+void check_unique(const std::vector<Row>& rows, const char* kind, Diagnostics& diags) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t first = find(rows, rows[i].name.text);
+    if (first < i) diags.report(Diag::kB6013, rows[i].name.range, kind, rows[i].name.text).label(rows[first].name.range, "the first one");
+  }
+}
+
+class Resolver {
+ public:
+  Resolver(Module& module, std::vector<SideLine>& side, Diagnostics& diags) : m_(module), side_(side), diags_(diags) {}
+
+  void run(std::size_t instances) {
+    check_unique(m_.services, m_.generation == 2 ? "request" : "service", diags_);
+    check_unique(m_.tasks, "task", diags_);
+    check_unique(m_.posters, m_.generation == 2 ? "poster" : "port", diags_);
+    for (Service& s : m_.services) service(s);
+    for (Poster& p : m_.posters) {
+      if (p.task.is_set()) p.task_index = task(p.task);
+    }
+    for (SideLine& line : side_) apply(line);
+    for (Service& s : m_.services) {
+      for (State& state : s.activity.states) states_of(s.activity, state);
+      const std::size_t own = find(m_.services, s.name.text);
+      const bool interrupts_itself = std::find(s.interrupted.begin(), s.interrupted.end(), own) != s.interrupted.end();
+      s.instances = s.kind == ServiceKind::Control ? 1 : interrupts_itself ? std::max<std::size_t>(instances, 2) : instances;
+    }
+  }
+
+ private:
+  std::size_t task(const Name& name) {
+    const std::size_t found = find(m_.tasks, name.text);
+    if (found < m_.tasks.size()) return found;
+    auto d = diags_.report(Diag::kB6008, name.range, m_.generation == 2 ? "execution task" : "task", name.text);
+    for (const std::string& similar : similar_names(name.text, names_of(m_.tasks))) d.help(fmt::format("there is `{}`", similar), name.range, similar);
+    return 0;
+  }
+
+  void service(Service& s) {
+    if (s.kind == ServiceKind::Execution && s.task.is_set()) s.task_index = task(s.task);
+    if (s.interrupts_all) {
+      const std::size_t own = find(m_.services, s.name.text);
+      for (std::size_t i = 0; i < m_.services.size(); ++i) {
+        // `init` is over before it can be asked for again.
+        if (m_.services[i].kind == ServiceKind::Execution && !(i == own && s.is_init)) s.interrupted.push_back(i);
+      }
+    }
+    for (const Name& name : s.interrupts) {
+      const std::size_t found = find(m_.services, name.text);
+      if (found == m_.services.size()) {
+        auto d = diags_.report(Diag::kB6006, name.range, name.text);
+        for (const std::string& similar : similar_names(name.text, names_of(m_.services))) d.help(fmt::format("there is `{}`", similar), name.range, similar);
+      } else if (m_.services[found].kind == ServiceKind::Execution &&
+                 std::find(s.interrupted.begin(), s.interrupted.end(), found) == s.interrupted.end()) {
+        s.interrupted.push_back(found);
+      }
+    }
+    std::sort(s.interrupted.begin(), s.interrupted.end());
+    others(s, s.before, s.before_index);
+    others(s, s.after, s.after_index);
+  }
+
+  void others(const Service& s, const std::vector<Name>& names, std::vector<std::size_t>& into) {
+    for (const Name& name : names) {
+      const std::size_t found = find(m_.services, name.text);
+      if (name.text == s.name.text) {
+        diags_.report(Diag::kB6023, name.range, name.text);
+        continue;
+      }
+      if (found < m_.services.size()) {
+        into.push_back(found);
+        continue;
+      }
+      auto d = diags_.report(Diag::kB6008, name.range, "service", name.text);
+      for (const std::string& similar : similar_names(name.text, names_of(m_.services))) d.help(fmt::format("there is `{}`", similar), name.range, similar);
+    }
+  }
+
+  // Names of states that GenoM 2 codels yield; those of GenoM 3 are known already.
+  void states_of(const Activity& activity, State& state) {
+    if (m_.generation != 2) return;
+    for (Yield& y : state.yields) {
+      if (y.next == Next::State) y.state = find(activity.states, y.name.text);
+    }
+  }
+
+  // "Goto", or "demo.Goto".
+  [[nodiscard]] bool is_about(const Name& subject, const std::string& name) const {
+    return subject.text == name || subject.text == m_.name.text + "." + name;
+  }
+
+  void apply(SideLine& line) {
+    if (line.kind == "codel") {
+      codel_yields(line);
+    } else if (line.kind == "trigger") {
+      for (Service& s : m_.services) {
+        if (!is_about(line.subject, s.name.text)) continue;
+        s.waits = true;
+        line.used = true;
+      }
+    } else {
+      for (Task& t : m_.tasks) {
+        if (!is_about(line.subject, t.name.text)) continue;
+        t.reads.insert(t.reads.end(), line.words.begin(), line.words.end());
+        line.used = true;
+      }
+    }
+  }
+
+  void codel_yields(SideLine& line) {
+    const auto has = [&](std::string_view word) { return std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; }); };
+    for (Task& t : m_.tasks) {
+      if (t.permanent.is_set() && is_about(line.subject, t.permanent.text)) {
+        t.permanent_fails = has("ERROR");
+        line.used = true;
+      }
+    }
+    for (Service& s : m_.services) {
+      if (s.validate.name.is_set() && is_about(line.subject, s.validate.name.text)) {
+        s.validate_fails = has("ERROR");
+        line.used = true;
+      }
+      if (!s.body.empty() && s.body.front().name.is_set() && is_about(line.subject, s.body.front().name.text)) {
+        s.body_fails = has("ERROR");
+        line.used = true;
+      }
+      for (State& state : s.activity.states) {
+        if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) continue;
+        line.used = true;
+        narrow(state, line);
+      }
+    }
+  }
+
+  // Only what the state permits, in its order; OTHER comes on top.
+  void narrow(State& state, const SideLine& line) {
+    std::vector<Yield> kept;
+    for (const Yield& y : state.yields) {
+      const std::string_view word = y.next == Next::Ether ? (m_.generation == 2 ? "ETHER" : "ether") : y.next == Next::Zombie ? "ZOMBIE" : y.next == Next::Sleep ? "SLEEP" : std::string_view(y.name.text);
+      if (std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; })) kept.push_back(y);
+    }
+    for (const Name& w : line.words) {
+      if (w.text == "OTHER") {
+        kept.push_back({Next::Other, w, 0});
+      } else if (std::none_of(state.yields.begin(), state.yields.end(), [&](const Yield& y) {
+                   return y.name.text == w.text || (y.next == Next::Ether && (w.text == "ETHER" || w.text == "ether")) ||
+                          (y.next == Next::Zombie && w.text == "ZOMBIE") || (y.next == Next::Sleep && w.text == "SLEEP");
+                 })) {
+        diags_.report(Diag::kB6022, w.range, fmt::format("codel `{}` of state `{}` cannot yield `{}`", state.codel.name.text, state.name.text, w.text));
+      }
+    }
+    if (!kept.empty()) state.yields = std::move(kept);
+  }
+
+  Module& m_;
+  std::vector<SideLine>& side_;
+  Diagnostics& diags_;
+};
+
+}  // namespace
+
+void resolve(Module& module, std::vector<SideLine>& side, std::size_t instances, Diagnostics& diags) { Resolver(module, side, diags).run(instances); }
+
+std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Diagnostics& diags) {
+  std::vector<SideLine> lines;
+  const std::string_view text = sources.text(file);
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::size_t stop = std::min(text.find('#', begin), end);
+    std::vector<Name> words;
+    for (std::size_t at = begin; at < stop;) {
+      const auto is_blank = [&](std::size_t i) { return text[i] == ' ' || text[i] == '\t' || text[i] == '\r'; };
+      while (at < stop && is_blank(at)) ++at;
+      std::size_t last = at;
+      while (last < stop && !is_blank(last)) ++last;
+      if (last > at) words.push_back({std::string(text.substr(at, last - at)), {file, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(last)}});
+      at = last;
+    }
+    begin = end + 1;
+    if (words.empty()) continue;
+    const std::string& kind = words[0].text;
+    const std::string verb = kind == "codel" ? "yields" : kind == "trigger" ? "waits" : kind == "task" ? "reads" : "";
+    if (verb.empty() || words.size() < 3 || words[2].text != verb || (verb != "waits") != (words.size() > 3)) {
+      diags.report(Diag::kB6022, words[0].range, "this is no line of a side file")
+          .help("`codel NAME yields A B`, `trigger SERVICE waits` or `task TASK reads MODULE.POSTER`");
+      continue;
+    }
+    lines.push_back({kind, words[1], {words.begin() + 3, words.end()}, false});
+  }
+  return lines;
+}
+
+void report_unused(const std::vector<SideLine>& side, Diagnostics& diags) {
+  for (const SideLine& line : side) {
+    if (!line.used) diags.report(Diag::kB6022, line.subject.range, fmt::format("there is no {} `{}` in what is translated", line.kind == "trigger" ? "service" : line.kind, line.subject.text));
+  }
+}
+
+}  // namespace bip::genom

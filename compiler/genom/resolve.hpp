@@ -1,0 +1,33 @@
+// Names of a module become indices; what the description leaves open is taken from the side file.
+//
+// Side file, a line each, `#` begins a comment; `Module.Name` where two modules have the name:
+//   codel NAME yields A B …      what a codel of a GenoM 2 module really returns: states, or OK and ERROR of control and
+//                                permanent codels; OTHER is an answer that its state does not permit
+//   trigger SERVICE waits        a constraint may make the trigger of SERVICE wait
+//   task TASK reads MODULE.POSTER …
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/genom/module.hpp"
+#include "compiler/genom/tokens.hpp"
+
+namespace bip::genom {
+
+struct SideLine {
+  std::string kind;  // "codel", "trigger", "task"
+  Name subject;
+  std::vector<Name> words;
+  bool used = false;
+};
+/// Reads a side file; what is no line of it is reported.
+[[nodiscard]] std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Diagnostics& diags);
+
+/// Checks and connects the names of `module`, applies the lines that are about it (and marks them as used), and gives every
+/// service its number of instances. A service that interrupts itself needs one more: the new one waits for the old.
+void resolve(Module& module, std::vector<SideLine>& side, std::size_t instances, Diagnostics& diags);
+
+/// Lines of the side file that were about nothing.
+void report_unused(const std::vector<SideLine>& side, Diagnostics& diags);
+
+}  // namespace bip::genom

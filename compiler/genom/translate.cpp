@@ -1,0 +1,60 @@
+// The pipeline of a translation, a line a stage.
+#include "compiler/genom/translate.hpp"
+
+#include <algorithm>
+
+#include "compiler/genom/names.hpp"
+#include "compiler/genom/parse.hpp"
+
+namespace bip::genom {
+namespace {
+
+// Types of all modules stand in one package, and begin with the module's name.
+void check_module_names(const std::vector<Module>& modules, Diagnostics& diags) {
+  for (std::size_t i = 0; i < modules.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!modules[i].name.is_set() || type_name(modules[i].name.text) != type_name(modules[j].name.text)) continue;
+      diags.report(Diag::kB6013, modules[i].name.range, "module", modules[i].name.text).label(modules[j].name.range, "the first one");
+    }
+  }
+}
+
+// Posters that a side file names.
+void check_reads(const std::vector<Module>& modules, Diagnostics& diags) {
+  std::vector<std::string> known;
+  for (const Module& m : modules) {
+    for (const Poster& p : m.posters) known.push_back(m.name.text + "." + p.name.text);
+  }
+  for (const Module& m : modules) {
+    for (const Task& t : m.tasks) {
+      for (const Name& read : t.reads) {
+        if (std::find(known.begin(), known.end(), read.text) != known.end()) continue;
+        auto d = diags.report(Diag::kB6008, read.range, "poster", read.text);
+        for (const std::string& similar : similar_names(read.text, known)) d.help(fmt::format("there is `{}`", similar), read.range, similar);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options, Diagnostics& diags) {
+  const Preprocessed text = preprocess(sources, description.path, description.file, options, diags);
+  return is_genom3(text.tokens) ? parse_genom3(text.tokens, text.header_missing, diags) : parse_genom2(text.tokens, text.header_missing, diags);
+}
+
+std::optional<std::string> translate(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
+                                     const TranslateOptions& options, Diagnostics& diags) {
+  std::vector<Module> modules;
+  for (const Description& d : files) modules.push_back(read_module(sources, d, options.preprocess, diags));
+  for (Module& m : modules) resolve(m, side, options.instances, diags);
+  report_unused(side, diags);
+  check_module_names(modules, diags);
+  check_reads(modules, diags);
+  if (diags.has_errors()) return std::nullopt;
+  GenerateOptions generate_options = options.generate;
+  if (generate_options.package.empty()) generate_options.package = bip_name(modules.front().name.text);
+  return generate(modules, generate_options);
+}
+
+}  // namespace bip::genom

@@ -1,0 +1,31 @@
+// .gen files to one BIP text: what `bipc genom` and the tests call.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/diag/diagnostics.hpp"
+#include "compiler/genom/generate.hpp"
+#include "compiler/genom/preprocess.hpp"
+#include "compiler/genom/resolve.hpp"
+
+namespace bip::genom {
+
+struct TranslateOptions {
+  PreprocessOptions preprocess;
+  GenerateOptions generate;
+  std::size_t instances = 1;
+};
+struct Description {
+  std::string path;  // headers are looked for beside it
+  FileId file;
+};
+
+/// One description, parsed and not yet resolved.
+[[nodiscard]] Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options, Diagnostics& diags);
+
+/// Nothing if there are errors. `side`: the lines of the side file.
+[[nodiscard]] std::optional<std::string> translate(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
+                                                   const TranslateOptions& options, Diagnostics& diags);
+
+}  // namespace bip::genom

@@ -1,0 +1,225 @@
+// The automaton of an activity (paper.md, Figure 3) as an atom: a place a state, and one while its codel runs.
+//
+//   STATE        waits for its turn            STATE_RUNS    the codel runs
+//   STATE_PAUSED waits for the next cycle (3)  STATE_ENDS    it ran, its locks are given back (codel granularity)
+//
+// What a codel answers is free: one port an answer, merged by what the rest of the module makes of it.
+#include <fmt/format.h>
+
+#include "compiler/genom/names.hpp"
+#include "compiler/genom/plan.hpp"
+
+namespace bip::genom {
+namespace {
+
+class Writer {
+ public:
+  Writer(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service)
+      : out_(out), plan_(plan), activity_(activity), a_(a), service_(service), is_3_(plan.module->generation == 3), places_(a.places) {}
+
+  void run(const std::string& comment) {
+    out_ += fmt::format("\n  // {}\n  atom type {}()\n", comment, a_.type);
+    data();
+    ports();
+    place_line();
+    out_ += fmt::format("\n    initial to {}\n", service_ != nullptr ? "ETHER" : places_[activity_.start]);
+    if (service_ != nullptr) {
+      out_ += fmt::format("\n    on start from ETHER to {}\n", is_3_ ? places_[activity_.start] + "_PAUSED" : places_[activity_.start]);
+      aborts();
+    }
+    turns();
+    answers();
+    rests();
+    out_ += "  end\n";
+  }
+
+ private:
+  [[nodiscard]] bool stoppable() const { return service_ != nullptr; }
+  [[nodiscard]] std::string ended(std::size_t i) const { return places_[i] + (plan_.by_codel ? "_ENDS" : "_RUNS"); }
+
+  void data() {
+    if (a_.ends_not_ok) {
+      for (const Name& r : service_->reports) out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r.text), r.text);
+    }
+    if (stoppable() && plan_.by_codel) out_ += "    data bool stopping = false\n";
+  }
+
+  void port(const std::string& name) { out_ += fmt::format("    export port Signal {}()\n", name); }
+
+  void merged(const std::vector<std::string>& names, const char* type, const std::string& as) {
+    if (names.empty()) return;
+    std::string list;
+    for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
+    out_ += fmt::format("    export port {} {} as {}\n", type, list, as);
+  }
+
+  [[nodiscard]] bool yields(std::size_t to, Next next) const {
+    for (std::size_t i = 0; i < activity_.states.size(); ++i) {
+      if (!a_.used[i]) continue;
+      for (const Yield& y : activity_.states[i].yields) {
+        if (y.next == next && y.state == to) return true;
+      }
+    }
+    return false;
+  }
+
+  void ports() {
+    if (stoppable()) {
+      port("start");
+      port("abt");
+    }
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!a_.used[i]) continue;
+      port("run_" + places_[i]);
+      if (plan_.by_codel) port("done_" + places_[i]);
+    }
+    if (is_3_ && (stoppable() || a_.pauses)) port("resume");
+    std::vector<std::string> goes_on;
+    std::vector<std::string> pauses;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (yields(i, Next::State)) goes_on.push_back("to_" + places_[i] + "()");
+      if (yields(i, Next::Pause)) pauses.push_back("pause_" + places_[i] + "()");
+    }
+    if (a_.has_sleep) goes_on.emplace_back("to_SLEEP()");
+    merged(goes_on, "Signal", "went_on");
+    merged(pauses, "Signal", "paused");
+    if (a_.ends) port("ok");
+    if (a_.ends_not_ok) {
+      std::vector<std::string> reports;
+      for (const Name& r : service_->reports) reports.push_back(fmt::format("report_{0}(rep_{0})", bip_name(r.text)));
+      merged(reports, "Report", "not_ok");
+    }
+    if (a_.ends_stopped) port("intr");
+    if (a_.has_zombie) {
+      port("zombie");
+      port("bury");
+    }
+    if (a_.has_bad) port("bad");
+    if (a_.rests) port("rest");
+  }
+
+  void place_line() {
+    std::string list = service_ != nullptr || a_.ends ? "ETHER" : "";
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!a_.used[i]) continue;
+      list += (list.empty() ? "" : ", ") + places_[i] + ", " + places_[i] + "_RUNS";
+      if (plan_.by_codel) list += ", " + places_[i] + "_ENDS";
+      if (has_paused(i)) list += ", " + places_[i] + "_PAUSED";
+    }
+    if (a_.has_sleep) list += ", SLEEP";
+    if (a_.has_zombie) list += ", ZOMBIE";
+    out_ += "\n    place " + list + "\n";
+  }
+
+  // GenoM 3: begins paused, stops paused, or somebody pauses for it.
+  [[nodiscard]] bool has_paused(std::size_t i) const {
+    return is_3_ && ((stoppable() && (i == activity_.start || i == activity_.stop)) || yields(i, Next::Pause));
+  }
+
+  void on(const std::string& port, const std::string& from, const std::string& to, const std::string& action = {}) {
+    out_ += fmt::format("    on {} from {} to {}{}\n", port, from, to, action.empty() ? "" : " do { " + action + "; }");
+  }
+
+  // Whatever it does, an aborted activity goes to its stop state: at once if it waits, else when its codel has answered.
+  void aborts() {
+    const std::string stop = places_[activity_.stop];
+    out_ += "\n    // Told to stop.\n";
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!a_.used[i]) continue;
+      on("abt", places_[i], stop);
+      if (has_paused(i)) on("abt", places_[i] + "_PAUSED", stop + "_PAUSED");
+      if (!plan_.by_codel) continue;
+      const std::string remember = i == activity_.stop ? "" : "stopping = true";
+      on("abt", places_[i] + "_RUNS", places_[i] + "_RUNS", remember);
+      on("abt", places_[i] + "_ENDS", places_[i] + "_ENDS", remember);
+    }
+    if (a_.has_sleep) on("abt", "SLEEP", stop);
+    if (!plan_.by_codel) return;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!a_.used[i] || i == activity_.stop) continue;
+      if (may_follow(i, Next::State)) out_ += fmt::format("    internal from {} to {} provided (stopping) do {{ stopping = false; }}\n", places_[i], stop);
+      if (may_follow(i, Next::Pause)) out_ += fmt::format("    internal from {}_PAUSED to {}_PAUSED provided (stopping) do {{ stopping = false; }}\n", places_[i], stop);
+    }
+    if (a_.has_sleep) out_ += fmt::format("    internal from SLEEP to {} provided (stopping) do {{ stopping = false; }}\n", stop);
+  }
+
+  // Can a codel of a state that is not `stop` answer with it?
+  [[nodiscard]] bool may_follow(std::size_t to, Next next) const {
+    for (std::size_t i = 0; i < activity_.states.size(); ++i) {
+      if (!a_.used[i] || i == activity_.stop) continue;
+      for (const Yield& y : activity_.states[i].yields) {
+        if (y.next == next && y.state == to) return true;
+      }
+    }
+    return false;
+  }
+
+  void turns() {
+    out_ += "\n    // Its turn.\n";
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!a_.used[i]) continue;
+      on("run_" + places_[i], places_[i], places_[i] + "_RUNS");
+      if (plan_.by_codel) on("done_" + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
+    }
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (a_.used[i] && has_paused(i)) on("resume", places_[i] + "_PAUSED", places_[i]);
+    }
+  }
+
+  void answers() {
+    // An end makes up for an abort that came while the last codel ran.
+    const std::string forget = stoppable() && plan_.by_codel ? "stopping = false" : "";
+    for (std::size_t i = 0; i < activity_.states.size(); ++i) {
+      if (!a_.used[i]) continue;
+      const State& s = activity_.states[i];
+      const std::string from = ended(i);
+      const bool is_stop = stoppable() && i == activity_.stop;
+      const std::string clear = is_stop ? "" : forget;
+      out_ += fmt::format("\n    // {}\n", s.codel.name.is_set() ? "What " + s.codel.name.text + " answers." : s.name.text + " has no codel.");
+      bool ends = false;
+      for (const Yield& y : s.yields) {
+        if (y.next == Next::State) on("to_" + places_[y.state], from, places_[y.state]);
+        if (y.next == Next::Pause) on("pause_" + places_[y.state], from, places_[y.state] + "_PAUSED");
+        if (y.next == Next::Sleep) on("to_SLEEP", from, "SLEEP");
+        if (y.next == Next::Zombie) on("zombie", from, "ZOMBIE", clear);
+        if (y.next == Next::Other) on("bad", from, places_[i]);
+        if (y.next == Next::Ether) on(is_stop ? "intr" : "ok", from, "ETHER", clear);
+        ends = ends || y.next == Next::Ether;
+      }
+      const bool may_report = service_ != nullptr && s.codel.name.is_set() && (is_3_ || (ends && !is_stop));
+      if (!may_report) continue;
+      for (const Name& r : service_->reports) on("report_" + bip_name(r.text), from, "ETHER", clear);
+    }
+  }
+
+  // Nothing to do for it in this turn.
+  void rests() {
+    if (!a_.rests) return;
+    out_ += "\n    // Nothing to run.\n";
+    if (service_ != nullptr || a_.ends) on("rest", "ETHER", "ETHER");
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (a_.used[i] && has_paused(i)) on("rest", places_[i] + "_PAUSED", places_[i] + "_PAUSED");
+    }
+    if (a_.has_sleep) on("rest", "SLEEP", "SLEEP");
+    if (a_.has_zombie) {
+      on("rest", "ZOMBIE", "ZOMBIE");
+      on("bury", "ZOMBIE", "ETHER");
+    }
+  }
+
+  std::string& out_;
+  const Plan& plan_;
+  const Activity& activity_;
+  const ActivityPlan& a_;
+  const Service* service_;
+  bool is_3_;
+  const std::vector<std::string>& places_;
+};
+
+}  // namespace
+
+void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment) {
+  Writer(out, plan, activity, a, service).run(comment);
+}
+
+}  // namespace bip::genom

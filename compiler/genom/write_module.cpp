@@ -1,0 +1,235 @@
+// The compound of a module (paper.md, Figures 7 and 10): its parts, and one connector an event, in the order of the control
+// cycle, then of a task's cycle, then time.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/genom/module_writer.hpp"
+
+namespace bip::genom {
+namespace {
+
+std::vector<const Codel*> bodies(const Service& s) {
+  std::vector<const Codel*> codels;
+  for (const Codel& c : s.body) codels.push_back(&c);
+  return codels;
+}
+
+std::vector<std::string> reports_of(const Service& s) {
+  std::vector<std::string> reports;
+  for (const Name& r : s.reports) reports.push_back(r.text);
+  if (reports.empty()) reports.emplace_back("CONTROL_CODEL_ERROR");
+  return reports;
+}
+
+bool has_checked(const Plan& p) {
+  return p.has_checks() && std::any_of(p.module->services.begin(), p.module->services.end(), [](const Service& s) { return s.kind == ServiceKind::Execution && !s.is_init; });
+}
+
+}  // namespace
+
+ModuleWriter::ModuleWriter(std::string& out, const Plan& plan) : out_(out), p_(plan), m_(*plan.module), is_3_(plan.module->generation == 3) {
+  for (const std::string& own : {p_.control, p_.ids, p_.lock, p_.poster_timer}) scope_.claim(own, "");
+  for (const Slot& slot : p_.slots) scope_.claim(slot.component, "");
+  for (const TaskPlan& t : p_.tasks) scope_.claim(t.component, "");
+  for (const std::string& poster : p_.posters) scope_.claim(poster, "");
+  for (const LockPlan& lock : p_.locks) scope_.claim(lock.component, "");
+}
+
+void ModuleWriter::wire(Wire w) {
+  const std::string wanted = w.name;
+  w.name = scope_.claim(wanted, "event");
+  names_.emplace(wanted, w.name);
+  write_wire(out_, w);
+}
+
+void ModuleWriter::run(const GenerateOptions& options) {
+  out_ += fmt::format("\n  // Module {}.\n  compound type {}()\n", m_.name.text, p_.type);
+  parts(options);
+  control_cycle();
+  for (std::size_t i = 0; i < m_.services.size(); ++i) request(i);
+  if (p_.execution_slots > 0) {
+    aborts();
+    launches();
+  }
+  std::vector<std::string> done{control("done")};
+  for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
+    if (m_.tasks[i].period_us == 0) done.push_back(of_task(i, "wake"));
+  }
+  wire({.name = "done", .ports = done});
+  std::vector<std::string> rest{control("rest")};
+  std::vector<std::string> give{control("give")};
+  add_module_lock(rest, "give");
+  add_module_lock(give, "give");
+  wire({.name = "rest", .ports = rest});
+  wire({.name = "give", .ports = give, .exported = true});
+  for (std::size_t i = 0; i < m_.tasks.size(); ++i) task(i);
+  time();
+  priorities();
+  exports();
+  out_ += "  end\n";
+}
+
+void ModuleWriter::add_module_lock(std::vector<std::string>& ports, const char* what) const {
+  if (!p_.by_codel) ports.push_back(p_.lock + "." + what);
+}
+
+// Adds the locks of what a codel uses.
+void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<const Codel*>& codels, std::size_t thread, const char* what) const {
+  if (!p_.by_codel) return;
+  for (const LockPlan& lock : p_.locks) {
+    bool used = false;
+    bool written = false;
+    for (const Codel* codel : codels) {
+      for (const DataUse& use : uses_of(m_, *codel)) {
+        used = used || use.data == lock.data;
+        written = written || (use.data == lock.data && use.writes);
+      }
+    }
+    const auto place = std::find(lock.threads.begin(), lock.threads.end(), thread) - lock.threads.begin();
+    if (used) ports.push_back(fmt::format("{}.{}_{}_{}", lock.component, written ? "write" : "read", what, place + 1));
+  }
+}
+
+void ModuleWriter::parts(const GenerateOptions& options) {
+  out_ += fmt::format("    component {}Control {}({})\n", p_.type, p_.control, options.control_period);
+  if (p_.has_checks()) {
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", p_.ids, m_.has_init() ? "true" : "false", p_.execution_slots);
+  }
+  if (!p_.by_codel) out_ += fmt::format("    component IdsLock {}()\n", p_.lock);
+  for (const LockPlan& lock : p_.locks) out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component DataLock{} {}()\n", lock.threads.size(), lock.component);
+  for (const TaskPlan& t : p_.tasks) out_ += fmt::format("    component {} {}()\n", t.type, t.component);
+  for (const Slot& slot : p_.slots) {
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p_.services[slot.service].type, slot.component);
+  }
+  if (!p_.poster_timer.empty()) out_ += fmt::format("    component Timer {}({}, 0)\n", p_.poster_timer, options.poster_period);
+  for (const std::string& poster : p_.posters) out_ += fmt::format("    component Poster {}({})\n", poster, options.oldest);
+}
+
+
+void ModuleWriter::control_cycle() {
+  std::vector<std::string> chck{control("chck")};
+  add_module_lock(chck, "take");
+  wire({.name = "chck", .ports = chck});
+  std::vector<std::string> replies{control("collect")};
+  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+    if (p_.service_of(k).kind == ServiceKind::Execution) replies.push_back(of_slot(k, "reply"));
+  }
+  wire({.name = "collect", .ports = replies, .triggers = replies.size() > 1 ? 1u : 0u});
+  wire({.name = "none", .ports = {control("none")}});
+  if (!has_checked(p_)) return;
+  const std::string state = p_.ids + ".state";
+  const auto refuse = [&](const char* report, const std::string& guard) {
+    wire({.name = fmt::format("refuse_{}", report), .ports = {control("refuse"), state}, .guard = guard, .action = fmt::format("{}.rep <- \"{}\"", control("refuse"), report)});
+  };
+  wire({.name = "accept", .ports = {control("accept"), state}, .guard = fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies == 0", state)});
+  refuse("SYSTEM_ERROR", fmt::format("{}.suspended", state));
+  refuse("WAIT_INIT_RQST", fmt::format("!{0}.suspended && !{0}.initialised", state));
+  refuse("WAIT_ABORT_ZOMBIE_ACTIVITY", fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies > 0", state));
+}
+
+// `before S`: once S has succeeded it is too late; `after S`: until then it is too early.
+void ModuleWriter::order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const {
+  const auto add = [&](std::size_t other, bool must_be_done) {
+    std::string done;
+    for (const std::size_t slot : p_.services[other].slots) {
+      const std::string stat = of_slot(slot, "stat");
+      if (std::find(ports.begin(), ports.end(), stat) == ports.end()) ports.push_back(stat);
+      done += (done.empty() ? "" : " || ") + stat + ".done";
+    }
+    guard += (guard.empty() ? "" : " && ") + (must_be_done ? "(" + done + ")" : "!(" + done + ")");
+  };
+  for (const std::size_t other : s.after_index) add(other, true);
+  for (const std::size_t other : s.before_index) add(other, false);
+}
+
+void ModuleWriter::request(std::size_t i) {
+  const Service& s = m_.services[i];
+  const ServicePlan& p = p_.services[i];
+  const bool is_execution = s.kind == ServiceKind::Execution;
+  out_ += fmt::format("\n    // Request {}.\n", s.name.text);
+  admissions(i);
+  interruptions(s, p);
+  for (const std::size_t slot : p.slots) {
+    const std::string& name = p_.slots[slot].component;
+    std::vector<std::string> trig{control("trig_" + p.id), of_slot(slot, "trig")};
+    if (!is_execution) add_locks(trig, bodies(s), 0, "take");
+    wire({.name = "trig_" + name, .ports = trig, .exported = true});
+    const std::string rejected = control("rej_" + p.id);
+    wire({.name = "rej_" + name, .ports = {rejected, of_slot(slot, "rej")}, .exported = true, .report_to = rejected, .report = "REJECTED"});
+  }
+  if (!is_execution) finals(s, p);
+}
+
+// To the first free instance, if the order of services allows it.
+void ModuleWriter::admissions(std::size_t i) {
+  const Service& s = m_.services[i];
+  const ServicePlan& p = p_.services[i];
+  std::vector<std::string> stats;
+  std::string guard;
+  order_guards(s, stats, guard);
+  std::vector<std::string> busy;
+  for (const std::size_t slot : p.slots) {
+    std::vector<std::string> admit{control("admit_" + p.id), of_slot(slot, s.validate.name.is_set() ? "ctrl" : "admit")};
+    admit.insert(admit.end(), busy.begin(), busy.end());
+    admit.insert(admit.end(), stats.begin(), stats.end());
+    add_locks(admit, {&s.validate}, 0, "take");
+    wire({.name = "admit_" + p_.slots[slot].component, .ports = admit, .guard = guard});
+    if (s.validate.name.is_set()) validated(s, slot);
+    busy.push_back(of_slot(slot, "busy"));
+  }
+  const std::string full = control("full_" + p.id);
+  if (s.kind == ServiceKind::Execution) {
+    busy.insert(busy.begin(), full);
+    wire({.name = "full_" + p.id, .ports = busy, .action = fmt::format("{}.rep <- \"{}\"", full, is_3_ ? "too_many_activities" : "TOO_MANY_ACTIVITIES")});
+  }
+  if (guard.empty()) return;
+  // A free slot is asked for first, so this is for when there is one.
+  for (std::size_t k = 0; k < p.slots.size(); ++k) {
+    std::vector<std::string> ports{full};
+    if (s.kind == ServiceKind::Execution) ports.push_back(of_slot(p.slots[k], "free"));
+    ports.insert(ports.end(), stats.begin(), stats.end());
+    wire({.name = "disallow_" + p_.slots[p.slots[k]].component, .ports = ports, .guard = fmt::format("!({})", guard), .action = full + ".rep <- \"disallowed\""});
+  }
+}
+
+void ModuleWriter::validated(const Service& s, std::size_t slot) {
+  const std::string& name = p_.slots[slot].component;
+  std::vector<std::string> valid{control("valid"), of_slot(slot, "valid")};
+  add_locks(valid, {&s.validate}, 0, "give");
+  wire({.name = "valid_" + name, .ports = valid});
+  if (!s.validate_fails) return;
+  for (const std::string& report : reports_of(s)) {
+    std::vector<std::string> bad{control("invalid"), of_slot(slot, "invalid")};
+    add_locks(bad, {&s.validate}, 0, "give");
+    wire({.name = fmt::format("invalid_{}_{}", name, bip_name(report)), .ports = bad, .action = fmt::format("{}.rep <- \"{}\"", control("invalid"), report)});
+  }
+}
+
+void ModuleWriter::interruptions(const Service& s, const ServicePlan& p) {
+  std::vector<std::string> ports{control("abtInc_" + p.id)};
+  std::size_t triggers = 1;
+  if (waits(s)) {
+    ports.push_back(p_.lock + ".give");
+    triggers = 2;
+  }
+  for (const std::size_t other : s.interrupted) {
+    for (const std::size_t slot : p_.services[other].slots) ports.push_back(of_slot(slot, "abt"));
+  }
+  wire({.name = "abtInc_" + p.id, .ports = ports, .triggers = ports.size() > triggers ? triggers : 0, .exported = true});
+}
+
+void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
+  const std::size_t slot = p.slots[0];
+  std::vector<std::string> fin{control("final"), of_slot(slot, "fin")};
+  add_locks(fin, bodies(s), 0, "give");
+  if (s.is_init) fin.push_back(p_.ids + ".initialise");
+  wire({.name = "final_" + p_.slots[slot].component, .ports = fin, .action = control("final") + ".rep <- \"OK\""});
+  if (s.body.empty() || !s.body_fails) return;
+  for (const std::string& report : reports_of(s)) {
+    std::vector<std::string> bad{control("final"), of_slot(slot, "nofin")};
+    add_locks(bad, bodies(s), 0, "give");
+    wire({.name = fmt::format("final_{}_{}", p_.slots[slot].component, bip_name(report)), .ports = bad, .action = fmt::format("{}.rep <- \"{}\"", control("final"), report)});
+  }
+}
+}  // namespace bip::genom

@@ -1,0 +1,236 @@
+// The second half of a module's compound: what its tasks do, time, and what the outside may bind.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/genom/module_writer.hpp"
+
+namespace bip::genom {
+
+void ModuleWriter::aborts() {
+  out_ += "\n    // Request Abort.\n";
+  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+    if (p_.service_of(k).kind != ServiceKind::Execution) continue;
+    const std::string& name = p_.slots[k].component;
+    wire({.name = "abort_" + name, .ports = {control("abort"), of_slot(k, "abt")}});
+    if (!p_.services[p_.slots[k].service].activity.has_zombie) continue;
+    std::vector<std::string> bury{control("abort"), of_slot(k, "bury")};
+    if (p_.has_checks()) bury.push_back(p_.ids + ".remove_zombie");
+    wire({.name = "bury_" + name, .ports = bury});
+  }
+  wire({.name = "unknown_activity", .ports = {control("unknown")}});
+}
+
+// An activity begins when nothing that it interrupts runs any more.
+void ModuleWriter::launches() {
+  out_ += "\n    // Start what is ready.\n";
+  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+    const Service& s = p_.service_of(k);
+    if (s.kind != ServiceKind::Execution) continue;
+    std::vector<std::string> ports{control("launch"), of_slot(k, "start"), of_task(s.task_index, "add")};
+    for (const std::size_t other : s.interrupted) {
+      for (const std::size_t slot : p_.services[other].slots) {
+        if (slot != k) ports.push_back(of_slot(slot, "idle"));
+      }
+    }
+    wire({.name = "launch_" + p_.slots[k].component, .ports = ports});
+  }
+  if (std::any_of(m_.services.begin(), m_.services.end(), [&](const Service& s) { return waits(s); })) {
+    wire({.name = "retake", .ports = {control("retake"), p_.lock + ".take"}});
+  }
+}
+
+void ModuleWriter::task(std::size_t i) {
+  const Task& t = m_.tasks[i];
+  const TaskPlan& p = p_.tasks[i];
+  out_ += fmt::format("\n    // Task {}.\n", t.name.text);
+  std::vector<std::string> begin{of_task(i, "begin")};
+  add_module_lock(begin, "take");
+  const Codel permanent_codel{t.permanent, {}};
+  if (t.permanent.is_set()) add_locks(begin, {&permanent_codel}, 1 + i, "take");
+  const std::size_t needed = begin.size();
+  if (p.permanent.pauses) begin.push_back(of_task(i, "permanent_resume"));
+  for (const std::size_t slot : p.slots) {
+    if (is_3_) begin.push_back(of_slot(slot, "resume"));
+  }
+  const bool exported = t.has_permanent() || !t.reads.empty();
+  wire({.name = "begin_" + p.component, .ports = begin, .triggers = begin.size() > needed ? needed : 0, .exported = exported});
+  if (t.permanent.is_set()) permanent(i);
+  if (!t.activity.states.empty()) turns_of_permanent(i);
+  for (const std::size_t slot : p.slots) {
+    turns(i, slot);
+    ends(i, slot);
+  }
+  std::vector<std::string> give{of_task(i, "give")};
+  add_module_lock(give, "give");
+  for (std::size_t k = 0; k < m_.posters.size(); ++k) {
+    const Poster& poster = m_.posters[k];
+    if (is_3_ || poster.task_index != i) continue;
+    if (poster.is_auto) {
+      give.push_back(p_.posters[k] + ".write");
+    } else {
+      wire({.name = "update_" + p_.posters[k], .ports = {of_task(i, "update"), p_.posters[k] + ".write"}});
+    }
+  }
+  wire({.name = "give_" + p.component, .ports = give});
+}
+
+// GenoM 2: one codel a cycle; only where locks go by codel is there something to give back.
+void ModuleWriter::permanent(std::size_t i) {
+  const Codel codel{m_.tasks[i].permanent, {}};
+  if (p_.by_codel) {
+    std::vector<std::string> done{of_task(i, "permanent_done")};
+    add_locks(done, {&codel}, 1 + i, "give");
+    wire({.name = "permanent_done_" + p_.tasks[i].component, .ports = done});
+  }
+  if (!m_.tasks[i].permanent_fails) return;
+  std::vector<std::string> fails{of_task(i, "permanent_fails"), p_.ids + ".suspend"};
+  add_module_lock(fails, "give");
+  add_locks(fails, {&codel}, 1 + i, "give");
+  wire({.name = "permanent_fails_" + p_.tasks[i].component, .ports = fails});
+}
+
+void ModuleWriter::turns_of_permanent(std::size_t i) {
+  const Activity& activity = m_.tasks[i].activity;
+  const ActivityPlan& a = p_.tasks[i].permanent;
+  for (std::size_t s = 0; s < activity.states.size(); ++s) {
+    if (!a.used[s]) continue;
+    const State& state = activity.states[s];
+    std::vector<std::string> run{of_task(i, "step_permanent"), of_task(i, "permanent_run_" + a.places[s])};
+    add_locks(run, {&state.codel}, 1 + i, "take");
+    add_ports(run, state.codel);
+    wire({.name = codel_label(state), .ports = run});
+    if (!p_.by_codel) continue;
+    std::vector<std::string> done{of_task(i, "done_permanent"), of_task(i, "permanent_done_" + a.places[s])};
+    add_locks(done, {&state.codel}, 1 + i, "give");
+    wire({.name = "done_" + codel_label(state), .ports = done});
+  }
+  const std::string& name = p_.tasks[i].component;
+  if (a.rests) wire({.name = "skip_permanent_" + name, .ports = {of_task(i, "skip_permanent"), of_task(i, "permanent_rest")}});
+  if (a.goes_on) wire({.name = "more_permanent_" + name, .ports = {of_task(i, "more_permanent"), of_task(i, "permanent_went_on")}});
+  if (a.pauses) wire({.name = "paused_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_paused")}});
+  if (a.ends) wire({.name = "ended_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_ok")}});
+}
+
+void ModuleWriter::turns(std::size_t i, std::size_t slot) {
+  const std::string& name = p_.slots[slot].component;
+  const Activity& activity = p_.service_of(slot).activity;
+  const ActivityPlan& a = p_.services[p_.slots[slot].service].activity;
+  for (std::size_t s = 0; s < activity.states.size(); ++s) {
+    if (!a.used[s]) continue;
+    const State& state = activity.states[s];
+    // The same codel may serve several states.
+    const std::string label = fmt::format("{}_{}_{}", name, a.places[s], codel_label(state));
+    std::vector<std::string> run{of_task(i, "step_" + name), of_slot(slot, "run_" + a.places[s])};
+    add_locks(run, {&state.codel}, 1 + i, "take");
+    add_ports(run, state.codel);
+    wire({.name = label, .ports = run});
+    if (!p_.by_codel) continue;
+    std::vector<std::string> done{of_task(i, "done_" + name), of_slot(slot, "done_" + a.places[s])};
+    add_locks(done, {&state.codel}, 1 + i, "give");
+    wire({.name = "done_" + label, .ports = done});
+  }
+  wire({.name = "skip_" + name, .ports = {of_task(i, "skip_" + name), of_slot(slot, "rest")}});
+}
+
+// GenoM 3: a codel writes the ports out that it names.
+void ModuleWriter::add_ports(std::vector<std::string>& ports, const Codel& codel) const {
+  for (const DataUse& use : codel.uses) {
+    for (std::size_t k = 0; k < m_.posters.size(); ++k) {
+      if (is_3_ && use.writes && use.data == "port_" + m_.posters[k].name.text) ports.push_back(p_.posters[k] + ".write");
+    }
+  }
+}
+
+// What a codel's answer means: the next slot's turn, and perhaps the end of the activity.
+void ModuleWriter::ends(std::size_t i, std::size_t slot) {
+  const std::string& name = p_.slots[slot].component;
+  const Service& s = p_.service_of(slot);
+  const ActivityPlan& a = p_.services[p_.slots[slot].service].activity;
+  const std::string ran = of_task(i, "ran_" + name);
+  const std::string remove = of_task(i, "remove");
+  if (a.goes_on) wire({.name = "went_on_" + name, .ports = {is_3_ ? of_task(i, "more_" + name) : ran, of_slot(slot, "went_on")}});
+  if (a.pauses) wire({.name = "paused_" + name, .ports = {ran, of_slot(slot, "paused")}});
+  if (a.ends) {
+    std::vector<std::string> fin{ran, of_slot(slot, "fin"), remove};
+    if (s.is_init) fin.push_back(p_.ids + ".initialise");
+    wire({.name = "fin_" + name, .ports = fin});
+  }
+  if (a.ends_not_ok) wire({.name = "nofin_" + name, .ports = {ran, of_slot(slot, "nofin"), remove}});
+  if (a.ends_stopped) wire({.name = "intr_" + name, .ports = {ran, of_slot(slot, "intr"), remove}});
+  if (a.has_zombie) {
+    std::vector<std::string> fail{ran, of_slot(slot, "fail"), remove};
+    if (p_.has_checks()) fail.push_back(p_.ids + ".add_zombie");
+    wire({.name = "fail_" + name, .ports = fail});
+  }
+  if (a.has_bad) {
+    std::vector<std::string> bad{of_task(i, "suspend"), of_slot(slot, "bad")};
+    if (p_.has_checks()) bad.push_back(p_.ids + ".suspend");
+    add_module_lock(bad, "give");
+    wire({.name = "bad_" + name, .ports = bad});
+  }
+}
+
+void ModuleWriter::time() {
+  out_ += "\n    // Time. The control task's timer need not keep up: the message box may have to wait.\n";
+  std::vector<std::string> ticks;
+  for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
+    if (m_.tasks[i].period_us > 0) ticks.push_back(of_task(i, "tick"));
+  }
+  if (!p_.poster_timer.empty()) ticks.push_back(p_.poster_timer + ".tick");
+  const std::size_t triggers = ticks.size();
+  ticks.push_back(control("tick"));
+  wire({.name = "ModuleSync", .ports = ticks, .triggers = triggers, .exported = true});
+  if (p_.poster_timer.empty()) return;
+  std::vector<std::string> age{p_.poster_timer + ".trigger"};
+  for (const std::string& poster : p_.posters) age.push_back(poster + ".grow");
+  wire({.name = "grow_older", .ports = age});
+}
+
+// Everything that is ready is started before the control cycle ends, in the order of the slots.
+void ModuleWriter::priorities() {
+  std::vector<std::string> launches;
+  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+    if (p_.service_of(k).kind == ServiceKind::Execution) launches.push_back("launch_" + p_.slots[k].component);
+  }
+  if (launches.empty()) return;
+  out_ += "\n";
+  for (std::size_t k = 0; k < launches.size(); ++k) {
+    const std::string& low = names_.at(k + 1 < launches.size() ? launches[k + 1] : "done");
+    out_ += fmt::format("    priority {} {}:* < {}:*\n", scope_.claim("first_" + launches[k], "rule"), low, names_.at(launches[k]));
+  }
+}
+
+void ModuleWriter::exports() {
+  out_ += "\n    // For constraints and clients: see the connectors of FunctionalLevel.\n";
+  for (std::size_t i = 0; i < m_.services.size(); ++i) {
+    const ServicePlan& p = p_.services[i];
+    write_export(out_, control("read_" + p.id), "read_" + p.id);
+    std::string trig;
+    std::string rej;
+    std::string abt;
+    for (const std::size_t slot : p.slots) {
+      const char* comma = slot == p.slots[0] ? "" : ", ";
+      trig += comma + out_of("trig_" + p_.slots[slot].component);
+      rej += comma + out_of("rej_" + p_.slots[slot].component);
+      abt += comma + of_slot(slot, "abt");
+    }
+    write_export(out_, out_of("abtInc_" + p.id), "abtInc_" + p.id);
+    write_export(out_, trig, "trig_" + p.id);
+    write_export(out_, rej, "rej_" + p.id);
+    if (m_.services[i].kind == ServiceKind::Execution) write_export(out_, abt, "abt_" + p.id);
+    for (const std::size_t slot : p.slots) write_export(out_, of_slot(slot, "stat"), "stat_" + p_.slots[slot].component);
+  }
+  if (p_.execution_slots > 0) write_export(out_, control("read_Abort"), "read_Abort");
+  for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
+  write_export(out_, out_of("give"), "give");
+  for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
+    if (m_.tasks[i].has_permanent() || !m_.tasks[i].reads.empty()) write_export(out_, out_of("begin_" + p_.tasks[i].component), "begin_" + p_.tasks[i].component);
+  }
+  for (const std::string& poster : p_.posters) write_export(out_, poster + ".read", "read_" + poster);
+  write_export(out_, out_of("ModuleSync"), "moduleTick");
+}
+
+void write_module(std::string& out, const Plan& plan, const GenerateOptions& options) { ModuleWriter(out, plan).run(options); }
+
+}  // namespace bip::genom

@@ -1,0 +1,230 @@
+// Execution tasks: the scheduler, which gives each activity its turn in slot order, and the compound of Figure 7 around it.
+#include <fmt/format.h>
+
+#include "compiler/genom/names.hpp"
+#include "compiler/genom/plan.hpp"
+#include "compiler/genom/wires.hpp"
+
+namespace bip::genom {
+namespace {
+
+void port(std::string& out, const std::string& name) { out += fmt::format("    export port Signal {}()\n", name); }
+
+// Whose turn it can be: "permanent" (GenoM 3), then the activities.
+std::vector<std::string> turns_of(const Plan& plan, std::size_t task) {
+  std::vector<std::string> turns;
+  if (!plan.module->tasks[task].activity.states.empty()) turns.emplace_back("permanent");
+  for (const std::size_t slot : plan.tasks[task].slots) turns.push_back(plan.slots[slot].component);
+  return turns;
+}
+
+// Of the activity whose turn it is.
+const ActivityPlan& activity_of(const Plan& plan, std::size_t task, std::size_t turn) {
+  const bool has_permanent = !plan.module->tasks[task].activity.states.empty();
+  if (has_permanent && turn == 0) return plan.tasks[task].permanent;
+  return plan.services[plan.slots[plan.tasks[task].slots[turn - (has_permanent ? 1 : 0)]].service].activity;
+}
+
+std::string begin_port(const Task& t) { return t.permanent.is_set() ? "permanentexec" : "begin"; }
+
+void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const std::vector<std::string>& turns) {
+  const Task& t = plan.module->tasks[task];
+  port(out, "trigger");
+  if (!t.has_permanent()) port(out, "stop");
+  port(out, begin_port(t));
+  if (t.permanent.is_set()) port(out, "permanentdone");
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const ActivityPlan& a = activity_of(plan, task, i);
+    port(out, "step_" + turns[i]);
+    if (a.rests) port(out, "skip_" + turns[i]);
+    if (plan.by_codel) port(out, "done_" + turns[i]);
+    port(out, "ran_" + turns[i]);
+    if (plan.module->generation == 3 && a.goes_on) port(out, "more_" + turns[i]);
+  }
+  if (plan.may_suspend(task)) port(out, "suspend");
+  for (const Poster& p : plan.module->posters) {
+    if (plan.module->generation != 2 || p.is_auto || p.task_index != task) continue;
+    port(out, "update");
+    break;
+  }
+  port(out, "give");
+}
+
+}  // namespace
+
+void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
+  const Task& t = plan.module->tasks[task];
+  const std::vector<std::string> turns = turns_of(plan, task);
+  const bool is_3 = plan.module->generation == 3;
+  const bool has_update = [&] {
+    for (const Poster& p : plan.module->posters) {
+      if (!is_3 && !p.is_auto && p.task_index == task) return true;
+    }
+    return false;
+  }();
+  out += fmt::format("\n  // The cycle of task {}: woken by its timer, then{} one codel of each activity, in the order of their slots{}.\n", t.name.text,
+                     t.permanent.is_set() ? " the permanent codel and" : "", is_3 ? ", in rounds until all pause" : "");
+  out += fmt::format("  atom type {}Scheduler()\n", plan.tasks[task].type);
+  if (is_3) out += "    data bool more = false\n";
+  scheduler_ports(out, plan, task, turns);
+
+  std::string places = t.has_permanent() ? "idle, perm" : "idle, perm, stpd";
+  if (t.permanent.is_set()) places += ", exec";
+  for (const std::string& turn : turns) places += fmt::format(", at_{0}, run_{0}{1}", turn, plan.by_codel ? ", end_" + turn : "");
+  places += ", over";
+  if (plan.may_suspend(task)) places += ", susp";
+  out += fmt::format("\n    place {}\n\n    initial to idle\n\n", places);
+
+  const std::string first = turns.empty() ? "over" : "at_" + turns[0];
+  out += "    on trigger from idle to perm\n";
+  if (!t.has_permanent()) out += "    on trigger from stpd to perm\n    on stop from perm to stpd\n";
+  out += fmt::format("    on {} from perm to {}\n", begin_port(t), t.permanent.is_set() ? "exec" : first);
+  if (t.permanent.is_set()) out += fmt::format("    on permanentdone from exec to {}\n", first);
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const ActivityPlan& a = activity_of(plan, task, i);
+    const std::string& turn = turns[i];
+    const std::string next = i + 1 < turns.size() ? "at_" + turns[i + 1] : "over";
+    const std::string last = (plan.by_codel ? "end_" : "run_") + turn;
+    out += fmt::format("\n    on step_{0} from at_{0} to run_{0}\n", turn);
+    if (a.rests) out += fmt::format("    on skip_{0} from at_{0} to {1}\n", turn, next);
+    if (plan.by_codel) out += fmt::format("    on done_{0} from run_{0} to end_{0}\n", turn);
+    out += fmt::format("    on ran_{} from {} to {}\n", turn, last, next);
+    if (is_3 && a.goes_on) out += fmt::format("    on more_{} from {} to {} do {{ more = true; }}\n", turn, last, next);
+    if (a.has_bad) out += fmt::format("    on suspend from {} to susp\n", last);
+  }
+  out += "\n";
+  if (is_3) out += fmt::format("    internal from over to {} provided (more) do {{ more = false; }}\n", first);
+  if (has_update) out += "    on update from over to over\n";
+  out += fmt::format("    on give from over to idle{}\n", is_3 ? " provided (!more)" : "");
+  if (plan.may_suspend(task)) {
+    out += "\n    // Suspended for good: time goes on without it.\n";
+    if (t.permanent.is_set() && t.permanent_fails) out += "    on suspend from exec to susp\n";
+    out += "    on trigger from susp to susp\n";
+  }
+  out += "  end\n";
+}
+
+void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64_t tick_us) {
+  const Task& t = plan.module->tasks[task];
+  const TaskPlan& p = plan.tasks[task];
+  const std::vector<std::string> turns = turns_of(plan, task);
+  const auto ticks = [&](std::int64_t us) { return (us + tick_us / 2) / tick_us; };
+  const bool is_periodic = t.period_us > 0;
+  out += fmt::format("\n  // Execution task {}{}.\n  compound type {}()\n", t.name.text,
+                     is_periodic ? fmt::format(", every {} ms", static_cast<double>(t.period_us) / 1000.0) : ", when it is woken", p.type);
+  out += fmt::format("    component {}Scheduler scheduler()\n", p.type);
+  out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component TaskController controller({}, {})\n", p.slots.size(), t.has_permanent() ? "true" : "false");
+  if (is_periodic) {
+    out += fmt::format("    component Timer timer({}, {})\n", std::max<std::int64_t>(1, ticks(t.period_us)), ticks(t.delay_us));
+  } else {
+    out += "    component WakeUp timer()\n";
+  }
+  if (t.permanent.is_set()) out += "    component Permanent permanent()\n";
+  if (!t.activity.states.empty()) out += fmt::format("    component {} permanent()\n", p.permanent.type);
+
+  write_wire(out, {.name = "wake_up", .ports = {"scheduler.trigger", "timer.trigger"}});
+  if (!t.has_permanent()) write_wire(out, {.name = "stop", .ports = {"scheduler.stop", "controller.stop"}});
+  std::vector<std::string> begin{"scheduler." + begin_port(t), "controller.work"};
+  if (t.permanent.is_set()) begin.emplace_back("permanent.exec");
+  write_wire(out, {.name = "begin", .ports = begin, .exported = true});
+  if (t.permanent.is_set()) write_wire(out, {.name = "permanent_done", .ports = {"scheduler.permanentdone", "permanent.done"}, .exported = plan.by_codel});
+  if (t.permanent.is_set() && t.permanent_fails) {
+    write_wire(out, {.name = "permanent_fails", .ports = {"scheduler.suspend", "permanent.fail"}, .exported = true});
+  }
+
+  out += "\n";
+  write_export(out, is_periodic ? "timer.tick" : "timer.wake", is_periodic ? "tick" : "wake");
+  write_export(out, "begin.out", "begin");
+  if (t.permanent.is_set() && plan.by_codel) write_export(out, "permanent_done.out", "permanent_done");
+  if (t.permanent.is_set() && t.permanent_fails) write_export(out, "permanent_fails.out", "permanent_fails");
+  if (!p.slots.empty()) {
+    write_export(out, "controller.add", "add");
+    write_export(out, "controller.remove", "remove");
+  }
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const ActivityPlan& a = activity_of(plan, task, i);
+    const std::string& turn = turns[i];
+    write_export(out, "scheduler.step_" + turn, "step_" + turn);
+    if (a.rests) write_export(out, "scheduler.skip_" + turn, "skip_" + turn);
+    if (plan.by_codel) write_export(out, "scheduler.done_" + turn, "done_" + turn);
+    write_export(out, "scheduler.ran_" + turn, "ran_" + turn);
+    if (plan.module->generation == 3 && a.goes_on) write_export(out, "scheduler.more_" + turn, "more_" + turn);
+  }
+  if (!t.activity.states.empty()) {
+    const ActivityPlan& a = p.permanent;
+    for (std::size_t i = 0; i < t.activity.states.size(); ++i) {
+      if (!a.used[i]) continue;
+      const std::string& place = a.places[i];
+      write_export(out, "permanent.run_" + place, "permanent_run_" + place);
+      if (plan.by_codel) write_export(out, "permanent.done_" + place, "permanent_done_" + place);
+    }
+    if (a.goes_on) write_export(out, "permanent.went_on", "permanent_went_on");
+    if (a.pauses) write_export(out, "permanent.paused", "permanent_paused");
+    if (a.pauses) write_export(out, "permanent.resume", "permanent_resume");
+    if (a.ends) write_export(out, "permanent.ok", "permanent_ok");
+    if (a.rests) write_export(out, "permanent.rest", "permanent_rest");
+  }
+  bool any_bad = false;
+  for (std::size_t i = 0; i < turns.size(); ++i) any_bad = any_bad || activity_of(plan, task, i).has_bad;
+  if (any_bad) write_export(out, "scheduler.suspend", "suspend");
+  for (const Poster& poster : plan.module->posters) {
+    if (plan.module->generation != 2 || poster.is_auto || poster.task_index != task) continue;
+    write_export(out, "scheduler.update", "update");
+    break;
+  }
+  write_export(out, "scheduler.give", "give");
+  out += "  end\n";
+}
+
+void write_service(std::string& out, const Plan& plan, std::size_t service) {
+  const Service& s = plan.module->services[service];
+  const ServicePlan& p = plan.services[service];
+  const ActivityPlan& a = p.activity;
+  out += fmt::format("\n  // Execution service {}.\n  compound type {}()\n", s.name.text, p.type);
+  out += "    @SuppressWarning(unboundcomponentport)\n    component ServiceController controller()\n";
+  out += fmt::format("    component {} activity()\n", a.type);
+  const std::string interrupted = plan.module->generation == 2 ? "ACTIVITY_INTERRUPTED" : "interrupted";
+  write_wire(out, {.name = "start", .ports = {"controller.start", "activity.start"}, .exported = true});
+  write_wire(out, {.name = "cancel", .ports = {"controller.cancel"}, .exported = true, .report_to = "controller.cancel", .report = interrupted});
+  write_wire(out, {.name = "abort", .ports = {"controller.abt", "activity.abt"}, .exported = true, .report_to = "controller.abt", .report = interrupted});
+  if (a.ends) write_wire(out, {.name = "fin", .ports = {"controller.fin", "activity.ok"}, .exported = true});
+  if (a.ends_not_ok) {
+    write_wire(out, {.name = "nofin", .ports = {"controller.nofin", "activity.not_ok"}, .action = "controller.nofin.rep <- activity.not_ok.rep", .exported = true});
+  }
+  if (a.ends_stopped) write_wire(out, {.name = "intr", .ports = {"controller.intr", "activity.intr"}, .exported = true});
+  if (a.has_zombie) {
+    write_wire(out, {.name = "fail", .ports = {"controller.fail", "activity.zombie"}, .exported = true});
+    write_wire(out, {.name = "bury", .ports = {"controller.bury", "activity.bury"}, .exported = true});
+  }
+  out += "\n";
+  if (s.validate.name.is_set()) {
+    for (const char* name : {"ctrl", "valid"}) write_export(out, std::string("controller.") + name, name);
+    if (s.validate_fails) write_export(out, "controller.invalid", "invalid");
+  } else {
+    write_export(out, "controller.admit", "admit");
+  }
+  for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat", "reply"}) write_export(out, std::string("controller.") + name, name);
+  write_export(out, "start.out", "start");
+  write_export(out, "cancel.out, abort.out", "abt");
+  if (a.ends) write_export(out, "fin.out", "fin");
+  if (a.ends_not_ok) write_export(out, "nofin.out", "nofin");
+  if (a.ends_stopped) write_export(out, "intr.out", "intr");
+  if (a.has_zombie) {
+    write_export(out, "fail.out", "fail");
+    write_export(out, "bury.out", "bury");
+  }
+  for (std::size_t i = 0; i < s.activity.states.size(); ++i) {
+    if (!a.used[i]) continue;
+    const std::string& place = a.places[i];
+    write_export(out, "activity.run_" + place, "run_" + place);
+    if (plan.by_codel) write_export(out, "activity.done_" + place, "done_" + place);
+  }
+  if (a.goes_on) write_export(out, "activity.went_on", "went_on");
+  if (a.pauses) write_export(out, "activity.paused", "paused");
+  if (plan.module->generation == 3) write_export(out, "activity.resume", "resume");
+  if (a.has_bad) write_export(out, "activity.bad", "bad");
+  write_export(out, "activity.rest", "rest");
+  out += "  end\n";
+}
+
+}  // namespace bip::genom
