@@ -12,7 +12,16 @@
 namespace bip::genom {
 namespace {
 
-ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, bool has_reports, int generation) {
+bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Next next) {
+  for (std::size_t i = 0; i < activity.states.size(); ++i) {
+    const std::vector<Yield>& all = activity.states[i].yields;
+    if (a.used[i] && std::any_of(all.begin(), all.end(), [&](const Yield& y) { return y.next == next && y.state == to; })) return true;
+  }
+  return false;
+}
+
+ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<Name>& reports, int generation) {
+  const bool has_reports = !reports.empty();
   ActivityPlan a;
   Scope scope;
   for (const char* own : {"ETHER", "SLEEP", "ZOMBIE"}) scope.claim(own, "");
@@ -42,6 +51,12 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, bool h
     // GenoM 2: a report goes with ETHER. GenoM 3: an exception ends an activity from any codel.
     a.ends_not_ok = a.ends_not_ok || (has_reports && state.codel.name.is_set() && (generation == 3 || (ends && !is_stop)));
   }
+  for (std::size_t i = 0; i < a.places.size(); ++i) {
+    if (yields(activity, a, i, Next::State)) a.to.push_back("to_" + a.places[i]);
+    if (yields(activity, a, i, Next::Pause)) a.pause.push_back("pause_" + a.places[i]);
+  }
+  if (a.has_sleep) a.to.emplace_back("to_SLEEP");
+  for (const Name& r : reports) a.report.push_back("report_" + bip_name(r.text));
   a.rests = can_be_stopped || a.ends || a.pauses || a.has_sleep || a.has_zombie;
   return a;
 }
@@ -76,7 +91,7 @@ class Planner {
     plan.type = is_execution ? p_.type + type_name(s.name.text) : "ControlService";
     if (is_execution) {
       if (!types_.insert(plan.type).second) plan.type += std::to_string(i);
-      plan.activity = plan_activity(s.activity, true, !s.reports.empty(), m_.generation);
+      plan.activity = plan_activity(s.activity, true, s.reports, m_.generation);
       plan.activity.type = plan.type + "Activity";
     }
     for (std::size_t k = 0; k < s.instances; ++k) {
@@ -93,7 +108,7 @@ class Planner {
     plan.component = scope_.claim(bip_name(t.name.text), "task");
     plan.type = p_.type + type_name(t.name.text);
     if (!types_.insert(plan.type).second) plan.type += "Task";
-    if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, false, m_.generation);
+    if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, {}, m_.generation);
     plan.permanent.type = plan.type + "Permanent";
     for (std::size_t k = 0; k < p_.slots.size(); ++k) {
       const Service& s = p_.service_of(k);

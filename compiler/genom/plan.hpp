@@ -21,6 +21,11 @@ struct ActivityPlan {
   bool ends_not_ok = false;  // with a report of its own
   bool ends_stopped = false; // after `stop`
   bool rests = false;        // has places in which it needs no turn
+  // Its ports for answers that go on, that pause, and for its own reports; and what each is merged as.
+  std::vector<std::string> to, pause, report;
+  [[nodiscard]] std::string went_on() const { return to.size() == 1 ? to[0] : "went_on"; }
+  [[nodiscard]] std::string paused() const { return pause.size() == 1 ? pause[0] : "paused"; }
+  [[nodiscard]] std::string not_ok() const { return report.size() == 1 ? report[0] : "not_ok"; }
 };
 
 /// One instance of a service: an activity slot if it is an execution service.

@@ -46,11 +46,12 @@ class Writer {
 
   void port(const std::string& name) { out_ += fmt::format("    export port Signal {}()\n", name); }
 
-  void merged(const std::vector<std::string>& names, const char* type, const std::string& as) {
+  // Of several ports one; a report's port shows it.
+  void merged(const std::vector<std::string>& names, const char* type, const std::string& as, bool with_report = false) {
     if (names.empty()) return;
     std::string list;
-    for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
-    out_ += fmt::format("    export port {} {} as {}\n", type, list, as);
+    for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n + (with_report ? "(" + n.substr(n.find('_') + 1).insert(0, "rep_") + ")" : "()");
+    out_ += fmt::format("    export port {} {}{}\n", type, list, as == names[0] ? "" : " as " + as);
   }
 
   [[nodiscard]] bool yields(std::size_t to, Next next) const {
@@ -74,21 +75,10 @@ class Writer {
       if (plan_.by_codel) port("done_" + places_[i]);
     }
     if (is_3_ && (stoppable() || a_.pauses)) port("resume");
-    std::vector<std::string> goes_on;
-    std::vector<std::string> pauses;
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (yields(i, Next::State)) goes_on.push_back("to_" + places_[i] + "()");
-      if (yields(i, Next::Pause)) pauses.push_back("pause_" + places_[i] + "()");
-    }
-    if (a_.has_sleep) goes_on.emplace_back("to_SLEEP()");
-    merged(goes_on, "Signal", "went_on");
-    merged(pauses, "Signal", "paused");
+    merged(a_.to, "Signal", a_.went_on());
+    merged(a_.pause, "Signal", a_.paused());
     if (a_.ends) port("ok");
-    if (a_.ends_not_ok) {
-      std::vector<std::string> reports;
-      for (const Name& r : service_->reports) reports.push_back(fmt::format("report_{0}(rep_{0})", bip_name(r.text)));
-      merged(reports, "Report", "not_ok");
-    }
+    if (a_.ends_not_ok) merged(a_.report, "Report", a_.not_ok(), true);
     if (a_.ends_stopped) port("intr");
     if (a_.has_zombie) {
       port("zombie");

@@ -119,7 +119,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   } else {
     out += "    component WakeUp timer()\n";
   }
-  if (t.permanent.is_set()) out += "    component Permanent permanent()\n";
+  if (t.permanent.is_set()) out += "    @SuppressWarning(unboundcomponentport)\n    component Permanent permanent()\n";
   if (!t.activity.states.empty()) out += fmt::format("    component {} permanent()\n", p.permanent.type);
 
   write_wire(out, {.name = "wake_up", .ports = {"scheduler.trigger", "timer.trigger"}});
@@ -158,8 +158,8 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
       write_export(out, "permanent.run_" + place, "permanent_run_" + place);
       if (plan.by_codel) write_export(out, "permanent.done_" + place, "permanent_done_" + place);
     }
-    if (a.goes_on) write_export(out, "permanent.went_on", "permanent_went_on");
-    if (a.pauses) write_export(out, "permanent.paused", "permanent_paused");
+    if (a.goes_on) write_export(out, "permanent." + a.went_on(), "permanent_went_on");
+    if (a.pauses) write_export(out, "permanent." + a.paused(), "permanent_paused");
     if (a.pauses) write_export(out, "permanent.resume", "permanent_resume");
     if (a.ends) write_export(out, "permanent.ok", "permanent_ok");
     if (a.rests) write_export(out, "permanent.rest", "permanent_rest");
@@ -189,7 +189,8 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
   write_wire(out, {.name = "abort", .ports = {"controller.abt", "activity.abt"}, .exported = true, .report_to = "controller.abt", .report = interrupted});
   if (a.ends) write_wire(out, {.name = "fin", .ports = {"controller.fin", "activity.ok"}, .exported = true});
   if (a.ends_not_ok) {
-    write_wire(out, {.name = "nofin", .ports = {"controller.nofin", "activity.not_ok"}, .action = "controller.nofin.rep <- activity.not_ok.rep", .exported = true});
+    write_wire(out, {.name = "nofin", .ports = {"controller.nofin", "activity." + a.not_ok()},
+                     .action = fmt::format("controller.nofin.rep <- activity.{}.rep", a.not_ok()), .exported = true});
   }
   if (a.ends_stopped) write_wire(out, {.name = "intr", .ports = {"controller.intr", "activity.intr"}, .exported = true});
   if (a.has_zombie) {
@@ -219,8 +220,8 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
     write_export(out, "activity.run_" + place, "run_" + place);
     if (plan.by_codel) write_export(out, "activity.done_" + place, "done_" + place);
   }
-  if (a.goes_on) write_export(out, "activity.went_on", "went_on");
-  if (a.pauses) write_export(out, "activity.paused", "paused");
+  if (a.goes_on) write_export(out, "activity." + a.went_on(), "went_on");
+  if (a.pauses) write_export(out, "activity." + a.paused(), "paused");
   if (plan.module->generation == 3) write_export(out, "activity.resume", "resume");
   if (a.has_bad) write_export(out, "activity.bad", "bad");
   write_export(out, "activity.rest", "rest");
