@@ -89,7 +89,7 @@ void write_functional_level(std::string& out, const std::vector<Plan>& plans) {
     out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p.type, p.component);
     for (std::size_t i = 0; i < p.posters.size(); ++i) posters[p.module->name.text + "." + p.module->posters[i].name.text] = p.component + ".read_" + p.posters[i];
   }
-  out += "    component Semaphore semaphore()\n    component MasterTimer masterTimer()\n";
+  out += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n    component MasterTimer masterTimer()\n";
   for (const Plan& p : plans) write_defaults(out, p, posters);
   std::vector<std::string> ticks{"masterTimer.tick"};
   for (const Plan& p : plans) ticks.push_back(p.component + ".moduleTick");

@@ -49,7 +49,7 @@ class Parser {
         in_.skip_past_semicolon();
       }
     }
-    if (!module_.name.is_set()) diags_.report(Diag::kB6014, first_, "module");
+    if (!module_.name.is_set() && !diags_.has_errors()) diags_.report(Diag::kB6014, first_, "module");
     for (Task& t : module_.tasks) {
       t.period_us *= module_.tick_us;
       t.delay_us *= module_.tick_us;
@@ -125,16 +125,16 @@ class Parser {
       in_.take();
       return false;
     }
-    if (!in_.at(":")) {
-      in_.unexpected(fmt::format("`:` after `{}`", word.text));
-      return false;
-    }
-    in_.take();
     const auto synonym = kSynonyms.find(word.text);
     const std::string_view known = synonym == kSynonyms.end() ? std::string_view(word.text) : synonym->second;
     const auto [first, is_new] = seen_.try_emplace(std::string(known), word.range);
     if (!is_new) diags_.report(Diag::kB6005, word.range, word.text, owner_).label(first->second, "the first one");
     here_ = word;
+    if (!in_.at(":")) {
+      in_.unexpected(fmt::format("`:` after `{}`", word.text));
+      return false;
+    }
+    in_.take();
     return (this->*attribute)(known) && in_.expect(";");
   }
 
@@ -180,7 +180,7 @@ class Parser {
     const bool whole = block("request", name, &Parser::request_attribute);
     if (!name.is_set()) return whole;
     request_.name = name;
-    if (type_.empty()) diags_.report(Diag::kB6007, name.range, owner_, "type").help("`type: exec;`, `type: control;` or `type: init;`");
+    if (!seen_.contains("type")) diags_.report(Diag::kB6007, name.range, owner_, "type").help("`type: exec;`, `type: control;` or `type: init;`");
     finish_request();
     module_.services.push_back(std::move(request_));
     return whole;
@@ -245,7 +245,7 @@ class Parser {
       s.validate = {};
       return;
     }
-    if (!s.task.is_set()) diags_.report(Diag::kB6007, s.name.range, owner_, "exec_task");
+    if (!s.task.is_set() && !seen_.contains("exec_task")) diags_.report(Diag::kB6007, s.name.range, owner_, "exec_task");
     for (std::size_t i = 0; i < kStates.size(); ++i) {
       State state{{std::string(kStates[i]), {}}, {codels_[i], {}}, {}};
       for (const std::string_view word : kPermitted[i]) {
@@ -291,7 +291,7 @@ class Parser {
     const bool whole = block("poster", name, &Parser::poster_attribute);
     poster_.name = name;
     if (!name.is_set()) return whole;
-    if (!poster_.task.is_set()) diags_.report(Diag::kB6007, name.range, owner_, "exec_task");
+    if (!poster_.task.is_set() && !seen_.contains("exec_task")) diags_.report(Diag::kB6007, name.range, owner_, "exec_task");
     module_.posters.push_back(std::move(poster_));
     return whole;
   }

@@ -38,7 +38,7 @@ class Parser {
         in_.skip_past_semicolon();
       }
     }
-    if (!module_.name.is_set()) diags_.report(Diag::kB6014, first_, "component");
+    if (!module_.name.is_set() && !diags_.has_errors()) diags_.report(Diag::kB6014, first_, "component");
     v3::settle_uses(module_, scopes_, diags_);
     return std::move(module_);
   }

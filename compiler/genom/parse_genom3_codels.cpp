@@ -184,6 +184,7 @@ Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner
   const bool has_stop = a.stop < a.states.size();
   // One that just ends.
   if (!has_stop) a.states.push_back({{"stop", {}}, {}, {{Next::Ether, {}, 0}}});
+  bool all_known = true;
   for (State& s : a.states) {
     for (Yield& y : s.yields) {
       if (y.next != Next::State && y.next != Next::Pause) continue;
@@ -191,11 +192,12 @@ Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner
       if (y.state < a.states.size()) continue;
       diags.report(Diag::kB6015, y.name.range, s.codel.name.text, y.name.text);
       y.state = 0;
+      all_known = false;
     }
   }
   const std::vector<bool> seen = reached(a, {a.start, a.stop});
   for (std::size_t i = 0; i < a.states.size(); ++i) {
-    if (!seen[i]) diags.report(Diag::kB6017, a.states[i].name.range, a.states[i].name.text, what);
+    if (!seen[i] && all_known) diags.report(Diag::kB6017, a.states[i].name.range, a.states[i].name.text, what);
   }
   if (has_stop) {
     const std::vector<bool> after = reached(a, {a.stop});

@@ -86,13 +86,13 @@ void write_control(std::string& out, const Plan& plan) {
     box.on("accept", "asked", "allowed");
     box.on("refuse", "asked", "laun");
   }
-  box.places += ", allowed";
+  if (!m.services.empty()) box.places += ", allowed";
   if (any_validate) {
     box.signal("valid");
     if (any_invalid) box.report("invalid");
     box.places += ", ctrl";
   }
-  box.places += ", okay, abtI, laun";
+  box.places += m.services.empty() ? ", laun" : ", okay, abtI, laun";
   for (std::size_t i = 0; i < m.services.size(); ++i) {
     const Service& s = m.services[i];
     const std::string& id = plan.services[i].id;
