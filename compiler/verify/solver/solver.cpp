@@ -27,7 +27,10 @@ struct Solver::Impl {
   int variables = 0;
 };
 
-Solver::Solver() : impl_(std::make_unique<Impl>()) { impl_->solver.set("quiet", 1); }
+Solver::Solver(SolverStyle style) : impl_(std::make_unique<Impl>()) {
+  if (style == SolverStyle::Plain) impl_->solver.configure("plain");
+  impl_->solver.set("quiet", 1);
+}
 Solver::~Solver() = default;
 
 Lit Solver::new_variable() { return ++impl_->variables; }
@@ -50,6 +53,8 @@ Answer Solver::solve(double seconds) {
 }
 
 bool Solver::is_true(Lit literal) const { return impl_->solver.val(literal) == literal; }
+
+bool Solver::is_needed(Lit assumption) const { return impl_->solver.failed(assumption); }
 
 void add_at_most_one(Solver& solver, std::span<const Lit> literals) {
   if (literals.size() <= 6) {

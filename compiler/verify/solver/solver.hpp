@@ -11,9 +11,12 @@ using Lit = int;
 
 enum class Answer : std::uint8_t { Satisfiable, Unsatisfiable, Unknown };
 
+/// Plain: no simplification between calls, for very many small questions.
+enum class SolverStyle : std::uint8_t { Usual, Plain };
+
 class Solver {
  public:
-  Solver();
+  explicit Solver(SolverStyle style = SolverStyle::Usual);
   ~Solver();
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
@@ -27,6 +30,8 @@ class Solver {
   void prefer(Lit literal);
   /// Unknown: `seconds` have passed.
   [[nodiscard]] Answer solve(double seconds);
+  /// After Unsatisfiable: did the answer need this assumption?
+  [[nodiscard]] bool is_needed(Lit assumption) const;
   /// In the model of the last solve.
   [[nodiscard]] bool is_true(Lit literal) const;
 

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "compiler/interp/interp.hpp"
+#include "compiler/verify/follow.hpp"
+#include "compiler/verify/pdr.hpp"
 #include "compiler/verify/prove.hpp"
 #include "compiler/verify/search.hpp"
 #include "tools/gen/compiled.hpp"
@@ -112,6 +114,71 @@ void report(const char* what, const Tally& t) {
 }
 
 }  // namespace
+
+struct ReachTally {
+  int safe = 0, reached = 0, stopped = 0, unsupported = 0, skipped = 0, open = 0, vague = 0;
+};
+
+// The complete engine alone, without invariants, against a visit of all states.
+void compare_reach(const std::string& text, ReachTally& tally) {
+  const gen::Compiled c = gen::compile_text(text);
+  if (!c.problem.empty()) {
+    ++tally.skipped;
+    return;
+  }
+  const interp::Interpreter interpreter(*c.lowered);
+  const verify::Net net = verify::build_net(*c.system);
+  const verify::SearchLimits limits{.end = verify::Clock::now() + std::chrono::seconds(1), .megabytes = 200};
+  const verify::SearchResult all = verify::search_deadlock(net, c.lowered->image, {}, limits);
+  if (all.end == verify::SearchEnd::Limit) {
+    ++tally.open;
+    return;
+  }
+  const verify::Machine machine = verify::build_machine(*c.system, c.lowered->image);
+  INFO(text);
+  if (!machine.unsupported.empty()) {
+    ++tally.unsupported;
+    WARN(machine.unsupported);
+    return;
+  }
+  if (machine.starts_with_fault) return;
+  verify::ReachProblem problem;
+  problem.machine = &machine;
+  problem.bad = machine.stuck;
+  problem.end = verify::Clock::now() + std::chrono::seconds(10);
+  const verify::ReachAnswer answer = verify::find_reachable(problem);
+  const bool has_deadlock = all.end == verify::SearchEnd::Deadlock;
+  if (answer.end == verify::ReachEnd::Stopped) {
+    ++tally.stopped;
+    WARN("stopped; states: " << all.states << ", bits " << machine.bits.size() << ", nodes " << machine.circuit.size());
+  } else if (answer.end == verify::ReachEnd::Safe) {
+    ++tally.safe;
+    if (has_deadlock) FAIL("proved safe, but there is a deadlock");
+  } else {
+    ++tally.reached;
+    const auto choices = verify::follow(c.lowered->image, machine, answer.steps);
+    std::string told;
+    const bool is_real = choices && verify::tell_deadlock(c.lowered->image, *choices, 0, told);
+    if (!machine.vague.empty()) ++tally.vague;
+    else if (!is_real) FAIL("the engine does not go the way of the counterexample");
+  }
+}
+
+TEST_CASE("the complete engine agrees with exhaustive search") {
+  ReachTally tally;
+  const char* first = std::getenv("BIP_VERIFY_FROM");
+  const std::uint64_t from = first == nullptr ? 1 : std::strtoull(first, nullptr, 10);
+  const std::uint64_t runs = count_of_runs(150);
+  for (std::uint64_t seed = from; seed < from + runs; ++seed) {
+    INFO("seed " << seed);
+    compare_reach(small_net(seed), tally);
+    compare_reach(gen::print(gen::generate(seed)), tally);
+  }
+  WARN("safe " << tally.safe << ", reached " << tally.reached << ", stopped " << tally.stopped << ", unsupported " << tally.unsupported
+               << ", skipped " << tally.skipped << ", too large " << tally.open << ", vague " << tally.vague);
+  CHECK(tally.safe > 0);
+  CHECK(tally.reached > 0);
+}
 
 TEST_CASE("proofs agree with exhaustive search on small nets") {
   Tally tally;

@@ -1,0 +1,178 @@
+// See circuit.hpp.
+#include "compiler/verify/circuit.hpp"
+
+#include <algorithm>
+
+namespace bip::verify {
+
+namespace {
+constexpr std::size_t kWidth = 32;
+}
+
+Signal Circuit::input() {
+  nodes_.push_back({kTrue, kTrue});
+  return static_cast<Signal>(nodes_.size() - 1) << 1;
+}
+
+Signal Circuit::both(Signal a, Signal b) {
+  if (a > b) std::swap(a, b);
+  if (a == kFalse || a == negated(b)) return kFalse;
+  if (a == kTrue || a == b) return b;
+  if (is_full()) return kFalse;
+  const std::uint64_t key = std::uint64_t{a} << 32 | b;
+  const auto [found, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(nodes_.size()));
+  if (is_new) nodes_.push_back({a, b});
+  return found->second << 1;
+}
+
+Signal Circuit::differ(Signal a, Signal b) {
+  return negated(both(negated(both(a, negated(b))), negated(both(negated(a), b))));
+}
+
+Signal Circuit::choose(Signal condition, Signal yes, Signal no) {
+  if (yes == no || condition == kTrue) return yes;
+  if (condition == kFalse) return no;
+  return either(both(condition, yes), both(negated(condition), no));
+}
+
+Signal Circuit::all(const std::vector<Signal>& signals) {
+  Signal result = kTrue;
+  for (Signal s : signals) result = both(result, s);
+  return result;
+}
+Signal Circuit::any(const std::vector<Signal>& signals) {
+  Signal result = kFalse;
+  for (Signal s : signals) result = either(result, s);
+  return result;
+}
+
+Word trimmed(Word w) {
+  if (w.size() > kWidth) w.resize(kWidth);
+  while (w.size() > 1 && w[w.size() - 1] == w[w.size() - 2]) w.pop_back();
+  return w;
+}
+
+Word word_of(std::int32_t value) {
+  Word w;
+  for (std::size_t k = 0; k < kWidth; ++k) w.push_back((static_cast<std::uint32_t>(value) >> k & 1u) != 0 ? kTrue : kFalse);
+  return trimmed(w);
+}
+
+Word choose(Circuit& c, Signal condition, const Word& yes, const Word& no) {
+  if (condition == kTrue) return yes;
+  if (condition == kFalse) return no;
+  Word w;
+  for (std::size_t k = 0; k < std::max(yes.size(), no.size()); ++k) w.push_back(c.choose(condition, bit(yes, k), bit(no, k)));
+  return trimmed(w);
+}
+
+Word add(Circuit& c, const Word& a, const Word& b, Signal carry) {
+  Word w;
+  const std::size_t width = std::min(kWidth, std::max(a.size(), b.size()) + 1);
+  for (std::size_t k = 0; k < width; ++k) {
+    const Signal x = bit(a, k), y = bit(b, k);
+    const Signal sum = c.differ(x, y);
+    w.push_back(c.differ(sum, carry));
+    carry = c.either(c.both(x, y), c.both(sum, carry));
+  }
+  return trimmed(w);
+}
+
+Word complement(const Word& a) {
+  Word w;
+  for (Signal s : a) w.push_back(negated(s));
+  return w;
+}
+Word subtract(Circuit& c, const Word& a, const Word& b) { return add(c, a, complement(b), kTrue); }
+Word negate(Circuit& c, const Word& a) { return subtract(c, word_of(0), a); }
+
+Word multiply(Circuit& c, const Word& a, const Word& b) {
+  // Modulo 2^width the sign bit of b counts like any other once b is extended.
+  const std::size_t width = std::min(kWidth, a.size() + b.size());
+  Word sum(width, kFalse);
+  for (std::size_t k = 0; k < width; ++k) {
+    const Signal digit = bit(b, k);
+    if (digit == kFalse) continue;
+    Signal carry = kFalse;
+    for (std::size_t i = k; i < width; ++i) {
+      const Signal x = sum[i], y = c.both(digit, bit(a, i - k));
+      const Signal half = c.differ(x, y);
+      sum[i] = c.differ(half, carry);
+      carry = c.either(c.both(x, y), c.both(half, carry));
+    }
+  }
+  return trimmed(sum);
+}
+
+Division divide(Circuit& c, const Word& a, const Word& b) {
+  // Magnitudes, schoolbook, then signs. One bit more than the words have: the magnitude of the least number.
+  const std::size_t width = std::max(a.size(), b.size()) + 1;
+  const auto magnitude = [&](const Word& w) {
+    Word m;
+    Signal carry = w.back();
+    for (std::size_t k = 0; k < width; ++k) {
+      const Signal x = c.differ(bit(w, k), w.back());
+      m.push_back(c.differ(x, carry));
+      carry = c.both(x, carry);
+    }
+    return m;
+  };
+  const Word x = magnitude(a), y = magnitude(b);
+  Word rest(width, kFalse), quotient(width, kFalse);
+  for (std::size_t k = width; k-- > 0;) {
+    rest.insert(rest.begin(), x[k]);
+    rest.pop_back();
+    Signal borrow = kFalse;
+    Word difference;
+    for (std::size_t i = 0; i < width; ++i) {
+      const Signal d = c.differ(rest[i], y[i]);
+      difference.push_back(c.differ(d, borrow));
+      borrow = c.choose(d, y[i], borrow);
+    }
+    quotient[k] = negated(borrow);
+    for (std::size_t i = 0; i < width; ++i) rest[i] = c.choose(borrow, rest[i], difference[i]);
+  }
+  const auto with_sign = [&](Word magnitude_bits, Signal is_negative) {
+    magnitude_bits.push_back(kFalse);
+    return choose(c, is_negative, negate(c, magnitude_bits), trimmed(magnitude_bits));
+  };
+  return {with_sign(quotient, c.differ(a.back(), b.back())), with_sign(rest, a.back())};
+}
+
+namespace {
+template <class Each>
+Word bitwise(const Word& a, const Word& b, const Each& each) {
+  Word w;
+  for (std::size_t k = 0; k < std::max(a.size(), b.size()); ++k) w.push_back(each(bit(a, k), bit(b, k)));
+  return trimmed(w);
+}
+}  // namespace
+
+Word bitwise_and(Circuit& c, const Word& a, const Word& b) {
+  return bitwise(a, b, [&](Signal x, Signal y) { return c.both(x, y); });
+}
+Word bitwise_or(Circuit& c, const Word& a, const Word& b) {
+  return bitwise(a, b, [&](Signal x, Signal y) { return c.either(x, y); });
+}
+Word bitwise_xor(Circuit& c, const Word& a, const Word& b) {
+  return bitwise(a, b, [&](Signal x, Signal y) { return c.differ(x, y); });
+}
+
+Signal equal(Circuit& c, const Word& a, const Word& b) {
+  Signal result = kTrue;
+  for (std::size_t k = 0; k < std::max(a.size(), b.size()); ++k) result = c.both(result, negated(c.differ(bit(a, k), bit(b, k))));
+  return result;
+}
+
+Signal less(Circuit& c, const Word& a, const Word& b) {
+  // From the least bit on: the highest difference decides; at the sign the other way round.
+  Signal result = kFalse;
+  const std::size_t width = std::max(a.size(), b.size());
+  for (std::size_t k = 0; k < width; ++k) {
+    const Signal x = bit(a, k), y = bit(b, k);
+    result = c.choose(c.differ(x, y), k + 1 == width ? x : y, result);
+  }
+  return result;
+}
+
+}  // namespace bip::verify

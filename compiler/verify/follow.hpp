@@ -1,0 +1,16 @@
+// A way through the machine taken by the engine: each step must be a candidate of the core there.
+#pragma once
+#include <optional>
+
+#include "compiler/verify/machine.hpp"
+#include "runtime/core/core.hpp"
+
+namespace bip::verify {
+
+/// The numbers of the candidates taken from the initial state; nothing if the core does not go that way (the machine is vague).
+[[nodiscard]] std::optional<std::vector<std::uint64_t>> follow(const rt::Image& image, const Machine& machine, const std::vector<std::uint32_t>& steps);
+
+/// The candidate of the core's state that is the machine's step, if there is one.
+[[nodiscard]] std::optional<std::uint64_t> candidate_of(rt::Core& core, const MachineStep& step);
+
+}  // namespace bip::verify

@@ -1,0 +1,424 @@
+// Connectors of the machine: their trees with bound connectors in place, the configurations that may be chosen, and what
+// firing one does: `up`s bottom up, `down`s top down, ports in parameter order.
+#include <algorithm>
+
+#include "compiler/verify/abstract_code.hpp"
+#include "compiler/verify/machine_builder.hpp"
+
+namespace bip::verify {
+
+u32 MachineBuilder::add_binding(Tree& tree, const PortRef& ref, u32 use, bool is_trigger, u32 depth) {
+  const u32 row = static_cast<u32>(tree.nodes.size());
+  tree.is_too_large = tree.is_too_large || row > kMaxTree || depth > kMaxDepth;
+  tree.nodes.push_back({});
+  tree.nodes[row].is_trigger = is_trigger;
+  tree.nodes[row].use = use;
+  if (tree.is_too_large) return row;
+  if (ref.kind == PortRef::Kind::Atom) {
+    tree.nodes[row].kind = Kind::Leaf;
+    tree.nodes[row].port = tables_.instance(ref.atom.value, ref.port);
+  } else if (ref.kind == PortRef::Kind::Choice) {
+    tree.nodes[row].kind = Kind::Choice;
+    tree.is_plain = false;
+    for (const PortRef& port : system_.choices[ref.choice].ports) {
+      const u32 child = add_binding(tree, port, use, false, depth + 1);
+      tree.nodes[row].children.push_back(child);
+    }
+  } else {
+    tree.nodes[row].kind = Kind::Link;
+    tree.nodes[row].maximal_only = ref.maximal_only;
+    const u32 below = add_use(tree, ref.connector.value, depth + 1);
+    tree.nodes[row].use = below;
+    tree.nodes[row].children.push_back(tree.uses[below].root);
+  }
+  return row;
+}
+
+u32 MachineBuilder::add_use(Tree& tree, u32 connector, u32 depth) {
+  const Connector& row = system_.connectors[ConnectorId(std::size_t{connector})];
+  const ConnectorType& type = system_.connector_types[row.type];
+  const u32 use = static_cast<u32>(tree.uses.size());
+  tree.uses.push_back({connector, 0, std::vector<u32>(type.params.size(), kNoRow)});
+  for (std::size_t k = 0; k < type.clauses.size(); ++k) {
+    const bool may_fault = image_.connector_types[image_.connectors[connector].type].clauses[k].may_fault;
+    if (may_fault || !is_always_true(system_.code, type.clauses[k].guard)) tree.is_plain = false;
+  }
+  std::vector<u32> made(type.define.size(), kNoRow);
+  // Rows of `define` are greater than their parent's.
+  for (u32 k = 0; k < type.define.size(); ++k) {
+    const DefineNode& define = type.define[k];
+    if (define.is_leaf && k != 0) continue;
+    made[k] = made[k] == kNoRow ? static_cast<u32>(tree.nodes.size()) : made[k];
+    if (made[k] == tree.nodes.size()) {
+      tree.nodes.push_back({});
+      tree.nodes.back().use = use;
+    }
+    if (k == 0) tree.uses[use].root = made[0];
+    if (define.is_leaf) {
+      // A root that is a leaf counts as a group of one.
+      const u32 child = add_binding(tree, row.ports[define.param], use, false, depth);
+      tree.nodes[made[k]].children.push_back(child);
+      tree.uses[use].param_nodes[define.param] = child;
+      continue;
+    }
+    for (u32 child_row : define.children) {
+      const DefineNode& child = type.define[child_row];
+      u32 node = kNoRow;
+      if (child.is_leaf) {
+        node = add_binding(tree, row.ports[child.param], use, child.trigger, depth);
+        tree.uses[use].param_nodes[child.param] = node;
+      } else {
+        node = static_cast<u32>(tree.nodes.size());
+        tree.nodes.push_back({});
+        tree.nodes[node].use = use;
+        tree.nodes[node].is_trigger = child.trigger;
+        made[child_row] = node;
+      }
+      tree.nodes[made[k]].children.push_back(node);
+      tree.nodes[made[k]].has_trigger = tree.nodes[made[k]].has_trigger || child.trigger;
+    }
+  }
+  return use;
+}
+
+// All configurations of the node, each as its leaves; false: too many.
+bool MachineBuilder::configurations(const Tree& tree, u32 row, std::vector<Leaves>& out) const {
+  const Node& node = tree.nodes[row];
+  if (node.kind == Kind::Leaf) {
+    out.push_back({row});
+    return true;
+  }
+  if (node.kind != Kind::Group) {
+    for (u32 child : node.children) {
+      if (!configurations(tree, child, out)) return false;
+    }
+    return out.size() <= kMaxConfigurations;
+  }
+  std::vector<std::pair<Leaves, bool>> found{{{}, false}};
+  for (u32 child : node.children) {
+    std::vector<Leaves> below;
+    if (!configurations(tree, child, below)) return false;
+    std::vector<std::pair<Leaves, bool>> next;
+    if (node.has_trigger) next = found;
+    for (const auto& [leaves, triggered] : found) {
+      for (const Leaves& more : below) {
+        next.emplace_back(leaves, triggered || tree.nodes[child].is_trigger);
+        next.back().first.insert(next.back().first.end(), more.begin(), more.end());
+      }
+    }
+    if (next.size() > 2 * kMaxConfigurations) return false;
+    found = std::move(next);
+  }
+  for (auto& [leaves, triggered] : found) {
+    if (node.has_trigger && !triggered) continue;
+    if (leaves.empty()) continue;
+    std::sort(leaves.begin(), leaves.end());
+    out.push_back(std::move(leaves));
+  }
+  return out.size() <= kMaxConfigurations;
+}
+
+// By node: is it chosen?
+std::vector<Signal> MachineBuilder::fixed_choice(const Tree& tree, const Leaves& leaves) const {
+  std::vector<Signal> chosen(tree.nodes.size(), kFalse);
+  for (u32 leaf : leaves) chosen[leaf] = kTrue;
+  // Whoever has a chosen child is chosen; groups of a define may come before or after others, so to the fixpoint.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t n = tree.nodes.size(); n-- > 0;) {
+      if (chosen[n] == kTrue) continue;
+      for (u32 child : tree.nodes[n].children) {
+        if (chosen[child] != kTrue) continue;
+        chosen[n] = kTrue;
+        changed = true;
+      }
+    }
+  }
+  return chosen;
+}
+
+// Everybody that is available, from the root down.
+std::vector<Signal> MachineBuilder::largest_choice(const Tree& tree) {
+  const std::size_t count = tree.nodes.size();
+  std::vector<Signal> available(count, kFalse), chosen(count, kFalse);
+  std::vector<u32> order{tree.uses[0].root};
+  for (std::size_t head = 0; head < order.size(); ++head) {
+    for (u32 child : tree.nodes[order[head]].children) order.push_back(child);
+  }
+  for (std::size_t k = order.size(); k-- > 0;) {
+    const Node& node = tree.nodes[order[k]];
+    Signal& here = available[order[k]];
+    if (node.kind == Kind::Leaf) {
+      here = m_.port_is_on[node.port];
+      continue;
+    }
+    here = node.has_trigger ? kFalse : kTrue;
+    for (u32 child : node.children) {
+      if (!node.has_trigger) here = c_.both(here, available[child]);
+      else if (tree.nodes[child].is_trigger) here = c_.either(here, available[child]);
+    }
+  }
+  chosen[order[0]] = available[order[0]];
+  for (u32 row : order) {
+    for (u32 child : tree.nodes[row].children) {
+      chosen[child] = tree.nodes[row].has_trigger ? c_.both(chosen[row], available[child]) : chosen[row];
+    }
+  }
+  return chosen;
+}
+
+MachineBuilder::Local& MachineBuilder::local_in(Store& store, u32 atom) {
+  return store.atoms.try_emplace(atom, now_[atom]).first->second;
+}
+
+// A connector's own data and what it is bound to. Of a merged port, the alternative that is chosen.
+Variables MachineBuilder::variables_of(const Tree& tree, const Use& use, const std::vector<Signal>& chosen, Store& store) {
+  const u32 base = image_.connectors[use.connector].slot_base;
+  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  // By Bind variable the row among all slots; kNoRow: nothing is chosen there.
+  auto rows = std::make_shared<std::vector<u32>>();
+  for (std::size_t p = 0; p < type.params.size(); ++p) {
+    const std::size_t variables = system_.port_types[type.params[p].type].variables.size();
+    u32 node = use.param_nodes[p];
+    if (node != kNoRow && tree.nodes[node].kind == Kind::Choice) {
+      u32 alternative = kNoRow;
+      for (u32 child : tree.nodes[node].children) {
+        if (chosen[child] == kTrue) alternative = child;
+      }
+      node = alternative;
+    }
+    for (std::size_t v = 0; v < variables; ++v) {
+      if (node == kNoRow) {
+        rows->push_back(kNoRow);
+      } else if (tree.nodes[node].kind == Kind::Leaf) {
+        const u32 atom = tables_.port_atom[tree.nodes[node].port];
+        rows->push_back(image_.atoms[atom].slot_base + type_of(atom).ports[tree.nodes[node].port - tables_.port_base[atom]].slots[v]);
+      } else {
+        const u32 below = tree.uses[tree.nodes[node].use].connector;
+        const ConnectorType& below_type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{below})].type];
+        rows->push_back(image_.connectors[below].slot_base + below_type.export_slots[v]);
+      }
+    }
+  }
+  for (const DataRef& ref : system_.connectors[ConnectorId(std::size_t{use.connector})].data) {
+    rows->push_back(image_.atoms[ref.atom.value].slot_base + ref.slot);
+  }
+  Variables v;
+  v.self = [&store, base](u32 k) { return store.frames[base + k]; };
+  v.set_self = [&store, base](u32 k, Word w) { store.frames[base + k] = std::move(w); };
+  v.bind = [this, &store, rows](u32 k) {
+    const u32 row = (*rows)[k];
+    if (row == kNoRow) return Word{};
+    if (row >= atom_of_slot_.size()) return store.frames[row];
+    const u32 atom = atom_of_slot_[row];
+    const u32 slot = row - image_.atoms[atom].slot_base;
+    const auto found = store.atoms.find(atom);
+    return found == store.atoms.end() ? now_[atom].slots[slot] : found->second.slots[slot];
+  };
+  v.set_bind = [this, &store, rows](u32 k, Word w) {
+    const u32 row = (*rows)[k];
+    if (row == kNoRow) return;
+    if (row >= atom_of_slot_.size()) {
+      store.frames[row] = std::move(w);
+      return;
+    }
+    const u32 atom = atom_of_slot_[row];
+    local_in(store, atom).slots[row - image_.atoms[atom].slot_base] = std::move(w);
+  };
+  return v;
+}
+
+// By clause: is it the one for what is chosen?
+std::vector<Signal> MachineBuilder::clause_choice(const Tree& tree, const Use& use, const std::vector<Signal>& chosen) {
+  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  std::vector<Signal> result;
+  for (const Clause& clause : type.clauses) {
+    Signal here = chosen[use.root];
+    for (u32 p = 0; p < type.params.size(); ++p) {
+      const bool wanted = std::binary_search(clause.params.begin(), clause.params.end(), p);
+      const Signal is = use.param_nodes[p] == kNoRow ? kFalse : chosen[use.param_nodes[p]];
+      here = c_.both(here, wanted ? is : negated(is));
+    }
+    result.push_back(here);
+  }
+  (void)tree;
+  return result;
+}
+
+bool MachineBuilder::is_below(const Tree& tree, u32 root, u32 node) const {
+  std::vector<u32> todo{root};
+  while (!todo.empty()) {
+    const u32 row = todo.back();
+    todo.pop_back();
+    if (row == node) return true;
+    todo.insert(todo.end(), tree.nodes[row].children.begin(), tree.nodes[row].children.end());
+  }
+  return false;
+}
+
+// Ports, guards bottom up with their `up`s, and that what shows only its maximal interactions shows one. `fixed`: the choice
+// is `leaves`; else `chosen` is a function of the state. Leaves the connectors' own data in the store.
+Signal MachineBuilder::is_enabled(const Tree& tree, u32 root, const Leaves& leaves, bool fixed, const std::vector<Signal>& chosen, Store& store) {
+  Signal result = chosen[root];
+  Signal there = kTrue;
+  if (fixed) {
+    for (u32 leaf : leaves) there = c_.both(there, m_.port_is_on[tree.nodes[leaf].port]);
+    result = there;
+  }
+  if (result == kFalse) return kFalse;
+  for (std::size_t u = tree.uses.size(); u-- > 0;) {
+    const Use& use = tree.uses[u];
+    if (chosen[use.root] == kFalse || !is_below(tree, root, use.root)) continue;
+    const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+    for (std::size_t k = 0; k < type.slots.size(); ++k) {
+      const Type slot = type.slots[k].type;
+      store.frames[image_.connectors[use.connector].slot_base + static_cast<u32>(k)] =
+          slot == Type::Int || slot == Type::Bool || slot == Type::String ? word_of(0) : Word{};
+    }
+    const Variables variables = variables_of(tree, use, chosen, store);
+    const std::vector<Signal> clauses = clause_choice(tree, use, chosen);
+    for (std::size_t k = 0; k < clauses.size(); ++k) {
+      if (clauses[k] == kFalse) continue;
+      Signal fault = kFalse;
+      Signal holds = code_.test(type.clauses[k].guard, variables, clauses[k], fault);
+      code_.execute(type.clauses[k].up, variables, clauses[k], fault);
+      if (fault != kFalse) {
+        // Whether the engine looks at this configuration depends on others: it may be a fault, or nothing.
+        code_.note(type.clauses[k].loc, "a fault in a connector's guard or `up`");
+        guard_fault_ = c_.either(guard_fault_, c_.both(there, fault));
+        holds = c_.choose(fault, c_.input(), holds);
+      }
+      result = c_.both(result, c_.either(negated(clauses[k]), holds));
+    }
+  }
+  if (!fixed) return result;
+  for (u32 row = 0; row < tree.nodes.size(); ++row) {
+    if (tree.nodes[row].kind != Kind::Link || !tree.nodes[row].maximal_only || chosen[row] == kFalse || row == root || !is_below(tree, root, row)) continue;
+    const u32 below = tree.nodes[row].children[0];
+    std::vector<Leaves> all;
+    (void)configurations(tree, below, all);
+    Leaves own;
+    for (u32 leaf : leaves) {
+      if (is_below(tree, below, leaf)) own.push_back(leaf);
+    }
+    for (const Leaves& larger : all) {
+      if (larger.size() <= own.size() || !std::includes(larger.begin(), larger.end(), own.begin(), own.end())) continue;
+      Store other;
+      result = c_.both(result, negated(is_enabled(tree, below, larger, true, fixed_choice(tree, larger), other)));
+    }
+  }
+  return result;
+}
+
+void MachineBuilder::record(Signal when, u32 port, const Local& before, const Post& post) {
+  const u32 atom = tables_.port_atom[port];
+  if (before.slots == now_[atom].slots) fired_plainly_[port] = c_.either(fired_plainly_[port], when);
+  else moves_[atom].push_back({when, post.local});
+}
+
+// `down`, then the ports in parameter order, depth first.
+void MachineBuilder::fire_use(const Tree& tree, u32 row, const std::vector<Signal>& chosen, Store& store,
+                              const std::vector<std::vector<Signal>>& clauses, MachineStep& step, Signal& fault, Signal& lost) {
+  const Use& use = tree.uses[row];
+  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  for (std::size_t k = 0; k < type.clauses.size(); ++k) {
+    code_.execute(type.clauses[k].down, variables_of(tree, use, chosen, store), clauses[row][k], fault);
+  }
+  for (u32 node : use.param_nodes) {
+    if (node == kNoRow || chosen[node] == kFalse) continue;
+    if (tree.nodes[node].kind == Kind::Choice) {
+      u32 alternative = node;
+      for (u32 child : tree.nodes[node].children) {
+        if (chosen[child] == kTrue) alternative = child;
+      }
+      node = alternative;
+    }
+    if (tree.nodes[node].kind == Kind::Link) {
+      fire_use(tree, tree.nodes[node].use, chosen, store, clauses, step, fault, lost);
+    } else if (tree.nodes[node].kind == Kind::Leaf) {
+      const u32 port = tree.nodes[node].port;
+      Local& local = local_in(store, tables_.port_atom[port]);
+      const bool is_plain = local.slots == now_[tables_.port_atom[port]].slots;
+      if (is_plain && !posts_[port]) posts_[port] = fire(port, local);
+      const Post post = is_plain ? *posts_[port] : fire(port, local);
+      fault = c_.either(fault, c_.both(chosen[node], post.fault));
+      lost = c_.either(lost, c_.both(chosen[node], post.lost));
+      step.parts.emplace_back(port, chosen[node]);
+      record(c_.both(step.chosen, chosen[node]), port, local, post);
+      merge(chosen[node], post.local, local);
+    }
+  }
+}
+
+void MachineBuilder::add_step(u32 slot, const Tree& tree, const std::vector<Signal>& chosen, Store store, Signal candidate) {
+  MachineStep step{.slot = slot, .chosen = c_.input(), .possible = candidate, .parts = {}};
+  std::vector<std::vector<Signal>> clauses;
+  for (const Use& use : tree.uses) clauses.push_back(clause_choice(tree, use, chosen));
+  Signal fault = kFalse, lost = kFalse;
+  fire_use(tree, 0, chosen, store, clauses, step, fault, lost);
+  std::vector<Signal> params;
+  for (u32 node : tree.uses[0].param_nodes) params.push_back(node == kNoRow ? kFalse : chosen[node]);
+  params_.push_back(std::move(params));
+  step_fault_.push_back(fault);
+  step_lost_.push_back(lost);
+  m_.steps.push_back(std::move(step));
+}
+
+void MachineBuilder::add_connector(u32 slot, u32 connector) {
+  Tree tree;
+  (void)add_use(tree, connector, 0);
+  const std::string name = system_.connectors[ConnectorId(std::size_t{connector})].path;
+  if (tree.is_too_large) {
+    m_.unsupported = '`' + name + "` is too large";
+    return;
+  }
+  if (tree.is_plain) {
+    const std::vector<Signal> chosen = largest_choice(tree);
+    Store store;
+    const Signal candidate = is_enabled(tree, tree.uses[0].root, {}, false, chosen, store);
+    add_step(slot, tree, chosen, std::move(store), candidate);
+    return;
+  }
+  std::vector<Leaves> all;
+  if (!configurations(tree, tree.uses[0].root, all)) {
+    m_.unsupported = '`' + name + "` has more than " + std::to_string(kMaxConfigurations) + " interactions with guards";
+    return;
+  }
+  std::vector<Signal> enabled;
+  std::vector<Store> stores;
+  for (const Leaves& leaves : all) {
+    Store store;
+    enabled.push_back(is_enabled(tree, tree.uses[0].root, leaves, true, fixed_choice(tree, leaves), store));
+    stores.push_back(std::move(store));
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    Signal candidate = enabled[k];
+    for (std::size_t j = 0; j < all.size() && candidate != kFalse; ++j) {
+      if (all[j].size() > all[k].size() && std::includes(all[j].begin(), all[j].end(), all[k].begin(), all[k].end())) {
+        candidate = c_.both(candidate, negated(enabled[j]));
+      }
+    }
+    if (candidate != kFalse) add_step(slot, tree, fixed_choice(tree, all[k]), stores[k], candidate);
+  }
+}
+
+void MachineBuilder::add_connectors() {
+  for (u32 slot = 0; slot < tables_.connector_slots && m_.unsupported.empty() && !c_.is_full(); ++slot) add_connector(slot, tables_.slots[slot].row);
+}
+
+void MachineBuilder::add_internal_ports() {
+  for (u32 slot = tables_.connector_slots; slot < tables_.slots.size(); ++slot) {
+    const u32 port = tables_.slots[slot].row;
+    if (m_.port_is_on[port] == kFalse) continue;
+    MachineStep step{.slot = slot, .chosen = c_.input(), .possible = m_.port_is_on[port], .parts = {{port, kTrue}}};
+    const Local& now = now_[tables_.port_atom[port]];
+    if (!posts_[port]) posts_[port] = fire(port, now);
+    record(step.chosen, port, now, *posts_[port]);
+    params_.emplace_back();
+    step_fault_.push_back(posts_[port]->fault);
+    step_lost_.push_back(posts_[port]->lost);
+    m_.steps.push_back(std::move(step));
+  }
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,34 @@
+// Is a bad state reachable? Property-directed reachability: frames of clauses that over-approximate what n steps reach are
+// refined from bad states backwards until two frames agree (a proof) or a bad state is led back to the initial one (a way
+// there). Complete for a finite machine, given time.
+//
+// A. Bradley: SAT-Based Model Checking without Unrolling (2011). N. Een, A. Mishchenko, R. Brayton: Efficient Implementation
+// of Property Directed Reachability (2011). What is known to hold always (`invariants`) is assumed in every frame.
+#pragma once
+#include "compiler/verify/machine.hpp"
+#include "compiler/verify/prove.hpp"
+
+namespace bip::verify {
+
+/// Bit rows with values: 2 * row + value. A cube is all of them at once, a lemma says that it never is.
+using Cube = std::vector<u32>;
+
+enum class ReachEnd : std::uint8_t { Safe, Reached, Stopped };
+struct ReachProblem {
+  const Machine* machine = nullptr;
+  Signal bad = kFalse;                           // may depend on the chosen step
+  std::vector<std::vector<Signal>> invariants;   // clauses over what is now, true in every reachable state
+  Clock::time_point end;
+  std::function<bool(u32 frame, std::size_t lemmas)> go_on;  // called now and then; false stops. May be empty
+};
+struct ReachAnswer {
+  ReachEnd end = ReachEnd::Stopped;
+  std::vector<Cube> lemmas;    // Safe: none of them is ever entered; inductive with the invariants
+  std::vector<u32> steps;      // Reached: rows of Machine::steps from the initial state
+  u32 bad_step = kNoRow;       // Reached: the step that is bad itself, if the property is about steps
+  u32 frames = 0;
+};
+
+[[nodiscard]] ReachAnswer find_reachable(const ReachProblem& problem);
+
+}  // namespace bip::verify
