@@ -135,6 +135,7 @@ void add_run(CLI::App& app, RunArguments& a) {
 void add_verify(CLI::App& app, VerifyArguments& a) {
   CLI::App* command = app.add_subcommand("verify", "prove that a model never deadlocks, or show how it does");
   command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option("--property", a.property, "what is asked: deadlock (default), errors, 'never EXPR' or 'always EXPR'")->type_name("WHAT");
   command->add_option("--timeout", a.timeout, "give up after SECONDS (default 60)")->check(is_number())->type_name("SECONDS");
   command->add_option("--memory", a.megabytes, "of the states that a search keeps (default 2048)")->check(is_number())->type_name("MB");
   command->add_option("--certificate", a.certificate, "write the evidence of a proof to PATH")->type_name("PATH");
@@ -143,8 +144,11 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes code when states are searched");
   add_compile(*command, a.compile);
   command->footer(
-      "Exit code: 0 free of deadlock, 3 a deadlock is reachable, 4 unknown. Run-time errors are not looked for.\n"
-      "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip");
+      "EXPR is about stable states: a@PLACE, a.data, can connector, can a.port, with the operators of guards.\n"
+      "Exit code: 0 it holds, 3 it does not (the steps are shown), 4 unknown. Ctrl-C ends with what is known.\n"
+      "Examples:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
+      "  bipc verify --property 'never phil[0]@EATS && phil[1]@EATS' model.bip\n"
+      "  bipc verify --property errors model.bip");
 }
 
 void add_build(CLI::App& app, BuildArguments& a) {

@@ -1,11 +1,12 @@
-// `bipc verify`: invariants first; a candidate that they leave open is looked for with the engine's core.
+// `bipc verify`: deadlock-freedom, run-time errors or a property of states, decided (compiler/verify/decide.hpp) and told.
 //
-// Three verdicts. Deadlock-free is a proof (invariants, or every reachable state was visited); deadlock has been replayed
-// before it is told; everything else is unknown, with the reason. A run-time error ends a run and is no deadlock; if a
-// search meets one it is mentioned.
+// Three verdicts. What holds has a proof, or every reachable state was visited; what is violated has been replayed before
+// it is told; everything else is unknown, with the reason. Ctrl-C ends it with what is known.
+#include <unistd.h>
+
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
@@ -13,126 +14,59 @@
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/verify_text.hpp"
 #include "compiler/verify/certificate.hpp"
-#include "compiler/verify/prove.hpp"
-#include "compiler/verify/search.hpp"
 
 namespace bip::driver {
 
 namespace {
 
-constexpr std::size_t kInvariantsShown = 20;
-constexpr std::size_t kComponentsShown = 20;
-constexpr std::size_t kStepsShown = 100;
-
-struct Verdict {
-  int exit_code = kUnknown;
-  std::string name = "unknown";
-  std::string text;         // what is printed
-  std::string method;       // "invariants", "exhaustive"
-  std::string reason;       // unknown: why
-  std::string certificate;
-  std::uint64_t invariants = 0, states = 0, steps = 0;
-};
-
-std::string count_of(std::size_t count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
-
 // What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
 bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.extern_types.empty(); }
 
-void tell_free(const VerifyArguments& a, const Compilation& c, const verify::Net& net, const verify::Proof& proof, Verdict& v) {
-  v.exit_code = kOk;
-  v.name = "deadlock-free";
-  v.method = "invariants";
-  v.invariants = proof.invariants.size();
-  v.text = fmt::format("deadlock-free: proved with {} ({}, {})\n", count_of(proof.invariants.size(), "invariant"),
-                       count_of(c.system->atoms.size(), "component"), count_of(c.system->connectors.size(), "connector"));
-  if (a.why) {
-    for (std::size_t k = 0; k < proof.invariants.size() && k < kInvariantsShown; ++k) {
-      v.text += "  " + verify::invariant_text(net, proof.invariants[k]) + '\n';
+// One line on a terminal, rewritten at most ten times a second; nothing elsewhere.
+class Progress {
+ public:
+  void show(const char* phase, std::uint64_t count, const char* unit) {
+    const verify::Clock::time_point now = verify::Clock::now();
+    if (!is_terminal_ || now < next_) return;
+    next_ = now + std::chrono::milliseconds(100);
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    if (phase != phase_) {
+      phase_ = phase;
+      phase_start_ = now;
     }
-    if (proof.invariants.size() > kInvariantsShown) v.text += fmt::format("  … and {} more\n", proof.invariants.size() - kInvariantsShown);
+    const double here = std::chrono::duration<double>(now - phase_start_).count();
+    const std::string rate = here > 0.5 ? fmt::format(", {:.0f} a second", static_cast<double>(count) / here) : "";
+    std::fputs(fmt::format("\r\x1b[K{}: {} {}{}   {:.1f} s (Ctrl-C ends it)", phase, count, unit, rate, seconds).c_str(), stderr);
+    is_shown_ = true;
   }
-  if (!a.certificate.empty()) v.certificate = verify::certificate(net, proof, c.root_name);
-}
-
-std::string candidate_text(const verify::Net& net, const verify::Proof& proof) {
-  std::string text;
-  for (std::size_t k = 0; k < proof.candidate.size() && k < kComponentsShown; ++k) text += "  " + net.mode_name(proof.candidate[k]) + '\n';
-  if (proof.candidate.size() > kComponentsShown) text += fmt::format("  … and {} more\n", proof.candidate.size() - kComponentsShown);
-  return text;
-}
-
-void tell_unknown(const verify::Net& net, const verify::Proof& proof, const std::string& reason, Verdict& v) {
-  v.reason = reason;
-  v.text = fmt::format("unknown: {}\n", reason);
-  if (proof.candidate.empty()) return;
-  v.text += "no invariant that was found excludes this state, in which no step is sure:\n" + candidate_text(net, proof);
-}
-
-void tell_search(const VerifyArguments& a, const Compilation& c, const verify::Net& net, const verify::Proof& proof, const verify::SearchResult& found,
-            Verdict& v) {
-  v.states = found.states;
-  const std::string fault = found.fault.empty() ? "" : fmt::format("note: a run-time error can occur: {}\n", found.fault);
-  if (found.end == verify::SearchEnd::Deadlock) {
-    v.exit_code = kViolated;
-    v.name = "deadlock";
-    v.steps = found.choices.size();
-    (void)verify::tell_deadlock(c.lowered->image, found.choices, kStepsShown, v.text);
-  } else if (found.end == verify::SearchEnd::Exhausted) {
-    v.exit_code = kOk;
-    v.name = "deadlock-free";
-    v.method = "exhaustive";
-    v.text = fmt::format("deadlock-free: no deadlock among all {}\n", count_of(found.states, "reachable state")) + fault;
-    if (!a.certificate.empty()) v.certificate = verify::exhaustive_certificate(*c.system, c.root_name, found.states);
-  } else {
-    tell_unknown(net, proof, fmt::format("the search met its limit of {} after {}", found.limit, count_of(found.states, "state")), v);
-    v.text += fault;
+  ~Progress() {
+    if (is_shown_) std::fputs("\r\x1b[K", stderr);
   }
-}
 
-Verdict decide(const VerifyArguments& a, Compilation& c, Executor& executor, bool& is_ready) {
-  Verdict v;
-  const auto seconds = std::chrono::duration<double>(static_cast<double>(std::min<std::uint64_t>(a.timeout, 100000000)));
-  const verify::Clock::time_point end = verify::Clock::now() + std::chrono::duration_cast<verify::Clock::duration>(seconds);
-  const verify::Net net = verify::build_net(*c.system);
-  const bool can_search = !calls_cpp(*c.system);
-  bool is_prepared = false;
-  verify::SearchResult found;
-  const auto search = [&](const std::vector<verify::u32>& candidate, bool only_walk) {
-    if (!is_prepared) is_ready = executor.prepare(c, a.backend, Optimisation::Auto);
-    is_prepared = true;
-    const verify::SearchLimits limits{.end = end, .megabytes = static_cast<std::size_t>(a.megabytes), .only_walk = only_walk};
-    if (is_ready) found = verify::search_deadlock(net, c.lowered->image, candidate, limits);
-    return !is_ready || found.end == verify::SearchEnd::Deadlock;
-  };
-  const verify::Proof proof = verify::prove_deadlock_freedom(
-      net, end, [&](const std::vector<verify::u32>& candidate) { return can_search && search(candidate, true); });
-  if (proof.end == verify::ProofEnd::Free) {
-    tell_free(a, c, net, proof, v);
-  } else if (proof.end == verify::ProofEnd::Timeout) {
-    tell_unknown(net, proof, "the time is over", v);
-  } else if (proof.end == verify::ProofEnd::Stopped) {
-    if (is_ready) tell_search(a, c, net, proof, found, v);
-  } else if (!can_search) {
-    tell_unknown(net, proof, "the model calls C++, whose state cannot be searched", v);
-  } else {
-    (void)search(proof.candidate, false);
-    if (is_ready) tell_search(a, c, net, proof, found, v);
+ private:
+  bool is_terminal_ = ::isatty(STDERR_FILENO) == 1;
+  bool is_shown_ = false;
+  const char* phase_ = nullptr;
+  verify::Clock::time_point start_ = verify::Clock::now(), next_ = start_ + std::chrono::milliseconds(300), phase_start_ = start_;
+};
+
+// False: the property was no good, and that has been said.
+bool read_question(const VerifyArguments& a, const Compilation& c, verify::Question& question) {
+  if (a.property.empty() || a.property == "deadlock") return true;
+  if (a.property == "errors") {
+    question.what = verify::Asked::NoErrors;
+    return true;
   }
-  return v;
-}
-
-void print_json(const Verdict& v) {
-  nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
-  if (!v.method.empty()) json["method"] = v.method;
-  if (v.method == "invariants") json["invariants"] = v.invariants;
-  if (v.states != 0) json["states"] = v.states;
-  if (v.exit_code == kViolated) json["steps"] = v.steps;
-  if (!v.reason.empty()) json["reason"] = v.reason;
-  json["text"] = v.text;
-  const std::string text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  Result<verify::Property> property = verify::parse_property(a.property, *c.system);
+  if (!property) {
+    std::fputs(fmt::format("bipc verify: --property, {}\n  {}\n", property.error(), a.property).c_str(), stderr);
+    return false;
+  }
+  question.what = verify::Asked::State;
+  question.property = std::move(*property);
+  return true;
 }
 
 }  // namespace
@@ -144,16 +78,37 @@ int command_verify(const VerifyArguments& arguments) {
     return report(c);
   }
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
+  verify::Question question;
+  if (!read_question(arguments, c, question)) return kUsage;
+
+  const auto seconds = std::chrono::duration<double>(static_cast<double>(std::min<std::uint64_t>(arguments.timeout, 100000000)));
+  verify::DecideLimits limits;
+  limits.end = verify::Clock::now() + std::chrono::duration_cast<verify::Clock::duration>(seconds);
+  limits.megabytes = static_cast<std::size_t>(arguments.megabytes);
+  limits.wants_certificate = !arguments.certificate.empty();
+  const rt::InterruptGuard guard;
   Executor executor;
   bool is_ready = true;
-  const Verdict verdict = decide(arguments, c, executor, is_ready);
-  if (!verdict.certificate.empty()) {
-    const Result<bool> written = write_file(arguments.certificate, verdict.certificate);
-    if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
+  const auto prepare = [&] {
+    is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);
+    return is_ready;
+  };
+  verify::Decision decision;
+  VerdictText verdict;
+  {
+    Progress progress;
+    const auto show = [&](const char* phase, std::uint64_t count, const char* unit) { progress.show(phase, count, unit); };
+    verify::Decider decider(*c.system, c.lowered->image, !calls_cpp(*c.system), prepare, show);
+    decision = decider.decide(question, limits);
+    if (is_ready) verdict = verdict_text(c, question, decision, decider, arguments.why);
+    if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Holds) {
+      const Result<bool> written = write_file(arguments.certificate, verify::certificate(decider, question, decision, *c.system, c.root_name));
+      if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
+    }
   }
   if (const int code = report(c); code != 0 || !is_ready) return code;
-  if (arguments.json) print_json(verdict);
-  else std::fwrite(verdict.text.data(), 1, verdict.text.size(), stdout);
+  const std::string text = arguments.json ? verdict_json(verdict, question, decision) : verdict.text;
+  std::fwrite(text.data(), 1, text.size(), stdout);
   return verdict.exit_code;
 }
 

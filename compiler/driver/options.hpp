@@ -51,6 +51,7 @@ struct VerifyArguments {
   std::uint64_t timeout = 60;        // seconds
   std::uint64_t megabytes = 2048;    // of the states that a search keeps
   std::string certificate;           // empty: none is written
+  std::string property;              // empty: deadlock-freedom
   bool json = false;
   bool why = false;
 };

@@ -5,17 +5,10 @@ namespace bip::verify {
 
 namespace {
 
-std::string head(const char* method, const std::string& root_name) {
-  return "bipc-certificate 1\nroot " + root_name + "\nclaim deadlock-free\nmethod " + method + "\n";
-}
-
 std::string value_text(const AbstractValue& value) { return value.is_known ? std::to_string(value.value) : "?"; }
 
-}  // namespace
-
-std::string certificate(const Net& net, const Proof& proof, const std::string& root_name) {
+void add_structure(const Net& net, const Proof& proof, std::string& out) {
   const System& system = *net.system;
-  std::string out = head("invariants", root_name);
   for (std::size_t row = 0; row < net.classes.size(); ++row) {
     const ModeClass& mode_class = net.classes[row];
     const AtomType& type = system.atom_types[mode_class.type];
@@ -48,11 +41,80 @@ std::string certificate(const Net& net, const Proof& proof, const std::string& r
     }
     out += '\n';
   }
+}
+
+// "!ROOT.a@EATS", "ROOT.a.n:3"
+std::string literal_text(const StateBit& bit, bool value, const System& system) {
+  const Atom& atom = system.atoms[AtomId(std::size_t{bit.atom})];
+  const AtomType& type = system.atom_types[atom.type];
+  std::string out = (value ? "" : "!") + atom.path;
+  if (bit.is_place) return out + '@' + type.places[bit.row];
+  return out + '.' + type.slots[bit.row].name + ':' + std::to_string(bit.position);
+}
+
+void add_lemmas(const Machine& machine, const std::vector<Cube>& lemmas, const System& system, std::string& out) {
+  std::size_t row = 0;
+  for (const Atom& atom : system.atoms) {
+    for (const Slot& slot : system.atom_types[atom.type].slots) {
+      const Range& range = machine.ranges[row];
+      const bool is_narrow = !machine.words[row].empty() && range != kAnyInt && !slot.is_param;
+      if (is_narrow) out += "range " + atom.path + '.' + slot.name + ' ' + std::to_string(range.low) + ' ' + std::to_string(range.high) + '\n';
+      ++row;
+    }
+  }
+  for (const Cube& cube : lemmas) {
+    out += "lemma";
+    for (u32 code : cube) out += ' ' + literal_text(machine.bits[code / 2], (code & 1) == 0, system);
+    out += '\n';
+  }
+}
+
+}  // namespace
+
+std::string certificate(const Decider& decider, const Question& question, const Decision& d, const System& system, const std::string& root_name) {
+  std::string out = "bipc-certificate 1\nroot " + root_name + "\nclaim ";
+  if (question.what == Asked::DeadlockFreedom) out += "deadlock-free";
+  else if (question.what == Asked::NoErrors) out += "error-free";
+  else out += "never " + certificate_text(question.property, system);
+  if (d.method == Method::Exhaustive) {
+    return out + "\nmethod exhaustive\ncomponents " + std::to_string(system.atoms.size()) + "\nstates " + std::to_string(d.states) + "\nend\n";
+  }
+  out += d.method == Method::Invariants ? "\nmethod invariants\n" : "\nmethod induction\n";
+  if (d.has_structure) add_structure(decider.net(), d.proof, out);
+  if (d.method == Method::Induction) add_lemmas(*decider.machine(), d.lemmas, system, out);
   return out + "end\n";
 }
 
-std::string exhaustive_certificate(const System& system, const std::string& root_name, std::uint64_t states) {
-  return head("exhaustive", root_name) + "components " + std::to_string(system.atoms.size()) + "\nstates " + std::to_string(states) + "\nend\n";
+std::string cube_text(const Machine& machine, const System& system, const Cube& cube) {
+  std::string out;
+  for (std::size_t k = 0; k < cube.size(); ++k) {
+    const StateBit& bit = machine.bits[cube[k] / 2];
+    const Atom& atom = system.atoms[AtomId(std::size_t{bit.atom})];
+    const AtomType& type = system.atom_types[atom.type];
+    const std::string path = atom.path.starts_with("ROOT.") ? atom.path.substr(5) : atom.path;
+    if (!out.empty()) out += " and ";
+    if (bit.is_place) {
+      out += (cube[k] & 1) != 0 ? path + '@' : "not " + path + '@';
+      out += type.places[bit.row];
+    } else if (type.slots[bit.row].type == Type::Bool) {
+      out += path + '.' + type.slots[bit.row].name + ((cube[k] & 1) != 0 ? "" : " = false");
+    } else {
+      // Bits of one int stand together: as a pattern, highest first, with dots for those that do not matter.
+      std::size_t end = k;
+      std::string pattern;
+      while (end < cube.size() && machine.bits[cube[end] / 2].atom == bit.atom && !machine.bits[cube[end] / 2].is_place && machine.bits[cube[end] / 2].row == bit.row) ++end;
+      for (u32 position = 0; position <= machine.bits[cube[end - 1] / 2].position; ++position) {
+        char digit = '.';
+        for (std::size_t j = k; j < end; ++j) {
+          if (machine.bits[cube[j] / 2].position == position) digit = (cube[j] & 1) != 0 ? '1' : '0';
+        }
+        pattern.insert(pattern.begin(), digit);
+      }
+      out += path + '.' + type.slots[bit.row].name + " with low bits " + pattern;
+      k = end - 1;
+    }
+  }
+  return out;
 }
 
 std::string invariant_text(const Net& net, const TokenInvariant& invariant) {

@@ -29,6 +29,19 @@ std::optional<std::uint64_t> candidate_of(rt::Core& core, const MachineStep& ste
   return std::nullopt;
 }
 
+std::optional<std::vector<std::uint64_t>> follow_to_fault(const rt::Image& image, const Machine& machine, const std::vector<std::uint32_t>& steps) {
+  rt::Core core(image);
+  if (!core.initialize()) return std::vector<std::uint64_t>{};
+  std::vector<std::uint64_t> choices;
+  for (std::uint32_t row : steps) {
+    const std::optional<std::uint64_t> k = candidate_of(core, machine.steps[row]);
+    if (!k) return std::nullopt;
+    choices.push_back(*k);
+    if (!core.fire(*k)) return choices;
+  }
+  return std::nullopt;
+}
+
 std::optional<std::vector<std::uint64_t>> follow(const rt::Image& image, const Machine& machine, const std::vector<std::uint32_t>& steps) {
   rt::Core core(image);
   if (!core.initialize()) return std::nullopt;

@@ -10,6 +10,9 @@ namespace bip::verify {
 /// The numbers of the candidates taken from the initial state; nothing if the core does not go that way (the machine is vague).
 [[nodiscard]] std::optional<std::vector<std::uint64_t>> follow(const rt::Image& image, const Machine& machine, const std::vector<std::uint32_t>& steps);
 
+/// The same where the last step ends in a run-time error, at once or in the state that it leads to.
+[[nodiscard]] std::optional<std::vector<std::uint64_t>> follow_to_fault(const rt::Image& image, const Machine& machine, const std::vector<std::uint32_t>& steps);
+
 /// The candidate of the core's state that is the machine's step, if there is one.
 [[nodiscard]] std::optional<std::uint64_t> candidate_of(rt::Core& core, const MachineStep& step);
 

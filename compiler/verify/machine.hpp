@@ -40,11 +40,13 @@ struct Machine {
   std::vector<Range> ranges;          // by slot among all
   std::vector<Signal> in_range;       // invariants: a slot is in its range
   Signal next_in_range = kTrue;       // it holds after every step, if the ranges are right
+  Signal state_fault = kFalse;        // the run has ended with a fault in this state
   Signal stuck = kFalse;              // no candidate, in a state without fault
   Signal error = kFalse;              // a fault in the state or in the chosen step
   Signal lost = kFalse;               // more internal transitions in a row than are followed
   std::vector<Word> words;            // by slot among the atoms': its value now; empty: not followed
   std::vector<std::vector<Signal>> marks;  // by atom, by place
+  std::vector<std::uint8_t> is_automaton;  // by atom: always exactly one place is marked
   std::vector<Signal> port_is_on;     // by port instance
   std::vector<Signal> connector_can;  // by connector: it has a candidate that nothing hides (none if it exports a port)
   bool starts_with_fault = false;

@@ -49,6 +49,7 @@ void MachineBuilder::add_state() {
     const AtomType& type = type_of(a);
     const u32 base = image_.atoms[a].slot_base;
     const bool alone = is_automaton(type);
+    m_.is_automaton.push_back(alone ? 1 : 0);
     Local now;
     std::vector<u32> group;
     for (u32 p = 0; p < type.places.size(); ++p) {

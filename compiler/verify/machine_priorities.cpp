@@ -92,6 +92,7 @@ Machine MachineBuilder::build() {
     m_.lost = c_.either(m_.lost, c_.both(taken, step_lost_[s]));
     step.fine = c_.both(step.possible, negated(c_.either(step_fault_[s], step_lost_[s])));
   }
+  m_.state_fault = state_fault_;
   m_.stuck = c_.both(negated(some), negated(state_fault_));
   m_.error = c_.any({state_fault_, fault, guard_fault_});
   finish_state();

@@ -200,7 +200,7 @@ class Pdr {
 
   // Can a step lead from frame - 1, outside of the cube, into it? If not, `core` is the part of the cube that is why.
   Answer ask_into(const Cube& cube, u32 frame, Cube* core) {
-    if (++questions_ % 64 == 0 && p_.go_on && !p_.go_on(top_frame(), lemma_count())) return Answer::Unknown;
+    if (++questions_ % 64 == 0 && p_.report) p_.report(top_frame(), lemma_count());
     const Lit here = main_.new_variable();
     std::vector<Lit> outside{-here};
     for (u32 code : cube) outside.push_back(-literal(now_, code));

@@ -19,7 +19,7 @@ struct ReachProblem {
   Signal bad = kFalse;                           // may depend on the chosen step
   std::vector<std::vector<Signal>> invariants;   // clauses over what is now, true in every reachable state
   Clock::time_point end;
-  std::function<bool(u32 frame, std::size_t lemmas)> go_on;  // called now and then; false stops. May be empty
+  std::function<void(u32 frame, std::size_t lemmas)> report;  // called now and then; may be empty
 };
 struct ReachAnswer {
   ReachEnd end = ReachEnd::Stopped;

@@ -12,6 +12,23 @@ constexpr std::size_t kOneTokenBatch = 16;
 constexpr int kQuestions = 3;
 }
 
+namespace {
+void spread_from_initial(const Net& net, Spread& reachable, Proof& proof) {
+  for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
+    for (u32 mode : net.class_at(atom).initial) reachable.turn_on(net.mode_base[atom] + mode);
+  }
+  reachable.run();
+  for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
+}
+}  // namespace
+
+Proof find_reachable_modes(const Net& net) {
+  Proof proof;
+  Spread reachable(net, Direction::Forward, nullptr);
+  spread_from_initial(net, reachable, proof);
+  return proof;
+}
+
 Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at) {
   Proof proof;
   if (net.too_large_atom != kNoRow) {
@@ -19,11 +36,7 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
     return proof;
   }
   Spread reachable(net, Direction::Forward, nullptr);
-  for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
-    for (u32 mode : net.class_at(atom).initial) reachable.turn_on(net.mode_base[atom] + mode);
-  }
-  reachable.run();
-  for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
+  spread_from_initial(net, reachable, proof);
 
   Encoding encoding(net, reachable);
   TrapFinder traps(net, reachable);

@@ -9,11 +9,15 @@
 
 #include "compiler/verify/net.hpp"
 #include "compiler/verify/traps.hpp"
+#include "runtime/engine/interrupt.hpp"
 
 namespace bip::verify {
 
 using Clock = std::chrono::steady_clock;
-[[nodiscard]] inline double seconds_until(Clock::time_point end) { return std::chrono::duration<double>(end - Clock::now()).count(); }
+/// None are left after Ctrl-C.
+[[nodiscard]] inline double seconds_until(Clock::time_point end) {
+  return rt::is_interrupted() ? 0 : std::chrono::duration<double>(end - Clock::now()).count();
+}
 
 enum class ProofEnd : std::uint8_t {
   Free,       // proved
@@ -33,6 +37,8 @@ struct Proof {
 /// Asked about a candidate (by atom: the mode) that no trap excludes, before other invariants are looked for: true stops.
 using StopAt = std::function<bool(const std::vector<u32>& candidate)>;
 
+/// Nothing but which modes are reachable by structure.
+[[nodiscard]] Proof find_reachable_modes(const Net& net);
 [[nodiscard]] Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at = {});
 
 }  // namespace bip::verify

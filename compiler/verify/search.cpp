@@ -7,9 +7,6 @@
 #include <queue>
 #include <unordered_map>
 
-#include "runtime/core/story.hpp"
-#include "runtime/core/text.hpp"
-#include "runtime/trace/trace.hpp"
 
 namespace bip::verify {
 
@@ -82,14 +79,14 @@ std::string key_of(const rt::State& state) {
 
 class Search {
  public:
-  Search(const Net& net, const rt::Image& image, const std::vector<u32>& candidate, const SearchLimits& limits)
-      : image_(image), core_(image), distances_(net, candidate), limits_(limits) {}
+  Search(const Net& net, const rt::Image& image, const SearchGoal& goal, const std::vector<u32>& candidate, const SearchLimits& limits)
+      : image_(image), core_(image), goal_(goal), distances_(net, candidate), limits_(limits) {}
 
   SearchResult run() {
     if (!core_.initialize()) {
       // The run ends before its first stable state.
       result_.fault = core_.fault().what;
-      result_.end = SearchEnd::Exhausted;
+      result_.end = goal_.faults ? SearchEnd::Found : SearchEnd::Exhausted;
       return std::move(result_);
     }
     if (distances_.is_known() && walk()) return std::move(result_);
@@ -130,7 +127,8 @@ class Search {
     std::vector<u32> places = state.places;
     while (seconds_until(limits_.end) > 0) {
       const std::uint64_t count = core_.candidate_count();
-      if (count == 0) return confirmed();
+      if (is_goal()) return confirmed();
+      if (count == 0) break;
       std::uint64_t chosen = 0;
       std::int64_t least = std::numeric_limits<std::int64_t>::max();
       for (std::uint64_t k = 0; k < std::min(count, kMaxRank); ++k) {
@@ -211,7 +209,7 @@ class Search {
       return choices;
     };
     add(0, 0);
-    if (core_.candidate_count() == 0) {
+    if (is_goal()) {
       result_.states = 1;
       confirmed();
       return;
@@ -233,17 +231,23 @@ class Search {
         }
         if (!core_.fire(k)) {
           if (result_.fault.empty()) result_.fault = core_.fault().what;
-          continue;
-        }
-        if (add(row, static_cast<u32>(k)) && core_.candidate_count() == 0) {
+          if (!goal_.faults) continue;
           result_.states = visited.size();
-          result_.choices = path_to(static_cast<u32>(visited.size() - 1));
-          if (!confirmed()) result_.limit = "a deadlock that was found could not be replayed";
+          result_.choices = path_to(row);
+          result_.choices.push_back(k);
+          if (!confirmed()) result_.limit = "an error that was found could not be replayed";
           return;
         }
-        if (seconds_until(limits_.end) <= 0 || bytes > limits_.megabytes * 1000000) {
+        if (add(row, static_cast<u32>(k)) && is_goal()) {
           result_.states = visited.size();
-          result_.limit = bytes > limits_.megabytes * 1000000 ? "memory" : "time";
+          result_.choices = path_to(static_cast<u32>(visited.size() - 1));
+          if (!confirmed()) result_.limit = "a state that was found could not be entered again";
+          return;
+        }
+        if (visited.size() % 4096 == 0 && limits_.report) limits_.report(visited.size());
+        if (visited.size() >= limits_.states || seconds_until(limits_.end) <= 0 || bytes > limits_.megabytes * 1000000) {
+          result_.states = visited.size();
+          result_.limit = bytes > limits_.megabytes * 1000000 ? "memory" : visited.size() >= limits_.states ? "states" : "time";
           return;
         }
       }
@@ -252,16 +256,19 @@ class Search {
     result_.end = SearchEnd::Exhausted;
   }
 
+  [[nodiscard]] bool is_goal() const {
+    return (goal_.stuck && core_.candidate_count() == 0) || (goal_.state && goal_.state(core_));
+  }
   // From the initial state, by a core of its own.
   bool confirmed() {
-    std::string told;
-    if (!tell_deadlock(image_, result_.choices, 0, told)) return false;
-    result_.end = SearchEnd::Deadlock;
+    if (!reaches(image_, goal_, result_.choices)) return false;
+    result_.end = SearchEnd::Found;
     return true;
   }
 
   const rt::Image& image_;
   rt::Core core_;
+  const SearchGoal& goal_;
   Distances distances_;
   SearchLimits limits_;
   SearchResult result_;
@@ -271,26 +278,18 @@ class Search {
 
 }  // namespace
 
-SearchResult search_deadlock(const Net& net, const rt::Image& image, const std::vector<u32>& candidate, const SearchLimits& limits) {
-  return Search(net, image, candidate, limits).run();
+SearchResult search(const Net& net, const rt::Image& image, const SearchGoal& goal, const std::vector<u32>& candidate, const SearchLimits& limits) {
+  return Search(net, image, goal, candidate, limits).run();
 }
 
-bool tell_deadlock(const rt::Image& image, const std::vector<std::uint64_t>& choices, std::size_t max_lines, std::string& out) {
+bool reaches(const rt::Image& image, const SearchGoal& goal, const std::vector<std::uint64_t>& choices) {
   rt::Core core(image);
-  if (!core.initialize()) return false;
-  rt::StepWriter writer;
+  if (!core.initialize()) return goal.faults && choices.empty();
   for (std::size_t step = 0; step < choices.size(); ++step) {
     if (choices[step] >= core.candidate_count()) return false;
-    if (step < max_lines) writer.step(out, core, core.candidate(choices[step]), step);
-    if (step == max_lines && max_lines != 0) out += "… and " + std::to_string(choices.size() - step) + " more steps\n";
-    if (!core.fire(choices[step])) return false;
+    if (!core.fire(choices[step])) return goal.faults && step + 1 == choices.size();
   }
-  if (core.candidate_count() != 0) return false;
-  std::string story = rt::deadlock_story(core, choices.size(), 0);
-  // No seed: these steps were chosen one by one.
-  if (const std::size_t at = story.find(", seed 0)"); at != std::string::npos) story.erase(at, 8);
-  out += story;
-  return true;
+  return (goal.stuck && core.candidate_count() == 0) || (goal.state && goal.state(core));
 }
 
 }  // namespace bip::verify

@@ -5,6 +5,8 @@
 
 #include <cadical.hpp>
 
+#include "runtime/engine/interrupt.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -14,7 +16,7 @@ class Deadline : public CaDiCaL::Terminator {
   explicit Deadline(double seconds)
       : at_(std::chrono::steady_clock::now() +
             std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
-  bool terminate() override { return std::chrono::steady_clock::now() >= at_; }
+  bool terminate() override { return rt::is_interrupted() || std::chrono::steady_clock::now() >= at_; }
 
  private:
   std::chrono::steady_clock::time_point at_;

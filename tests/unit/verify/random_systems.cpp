@@ -33,12 +33,12 @@ void compare(const std::vector<std::string>& texts, Tally& tally) {
   const verify::Proof proof = verify::prove_deadlock_freedom(net, verify::Clock::now() + std::chrono::seconds(5));
   const interp::Interpreter interpreter(*c.lowered);
   const verify::SearchLimits limits{.end = verify::Clock::now() + std::chrono::seconds(1), .megabytes = 200};
-  const verify::SearchResult all = verify::search_deadlock(net, c.lowered->image, {}, limits);
+  const verify::SearchResult all = verify::search(net, c.lowered->image, {.stuck = true, .faults = false, .state = {}}, {}, limits);
   if (all.end == verify::SearchEnd::Limit) {
     ++tally.open;
     return;
   }
-  const bool has_deadlock = all.end == verify::SearchEnd::Deadlock;
+  const bool has_deadlock = all.end == verify::SearchEnd::Found;
   ++(has_deadlock ? tally.deadlock : tally.free);
   if (proof.end == verify::ProofEnd::Free && has_deadlock) {
     INFO(texts.back());
@@ -47,7 +47,7 @@ void compare(const std::vector<std::string>& texts, Tally& tally) {
   if (proof.end == verify::ProofEnd::Candidate) {
     if (!has_deadlock) ++tally.candidates_that_were_free;
     // The guided search must find the same answer.
-    const verify::SearchResult guided = verify::search_deadlock(net, c.lowered->image, proof.candidate, limits);
+    const verify::SearchResult guided = verify::search(net, c.lowered->image, {.stuck = true, .faults = false, .state = {}}, proof.candidate, limits);
     if (guided.end != verify::SearchEnd::Limit) CHECK(guided.end == all.end);
   }
 }
@@ -129,7 +129,7 @@ void compare_reach(const std::string& text, ReachTally& tally) {
   const interp::Interpreter interpreter(*c.lowered);
   const verify::Net net = verify::build_net(*c.system);
   const verify::SearchLimits limits{.end = verify::Clock::now() + std::chrono::seconds(1), .megabytes = 200};
-  const verify::SearchResult all = verify::search_deadlock(net, c.lowered->image, {}, limits);
+  const verify::SearchResult all = verify::search(net, c.lowered->image, {.stuck = true, .faults = false, .state = {}}, {}, limits);
   if (all.end == verify::SearchEnd::Limit) {
     ++tally.open;
     return;
@@ -147,7 +147,7 @@ void compare_reach(const std::string& text, ReachTally& tally) {
   problem.bad = machine.stuck;
   problem.end = verify::Clock::now() + std::chrono::seconds(10);
   const verify::ReachAnswer answer = verify::find_reachable(problem);
-  const bool has_deadlock = all.end == verify::SearchEnd::Deadlock;
+  const bool has_deadlock = all.end == verify::SearchEnd::Found;
   if (answer.end == verify::ReachEnd::Stopped) {
     ++tally.stopped;
     WARN("stopped; states: " << all.states << ", bits " << machine.bits.size() << ", nodes " << machine.circuit.size());
@@ -157,8 +157,7 @@ void compare_reach(const std::string& text, ReachTally& tally) {
   } else {
     ++tally.reached;
     const auto choices = verify::follow(c.lowered->image, machine, answer.steps);
-    std::string told;
-    const bool is_real = choices && verify::tell_deadlock(c.lowered->image, *choices, 0, told);
+    const bool is_real = choices && verify::reaches(c.lowered->image, {.stuck = true, .faults = false, .state = {}}, *choices);
     if (!machine.vague.empty()) ++tally.vague;
     else if (!is_real) FAIL("the engine does not go the way of the counterexample");
   }

@@ -1,0 +1,98 @@
+// See verify_text.hpp.
+#include "compiler/driver/verify_text.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/verify/certificate.hpp"
+#include "compiler/verify/tell.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+constexpr std::size_t kInvariantsShown = 20, kComponentsShown = 20, kStepsShown = 100, kPlacesShown = 8;
+
+std::string count_of(std::size_t count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+
+const char* name_of(verify::Asked asked, bool holds) {
+  switch (asked) {
+    case verify::Asked::DeadlockFreedom: return holds ? "deadlock-free" : "deadlock";
+    case verify::Asked::NoErrors: return holds ? "error-free" : "error";
+    default: return holds ? "holds" : "violated";
+  }
+}
+
+std::string free_text(const Compilation& c, const verify::Question& question, const verify::Decision& d, const verify::Decider& decider, bool why) {
+  std::string text = name_of(question.what, true);
+  if (question.what == verify::Asked::State) text += fmt::format(": `{}`", question.property.text);
+  const std::string size = fmt::format("({}, {})", count_of(c.system->atoms.size(), "component"), count_of(c.system->connectors.size(), "connector"));
+  if (d.method == verify::Method::Exhaustive) {
+    const char* what = question.what == verify::Asked::DeadlockFreedom ? "no deadlock" : question.what == verify::Asked::NoErrors ? "no error" : "true";
+    text += fmt::format(": {} {} all {}\n", what, question.what == verify::Asked::State ? "in" : "among", count_of(d.states, "reachable state"));
+  } else if (d.method == verify::Method::Invariants) {
+    text += fmt::format(": proved with {} {}\n", count_of(d.proof.invariants.size(), "invariant"), size);
+  } else {
+    text += fmt::format(": proved by induction with {} and {} {}\n", count_of(d.proof.invariants.size(), "invariant"), count_of(d.lemmas.size(), "lemma"), size);
+  }
+  if (!why) return text;
+  for (std::size_t k = 0; k < d.proof.invariants.size() && k < kInvariantsShown; ++k) {
+    text += "  " + verify::invariant_text(decider.net(), d.proof.invariants[k]) + '\n';
+  }
+  if (d.proof.invariants.size() > kInvariantsShown) text += fmt::format("  … and {} more\n", d.proof.invariants.size() - kInvariantsShown);
+  for (std::size_t k = 0; k < d.lemmas.size() && k < kInvariantsShown; ++k) {
+    text += "  never " + verify::cube_text(*decider.machine(), *c.system, d.lemmas[k]) + '\n';
+  }
+  if (d.lemmas.size() > kInvariantsShown) text += fmt::format("  … and {} more\n", d.lemmas.size() - kInvariantsShown);
+  return text;
+}
+
+std::string unknown_text(const Compilation& c, const verify::Decision& d, const verify::Decider& decider) {
+  std::string text = fmt::format("unknown: {}\n", d.reason);
+  const std::vector<verify::u32>& candidate = d.proof.candidate;
+  if (!candidate.empty()) {
+    text += "no invariant that was found excludes this state, in which no step is sure:\n";
+    for (std::size_t k = 0; k < candidate.size() && k < kComponentsShown; ++k) text += "  " + decider.net().mode_name(candidate[k]) + '\n';
+    if (candidate.size() > kComponentsShown) text += fmt::format("  … and {} more\n", candidate.size() - kComponentsShown);
+  }
+  if (decider.machine() != nullptr && !decider.machine()->vague.empty()) {
+    text += "what is not followed here, and may be anything:\n" + verify::vague_text(*decider.machine(), *c.system, kPlacesShown);
+  }
+  return text;
+}
+
+}  // namespace
+
+VerdictText verdict_text(const Compilation& c, const verify::Question& question, const verify::Decision& d, const verify::Decider& decider, bool why) {
+  VerdictText v;
+  switch (d.outcome) {
+    case verify::Outcome::Holds:
+      v = {kOk, name_of(question.what, true), free_text(c, question, d, decider, why)};
+      break;
+    case verify::Outcome::Violated:
+      v = {kViolated, name_of(question.what, false), verify::tell(c.lowered->image, question, d.choices, kStepsShown)};
+      break;
+    case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, decider)}; break;
+  }
+  if (!d.fault.empty() && d.outcome != verify::Outcome::Violated) v.text += fmt::format("note: a run-time error can occur: {}\n", d.fault);
+  return v;
+}
+
+std::string verdict_json(const VerdictText& v, const verify::Question& question, const verify::Decision& d) {
+  nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
+  if (question.what == verify::Asked::State) json["property"] = question.property.text;
+  if (question.what == verify::Asked::NoErrors) json["property"] = "errors";
+  if (d.outcome == verify::Outcome::Holds) {
+    json["method"] = d.method == verify::Method::Exhaustive ? "exhaustive" : d.method == verify::Method::Induction ? "induction" : "invariants";
+    if (d.method != verify::Method::Exhaustive) json["invariants"] = d.proof.invariants.size();
+    if (d.method == verify::Method::Induction) json["lemmas"] = d.lemmas.size();
+  }
+  if (d.states != 0) json["states"] = d.states;
+  if (d.outcome == verify::Outcome::Violated) json["steps"] = d.choices.size();
+  if (d.outcome == verify::Outcome::Unknown) json["reason"] = d.reason;
+  json["text"] = v.text;
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,19 @@
+// What `bipc verify` says: the verdict in words and as JSON.
+#pragma once
+#include <string>
+
+#include "compiler/driver/pipeline.hpp"
+#include "compiler/verify/decide.hpp"
+
+namespace bip::driver {
+
+struct VerdictText {
+  int exit_code = 0;
+  std::string name;  // "deadlock-free", "violated", "unknown" …
+  std::string text;
+};
+[[nodiscard]] VerdictText verdict_text(const Compilation& c, const verify::Question& question, const verify::Decision& d, const verify::Decider& decider,
+                                       bool why);
+[[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question, const verify::Decision& d);
+
+}  // namespace bip::driver

@@ -1,0 +1,183 @@
+// See decide.hpp. The order is by cost: most models are decided before the next engine is asked.
+#include "compiler/verify/decide.hpp"
+
+#include <algorithm>
+
+#include "compiler/verify/follow.hpp"
+#include "compiler/verify/mode_signals.hpp"
+#include "compiler/verify/tell.hpp"
+
+namespace bip::verify {
+
+namespace {
+// The first search is a second's work at most: states times what is in one.
+constexpr std::uint64_t kFirstStates = 20000, kFirstValues = 4000000;
+}  // namespace
+
+bool Decider::ready() {
+  if (!can_run_ || cannot_prepare_) return false;
+  if (!is_ready_) is_ready_ = prepare_();
+  cannot_prepare_ = !is_ready_;
+  return is_ready_;
+}
+
+void Decider::add_reason(const std::string& reason) { d_.reason += (d_.reason.empty() ? "" : "; ") + reason; }
+
+// Modes, traps, one-token invariants; of deadlock-freedom they may be all that is needed.
+void Decider::look_at_structure() {
+  if (net_.too_large_atom != kNoRow) return;
+  d_.has_structure = true;
+  if (question_.what != Asked::DeadlockFreedom) {
+    d_.proof = find_reachable_modes(net_);
+    return;
+  }
+  report_("invariants", 0, "candidates");
+  d_.proof = prove_deadlock_freedom(net_, limits_.end, [&](const std::vector<u32>& candidate) {
+    if (!ready()) return false;
+    const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .only_walk = true, .report = {}};
+    SearchResult found = search(net_, image_, goal_of(question_), candidate, limits);
+    if (found.end != SearchEnd::Found) return false;
+    d_.outcome = Outcome::Violated;
+    d_.choices = std::move(found.choices);
+    return true;
+  });
+  if (d_.proof.end == ProofEnd::Free) d_.outcome = Outcome::Holds;
+}
+
+Decider::Tried Decider::try_search(std::uint64_t states) {
+  if (!ready() || is_exhausted_) return Tried::Open;
+  const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .states = states, .report = [&](std::uint64_t count) {
+                              report_("search", count, "states");
+                            }};
+  SearchResult found = search(net_, image_, goal_of(question_), d_.proof.candidate, limits);
+  d_.states = found.states;
+  if (question_.what != Asked::NoErrors && !found.fault.empty()) d_.fault = found.fault;
+  if (found.end == SearchEnd::Found) {
+    d_.outcome = Outcome::Violated;
+    d_.choices = std::move(found.choices);
+    return Tried::Done;
+  }
+  if (found.end == SearchEnd::Exhausted) {
+    d_.outcome = Outcome::Holds;
+    d_.method = Method::Exhaustive;
+    is_exhausted_ = true;
+    return Tried::Done;
+  }
+  if (states == ~std::uint64_t{0}) {
+    add_reason("the search met its limit of " + found.limit + " after " + std::to_string(found.states) + (found.states == 1 ? " state" : " states"));
+  }
+  return Tried::Open;
+}
+
+std::vector<std::vector<Signal>> Decider::structural_clauses() {
+  if (!d_.has_structure) return {};
+  return mode_clauses(net_, d_.proof, *machine_, image_);
+}
+
+Decider::Tried Decider::try_induction(double seconds) {
+  if (is_stopped() || induction_failed_) return Tried::Open;
+  if (!machine_) machine_ = build_machine(system_, image_);
+  if (!machine_->unsupported.empty()) {
+    induction_failed_ = true;
+    add_reason(machine_->unsupported);
+    return Tried::Open;
+  }
+  if (machine_->starts_with_fault) {
+    induction_failed_ = true;
+    return Tried::Open;
+  }
+  ReachProblem problem;
+  problem.machine = &*machine_;
+  Signal bad = machine_->stuck;
+  if (question_.what == Asked::NoErrors) bad = machine_->error;
+  if (question_.what == Asked::State) bad = broken_signal(question_.property, *machine_, image_);
+  problem.bad = machine_->circuit.either(bad, machine_->lost);
+  problem.invariants = structural_clauses();
+  problem.end = std::min(limits_.end, Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+  problem.report = [&](u32 frame, std::size_t lemmas) {
+    d_.frames = frame;
+    report_("induction", lemmas, "lemmas");
+  };
+  if (!ranges_hold(*machine_, seconds_until(problem.end))) {
+    induction_failed_ = true;
+    add_reason("the ranges of data could not be confirmed");
+    return Tried::Open;
+  }
+  ReachAnswer answer = find_reachable(problem);
+  d_.frames = answer.frames;
+  if (answer.end == ReachEnd::Safe) {
+    d_.outcome = Outcome::Holds;
+    d_.method = Method::Induction;
+    d_.lemmas = std::move(answer.lemmas);
+    return Tried::Done;
+  }
+  if (answer.end == ReachEnd::Stopped) return Tried::Open;
+  induction_failed_ = true;
+  if (!ready()) {
+    add_reason(can_run_ ? "a way to it exists, but no code to replay it" : "a way to such a state exists if C++ gives the right values: it cannot be replayed");
+    return Tried::Open;
+  }
+  std::optional<std::vector<std::uint64_t>> choices = follow(image_, *machine_, answer.steps);
+  if (choices && question_.what == Asked::NoErrors && !reaches(image_, goal_of(question_), *choices) && answer.bad_step != kNoRow) {
+    std::vector<u32> steps = answer.steps;
+    rt::Core core(image_);
+    bool is_there = core.initialize();
+    for (std::uint64_t k : *choices) is_there = is_there && core.fire(k);
+    if (is_there) {
+      if (const std::optional<std::uint64_t> last = candidate_of(core, machine_->steps[answer.bad_step])) choices->push_back(*last);
+    }
+  }
+  // A step that ends in an error in the state that it leads to.
+  if (choices && !reaches(image_, goal_of(question_), *choices)) choices.reset();
+  if (!choices && question_.what == Asked::NoErrors) choices = follow_to_fault(image_, *machine_, answer.steps);
+  if (!choices || !reaches(image_, goal_of(question_), *choices)) {
+    add_reason("a way that the abstraction allows does not exist in the engine");
+    return Tried::Open;
+  }
+  d_.outcome = Outcome::Violated;
+  d_.choices = std::move(*choices);
+  return Tried::Done;
+}
+
+Decision Decider::decide(const Question& question, const DecideLimits& limits) {
+  question_ = question;
+  limits_ = limits;
+  d_ = {};
+  is_exhausted_ = induction_failed_ = false;
+  look_at_structure();
+  if (d_.outcome != Outcome::Unknown) return std::move(d_);
+  // What each engine gets of the time that is left.
+  if (try_search(std::min(kFirstStates, kFirstValues / (image_.atoms.size + image_.slot_count + 1) + 1)) == Tried::Done) {
+    if (d_.outcome == Outcome::Violated || !limits_.wants_certificate) return std::move(d_);
+    (void)try_induction(seconds_until(limits_.end));
+    d_.reason.clear();
+    return std::move(d_);
+  }
+  const double left = seconds_until(limits_.end);
+  if (try_induction(can_run_ ? left / 3 : left) == Tried::Done) return std::move(d_);
+  if (!is_stopped() && try_search(~std::uint64_t{0}) == Tried::Done) {
+    if (d_.outcome == Outcome::Holds && limits_.wants_certificate) (void)try_induction(seconds_until(limits_.end));
+    d_.reason.clear();
+    return std::move(d_);
+  }
+  // The search gave up for memory: what is left of the time belongs to the proof.
+  if (!is_stopped() && try_induction(seconds_until(limits_.end)) == Tried::Done) return std::move(d_);
+  if (rt::is_interrupted()) d_.reason = "interrupted";
+  else if (seconds_until(limits_.end) <= 0 && d_.reason.empty()) d_.reason = "the time is over";
+  else if (d_.reason.empty()) d_.reason = "no engine has an answer";
+  if (!can_run_) add_reason("the model calls C++, whose state cannot be searched");
+  return std::move(d_);
+}
+
+std::string vague_text(const Machine& machine, const System& system, std::size_t count) {
+  std::string text;
+  for (const Vague& one : machine.vague) {
+    if (count-- == 0) return text + "  …\n";
+    text += "  ";
+    if (one.loc.line != 0 && one.loc.file < system.files.size()) text += system.files[one.loc.file] + ':' + std::to_string(one.loc.line) + ": ";
+    text += one.what + '\n';
+  }
+  return text;
+}
+
+}  // namespace bip::verify

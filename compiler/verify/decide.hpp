@@ -1,0 +1,83 @@
+// The whole decision: structure first, then the engine's own search for what is near, then IC3 over the machine, then the
+// search for as long as time and memory last. Nothing is guessed: a way to a bad state has been replayed, a proof is one.
+#pragma once
+#include "compiler/verify/pdr.hpp"
+#include "compiler/verify/property.hpp"
+#include "compiler/verify/prove.hpp"
+#include "compiler/verify/search.hpp"
+
+namespace bip::verify {
+
+enum class Asked : std::uint8_t { DeadlockFreedom, NoErrors, State };
+struct Question {
+  Asked what = Asked::DeadlockFreedom;
+  Property property;  // State
+};
+
+enum class Outcome : std::uint8_t { Holds, Violated, Unknown };
+/// How a property was found to hold.
+enum class Method : std::uint8_t {
+  Invariants,  // of the structure alone
+  Induction,   // lemmas that no step leaves, with the structure's
+  Exhaustive   // every reachable state was visited
+};
+struct Decision {
+  Outcome outcome = Outcome::Unknown;
+  Method method = Method::Invariants;
+  Proof proof;                         // structure: invariants, reachable modes, the candidate that survived
+  bool has_structure = false;
+  std::vector<Cube> lemmas;            // Induction
+  std::vector<std::uint64_t> choices;  // Violated
+  std::uint64_t states = 0;            // visited by the last search
+  std::string fault;                   // a run-time error that a search met and that was not asked about
+  std::string reason;                  // Unknown
+  u32 frames = 0;
+};
+
+/// What happens, for a terminal: a phase and how far it is.
+using Report = std::function<void(const char* phase, std::uint64_t count, const char* unit)>;
+
+struct DecideLimits {
+  Clock::time_point end;
+  std::size_t megabytes = 2048;
+  bool wants_certificate = false;  // an exhaustive search is followed by a proof
+};
+
+class Decider {
+ public:
+  /// `prepare` gives the image its code; false: it cannot be had. `can_run`: no C++ that would have to be called.
+  Decider(const System& system, const rt::Image& image, bool can_run, std::function<bool()> prepare, Report report)
+      : system_(system), image_(image), can_run_(can_run), prepare_(std::move(prepare)), report_(std::move(report)), net_(build_net(system)) {}
+
+  [[nodiscard]] Decision decide(const Question& question, const DecideLimits& limits);
+  [[nodiscard]] const Net& net() const { return net_; }
+  /// Null until induction was tried.
+  [[nodiscard]] const Machine* machine() const { return machine_ ? &*machine_ : nullptr; }
+
+ private:
+  enum class Tried : std::uint8_t { Done, Open };
+  void look_at_structure();
+  Tried try_search(std::uint64_t states);
+  Tried try_induction(double seconds);
+  [[nodiscard]] bool is_stopped() const { return seconds_until(limits_.end) <= 0; }
+  [[nodiscard]] bool ready();
+  [[nodiscard]] std::vector<std::vector<Signal>> structural_clauses();
+  void add_reason(const std::string& reason);
+
+  const System& system_;
+  const rt::Image& image_;
+  bool can_run_;
+  std::function<bool()> prepare_;
+  Report report_;
+  Net net_;
+  std::optional<Machine> machine_;
+  Question question_;
+  DecideLimits limits_;
+  Decision d_;
+  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, induction_failed_ = false;
+};
+
+/// "m.bip:12: a call of `f`", a line each, at most `count`.
+[[nodiscard]] std::string vague_text(const Machine& machine, const System& system, std::size_t count);
+
+}  // namespace bip::verify

@@ -1,0 +1,87 @@
+// See mode_signals.hpp.
+#include "compiler/verify/mode_signals.hpp"
+
+#include "compiler/verify/cnf.hpp"
+
+namespace bip::verify {
+
+namespace {
+// "At most one" of more modes is left to the traps.
+constexpr std::size_t kMaxPairs = 12;
+}  // namespace
+
+Signal mode_signal(const Net& net, u32 mode, Machine& machine, const rt::Image& image) {
+  const u32 atom = net.atom_of_mode[mode];
+  const ModeClass& row = net.class_at(atom);
+  const Mode& of = row.modes[mode - net.mode_base[atom]];
+  const AtomType& type = net.system->atom_types[row.type];
+  Circuit& c = machine.circuit;
+  const std::vector<Signal>& marks = machine.marks[atom];
+  Signal result = kTrue;
+  std::vector<std::uint8_t> is_marked(marks.size(), 0);
+  for (u32 place : of.places) {
+    is_marked[place] = 1;
+    result = c.both(result, marks[place]);
+  }
+  bool is_alone = of.places.size() == 1;
+  is_alone = is_alone && machine.is_automaton[atom] != 0;
+  for (std::size_t p = 0; p < marks.size() && !is_alone; ++p) {
+    if (is_marked[p] == 0) result = c.both(result, negated(marks[p]));
+  }
+  for (std::size_t k = 0; k < type.slots.size(); ++k) {
+    const Word& word = machine.words[image.atoms[atom].slot_base + k];
+    if (row.followed[k] == 0 || !of.values[k].is_known || word.empty()) continue;
+    // A string without row is "" in a system without strings.
+    const bool is_nothing = type.slots[k].type == Type::String && of.values[k].value < 0;
+    result = c.both(result, equal(c, word, word_of(is_nothing ? 0 : of.values[k].value)));
+  }
+  return result;
+}
+
+std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof, Machine& machine, const rt::Image& image) {
+  std::vector<std::vector<Signal>> clauses;
+  std::vector<Signal> signals;
+  for (u32 mode = 0; mode < net.mode_count(); ++mode) signals.push_back(proof.reachable[mode] != 0 ? mode_signal(net, mode, machine, image) : kFalse);
+  for (std::size_t atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
+    clauses.emplace_back();
+    for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
+      if (signals[mode] != kFalse) clauses.back().push_back(signals[mode]);
+    }
+  }
+  for (const TokenInvariant& invariant : proof.invariants) {
+    clauses.emplace_back();
+    for (u32 mode : invariant.modes) {
+      if (signals[mode] != kFalse) clauses.back().push_back(signals[mode]);
+    }
+    const std::vector<Signal> modes = clauses.back();
+    if (invariant.kind != InvariantKind::OneToken || modes.size() > kMaxPairs) continue;
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      for (std::size_t j = i + 1; j < modes.size(); ++j) clauses.push_back({negated(modes[i]), negated(modes[j])});
+    }
+  }
+  return clauses;
+}
+
+bool ranges_hold(const Machine& machine, double seconds) {
+  if (machine.next_in_range == kTrue) return true;
+  Solver solver;
+  Cnf cnf(machine.circuit, solver);
+  std::vector<Lit> chosen;
+  for (const MachineStep& step : machine.steps) {
+    chosen.push_back(cnf.literal(step.chosen));
+    solver.add({-chosen.back(), cnf.literal(step.fine)});
+  }
+  solver.add(chosen);
+  add_at_most_one(solver, chosen);
+  for (const std::vector<u32>& group : machine.exactly_one) {
+    std::vector<Lit> places;
+    for (u32 row : group) places.push_back(cnf.literal(machine.bits[row].now));
+    solver.add(places);
+    add_at_most_one(solver, places);
+  }
+  for (Signal inside : machine.in_range) solver.add({cnf.literal(inside)});
+  solver.add({-cnf.literal(machine.next_in_range)});
+  return solver.solve(seconds) == Answer::Unsatisfiable;
+}
+
+}  // namespace bip::verify

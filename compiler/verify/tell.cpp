@@ -1,0 +1,66 @@
+// See tell.hpp.
+#include "compiler/verify/tell.hpp"
+
+#include "runtime/core/story.hpp"
+#include "runtime/core/text.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// No seed: these steps were chosen one by one.
+void drop_seed(std::string& text) {
+  if (const std::size_t at = text.find(", seed 0)"); at != std::string::npos) text.erase(at, 8);
+}
+
+std::string step_count(std::size_t count) { return std::to_string(count) + (count == 1 ? " step)" : " steps)"); }
+
+std::string broken_state(const rt::Core& core, const Property& property, std::size_t steps) {
+  std::string out = "violated[V0002]: `" + property.text + "`   (" + step_count(steps) + '\n';
+  for (u32 atom : atoms_of(property)) {
+    const rt::Atom& row = core.image().atoms[atom];
+    out += std::string("  ") + rt::relative(row.path) + " at `" + rt::places_of(core, atom) + '`';
+    rt::append_line(out, core.image(), row.loc);
+    const std::string data = rt::data_of(core, atom);
+    out += (data.empty() ? "" : "  " + data) + '\n';
+  }
+  return out;
+}
+
+std::string error_text(const rt::Core& core, std::size_t steps) {
+  std::string out = "violated[V0003]: a run-time error can occur   (" + step_count(steps) + '\n';
+  std::string fault = rt::text_of(core.fault(), core.image(), 0, steps);
+  drop_seed(fault);
+  return out + fault;
+}
+
+}  // namespace
+
+SearchGoal goal_of(const Question& question) {
+  SearchGoal goal;
+  goal.stuck = question.what == Asked::DeadlockFreedom;
+  goal.faults = question.what == Asked::NoErrors;
+  if (question.what == Asked::State) goal.state = [&question](const rt::Core& core) { return is_broken(question.property, core); };
+  return goal;
+}
+
+std::string tell(const rt::Image& image, const Question& question, const std::vector<std::uint64_t>& choices, std::size_t max_lines) {
+  if (!reaches(image, goal_of(question), choices)) return {};
+  rt::Core core(image);
+  std::string out;
+  rt::StepWriter writer;
+  bool goes_on = core.initialize();
+  for (std::size_t step = 0; step < choices.size() && goes_on; ++step) {
+    if (step < max_lines) writer.step(out, core, core.candidate(choices[step]), step);
+    if (step == max_lines && max_lines != 0) out += "… and " + std::to_string(choices.size() - step) + " more steps\n";
+    goes_on = core.fire(choices[step]);
+  }
+  if (!goes_on) return out + error_text(core, choices.size());
+  if (question.what == Asked::State) return out + broken_state(core, question.property, choices.size());
+  std::string story = rt::deadlock_story(core, choices.size(), 0);
+  drop_seed(story);
+  return out + story;
+}
+
+}  // namespace bip::verify

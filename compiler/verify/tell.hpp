@@ -1,0 +1,15 @@
+// A way to a bad state, told to a person: the steps as the engine prints them, then what is wrong there.
+#pragma once
+#include <string>
+
+#include "compiler/verify/decide.hpp"
+
+namespace bip::verify {
+
+/// What is looked for, as a search has it. `question` must outlive it.
+[[nodiscard]] SearchGoal goal_of(const Question& question);
+
+/// At most `max_lines` steps. Empty: the choices do not lead to what the question is about.
+[[nodiscard]] std::string tell(const rt::Image& image, const Question& question, const std::vector<std::uint64_t>& choices, std::size_t max_lines);
+
+}  // namespace bip::verify
