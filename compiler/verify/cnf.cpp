@@ -110,8 +110,13 @@ std::vector<std::uint8_t> nodes_of(const Machine& machine, const Relevant& relev
     if (relevant.bits[k] != 0) covered[node_of(machine.bits[k].now)] = 1;
   }
   // Nodes come after those below them.
+  std::vector<std::uint8_t> is_bit(circuit.size(), 0);
+  for (const StateBit& bit : machine.bits) is_bit[node_of(bit.now)] = 1;
   for (u32 row = 1; row < circuit.size(); ++row) {
-    if (circuit.is_input(row)) continue;
+    if (circuit.is_input(row)) {
+      if (is_bit[row] == 0) covered[row] = 1;
+      continue;
+    }
     covered[row] = covered[node_of(circuit.node(row).a)] & covered[node_of(circuit.node(row).b)];
   }
   return covered;

@@ -11,7 +11,7 @@ struct Relevant {
   std::vector<std::uint8_t> bits, steps;
 };
 [[nodiscard]] Relevant find_relevant(const Machine& machine, const std::vector<Signal>& signals);
-/// By node: does it depend on nothing but relevant bits?
+/// By node: does it depend on no bit that is not relevant?
 [[nodiscard]] std::vector<std::uint8_t> nodes_of(const Machine& machine, const Relevant& relevant);
 
 class Cnf {

@@ -5,6 +5,7 @@
 
 #include "compiler/verify/follow.hpp"
 #include "compiler/verify/mode_signals.hpp"
+#include "compiler/verify/strengthen.hpp"
 #include "compiler/verify/tell.hpp"
 
 namespace bip::verify {
@@ -45,7 +46,7 @@ void Decider::look_at_structure() {
 }
 
 Decider::Tried Decider::try_search(std::uint64_t states) {
-  if (!ready() || is_exhausted_) return Tried::Open;
+  if (!limits_.may_search || is_exhausted_ || !ready()) return Tried::Open;
   const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .states = states, .report = [&](std::uint64_t count) {
                               report_("search", count, "states");
                             }};
@@ -92,7 +93,6 @@ Decider::Tried Decider::try_induction(double seconds) {
   if (question_.what == Asked::NoErrors) bad = machine_->error;
   if (question_.what == Asked::State) bad = broken_signal(question_.property, *machine_, image_);
   problem.bad = machine_->circuit.either(bad, machine_->lost);
-  problem.invariants = structural_clauses();
   problem.end = std::min(limits_.end, Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
   problem.report = [&](u32 frame, std::size_t lemmas) {
     d_.frames = frame;
@@ -103,6 +103,16 @@ Decider::Tried Decider::try_induction(double seconds) {
     add_reason("the ranges of data could not be confirmed");
     return Tried::Open;
   }
+  if (d_.has_structure && !is_strengthened_) {
+    report_("invariants", d_.proof.invariants.size(), "found");
+    is_strengthened_ = true;
+    if (strengthen(net_, *machine_, image_, problem.bad, problem.end, d_.proof)) {
+      d_.outcome = Outcome::Holds;
+      d_.method = Method::Induction;
+      return Tried::Done;
+    }
+  }
+  problem.invariants = structural_clauses();
   ReachAnswer answer = find_reachable(problem);
   d_.frames = answer.frames;
   if (answer.end == ReachEnd::Safe) {
@@ -143,7 +153,7 @@ Decision Decider::decide(const Question& question, const DecideLimits& limits) {
   question_ = question;
   limits_ = limits;
   d_ = {};
-  is_exhausted_ = induction_failed_ = false;
+  is_exhausted_ = induction_failed_ = is_strengthened_ = false;
   look_at_structure();
   if (d_.outcome != Outcome::Unknown) return std::move(d_);
   // What each engine gets of the time that is left.

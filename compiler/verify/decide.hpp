@@ -41,6 +41,7 @@ struct DecideLimits {
   Clock::time_point end;
   std::size_t megabytes = 2048;
   bool wants_certificate = false;  // an exhaustive search is followed by a proof
+  bool may_search = true;          // states may be visited; a way that a proof's failure gives is replayed in any case
 };
 
 class Decider {
@@ -74,7 +75,7 @@ class Decider {
   Question question_;
   DecideLimits limits_;
   Decision d_;
-  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, induction_failed_ = false;
+  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, is_strengthened_ = false, induction_failed_ = false;
 };
 
 /// "m.bip:12: a call of `f`", a line each, at most `count`.

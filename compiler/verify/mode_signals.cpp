@@ -8,8 +8,8 @@ namespace bip::verify {
 namespace {
 // "At most one" of more modes is left to the traps.
 constexpr std::size_t kMaxPairs = 12;
-}  // namespace
 
+// Its places and no others are marked, its known values hold.
 Signal mode_signal(const Net& net, u32 mode, Machine& machine, const rt::Image& image) {
   const u32 atom = net.atom_of_mode[mode];
   const ModeClass& row = net.class_at(atom);
@@ -38,16 +38,44 @@ Signal mode_signal(const Net& net, u32 mode, Machine& machine, const rt::Image& 
   return result;
 }
 
-std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof, Machine& machine, const rt::Image& image) {
-  std::vector<std::vector<Signal>> clauses;
-  std::vector<Signal> signals;
-  for (u32 mode = 0; mode < net.mode_count(); ++mode) signals.push_back(proof.reachable[mode] != 0 ? mode_signal(net, mode, machine, image) : kFalse);
-  for (std::size_t atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
-    clauses.emplace_back();
-    for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
-      if (signals[mode] != kFalse) clauses.back().push_back(signals[mode]);
+bool may_overlap(const ModeClass& row) {
+  for (const Mode& mode : row.modes) {
+    for (std::size_t k = 0; k < mode.values.size(); ++k) {
+      if (row.followed[k] != 0 && !mode.values[k].is_known) return true;
     }
   }
+  return false;
+}
+
+}  // namespace
+
+ModeSignals mode_signals(const Net& net, const Proof& proof, Machine& machine, const rt::Image& image) {
+  ModeSignals result;
+  for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
+    const bool overlaps = may_overlap(net.class_at(atom));
+    std::vector<Signal> here;
+    for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
+      result.modes.push_back(kFalse);
+      if (proof.reachable[mode] == 0) continue;
+      Signal signal = mode_signal(net, mode, machine, image);
+      if (overlaps) {
+        const Signal is_it = machine.circuit.input();
+        result.clauses.push_back({negated(is_it), signal});
+        for (Signal other : here) result.clauses.push_back({negated(other), negated(is_it)});
+        signal = is_it;
+      }
+      here.push_back(signal);
+      result.modes.back() = signal;
+    }
+    result.clauses.push_back(std::move(here));
+  }
+  return result;
+}
+
+std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof, Machine& machine, const rt::Image& image) {
+  ModeSignals all = mode_signals(net, proof, machine, image);
+  const std::vector<Signal>& signals = all.modes;
+  std::vector<std::vector<Signal>>& clauses = all.clauses;
   for (const TokenInvariant& invariant : proof.invariants) {
     clauses.emplace_back();
     for (u32 mode : invariant.modes) {
@@ -59,7 +87,7 @@ std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof
       for (std::size_t j = i + 1; j < modes.size(); ++j) clauses.push_back({negated(modes[i]), negated(modes[j])});
     }
   }
-  return clauses;
+  return std::move(all.clauses);
 }
 
 bool ranges_hold(const Machine& machine, double seconds) {

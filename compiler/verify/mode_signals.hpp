@@ -6,8 +6,14 @@
 
 namespace bip::verify {
 
-/// The signal of a mode: its places and no others are marked, its known values hold.
-[[nodiscard]] Signal mode_signal(const Net& net, u32 mode, Machine& machine, const rt::Image& image);
+/// A signal a mode. A state may fit several modes of a class, where values are unknown; the atom is in one of them all the same.
+/// Then the modes are inputs: `clauses` say that it is exactly one, and one that fits.
+struct ModeSignals {
+  std::vector<Signal> modes;  // kFalse: not reachable
+  std::vector<std::vector<Signal>> clauses;
+};
+[[nodiscard]] ModeSignals mode_signals(const Net& net, const Proof& proof, Machine& machine, const rt::Image& image);
+/// The same, and the proof's invariants.
 [[nodiscard]] std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof, Machine& machine, const rt::Image& image);
 [[nodiscard]] bool ranges_hold(const Machine& machine, double seconds);
 

@@ -12,7 +12,6 @@ constexpr std::size_t kOneTokenBatch = 16;
 constexpr int kQuestions = 3;
 }
 
-namespace {
 void spread_from_initial(const Net& net, Spread& reachable, Proof& proof) {
   for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
     for (u32 mode : net.class_at(atom).initial) reachable.turn_on(net.mode_base[atom] + mode);
@@ -20,7 +19,6 @@ void spread_from_initial(const Net& net, Spread& reachable, Proof& proof) {
   reachable.run();
   for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
 }
-}  // namespace
 
 Proof find_reachable_modes(const Net& net) {
   Proof proof;

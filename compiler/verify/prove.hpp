@@ -37,7 +37,9 @@ struct Proof {
 /// Asked about a candidate (by atom: the mode) that no trap excludes, before other invariants are looked for: true stops.
 using StopAt = std::function<bool(const std::vector<u32>& candidate)>;
 
-/// Nothing but which modes are reachable by structure.
+/// Which modes are reachable by structure, into `reachable` (fresh, forward) and the proof's.
+void spread_from_initial(const Net& net, Spread& reachable, Proof& proof);
+/// Nothing but that.
 [[nodiscard]] Proof find_reachable_modes(const Net& net);
 [[nodiscard]] Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at = {});
 

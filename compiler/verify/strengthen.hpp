@@ -1,0 +1,13 @@
+// Traps and one-token invariants on demand for any bad state of the machine, not only for deadlocks: a bad state that what is
+// known allows gives a candidate, and that the invariants that exclude it.
+#pragma once
+#include "compiler/verify/machine.hpp"
+#include "compiler/verify/prove.hpp"
+
+namespace bip::verify {
+
+/// Adds to `proof.invariants` what excludes bad states. True: none is left, the property is proved. False: one is left that
+/// no such invariant excludes, or the time is over.
+[[nodiscard]] bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof);
+
+}  // namespace bip::verify

@@ -1,0 +1,170 @@
+// bip-verify-check: random systems, each asked three questions (deadlock, run-time errors, a random property), the prover's
+// verdicts against a visit of all states.
+//
+//   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models]
+//
+// Two provers a question: one without search, whose proofs and replayed ways must agree with the visit; and the whole one,
+// which should have an answer. With --out each proof of a system leaves N.bsys, N.cert for certcheck.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "compiler/interp/interp.hpp"
+#include "compiler/system/bsys.hpp"
+#include "compiler/verify/certificate.hpp"
+#include "compiler/verify/tell.hpp"
+#include "tests/verify/small_net.hpp"
+#include "tools/gen/compiled.hpp"
+#include "tools/gen/description.hpp"
+#include "tools/gen/prng.hpp"
+
+namespace {
+
+using namespace bip;
+
+struct Options {
+  std::uint64_t from = 1, count = 100, states = 5000;
+  double seconds = 1;
+  std::string out;
+  bool nets = true, models = true;
+};
+struct Totals {
+  std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0, failed = 0, certificates = 0;
+};
+
+verify::Clock::time_point after(double seconds) {
+  return verify::Clock::now() + std::chrono::duration_cast<verify::Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+// A property that is neither always nor never broken, with some luck.
+std::string random_property(const System& system, std::uint64_t seed) {
+  gen::Prng random(seed);
+  std::string text = "never ";
+  for (int k = 0; k < 2; ++k) {
+    const Atom& atom = system.atoms[AtomId(static_cast<std::size_t>(random.below(system.atoms.size())))];
+    const AtomType& type = system.atom_types[atom.type];
+    if (k != 0) text += " && ";
+    const std::string path = atom.path.substr(5);
+    if (!type.slots.empty() && random.below(3) == 0) {
+      const Slot& slot = type.slots[static_cast<std::size_t>(random.below(type.slots.size()))];
+      if (slot.type == Type::Int) {
+        text += path + '.' + slot.name + " > " + std::to_string(random.below(4));
+        continue;
+      }
+      if (slot.type == Type::Bool) {
+        text += path + '.' + slot.name;
+        continue;
+      }
+    }
+    text += path + '@' + type.places[static_cast<std::size_t>(random.below(type.places.size()))];
+  }
+  return text;
+}
+
+class Check {
+ public:
+  Check(const Options& options, Totals& totals) : o_(options), t_(totals) {}
+
+  void system(const std::string& name, const std::vector<std::string>& texts, std::uint64_t seed) {
+    name_ = name;
+    const gen::Compiled c = gen::compile_texts(texts);
+    if (!c.problem.empty()) {
+      fail("does not compile: " + c.problem);
+      return;
+    }
+    // What C++ remembers is outside of a state: there is no visit to compare with.
+    if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty()) return;
+    ++t_.systems;
+    const interp::Interpreter interpreter(*c.lowered);
+    verify::Question deadlock, errors, state;
+    errors.what = verify::Asked::NoErrors;
+    state.what = verify::Asked::State;
+    const std::string property = random_property(*c.system, seed);
+    Result<verify::Property> parsed = verify::parse_property(property, *c.system);
+    if (!parsed) {
+      fail("property `" + property + "`: " + parsed.error());
+      return;
+    }
+    state.property = std::move(*parsed);
+    int number = 0;
+    for (const verify::Question* question : {&deadlock, &errors, &state}) one(c, *question, name + '-' + std::to_string(number++));
+  }
+
+ private:
+  void fail(const std::string& what) {
+    ++t_.failed;
+    std::printf("FAILED %s: %s\n", name_.c_str(), what.c_str());
+    std::fflush(stdout);
+  }
+
+  void one(const gen::Compiled& c, const verify::Question& question, const std::string& file) {
+    ++t_.questions;
+    const verify::Net net = verify::build_net(*c.system);
+    const verify::SearchLimits limits{.end = after(20), .megabytes = 1000, .states = o_.states, .report = {}};
+    const verify::SearchResult all = verify::search(net, c.lowered->image, verify::goal_of(question), {}, limits);
+    const bool is_known = all.end != verify::SearchEnd::Limit;
+    t_.too_large += is_known ? 0 : 1;
+    const bool is_violated = all.end == verify::SearchEnd::Found;
+    (is_violated ? t_.violated : t_.holds) += is_known ? 1 : 0;
+
+    for (const bool with_search : {false, true}) {
+      verify::DecideLimits decide;
+      decide.end = after(with_search ? 10 * o_.seconds : o_.seconds);
+      decide.megabytes = 1000;
+      decide.may_search = with_search;
+      decide.wants_certificate = !with_search;
+      verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
+      // The whole prover would visit all states of those that are known, as the test did.
+      if (with_search && is_known && open_ == 0) continue;
+      const verify::Decision d = decider.decide(question, decide);
+      open_ = d.outcome == verify::Outcome::Unknown ? 1 : 0;
+      (with_search ? t_.unknown : t_.open_proofs) += static_cast<std::uint64_t>(open_);
+      if (d.outcome == verify::Outcome::Unknown) continue;
+      const bool says_violated = d.outcome == verify::Outcome::Violated;
+      const std::string asked = question.what == verify::Asked::State ? question.property.text : question.what == verify::Asked::NoErrors ? "errors" : "deadlock";
+      if (is_known && says_violated != is_violated) fail(asked + (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
+      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices)) fail(asked + ": the way cannot be taken");
+      if (!says_violated && !with_search && !o_.out.empty()) write(c, question, decider, d, file);
+    }
+    open_ = 0;
+  }
+
+  void write(const gen::Compiled& c, const verify::Question& question, const verify::Decider& decider, const verify::Decision& d, const std::string& file) {
+    std::ofstream(o_.out + '/' + file + ".bsys") << system::print(*c.system);
+    std::ofstream(o_.out + '/' + file + ".cert") << verify::certificate(decider, question, d, *c.system, "Root()");
+    ++t_.certificates;
+  }
+
+  const Options& o_;
+  Totals& t_;
+  std::string name_;
+  int open_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options o;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string flag = argv[i];
+    const char* value = argv[i + 1];
+    if (flag == "--from") o.from = std::strtoull(value, nullptr, 10);
+    else if (flag == "--count") o.count = std::strtoull(value, nullptr, 10);
+    else if (flag == "--states") o.states = std::strtoull(value, nullptr, 10);
+    else if (flag == "--seconds") o.seconds = std::strtod(value, nullptr);
+    else if (flag == "--out") o.out = value;
+    else if (flag == "--sort") (std::strcmp(value, "nets") == 0 ? o.models : o.nets) = false;
+  }
+  Totals t;
+  Check check(o, t);
+  for (std::uint64_t seed = o.from; seed < o.from + o.count; ++seed) {
+    if (o.nets) check.system("net" + std::to_string(seed), {verify::test::small_net(seed)}, seed);
+    if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
+  }
+  const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
+  std::printf("questions %llu: hold %llu, violated %llu, more states than %llu: %llu; without search open %llu; unknown %llu; certificates %llu\n", n(t.questions),
+              n(t.holds), n(t.violated), n(o.states), n(t.too_large), n(t.open_proofs), n(t.unknown), n(t.certificates));
+  std::printf("systems %llu, failed %llu\n", n(t.systems), n(t.failed));
+  return t.failed == 0 ? 0 : 1;
+}

@@ -1,0 +1,11 @@
+// Small random systems without data, for the tests of the prover: denser in deadlocks and triggers than tools/gen's.
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace bip::verify::test {
+
+/// The text of a model. The same seed gives the same text on every machine.
+[[nodiscard]] std::string small_net(std::uint64_t seed);
+
+}  // namespace bip::verify::test
