@@ -65,6 +65,8 @@ def groups():
         yield "lsp", [("lsp", lambda: run_script("lsp", [sys.executable, str(ROOT / "tests/lsp/run")]))]
     if (BUILD / "bip-gen").exists():
         os.environ["BUILD"] = str(BUILD)
+        if (BUILD / "bip-verify-check").exists():
+            yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/run")]))]
         yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"]))]
 
 

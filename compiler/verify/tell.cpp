@@ -20,7 +20,7 @@ std::string broken_state(const rt::Core& core, const Property& property, std::si
   std::string out = "violated[V0002]: `" + property.text + "`   (" + step_count(steps) + '\n';
   for (u32 atom : atoms_of(property)) {
     const rt::Atom& row = core.image().atoms[atom];
-    out += std::string("  ") + rt::relative(row.path) + " at `" + rt::places_of(core, atom) + '`';
+    out += std::string("  ") + rt::relative(row.path) + " at `" + rt::places_of(core, atom) + "`  ";
     rt::append_line(out, core.image(), row.loc);
     const std::string data = rt::data_of(core, atom);
     out += (data.empty() ? "" : "  " + data) + '\n';

@@ -2,6 +2,7 @@
 #include "compiler/verify/solver/solver.hpp"
 
 #include <chrono>
+#include <cstdlib>
 
 #include <cadical.hpp>
 
@@ -54,7 +55,11 @@ Answer Solver::solve(double seconds) {
   return status == 10 ? Answer::Satisfiable : status == 20 ? Answer::Unsatisfiable : Answer::Unknown;
 }
 
-bool Solver::is_true(Lit literal) const { return impl_->solver.val(literal) == literal; }
+bool Solver::is_true(Lit literal) const {
+  // Of a negative literal the library's releases give different signs.
+  const bool value = impl_->solver.val(std::abs(literal)) > 0;
+  return literal > 0 ? value : !value;
+}
 
 bool Solver::is_needed(Lit assumption) const { return impl_->solver.failed(assumption); }
 
