@@ -50,7 +50,7 @@ class MachineBuilder {
   void finish_state();
   [[nodiscard]] Signal fits(const Word& word, const Range& range);
 
-  // machine_connectors.cpp
+  // machine_tree.cpp
   enum class Kind : std::uint8_t { Group, Leaf, Link, Choice };
   struct Node {
     Kind kind = Kind::Group;
@@ -75,6 +75,7 @@ class MachineBuilder {
     std::map<u32, Local> atoms;
     std::map<u32, Word> frames;  // by row among all slots
   };
+  // machine_connectors.cpp
   void add_connectors();
   void add_internal_ports();
   void add_connector(u32 slot, u32 connector);
