@@ -146,8 +146,8 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
   }
   if (i.inline_body != nullptr) {
     ConnectorType type{.name = out.name + "." + std::string(i.name.text), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(i.name.range)};
-    const std::vector<DataRead> reads = data_reads(i, row.ports, row.data);
-    if (sound) build_inline_connector(b, i, row.ports, std::vector<std::uint32_t>(row.ports.size(), 1), reads, type);
+    const std::vector<DataRead> reads = data_reads(i, row);
+    if (sound) build_inline_connector(b, i, row.ports, std::vector<std::uint32_t>(row.ports.size(), 1), reads, outer_bindings(b.model.code, row.values, nullptr), type);
     if (sound) check_same_export(i, type, out.connectors[row.family]);
     out.connectors[row.family].export_type = type.export_type;
     row.type = b.model.connector_types.push(std::move(type));

@@ -50,7 +50,7 @@ struct CompoundBuilder {
   bool deep_port_path(const syntax::Path& path, PortPath& ref);
   std::optional<std::pair<std::uint32_t, Type>> deep_data(const ComponentFamily& family, std::span<const syntax::PathPart> parts) const;
   // inline_connector.cpp
-  std::vector<DataRead> data_reads(const syntax::CompoundItem& i, std::span<const PortPath> ports, std::vector<DataPath>& data);
+  std::vector<DataRead> data_reads(const syntax::CompoundItem& i, CompoundItem& row);
   // build_items.cpp
   CompoundItem item(const syntax::CompoundItem& i);
   void component_item(const syntax::CompoundItem& i, CompoundItem& row);
@@ -68,9 +68,15 @@ struct CompoundBuilder {
 /// The exported data named `name` of a component family: slot or row, and type.
 std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family, std::string_view name);
 
+using OuterBindings = std::unordered_map<std::string, Binding>;
+/// The names with their values in `self`, or while that is not known, with 1.
+[[nodiscard]] OuterBindings outer_bindings(CodeTable& code, std::span<const OuterValue> values, const std::vector<Value>* self);
+/// The outer value that the name is in the scope of a compound, or nullopt.
+[[nodiscard]] std::optional<OuterValue> outer_value(const Scope& scope, const syntax::Path& path);
+
 /// Builds the type of an inline connector. `counts[k]`: how many parameters path k stands for (1 without [*]).
-/// `paths` are the connector's resolved ports, `reads` the data of components that its code names.
+/// `paths` are the connector's resolved ports, `reads` the data of components that its code names, `values` its outer values.
 void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
-                            const std::vector<DataRead>& reads, ConnectorType& out);
+                            const std::vector<DataRead>& reads, const OuterBindings& values, ConnectorType& out);
 
 }  // namespace bip::model

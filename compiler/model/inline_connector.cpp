@@ -2,6 +2,7 @@
 // code may read exported data of the compound's components, whether they take part or not.
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "compiler/model/compound_builder.hpp"
 
@@ -31,7 +32,7 @@ struct NameCollector {
 
 }  // namespace
 
-std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i, std::span<const PortPath> ports, std::vector<DataPath>& data) {
+std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i, CompoundItem& row) {
   NameCollector used{b.sources};
   for (const syntax::Clause& c : i.inline_body->clauses) {
     used.expr(c.guard);
@@ -39,21 +40,29 @@ std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i,
     used.stmts(c.down.stmts);
     used.stmts(c.action.stmts);
   }
+  std::set<std::string_view> own;
+  for (const syntax::DataDecl& d : i.inline_body->data) {
+    for (const syntax::Var& v : d.vars) own.insert(v.name.text);
+  }
   std::vector<DataRead> reads;
   for (const auto& [key, path] : used.names) {
-    if (path->parts.size() < 2) continue;
+    if (path->parts.size() < 2) {
+      if (const auto outer = outer_value(scope, *path); outer && !own.contains(key)) row.values.push_back(*outer);
+      continue;
+    }
     const auto is_of = [&key = key, this](const PortPath& port) { return key.starts_with(b.text(*port.path) + "."); };
     DataPath ref;
-    if (std::any_of(ports.begin(), ports.end(), is_of) || !data_path(*path, ref, false)) continue;
+    if (std::any_of(row.ports.begin(), row.ports.end(), is_of) || !data_path(*path, ref, false)) continue;
     reads.push_back({key, ref.type});
-    data.push_back(ref);
+    row.data.push_back(ref);
   }
   return reads;
 }
 
 void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
-                            const std::vector<DataRead>& reads, ConnectorType& out) {
+                            const std::vector<DataRead>& reads, const OuterBindings& values, ConnectorType& out) {
   ConnectorPorts ports;
+  ports.data = values;
   std::uint32_t bind = 0;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     const std::string key = b.text(*paths[k].path);
@@ -77,11 +86,12 @@ void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const 
   build_connector_body(b, *item.inline_body, ports, true, item.name.range, item.annotations, out);
 }
 
-ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts) {
+ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts,
+                                        const std::vector<Value>& self) {
   Builder b{model, diags, *model.sources, {}};
   const std::vector<DataRead> reads = model.connector_types[item.type].data_reads;
   ConnectorType type{.name = model.connector_types[item.type].name, .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = model.connector_types[item.type].loc};
-  build_inline_connector(b, *item.syntax, item.ports, counts, reads, type);
+  build_inline_connector(b, *item.syntax, item.ports, counts, reads, outer_bindings(model.code, item.values, &self), type);
   return model.connector_types.push(std::move(type));
 }
 

@@ -55,6 +55,14 @@ struct ConnectorFamily {
   SourceRange range;
 };
 
+/// A parameter of the compound or a variable of a loop that the code of an inline connector or a priority's guard names: a
+/// constant of each element, so the code is built again with its value.
+struct OuterValue {
+  std::string name;
+  std::uint32_t slot = 0;  // of Self where the item is declared
+  Type type = Type::Int;
+};
+
 enum class ItemKind : std::uint8_t { Component, Connector, For, Priority };
 struct CompoundItem {
   ItemKind kind = ItemKind::Component;
@@ -65,6 +73,7 @@ struct CompoundItem {
   ConnectorTypeId type;        // Connector
   std::vector<PortPath> ports; // Connector: as written; a star path stands for several parameters
   std::vector<DataPath> data;  // Connector: one a data read of the type
+  std::vector<OuterValue> values{};  // Connector: an inline one gets its type when they are known
   const syntax::CompoundItem* syntax = nullptr;
   bool has_star = false;       // Connector: a path with [*]; an inline one gets its type when its ports are counted
   std::uint32_t loop_slot = 0; // For: Self slot of the variable
@@ -89,6 +98,9 @@ struct PriorityRule {
   PatternPath low, high;
   ExprId guard;                // reads Bind = data
   std::vector<DataPath> data;
+  std::vector<std::string> data_names{};        // as the guard calls them
+  std::vector<OuterValue> values{};
+  const syntax::Expr* guard_syntax = nullptr;   // may be null
   SourceRange range;
   bool in_loop = false;        // an item of a `for` says when it is made
 };
@@ -168,8 +180,12 @@ namespace model {
 [[nodiscard]] std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources, Diagnostics& diags);
 /// A package that uses no other.
 [[nodiscard]] std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& sources, Diagnostics& diags);
-/// The type of an inline connector whose paths with [*] stand for `counts[k]` ports; it reads the same data as the item's.
-[[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts);
+/// The type of an inline connector whose paths with [*] stand for `counts[k]` ports, where its outer values are those of `self`; it
+/// reads the same data as the item's.
+[[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts,
+                                                      const std::vector<Value>& self);
+/// The guard of a rule whose outer values are those of `self`.
+[[nodiscard]] ExprId priority_guard(Model& model, Diagnostics& diags, const PriorityRule& rule, const std::vector<Value>& self);
 /// True if `define` gives the interaction of these parameters (sorted).
 [[nodiscard]] bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
 /// The largest interaction within `params` (sorted); empty if there is none.

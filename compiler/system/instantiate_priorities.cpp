@@ -82,6 +82,7 @@ void Instantiator::priorities(std::uint32_t instance) {
   for (const PendingPriority& p : pending) {
     const PriorityRule& rule = types[p.rule];
     Priority row{.name = p.name, .parent = instances[instance].row, .low = {}, .high = {}, .guard = rule.guard, .data = {}, .loc = model.loc(rule.range)};
+    if (!rule.values.empty()) row.guard = model::priority_guard(model, diags, rule, p.self);
     for (const DataPath& d : rule.data) {
       const std::optional<DataRef> ref = resolve_data(instance, d, p.self);
       if (!ref) return;

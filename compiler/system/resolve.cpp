@@ -1,5 +1,6 @@
 // Bindings: from paths in a compound to atoms' ports, connectors' exported ports and data slots.
 #include <algorithm>
+#include <bit>
 
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
@@ -155,9 +156,16 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
     if (!resolve_port(instance, path, self, row.ports, depth)) return {};
     counts.push_back(static_cast<std::uint32_t>(row.ports.size() - before));
   }
-  if (item.has_star && item.syntax->inline_body != nullptr) {
-    auto [it, is_new] = expanded.try_emplace({&item, counts});
-    if (is_new) it->second = model::expand_inline_connector(model, diags, item, counts);
+  if ((item.has_star || !item.values.empty()) && item.syntax->inline_body != nullptr) {
+    std::vector<std::uint32_t> variant = counts;
+    for (const OuterValue& v : item.values) {
+      const auto bits = v.type == Type::Float ? std::bit_cast<std::uint64_t>(self[v.slot].float_value) : static_cast<std::uint64_t>(self[v.slot].int_value);
+      variant.push_back(static_cast<std::uint32_t>(bits));
+      variant.push_back(static_cast<std::uint32_t>(bits >> 32));
+    }
+    auto [it, is_new] = expanded.try_emplace({&item, std::move(variant)});
+    if (is_new) it->second = model::expand_inline_connector(model, diags, item, counts, self);
+    if (diags.has_errors()) return {};
     row.type = it->second;
   }
   const ConnectorType& type = model.connector_types[row.type];
