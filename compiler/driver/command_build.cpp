@@ -12,6 +12,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"
+#include "compiler/steps/derive_steps.hpp"
 
 namespace bip::driver {
 namespace {
@@ -71,6 +72,7 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   if (!find_cpp_side(c, cpp)) return false;
   emit_cpp::Options options;
   options.const_names = cpp.const_names;
+  if (arguments.optimisation != Optimisation::O0) steps::derive_steps(*c.lowered);
   if (const auto written = write_file(source, emit_cpp::emit(*c.lowered, options)); !written) {
     c.diags.report(Diag::kB5004, {}, source, written.error());
     return false;
@@ -133,6 +135,7 @@ int command_emit(const EmitArguments& arguments) {
     const std::string program = std::filesystem::path(arguments.file).stem().string();
     emit_cpp::CppBuild cpp;
     if (!find_cpp_side(c, cpp)) return report(c);
+    steps::derive_steps(*c.lowered);
     const auto written = emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp);
     if (!written) c.diags.report(Diag::kB5004, {}, arguments.directory, written.error());
   }

@@ -7,6 +7,7 @@
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/jit_loader.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"
+#include "compiler/steps/derive_steps.hpp"
 #include "compiler/syntax/print.hpp"
 #include "compiler/system/bsys.hpp"
 
@@ -48,6 +49,7 @@ Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisa
       if (!find_cpp_side(c, cpp)) return std::string();
       emit_cpp::Options options_of_text;
       options_of_text.const_names = cpp.const_names;
+      steps::derive_steps(*c.lowered);
       return emit_cpp::emit(*c.lowered, options_of_text);
     }
     case EmitKind::None:

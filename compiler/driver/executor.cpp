@@ -5,6 +5,7 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/driver/cpp_side.hpp"
+#include "compiler/steps/derive_steps.hpp"
 
 namespace bip::driver {
 
@@ -21,7 +22,10 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
   if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
     const Result<JitPlugin> plugin = load_jit();
     if (plugin) {
-      Result<JitCode> code = (*plugin).compile(*c.lowered, opt_level(*c.lowered, optimisation));
+      const jit::OptLevel level = opt_level(*c.lowered, optimisation);
+      // Code that is not optimised would make them no faster than the core.
+      if (level != jit::OptLevel::O0) steps::derive_steps(*c.lowered);
+      Result<JitCode> code = (*plugin).compile(*c.lowered, level);
       if (!code) {
         c.diags.report(Diag::kB5007, {}, "jit", code.error());
         return false;

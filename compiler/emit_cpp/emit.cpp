@@ -4,6 +4,7 @@
 // translation unit. The file is made for `g++ -std=c++20 -ffp-contract=off`: floats must not be contracted.
 #include "compiler/emit_cpp/emit_cpp.hpp"
 #include "compiler/emit_cpp/functions.hpp"
+#include "compiler/emit_cpp/steps.hpp"
 #include "compiler/emit_cpp/tables.hpp"
 
 namespace bip::emit_cpp {
@@ -43,6 +44,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   }
   if (ForeignNames::is_needed(code)) out.line("using bip::rt::ExternVar;");
   emit_functions(lowered, out);
+  emit_steps(lowered, out);
   out.line();
   out.line("using namespace bip::rt;");
   out.line();

@@ -194,6 +194,11 @@ void TableWriter::image() {
   field("priorities", priorities_);
   field("slot_count", std::to_string(image_.slot_count));
   field("choices", choices_);
+  if (!lowered_.steps.shapes.empty()) {
+    field("step_fns", step_fns_);
+    field("step_runs", step_runs_);
+    field("step_operands", step_operands_);
+  }
   if (image_.outside != nullptr) {
     field("extern_types", extern_span);
     field("outside", "&outside::own_world");

@@ -25,6 +25,7 @@ class TableWriter {
   void connector_type(const rt::ConnectorType& type);
   void priorities();
   void choices();
+  void steps();
 
   /// `constexpr <type> <name>[] = { rows };` and the expression for its span; nothing and "{}" if there are no rows.
   std::string table(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
@@ -40,7 +41,7 @@ class TableWriter {
   std::vector<std::string> atom_rows_, connector_rows_;
   // Spans of the finished tables, for image().
   std::string port_types_, atom_types_, connector_types_, compounds_, atoms_, args_, connectors_, port_refs_, binds_,
-      priorities_, choices_;
+      priorities_, choices_, step_fns_, step_runs_, step_operands_;
 };
 
 }  // namespace bip::emit_cpp

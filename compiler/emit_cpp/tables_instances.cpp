@@ -1,6 +1,7 @@
 // Tables of instances: compounds, atoms with their arguments, connectors with ports and bound slots, priorities.
 //
 // One row a line; rows that carry no path say in a comment whose they are.
+#include "compiler/emit_cpp/steps.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 #include "compiler/emit_cpp/tables.hpp"
 
@@ -77,6 +78,21 @@ void TableWriter::instances() {
   binds_ = table("std::uint32_t", "binds", binds);
   choices();
   priorities();
+  steps();
+}
+
+void TableWriter::steps() {
+  std::vector<std::string> functions, runs, operands;
+  for (std::size_t shape = 0; shape < lowered_.steps.shapes.size(); ++shape) functions.push_back("&" + step_name(shape));
+  for (const rt::StepRun& run : lowered_.steps.runs) {
+    runs.push_back(braces({row_text(run.first), row_text(run.count), row_text(run.distance), row_text(run.shape), row_text(run.operands)}));
+  }
+  for (const rt::StepOperand& operand : lowered_.steps.operands) {
+    operands.push_back(braces({std::to_string(operand.base) + "u", std::to_string(operand.stride) + "u"}));
+  }
+  step_fns_ = table("StepFn", "step_fns", functions);
+  step_runs_ = table("StepRun", "step_runs", runs);
+  step_operands_ = table("StepOperand", "step_operands", operands);
 }
 
 void TableWriter::choices() {

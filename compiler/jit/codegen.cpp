@@ -267,18 +267,19 @@ llvm::Function* declare(llvm::Module& module, const std::string& name) {
 
 }  // namespace
 
+llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row, const std::string& name) {
+  const lower::CodeUnit& unit = lowered.units[row];
+  llvm::Function* function = declare(module, name);
+  UnitBuilder builder(function, lowered);
+  if (unit.kind == lower::CodeKind::Guard) builder.guard(unit.expr);
+  else builder.action(unit.body);
+  return function;
+}
+
 std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
                                            std::size_t first, std::size_t count) {
   auto module = std::make_unique<llvm::Module>("units_" + std::to_string(first), context);
-  for (std::size_t k = first; k < first + count; ++k) {
-    const lower::CodeUnit& unit = lowered.units[k];
-    UnitBuilder builder(declare(*module, unit.name), lowered);
-    if (unit.kind == lower::CodeKind::Guard) {
-      builder.guard(unit.expr);
-    } else {
-      builder.action(unit.body);
-    }
-  }
+  for (std::size_t k = first; k < first + count; ++k) (void)build_unit(*module, lowered, k, lowered.units[k].name);
   return module;
 }
 

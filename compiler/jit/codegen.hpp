@@ -19,4 +19,11 @@ inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", k
 [[nodiscard]] std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
                                                          std::size_t first, std::size_t count);
 
+/// One unit as a function of the module, called `name`.
+llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t unit, const std::string& name);
+
+/// A module with a rt::StepFn for each shape of lowered.steps, named step_name(shape).
+[[nodiscard]] std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered);
+[[nodiscard]] std::string step_name(std::size_t shape);
+
 }  // namespace bip::jit

@@ -41,28 +41,52 @@ struct Jit::Impl {
     return engine->getMainJITDylib().define(llvm::orc::absoluteSymbols(std::move(symbols)));
   }
 
-  llvm::Error add_units(lower::LoweredSystem& lowered, OptLevel level, std::size_t first, std::size_t count) {
-    auto context = std::make_unique<llvm::LLVMContext>();
-    std::unique_ptr<llvm::Module> module = build_module(*context, lowered, first, count);
+  /// Compiles a module and looks its functions up, all names at once: one trip through the session.
+  llvm::Expected<std::vector<llvm::orc::ExecutorAddr>> add_module(std::unique_ptr<llvm::LLVMContext> context, std::unique_ptr<llvm::Module> module,
+                                                                   OptLevel level, const std::vector<std::string>& functions) {
     module->setDataLayout(engine->getDataLayout());
     module->setTargetTriple(engine->getTargetTriple().str());
     optimize(*module, *machine, level);
     if (llvm::Error error =
             engine->addIRModule(llvm::orc::ThreadSafeModule(std::move(module), std::move(context))))
       return error;
-
-    // All names at once: one trip through the session.
     llvm::orc::ExecutionSession& session = engine->getExecutionSession();
     std::vector<llvm::orc::SymbolStringPtr> names;
     llvm::orc::SymbolLookupSet wanted;
-    for (std::size_t k = 0; k < count; ++k) {
-      names.push_back(engine->mangleAndIntern(lowered.units[first + k].name));
+    for (const std::string& function : functions) {
+      names.push_back(engine->mangleAndIntern(function));
       wanted.add(names.back());
     }
     auto found = session.lookup(llvm::orc::makeJITDylibSearchOrder(&engine->getMainJITDylib()), std::move(wanted));
     if (!found) return found.takeError();
-    for (std::size_t k = 0; k < count; ++k)
-      lowered.codes[first + k] = {.fn = (*found)[names[k]].getAddress().toPtr<rt::CodeFn>(), .context = nullptr};
+    std::vector<llvm::orc::ExecutorAddr> addresses;
+    for (const llvm::orc::SymbolStringPtr& name : names) addresses.push_back((*found)[name].getAddress());
+    return addresses;
+  }
+
+  llvm::Error add_units(lower::LoweredSystem& lowered, OptLevel level, std::size_t first, std::size_t count) {
+    auto context = std::make_unique<llvm::LLVMContext>();
+    std::unique_ptr<llvm::Module> module = build_module(*context, lowered, first, count);
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < count; ++k) names.push_back(lowered.units[first + k].name);
+    auto found = add_module(std::move(context), std::move(module), level, names);
+    if (!found) return found.takeError();
+    for (std::size_t k = 0; k < count; ++k) lowered.codes[first + k] = {.fn = (*found)[k].toPtr<rt::CodeFn>(), .context = nullptr};
+    return llvm::Error::success();
+  }
+
+  llvm::Error add_steps(lower::LoweredSystem& lowered, OptLevel level) {
+    lowered.step_fns.clear();
+    if (!lowered.steps.shapes.empty()) {
+      auto context = std::make_unique<llvm::LLVMContext>();
+      std::unique_ptr<llvm::Module> module = build_steps(*context, lowered);
+      std::vector<std::string> names;
+      for (std::size_t k = 0; k < lowered.steps.shapes.size(); ++k) names.push_back(step_name(k));
+      auto found = add_module(std::move(context), std::move(module), level, names);
+      if (!found) return found.takeError();
+      for (const llvm::orc::ExecutorAddr& address : *found) lowered.step_fns.push_back(address.toPtr<rt::StepFn>());
+    }
+    lowered.image.step_fns = {lowered.step_fns.data(), static_cast<std::uint32_t>(lowered.step_fns.size())};
     return llvm::Error::success();
   }
 };
@@ -90,6 +114,7 @@ Result<std::unique_ptr<Jit>> Jit::compile(lower::LoweredSystem& lowered, OptLeve
     if (llvm::Error error = jit->impl_->add_units(lowered, level, first, count))
       return Failure{"the JIT fails on `" + lowered.units[first].name + "` and those after it: " + text_of(std::move(error))};
   }
+  if (llvm::Error error = jit->impl_->add_steps(lowered, level)) return Failure{"the JIT fails on whole steps: " + text_of(std::move(error))};
   return jit;
 }
 

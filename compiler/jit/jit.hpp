@@ -13,7 +13,7 @@ enum class OptLevel : std::uint8_t { O0, O2 };
 /// Owns the machine code; keep alive as long as the image runs.
 class Jit {
  public:
-  /// Compiles all units and fills lowered.codes.
+  /// Compiles all units and fills lowered.codes; a function for each shape of lowered.steps, if there are any.
   static Result<std::unique_ptr<Jit>> compile(lower::LoweredSystem& lowered, OptLevel level);
   ~Jit();
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/lower/steps.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/image.hpp"
 #include "runtime/include/bip/outside.hpp"
@@ -38,6 +39,9 @@ struct LoweredSystem {
   std::vector<rt::ExternType> extern_types;
   std::vector<rt::Slot> temporaries;
   rt::Outside outside;
+  // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.
+  Steps steps;
+  std::vector<rt::StepFn> step_fns;
   struct Pools;
   std::unique_ptr<Pools, void (*)(Pools*)> pools{nullptr, nullptr};  // owner of all arrays behind `image`
 };

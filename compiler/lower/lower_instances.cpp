@@ -1,7 +1,10 @@
 // Instances to rows: slot bases, port references and tables of bound slots.
 //
-// Slots are laid out atoms first, then connectors, each in the System's order; a connector comes after those it is
+// Slots are laid out atoms first, in the System's order, then connectors by height; a connector comes after those it is
 // bound to, so one pass knows every base that a binding needs. Linear in the number of instances and bindings.
+#include <algorithm>
+#include <utility>
+
 #include "compiler/lower/pools.hpp"
 
 namespace bip::lower {
@@ -88,14 +91,36 @@ void set_parent(Row& row, std::uint32_t parent) {
   if constexpr (requires { row.parent; }) row.parent = parent;
 }
 
+// Frames by height, so that those of one level of a regular tree lie side by side and can be worked off by a loop.
+std::vector<std::uint32_t> frame_rows(Lowering& l) {
+  const System& s = l.system;
+  std::vector<std::uint32_t> height, rows, first;
+  for (const Connector& connector : s.connectors) {
+    std::uint32_t above = 0;
+    for (const PortRef& ref : connector.ports) {
+      if (ref.kind == PortRef::Kind::Connector) above = std::max(above, height[ref.connector.value] + 1);
+    }
+    height.push_back(above);
+    if (first.size() <= above) first.resize(above + 1, 0);
+    first[above] += size_of(s.connector_types[connector.type].slots);
+  }
+  for (std::uint32_t& row : first) l.out.image.slot_count += std::exchange(row, l.out.image.slot_count);
+  for (const Connector& connector : s.connectors) {
+    std::uint32_t& next = first[height[rows.size()]];
+    rows.push_back(std::exchange(next, next + size_of(s.connector_types[connector.type].slots)));
+  }
+  return rows;
+}
+
 void lower_connectors(Lowering& l) {
   const System& s = l.system;
   l.pools.connectors.reserve(s.connectors.size());
+  const std::vector<std::uint32_t> frames = frame_rows(l);
   for (const Connector& connector : s.connectors) {
     rt::Connector to{};
     to.path = connector.path.c_str();
     to.type = connector.type.value;
-    to.slot_base = l.out.image.slot_count;
+    to.slot_base = frames[l.pools.connectors.size()];
     to.ports = size_of(l.pools.port_refs);
     to.binds = size_of(l.pools.binds);
     to.bound = connector.bound;
@@ -104,7 +129,6 @@ void lower_connectors(Lowering& l) {
     for (const PortRef& ref : connector.ports) lower_port_ref(l, ref);
     for (const DataRef& ref : connector.data) l.pools.binds.push_back(data_row(l, ref));
     to.bind_count = size_of(l.pools.binds) - to.binds;
-    l.out.image.slot_count += size_of(s.connector_types[connector.type].slots);
     l.pools.connectors.push_back(to);
   }
 }

@@ -1,6 +1,7 @@
 // Types to their runtime tables, and one code unit for each guard, action and transfer of a type.
 //
 // Cost: linear in the text of the types; instances play no part.
+#include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/pools.hpp"
 
 namespace bip::lower {
@@ -70,33 +71,6 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   l.pools.atom_types.push_back(to);
 }
 
-// Can code of this body end in a fault? Any call of C++ can. A division by a constant other than 0 and -1 cannot.
-bool may_fault(const CodeTable& code, StmtId first) {
-  std::vector<ExprId> exprs;
-  std::vector<StmtId> stmts{first};
-  while (!stmts.empty()) {
-    const StmtId id = stmts.back();
-    stmts.pop_back();
-    if (!id.is_valid()) continue;
-    const Stmt& s = code.stmts[id];
-    exprs.push_back(s.value);
-    stmts.insert(stmts.end(), {s.next, s.then_body, s.else_body});
-  }
-  while (!exprs.empty()) {
-    const ExprId id = exprs.back();
-    exprs.pop_back();
-    if (!id.is_valid()) continue;
-    const Expr& e = code.exprs[id];
-    if (e.op == Op::Call) return true;
-    if ((e.op == Op::Div || e.op == Op::Mod) && e.type == Type::Int) {
-      const Expr& by = code.exprs[e.b];
-      if (by.op != Op::ConstInt || by.int_value == 0 || by.int_value == -1) return true;
-    }
-    exprs.insert(exprs.end(), {e.a, e.b});
-  }
-  return false;
-}
-
 void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& type) {
   rt::ConnectorType to{};
   to.name = type.name.c_str();
@@ -118,7 +92,8 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
     out.up = l.action(CodeOwner::Connector, row, name + "_up", clause.up);
     out.down = l.action(CodeOwner::Connector, row, name + "_down", clause.down);
     out.loc = loc_of(clause.loc);
-    out.may_fault = may_fault(l.system.code, clause.up);
+    // Then it runs while interactions are computed.
+    out.may_fault = code_facts(l.system.code, ExprId{}, clause.up).may_fault;
     clauses.push_back(out);
   }
   to.clauses = l.pools.list(clauses);

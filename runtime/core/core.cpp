@@ -51,7 +51,7 @@ Core::Core(const Image& image, CoreOptions options)
   node_scratch_.assign(nodes, 0);
   use_clause_.assign(uses, kNone);
   forget();
-  build_programs();
+  link_steps();
 }
 
 Core::FlatGuard Core::flat_guard(const SlotInfo& info) {

@@ -13,6 +13,7 @@
 
 #include "runtime/core/extern_data.hpp"
 #include "runtime/core/fault.hpp"
+#include "runtime/core/prng.hpp"
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/select.hpp"
 #include "runtime/core/tables.hpp"
@@ -87,9 +88,16 @@ class Core {
   bool fire(std::uint64_t k) { return take(enabled_.select(k)); }
   /// fire(candidate(at)) by the shortest way. The engine's loop.
   bool take(EnabledSet::Position at) {
+    if (rows_.empty()) build_programs();
     const u32* program = rows_.data() + std::size_t{at.slot} * row_words_;
     return *program != kNone ? run_program(program, at.slot) : fire(candidate(at));
   }
+
+  /// Can run_steps be used: the image has step functions for this system, and the list is kept.
+  [[nodiscard]] bool has_steps() const { return !run_of_.empty() && keeps_list_; }
+  /// Takes up to `limit` steps, drawn uniformly as `drawn` does; returns how many. Asks is_stopped now and then. sound: false
+  /// after a fault.
+  u64 run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound);
 
   /// The atom ports that take part, in the order in which they fire.
   void participants(const Candidate& candidate, std::vector<Participant>& out);
@@ -212,6 +220,15 @@ class Core {
   [[nodiscard]] u32 chosen_alternative(const Plan& plan, u32 choice) const;
   void bind_choices(const Plan& plan, const PlanUse& use);
 
+  // run_steps.cpp
+  struct Run {
+    StepFn fn;
+    const StepOperand* operands;
+    u32 first;
+    u64 inverse;
+  };
+  void link_steps();
+
   // search.cpp: configurations of plans
   using Bits = std::vector<u64>;
   void look_at_availability(const Plan& plan, u32 root);
@@ -265,7 +282,7 @@ class Core {
   std::vector<PortState> ports_;
   std::vector<std::int32_t> values_;       // by node of the availability network
   std::vector<std::uint8_t> is_direct_;    // by slot: that its value crosses zero is all there is to know
-  std::vector<u32> rows_;                  // by slot, row_words_ each: its program; kNone: it has none
+  std::vector<u32> rows_;                  // by slot, row_words_ each: its program; kNone: it has none. Made when needed
   std::vector<u32> programs_;              // those longer than a row
   u32 row_words_ = 1;
   bool is_weighted_ = false;               // a slot may have more than one candidate
@@ -273,6 +290,9 @@ class Core {
   std::map<std::tuple<CodeFn, const void*, u32>, u32> code_rows_;
   EnabledSet enabled_;
   bool keeps_list_ = false;
+  std::vector<Run> runs_;                  // the image's runs of step functions
+  std::vector<u32> run_of_;                // by slot: row of runs_, or kNone
+  std::vector<u32> step_scratch_;
 
   std::vector<u32> dirty_;
   std::vector<std::uint8_t> is_dirty_;     // by slot

@@ -11,6 +11,7 @@ namespace bip::rt {
 
 bool Core::fire(const Candidate& candidate) {
   const SlotInfo& info = tables_.slots[candidate.slot];
+  if (rows_.empty()) build_programs();
   const u32* program = rows_.data() + std::size_t{candidate.slot} * row_words_;
   if (*program != kNone) return run_program(program, candidate.slot);
   remember(candidate.slot);

@@ -77,6 +77,16 @@ class EnabledSet {
     if (!changed_.empty()) apply_changes();
   }
 
+  /// The list for somebody who changes it by himself, and the count, until close_list. Unweighted, without unsettled changes.
+  struct List {
+    std::uint32_t *members, *position, *count;
+  };
+  List open_list() { return {members_.data(), position_.data(), &listed_count_}; }
+  void close_list(std::uint32_t count) {
+    listed_count_ = total_ = count;
+    ranked_ = false;
+  }
+
   // ---- changes; with a list they count from settle_list on
   /// Unweighted sets. The slot must not be in the set.
   void insert(std::uint32_t slot) { toggle(slot, 1); }

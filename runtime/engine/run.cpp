@@ -186,6 +186,7 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
   if (image.outside != nullptr) std::srand(static_cast<unsigned>(seed));
   bool sound = core.initialize();
   if (sound) scheduler.start(core);
+  const bool is_compiled = !writes && !options.interactive && options.policy == Policy::Uniform && core.has_steps();
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
   while (true) {
@@ -197,6 +198,9 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
       result.end = End::Deadlock;
     } else if (interrupted != 0) {
       result.end = End::Interrupted;
+    } else if (is_compiled) {
+      result.steps += core.run_steps(scheduler.prng(), options.limit - result.steps, is_interrupted, sound);
+      continue;
     } else {
       EnabledSet::Position at{};
       if (options.interactive) {

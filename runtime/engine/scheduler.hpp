@@ -25,6 +25,8 @@ class Scheduler {
     }
     return core.position(0);
   }
+  /// The random numbers of `uniform`, for who draws by himself.
+  [[nodiscard]] Prng& prng() { return prng_; }
   void fired(u32 slot) {
     last_ = slot;
     has_fired_ = true;

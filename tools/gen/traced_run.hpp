@@ -11,6 +11,7 @@
 
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
+#include "runtime/engine/scheduler.hpp"
 
 namespace bip::gen {
 
@@ -20,20 +21,60 @@ struct RunSpec {
   rt::Policy policy = rt::Policy::Uniform;
   rt::TraceFormat format = rt::TraceFormat::Bip2;
   bool maximal_progress = true;
+  bool silent = false;
 };
-/// What every executor runs: three policies, one of them with the JSON trace.
+/// What every executor runs: three policies, one of them with the JSON trace, and steps that nobody watches.
 inline RunSpec run_spec(int number, std::uint64_t seed, std::uint64_t steps) {
   switch (number) {
     case 0: return {.seed = seed, .steps = steps, .policy = rt::Policy::Uniform, .format = rt::TraceFormat::Bip2};
     case 1: return {.seed = seed + 1, .steps = steps, .policy = rt::Policy::First, .format = rt::TraceFormat::Steps};
+    case 4: return {.seed = seed + 4, .steps = steps, .silent = true};
     default: break;
   }
   return {.seed = seed + 2, .steps = steps, .policy = rt::Policy::Fair, .format = rt::TraceFormat::Bip2,
           .maximal_progress = number != 3};
 }
-inline constexpr int kRunSpecs = 4;
+inline constexpr int kRunSpecs = 5;
+
+/// The state and what can happen next. Steps that nobody watches are another way through the core, and through compiled
+/// code: what they lead to is all there is to see.
+inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
+  std::string text;
+  rt::Core core(image);
+  rt::Scheduler scheduler(rt::Policy::Uniform, spec.seed);
+  bool sound = core.initialize();
+  if (sound) scheduler.start(core);
+  // Watched ones in between: both ways keep the other's books.
+  for (std::uint64_t part = 0; part < 4 && sound && core.candidate_count() != 0; ++part) {
+    if (core.has_steps()) {
+      const std::uint64_t done = core.run_steps(scheduler.prng(), spec.steps, [] { return false; }, sound);
+      text += std::to_string(done) + " steps\n";
+    } else {
+      std::uint64_t done = 0;
+      for (; done < spec.steps && sound && core.candidate_count() != 0; ++done) sound = core.take(scheduler.choose(core));
+      text += std::to_string(done - (sound ? 0 : 1)) + " steps\n";
+    }
+    for (int watched = 0; watched < 3 && sound && core.candidate_count() != 0; ++watched) {
+      const rt::EnabledSet::Position at = scheduler.choose(core);
+      text += "choice " + std::to_string(core.number(at)) + " of " + std::to_string(core.candidate_count()) + "\n";
+      sound = core.fire(core.candidate(at));
+    }
+  }
+  if (!sound) return text + "fault " + core.fault().what + "\n";
+  const rt::State state = core.snapshot();
+  for (const std::uint32_t place : state.places) text += std::to_string(place) + " ";
+  for (const std::uint64_t word : state.data) text += std::to_string(word) + " ";
+  text += "\nlist";
+  for (const std::uint32_t slot : core.list_order()) text += " " + std::to_string(slot);
+  for (std::uint64_t k = 0; k < core.candidate_count() && k < 100; ++k) text += " " + std::to_string(core.candidate(k).slot);
+  // From the same state without a history: everything must follow from it.
+  rt::Core fresh(image);
+  if (!fresh.initialize() || !fresh.restore(state) || fresh.candidate_count() != core.candidate_count()) text += "\nthe state alone says otherwise";
+  return text + "\n";
+}
 
 inline std::string traced_run(const rt::Image& image, const RunSpec& spec) {
+  if (spec.silent) return silent_run(image, spec);
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* out = open_memstream(&text, &size);

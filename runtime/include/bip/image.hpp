@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "bip/steps.hpp"
+
 namespace bip::rt {
 
 template <class T>
@@ -221,6 +223,9 @@ struct Image {
   Span<Choice> choices = {};
   Span<ExternType> extern_types = {};
   Outside* outside = nullptr;            // if the model calls C++
+  Span<StepFn> step_fns = {};            // by shape; empty: no compiled steps
+  Span<StepRun> step_runs = {};
+  Span<StepOperand> step_operands = {};
 };
 
 }  // namespace bip::rt

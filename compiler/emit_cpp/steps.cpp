@@ -1,0 +1,155 @@
+// One C++ function a shape of interaction: see compiler/lower/steps.hpp for what the operations mean.
+//
+// Operands are local constants v0, v1, ...; the units' functions are called by name, so that the compiler inlines them. In
+// loops positions are pointers that move by constants: then compilers make vectors of them.
+#include "compiler/emit_cpp/steps.hpp"
+
+namespace bip::emit_cpp {
+
+using lower::StepOp;
+using lower::StepOpKind;
+
+namespace {
+
+class ShapeWriter {
+ public:
+  ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, Writer& out)
+      : lowered_(lowered), shape_(shape), out_(out) {}
+
+  void write(std::size_t number) {
+    out_.line();
+    out_.line("void shape_" + std::to_string(number) + "(StepState& state, [[maybe_unused]] const StepOperand* operands, [[maybe_unused]] std::uint32_t i) {");
+    out_.line("  StepState s = state;");
+    for (std::size_t k = 0; k < shape_.strides.size(); ++k) {
+      out_.line("  const std::uint32_t v" + std::to_string(k) + " = operands[" + std::to_string(k) + "].at(i);");
+    }
+    for (const StepOp& op : shape_.ops) {
+      if (op.kind == StepOpKind::Code) code(op);
+      if (op.kind == StepOpKind::Place) loop(op, "s.places[" + at(op, 0) + "] = " + value(op, 1) + ";");
+      if (op.kind == StepOpKind::Ready) ready(op);
+      if (op.kind == StepOpKind::Slot && op.delta != 0) loop(op, grow(op, 0));
+    }
+    for (const StepOp& op : shape_.ops) {
+      if (op.kind == StepOpKind::Slot) list(op);
+    }
+    out_.line("  state.count = s.count;");
+    out_.line("}");
+  }
+
+ private:
+  [[nodiscard]] static std::uint32_t operand(const StepOp& op, std::uint32_t k) { return op.first_ref + (op.repeats ? 1 : 0) + k; }
+  [[nodiscard]] std::int32_t stride(const StepOp& op, std::uint32_t k) const { return shape_.strides[operand(op, k)]; }
+  /// How many refs the operation has without the count.
+  [[nodiscard]] static std::uint32_t refs(const StepOp& op) { return op.refs - (op.repeats ? 1 : 0); }
+
+  // Ref k as a number, and as an index that moves with t.
+  [[nodiscard]] std::string value(const StepOp& op, std::uint32_t k) const {
+    const std::string base = "v" + std::to_string(operand(op, k));
+    if (stride(op, k) == 0) return base;
+    return base + " + " + std::to_string(static_cast<std::uint32_t>(stride(op, k))) + "u * static_cast<std::uint32_t>(t)";
+  }
+  [[nodiscard]] std::string at(const StepOp& op, std::uint32_t k) const {
+    const std::string base = "v" + std::to_string(operand(op, k));
+    if (stride(op, k) == 0) return base;
+    return "std::ptrdiff_t{" + base + "} + " + std::to_string(stride(op, k)) + " * t";
+  }
+  [[nodiscard]] std::string grow(const StepOp& op, std::uint32_t k) const {
+    return "s.values[" + at(op, k) + "] += " + std::to_string(op.delta) + ";";
+  }
+
+  void loop(const StepOp& op, const std::string& statement) {
+    out_.line((op.repeats ? "  for (std::ptrdiff_t t = 0; t < std::ptrdiff_t{v" + std::to_string(op.first_ref) + "}; ++t) " : "  ") + statement);
+  }
+
+  // The call of a unit whose self is ref k and whose bound variables follow. Their rows come in an array; if all move alike,
+  // `all` moves instead.
+  [[nodiscard]] std::string call(const StepOp& op, std::uint32_t k, std::string& before) const {
+    const lower::CodeUnit& unit = lowered_.units[op.unit];
+    const std::vector<std::uint32_t>& binds = lowered_.steps.binds[op.unit];
+    std::string bind = "nullptr", all = "s.all";
+    if (!binds.empty()) {
+      bool together = true;
+      for (std::uint32_t b = 0; b < binds.size(); ++b) together = together && stride(op, k + 1 + b) == stride(op, k + 1);
+      bind = "bind" + std::to_string(op.first_ref);
+      std::string cells;
+      std::uint32_t next = 0;
+      for (std::uint32_t b = 0; b < binds.size(); ++b, ++next) {
+        for (; next < binds[b]; ++next) cells += "0, ";
+        cells += (together ? "v" + std::to_string(operand(op, k + 1 + b)) : value(op, k + 1 + b)) + ", ";
+      }
+      before = "const std::uint32_t " + bind + "[] = {" + cells.substr(0, cells.size() - 2) + "};";
+      if (together && stride(op, k + 1) != 0) all += " + " + std::to_string(stride(op, k + 1)) + " * t";
+    }
+    return unit.name + "(nullptr, s.all + (" + at(op, k) + "), " + all + ", " + bind + ")";
+  }
+
+  void code(const StepOp& op) {
+    std::string body, before;
+    for (std::uint32_t k = 0; k < op.zeroed; ++k) body += "s.all[" + at(op, 0) + " + " + std::to_string(k) + "] = Slot{0}; ";
+    if (op.unit != rt::kNone) {
+      const std::string text = call(op, 0, before);
+      body += text + ";";
+    }
+    loop(op, "{ " + (before.empty() ? "" : before + " ") + body + " }");
+  }
+
+  // Who is ready is noted first, without branches: nobody can predict it.
+  void ready(const StepOp& op) {
+    out_.line("  {");
+    out_.line("    std::uint32_t ready = 0;");
+    out_.line("    for (std::ptrdiff_t t = 0; t < std::ptrdiff_t{v" + std::to_string(op.first_ref) + "}; ++t) {");
+    out_.line("      s.scratch[ready] = static_cast<std::uint32_t>(t);");
+    out_.line("      ready += s.places[" + at(op, 0) + "] == " + std::to_string(op.from) + "u ? 1u : 0u;");
+    out_.line("    }");
+    out_.line("    for (std::uint32_t k = 0; k < ready; ++k) {");
+    out_.line("      [[maybe_unused]] const std::ptrdiff_t t = s.scratch[k];");
+    std::string before;
+    if (op.unit != rt::kNone) out_.line("      " + call(op, 1, before) + ";");
+    if (op.from != op.to) out_.line("      s.places[" + at(op, 0) + "] = " + std::to_string(op.to) + "u;");
+    if (op.delta != 0) {
+      const std::uint32_t slot = refs(op) - 1;
+      out_.line("      " + grow(op, slot));
+      out_.line(std::string("      ") + (op.delta > 0 ? "slot_enters" : "slot_leaves") + "(s, " + value(op, slot) + ");");
+    }
+    out_.line("    }");
+    out_.line("  }");
+  }
+
+  void list(const StepOp& op) {
+    const std::string slot = value(op, 0);
+    if (op.change == lower::SlotChange::Enters) return loop(op, "slot_enters(s, " + slot + ");");
+    if (op.change == lower::SlotChange::Leaves) return loop(op, "slot_leaves(s, " + slot + ");");
+    std::string before, zeroes;
+    std::string is_on = "s.values[" + at(op, 0) + "] >= 0";
+    for (std::uint32_t k = refs(op) - op.hiders; k < refs(op); ++k) is_on += " && s.values[" + at(op, k) + "] < 0";
+    if (op.unit != rt::kNone) {
+      for (std::uint32_t k = 0; k < op.zeroed; ++k) zeroes += "s.all[" + at(op, 1) + " + " + std::to_string(k) + "] = Slot{0}; ";
+      is_on += " && " + call(op, 1, before) + " != 0";
+    }
+    loop(op, "{ " + before + (before.empty() ? "" : " ") + zeroes + "slot_is(s, " + slot + ", " + is_on + "); }");
+  }
+
+  const lower::LoweredSystem& lowered_;
+  const lower::StepShape& shape_;
+  Writer& out_;
+};
+
+}  // namespace
+
+std::string step_name(std::size_t shape) { return "steps::shape_" + std::to_string(shape); }
+
+void emit_steps(const lower::LoweredSystem& lowered, Writer& out) {
+  if (lowered.steps.shapes.empty()) return;
+  out.line();
+  out.line("// Whole steps, one function a shape of interaction; bip/steps.hpp says what they work on.");
+  out.line("namespace steps {");
+  for (const char* name : {"StepState", "StepOperand", "slot_enters", "slot_leaves", "slot_is"}) {
+    out.line(std::string("using bip::rt::") + name + ";");
+  }
+  std::size_t number = 0;
+  for (const lower::StepShape& shape : lowered.steps.shapes) ShapeWriter(lowered, shape, out).write(number++);
+  out.line();
+  out.line("}  // namespace steps");
+}
+
+}  // namespace bip::emit_cpp

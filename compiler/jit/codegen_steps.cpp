@@ -1,0 +1,243 @@
+// Step functions as LLVM IR: see compiler/lower/steps.hpp for what the operations mean; compiler/emit_cpp/steps.cpp writes
+// the same as C++.
+//
+// Units are built once more into this module, to be inlined. The list's length lives in a register; it is stored at the end.
+#include <llvm/IR/IRBuilder.h>
+
+#include <cstddef>
+#include <functional>
+
+#include "compiler/jit/codegen.hpp"
+
+namespace bip::jit {
+namespace {
+
+using lower::StepOp;
+using lower::StepOpKind;
+using llvm::Value;
+
+class ShapeBuilder {
+ public:
+  ShapeBuilder(llvm::Module& module, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const std::string& name)
+      : module_(module), lowered_(lowered), shape_(shape), function_(declare(module, name)),
+        b_(llvm::BasicBlock::Create(module.getContext(), "entry", function_)), i32_(b_.getInt32Ty()), i64_(b_.getInt64Ty()) {
+    all_ = field(offsetof(rt::StepState, all), b_.getPtrTy());
+    places_ = field(offsetof(rt::StepState, places), b_.getPtrTy());
+    values_ = field(offsetof(rt::StepState, values), b_.getPtrTy());
+    members_ = field(offsetof(rt::StepState, members), b_.getPtrTy());
+    position_ = field(offsetof(rt::StepState, position), b_.getPtrTy());
+    scratch_ = field(offsetof(rt::StepState, scratch), b_.getPtrTy());
+    count_ = b_.CreateAlloca(i32_);
+    b_.CreateStore(field(offsetof(rt::StepState, count), i32_), count_);
+    for (std::size_t k = 0; k < shape.strides.size(); ++k) {
+      Value* operand = b_.CreateConstInBoundsGEP1_64(i64_, function_->getArg(1), k);
+      Value* base = b_.CreateAlignedLoad(i32_, operand, llvm::Align(4));
+      Value* stride = b_.CreateAlignedLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, operand, 1), llvm::Align(4));
+      operands_.push_back(b_.CreateAdd(base, b_.CreateMul(stride, function_->getArg(2))));
+    }
+  }
+
+  void build() {
+    for (const StepOp& op : shape_.ops) {
+      if (op.kind == StepOpKind::Code) loop(op, [&](Value* t) { code(op, t); });
+      if (op.kind == StepOpKind::Place) loop(op, [&](Value* t) { b_.CreateStore(number(op, 1, t), cell(places_, op, 0, t)); });
+      if (op.kind == StepOpKind::Ready) ready(op);
+      if (op.kind == StepOpKind::Slot && op.delta != 0) loop(op, [&](Value* t) { grow(op, 0, t); });
+    }
+    for (const StepOp& op : shape_.ops) {
+      if (op.kind == StepOpKind::Slot) loop(op, [&](Value* t) { list(op, t); });
+    }
+    b_.CreateStore(b_.CreateLoad(i32_, count_), b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), function_->getArg(0), offsetof(rt::StepState, count)));
+    b_.CreateRetVoid();
+  }
+
+ private:
+  static llvm::Function* declare(llvm::Module& module, const std::string& name) {
+    llvm::LLVMContext& context = module.getContext();
+    llvm::Type* pointer = llvm::PointerType::getUnqual(context);
+    auto* type = llvm::FunctionType::get(llvm::Type::getVoidTy(context), {pointer, pointer, llvm::Type::getInt32Ty(context)}, false);
+    auto* function = llvm::Function::Create(type, llvm::Function::ExternalLinkage, name, module);
+    function->setDoesNotThrow();
+    function->addParamAttr(0, llvm::Attribute::NoAlias);
+    function->addParamAttr(1, llvm::Attribute::NoAlias);
+    function->addParamAttr(1, llvm::Attribute::ReadOnly);
+    return function;
+  }
+  Value* field(std::size_t offset, llvm::Type* type) {
+    return b_.CreateLoad(type, b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), function_->getArg(0), offset));
+  }
+  llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
+  Value* constant(std::uint32_t value) { return b_.getInt32(value); }
+
+  // ---- operands: ref k of an operation, which in a loop moves with t (64 bits; null outside of loops)
+  static std::uint32_t operand(const StepOp& op, std::uint32_t k) { return op.first_ref + (op.repeats ? 1 : 0) + k; }
+  static std::uint32_t refs(const StepOp& op) { return op.refs - (op.repeats ? 1 : 0); }
+  [[nodiscard]] std::int32_t stride(const StepOp& op, std::uint32_t k) const { return shape_.strides[operand(op, k)]; }
+  Value* number(const StepOp& op, std::uint32_t k, Value* t) {
+    Value* base = operands_[operand(op, k)];
+    if (stride(op, k) == 0 || t == nullptr) return base;
+    return b_.CreateAdd(base, b_.CreateMul(b_.CreateTrunc(t, i32_), constant(static_cast<std::uint32_t>(stride(op, k)))));
+  }
+  Value* index(const StepOp& op, std::uint32_t k, Value* t) {
+    Value* base = b_.CreateZExt(operands_[operand(op, k)], i64_);
+    if (stride(op, k) == 0 || t == nullptr) return base;
+    return b_.CreateAdd(base, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k))));
+  }
+  Value* cell(Value* array, const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(i32_, array, index(op, k, t)); }
+  Value* cell(Value* array, Value* row) { return b_.CreateInBoundsGEP(i32_, array, b_.CreateZExt(row, i64_)); }
+  Value* data(const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(i64_, all_, index(op, k, t)); }
+
+  void count_up(Value* count, const std::function<void(Value*)>& body) {
+    llvm::BasicBlock* before = b_.GetInsertBlock();
+    llvm::BasicBlock* inside = new_block("loop");
+    llvm::BasicBlock* after = new_block("after");
+    b_.CreateCondBr(b_.CreateICmpNE(count, llvm::ConstantInt::get(i64_, 0)), inside, after);
+    b_.SetInsertPoint(inside);
+    llvm::PHINode* t = b_.CreatePHI(i64_, 2);
+    t->addIncoming(llvm::ConstantInt::get(i64_, 0), before);
+    body(t);
+    Value* next = b_.CreateNUWAdd(t, llvm::ConstantInt::get(i64_, 1));
+    t->addIncoming(next, b_.GetInsertBlock());
+    b_.CreateCondBr(b_.CreateICmpULT(next, count), inside, after);
+    b_.SetInsertPoint(after);
+  }
+  void loop(const StepOp& op, const std::function<void(Value*)>& body) {
+    if (op.repeats) count_up(b_.CreateZExt(operands_[op.first_ref], i64_), body);
+    else body(nullptr);
+  }
+
+  // ---- units
+  llvm::Function* unit(std::uint32_t row) {
+    const std::string name = "inline." + lowered_.units[row].name;
+    if (llvm::Function* known = module_.getFunction(name)) return known;
+    llvm::Function* function = build_unit(module_, lowered_, row, name);
+    function->setLinkage(llvm::Function::InternalLinkage);
+    if (!function->hasFnAttribute(llvm::Attribute::OptimizeNone)) function->addFnAttr(llvm::Attribute::AlwaysInline);
+    return function;
+  }
+  // A call with self at ref k; rows of bound variables in an array, or, if all move alike in a loop, `all` moves instead.
+  Value* call(const StepOp& op, std::uint32_t k, Value* t) {
+    const std::vector<std::uint32_t>& binds = lowered_.steps.binds[op.unit];
+    Value* all = all_;
+    Value* bind = llvm::ConstantPointerNull::get(b_.getPtrTy());
+    if (!binds.empty()) {
+      bool together = true;
+      for (std::uint32_t n = 0; n < binds.size(); ++n) together = together && stride(op, k + 1 + n) == stride(op, k + 1);
+      llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
+      bind = start.CreateAlloca(llvm::ArrayType::get(i32_, binds.back() + 1));
+      for (std::uint32_t n = 0; n < binds.size(); ++n) {
+        b_.CreateStore(number(op, k + 1 + n, together ? nullptr : t), b_.CreateConstInBoundsGEP1_64(i32_, bind, binds[n]));
+      }
+      if (together && t != nullptr && stride(op, k + 1) != 0) {
+        all = b_.CreateInBoundsGEP(i64_, all_, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
+      }
+    }
+    return b_.CreateCall(unit(op.unit), {llvm::ConstantPointerNull::get(b_.getPtrTy()), data(op, k, t), all, bind});
+  }
+  void zero(const StepOp& op, std::uint32_t k, Value* t) {
+    if (op.zeroed == 0) return;
+    Value* self = data(op, k, t);
+    for (std::uint32_t n = 0; n < op.zeroed; ++n) {
+      b_.CreateAlignedStore(llvm::ConstantInt::get(i64_, 0), b_.CreateConstInBoundsGEP1_64(i64_, self, n), llvm::Align(8));
+    }
+  }
+  void code(const StepOp& op, Value* t) {
+    zero(op, 0, t);
+    if (op.unit != rt::kNone) call(op, 0, t);
+  }
+
+  // ---- the list
+  void grow(const StepOp& op, std::uint32_t k, Value* t) {
+    Value* at = cell(values_, op, k, t);
+    b_.CreateStore(b_.CreateAdd(b_.CreateLoad(i32_, at), constant(static_cast<std::uint32_t>(op.delta))), at);
+  }
+  void enters(Value* slot) {
+    Value* count = b_.CreateLoad(i32_, count_);
+    b_.CreateStore(count, cell(position_, slot));
+    b_.CreateStore(slot, cell(members_, count));
+    b_.CreateStore(b_.CreateAdd(count, constant(1)), count_);
+  }
+  void leaves(Value* slot) {
+    Value* count = b_.CreateSub(b_.CreateLoad(i32_, count_), constant(1));
+    b_.CreateStore(count, count_);
+    Value* at = b_.CreateLoad(i32_, cell(position_, slot));
+    Value* last = b_.CreateLoad(i32_, cell(members_, count));
+    b_.CreateStore(last, cell(members_, at));
+    b_.CreateStore(at, cell(position_, last));
+    b_.CreateStore(constant(rt::kAbsentSlot), cell(position_, slot));
+  }
+  void list(const StepOp& op, Value* t) {
+    Value* slot = number(op, 0, t);
+    if (op.change == lower::SlotChange::Enters) return enters(slot);
+    if (op.change == lower::SlotChange::Leaves) return leaves(slot);
+    Value* is_on = b_.CreateICmpSGE(b_.CreateLoad(i32_, cell(values_, op, 0, t)), constant(0));
+    for (std::uint32_t k = refs(op) - op.hiders; k < refs(op); ++k) {
+      is_on = b_.CreateAnd(is_on, b_.CreateICmpSLT(b_.CreateLoad(i32_, cell(values_, op, k, t)), constant(0)));
+    }
+    if (op.unit != rt::kNone) {
+      zero(op, 1, t);
+      is_on = b_.CreateAnd(is_on, b_.CreateICmpNE(call(op, 1, t), constant(0)));
+    }
+    Value* was_on = b_.CreateICmpNE(b_.CreateLoad(i32_, cell(position_, slot)), constant(rt::kAbsentSlot));
+    llvm::BasicBlock* change = new_block("change");
+    llvm::BasicBlock* enter = new_block("enter");
+    llvm::BasicBlock* leave = new_block("leave");
+    llvm::BasicBlock* same = new_block("same");
+    b_.CreateCondBr(b_.CreateICmpEQ(is_on, was_on), same, change);
+    b_.SetInsertPoint(change);
+    b_.CreateCondBr(is_on, enter, leave);
+    b_.SetInsertPoint(enter);
+    enters(slot);
+    b_.CreateBr(same);
+    b_.SetInsertPoint(leave);
+    leaves(slot);
+    b_.CreateBr(same);
+    b_.SetInsertPoint(same);
+  }
+
+  // Who is ready is noted first, without branches: nobody can predict it.
+  void ready(const StepOp& op) {
+    llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
+    Value* count = start.CreateAlloca(i32_);
+    b_.CreateStore(constant(0), count);
+    loop(op, [&](Value* t) {
+      Value* found = b_.CreateLoad(i32_, count);
+      b_.CreateStore(b_.CreateTrunc(t, i32_), cell(scratch_, found));
+      Value* is_there = b_.CreateICmpEQ(b_.CreateLoad(i32_, cell(places_, op, 0, t)), constant(op.from));
+      b_.CreateStore(b_.CreateAdd(found, b_.CreateZExt(is_there, i32_)), count);
+    });
+    count_up(b_.CreateZExt(b_.CreateLoad(i32_, count), i64_), [&](Value* k) {
+      Value* t = b_.CreateZExt(b_.CreateLoad(i32_, b_.CreateInBoundsGEP(i32_, scratch_, k)), i64_);
+      if (op.unit != rt::kNone) call(op, 1, t);
+      if (op.from != op.to) b_.CreateStore(constant(op.to), cell(places_, op, 0, t));
+      if (op.delta == 0) return;
+      grow(op, refs(op) - 1, t);
+      if (op.delta > 0) enters(number(op, refs(op) - 1, t));
+      else leaves(number(op, refs(op) - 1, t));
+    });
+  }
+
+  llvm::Module& module_;
+  const lower::LoweredSystem& lowered_;
+  const lower::StepShape& shape_;
+  llvm::Function* function_;
+  llvm::IRBuilder<> b_;
+  llvm::Type* i32_;
+  llvm::Type* i64_;
+  Value *all_ = nullptr, *places_ = nullptr, *values_ = nullptr, *members_ = nullptr, *position_ = nullptr, *scratch_ = nullptr;
+  Value* count_ = nullptr;
+  std::vector<Value*> operands_;
+};
+
+}  // namespace
+
+std::string step_name(std::size_t shape) { return "bip_shape_" + std::to_string(shape); }
+
+std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered) {
+  auto module = std::make_unique<llvm::Module>("steps", context);
+  std::size_t number = 0;
+  for (const lower::StepShape& shape : lowered.steps.shapes) ShapeBuilder(*module, lowered, shape, step_name(number++)).build();
+  return module;
+}
+
+}  // namespace bip::jit

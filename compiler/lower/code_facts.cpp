@@ -1,0 +1,44 @@
+// See code_facts.hpp. A division by a constant other than 0 and -1 cannot fault; any call of C++ can.
+#include "compiler/lower/code_facts.hpp"
+
+#include <algorithm>
+
+namespace bip::lower {
+
+CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body) {
+  CodeFacts facts;
+  std::vector<ExprId> exprs{expr};
+  std::vector<StmtId> stmts{body};
+  while (!stmts.empty()) {
+    const StmtId id = stmts.back();
+    stmts.pop_back();
+    if (!id.is_valid()) continue;
+    const Stmt& s = code.stmts[id];
+    if (s.op == StmtOp::StoreBind) facts.binds.push_back(s.index);
+    exprs.push_back(s.value);
+    stmts.insert(stmts.end(), {s.next, s.then_body, s.else_body});
+  }
+  while (!exprs.empty()) {
+    const ExprId id = exprs.back();
+    exprs.pop_back();
+    if (!id.is_valid()) continue;
+    const Expr& e = code.exprs[id];
+    if (e.op == Op::LoadBind) facts.binds.push_back(e.index);
+    if (e.op == Op::Call) {
+      facts.may_fault = true;
+      const std::span<const ExprId> args = code.args_of(e);
+      exprs.insert(exprs.end(), args.begin(), args.end());
+      continue;
+    }
+    if ((e.op == Op::Div || e.op == Op::Mod) && e.type == Type::Int) {
+      const Expr& by = code.exprs[e.b];
+      facts.may_fault |= by.op != Op::ConstInt || by.int_value == 0 || by.int_value == -1;
+    }
+    exprs.insert(exprs.end(), {e.a, e.b});
+  }
+  std::sort(facts.binds.begin(), facts.binds.end());
+  facts.binds.erase(std::unique(facts.binds.begin(), facts.binds.end()), facts.binds.end());
+  return facts;
+}
+
+}  // namespace bip::lower

@@ -1,0 +1,17 @@
+// What is known of a unit's code without running it.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "compiler/model/code.hpp"
+
+namespace bip::lower {
+
+struct CodeFacts {
+  bool may_fault = false;             // it calls C++, or divides by what may be 0 or -1
+  std::vector<std::uint32_t> binds;   // bound variables that it reads or writes, ascending
+};
+/// Of an expression, or of statements; either may be invalid. Linear in the code, iterative.
+[[nodiscard]] CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body);
+
+}  // namespace bip::lower

@@ -1,0 +1,45 @@
+// Shapes of interactions, from which step functions are generated (bip/steps.hpp); compiler/steps derives them.
+//
+// A shape is a list of operations. What differs between interactions of one shape are the operands, numbered through the
+// operations in order: `refs` of them each, after a count if the operation repeats.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "runtime/include/bip/image.hpp"
+
+namespace bip::lower {
+
+enum class StepOpKind : std::uint8_t {
+  Code,   // runs `unit`: refs self, then its bound variables (code_facts); zeroes so many of self's slots before
+  Place,  // refs atom, place: the atom is there now
+  Ready,  // refs atom, self if there is a unit, slot if delta != 0: if the atom is at `from`, runs `unit`, puts it at `to`, slot's
+          // value grows by delta and it enters
+  Slot    // refs slot, then, if there is a guard `unit`, self and bound variables, then slots that hide it: its value grows by
+          // delta, and it is in the list iff it is available, the guard holds and none of those is available
+};
+enum class SlotChange : std::uint8_t { Look, Enters, Leaves };  // what is certain
+
+struct StepOp {
+  StepOpKind kind = StepOpKind::Code;
+  SlotChange change = SlotChange::Look;
+  bool repeats = false;              // a first operand says how often; strides say how far the others move each time
+  std::uint32_t unit = rt::kNone;
+  std::uint32_t zeroed = 0;
+  std::int32_t delta = 0;
+  std::uint32_t from = 0, to = 0;
+  std::uint32_t hiders = 0;          // Slot: the last so many refs
+  std::uint32_t first_ref = 0, refs = 0;
+};
+struct StepShape {
+  std::vector<StepOp> ops;           // Codes, Places, Readys and Slots in this order; of Slots first all values, then the list, in order
+  std::vector<std::int32_t> strides; // by operand; 0 unless its operation repeats
+};
+struct Steps {
+  std::vector<StepShape> shapes;
+  std::vector<rt::StepRun> runs;
+  std::vector<rt::StepOperand> operands;
+  std::vector<std::vector<std::uint32_t>> binds;  // by unit: its bound variables, as CodeFacts has them
+};
+
+}  // namespace bip::lower

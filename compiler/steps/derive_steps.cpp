@@ -1,0 +1,149 @@
+// Shapes and runs: see derive_steps.hpp. Two interactions have one shape if their folded operations are equal but for the
+// operands. A run goes on while slots come at equal distances and every operand grows by an equal stride; the borders of
+// a ring or a grid are runs of their own.
+#include "compiler/steps/derive_steps.hpp"
+
+#include <map>
+
+#include "compiler/steps/deriver.hpp"
+
+namespace bip::steps {
+
+namespace {
+
+constexpr std::size_t kLeastRepeats = 4;  // in a row, to become a loop
+constexpr std::size_t kMostOps = 48;
+
+bool alike(const StepOp& a, const StepOp& b) {
+  return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta && a.from == b.from &&
+         a.to == b.to && a.hiders == b.hiders && a.refs == b.refs;
+}
+
+std::vector<u32> key_of(const Instance& folded, const std::vector<std::int32_t>& strides) {
+  std::vector<u32> key;
+  for (const StepOp& op : folded.ops) {
+    key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit, op.zeroed,
+                           static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs});
+  }
+  for (const std::int32_t stride : strides) key.push_back(static_cast<u32>(stride));
+  return key;
+}
+
+// Slots of one shape, as they come.
+class Runs {
+ public:
+  Runs(lower::Steps& steps, u32 shape) : steps_(&steps), shape_(shape) {}
+
+  void add(u32 slot, const std::vector<u32>& operands) {
+    if (count_ == 1) {
+      distance_ = slot - first_;
+      for (std::size_t k = 0; k < operands.size(); ++k) strides_[k] = operands[k] - bases_[k];
+      count_ = 2;
+      return;
+    }
+    if (count_ > 1 && goes_on(slot, operands)) {
+      ++count_;
+      return;
+    }
+    close();
+    first_ = slot;
+    distance_ = 1;
+    count_ = 1;
+    bases_ = operands;
+    strides_.assign(operands.size(), 0);
+  }
+  void close() {
+    if (count_ == 0) return;
+    steps_->runs.push_back({first_, count_, distance_, shape_, static_cast<u32>(steps_->operands.size())});
+    for (std::size_t k = 0; k < bases_.size(); ++k) steps_->operands.push_back({bases_[k], strides_[k]});
+    count_ = 0;
+  }
+
+ private:
+  [[nodiscard]] bool goes_on(u32 slot, const std::vector<u32>& operands) const {
+    if (slot != first_ + distance_ * count_) return false;
+    for (std::size_t k = 0; k < operands.size(); ++k) {
+      if (operands[k] != bases_[k] + strides_[k] * count_) return false;
+    }
+    return true;
+  }
+
+  lower::Steps* steps_;
+  u32 shape_;
+  u32 first_ = 0, distance_ = 1, count_ = 0;
+  std::vector<u32> bases_, strides_;
+};
+
+}  // namespace
+
+void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides) {
+  out.clear();
+  strides.clear();
+  const auto ref = [&](std::size_t op, u32 k) { return in.refs[in.ops[op].first_ref + k]; };
+  for (std::size_t i = 0; i < in.ops.size();) {
+    const StepOp& op = in.ops[i];
+    std::size_t end = i + 1;
+    const auto goes_on = [&] {
+      if (end >= in.ops.size() || !alike(op, in.ops[end])) return false;
+      for (u32 k = 0; k < op.refs; ++k) {
+        if (ref(end, k) - ref(end - 1, k) != ref(i + 1, k) - ref(i, k)) return false;
+      }
+      return true;
+    };
+    while (goes_on()) ++end;
+    const bool repeats = end - i >= least;
+    if (!repeats) end = i + 1;
+    StepOp& made = out.add(op.kind);
+    const u32 first = made.first_ref;
+    made = op;
+    made.first_ref = first;
+    made.repeats = repeats;
+    made.refs = 0;
+    if (repeats) {
+      out.ref(static_cast<u32>(end - i));
+      strides.push_back(0);
+    }
+    for (u32 k = 0; k < op.refs; ++k) {
+      out.ref(ref(i, k));
+      strides.push_back(repeats && end - i > 1 ? static_cast<std::int32_t>(ref(i + 1, k) - ref(i, k)) : 0);
+    }
+    i = end;
+  }
+}
+
+void derive_steps(lower::LoweredSystem& lowered) {
+  lowered.steps = {};
+  lowered.image.step_runs = {};
+  // Objects of C++ types are no data of ours.
+  if (lowered.image.outside != nullptr) return;
+  Deriver deriver(lowered);
+  if (!deriver.link_priorities()) return;
+  lower::Steps steps;
+  std::map<std::vector<u32>, u32> known;
+  std::vector<Runs> runs;
+  Instance instance, folded;
+  std::vector<std::int32_t> strides;
+  for (u32 slot = 0; slot < deriver.slots(); ++slot) {
+    Deriver::Found found = deriver.describe(slot, instance);
+    if (found == Deriver::Found::Yes) {
+      const bool is_star = !instance.ops.empty() && instance.ops[0].kind == StepOpKind::Ready;
+      fold(instance, is_star ? 1 : kLeastRepeats, folded, strides);
+      if (folded.ops.size() > kMostOps) found = Deriver::Found::No;
+    }
+    if (found == Deriver::Found::No && deriver.needs_all()) return;
+    if (found != Deriver::Found::Yes) continue;
+    const auto [at, is_new] = known.try_emplace(key_of(folded, strides), static_cast<u32>(runs.size()));
+    if (is_new) {
+      steps.shapes.push_back({folded.ops, strides});
+      runs.emplace_back(steps, at->second);
+    }
+    runs[at->second].add(slot, folded.refs);
+  }
+  for (Runs& rest : runs) rest.close();
+  for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
+  lowered.steps = std::move(steps);
+  lowered.image.step_runs = {lowered.steps.runs.data(), static_cast<u32>(lowered.steps.runs.size())};
+  lowered.image.step_operands = {lowered.steps.operands.data(), static_cast<u32>(lowered.steps.operands.size())};
+}
+
+}  // namespace bip::steps

@@ -1,0 +1,156 @@
+// What one interaction does: its code, where its atoms go, whose being enabled that may change.
+//
+// Covered: rendezvous of atoms of simple types (each port one transition, without guards), flat or a hierarchy without
+// triggers, guards of flat connectors, internal ports, broadcasts of atoms without transfer, code that cannot fault. As
+// nothing faults and codes of different atoms or connectors share no variables, `up`s run bottom up, `down`s top down, then
+// actions: an order that repeats where the core's depth-first one does not.
+#include <algorithm>
+#include <numeric>
+
+#include "compiler/steps/deriver.hpp"
+
+namespace bip::steps {
+
+using rt::SlotKind;
+
+Deriver::Deriver(const lower::LoweredSystem& lowered)
+    : lowered_(lowered), image_(lowered.image), tables_(rt::link(image_, rt::MaximalProgress::On)), rules_(rt::link_priorities(tables_)) {
+  for (const lower::CodeUnit& unit : lowered.units) facts_.push_back(lower::code_facts(lowered.system->code, unit.expr, unit.body));
+  for (u32 type = 0; type < image_.atom_types.size; ++type) {
+    const rt::LinkedType& linked = tables_.types[type];
+    first_port_.push_back(static_cast<u32>(transitions_.size()));
+    transitions_.resize(transitions_.size() + image_.atom_types[type].ports.size, kNone);
+    if (!linked.simple) continue;
+    for (u32 row = linked.first_transition; row < linked.first_transition + linked.transition_count; ++row) {
+      transitions_[first_port_[type] + tables_.transitions[row].port] = row;
+    }
+  }
+}
+
+u32 Deriver::transition_of(u32 instance) const {
+  const u32 atom = tables_.port_atom[instance];
+  return transitions_[first_port_[image_.atoms[atom].type] + instance - tables_.port_base[atom]];
+}
+
+bool Deriver::have_distinct_atoms() {
+  atoms_.clear();
+  for (const u32 port : ports_) atoms_.push_back(tables_.port_atom[port]);
+  std::sort(atoms_.begin(), atoms_.end());
+  return std::adjacent_find(atoms_.begin(), atoms_.end()) == atoms_.end();
+}
+
+bool Deriver::add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out) {
+  if (unit != kNone && facts_[unit].may_fault) return false;
+  StepOp& op = out.add(StepOpKind::Code);
+  op.unit = unit;
+  op.zeroed = zeroed;
+  out.ref(self);
+  if (unit == kNone) return true;
+  for (const u32 bound : facts_[unit].binds) out.ref(image_.binds[binds + bound]);
+  return true;
+}
+
+bool Deriver::add_connector_codes(const rt::SlotInfo& info, Instance& out) {
+  if (info.clause == kNone) return true;
+  const rt::Connector& row = image_.connectors[info.row];
+  const rt::ConnectorType& type = tables_.connector_type(info.row);
+  const rt::Clause& clause = type.clauses[info.clause];
+  if (clause.may_fault || (clause.guard != kNone && facts_[clause.guard].may_fault)) return false;
+  u32 zeroed = type.slots.size;
+  for (const u32 unit : {clause.up, clause.down}) {
+    if (unit == kNone) continue;
+    if (!add_code(unit, zeroed, row.slot_base, row.binds, out)) return false;
+    zeroed = 0;
+  }
+  return true;
+}
+
+// By depth, and within one by where their data are: levels of regular trees are regular.
+bool Deriver::add_plan_codes(const rt::Plan& plan, Instance& out) {
+  const rt::PlanUse* uses = tables_.plan_uses.data() + plan.first_use;
+  const rt::PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
+  std::vector<u32> depth(plan.use_count, 0), order(plan.use_count);
+  for (u32 i = 0; i < plan.use_count; ++i) {
+    const rt::ConnectorType& type = tables_.connector_type(uses[i].connector);
+    u32 bound = 0;
+    for (const rt::ConnectorParam& param : type.params) bound = std::max(bound, param.first_bind + image_.port_types[param.type].vars.size);
+    // It reads data of bystanders: those might have moved by then.
+    if (image_.connectors[uses[i].connector].bind_count > bound) return false;
+    if (uses[i].link != kNone) depth[i] = depth[nodes[nodes[uses[i].link].parent].use] + 1;
+  }
+  std::iota(order.begin(), order.end(), 0u);
+  const auto base = [&](u32 use) { return image_.connectors[uses[use].connector].slot_base; };
+  std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return depth[a] != depth[b] ? depth[a] < depth[b] : base(a) < base(b); });
+  const auto add = [&](u32 use, bool is_up) {
+    const rt::ConnectorType& type = tables_.connector_type(uses[use].connector);
+    const u32 unit = uses[use].clause == kNone ? kNone : is_up ? type.clauses[uses[use].clause].up : type.clauses[uses[use].clause].down;
+    const u32 zeroed = is_up ? type.slots.size : 0;
+    if (unit == kNone && zeroed == 0) return true;
+    return add_code(unit, zeroed, base(use), image_.connectors[uses[use].connector].binds, out);
+  };
+  // Last levels first, but each in ascending order.
+  for (u32 end = plan.use_count; end > 0;) {
+    u32 first = end - 1;
+    while (first > 0 && depth[order[first - 1]] == depth[order[end - 1]]) --first;
+    for (u32 i = first; i < end; ++i) {
+      if (!add(order[i], true)) return false;
+    }
+    end = first;
+  }
+  for (const u32 use : order) {
+    if (!add(use, false)) return false;
+  }
+  return true;
+}
+
+// Places, then actions: an action sees data alone.
+bool Deriver::add_actions(Instance& out) {
+  for (const u32 port : ports_) {
+    const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
+    if (transition.source->action == kNone) continue;
+    if (!add_code(transition.source->action, 0, image_.atoms[tables_.port_atom[port]].slot_base, 0, out)) return false;
+  }
+  for (const u32 port : ports_) {
+    const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
+    if (transition.from == transition.to) continue;
+    out.add(StepOpKind::Place);
+    out.ref(tables_.port_atom[port]);
+    out.ref(transition.to);
+  }
+  return true;
+}
+
+Deriver::Found Deriver::describe(u32 slot, Instance& out) {
+  const rt::SlotInfo& info = tables_.slots[slot];
+  out.clear();
+  ports_.clear();
+  if (info.kind == SlotKind::Planned) {
+    const rt::Plan& plan = tables_.plans[info.plan];
+    if (info.searched || !plan.rigid || plan.guarded || plan.has_choice) return Found::No;
+    for (u32 i = 0; i < plan.node_count; ++i) {
+      const rt::PlanNode& node = tables_.plan_nodes[plan.first_node + i];
+      if (node.kind == rt::NodeKind::Leaf) ports_.push_back(node.ref);
+    }
+  } else if (info.kind == SlotKind::Port) {
+    ports_.push_back(info.row);
+  } else {
+    for (u32 i = 0; i < info.count; ++i) ports_.push_back(tables_.flat_ports[info.first + i]);
+  }
+  for (const u32 port : ports_) {
+    const u32 atom = tables_.port_atom[port];
+    if (!tables_.types[image_.atoms[atom].type].simple) return Found::No;
+    // A port without a transition: never ready. In a broadcast others go on without it; those are rare.
+    if (transition_of(port) == kNone) return info.kind == SlotKind::Star ? Found::No : Found::Never;
+  }
+  if (!have_distinct_atoms()) return Found::No;
+  bool done = false;
+  switch (info.kind) {
+    case SlotKind::Flat: done = add_connector_codes(info, out) && add_actions(out) && add_effects(slot, out); break;
+    case SlotKind::Planned: done = add_plan_codes(tables_.plans[info.plan], out) && add_actions(out) && add_effects(slot, out); break;
+    case SlotKind::Port: done = add_actions(out) && add_effects(slot, out); break;
+    case SlotKind::Star: done = tables_.clause_order[image_.connectors[info.row].type].empty() && add_star(out); break;
+  }
+  return done ? Found::Yes : Found::No;
+}
+
+}  // namespace bip::steps

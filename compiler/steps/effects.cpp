@@ -1,0 +1,182 @@
+// Whose being enabled an interaction may change: slots that count ports which flip, guards over data of atoms that move, slots
+// that such a slot hides.
+#include <algorithm>
+
+#include "compiler/steps/deriver.hpp"
+
+namespace bip::steps {
+
+using rt::SlotKind;
+
+namespace {
+
+constexpr std::size_t kMaxHiders = 8;
+
+}  // namespace
+
+// Rules that always hold between whole rendezvous without guards: then a slot is hidden iff one of a fixed set of others is
+// available, at the end of a chain of rules or directly.
+bool Deriver::link_priorities() {
+  std::vector<u32> all;
+  const auto matches = [&](u32 rule, u32 slot, bool high) {
+    const u32 connector = tables_.slots[slot].row;
+    all.clear();
+    for (u32 k = 0; k < tables_.connector_type(connector).params.size; ++k) all.push_back(k);
+    const rt::Priority& row = image_.priorities[rule];
+    return high ? rt::matches_high(tables_, row, connector, all) : rt::matches_low(tables_, row, connector, all);
+  };
+  std::vector<std::vector<u32>> highs(rules_.count);
+  for (const rt::HighEdge& edge : rules_.high_edges) {
+    const rt::SlotInfo& info = tables_.slots[edge.slot];
+    if (info.kind != SlotKind::Flat || info.searched) return false;
+    if (matches(edge.rule, edge.slot, true)) highs[edge.rule].push_back(edge.slot);
+  }
+  std::vector<u32> reached;
+  for (u32 rule = 0; rule < rules_.count; ++rule) {
+    const rt::Priority& row = image_.priorities[rule];
+    if (row.guard != kNone || row.low.any_connector || row.high.any_connector || rules_.cyclic[rules_.component[rule]] != 0) return false;
+    reached.assign(1, rule);
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      for (const u32 next : rules_.next[reached[i]]) {
+        if (std::find(reached.begin(), reached.end(), next) == reached.end()) reached.push_back(next);
+      }
+      if (reached.size() > kMaxHiders) return false;
+    }
+    for (const u32 low : rules_.slots_of_low[rule]) {
+      if (tables_.slots[low].kind != SlotKind::Flat) return false;
+      if (!matches(rule, low, false)) continue;
+      std::vector<u32>& hiders = hiders_[low];
+      for (const u32 other : reached) hiders.insert(hiders.end(), highs[other].begin(), highs[other].end());
+      std::sort(hiders.begin(), hiders.end());
+      hiders.erase(std::unique(hiders.begin(), hiders.end()), hiders.end());
+      if (hiders.size() > kMaxHiders) return false;
+    }
+  }
+  for (const auto& [low, hiders] : hiders_) {
+    for (const u32 high : hiders) hidden_[high].push_back(low);
+  }
+  return true;
+}
+
+bool Deriver::add_effects(u32 fired, Instance& out) {
+  effects_.clear();
+  touched_.clear();
+  for (const u32 port : ports_) {
+    const u32 atom = tables_.port_atom[port];
+    for (const u32 item : tables_.atom_watch[atom]) {
+      if (item >= slots()) return false;
+      touched_.push_back(item);
+    }
+    const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
+    for (u32 d = 0; d < transition.delta_count; ++d) {
+      const rt::PortDelta& delta = tables_.deltas[transition.delta_first + d];
+      const u32 moved = tables_.port_base[atom] + delta.port;
+      if (tables_.port_watch[moved].size != 0) return false;
+      for (const u32 node : tables_.port_out[moved]) {
+        if (node >= slots()) return false;
+        effects_.push_back({node, delta.transition != kNone ? 1 : -1});
+      }
+    }
+  }
+  const auto tidy = [&] {
+    std::sort(effects_.begin(), effects_.end(), [](const Effect& a, const Effect& b) { return a.slot < b.slot; });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < effects_.size();) {
+      Effect sum = effects_[i];
+      for (++i; i < effects_.size() && effects_[i].slot == sum.slot; ++i) sum.delta += effects_[i].delta;
+      effects_[kept++] = sum;
+    }
+    effects_.resize(kept);
+  };
+  tidy();
+  std::erase_if(effects_, [](const Effect& e) { return e.delta == 0; });
+  for (std::size_t i = effects_.size(); i-- > 0 && !hidden_.empty();) {
+    const auto found = hidden_.find(effects_[i].slot);
+    if (found != hidden_.end()) touched_.insert(touched_.end(), found->second.begin(), found->second.end());
+  }
+  for (const u32 slot : touched_) effects_.push_back({slot, 0});
+  tidy();
+  return std::all_of(effects_.begin(), effects_.end(), [&](const Effect& effect) { return add_slot(effect, fired, out); });
+}
+
+bool Deriver::add_slot(Effect effect, u32 fired, Instance& out) {
+  const rt::SlotInfo& info = tables_.slots[effect.slot];
+  const bool exact = info.kind == SlotKind::Flat || info.kind == SlotKind::Port;  // its value is never above 0
+  StepOp& op = out.add(StepOpKind::Slot);
+  op.delta = effect.delta;
+  out.ref(effect.slot);
+  const rt::Connector* connector = info.kind == SlotKind::Port ? nullptr : &image_.connectors[info.row];
+  if (info.searched) {
+    if (info.kind != SlotKind::Flat || info.clause == kNone) return false;
+    const rt::ConnectorType& type = tables_.connector_type(info.row);
+    const rt::Clause& clause = type.clauses[info.clause];
+    if (clause.guard == kNone || clause.may_fault || facts_[clause.guard].may_fault) return false;
+    op.unit = clause.guard;
+    op.zeroed = type.slots.size;
+    out.ref(connector->slot_base);
+    for (const u32 bound : facts_[clause.guard].binds) out.ref(image_.binds[connector->binds + bound]);
+  }
+  if (const auto hiders = hiders_.find(effect.slot); hiders != hiders_.end()) {
+    for (const u32 slot : hiders->second) out.ref(slot);
+    out.ops.back().hiders = static_cast<u32>(hiders->second.size());
+  }
+  StepOp& made = out.ops.back();
+  const std::int32_t all = -tables_.node_start[effect.slot];
+  if (exact && effect.delta < 0 && effect.slot == fired) made.change = SlotChange::Leaves;
+  if (exact && made.unit == kNone && made.hiders == 0) {
+    if (effect.delta == all) made.change = SlotChange::Enters;
+    if (effect.delta == -all) made.change = SlotChange::Leaves;
+  }
+  return true;
+}
+
+// Each parameter by itself: whoever is at the place from which its port can fire takes part.
+bool Deriver::add_star(Instance& out) {
+  Instance each;
+  for (const u32 port : ports_) {
+    const u32 atom = tables_.port_atom[port];
+    if (tables_.atom_watch[atom].size != 0) return false;
+    const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
+    Effect effect{kNone, 0};
+    for (u32 d = 0; d < transition.delta_count; ++d) {
+      const rt::PortDelta& delta = tables_.deltas[transition.delta_first + d];
+      const u32 moved = tables_.port_base[atom] + delta.port;
+      if (tables_.port_watch[moved].size != 0) return false;
+      for (const u32 node : tables_.port_out[moved]) {
+        if (node >= slots() || effect.slot != kNone) return false;
+        effect = {node, delta.transition != kNone ? 1 : -1};
+      }
+    }
+    if (effect.slot != kNone) {
+      const rt::SlotInfo& info = tables_.slots[effect.slot];
+      const bool exact = info.kind == SlotKind::Flat || info.kind == SlotKind::Port;
+      if (!exact || info.searched || hiders_.contains(effect.slot) || hidden_.contains(effect.slot)) return false;
+      if (effect.delta != -tables_.node_start[effect.slot]) return false;
+    }
+    const u32 action = transition.source->action;
+    if (action != kNone && facts_[action].may_fault) return false;
+    StepOp& op = each.add(StepOpKind::Ready);
+    op.unit = action;
+    op.from = transition.from;
+    op.to = transition.to;
+    op.delta = effect.delta;
+    each.ref(atom);
+    if (action != kNone) each.ref(image_.atoms[atom].slot_base);
+    if (effect.slot != kNone) each.ref(effect.slot);
+  }
+  // The list changes in slot order: one group of parameters changes it, in that order.
+  std::vector<std::int32_t> strides;
+  fold(each, 1, out, strides);
+  u32 changing = 0;
+  for (const StepOp& op : out.ops) {
+    if (op.delta == 0) continue;
+    ++changing;
+    const u32 slot = op.first_ref + op.refs - 1;
+    if (out.refs[op.first_ref] > 1 && strides[slot] <= 0) return false;
+  }
+  // Folded for good in derive_steps: here the parameters one by one.
+  out = each;
+  return changing <= 1 && out.ops.size() <= 0xffffffffu;
+}
+
+}  // namespace bip::steps

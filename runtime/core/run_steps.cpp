@@ -1,0 +1,67 @@
+// The short way: steps by the image's step functions (bip/steps.hpp), one after the other, drawn uniformly.
+//
+// A step costs a draw, two loads to find its run, one indirect call. Meanwhile ranks, listings and rules are not kept up to
+// date; they are brought up to date at the end, which costs as much as the system is large if it has guards or priorities.
+#include <limits>
+
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+// Finds the runs. A slot without one is fired by the core; if somebody might look at guards or rules then, all slots that can
+// fire have one (derive_steps).
+void Core::link_steps() {
+  const Image& image = *tables_.image;
+  if (image.step_fns.size == 0 || options_.progress == MaximalProgress::Off || is_weighted_) return;
+  run_of_.assign(tables_.slots.size(), kNone);
+  u32 most = 0;
+  for (u32 row = 0; row < image.step_runs.size; ++row) {
+    const StepRun& run = image.step_runs[row];
+    // Division by the distance as a multiplication, which is exact for offsets up to 2^32 / distance.
+    const u64 inverse = ((u64{1} << 32) + run.distance - 1) / run.distance;
+    if (u64{run.count} * run.distance * run.distance > std::numeric_limits<u32>::max()) {
+      run_of_.clear();
+      return;
+    }
+    runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, inverse});
+    for (u32 i = 0; i < run.count; ++i) run_of_[run.first + i * run.distance] = row;
+  }
+  for (const ConnectorType& type : image.connector_types) most = std::max(most, type.params.size);
+  step_scratch_.assign(std::size_t{most} + 1, 0);
+}
+
+u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
+  constexpr u64 kBetweenLooks = 4096;
+  EnabledSet::List list = enabled_.open_list();
+  StepState s{all_.data(), places_.data(), values_.data(), list.members, list.position, step_scratch_.data(), *list.count};
+  u64 done = 0;
+  u64 look = 0;
+  sound = true;
+  while (done < limit && s.count != 0) {
+    if (done == look) {
+      if (is_stopped()) break;
+      look = done + kBetweenLooks;
+    }
+    const u32 slot = s.members[s.count == 1 ? 0 : prng.below(s.count)];
+    const u32 row = run_of_[slot];
+    if (row != kNone) {
+      const Run& run = runs_[row];
+      remember(slot);
+      run.fn(s, run.operands, static_cast<u32>((slot - run.first) * run.inverse >> 32));
+    } else {
+      enabled_.close_list(s.count);
+      sound = take({slot, 0});
+      if (!sound) return done;
+      s.count = *list.count;
+    }
+    ++done;
+  }
+  enabled_.close_list(s.count);
+  for (u32 slot = 0; slot < is_direct_.size() && (tables_.any_searched || rules_.count != 0); ++slot) {
+    if (is_direct_[slot] == 0) mark_dirty(slot);
+  }
+  sound = settle();
+  return done;
+}
+
+}  // namespace bip::rt
