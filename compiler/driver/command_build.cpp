@@ -21,10 +21,11 @@ const char* flag_of(Optimisation optimisation) {
   switch (optimisation) {
     case Optimisation::O0: return "-O0";
     case Optimisation::O1: return "-O1";
-    case Optimisation::O2:
+    case Optimisation::O2: return "-O2";
+    // Loops of whole steps become vectors.
     case Optimisation::Auto: break;
   }
-  return "-O2";
+  return "-O3";
 }
 
 // Sorted, so that the compiler sees the same command every time.

@@ -21,7 +21,13 @@ class ShapeWriter {
     out_.line("void shape_" + std::to_string(number) + "(StepState& state, [[maybe_unused]] const StepOperand* operands, [[maybe_unused]] std::uint32_t i) {");
     out_.line("  StepState s = state;");
     for (std::size_t k = 0; k < shape_.strides.size(); ++k) {
-      out_.line("  const std::uint32_t v" + std::to_string(k) + " = operands[" + std::to_string(k) + "].at(i);");
+      const std::string cell = "operands[" + std::to_string(k) + "]";
+      std::string text = cell + ".at(i)";
+      if (!shape_.run_strides.empty()) {
+        const std::uint32_t stride = shape_.run_strides[k];
+        text = cell + ".base" + (stride == 0 ? "" : stride == 1 ? " + i" : " + " + std::to_string(stride) + "u * i");
+      }
+      out_.line("  const std::uint32_t v" + std::to_string(k) + " = " + text + ";");
     }
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Code) code(op);

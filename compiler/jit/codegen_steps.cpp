@@ -32,7 +32,9 @@ class ShapeBuilder {
     for (std::size_t k = 0; k < shape.strides.size(); ++k) {
       Value* operand = b_.CreateConstInBoundsGEP1_64(i64_, function_->getArg(1), k);
       Value* base = b_.CreateAlignedLoad(i32_, operand, llvm::Align(4));
-      Value* stride = b_.CreateAlignedLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, operand, 1), llvm::Align(4));
+      Value* stride = shape.run_strides.empty()
+                          ? static_cast<Value*>(b_.CreateAlignedLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, operand, 1), llvm::Align(4)))
+                          : constant(shape.run_strides[k]);
       operands_.push_back(b_.CreateAdd(base, b_.CreateMul(stride, function_->getArg(2))));
     }
   }

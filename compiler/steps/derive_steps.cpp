@@ -1,5 +1,6 @@
 // Shapes and runs: see derive_steps.hpp. Two interactions have one shape if their folded operations are equal but for the
-// operands. A run goes on while slots come at equal distances and every operand grows by an equal stride; the borders of
+// operands. If there are few, shapes whose runs have other strides are told apart too: then strides are constants in the
+// code. A run goes on while slots come at equal distances and every operand grows by an equal stride; the borders of
 // a ring or a grid are runs of their own.
 #include "compiler/steps/derive_steps.hpp"
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kLeastRepeats = 4;  // in a row, to become a loop
 constexpr std::size_t kMostOps = 48;
+constexpr std::size_t kMostShapes = 64;       // with strides in them
 
 bool alike(const StepOp& a, const StepOp& b) {
   return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta && a.from == b.from &&
@@ -74,6 +76,28 @@ class Runs {
   std::vector<u32> bases_, strides_;
 };
 
+// Tells shapes apart by the strides of their runs.
+void split_by_strides(lower::Steps& steps) {
+  std::map<std::vector<u32>, u32> known;
+  std::vector<u32> shape_of_run;
+  std::vector<lower::StepShape> shapes;
+  std::vector<u32> key;
+  for (const rt::StepRun& run : steps.runs) {
+    const std::size_t operands = steps.shapes[run.shape].strides.size();
+    key.assign(1, run.shape);
+    for (std::size_t k = 0; k < operands; ++k) key.push_back(steps.operands[run.operands + k].stride);
+    const auto [at, is_new] = known.try_emplace(key, static_cast<u32>(shapes.size()));
+    if (is_new) {
+      if (shapes.size() == kMostShapes) return;
+      shapes.push_back(steps.shapes[run.shape]);
+      shapes.back().run_strides.assign(key.begin() + 1, key.end());
+    }
+    shape_of_run.push_back(at->second);
+  }
+  for (std::size_t row = 0; row < steps.runs.size(); ++row) steps.runs[row].shape = shape_of_run[row];
+  steps.shapes = std::move(shapes);
+}
+
 }  // namespace
 
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides) {
@@ -134,12 +158,13 @@ void derive_steps(lower::LoweredSystem& lowered) {
     if (found != Deriver::Found::Yes) continue;
     const auto [at, is_new] = known.try_emplace(key_of(folded, strides), static_cast<u32>(runs.size()));
     if (is_new) {
-      steps.shapes.push_back({folded.ops, strides});
+      steps.shapes.push_back({folded.ops, strides, {}});
       runs.emplace_back(steps, at->second);
     }
     runs[at->second].add(slot, folded.refs);
   }
   for (Runs& rest : runs) rest.close();
+  split_by_strides(steps);
   for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
   lowered.steps = std::move(steps);
   lowered.image.step_runs = {lowered.steps.runs.data(), static_cast<u32>(lowered.steps.runs.size())};

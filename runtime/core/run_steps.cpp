@@ -34,6 +34,12 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
   constexpr u64 kBetweenLooks = 4096;
   EnabledSet::List list = enabled_.open_list();
   StepState s{all_.data(), places_.data(), values_.data(), list.members, list.position, step_scratch_.data(), *list.count};
+  // Copies that nobody else can change.
+  Prng numbers = prng;
+  u32* const history = history_.data();
+  u32 history_at = history_at_;
+  const u32* const run_of = run_of_.data();
+  const Run* const runs = runs_.data();
   u64 done = 0;
   u64 look = 0;
   sound = true;
@@ -42,20 +48,26 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
       if (is_stopped()) break;
       look = done + kBetweenLooks;
     }
-    const u32 slot = s.members[s.count == 1 ? 0 : prng.below(s.count)];
-    const u32 row = run_of_[slot];
+    const u32 slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    const u32 row = run_of[slot];
     if (row != kNone) {
-      const Run& run = runs_[row];
-      remember(slot);
+      const Run& run = runs[row];
+      history[history_at] = slot;
+      history_at = (history_at + 1) % kHistory;
       run.fn(s, run.operands, static_cast<u32>((slot - run.first) * run.inverse >> 32));
     } else {
       enabled_.close_list(s.count);
+      history_at_ = history_at;
       sound = take({slot, 0});
-      if (!sound) return done;
+      history_at = history_at_;
+      if (!sound) break;
       s.count = *list.count;
     }
     ++done;
   }
+  prng = numbers;
+  history_at_ = history_at;
+  if (!sound) return done;
   enabled_.close_list(s.count);
   for (u32 slot = 0; slot < is_direct_.size() && (tables_.any_searched || rules_.count != 0); ++slot) {
     if (is_direct_[slot] == 0) mark_dirty(slot);

@@ -6,6 +6,7 @@
 #ifdef BIP_GEN_JIT
 #include "compiler/jit/jit.hpp"
 #endif
+#include "compiler/steps/derive_steps.hpp"
 #include "compiler/system/bsys.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/functions.hpp"
@@ -73,6 +74,8 @@ std::string check_model(const Description& model, std::uint64_t seed, const Chec
                         EmittedCase* emitted) {
   Compiled c = compile_texts(print_packages(model));
   if (!c.problem.empty()) return "compile " + c.problem;
+  // Functions for them come with the JIT and emitted C++; the interpreter goes without.
+  steps::derive_steps(*c.lowered);
   const rt::Image& image = c.lowered->image;
   std::vector<std::string> traces;
   {

@@ -3,7 +3,6 @@
 
 #include "compiler/model/model.hpp"
 #include "compiler/parse/parse.hpp"
-#include "compiler/steps/derive_steps.hpp"
 #include "compiler/syntax/print.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/instantiate.hpp"
@@ -25,7 +24,6 @@ void lower_sound(Compiled& c) {
     return;
   }
   c.lowered = lower::lower(*c.system, "Root()");
-  steps::derive_steps(*c.lowered);
   std::string missing;
   c.objects = bind_outside(*c.lowered, missing);
   if (!missing.empty()) c.problem = "outside: no C++ function " + missing;

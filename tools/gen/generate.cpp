@@ -20,6 +20,12 @@ Description generate(std::uint64_t seed, Features features) {
   style.outside = random.percent(25);
   style.objects = style.outside && random.percent(60);
   if (features == Features::Plain) style.merged = style.atom_rules = style.invariants = false;
+  // Random numbers of its own: other seeds' models stay what they are.
+  style.regular = Prng(seed ^ 0x7265677561u).percent(30);
+  if (style.regular) {
+    style.faults = style.merged = style.atom_rules = style.invariants = false;
+    style.calls = style.outside = style.objects = false;
+  }
   if (style.large) style.max_weight = 3000;
   CodeMaker code(random, style);
 

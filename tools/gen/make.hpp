@@ -30,6 +30,7 @@ struct Style {
   bool calls = false;        // functions of the C and C++ libraries in code
   bool outside = false;      // and those of outside.hpp
   bool objects = false;      // and its types
+  bool regular = false;      // what can be compiled as whole steps: ports of one transition, no faults, few guards and triggers
   bool ruled = false;        // many priority rules, in chains, with guards
   int max_weight = 120;      // alternatives of one connector
   std::vector<Var> constants;

@@ -18,7 +18,7 @@ class AtomMaker {
     make_ports();
     make_places();
     for (const Port& port : atom_.ports) make_transitions(port);
-    if (random_.percent(25)) make_internal();
+    if (!style_.regular && random_.percent(25)) make_internal();
     if (style_.atom_rules) make_rules();
     if (style_.invariants && random_.percent(60)) make_invariant();
     if (random_.percent(60)) atom_.initial_action = code_.body(known(), random_.between(1, 3), 1);
@@ -124,7 +124,7 @@ class AtomMaker {
   void make_places() {
     int n = random_.between(1, 4);
     for (int k = 0; k < n; ++k) first_.push_back("S" + std::to_string(k));
-    if (random_.percent(15)) {
+    if (!style_.regular && random_.percent(15)) {
       for (int k = 0, m = random_.between(2, 3); k < m; ++k) second_.push_back("U" + std::to_string(k));
     }
     atom_.places = first_;
@@ -157,12 +157,13 @@ class AtomMaker {
   void make_transitions(const Port& port) {
     auto from = sources();
     std::size_t count = style_.lively && random_.percent(80) ? from.size() : 1 + random_.below(from.size());
+    if (style_.regular) count = 1;
     for (std::size_t k = 0; k < count; ++k) {
       Transition t;
       t.port = port.name;
       t.from = from[k];
       t.to = targets(t.from);
-      if (random_.percent(style_.lively ? 15 : 35)) t.guard = code_.guard(known());
+      if (!style_.regular && random_.percent(style_.lively ? 15 : 35)) t.guard = code_.guard(known());
       if (random_.percent(65)) t.action = code_.body(known(), random_.between(1, 2), 1);
       atom_.transitions.push_back(t);
       if (t.guard && random_.percent(40)) add_opposite(t);

@@ -79,6 +79,10 @@ Expr CodeMaker::int_operation(const std::vector<Known>& known, int depth) {
   std::string op = random_->pick(ops);
   Expr a = expression(Ty::Int, known, depth - 1), b = expression(Ty::Int, known, depth - 1);
   bool division = op == "/" || op == "%";
+  if (style_->regular && division) {
+    op = "-";
+    division = false;
+  }
   if (division && !(style_->faults && random_->percent(30))) {
     b = binary("+", binary("&", std::move(b), int_literal(7), Ty::Int), int_literal(1), Ty::Int);
   }

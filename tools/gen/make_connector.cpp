@@ -59,14 +59,25 @@ class ConnectorMaker {
       order.push_back(static_cast<int>(k));
     }
     if (random_.percent(30)) random_.shuffle(order);
-    type_.define = random_group(random_, order, 2, style_.deep ? 65 : 50);
+    bool is_broadcast = style_.regular && random_.percent(20);
+    type_.define = style_.regular ? regular_group(order, is_broadcast) : random_group(random_, order, 2, style_.deep ? 65 : 50);
     if (exports) make_export();
     if (random_.percent(35)) own(code_.type());
-    make_clauses();
+    if (!is_broadcast) make_clauses();
     return type_;
   }
 
  private:
+  Define regular_group(const std::vector<int>& params, bool is_broadcast) {
+    Define group;
+    for (int param : params) {
+      Define child;
+      child.param = param;
+      child.trigger = is_broadcast && (group.children.empty() || random_.percent(10));
+      group.children.push_back(child);
+    }
+    return group;
+  }
   std::string own(Ty type) {
     Var var;
     var.name = "z" + std::to_string(type_.data.size());
@@ -103,7 +114,7 @@ class ConnectorMaker {
     all.insert(all.end(), own.begin(), own.end());
     for (Known& k : readable) k.writable = false;
     readable.insert(readable.end(), own.begin(), own.end());
-    if (random_.percent(style_.deep ? 50 : 35)) result.guard = code_.guard(all);
+    if (random_.percent(style_.regular ? (type_.exports ? 0 : 15) : style_.deep ? 50 : 35)) result.guard = code_.guard(all);
     if (type_.exports && random_.percent(85)) result.up = code_.body(readable, random_.between(1, 3), 1, CodeMaker::Changes::ByAssignment);
     // What `up` computed is only seen if it reaches an atom: own data get more weight.
     for (int copies = 0; copies < 2; ++copies) all.insert(all.end(), own.begin(), own.end());

@@ -38,7 +38,7 @@ class PriorityMaker {
     }
     if (ranked_.empty()) return;
     random_.shuffle(ranked_);
-    if (random_.percent(20)) return star();
+    if (!style_.regular && random_.percent(20)) return star();
     if (style_.ruled && ranked_.size() > 4) ranked_.resize(4);  // chains need rules that meet
     for (int k = style_.ruled ? random_.between(2, 6) : random_.between(1, 3); k > 0; --k) {
       if (ranked_.size() >= 2 && random_.percent(75)) {
@@ -63,7 +63,7 @@ class PriorityMaker {
     rule.name = "r" + std::to_string(compound_.priorities.size());
     rule.low = std::move(low);
     rule.high = std::move(high);
-    if (random_.percent(40)) rule.guard = code_.guard(data_);
+    if (!style_.regular && random_.percent(40)) rule.guard = code_.guard(data_);
     compound_.priorities.push_back(std::move(rule));
   }
   void star() {
