@@ -34,8 +34,10 @@ class Reader {
       const auto fail = [&](const std::string& why) { throw Rejected("line " + std::to_string(number) + ": " + why); };
       if (number == 1 && line != "bipc-certificate 1") fail("not a certificate of version 1");
       if (has_end) fail("something follows the end");
-      if (head == "method" && line != "method invariants") throw NotCheckable("the evidence is a search of all states");
-      if (head == "claim" && line != "claim deadlock-free") fail("an unknown claim");
+      if (head == "method" && line != "method invariants" && line != "method induction") throw NotCheckable("the evidence is a search of all states");
+      if (head == "method") c_.is_induction = line == "method induction";
+      if (head == "method" && !c_.is_induction && c_.claim != "deadlock-free") fail("invariants alone prove no such claim");
+      if (head == "claim") c_.claim = line.substr(6);
       if (head == "class") {
         words >> word >> word;
         Class row;
@@ -77,12 +79,48 @@ class Reader {
         }
         set.members.assign(members.begin(), members.end());
         c_.sets.push_back(std::move(set));
+      } else if (head == "range" || head == "lemma") {
+        c_.facts.push_back(fact(words, head == "range", atom_rows, fail));
+        c_.facts.back().text = "line " + std::to_string(number);
       } else if (head == "end") {
         has_end = true;
       }
     }
     if (!has_end) throw Rejected("the certificate has no end");
+    if (c_.is_induction && c_.classes.empty() && c_.sets.empty()) return;
     if (std::find(c_.class_of.begin(), c_.class_of.end(), kNone) != c_.class_of.end()) throw Rejected("a component has no row");
+  }
+
+  // "ROOT.a.n 0 7", or literals "!ROOT.a@PLACE", "ROOT.a.n:3"
+  template <class Fail>
+  Fact fact(std::istringstream& words, bool is_range, const std::map<std::string, std::size_t>& atom_rows, const Fail& fail) {
+    Fact result;
+    result.is_range = is_range;
+    std::string word;
+    while (words >> word) {
+      Fact::Part part;
+      part.is_negated = !is_range && word[0] == '!';
+      const std::string name = word.substr(part.is_negated ? 1 : 0);
+      const std::size_t at = name.find('@'), colon = name.rfind(':');
+      part.is_place = !is_range && at != std::string::npos;
+      const std::size_t dot = name.rfind('.', colon);
+      if (!is_range && !part.is_place && colon == std::string::npos) fail("`" + word + "` is no literal");
+      const auto atom = atom_rows.find(name.substr(0, part.is_place ? at : dot));
+      if (atom == atom_rows.end()) fail("no component in `" + word + "`");
+      part.atom = atom->second;
+      const AtomType& type = m_.atom_types[m_.atoms[part.atom].type];
+      const std::string own = part.is_place ? name.substr(at + 1) : is_range ? name.substr(dot + 1) : name.substr(dot + 1, colon - dot - 1);
+      const std::vector<std::string>& names = part.is_place ? type.places : type.slots;
+      part.row = static_cast<std::size_t>(std::find(names.begin(), names.end(), own) - names.begin());
+      if (part.row == names.size()) fail("no `" + own + "` in `" + word + "`");
+      if (!part.is_place && type.types[part.row] != "int" && type.types[part.row] != "bool" && type.types[part.row] != "string") fail("`" + own + "` cannot be followed");
+      if (!is_range && !part.is_place) part.bit = static_cast<unsigned>(std::stoul(name.substr(colon + 1)));
+      if (part.bit > 31) fail("an int has 32 bits");
+      result.parts.push_back(part);
+      if (is_range && !(words >> result.low >> result.high)) fail("a range has two ends");
+    }
+    if (is_range && result.parts.size() != 1) fail("a range is of one slot");
+    return result;
   }
 
   template <class Fail>

@@ -17,7 +17,23 @@ struct Set {
   std::string text;
 };
 
+/// A range (of one part) or a lemma (one of its parts holds).
+struct Fact {
+  struct Part {
+    std::size_t atom = 0, row = 0;  // place or slot
+    unsigned bit = 0;
+    bool is_place = false, is_negated = false;
+  };
+  bool is_range = false;
+  int low = 0, high = 0;
+  std::vector<Part> parts;
+  std::string text;
+};
+
 struct Certificate {
+  std::string claim;
+  bool is_induction = false;
+  std::vector<Fact> facts;
   std::vector<Class> classes;
   std::vector<std::size_t> class_of;             // by atom
   std::vector<std::set<std::size_t>> reachable;  // by atom

@@ -26,7 +26,8 @@ class Reader {
     for (const Tree& row : m_.trees) {
       const std::string& head = row.head();
       if (head == "string") m_.strings.emplace(row.items.at(2).text, static_cast<std::int32_t>(row.items.at(1).row()));
-      else if (head == "port-type") m_.port_type_sizes.push_back(count(row, "var"));
+      else if (head == "port-type") port_type(row);
+      else if (head == "priority") m_.priorities.push_back(&row);
       else if (head == "function") function(row);
       else if (head == "atom-type") atom_type(row);
       else if (head == "connector-type") m_.connector_types.push_back(&row);
@@ -50,7 +51,15 @@ class Reader {
     return n;
   }
 
-  static void function(const Tree& row) {
+  void port_type(const Tree& row) {
+    m_.port_type_sizes.push_back(count(row, "var"));
+    m_.port_type_types.emplace_back();
+    for (const Tree& item : row.items) {
+      if (item.head() == "var") m_.port_type_types.back().push_back(item.items.at(2).text);
+    }
+  }
+  void function(const Tree& row) {
+    m_.functions.push_back(&row);
     if (row.find("ref") != nullptr) throw NotCheckable("C++ functions get references to variables");
   }
 
@@ -65,9 +74,12 @@ class Reader {
         type.is_param.push_back(has_word(item, "param"));
       } else if (head == "port") {
         type.exported.push_back(has_word(item, "export"));
+        type.ports.push_back(item.items.at(2).text);
         type.port_slots.push_back(rows_of(item.find("slots")));
       } else if (head == "place") {
         type.places.push_back(item.items.at(2).text);
+      } else if (head == "invariant") {
+        type.invariants.push_back(&item);
       } else if (head == "initial") {
         type.initial = rows_of(&item);
       } else if (head == "do") {
@@ -89,6 +101,7 @@ class Reader {
     type.maybe_hidden.assign(type.exported.size(), false);
     for (const Tree& item : row.items) {
       if (item.head() != "priority") continue;
+      type.priorities.push_back(&item);
       const Tree* low = item.find("low");
       if (low == nullptr) throw Rejected("a priority without low side");
       for (std::size_t port = 0; port < type.exported.size(); ++port) {
@@ -151,6 +164,8 @@ class Reader {
     c.type = row.items.at(3).row();
     c.ports = row.find("ports");
     c.data = row.find("data");
+    c.path = row.items.at(2).text;
+    if (const Tree* compound = row.find("in")) c.compound = compound->items.at(1).row();
     const Tree& type = *m_.connector_types.at(c.type);
     const Tree* define = type.find("define");
     if (c.ports == nullptr || define == nullptr) throw Rejected("a connector without ports");

@@ -34,6 +34,8 @@ struct AtomType {
   std::vector<std::size_t> initial;
   const Tree* initial_action = nullptr;
   std::vector<Transition> transitions;
+  std::vector<std::string> ports;
+  std::vector<const Tree*> priorities, invariants;
 };
 struct Atom {
   std::string path;
@@ -60,14 +62,17 @@ struct Connector {
   const Tree* ports = nullptr;
   const Tree* data = nullptr;
   std::size_t root = 0;
+  std::string path;
+  std::size_t compound = 0;
 };
 
 struct Model {
   std::vector<Tree> trees;
   std::map<std::string, std::int32_t> strings;
   std::vector<std::size_t> port_type_sizes;
+  std::vector<std::vector<std::string>> port_type_types;
   std::vector<AtomType> atom_types;
-  std::vector<const Tree*> connector_types;
+  std::vector<const Tree*> connector_types, functions, priorities;
   std::vector<Atom> atoms;
   std::vector<std::size_t> first_port;   // by atom, and the total: node of its port 0
   std::vector<std::size_t> atom_of_port;
