@@ -155,7 +155,7 @@ void add_build(CLI::App& app, BuildArguments& a) {
   CLI::App* command = app.add_subcommand("build", "make a stand-alone program with the host's C++ compiler");
   command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
   command->add_option("-o,--output", a.output, "the program to write")->required()->type_name("EXE");
-  add_optimisation(*command, a.optimisation, true, "optimisation of the C++ compiler (default 2)");
+  add_optimisation(*command, a.optimisation, true, "optimisation of the C++ compiler (by itself -O3)");
   add_compile(*command, a.compile);
   command->footer("The compiler is $CXX, else c++, g++ or clang++.\nExample:\n  bipc build model.bip -o model && ./model --seed 42");
 }

@@ -292,6 +292,7 @@ class Core {
   bool keeps_list_ = false;
   std::vector<Run> runs_;                  // the image's runs of step functions
   std::vector<u32> run_of_;                // by slot: row of runs_, or kNone
+  std::vector<u32> run_of_block_;          // by 64 slots: row of runs_, kNone, or kSlotsDiffer: small enough to stay at hand
   std::vector<u32> step_scratch_;
 
   std::vector<u32> dirty_;

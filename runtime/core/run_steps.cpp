@@ -2,11 +2,18 @@
 //
 // A step costs a draw, two loads to find its run, one indirect call. Meanwhile ranks, listings and rules are not kept up to
 // date; they are brought up to date at the end, which costs as much as the system is large if it has guards or priorities.
+#include <algorithm>
 #include <limits>
 
 #include "runtime/core/core.hpp"
 
 namespace bip::rt {
+
+namespace {
+
+constexpr u32 kSlotsDiffer = kNone - 1;
+
+}  // namespace
 
 // Finds the runs. A slot without one is fired by the core; if somebody might look at guards or rules then, all slots that can
 // fire have one (derive_steps).
@@ -26,6 +33,12 @@ void Core::link_steps() {
     runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, inverse});
     for (u32 i = 0; i < run.count; ++i) run_of_[run.first + i * run.distance] = row;
   }
+  for (std::size_t first = 0; first < run_of_.size(); first += 64) {
+    const auto begin = run_of_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = run_of_.begin() + static_cast<std::ptrdiff_t>(std::min(first + 64, run_of_.size()));
+    const bool same = std::all_of(begin, end, [&](u32 row) { return row == *begin; });
+    run_of_block_.push_back(same ? *begin : kSlotsDiffer);
+  }
   for (const ConnectorType& type : image.connector_types) most = std::max(most, type.params.size);
   step_scratch_.assign(std::size_t{most} + 1, 0);
 }
@@ -39,6 +52,7 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
   u32* const history = history_.data();
   u32 history_at = history_at_;
   const u32* const run_of = run_of_.data();
+  const u32* const run_of_block = run_of_block_.data();
   const Run* const runs = runs_.data();
   u64 done = 0;
   u64 look = 0;
@@ -49,7 +63,8 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
       look = done + kBetweenLooks;
     }
     const u32 slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
-    const u32 row = run_of[slot];
+    u32 row = run_of_block[slot >> 6];
+    if (row == kSlotsDiffer) row = run_of[slot];
     if (row != kNone) {
       const Run& run = runs[row];
       history[history_at] = slot;
