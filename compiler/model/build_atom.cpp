@@ -16,6 +16,7 @@ struct AtomBuilder {
   Scope scope;
   TimeBuilder time;
   std::unordered_map<std::string, std::uint32_t> slots, ports, places;
+  std::unordered_map<std::string, SourceRange> constants;  // `data const`: after `initial` they keep their values
   StmtId initialisers;  // declared initial values, in reverse while collecting
   struct Init {
     std::uint32_t slot;
@@ -62,6 +63,7 @@ struct AtomBuilder {
       for (const syntax::Var& v : d.vars) {
         names.declare(v.name, "data");
         add_slot(v.name, type, false, d.exported);
+        if (d.type.is_const) constants[std::string(v.name.text)] = v.name.range;
         const auto h = hidden.find(std::string(v.name.text));
         const std::uint32_t param = h == hidden.end() ? Id<void>::kNone : h->second;
         if (v.init != nullptr || h != hidden.end()) inits.push_back({slots[std::string(v.name.text)], v.init, param, b.loc(v.name.range)});
@@ -75,6 +77,9 @@ struct AtomBuilder {
     std::vector<Variable> variables;
     bool sound = true;
     for (const syntax::Name& var : item.vars) {
+      for (const syntax::Name* other = item.vars.data(); other != &var; ++other) {
+        if (other->text == var.text) b.diags.report(Diag::kB2031, var.range, port.name, var.text).label(other->range, "here first");
+      }
       const auto slot = slots.find(std::string(var.text));
       if (slot == slots.end()) {
         std::vector<std::string> known;
@@ -106,6 +111,13 @@ struct AtomBuilder {
 
   void check_variables(const Port& port, const std::vector<Variable>& given, const syntax::PortItem& item, const syntax::TypeRef& type) {
     const PortType& wanted = b.model.port_types[port.type];
+    for (std::size_t i = 0; i < std::min(given.size(), wanted.variables.size()); ++i) {
+      const auto constant = constants.find(given[i].name);
+      if (constant == constants.end() || wanted.variables[i].is_const) continue;
+      b.diags.report(Diag::kB2030, item.vars[i].range, port.name, given[i].name, wanted.variables[i].name, b.text(type.name))
+          .label(constant->second, "declared here")
+          .help(fmt::format("declare `const` what the port shows: `port type {}(const …)`", b.text(type.name)));
+    }
     if (wanted.variables.size() != given.size()) {
       b.diags.report(Diag::kB2003, item.name.range, port.name, counted(given.size(), "variable"), wanted.name, wanted.variables.size())
           .label(b.declared(wanted.name), "declared here");
@@ -194,6 +206,11 @@ struct AtomBuilder {
       AtomPriority row{.name = std::string(p.name.text), .low = low.value_or(0), .high = high.value_or(0), .guard = code.guard(p.guard), .loc = b.loc(p.range)};
       if (!low || !high) continue;
       if (row.low != row.high) {
+        for (const AtomPriority& other : out.priorities) {
+          if (other.low != row.low || other.high != row.high || other.guard.is_valid()) continue;
+          b.diags.report(Diag::kB3013, p.name.range, p.name.text, other.name);
+          break;
+        }
         out.priorities.push_back(std::move(row));
       } else if (row.low == AtomPriority::kAnyPort) {
         b.diags.report(Diag::kB3011, p.high.range, p.name.text).label(p.low.range, "and here").help("name the port of one side");
@@ -280,6 +297,7 @@ struct AtomBuilder {
       next = code.store_self(init.slot, type, value, init.loc, next);
     }
     out.initial_action = next;
+    for (const auto& [name, range] : constants) scope.names[name].read_only = "`const` data keep the value that `initial` gives";
     for (const syntax::Transition& t : decl.transitions) build_transition(t);
     build_rules();
     return std::move(out);

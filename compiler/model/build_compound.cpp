@@ -58,7 +58,9 @@ void CompoundBuilder::build() {
     build_priority(p);
   }
   build_exports();
-  if (!b.diags.has_errors()) warn_unbound();
+  if (b.diags.has_errors()) return;
+  warn_unbound();
+  warn_modified(out.items);
 }
 
 void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& row) {
@@ -91,7 +93,7 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
 }
 
 void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
-  PriorityRule row{.name = std::string(p.name.text), .low = {}, .high = {}, .guard = {}, .data = {}, .range = p.range};
+  PriorityRule row{.name = std::string(p.name.text), .low = {}, .high = {}, .guard = {}, .data = {}, .range = p.range, .annotations = p.annotations};
   pattern(p.low, row.low);
   pattern(p.high, row.high);
   if (p.low.any_connector && p.high.any_connector) b.diags.report(Diag::kB3003, p.high.range).label(p.low.range, "and here").help("name the interactions of one side: `connector:*` or `connector:port,port`");
@@ -189,8 +191,10 @@ void CompoundBuilder::warn_unbound() {
 }
 
 void build_compound_types(Builder& b) {
-  CompoundBuilders all{b, {}, {}, {}};
+  CompoundBuilders all{.b = b, .decls = {}, .atom_decls = {}, .connector_decls = {}, .modified = {}, .states = {}, .heights = {}};
   for (const syntax::Decl* decl : b.model.decls) {
+    if (decl->kind == syntax::DeclKind::AtomType) all.atom_decls.push_back(decl);
+    if (decl->kind == syntax::DeclKind::ConnectorType) all.connector_decls.push_back(decl);
     if (decl->kind != syntax::DeclKind::CompoundType) continue;
     all.decls.push_back(decl);
     all.states.push_back(BuildState::Untouched);

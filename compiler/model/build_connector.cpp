@@ -42,13 +42,13 @@ struct BodyBuilder {
       if (!param.type.is_valid()) continue;
       std::uint32_t bind = param.first_bind;
       for (const Variable& v : b.model.port_types[param.type].variables) {
-        down_scope.names[key + "." + v.name] = {.load = Op::LoadBind, .index = bind++, .type = v.type, .read_only = "", .value = {}, .declared = {}};
+        down_scope.names[key + "." + v.name] = {.load = Op::LoadBind, .index = bind++, .type = v.type, .read_only = v.is_const ? "its port type says `const`" : "", .value = {}, .declared = {}};
       }
     }
     for (const auto& [key, binding] : ports.data) down_scope.names[key] = binding;
     up_scope = down_scope;
     for (auto& [key, binding] : up_scope.names) {
-      if (binding.load == Op::LoadBind) binding.read_only = "`up` writes only the connector's own data";
+      if (binding.load == Op::LoadBind && binding.read_only.empty()) binding.read_only = "`up` writes only the connector's own data";
     }
   }
 
@@ -230,6 +230,7 @@ struct BodyBuilder {
   void build(SourceRange range, syntax::Annotations annotations) {
     down_scope.owner = is_inline ? fmt::format("connector `{}`", out.name) : fmt::format("connector type `{}`", out.name);
     const std::size_t errors_at_start = b.diags.error_count();
+    const auto is_silent = [&](const char* warning) { return is_suppressed(annotations, warning) || is_suppressed(body.exported.annotations, warning); };
     build_scopes();
     build_export(annotations);
     errors_before = b.diags.error_count();
@@ -237,8 +238,15 @@ struct BodyBuilder {
     has_errors_in_define = has_errors();
     std::unordered_map<std::string, SourceRange> given;
     for (const syntax::Clause& c : body.clauses) build_clause(c, given);
+    if (!b.diags.has_errors()) check_clauses(b, body, out, annotations);
+    if (out.exports && !out.export_slots.empty() && body.clauses.empty()) {
+      if (b.diags.error_count() == errors_at_start && !is_silent("nointeraction") && !is_silent("missinginteraction")) {
+        b.diags.report(Diag::kB2032, range, down_scope.owner, out.export_name).help("write `on` with an `up` for each interaction");
+      }
+      return;
+    }
     if (!out.export_slots.empty() && b.diags.error_count() == errors_at_start && count(0) > static_cast<double>(out.clauses.size()) &&
-        !is_suppressed(annotations, "missinginteraction")) {
+        !is_silent("missinginteraction")) {
       auto d = b.diags.report(Diag::kB2016, range, down_scope.owner, out.export_name);
       if (const std::string missing = without_clause(); !missing.empty()) d.note(fmt::format("interaction `{}` has none", missing));
     }

@@ -119,7 +119,7 @@ void build_port_types(Builder& b) {
     NameSpace names(b.diags, fmt::format("port type `{}`", decl->name.text));
     for (const syntax::Param& p : decl->params) {
       names.declare(p.name, "variable");
-      type.variables.push_back({std::string(p.name.text), data_type(b.model, p.type, b.diags), b.loc(p.name.range)});
+      type.variables.push_back({std::string(p.name.text), data_type(b.model, p.type, b.diags), b.loc(p.name.range), p.type.is_const});
     }
     b.model.port_types.push(std::move(type));
   }
@@ -263,7 +263,10 @@ std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packa
   collect_cpp(b, packages);
   build_constants(b);
   check_functions(b);
-  for (const syntax::Decl* decl : model.decls) collect_initialised_data(b, decl->items);
+  for (const syntax::Decl* decl : model.decls) {
+    collect_initialised_data(b, decl->items);
+    check_suppressions(diags, *decl);
+  }
   build_port_types(b);
   build_atom_types(b);
   build_connector_types(b);

@@ -50,8 +50,8 @@ class NameSpace {
   std::unordered_map<std::string, std::pair<SourceRange, const char*>> taken_;
 };
 
-/// True if `@SuppressWarning(name)` is among the annotations.
-[[nodiscard]] bool is_suppressed(syntax::Annotations annotations, std::string_view name);
+/// Warns of names in `@SuppressWarning` that no warning has.
+void check_suppressions(Diagnostics& diags, const syntax::Decl& decl);
 /// "`a`, `b`", at most five, in alphabetical order.
 [[nodiscard]] std::string quoted_list(std::vector<std::string> names);
 /// Adds a help for each name similar to `wrong`.
@@ -63,6 +63,8 @@ void build_connector_types(Builder& b);
 void build_compound_types(Builder& b);
 /// Warnings about an atom type as a whole: what cannot be reached, two transitions of one port, ports without one.
 void check_atom(Builder& b, const AtomType& atom, const syntax::Decl& decl);
+/// What its net cannot do, or does and must not.
+void check_atom_net(Builder& b, const AtomType& atom, const syntax::Decl& decl);
 /// Cycles of an atom type's priorities: an error without guards, else a warning.
 void check_atom_priorities(Builder& b, const AtomType& atom, const syntax::Decl& decl);
 /// The merged port that the port is part of, or null.
@@ -75,6 +77,8 @@ struct ConnectorPorts {
   std::unordered_map<std::string, Binding> data;                     // "battery.totalPwr" -> Bind after the port variables
   std::vector<DataRead> data_reads;
 };
+/// Warnings about the clauses of a connector: a `down` without effect, a guard that reads the connector's own data.
+void check_clauses(Builder& b, const syntax::ConnectorBody& body, const ConnectorType& type, syntax::Annotations annotations);
 /// Checks a connector's body and fills everything but name and params' origin.
 void build_connector_body(Builder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
                           syntax::Annotations annotations, ConnectorType& out);

@@ -246,6 +246,7 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
     case BinaryOp::Mod:
       if (both([](Type t) { return t == Type::Int; }, "int")) return std::nullopt;
       result = Type::Int;
+      if (e->binary == BinaryOp::Mod) warn_zero_divisor(e, *b);
       break;
     case BinaryOp::Eq:
     case BinaryOp::Ne:
@@ -259,6 +260,7 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
     default:
       if (both(is_numeric, "numbers")) return std::nullopt;
       if (e->binary >= BinaryOp::Add) result = a->type == Type::Float || b->type == Type::Float ? Type::Float : Type::Int;
+      if (e->binary == BinaryOp::Div && result == Type::Int) warn_zero_divisor(e, *b);
       break;
   }
   if (is_numeric(a->type) && a->type != b->type) {

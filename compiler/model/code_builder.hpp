@@ -61,6 +61,7 @@ class CodeBuilder {
     const_calls_ = true;
     const ExprId id = e == nullptr ? ExprId{} : expr_as(e, Type::Bool, "the guard");
     const_calls_ = before;
+    if (e != nullptr) warn_never_true(e, id);
     return id;
   }
   /// From now on C++ functions are called by their `const_` names where they have one: `up`, invariants.
@@ -92,6 +93,8 @@ class CodeBuilder {
   Typed cast(Typed v, Type to);
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);
+  void warn_never_true(const syntax::Expr* e, ExprId guard);
+  void warn_zero_divisor(const syntax::Expr* e, Typed divisor);
   const Binding* find(const syntax::Path& p, bool report);
   /// Code is a tree: what stands for a name is copied to each place where the name does.
   ExprId copy(ExprId from);

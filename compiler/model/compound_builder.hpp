@@ -1,5 +1,8 @@
 // The passes over one compound type; see build_compound.cpp for their order.
 #pragma once
+#include <array>
+#include <set>
+
 #include "compiler/model/builder.hpp"
 
 namespace bip::model {
@@ -13,6 +16,8 @@ enum class BuildState : std::uint8_t { Untouched, Building, Done };
 struct CompoundBuilders {
   Builder& b;
   std::vector<const syntax::Decl*> decls;  // by CompoundTypeId
+  std::vector<const syntax::Decl*> atom_decls, connector_decls;  // by AtomTypeId; by ConnectorTypeId, typed ones
+  std::set<std::array<std::uint32_t, 4>> modified;  // clauses (file, offset), atom types and ports that warn_modified has seen
   std::vector<BuildState> states;
   std::vector<std::uint32_t> heights;  // of what is built: compounds within compounds
   std::uint32_t depth = 0;             // of those that are being built
@@ -63,6 +68,8 @@ struct CompoundBuilder {
   void merge_target(const syntax::CompoundExport& e, PortExport& row, const PortPath& target);
   void pattern(const syntax::InteractionPattern& p, PatternPath& row);
   void warn_unbound();
+  // check_transfers.cpp
+  void warn_modified(const std::vector<CompoundItem>& rows);
 };
 
 /// The exported data named `name` of a component family: slot or row, and type.

@@ -170,11 +170,16 @@ void check_prototypes(Builder& b) {
     if (decl->kind != DeclKind::ExternFunction && decl->kind != DeclKind::ExternOperator) continue;
     for (const syntax::Param& p : decl->params) (void)data_type(b.model, p.type, b.diags);
     if (decl->result.is_written()) (void)data_type(b.model, decl->result, b.diags);
-    if (decl->kind == DeclKind::ExternFunction) {
-      b.model.prototypes[b.key(*decl)].push_back(decl);
-    } else {
-      b.model.operators["operator " + std::string(decl->op.text)].push_back(decl);
+    auto& rows = decl->kind == DeclKind::ExternFunction ? b.model.prototypes[b.key(*decl)] : b.model.operators["operator " + std::string(decl->op.text)];
+    for (const syntax::Decl* other : rows) {
+      const bool same = other->range.file == decl->range.file && std::equal(other->params.begin(), other->params.end(), decl->params.begin(), decl->params.end(), [&](const syntax::Param& x, const syntax::Param& y) {
+        return x.type.is_const == y.type.is_const && quiet_type(b.model, x.type) == quiet_type(b.model, y.type);
+      });
+      if (!same) continue;
+      b.diags.report(Diag::kB1048, decl->range, prototype_text(b.model, *decl)).label(other->range, "here first");
+      break;
     }
+    rows.push_back(decl);
   }
 }
 

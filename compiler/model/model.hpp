@@ -103,6 +103,7 @@ struct PriorityRule {
   const syntax::Expr* guard_syntax = nullptr;   // may be null
   SourceRange range;
   bool in_loop = false;        // an item of a `for` says when it is made
+  syntax::Annotations annotations{};
 };
 struct PortExport {
   std::string name;
@@ -175,6 +176,8 @@ struct Model {
 };
 
 namespace model {
+/// True if `@SuppressWarning(name)` is among the annotations.
+[[nodiscard]] bool is_suppressed(syntax::Annotations annotations, std::string_view name);
 /// Names, types and all checks that need no instance. nullopt if there were errors. The syntax must outlive the model.
 /// `packages`: a package after those it uses, the one that is compiled last.
 [[nodiscard]] std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources, Diagnostics& diags);

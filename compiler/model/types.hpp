@@ -20,6 +20,7 @@ struct Variable {
   std::string name;
   Type type = Type::Int;
   Loc loc{};
+  bool is_const = false;  // no transfer may change it; only the checks of `model` ask
 };
 
 struct PortType {

@@ -88,6 +88,7 @@ const Stmt* Converter::if_stmt(BipParser::IfStmtContext* ctx) {
     stmt.value = condition;
     stmt.then_body = body;
     stmt.else_body = rest;
+    stmt.shares_fi = i > 0;
     chained = arena_.make(stmt);
     rest = arena_.list(std::vector<const Stmt*>{chained});
   }

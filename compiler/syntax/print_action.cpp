@@ -46,9 +46,11 @@ void Printer::stmt(const Stmt& s) {
   end_line(s.range.end);
 }
 
+// Each `if` of the chain that had a `fi` of its own keeps it: the published tools know no other.
 void Printer::if_chain(const Stmt& s) {
   begin_line();
   const Stmt* at = &s;
+  std::string ends = "fi";
   while (true) {
     put("if (" + text(at->value, true) + ") then");
     header_line(at->value->range.end);
@@ -59,6 +61,7 @@ void Printer::if_chain(const Stmt& s) {
     if (at->else_body.size() == 1 && at->else_body[0]->kind == StmtKind::If) {
       put("else ");
       at = at->else_body[0];
+      if (!at->shares_fi) ends += " fi";
       continue;
     }
     put("else\n");
@@ -73,7 +76,7 @@ void Printer::if_chain(const Stmt& s) {
   while (has_comment_before(s.range.end)) comment_line(syntax_.comments[next_comment_++]);
   --indent_;
   begin_line();
-  put("fi");
+  put(ends);
   end_line(s.range.end);
 }
 

@@ -62,6 +62,7 @@ struct Stmt {
   const Expr* value = nullptr;      // Assign: right side; Call: the call; If: the condition
   std::span<const Stmt* const> then_body{};
   std::span<const Stmt* const> else_body{};
+  bool shares_fi = false;           // If after `else`: ended by the `fi` of the one before it
 };
 /// `{ … }`. present tells an empty block from none.
 struct Block {

@@ -102,7 +102,13 @@ void Instantiator::priorities(std::uint32_t instance) {
       }
     }
   }
-  check_priorities(instances[instance].row, first, rules);
+  check_priorities(first, rules);
+  if (diags.has_errors() || check_cycle(instances[instance].row, first, rules, false)) return;
+  // One word a type: its instances have the same rules.
+  const syntax::Decl& decl = *model.compound_types[instances[instance].type].decl;
+  if (!model::is_suppressed(decl.annotations, "compoundprioritycycle") && warned_cycles.insert(instances[instance].type.value).second) {
+    check_cycle(instances[instance].row, first, rules, true);
+  }
 }
 
 namespace {
@@ -161,8 +167,7 @@ struct Chains {
 
 }  // namespace
 
-void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules) {
-  const Chains chains{out, model.connector_types};
+void Instantiator::check_priorities(std::size_t first_rule, const std::vector<const PriorityRule*>& rules) {
   const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const Priority& r = row(i);
@@ -170,14 +175,19 @@ void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, c
     if (contains(r.low.params, r.high.params)) diags.report(Diag::kB3007, compared(*rules[i]), r.name).help("maximal progress always prefers the larger interaction");
     else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, compared(*rules[i]), r.name);
   }
-  if (diags.has_errors()) return;
-  // Depth first through the rules without guards; a rule that is met on its own path closes a cycle. A rule can be followed
+}
+
+// True if there is one. Without guards it is an error, with them it closes only if they hold: a warning.
+bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules, bool with_guards) {
+  const Chains chains{out, model.connector_types};
+  const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
+  // Depth first through the rules; a rule that is met on its own path closes a cycle. A rule can be followed
   // by those about the connector of its high side and by those that begin with `*:*`: a long chain stays linear.
   std::vector<std::size_t> wild;
   std::vector<std::size_t> all;
   std::unordered_map<std::uint32_t, std::vector<std::size_t>> by_low;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (row(i).guard.is_valid()) continue;
+    if (row(i).guard.is_valid() && (!with_guards || model::is_suppressed(rules[i]->annotations, "compoundprioritycycle"))) continue;
     all.push_back(i);
     (row(i).low.any_connector ? wild : by_low[row(i).low.connector.value]).push_back(i);
   }
@@ -220,14 +230,16 @@ void Instantiator::check_priorities(CompoundId parent, std::size_t first_rule, c
       std::string names;
       const auto first = std::find_if(path.begin(), path.end(), [&](const Frame& f) { return f.rule == j; });
       for (auto it = first; it != path.end(); ++it) names += row(it->rule).name + " < ";
-      auto d = diags.report(Diag::kB3006, compared(*rules[j]), names + row(j).name);
+      auto d = diags.report(with_guards ? Diag::kB3014 : Diag::kB3006, compared(*rules[j]), names + row(j).name);
       d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
       for (auto it = first; it != path.end(); ++it) {
         if (it->rule != j) d.label(compared(*rules[it->rule]), "");
       }
-      return;
+      if (with_guards) d.help("write guards that exclude each other, or `@SuppressWarning(compoundprioritycycle)` before the compound type");
+      return true;
     }
   }
+  return false;
 }
 
 }  // namespace bip::system

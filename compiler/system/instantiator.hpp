@@ -2,6 +2,7 @@
 // that are bound by others first), priorities. Each lives in its own file.
 #pragma once
 #include <map>
+#include <set>
 
 #include "compiler/system/instantiate.hpp"
 
@@ -52,6 +53,7 @@ struct Instantiator {
   std::map<std::pair<const CompoundItem*, std::vector<std::uint32_t>>, ConnectorTypeId> expanded{};
   std::size_t rounds = 0;
   bool stopped = false;  // a limit was reached: unwind
+  std::set<std::uint32_t> warned_cycles{};  // compound types
 
   // instantiate.cpp
   std::uint32_t compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc, std::size_t depth);
@@ -77,7 +79,8 @@ struct Instantiator {
   void priorities(std::uint32_t instance);
   std::optional<std::vector<std::uint32_t>> pattern_connectors(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self);
   bool pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending, const std::vector<Value>& self, Pattern& to);
-  void check_priorities(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules);
+  void check_priorities(std::size_t first_rule, const std::vector<const PriorityRule*>& rules);
+  bool check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules, bool with_guards);
 
   // check_alternatives.cpp
   void check_alternatives(ConnectorId id, SourceRange at);
