@@ -77,6 +77,8 @@ class Converter {
   [[nodiscard]] SourceRange range(const antlr4::ParserRuleContext* ctx) const;
   [[nodiscard]] SourceRange range(const antlr4::Token* first, const antlr4::ParserRuleContext* last) const;
   [[nodiscard]] std::string_view text(SourceRange r) const { return text_.substr(r.begin, r.end - r.begin); }
+  /// The parser found something wrong in the declaration: what seems to be missing or misplaced in it is a consequence.
+  bool is_broken(SourceRange declaration);
   [[nodiscard]] static bool failed(const antlr4::ParserRuleContext* ctx) { return ctx == nullptr || ctx->exception != nullptr; }
   syntax::Name name(const antlr4::Token* token) const;
   syntax::Name name(BipParser::IdContext* ctx) const;
@@ -136,6 +138,9 @@ class Converter {
   Arena& arena_;
   Diagnostics& diags_;
   Owner owner_;
+  SourceRange declaration_{};          // the one that is being converted
+  std::vector<std::uint32_t> broken_;  // where the parser found something wrong, sorted
+  bool has_broken_ = false;
 };
 
 }  // namespace bip::parse

@@ -119,7 +119,7 @@ PortDecl Converter::port(BipParser::PortDeclContext* ctx, Annotations marks) {
     items.push_back({.name = name(item->id()), .vars = names(item->idList()), .has_vars = item->LPAREN() != nullptr});
   }
   made.items = arena_.list(items);
-  if (!made.type.is_written() && owner_.notation == Notation::Bip2) {
+  if (!made.type.is_written() && owner_.notation == Notation::Bip2 && !is_broken(declaration_)) {
     diags_.report(Diag::kB0014, made.items[0].name.range, "port `" + std::string(made.items[0].name.text) + "`", "type")
         .help("write its port type before its name: `port Port " + std::string(made.items[0].name.text) + "()`");
   }

@@ -1,5 +1,8 @@
 // Conversion of a file and its declarations, and the checks that concern a declaration as a whole: what may stand in it
 // and what it lacks.
+#include <algorithm>
+#include <utility>
+
 #include "compiler/parse/convert.hpp"
 
 namespace bip::parse {
@@ -10,22 +13,25 @@ const Package* Converter::file(BipParser::FileContext* ctx) {
   Package package;
   std::vector<const Decl*> decls;
   std::vector<Path> uses;
-  const BipParser::PackageContext* first = nullptr;
+  BipParser::PackageContext* first = nullptr;
+  bool told_outside = false;
   const auto add = [&](BipParser::DeclContext* d) {
     if (failed(d)) return;
     if (const Decl* made = decl(d)) decls.push_back(made);
   };
   for (antlr4::tree::ParseTree* child : ctx->children) {
     if (auto* d = dynamic_cast<BipParser::DeclContext*>(child)) {
-      if (first != nullptr && !failed(first)) {
-        diags_.report(Diag::kB0018, range(d->start), "a declaration", text(package.name.range)).help("a file holds one package; its `end` comes last");
+      if (first != nullptr && !failed(first) && !std::exchange(told_outside, true)) {
+        diags_.report(Diag::kB0018, range(d->start), "a declaration", text(package.name.range))
+            .label(range(first->stop), "the package ends here")
+            .help("a file holds one package; its `end` comes last");
       }
       add(d);
     }
     auto* p = dynamic_cast<BipParser::PackageContext*>(child);
     if (p == nullptr) continue;
     if (first != nullptr) {
-      diags_.report(Diag::kB0017, range(p->start)).label(range(first->start), "the first one").help("one package a file");
+      if (!failed(first->path())) diags_.report(Diag::kB0017, range(p->start)).label(range(first->start), "the first one").help("one package a file");
       continue;
     }
     first = p;
@@ -56,6 +62,7 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
   Decl d;
   d.annotations = annotations(ctx->annotation());
   d.range = range(ctx);
+  declaration_ = d.range;
   if (BipParser::ConstDataContext* c = ctx->constData()) {
     if (failed(c)) return nullptr;
     d.kind = DeclKind::ConstData;
@@ -82,7 +89,7 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
     d.params = params(n->params());
     owner_ = {"connector type `" + std::string(d.name.text) + "`", d.kind, Notation::Bip2, false};
     d.connector = connector_body(n->connectorPart());
-    if (d.connector->define == nullptr) diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`define`");
+    if (d.connector->define == nullptr && !is_broken(d.range)) diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`define`");
   } else if (BipParser::AtomTypeContext* a = ctx->atomType()) {
     if (failed(a)) return nullptr;
     d.kind = DeclKind::AtomType;
@@ -141,7 +148,20 @@ Decl Converter::extern_decl(BipParser::DeclContext* ctx) {
   return d;
 }
 
-void Converter::misplaced(std::string_view what, SourceRange at) { diags_.report(Diag::kB0016, at, what, owner_.phrase); }
+bool Converter::is_broken(SourceRange declaration) {
+  if (!has_broken_) {
+    has_broken_ = true;
+    for (const Diagnostic* d : diags_.sorted()) {
+      if (d->severity == Severity::Error && d->range.file == file_) broken_.push_back(d->range.begin);
+    }
+  }
+  const auto first = std::lower_bound(broken_.begin(), broken_.end(), declaration.begin);
+  return first != broken_.end() && *first <= declaration.end;
+}
+
+void Converter::misplaced(std::string_view what, SourceRange at) {
+  if (!is_broken(declaration_)) diags_.report(Diag::kB0016, at, what, owner_.phrase);
+}
 
 Decl Converter::body_decl(Decl d, std::string_view what, const std::vector<BipParser::BodyItemContext*>& list) {
   open_body(d, what);

@@ -124,7 +124,7 @@ std::string_view construct(std::size_t rule) {
 }
 
 std::string named(std::string_view what, const antlr4::ParserRuleContext* id, std::string_view text) {
-  if (id == nullptr || id->exception != nullptr || id->start == nullptr) return std::string("this ").append(what);
+  if (id == nullptr || id->exception != nullptr || id->start == nullptr || id->stop == nullptr) return std::string("this ").append(what);
   const std::size_t begin = id->start->getStartIndex();
   const std::size_t end = id->stop != nullptr ? id->stop->getStopIndex() : id->start->getStopIndex();
   return std::string(what).append(" `").append(text.substr(begin, end - begin)).append("`");
@@ -237,6 +237,17 @@ Owner find_owner(const antlr4::RuleContext* context, std::string_view text) {
     if (!phrase.empty()) return {std::move(phrase), rule->start};
   }
   return {};
+}
+
+Owner find_closed_by(const antlr4::RuleContext* context, const antlr4::Token* last, std::string_view text) {
+  Owner found;
+  while (context != nullptr && !context->children.empty()) {
+    const auto* rule = dynamic_cast<const antlr4::ParserRuleContext*>(context->children.back());
+    if (rule == nullptr || rule->stop != last) break;
+    if (Owner owner = find_owner(rule, text); owner.opener == rule->start) found = std::move(owner);
+    context = rule;
+  }
+  return found;
 }
 
 std::string describe_place(const antlr4::RuleContext* context, std::string_view text) {

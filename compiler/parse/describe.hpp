@@ -28,6 +28,8 @@ struct Owner {
   std::string phrase;
   const antlr4::Token* opener = nullptr;
 };
+/// The declaration below `context` whose `end` is `last`; empty if none.
+[[nodiscard]] Owner find_closed_by(const antlr4::RuleContext* context, const antlr4::Token* last, std::string_view text);
 [[nodiscard]] Owner find_owner(const antlr4::RuleContext* context, std::string_view text);
 
 }  // namespace bip::parse

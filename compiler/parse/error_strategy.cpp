@@ -88,6 +88,16 @@ bool cannot_be_inside(std::size_t type) {
   }
 }
 
+/// A package and declarations beside it.
+bool has_both(const antlr4::RuleContext* file) {
+  bool has_package = false, has_decl = false;
+  for (const antlr4::tree::ParseTree* child : file->children) {
+    has_package |= dynamic_cast<const BipParser::PackageContext*>(child) != nullptr;
+    has_decl |= dynamic_cast<const BipParser::DeclContext*>(child) != nullptr;
+  }
+  return has_package && has_decl;
+}
+
 IntervalSet expected_by(antlr4::Parser* parser, const antlr4::RecognitionException& e) {
   if (const auto* stuck = dynamic_cast<const antlr4::NoViableAltException*>(&e); stuck != nullptr && stuck->getDeadEndConfigs() != nullptr) {
     IntervalSet expected;
@@ -103,6 +113,14 @@ IntervalSet expected_by(antlr4::Parser* parser, const antlr4::RecognitionExcepti
 
 }  // namespace
 
+ReportingStrategy::ReportingStrategy(const SourceMap& sources, FileId file, Diagnostics& diags)
+    : text_(sources.text(file)), file_(file), diags_(diags) {
+  for (const Diagnostic* d : diags.sorted()) {
+    if (d->severity == Severity::Error && d->range.file == file) lexical_lines_.insert(sources.loc(d->range).line);
+    is_end_lost_ |= d->kind == Diag::kB0003 && d->range.file == file;
+  }
+}
+
 SourceRange ReportingStrategy::range(const antlr4::Token* token) const {
   return {file_, static_cast<std::uint32_t>(token->getStartIndex()), static_cast<std::uint32_t>(token->getStopIndex())};
 }
@@ -114,16 +132,44 @@ std::string ReportingStrategy::found_phrase(const antlr4::Token* token) const {
   return std::string("`").append(text_.substr(at.begin, at.end - at.begin)).append("`");
 }
 
-bool ReportingStrategy::is_first_report_at(std::size_t token_index) {
-  if (last_reported_ == token_index) return false;
-  last_reported_ = token_index;
-  return true;
+bool ReportingStrategy::is_first_report_at(antlr4::Parser* parser, const antlr4::Token* token) {
+  const std::size_t index = token->getTokenIndex();
+  if (last_reported_ == index) return false;
+  last_reported_ = index;
+  // A closer that was assumed a word or two too early comes after all.
+  if (token->getType() == conjured_closer_ && index - conjured_at_ <= 2) return false;
+  const std::size_t before = index == 0 ? 0 : parser->getTokenStream()->get(index - 1)->getLine();
+  if (lexical_lines_.contains(before) || lexical_lines_.contains(token->getLine())) return false;
+  // What a line lacks is told at its end.
+  if (told_lines_.contains(before) && is_first_of_line(parser, token) && begins_item(token->getType())) return false;
+  return told_lines_.insert(token->getLine()).second;
+}
+
+bool ReportingStrategy::is_first_of_line(antlr4::Parser* parser, const antlr4::Token* token) const {
+  const std::size_t index = token->getTokenIndex();
+  return index == 0 || parser->getTokenStream()->get(index - 1)->getLine() != token->getLine();
+}
+
+std::size_t ReportingStrategy::column(const antlr4::Token* token) const {
+  const std::size_t begin = token->getStartIndex();
+  const std::size_t line = begin == 0 ? std::string_view::npos : text_.rfind('\n', begin - 1);
+  return line == std::string_view::npos ? begin : begin - line - 1;
+}
+
+SourceRange ReportingStrategy::missing_before(antlr4::Parser* parser, const antlr4::Token* found) const {
+  if (found->getTokenIndex() == 0 || !is_first_of_line(parser, found)) return range(found);
+  const SourceRange before = range(parser->getTokenStream()->get(found->getTokenIndex() - 1));
+  return {file_, before.end, before.end};
 }
 
 void ReportingStrategy::reportError(antlr4::Parser* parser, const antlr4::RecognitionException& e) {
   const antlr4::Token* found = e.getOffendingToken();
   furthest_error_ = std::max(furthest_error_, found->getTokenIndex());
-  if (!is_first_report_at(found->getTokenIndex())) return;
+  in_inline_connector_ = false;
+  for (const antlr4::RuleContext* c = parser->getContext(); c != nullptr; c = static_cast<const antlr4::RuleContext*>(c->parent)) {
+    in_inline_connector_ |= c->getRuleIndex() == BipParser::RuleInlineConnector;
+  }
+  if (!is_first_report_at(parser, found)) return;
   report_unexpected(parser, found, expected_by(parser, e));
 }
 
@@ -135,7 +181,10 @@ void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::
     place = " after " + found_phrase(before);
   }
   place += describe_place(parser->getContext(), text_);
-  auto diagnostic = diags_.report(Diag::kB0001, range(found), describe_expected(expected), place, found_phrase(found));
+  // A new item while the one before is not complete: its rest is missing where it stops.
+  const bool is_complete = expected.contains(static_cast<ssize_t>(BipParser::END)) || expected.contains(static_cast<ssize_t>(antlr4::Token::EOF));
+  const bool is_cut_short = !is_complete && begins_item(found->getType());
+  auto diagnostic = diags_.report(Diag::kB0001, is_cut_short ? missing_before(parser, found) : range(found), describe_expected(expected), place, found_phrase(found));
   const SourceRange at = range(found);
   const std::string word(text_.substr(at.begin, at.end - at.begin));
   if (found->getType() == BipParser::ID) {
@@ -158,8 +207,12 @@ bool ReportingStrategy::report_missing_closer(antlr4::Parser* parser, std::size_
     const bool opens = type == BipParser::LPAREN || type == BipParser::LBRACK || type == BipParser::GROUP_OPEN || type == BipParser::LBRACE;
     if (opens && closed-- == 0) opener = token;
   }
-  if (opener == nullptr || !is_first_report_at(found->getTokenIndex())) return opener != nullptr;
-  diags_.report(Diag::kB0007, range(found), spelling(opener->getType()), spelling(closer), describe_place(parser->getContext(), text_), found_phrase(found))
+  if (opener == nullptr) return false;
+  const bool is_first = is_first_report_at(parser, found);
+  conjured_closer_ = closer;
+  conjured_at_ = found->getTokenIndex();
+  if (!is_first) return true;
+  diags_.report(Diag::kB0007, missing_before(parser, found), spelling(opener->getType()), spelling(closer), describe_place(parser->getContext(), text_), found_phrase(found))
       .label(range(opener), "opened here");
   return true;
 }
@@ -174,17 +227,29 @@ antlr4::Token* ReportingStrategy::conjure(antlr4::Parser* parser, std::size_t ty
   return conjured_.back().get();
 }
 
+// An `end` in the column of the outer declaration was the outer one's: then the inner one has none.
+void ReportingStrategy::report_missing_end(antlr4::Parser* parser, const antlr4::Token* found) {
+  Owner owner = find_owner(parser->getContext(), text_);
+  if (owner.opener == nullptr || (is_end_lost_ && found->getType() == antlr4::Token::EOF)) return;
+  SourceRange at = missing_before(parser, found);
+  const antlr4::Token* last = found->getTokenIndex() == 0 ? nullptr : parser->getTokenStream()->get(found->getTokenIndex() - 1);
+  if (last != nullptr && last->getType() == BipParser::END && is_first_of_line(parser, last) && column(last) == column(owner.opener)) {
+    const Owner inner = find_closed_by(parser->getContext(), last, text_);
+    if (inner.opener != nullptr && column(inner.opener) != column(last)) {
+      owner = inner;
+      at = missing_before(parser, last);
+    }
+  }
+  diags_.report(Diag::kB0006, at, owner.phrase).label("expected `end` here").label(range(owner.opener), "begins here");
+}
+
 antlr4::Token* ReportingStrategy::recoverInline(antlr4::Parser* parser) {
   const antlr4::Token* found = parser->getTokenStream()->LT(1);
   const std::size_t type = found->getType();
   const IntervalSet expected = parser->getExpectedTokens();
   if (expected.contains(static_cast<ssize_t>(BipParser::END)) && begins_declaration(type)) {
-    const Owner owner = find_owner(parser->getContext(), text_);
-    const bool inner_repeats = last_reported_ == found->getTokenIndex() && type == antlr4::Token::EOF;
+    if (!(last_reported_ == found->getTokenIndex() && type == antlr4::Token::EOF)) report_missing_end(parser, found);
     last_reported_ = found->getTokenIndex();
-    if (owner.opener != nullptr && !inner_repeats) {
-      diags_.report(Diag::kB0006, range(owner.opener), owner.phrase).label(range(found), "expected `end` before this");
-    }
     return conjure(parser, BipParser::END);
   }
   for (const std::size_t closer : {BipParser::RPAREN, BipParser::RBRACK, BipParser::RBRACE}) {
@@ -235,12 +300,17 @@ bool ReportingStrategy::skip_stray_words(antlr4::Parser* parser, const IntervalS
     default:
       return false;
   }
-  // After an earlier error an `end` too many is its consequence.
-  const bool consequence = rule == BipParser::RuleFile && input->LA(1) == BipParser::END && diags_.has_errors();
-  if (is_first_report_at(input->index()) && !consequence) report_unexpected(parser, input->LT(1), expected);
+  // After an earlier error an `end` too many is its consequence; after declarations behind the package's `end` these are told.
+  const bool is_end_of_file = rule == BipParser::RuleFile && input->LA(1) == BipParser::END;
+  const bool consequence = is_end_of_file && (diags_.has_errors() || has_both(parser->getContext()));
+  const antlr4::Token* stray = input->LT(1);
+  if (is_first_report_at(parser, stray) && !consequence) report_unexpected(parser, stray, expected);
+  // What stands deeper than a line that cannot be read belongs to it.
+  const bool by_columns = stops == begins_use_or_declaration && is_first_of_line(parser, stray);
+  const auto is_inside = [&](const antlr4::Token* token) { return by_columns && is_first_of_line(parser, token) && column(token) > column(stray); };
   do {
     parser->consume();
-  } while (input->LA(1) != antlr4::Token::EOF && !(stops(input->LA(1)) || (stops == begins_item && begins_late_item(input))));
+  } while (input->LA(1) != antlr4::Token::EOF && (!(stops(input->LA(1)) || (stops == begins_item && begins_late_item(input))) || is_inside(input->LT(1))));
   note_skipped_to_end(parser);
   sync(parser);
   return true;
@@ -262,7 +332,10 @@ void ReportingStrategy::recover(antlr4::Parser* parser, std::exception_ptr e) {
     case BipParser::RuleConnectorPart:
     case BipParser::RuleTransition:
     case BipParser::RuleState:
-      skip([&](std::size_t type) { return begins_item(type) || begins_late_item(input); });
+      skip([&](std::size_t type) {
+        if (in_inline_connector_ && parser->getContext()->getRuleIndex() == BipParser::RuleBodyItem && (type == BipParser::DEFINE || type == BipParser::ON)) return false;
+        return begins_item(type) || begins_late_item(input);
+      });
       return;
     case BipParser::RuleDecl:
     case BipParser::RuleUse:

@@ -1,9 +1,11 @@
 // Reporting and recovery in place of ANTLR's: messages in BIP's words, recovery at items and declarations.
 //
 // An error inside an item unwinds to that item, which is left out; the rest of its declaration is still read. A missing
-// `end` or closing bracket is reported once and then assumed.
+// `end` or closing bracket is reported once and then assumed. One error a line: what follows on it is nearly always a
+// consequence. What is missing is told after the last word that is there, not at the next one, lines below.
 #pragma once
 #include <memory>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -14,8 +16,7 @@ namespace bip::parse {
 
 class ReportingStrategy final : public antlr4::DefaultErrorStrategy {
  public:
-  ReportingStrategy(const SourceMap& sources, FileId file, Diagnostics& diags)
-      : text_(sources.text(file)), file_(file), diags_(diags) {}
+  ReportingStrategy(const SourceMap& sources, FileId file, Diagnostics& diags);
 
   void reportError(antlr4::Parser* parser, const antlr4::RecognitionException& e) override;
   void recover(antlr4::Parser* parser, std::exception_ptr e) override;
@@ -29,7 +30,13 @@ class ReportingStrategy final : public antlr4::DefaultErrorStrategy {
   bool skip_stray_words(antlr4::Parser* parser, const antlr4::misc::IntervalSet& expected);
   void note_skipped_to_end(antlr4::Parser* parser);
   antlr4::Token* conjure(antlr4::Parser* parser, std::size_t type);
-  [[nodiscard]] bool is_first_report_at(std::size_t token_index);
+  void report_missing_end(antlr4::Parser* parser, const antlr4::Token* found);
+  /// False if this was told, or something on its line, or on the line before it a string or comment without end.
+  [[nodiscard]] bool is_first_report_at(antlr4::Parser* parser, const antlr4::Token* token);
+  [[nodiscard]] bool is_first_of_line(antlr4::Parser* parser, const antlr4::Token* token) const;
+  [[nodiscard]] std::size_t column(const antlr4::Token* token) const;
+  /// Where something is missing: after the token before `found` if that is on an earlier line, else at `found`.
+  [[nodiscard]] SourceRange missing_before(antlr4::Parser* parser, const antlr4::Token* found) const;
   [[nodiscard]] SourceRange range(const antlr4::Token* token) const;
   [[nodiscard]] std::string found_phrase(const antlr4::Token* token) const;
 
@@ -37,7 +44,12 @@ class ReportingStrategy final : public antlr4::DefaultErrorStrategy {
   FileId file_;
   Diagnostics& diags_;
   std::size_t last_reported_ = static_cast<std::size_t>(-1);
+  std::set<std::size_t> told_lines_;
+  std::set<std::size_t> lexical_lines_;  // with a string without end, and the like: the next line, too, reads wrong
+  bool in_inline_connector_ = false;     // the last error: `define` and `on` that follow are the connector's
+  std::size_t conjured_closer_ = 0, conjured_at_ = 0;  // type, index of the token it stands before
   std::size_t furthest_error_ = 0;
+  bool is_end_lost_ = false;  // in a comment without end
   std::vector<std::unique_ptr<antlr4::CommonToken>> conjured_;
 };
 
