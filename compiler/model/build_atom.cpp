@@ -259,6 +259,7 @@ struct AtomBuilder {
     CodeBuilder code(b.model, b.diags, scope);
     TimedCondition parts = time.condition(t.guard, "the guard");
     row.guard = parts.data;
+    if (row.guard.is_valid()) CodeBuilder(b.model, b.diags, scope).warn_never_true(t.guard, row.guard);
     row.when = std::move(parts.when);
     row.action = code.block(t.action.stmts);
     row.resume = time.resume(t.resumes, t.resume, t.range);

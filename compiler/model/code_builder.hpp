@@ -64,6 +64,8 @@ class CodeBuilder {
     if (e != nullptr) warn_never_true(e, id);
     return id;
   }
+  /// Warns if the guard, written as `e`, is made of literals and false.
+  void warn_never_true(const syntax::Expr* e, ExprId guard);
   /// From now on C++ functions are called by their `const_` names where they have one: `up`, invariants.
   void set_const_calls() { const_calls_ = true; }
   /// The chain of statements; `tail` is appended after it.
@@ -93,7 +95,6 @@ class CodeBuilder {
   Typed cast(Typed v, Type to);
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);
-  void warn_never_true(const syntax::Expr* e, ExprId guard);
   void warn_zero_divisor(const syntax::Expr* e, Typed divisor);
   const Binding* find(const syntax::Path& p, bool report);
   /// Code is a tree: what stands for a name is copied to each place where the name does.

@@ -66,9 +66,13 @@ TEST_CASE("an if takes a line a statement") {
                              "        x = 1;\n"
                              "      else if (x < 2) then\n"
                              "        x = 2;\n"
-                             "      fi\n"
+                             "      fi fi\n"
                              "      y = 1;\n"
                              "    }\n"));
+  CHECK_THAT(printed(in_atom("on p from A to B do { if (x<1) then x=1; else if (x<2) then x=2; fi y=1; }")),
+             Catch::Contains("        x = 2;\n"
+                             "      fi\n"
+                             "      y = 1;\n"));
 }
 
 TEST_CASE("comments stay with what they are about") {
