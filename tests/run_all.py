@@ -53,7 +53,7 @@ def groups():
     units = sorted(p for p in BUILD.glob("unit_*") if os.access(p, os.X_OK) and p.is_file())
     yield "unit", [(p.name, lambda p=p: run_unit(p)) for p in units]
     scripts = [("golden", "tests/golden/run"), ("snippets", "tests/meta/snippets"), ("meta", "tests/meta/run"), ("odd_inputs", "tests/meta/odd_inputs"),
-               ("slips", "tests/slips/run"),
+               ("slips", "tests/slips/run"), ("fmt", "tests/fmt/run"),
                ("models", "tests/models/run")]
     for name, script in scripts:
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
