@@ -128,7 +128,7 @@ void add_run(CLI::App& app, RunArguments& a) {
                              "smaller interactions may run although a larger one could");
   add_compile(*command, a.compile);
   command->footer(
-      "A deadlock is a normal end: exit code 0. A run-time error (division by zero ...) ends with 1.\n"
+      "A deadlock is a normal end: exit code 0. A run-time error (division by zero ...) ends with 1, Ctrl-C with 130.\n"
       "Example:\n  bipc run --seed 42 --limit 20 --root 'Ring(5)' model.bip");
 }
 

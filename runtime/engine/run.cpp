@@ -232,6 +232,8 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
     // Scripts made for the published engine look at its numbers.
     result.exit_code = output.bip2_format() ? published_exit_code(core.fault().code) : 1;
   }
+  // As a shell says of a program that SIGINT ended; the end of --interactive's input is none.
+  if (result.end == End::Interrupted && interrupted != 0) result.exit_code = 128 + SIGINT;
   if (file != nullptr && std::fclose(file) != 0) {
     std::fprintf(err, "error: cannot write `%s`: %s\n", options.trace_path.c_str(), std::strerror(errno));
     result.exit_code = 2;
