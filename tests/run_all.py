@@ -58,7 +58,8 @@ def groups():
     for name, script in scripts:
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
-    yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/run")]))]
+    yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/run")])),
+                    ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/dala")]))]
     if (BUILD / "bip-fuzz").exists():
         yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]
     if (BUILD / "bipc-lsp").exists():
