@@ -14,6 +14,13 @@
 namespace bip::genom {
 namespace {
 
+// Of stdlib/genom, and the root: a type of the package would hide them.
+constexpr const char* kOwnTypes[] = {"Signal", "Report", "Status", "Age", "ControlState", "MasterTimer", "Timer", "WakeUp", "IdsLock", "Semaphore",
+                                     "Poster", "ServiceController", "ControlService", "TaskController", "Permanent", "ControlIds", "FunctionalLevel"};
+
+// Of the functional level.
+constexpr const char* kOwnParts[] = {"semaphore", "masterTimer", "InterModuleSync"};
+
 // The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
   std::int64_t tick = 0;
@@ -58,16 +65,20 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
 }
 
 // The connectors that stand here by default and that constraints replace: see docs/genom.md.
-void write_defaults(std::string& out, const Plan& p, const std::map<std::string, std::string>& posters) {
+void write_defaults(std::string& out, const Plan& p, const std::map<std::string, std::string>& posters, Scope& names) {
   const std::string m = p.component + ".";
+  const auto wire = [&](Wire w) {
+    w.name = names.claim(w.name, "event");
+    write_wire(out, w);
+  };
   out += fmt::format("\n    // {}: a request takes the semaphore; triggers and interruptions are free.\n", p.module->name.text);
   for (const ServicePlan& s : p.services) {
-    write_wire(out, {.name = fmt::format("{}_read_{}", p.component, s.id), .ports = {m + "read_" + s.id, "semaphore.take"}});
-    write_wire(out, {.name = fmt::format("{}_abtInc_{}", p.component, s.id), .ports = {m + "abtInc_" + s.id}});
-    write_wire(out, {.name = fmt::format("{}_trig_{}", p.component, s.id), .ports = {m + "trig_" + s.id}});
+    wire({.name = fmt::format("{}_read_{}", p.component, s.id), .ports = {m + "read_" + s.id, "semaphore.take"}});
+    wire({.name = fmt::format("{}_abtInc_{}", p.component, s.id), .ports = {m + "abtInc_" + s.id}});
+    wire({.name = fmt::format("{}_trig_{}", p.component, s.id), .ports = {m + "trig_" + s.id}});
   }
-  if (p.execution_slots > 0) write_wire(out, {.name = p.component + "_read_Abort", .ports = {m + "read_Abort", "semaphore.take"}});
-  write_wire(out, {.name = p.component + "_give", .ports = {m + "give", "semaphore.give"}});
+  if (p.execution_slots > 0) wire({.name = p.component + "_read_Abort", .ports = {m + "read_Abort", "semaphore.take"}});
+  wire({.name = p.component + "_give", .ports = {m + "give", "semaphore.give"}});
   for (std::size_t i = 0; i < p.tasks.size(); ++i) {
     const Task& t = p.module->tasks[i];
     if (!t.has_permanent() && t.reads.empty()) continue;
@@ -76,7 +87,7 @@ void write_defaults(std::string& out, const Plan& p, const std::map<std::string,
       const auto poster = posters.find(read.text);
       if (poster != posters.end()) ports.push_back(poster->second);
     }
-    write_wire(out, {.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports});
+    wire({.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports});
   }
 }
 
@@ -90,7 +101,10 @@ void write_functional_level(std::string& out, const std::vector<Plan>& plans) {
     for (std::size_t i = 0; i < p.posters.size(); ++i) posters[p.module->name.text + "." + p.module->posters[i].name.text] = p.component + ".read_" + p.posters[i];
   }
   out += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n    component MasterTimer masterTimer()\n";
-  for (const Plan& p : plans) write_defaults(out, p, posters);
+  Scope names;
+  for (const char* own : kOwnParts) names.claim(own, "");
+  for (const Plan& p : plans) names.claim(p.component, "");
+  for (const Plan& p : plans) write_defaults(out, p, posters, names);
   std::vector<std::string> ticks{"masterTimer.tick"};
   for (const Plan& p : plans) ticks.push_back(p.component + ".moduleTick");
   write_wire(out, {.name = "InterModuleSync", .ports = ticks});
@@ -101,9 +115,14 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
   const std::int64_t tick_us = options.tick_us > 0 ? options.tick_us : tick_of(modules);
   std::string out = header(modules, options, tick_us);
   std::vector<Plan> plans;
+  Scope types;
+  for (const char* own : kOwnTypes) types.claim(own, "");
   std::set<std::size_t> lock_sizes;
+  Scope parts;
+  for (const char* own : kOwnParts) parts.claim(own, "");
   for (const Module& m : modules) {
-    plans.push_back(make_plan(m, options));
+    plans.push_back(make_plan(m, options, types));
+    plans.back().component = parts.claim(plans.back().component, "module");
     for (const LockPlan& lock : plans.back().locks) lock_sizes.insert(lock.threads.size());
   }
   for (const std::size_t size : lock_sizes) write_data_lock(out, size);

@@ -63,14 +63,16 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
 
 class Planner {
  public:
-  Planner(const Module& module, const GenerateOptions& options) : m_(module) {
+  Planner(const Module& module, const GenerateOptions& options, Scope& types) : m_(module), types_(types) {
     p_.module = &module;
     p_.by_codel = options.lock == LockGranularity::Codel || (options.lock == LockGranularity::ByGeneration && module.generation == 3);
-    p_.type = type_name(module.name.text);
+    p_.type = types_.claim(type_name(module.name.text), "Module");
     p_.component = bip_name(module.name.text);
   }
 
   Plan run() {
+    p_.control_type = types_.claim(p_.type + "Control", "Task");
+    p_.box_type = types_.claim(p_.type + "MessageBox", "Atom");
     p_.control = scope_.claim("control", "task");
     p_.ids = scope_.claim("ids", "control");
     if (!p_.by_codel) p_.lock = scope_.claim("lock", "ids");
@@ -86,13 +88,13 @@ class Planner {
   void service(std::size_t i) {
     const Service& s = m_.services[i];
     ServicePlan plan;
-    plan.id = bip_name(s.name.text);
+    plan.id = ids_.claim(bip_name(s.name.text), "service");
     const bool is_execution = s.kind == ServiceKind::Execution;
-    plan.type = is_execution ? p_.type + type_name(s.name.text) : "ControlService";
+    plan.type = "ControlService";
     if (is_execution) {
-      if (!types_.insert(plan.type).second) plan.type += std::to_string(i);
+      plan.type = types_.claim(p_.type + type_name(s.name.text), "Service");
       plan.activity = plan_activity(s.activity, true, s.reports, m_.generation);
-      plan.activity.type = plan.type + "Activity";
+      plan.activity.type = types_.claim(plan.type + "Activity", "Atom");
     }
     for (std::size_t k = 0; k < s.instances; ++k) {
       plan.slots.push_back(p_.slots.size());
@@ -106,10 +108,10 @@ class Planner {
     const Task& t = m_.tasks[i];
     TaskPlan plan;
     plan.component = scope_.claim(bip_name(t.name.text), "task");
-    plan.type = p_.type + type_name(t.name.text);
-    if (!types_.insert(plan.type).second) plan.type += "Task";
+    plan.type = types_.claim(p_.type + type_name(t.name.text), "Task");
+    plan.scheduler = types_.claim(plan.type + "Scheduler", "Atom");
     if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, {}, m_.generation);
-    plan.permanent.type = plan.type + "Permanent";
+    plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
     for (std::size_t k = 0; k < p_.slots.size(); ++k) {
       const Service& s = p_.service_of(k);
       if (s.kind == ServiceKind::Execution && s.task_index == i) plan.slots.push_back(k);
@@ -152,12 +154,13 @@ class Planner {
   const Module& m_;
   Plan p_;
   Scope scope_;
-  std::set<std::string> types_;
+  Scope& types_;
+  Scope ids_;  // of services, in names of ports
 };
 
 }  // namespace
 
-Plan make_plan(const Module& module, const GenerateOptions& options) { return Planner(module, options).run(); }
+Plan make_plan(const Module& module, const GenerateOptions& options, Scope& types) { return Planner(module, options, types).run(); }
 
 bool Plan::may_suspend(std::size_t task) const {
   const Task& t = module->tasks[task];

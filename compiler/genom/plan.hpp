@@ -6,6 +6,7 @@
 
 #include "compiler/genom/generate.hpp"
 #include "compiler/genom/module.hpp"
+#include "compiler/genom/names.hpp"
 
 namespace bip::genom {
 
@@ -40,7 +41,7 @@ struct ServicePlan {
   std::vector<std::size_t> slots;  // indices of Plan::slots; of a control service one
 };
 struct TaskPlan {
-  std::string component, type;
+  std::string component, type, scheduler;
   ActivityPlan permanent;          // GenoM 3
   std::vector<std::size_t> slots;  // its activities, in slot order
 };
@@ -63,6 +64,7 @@ struct Plan {
   std::vector<LockPlan> locks;
   std::size_t execution_slots = 0;
   std::string control, ids, lock, poster_timer;  // components
+  std::string control_type, box_type;
 
   [[nodiscard]] const Service& service_of(std::size_t slot) const { return module->services[slots[slot].service]; }
   /// GenoM 2 refuses requests by the state of the whole module.
@@ -70,7 +72,8 @@ struct Plan {
   [[nodiscard]] bool may_suspend(std::size_t task) const;
 };
 
-[[nodiscard]] Plan make_plan(const Module& module, const GenerateOptions& options);
+/// `types`: names of types that the package has already; those of the module are added.
+[[nodiscard]] Plan make_plan(const Module& module, const GenerateOptions& options, Scope& types);
 
 /// The atom of a service's or (GenoM 3) a task's codels. `has_reports`: it is a service's.
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment);

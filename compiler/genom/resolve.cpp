@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "compiler/genom/names.hpp"
+
 namespace bip::genom {
 namespace {
 
@@ -58,6 +60,12 @@ class Resolver {
   }
 
   void service(Service& s) {
+    // A report that is listed twice is one; so are two that BIP cannot tell apart.
+    std::vector<Name> reports;
+    for (Name& r : s.reports) {
+      if (std::none_of(reports.begin(), reports.end(), [&](const Name& known) { return bip_name(known.text) == bip_name(r.text); })) reports.push_back(std::move(r));
+    }
+    s.reports = std::move(reports);
     if (s.kind == ServiceKind::Execution && s.task.is_set()) s.task_index = task(s.task);
     if (s.interrupts_all) {
       const std::size_t own = find(m_.services, s.name.text);

@@ -142,11 +142,11 @@ void write_control(std::string& out, const Plan& plan) {
   box.on("rest", "give_back", "idle", " provided (!token)");
 
   out += fmt::format("\n  // Receives the requests to {} and answers them, one control cycle after the other (Figure 8).\n", m.name.text);
-  out += fmt::format("  atom type {}MessageBox()\n    data string rqst = \"\", rep = \"OK\"\n    data bool token = false\n    port Signal init()\n", plan.type);
+  out += fmt::format("  atom type {}()\n    data string rqst = \"\", rep = \"OK\"\n    data bool token = false\n    port Signal init()\n", plan.box_type);
   for (const auto& [type, name] : box.ports) out += fmt::format("    export port {} {}\n", type, name);
   out += fmt::format("\n    place {}\n\n    initial to off\n\n{}  end\n", box.places, box.transitions);
 
-  out += fmt::format("\n  // The control task.\n  compound type {}Control(int period)\n    component {}MessageBox box()\n    component Timer timer(period, 0)\n", plan.type, plan.type);
+  out += fmt::format("\n  // The control task.\n  compound type {}(int period)\n    component {} box()\n    component Timer timer(period, 0)\n", plan.control_type, plan.box_type);
   write_wire(out, {.name = "wake_up", .ports = {"box.chck", "timer.trigger"}, .exported = true});
   out += "\n";
   write_export(out, "timer.tick", "tick");

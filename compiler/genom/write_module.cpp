@@ -92,7 +92,7 @@ void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<
 }
 
 void ModuleWriter::parts(const GenerateOptions& options) {
-  out_ += fmt::format("    component {}Control {}({})\n", p_.type, p_.control, options.control_period);
+  out_ += fmt::format("    component {} {}({})\n", p_.control_type, p_.control, options.control_period);
   if (p_.has_checks()) {
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", p_.ids, m_.has_init() ? "true" : "false", p_.execution_slots);
   }
@@ -103,7 +103,7 @@ void ModuleWriter::parts(const GenerateOptions& options) {
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p_.services[slot.service].type, slot.component);
   }
   if (!p_.poster_timer.empty()) out_ += fmt::format("    component Timer {}({}, 0)\n", p_.poster_timer, options.poster_period);
-  for (const std::string& poster : p_.posters) out_ += fmt::format("    component Poster {}({})\n", poster, options.oldest);
+  for (const std::string& poster : p_.posters) out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component Poster {}({})\n", poster, options.oldest);
 }
 
 

@@ -64,7 +64,7 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   }();
   out += fmt::format("\n  // The cycle of task {}: woken by its timer, then{} one codel of each activity, in the order of their slots{}.\n", t.name.text,
                      t.permanent.is_set() ? " the permanent codel and" : "", is_3 ? ", in rounds until all pause" : "");
-  out += fmt::format("  atom type {}Scheduler()\n", plan.tasks[task].type);
+  out += fmt::format("  atom type {}()\n", plan.tasks[task].scheduler);
   if (is_3) out += "    data bool more = false\n";
   scheduler_ports(out, plan, task, turns);
 
@@ -112,7 +112,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   const bool is_periodic = t.period_us > 0;
   out += fmt::format("\n  // Execution task {}{}.\n  compound type {}()\n", t.name.text,
                      is_periodic ? fmt::format(", every {} ms", static_cast<double>(t.period_us) / 1000.0) : ", when it is woken", p.type);
-  out += fmt::format("    component {}Scheduler scheduler()\n", p.type);
+  out += fmt::format("    component {} scheduler()\n", p.scheduler);
   out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component TaskController controller({}, {})\n", p.slots.size(), t.has_permanent() ? "true" : "false");
   if (is_periodic) {
     out += fmt::format("    component Timer timer({}, {})\n", std::max<std::int64_t>(1, ticks(t.period_us)), ticks(t.delay_us));

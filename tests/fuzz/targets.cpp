@@ -81,6 +81,7 @@ Target find_target(std::string_view name) {
   if (name == "bsys") return try_bsys;
   if (name == "format") return try_format;
   if (name == "lsp") return try_lsp;
+  if (name == "genom") return try_genom;
   return nullptr;
 }
 

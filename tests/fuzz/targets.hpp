@@ -27,7 +27,10 @@ struct Verdict {
 /// The language server: whatever comes, what it sends is JSON, nothing is an internal error, and the session goes on.
 [[nodiscard]] Verdict try_lsp(std::string_view input);
 
-/// "text", "bsys", "format" or "lsp"; nullptr for another name.
+/// `bipc genom`: errors that can be read, or BIP that `check` accepts without a warning.
+[[nodiscard]] Verdict try_genom(std::string_view input);
+
+/// "text", "bsys", "format", "lsp" or "genom"; nullptr for another name.
 using Target = Verdict (*)(std::string_view);
 [[nodiscard]] Target find_target(std::string_view name);
 

@@ -52,10 +52,10 @@ class Reference:
         return request["type"] == "exec" or (request["type"] == "init" and ("exec_task" in request or codels))
 
     def interrupts(self, request):
-        """Slots of requests that this one is incompatible with."""
-        if request["type"] == "init":
-            return [s for s in self.slots if s.request is not request]
+        """Slots of requests that this one is incompatible with: `init` with everything else, with itself if it says so."""
         listed = request.get("interrupt_activity", [])
+        if request["type"] == "init":
+            return [s for s in self.slots if s.request is not request or (listed != "all" and request["name"] in listed)]
         return [s for s in self.slots if listed == "all" or s.request["name"] in listed]
 
     # ---- the control cycle ----

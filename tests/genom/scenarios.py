@@ -85,9 +85,9 @@ def as_side_file(module):
 
 
 def instances(module, least):
-    """One activity a request, and one more for what interrupts itself; `init` never does."""
+    """One activity a request, and one more for what interrupts itself; for `init` "all" is everything else."""
     def of(request):
         listed = request["interrupt_activity"]
-        own = request["type"] != "init" and (listed == "all" or request["name"] in listed)
+        own = request["type"] != "init" if listed == "all" else request["name"] in listed
         return max(2, least) if own else least
     return of

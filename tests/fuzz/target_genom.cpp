@@ -1,0 +1,35 @@
+// Descriptions of robot modules: errors that can be read, or a text that is BIP without a single warning.
+#include "compiler/driver/pipeline.hpp"
+#include "compiler/genom/translate.hpp"
+#include "tests/fuzz/targets.hpp"
+
+namespace bip::fuzz {
+namespace {
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+// More says no more: a check costs what the text is long.
+constexpr std::size_t kMaxBip = 400'000;
+
+}  // namespace
+
+Verdict try_genom(std::string_view input) {
+  SourceMap sources;
+  Diagnostics diags;
+  const FileId file = sources.add("fuzz.gen", genom::as_utf8(std::string(input)));
+  genom::TranslateOptions options;
+  options.generate.package = "fuzz";
+  const std::optional<std::string> text = genom::translate(sources, {{"/nowhere/fuzz.gen", file}}, {}, options, diags);
+  const std::string messages = render(diags, sources, {});
+  if (!text) return {diags.has_errors() && !messages.empty() ? "" : "genom: neither a product nor a diagnostic", false};
+  if (diags.has_errors()) return {"genom: a product and errors", true};
+  if (text->size() > kMaxBip) return {"", true};
+  driver::Compilation c{driver::CompileOptions{}};
+  c.open_texts["/nowhere/fuzz.bip"] = *text;
+  if (!driver::check(c, "/nowhere/fuzz.bip") || c.diags.warning_count() > 0) {
+    return {"genom: what was written is not clean: " + first_line(render(c.diags, c.sources, {.format = DiagnosticFormat::Short})), true};
+  }
+  return {"", true};
+}
+
+}  // namespace bip::fuzz
