@@ -21,6 +21,9 @@ const Names<rt::Policy> kPolicies{{"uniform", rt::Policy::Uniform}, {"first", rt
 const Names<rt::TraceFormat> kTraceFormats{
     {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}};
 
+const Names<rt::Reduction> kReductions{
+    {"none", rt::Reduction::None}, {"por", rt::Reduction::Por}, {"symmetry", rt::Reduction::Symmetry}};
+
 std::string not_one_of(const std::string& text, const std::string& shown) {
   return fmt::format("`{}` is not one of {}", text, shown);
 }
@@ -151,6 +154,32 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "  bipc verify --property errors model.bip");
 }
 
+void add_explore(CLI::App& app, ExploreArguments& a) {
+  CLI::App* command = app.add_subcommand("explore", "visit all reachable states: count them, find deadlocks and run-time errors");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  add_choice(*command, "--reduce", a.explore.reduction, kReductions, "none|por|symmetry",
+             "visit fewer: por keeps all deadlocks, symmetry counts interchangeable components once");
+  command->add_option("--threads", a.threads, "that work (default: one a processor)")->check(is_number())->type_name("N");
+  command->add_option("--memory", a.megabytes, "stop before more is used (default: three quarters of what is free)")->check(is_number())->type_name("MB");
+  command->add_option("--timeout", a.seconds, "stop after SECONDS")->check(is_number())->type_name("SECONDS");
+  command->add_option("--limit", a.explore.limit, "stop after N states")->check(is_number())->type_name("N");
+  command->add_flag("--json", a.json, "the result as JSON");
+  command->add_option("--trace", a.trace_path, "write the way to the deadlock (else to the error) to PATH, as JSON lines or as --trace-format says")
+      ->type_name("PATH");
+  add_choice(*command, "--trace-format", a.format, kTraceFormats, "steps|json|bip2", "bip2: the reference engine's own lines");
+  command->add_flag("--silent", a.silent, "only the last line");
+  command->add_flag("--stats", a.stats, "states a second, bytes a state, depth at the end");
+  command->add_flag("--trust-cpp", a.trusts_cpp, "C++ functions of the model depend on nothing but their arguments");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
+  add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
+  command->add_flag_callback("--disable-maximal-progress", [&a] { a.explore.progress = rt::MaximalProgress::Off; },
+                             "smaller interactions may run although a larger one could");
+  add_compile(*command, a.compile);
+  command->footer(
+      "Exit code: 0 all visited and nothing found, 1 run-time errors, 3 deadlocks, 4 a limit came first. Ctrl-C tells what is known.\n"
+      "Example:\n  bipc explore --root 'Table(12)' --trace dead.txt --trace-format bip2 model.bip && bipc replay --published dead.txt --root 'Table(12)' model.bip");
+}
+
 void add_build(CLI::App& app, BuildArguments& a) {
   CLI::App* command = app.add_subcommand("build", "make a stand-alone program with the host's C++ compiler");
   command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
@@ -266,6 +295,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_check(app, arguments.check);
   add_run(app, arguments.run);
   add_verify(app, arguments.verify);
+  add_explore(app, arguments.explore);
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);
   add_replay(app, arguments.replay);

@@ -11,6 +11,7 @@ struct Arguments {
   CheckArguments check;
   RunArguments run;
   VerifyArguments verify;
+  ExploreArguments explore;
   BuildArguments build;
   EmitArguments emit;
   ReplayArguments replay;

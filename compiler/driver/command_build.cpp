@@ -32,7 +32,7 @@ const char* flag_of(Optimisation optimisation) {
 std::vector<std::string> runtime_sources(const std::string& directory) {
   namespace fs = std::filesystem;
   std::vector<std::string> sources;
-  for (const char* folder : {"core", "engine", "trace"}) {
+  for (const char* folder : {"core", "engine", "explore", "trace"}) {
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(fs::path(directory) / folder, ignored)) {
       if (entry.path().extension() == ".cpp") sources.push_back(entry.path().string());

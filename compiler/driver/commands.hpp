@@ -10,6 +10,8 @@ namespace bip::driver {
 [[nodiscard]] int command_run(const RunArguments& arguments);
 /// Deadlock-free, a deadlock with its steps, or unknown: 0, 3, 4.
 [[nodiscard]] int command_verify(const VerifyArguments& arguments);
+/// All reachable states: 0, 1 run-time errors, 3 deadlocks, 4 a limit came first.
+[[nodiscard]] int command_explore(const ExploreArguments& arguments);
 [[nodiscard]] int command_build(const BuildArguments& arguments);
 [[nodiscard]] int command_emit(const EmitArguments& arguments);
 [[nodiscard]] int command_replay(const ReplayArguments& arguments);

@@ -6,6 +6,7 @@
 
 #include "bip/run.hpp"
 #include "compiler/diag/diagnostics.hpp"
+#include "runtime/explore/explore.hpp"
 
 namespace bip::driver {
 
@@ -54,6 +55,22 @@ struct VerifyArguments {
   std::string property;              // empty: deadlock-freedom
   bool json = false;
   bool why = false;
+};
+struct ExploreArguments {
+  CompileOptions compile;
+  std::string file;
+  Backend backend = Backend::Auto;
+  Optimisation optimisation = Optimisation::Auto;
+  rt::ExploreOptions explore;
+  std::uint64_t threads = 0;         // 0: all processors
+  std::uint64_t megabytes = 0;       // 0: what the machine can spare
+  std::uint64_t seconds = 0;         // 0: no limit
+  std::string trace_path;            // of the way to the deadlock, else to the error
+  rt::TraceFormat format = rt::TraceFormat::Steps;
+  bool json = false;
+  bool silent = false;               // only the last line
+  bool stats = false;
+  bool trusts_cpp = false;           // C++ functions depend on their arguments alone
 };
 struct CheckArguments {
   CompileOptions compile;

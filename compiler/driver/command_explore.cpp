@@ -1,0 +1,189 @@
+// `bipc explore`: all reachable states, told in three forms: for people, as JSON, as the published engine does.
+//
+// Ways are taken by a core from the initial state before they are told. What a limit cut off is called partial, and a
+// reduction says what it keeps.
+#include <unistd.h>
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/executor.hpp"
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/machine.hpp"
+#include "compiler/driver/report.hpp"
+#include "runtime/engine/interrupt.hpp"
+#include "runtime/explore/tell.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+constexpr std::size_t kStepsShown = 100;
+constexpr std::uint64_t kMega = 1000000;
+
+void write(std::FILE* file, const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), file);
+  std::fflush(file);
+}
+
+const char* name_of(rt::ExploreEnd end) {
+  switch (end) {
+    case rt::ExploreEnd::Complete: return "complete";
+    case rt::ExploreEnd::States: return "limit";
+    case rt::ExploreEnd::Memory: return "memory";
+    case rt::ExploreEnd::Time: return "time";
+    case rt::ExploreEnd::Stopped: return "interrupted";
+  }
+  return "";
+}
+const char* name_of(rt::Reduction reduction) {
+  return reduction == rt::Reduction::None ? "none" : reduction == rt::Reduction::Por ? "por" : "symmetry";
+}
+
+// What the chosen reduction means for the counts.
+std::string reduction_text(const rt::ExploreReport& found, rt::Reduction reduction) {
+  if (reduction == rt::Reduction::Por) return "partial-order reduction: all deadlocks are found; not all states, steps and run-time errors are seen\n";
+  if (reduction == rt::Reduction::None) return "";
+  std::string text = "symmetry reduction: states that differ only in who is who count once; interchangeable are";
+  for (const std::string& group : found.groups) text += (&group == &found.groups.front() ? " " : ", ") + group;
+  return text + "\n";
+}
+
+// Progress for a person who waits: a line that is written over, on a terminal.
+class Progress {
+ public:
+  explicit Progress(bool is_wanted) : is_on_(is_wanted && isatty(STDERR_FILENO) != 0) {}
+  void tell(const rt::ExploreProgress& now) {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
+    if (!is_on_ || spent.count() < next_) return;
+    next_ = spent.count() + 0.5;
+    write(stderr, fmt::format("\r{} states, {} to do, depth {}, {} deadlocks, {} errors, {:.2f} million states/s, {} MB   ", now.states,
+                              now.states - now.expanded, now.depth, now.deadlocks, now.errors, static_cast<double>(now.states) / spent.count() / 1e6,
+                              now.bytes / kMega));
+    is_shown_ = true;
+  }
+  void clear() const {
+    if (is_shown_) write(stderr, "\r\x1b[K");
+  }
+
+ private:
+  bool is_on_, is_shown_ = false;
+  double next_ = 0.5;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
+
+struct Ways {
+  rt::ToldWay deadlock, error;
+};
+
+void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const Ways& ways) {
+  nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1}, {"end", name_of(found.end)}, {"reduction", name_of(a.explore.reduction)},
+                              {"states", found.states}, {"steps", found.steps}, {"deadlocks", found.deadlocks}, {"errors", found.errors},
+                              {"depth", found.depth}, {"bits", found.bits}};
+  if (!found.groups.empty()) json["interchangeable"] = found.groups;
+  if (a.stats) {
+    json["seconds"] = found.seconds;
+    json["bytes"] = found.bytes;
+    json["threads"] = found.threads;
+  }
+  if (found.has_deadlock && found.are_ways_known) json["deadlock"] = {{"choices", found.deadlock}, {"text", ways.deadlock.steps}};
+  if (found.has_error && found.are_ways_known) json["error"] = {{"choices", found.error}, {"text", ways.error.steps}};
+  write(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+}
+
+void print_stats(const rt::ExploreReport& found) {
+  const auto states = static_cast<double>(std::max<std::uint64_t>(found.states, 1));
+  write(stderr, fmt::format("states/s {:.0f}, bytes/state {:.1f}, bits/state {}, depth {}, seconds {:.3f}, threads {}, MB {}\n",
+                            states / std::max(found.seconds, 1e-9), static_cast<double>(found.bytes) / states, found.bits, found.depth, found.seconds,
+                            found.threads, found.bytes / kMega));
+}
+
+int exit_code_of(const rt::ExploreReport& found) {
+  if (found.errors != 0) return kModelErrors;
+  if (found.deadlocks != 0) return kViolated;
+  return found.end == rt::ExploreEnd::Complete ? kOk : kUnknown;
+}
+
+// Refuses what could not be explored soundly. False: a diagnostic was reported.
+bool is_explorable(const ExploreArguments& a, Compilation& c) {
+  const CodeTable& code = c.system->code;
+  if (!a.trusts_cpp && !(code.functions.empty() && code.extern_types.empty())) {
+    c.diags.report(Diag::kB5041, {}, code.functions.empty() ? code.extern_types[0].name : code.functions[0].name)
+        .help("`--trust-cpp` explores it all the same: functions are then taken to depend on nothing but their arguments");
+    return false;
+  }
+  const std::string problem = rt::reduction_problem(c.lowered->image, a.explore);
+  if (problem.empty()) return true;
+  c.diags.report(Diag::kB5040, {}, a.explore.reduction == rt::Reduction::Por ? "partial-order" : "symmetry", problem);
+  return false;
+}
+
+rt::ExploreReport search(const ExploreArguments& a, const rt::Image& image) {
+  const rt::InterruptGuard guard;
+  const bool is_bip2 = a.format == rt::TraceFormat::Bip2 && !a.json;
+  rt::ExploreOptions options = a.explore;
+  options.threads = a.threads == 0 ? processors() : static_cast<std::uint32_t>(std::min<std::uint64_t>(a.threads, 256));
+  options.seconds = static_cast<double>(a.seconds);
+  options.bytes = a.megabytes == 0 ? available_memory() / 4 * 3 : a.megabytes * kMega;
+  options.is_stopped = rt::is_interrupted;
+  Progress progress(!is_bip2);
+  std::uint64_t dots = 0;
+  if (is_bip2) write(stdout, rt::kPublishedBegin);
+  options.tell = [&](const rt::ExploreProgress& now) {
+    progress.tell(now);
+    std::string text;
+    for (; is_bip2 && dots * rt::kStatesPerDot < now.expanded; ++dots) text += '.';
+    if (!text.empty()) write(stdout, text);
+  };
+  rt::ExploreReport found = rt::explore_states(image, options);
+  progress.clear();
+  return found;
+}
+
+}  // namespace
+
+int command_explore(const ExploreArguments& arguments) {
+  Compilation c(arguments.compile);
+  if (arguments.compile.emit != EmitKind::None) {
+    emit_stage(c, arguments.file, arguments.optimisation);
+    return report(c);
+  }
+  Executor executor;
+  const bool ready = compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, arguments.optimisation) &&
+                     is_explorable(arguments, c);
+  if (const int code = report(c); code != 0 || !ready) return code;
+  const rt::Image& image = c.lowered->image;
+  const rt::ExploreReport found = search(arguments, image);
+  const rt::MaximalProgress maximal = arguments.explore.progress;
+  Ways ways;
+  if (found.has_deadlock && found.are_ways_known) ways.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
+  if (found.has_error && found.are_ways_known) ways.error = rt::tell_way(image, maximal, rt::WayEnd::Error, found.error, kStepsShown);
+  if (!arguments.trace_path.empty() && (found.has_deadlock || found.has_error) && found.are_ways_known) {
+    const std::string trace = rt::trace_of_way(image, maximal, found.has_deadlock ? found.deadlock : found.error, arguments.format);
+    if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
+      c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
+      return report(c);
+    }
+  }
+  if (arguments.json) {
+    print_json(arguments, found, ways);
+  } else if (arguments.format == rt::TraceFormat::Bip2) {
+    write(stdout, rt::published_line(found));
+    write(stderr, ways.error.error);
+  } else {
+    std::string text;
+    if (!arguments.silent) {
+      text = ways.deadlock.steps + ways.error.steps + reduction_text(found, arguments.explore.reduction);
+      if (!found.are_ways_known) text += "the way to what was found is not known: there was no time left to look for it\n";
+    }
+    write(stdout, text + rt::summary_line(found));
+  }
+  if (arguments.stats) print_stats(found);
+  return exit_code_of(found);
+}
+
+}  // namespace bip::driver

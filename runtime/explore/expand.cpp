@@ -1,0 +1,159 @@
+// Which candidates a state has, and the states they lead to. Three ways: masks alone; tables, then rules and reductions;
+// the core, where rules have guards or C++ is called.
+#include <algorithm>
+
+#include "runtime/explore/expander.hpp"
+
+namespace bip::rt {
+
+void Expander::put(const u64* state, Outbox& out) {
+  const u32 words = space_.layout.words();
+  if (space_.symmetry != nullptr) {
+    std::vector<u64>& copy = canonical_;
+    copy.assign(state, state + words);
+    space_.symmetry->normalize(copy.data(), space_.layout, symmetry_scratch_);
+    state = copy.data();
+  }
+  std::vector<u64>& list = out.words[owners_ == 1 ? 0 : owner_of(state)];
+  if (words == 1) list.push_back(*state);
+  else list.insert(list.end(), state, state + words);
+}
+
+void Expander::emit(u32 slot, u32 row, const u64* state, Outbox& out, Result& result) {
+  const Outcome outcome = outcomes_[row];
+  for (u32 k = outcome.first; k < outcome.first + outcome.count; ++k) {
+    const Effect effect = effects_[k];
+    if (effect.is_fault) {
+      result.has_error = true;
+      continue;
+    }
+    std::copy(state, state + space_.layout.words(), next_.begin());
+    for (u32 piece = effect.first; piece < effect.first + effect.count; ++piece) next_[pieces_[piece].word] ^= pieces_[piece].change;
+    if (!is_sound(slot, next_.data())) {
+      result.has_error = true;
+      continue;
+    }
+    ++result.steps;
+    put(next_.data(), out);
+  }
+}
+
+// Every slot is a mask, a value and a change of one word.
+Expander::Result Expander::expand_moves(u64 state, Outbox& out) {
+  Result result;
+  if (owners_ == 1) {
+    std::vector<u64>& list = out.words[0];
+    const std::size_t before = list.size();
+    list.resize(before + moves_.size());
+    u64* to = list.data() + before;
+    // Written always and kept if enabled: which slots are is not predictable.
+    for (const Move& move : moves_) {
+      *to = state ^ move.change;
+      to += (state & move.mask) == move.value ? 1 : 0;
+    }
+    list.resize(static_cast<std::size_t>(to - list.data()));
+    result.steps = list.size() - before;
+  } else {
+    for (const Move& move : moves_) {
+      if ((state & move.mask) != move.value) continue;
+      const u64 next = state ^ move.change;
+      out.words[owner_of(&next)].push_back(next);
+      ++result.steps;
+    }
+  }
+  result.is_deadlock = result.steps == 0;
+  return result;
+}
+
+Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
+  Result result;
+  if (!enter(*core_, state)) {
+    result.has_error = true;
+    return result;
+  }
+  const u64 count = core_->candidate_count();
+  result.is_deadlock = count == 0;
+  // Rules hide what tables tell of; a slot with one candidate is hidden or not, so its table serves.
+  const bool may_look_up = !space_.shapes.calls_cpp && space_.shapes.watched.items.empty() && space_.image->sites.size == 0;
+  for (u64 k = 0; k < count; ++k) {
+    const u32 slot = core_->candidate(k).slot;
+    if (may_look_up && space_.shapes.slots[slot].is_rendezvous) {
+      const u32 row = outcome_of(slot, state);
+      if (row == kUnknown) return result;
+      // Tables are filled by another core, which has no rules: this one stays where it is.
+      emit(slot, row, state, out, result);
+      continue;
+    }
+    if (!core_->fire(k)) {
+      result.has_error = true;
+    } else {
+      std::copy(state, state + space_.layout.words(), next_.begin());
+      for (const u32 atom : space_.shapes.atoms_of(slot)) {
+        const u32 number = space_.locals->number(atom, *core_);
+        if (!space_.layout.fits(atom, number)) {
+          is_too_narrow_ = true;
+          return result;
+        }
+        space_.layout.set(next_.data(), atom, number);
+      }
+      ++result.steps;
+      put(next_.data(), out);
+    }
+    if (k + 1 < count && !enter(*core_, state)) return result;
+  }
+  return result;
+}
+
+Expander::Result Expander::expand(const u64* state, Outbox& out) {
+  if (only_moves_) return expand_moves(*state, out);
+  if (space_.shapes.needs_core) return expand_by_core(state, out);
+  Result result;
+  const Shapes& shapes = space_.shapes;
+  const u32 slots = static_cast<u32>(shapes.slots.size());
+  const std::size_t kept_effects = effects_.size(), kept_pieces = pieces_.size(), kept_outcomes = outcomes_.size();
+  if (space_.stubborn == nullptr && shapes.dominators.items.empty()) {
+    bool any = false;
+    for (u32 slot = 0; slot < slots; ++slot) {
+      const u32 row = outcome_of(slot, state);
+      if (row == kNothing) continue;
+      if (row == kUnknown) return result;
+      any = true;
+      emit(slot, row, state, out, result);
+      if (is_too_narrow_) return result;
+    }
+    result.is_deadlock = !any;
+  } else {
+    chosen_.clear();
+    for (u32 slot = 0; slot < slots; ++slot) {
+      outcome_row_[slot] = peek(slot, state);
+      if (outcome_row_[slot] != kNothing) chosen_.push_back(slot);
+    }
+    result.is_deadlock = chosen_.empty();
+    if (!shapes.dominators.items.empty()) {
+      std::erase_if(chosen_, [&](u32 slot) {
+        const Span<u32> high = shapes.dominators[slot];
+        return std::any_of(high.begin(), high.end(), [&](u32 other) { return outcome_row_[other] != kNothing; });
+      });
+    }
+    if (space_.stubborn != nullptr && chosen_.size() > 1) {
+      space_.stubborn->choose(state, space_.layout, *space_.locals, outcome_row_, stubborn_scratch_, chosen_);
+    }
+    for (const u32 slot : chosen_) {
+      const u32 row = outcome_of(slot, state);
+      if (row == kUnknown) return result;
+      emit(slot, row, state, out, result);
+    }
+  }
+  forget_unkept(kept_outcomes, kept_effects, kept_pieces);
+  return result;
+}
+
+// Outcomes that no table refers to are dropped, so that what has no table costs no memory.
+void Expander::forget_unkept(std::size_t outcomes, std::size_t effects, std::size_t pieces) {
+  if (kept_ >= outcomes) return;
+  outcomes_.resize(outcomes);
+  effects_.resize(effects);
+  pieces_.resize(pieces);
+}
+
+}  // namespace bip::rt

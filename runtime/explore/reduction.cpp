@@ -1,0 +1,18 @@
+// When a reduction may be used: what it cannot treat soundly is refused with the reason.
+#include "runtime/explore/explore.hpp"
+#include "runtime/explore/symmetry.hpp"
+
+namespace bip::rt {
+
+std::string reduction_problem(const Image& image, const ExploreOptions& options) {
+  if (options.reduction == Reduction::None) return {};
+  if (image.outside != nullptr) return "the model calls C++, and what a function remembers belongs to no component";
+  if (image.priorities.size != 0) return "the model has priorities between interactions, which compare components that share no interaction";
+  if (options.reduction == Reduction::Por) return {};
+  const Core core(image, {.progress = options.progress});
+  const Locals locals(core);
+  if (Symmetry(image, locals).is_trivial()) return "no two members of an array are interchangeable: same arguments, and connectors that stay the same when the two change places";
+  return {};
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,263 @@
+// Levels and batches; see search.hpp.
+#include "runtime/explore/search.hpp"
+
+#include <algorithm>
+
+namespace bip::rt {
+
+namespace {
+
+constexpr u64 kPiece = 128;                 // states that a thread takes at a time
+constexpr u64 kSmall = 512;                 // a frontier that one thread does alone
+constexpr std::size_t kBatchWords = 1u << 18;  // of successors a thread: a batch ends, limits are looked at
+
+}  // namespace
+
+Search::Search(const Image& image, const ExploreOptions& options)
+    : image_(image),
+      options_(options),
+      team_(image.outside != nullptr || options.limit != ~u64{0} ? 1 : std::max(1u, options.threads)) {}
+
+u64 Search::states() const {
+  u64 sum = 0;
+  for (const auto& owner : owners_) sum += owner->size();
+  return sum;
+}
+
+std::size_t Search::kept_bytes() const {
+  std::size_t sum = space_.locals->bytes();
+  for (const auto& owner : owners_) sum += owner->bytes();
+  for (const Worker& worker : workers_) {
+    sum += worker.expander->bytes();
+    for (const auto& list : worker.out.words) sum += list.capacity() * sizeof(u64);
+  }
+  return sum;
+}
+
+void Search::make_owners() {
+  owners_.clear();
+  for (u32 k = 0; k < team_.size(); ++k) {
+    owners_.push_back(std::make_unique<StateStore>(space_.layout.words(), options_.bytes / team_.size()));
+  }
+}
+
+void Search::begin() {
+  Core core(image_, {.progress = options_.progress});
+  if (!core.initialize()) {
+    report_.errors = 1;
+    report_.has_error = true;
+    return;
+  }
+  space_.image = &image_;
+  space_.progress = options_.progress;
+  space_.shapes = shapes_of(core, options_.progress);
+  space_.locals = std::make_unique<Locals>(core);
+  space_.initial = core.snapshot();
+  for (u32 atom = 0; atom < image_.atoms.size; ++atom) (void)space_.locals->number(atom, core);
+  space_.layout = Layout(*space_.locals);
+  if (options_.reduction == Reduction::Por) stubborn_ = std::make_unique<Stubborn>(core, space_.shapes);
+  if (options_.reduction == Reduction::Symmetry) {
+    symmetry_ = std::make_unique<Symmetry>(image_, *space_.locals);
+    report_.groups = symmetry_->names();
+  }
+  space_.stubborn = stubborn_.get();
+  space_.symmetry = symmetry_.get();
+  make_owners();
+  workers_.resize(team_.size());
+  for (Worker& worker : workers_) {
+    worker.expander = std::make_unique<Expander>(space_, team_.size());
+    worker.out.words.resize(team_.size());
+  }
+  std::vector<u64> state(space_.layout.words()), scratch;
+  (void)workers_[0].expander->pack(core, state.data());
+  if (symmetry_ != nullptr) symmetry_->normalize(state.data(), space_.layout, scratch);
+  level_first_.assign(team_.size(), 0);
+  (void)owners_[team_.size() == 1 ? 0 : workers_[0].expander->owner_of(state.data())]->add(state.data(), 1);
+}
+
+// Every state anew in a wider layout, level by level: which level a state belongs to stays. The current level's steps are
+// taken again, for its states may have other owners now.
+void Search::widen() {
+  const Layout before = space_.layout;
+  std::vector<std::unique_ptr<StateStore>> old = std::move(owners_);
+  space_.layout = Layout(*space_.locals);
+  make_owners();
+  for (Worker& worker : workers_) {
+    worker.expander->relayout();
+    worker.out.clear();
+    worker.counts = {};
+  }
+  const u32 count = team_.size();
+  const u32 levels = static_cast<u32>(level_first_.size()) / count;
+  std::vector<u32> first;
+  std::vector<u64> from(before.words()), to(space_.layout.words()), scratch;
+  for (u32 level = 0; level < levels; ++level) {
+    for (u32 owner = 0; owner < count; ++owner) first.push_back(owners_[owner]->size());
+    for (u32 owner = 0; owner < count; ++owner) {
+      const u32 end = level + 1 < levels ? level_first_[std::size_t{level + 1} * count + owner] : old[owner]->size();
+      for (u32 row = level_first_[std::size_t{level} * count + owner]; row < end; ++row) {
+        old[owner]->read(row, from.data(), scratch);
+        std::fill(to.begin(), to.end(), u64{0});
+        for (u32 atom = 0; atom < space_.locals->atoms(); ++atom) space_.layout.set(to.data(), atom, before.get(from.data(), atom));
+        (void)owners_[count == 1 ? 0 : workers_[0].expander->owner_of(to.data())]->add(to.data(), 1);
+      }
+    }
+  }
+  level_first_ = std::move(first);
+  counts_ = counts_before_level_;
+}
+
+u64 Search::frontier_size(u32 level) const {
+  u64 sum = 0;
+  const std::size_t count = owners_.size();
+  for (std::size_t owner = 0; owner < count; ++owner) sum += level_first_[(level + 1) * count + owner] - level_first_[level * count + owner];
+  return sum;
+}
+
+bool Search::is_over() {
+  if (report_.end != ExploreEnd::Complete) return true;
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
+  if (options_.is_stopped && options_.is_stopped()) report_.end = ExploreEnd::Stopped;
+  else if (options_.seconds > 0 && spent.count() > options_.seconds) report_.end = ExploreEnd::Time;
+  else if (options_.bytes != 0 && kept_bytes() > options_.bytes) report_.end = ExploreEnd::Memory;
+  return report_.end != ExploreEnd::Complete;
+}
+
+bool Search::insert(bool is_small) {
+  std::atomic<bool> is_done{true};
+  const auto job = [&](u32 owner) {
+    for (const Worker& worker : workers_) {
+      const std::vector<u64>& list = worker.out.words[owner];
+      if (!owners_[owner]->add(list.data(), list.size() / space_.layout.words())) is_done = false;
+    }
+  };
+  if (is_small) {
+    for (u32 owner = 0; owner < owners_.size(); ++owner) job(owner);
+  } else {
+    team_.run(job);
+  }
+  return is_done;
+}
+
+// One state's successors, in the order of the candidates; a new one beyond the limit ends it, and its step does not count.
+bool Search::insert_up_to_limit() {
+  const std::vector<u64>& list = workers_[0].out.words[0];
+  const u32 words = space_.layout.words();
+  u64 steps = 0;
+  for (std::size_t at = 0; at < list.size(); at += words, ++steps) {
+    if (owners_[0]->contains(list.data() + at)) continue;
+    if (states() >= options_.limit) {
+      report_.end = ExploreEnd::States;
+      break;
+    }
+    if (!owners_[0]->add(list.data() + at, 1)) return false;
+  }
+  workers_[0].counts.steps = steps;
+  return true;
+}
+
+// Expands states of the frontier from `done` on. False: the search is over.
+bool Search::run_batch(u64 frontier, u64& done) {
+  const u64 end = is_one_by_one_ ? done + 1 : frontier;
+  const bool is_small = end - done <= kSmall || team_.size() == 1;
+  cursor_ = done;
+  is_batch_full_ = false;
+  const auto job = [&](u32 k) {
+    Worker& worker = workers_[k];
+    while (!is_batch_full_.load(std::memory_order_relaxed)) {
+      const u64 from = cursor_.fetch_add(kPiece);
+      if (from >= end) break;
+      each_state(worker, level_, from, std::min(from + kPiece, end), [](Worker& at, const u64* state) {
+        const Expander::Result result = at.expander->expand(state, at.out);
+        at.counts.steps += result.steps;
+        at.counts.deadlocks += result.is_deadlock ? 1 : 0;
+        at.counts.errors += result.has_error ? 1 : 0;
+        return !at.expander->is_too_narrow();
+      });
+      if (worker.expander->is_too_narrow() || worker.out.size() > kBatchWords) is_batch_full_.store(true, std::memory_order_relaxed);
+    }
+  };
+  if (is_small) job(0);
+  else team_.run(job);
+
+  if (std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) { return worker.expander->is_too_narrow(); })) {
+    if (options_.bytes != 0 && 2 * kept_bytes() > options_.bytes) {
+      report_.end = ExploreEnd::Memory;
+      return false;
+    }
+    widen();
+    done = 0;
+    return true;
+  }
+  bool is_added = true;
+  if (options_.limit != ~u64{0} && states() + workers_[0].out.size() / space_.layout.words() > options_.limit) {
+    if (!is_one_by_one_) {
+      is_one_by_one_ = true;
+      workers_[0].out.clear();
+      workers_[0].counts = {};
+      return true;
+    }
+    is_added = insert_up_to_limit();
+  } else {
+    is_added = insert(is_small);
+  }
+  if (!is_added) report_.end = ExploreEnd::Memory;
+  for (Worker& worker : workers_) {
+    counts_.steps += worker.counts.steps;
+    counts_.deadlocks += worker.counts.deadlocks;
+    counts_.errors += worker.counts.errors;
+    worker.counts = {};
+    worker.out.clear();
+  }
+  if (counts_.deadlocks != 0) deadlock_level_ = std::min(deadlock_level_, level_);
+  if (counts_.errors != 0) error_level_ = std::min(error_level_, level_);
+  done = std::min(cursor_.load(), end);
+  return report_.end == ExploreEnd::Complete;
+}
+
+void Search::tell(u64 expanded_of_level) const {
+  if (!options_.tell) return;
+  std::size_t bytes = 0;
+  for (const auto& owner : owners_) bytes += owner->bytes();
+  options_.tell({.states = states(), .expanded = expanded_before_ + expanded_of_level, .steps = counts_.steps, .deadlocks = counts_.deadlocks,
+                 .errors = counts_.errors, .depth = level_, .bytes = bytes});
+}
+
+void Search::run_levels() {
+  for (;; ++level_) {
+    for (const auto& owner : owners_) level_first_.push_back(owner->size());
+    const u64 frontier = frontier_size(level_);
+    if (frontier == 0) return;
+    counts_before_level_ = counts_;
+    report_.depth = level_;
+    for (u64 done = 0; done < frontier;) {
+      const bool goes_on = run_batch(frontier, done);
+      tell(done);
+      if (!goes_on || is_over()) return;
+    }
+    expanded_before_ += frontier;
+  }
+}
+
+ExploreReport Search::run() {
+  begin();
+  if (!report_.has_error) {
+    run_levels();
+    report_.states = states();
+    report_.steps = counts_.steps;
+    report_.deadlocks = counts_.deadlocks;
+    report_.errors = counts_.errors;
+    report_.bits = space_.layout.bits();
+    report_.words = space_.layout.words();
+    for (const auto& owner : owners_) report_.bytes += owner->bytes();
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
+    report_.seconds = spent.count();
+    find_ways();
+  }
+  report_.threads = team_.size();
+  return std::move(report_);
+}
+
+ExploreReport explore_states(const Image& image, const ExploreOptions& options) { return Search(image, options).run(); }
+
+}  // namespace bip::rt

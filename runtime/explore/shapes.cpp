@@ -1,0 +1,200 @@
+// See shapes.hpp. Slots are in the candidate order of semantics.md: connectors that export no port, then internal ports.
+#include "runtime/explore/shapes.hpp"
+
+#include <algorithm>
+
+namespace bip::rt {
+
+namespace {
+
+// An automaton whose ports each label one transition without guard and action, and nothing else that could be looked at.
+bool only_moves(const AtomType& type) {
+  if (type.priorities.size != 0 || type.invariants.size != 0 || type.initial.size != 1) return false;
+  std::vector<bool> seen(type.ports.size, false);
+  for (const Transition& t : type.transitions) {
+    if (t.from.size != 1 || t.to.size != 1 || t.guard != kNone || t.action != kNone || t.port == kNone || seen[t.port]) return false;
+    seen[t.port] = true;
+  }
+  return std::all_of(type.slots.begin(), type.slots.end(), [](const Var& var) { return var.is_param; });
+}
+
+// A connector's tree, what it binds included.
+struct Tree {
+  std::vector<SlotLeaf> leaves;
+  std::vector<u32> reads;   // atoms whose data it names
+  bool has_trigger = false, has_choice = false, has_code = false, has_fault = false;
+};
+
+class Builder {
+ public:
+  Builder(const Core& core, MaximalProgress progress) : core_(core), image_(core.image()), progress_(progress) {
+    for (const AtomType& type : image_.atom_types) only_moves_.push_back(only_moves(type));
+    owner_.assign(image_.slot_count, kNone);
+    for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+      const Atom& row = image_.atoms[atom];
+      for (u32 slot = 0; slot < image_.atom_types[row.type].slots.size; ++slot) owner_[row.slot_base + slot] = atom;
+    }
+  }
+
+  Shapes build() {
+    for (u32 connector = 0; connector < image_.connectors.size; ++connector) {
+      if (image_.connector_types[image_.connectors[connector].type].exports) continue;
+      add_connector(connector);
+    }
+    for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+      const AtomType& type = image_.atom_types[image_.atoms[atom].type];
+      for (u32 port = 0; port < type.ports.size; ++port) {
+        if (type.ports[port].exported) continue;
+        Tree tree;
+        tree.leaves.push_back(leaf(atom, port));
+        add(tree, kNone);
+      }
+    }
+    std::vector<Csr::Pair> pairs;
+    for (u32 slot = 0; slot < shapes_.slots.size(); ++slot) {
+      for (const u32 atom : shapes_.atoms_of(slot)) pairs.push_back({atom, slot});
+    }
+    shapes_.slots_of_atom = Csr::build(image_.atoms.size, pairs);
+    shapes_.calls_cpp = image_.outside != nullptr;
+    shapes_.needs_core = shapes_.calls_cpp;
+    if (image_.priorities.size != 0 && !shapes_.needs_core && !add_rules()) shapes_.needs_core = true;
+    add_watched();
+    return std::move(shapes_);
+  }
+
+ private:
+  SlotLeaf leaf(u32 atom, u32 port) const {
+    for (const Transition& t : image_.atom_types[image_.atoms[atom].type].transitions) {
+      if (t.port == port) return {atom, port, t.from[0], t.to[0]};
+    }
+    return {atom, port, kNone, kNone};
+  }
+
+  void add_connector(u32 top) {
+    Tree tree;
+    std::vector<u32> todo{top};
+    std::vector<PortRef> refs;
+    while (!todo.empty()) {
+      const u32 connector = todo.back();
+      todo.pop_back();
+      const Connector& row = image_.connectors[connector];
+      const ConnectorType& type = image_.connector_types[row.type];
+      for (const DefineNode& node : type.define) tree.has_trigger |= node.trigger;
+      for (const Clause& clause : type.clauses) {
+        tree.has_code |= clause.guard != kNone || clause.up != kNone || clause.down != kNone;
+        tree.has_fault |= clause.guard != kNone || clause.may_fault;
+      }
+      for (u32 k = 0; k < row.bind_count; ++k) {
+        const u32 atom = owner_[image_.binds[row.binds + k]];
+        if (atom != kNone) tree.reads.push_back(atom);
+      }
+      refs.clear();
+      for (u32 param = 0; param < type.params.size; ++param) refs.push_back(image_.port_refs[row.ports + param]);
+      for (std::size_t k = 0; k < refs.size(); ++k) {
+        const PortRef ref = refs[k];
+        if (ref.choice != kNone) {
+          tree.has_choice = true;
+          for (const PortRef& port : image_.choices[ref.choice].ports) refs.push_back(port);
+        } else if (ref.atom != kNone) {
+          tree.leaves.push_back(leaf(ref.atom, ref.port));
+        } else {
+          todo.push_back(ref.connector);
+        }
+      }
+    }
+    add(tree, top);
+  }
+
+  void add(const Tree& tree, u32 connector) {
+    SlotShape shape;
+    shape.is_rendezvous = !tree.has_trigger && !tree.has_choice;
+    shape.leaves = {static_cast<u32>(shapes_.leaves.size()), static_cast<u32>(tree.leaves.size())};
+    shapes_.leaves.insert(shapes_.leaves.end(), tree.leaves.begin(), tree.leaves.end());
+    std::vector<u32> atoms = tree.reads;
+    for (const SlotLeaf& at : tree.leaves) atoms.push_back(at.atom);
+    std::sort(atoms.begin(), atoms.end());
+    atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
+    shape.atoms = {static_cast<u32>(shapes_.atoms.size()), static_cast<u32>(atoms.size())};
+    shapes_.atoms.insert(shapes_.atoms.end(), atoms.begin(), atoms.end());
+    bool moves = shape.is_rendezvous && !tree.has_code && !tree.has_fault && atoms.size() == tree.leaves.size();
+    for (const SlotLeaf& at : tree.leaves) moves = moves && only_moves_[image_.atoms[at.atom].type] && at.from != kNone;
+    shape.form = moves ? SlotForm::Moves : SlotForm::Table;
+    shapes_.slots.push_back(shape);
+    has_fault_.push_back(connector != kNone &&
+                         ((tree.has_fault && image_.sites.size != 0) || tree.has_choice || (tree.has_trigger && progress_ == MaximalProgress::Off)));
+  }
+
+  // Rules as sets of dominators. False: they are not that simple.
+  bool add_rules() {
+    const PriorityTables rules = link_priorities(core_.tables());
+    for (const Priority& rule : image_.priorities) {
+      if (rule.guard != kNone) return false;
+    }
+    const u32 slots = static_cast<u32>(shapes_.slots.size());
+    for (u32 slot = 0; slot < slots; ++slot) {
+      if (rules.slot_involved[slot] != 0 && !shapes_.slots[slot].is_rendezvous) return false;
+    }
+    const auto connector_of = [&](u32 slot) { return core_.tables().slots[slot].row; };
+    const auto params_of = [&](u32 slot) {
+      std::vector<u32> params(core_.tables().connector_type(connector_of(slot)).params.size);
+      for (u32 k = 0; k < params.size(); ++k) params[k] = k;
+      return params;
+    };
+    std::vector<std::vector<u32>> highs(rules.count);
+    for (const HighEdge& edge : rules.high_edges) {
+      if (matches_high(core_.tables(), image_.priorities[edge.rule], connector_of(edge.slot), params_of(edge.slot))) highs[edge.rule].push_back(edge.slot);
+    }
+    std::vector<Csr::Pair> pairs;
+    for (u32 slot = 0; slot < slots; ++slot) {
+      std::vector<bool> seen(rules.count, false), is_high(slots, false);
+      std::vector<u32> todo;
+      for (const u32 rule : rules.low_of_slot[slot]) {
+        if (matches_low(core_.tables(), image_.priorities[rule], connector_of(slot), params_of(slot))) todo.push_back(rule);
+      }
+      while (!todo.empty()) {
+        const u32 rule = todo.back();
+        todo.pop_back();
+        if (seen[rule]) continue;
+        seen[rule] = true;
+        for (const u32 high : highs[rule]) {
+          if (!is_high[high]) pairs.push_back({slot, high});
+          is_high[high] = true;
+        }
+        for (const u32 next : rules.next[rule]) todo.push_back(next);
+      }
+    }
+    shapes_.dominators = Csr::build(slots, pairs);
+    return true;
+  }
+
+  void add_watched() {
+    if (std::find(has_fault_.begin(), has_fault_.end(), true) == has_fault_.end()) return;
+    std::vector<Csr::Pair> pairs;
+    for (u32 slot = 0; slot < shapes_.slots.size(); ++slot) {
+      std::vector<u32> near;
+      for (const u32 atom : shapes_.atoms_of(slot)) {
+        for (const u32 other : shapes_.slots_of_atom[atom]) {
+          if (has_fault_[other]) near.push_back(other);
+        }
+      }
+      std::sort(near.begin(), near.end());
+      near.erase(std::unique(near.begin(), near.end()), near.end());
+      for (const u32 other : near) pairs.push_back({slot, other});
+    }
+    shapes_.watched = Csr::build(shapes_.slots.size(), pairs);
+  }
+
+  const Core& core_;
+  const Image& image_;
+  MaximalProgress progress_;
+  std::vector<bool> only_moves_;
+  std::vector<u32> owner_;        // by row of all variables
+  std::vector<bool> has_fault_;   // by slot
+  Shapes shapes_;
+};
+
+}  // namespace
+
+Shapes shapes_of(const Core& core, MaximalProgress progress) { return Builder(core, progress).build(); }
+
+}  // namespace bip::rt

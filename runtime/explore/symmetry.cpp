@@ -1,0 +1,255 @@
+// See symmetry.hpp. Finding groups costs, for each member, the connectors at it, twice as often as there are groups.
+#include "runtime/explore/symmetry.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+
+#include "runtime/core/text.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr std::size_t kGroupsOfFamily = 8;  // more: the members are individuals, as in a ring
+
+using Key = std::vector<u32>;
+
+// A component array: by index its atoms, in the order of what follows the index in their paths.
+struct Family {
+  std::string name;  // up to the bracket
+  std::string scope; // the compound that has it
+  std::map<u32, std::vector<std::pair<std::string, u32>>> members;
+};
+
+class Finder {
+ public:
+  Finder(const Image& image, const Locals& locals) : image_(image), locals_(locals) {
+    owner_.assign(image.slot_count, {kNone, 0});
+    for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+      for (u32 slot = 0; slot < image.atom_types[image.atoms[atom].type].slots.size; ++slot) {
+        owner_[image.atoms[atom].slot_base + slot] = {atom, slot};
+      }
+    }
+    connectors_of_.resize(image.atoms.size);
+    std::vector<std::vector<u32>> atoms_of(image.connectors.size);
+    for (u32 connector = 0; connector < image.connectors.size; ++connector) {
+      const Connector& row = image.connectors[connector];
+      std::vector<u32>& atoms = atoms_of[connector];
+      std::vector<PortRef> refs;
+      for (u32 param = 0; param < image.connector_types[row.type].params.size; ++param) refs.push_back(image.port_refs[row.ports + param]);
+      for (std::size_t k = 0; k < refs.size(); ++k) {
+        const PortRef ref = refs[k];
+        if (ref.choice != kNone) refs.insert(refs.end(), image.choices[ref.choice].ports.begin(), image.choices[ref.choice].ports.end());
+        else if (ref.atom != kNone) atoms.push_back(ref.atom);
+        else atoms.insert(atoms.end(), atoms_of[ref.connector].begin(), atoms_of[ref.connector].end());
+      }
+      for (u32 k = 0; k < row.bind_count; ++k) {
+        const u32 atom = owner_[image.binds[row.binds + k]].first;
+        if (atom != kNone) atoms.push_back(atom);
+      }
+      std::sort(atoms.begin(), atoms.end());
+      atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
+      if (image.connector_types[row.type].exports) continue;
+      for (const u32 atom : atoms) connectors_of_[atom].push_back(connector);
+    }
+  }
+
+  std::vector<Family> families() const {
+    std::map<std::string, Family> found;
+    for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+      const std::string path = image_.atoms[atom].path;
+      for (std::size_t at = path.find('['); at != std::string::npos; at = path.find('[', at + 1)) {
+        const std::size_t end = path.find(']', at);
+        const std::string name = path.substr(0, at);
+        Family& family = found[name];
+        family.name = name;
+        family.scope = name.substr(0, name.rfind('.'));
+        family.members[static_cast<u32>(std::stoul(path.substr(at + 1, end - at - 1)))].emplace_back(path.substr(end + 1), atom);
+      }
+    }
+    std::vector<Family> families;
+    for (auto& [name, family] : found) families.push_back(std::move(family));
+    return families;
+  }
+
+  // The members as atoms that correspond; empty if they are not alike or one of them is taken.
+  std::vector<std::vector<u32>> columns(const std::vector<const Family*>& together, const std::set<u32>& taken) const {
+    std::vector<std::vector<u32>> columns;
+    for (const auto& [index, first] : together[0]->members) {
+      std::vector<u32> column;
+      for (const Family* family : together) {
+        const auto member = family->members.find(index);
+        if (member == family->members.end()) return {};
+        const auto& model = family->members.begin()->second;
+        if (member->second.size() != model.size()) return {};
+        for (std::size_t k = 0; k < model.size(); ++k) {
+          const u32 atom = member->second[k].second;
+          if (member->second[k].first != model[k].first || taken.count(atom) != 0) return {};
+          if (image_.atoms[atom].type != image_.atoms[model[k].second].type) return {};
+          column.push_back(atom);
+        }
+      }
+      columns.push_back(std::move(column));
+    }
+    return columns;
+  }
+
+  // Does exchanging the members map connectors onto connectors?
+  bool is_automorphism(const std::vector<u32>& a, const std::vector<u32>& b) const {
+    std::map<u32, u32> exchange;
+    std::set<u32> connectors;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      if (locals_.class_of(a[k]) != locals_.class_of(b[k])) return false;
+      exchange[a[k]] = b[k];
+      exchange[b[k]] = a[k];
+      connectors.insert(connectors_of_[a[k]].begin(), connectors_of_[a[k]].end());
+      connectors.insert(connectors_of_[b[k]].begin(), connectors_of_[b[k]].end());
+    }
+    std::vector<Key> before, after;
+    for (const u32 connector : connectors) {
+      before.push_back(key_of(connector, {}));
+      after.push_back(key_of(connector, exchange));
+    }
+    std::sort(before.begin(), before.end());
+    std::sort(after.begin(), after.end());
+    return before == after;
+  }
+
+ private:
+  // What a connector is: type, ports, data that it names. Where nothing tells its ports apart their order does not count.
+  Key key_of(u32 connector, const std::map<u32, u32>& exchange) const {
+    const Connector& row = image_.connectors[connector];
+    const ConnectorType& type = image_.connector_types[row.type];
+    const auto image_of = [&](u32 atom) {
+      const auto found = exchange.find(atom);
+      return found == exchange.end() ? atom : found->second;
+    };
+    std::vector<u32> first_bind;
+    std::vector<Key> params;
+    for (u32 param = 0; param < type.params.size; ++param) {
+      Key key;
+      append_ref(image_.port_refs[row.ports + param], exchange, key);
+      params.push_back(std::move(key));
+    }
+    bool is_plain = true;
+    for (const Clause& clause : type.clauses) is_plain = is_plain && clause.guard == kNone && clause.up == kNone && clause.down == kNone;
+    for (u32 node = 1; node < type.define.size; ++node) is_plain = is_plain && type.define[node].is_leaf;
+    if (is_plain && !type.exports) {
+      for (const DefineNode& node : type.define) {
+        if (node.is_leaf) params[node.param].insert(params[node.param].begin(), node.trigger ? 1u : 0u);
+      }
+      std::sort(params.begin(), params.end());
+    }
+    Key key{row.type};
+    for (const Key& param : params) {
+      key.push_back(static_cast<u32>(param.size()));
+      key.insert(key.end(), param.begin(), param.end());
+    }
+    for (u32 k = 0; k < row.bind_count && !is_plain; ++k) {
+      const auto& [atom, slot] = owner_[image_.binds[row.binds + k]];
+      // Rows of connectors below say nothing that the parameters do not.
+      key.push_back(atom == kNone ? kNone : image_of(atom));
+      key.push_back(slot);
+    }
+    return key;
+  }
+  void append_ref(const PortRef& ref, const std::map<u32, u32>& exchange, Key& key) const {
+    if (ref.choice != kNone) {
+      key.push_back(2);
+      for (const PortRef& port : image_.choices[ref.choice].ports) append_ref(port, exchange, key);
+    } else if (ref.atom != kNone) {
+      const auto found = exchange.find(ref.atom);
+      key.insert(key.end(), {0, found == exchange.end() ? ref.atom : found->second, ref.port});
+    } else {
+      key.insert(key.end(), {1, ref.maximal_only ? 1u : 0u});
+      const Key below = key_of(ref.connector, exchange);
+      key.insert(key.end(), below.begin(), below.end());
+    }
+  }
+
+  const Image& image_;
+  const Locals& locals_;
+  std::vector<std::pair<u32, u32>> owner_;       // by row of all variables: atom and slot
+  std::vector<std::vector<u32>> connectors_of_;  // by atom: those that run
+};
+
+}  // namespace
+
+Symmetry::Symmetry(const Image& image, const Locals& locals) {
+  if (image.priorities.size != 0) return;
+  const Finder finder(image, locals);
+  const std::vector<Family> families = finder.families();
+  std::set<u32> taken;
+  const auto try_together = [&](const std::vector<const Family*>& together) {
+    const std::vector<std::vector<u32>> columns = finder.columns(together, taken);
+    std::vector<std::vector<std::size_t>> parts;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      auto part = parts.begin();
+      while (part != parts.end() && !finder.is_automorphism(columns[part->front()], columns[k])) ++part;
+      if (part != parts.end()) part->push_back(k);
+      else if (parts.size() == kGroupsOfFamily) return false;
+      else parts.push_back({k});
+    }
+    bool any = false;
+    for (const std::vector<std::size_t>& part : parts) {
+      if (part.size() < 2) continue;
+      any = true;
+      Group group{static_cast<u32>(part.size()), static_cast<u32>(columns[part[0]].size()), {}};
+      for (const std::size_t k : part) group.atoms.insert(group.atoms.end(), columns[k].begin(), columns[k].end());
+      taken.insert(group.atoms.begin(), group.atoms.end());
+      groups_.push_back(std::move(group));
+      std::string name;
+      for (const Family* family : together) {
+        name += (name.empty() ? "" : " with ") + std::string(relative(family->name.c_str())) + "[";
+        for (std::size_t k = 0; k < part.size(); ++k) {
+          name += k == 0 ? "" : ",";
+          append_number(name, std::next(family->members.begin(), static_cast<std::ptrdiff_t>(part[k]))->first);
+        }
+        name += "]";
+      }
+      names_.push_back(std::move(name));
+    }
+    return any;
+  };
+  std::vector<const Family*> left;
+  for (const Family& family : families) {
+    // Names are sorted: an array comes before what is inside its members.
+    if (family.members.size() > 1 && !try_together({&family})) left.push_back(&family);
+  }
+  while (!left.empty()) {
+    std::vector<const Family*> together, others;
+    for (const Family* family : left) {
+      const bool fits = family->scope == left[0]->scope && family->members.size() == left[0]->members.size();
+      (fits ? together : others).push_back(family);
+    }
+    if (together.size() > 1) (void)try_together(together);
+    left = std::move(others);
+  }
+}
+
+void Symmetry::normalize(u64* state, const Layout& layout, std::vector<u64>& scratch) const {
+  for (const Group& group : groups_) {
+    const u32 width = group.width;
+    scratch.resize(std::size_t{group.members} * (width + 1));
+    u64* values = scratch.data() + group.members;  // scratch begins with the order
+    bool is_sorted = true;
+    const auto less = [&](u64 a, u64 b) {
+      return std::lexicographical_compare(values + a * width, values + (a + 1) * width, values + b * width, values + (b + 1) * width);
+    };
+    for (u32 member = 0; member < group.members; ++member) {
+      scratch[member] = member;
+      for (u32 k = 0; k < width; ++k) values[std::size_t{member} * width + k] = layout.get(state, group.atoms[std::size_t{member} * width + k]);
+      is_sorted = is_sorted && (member == 0 || !less(member, member - 1));
+    }
+    if (is_sorted) continue;
+    std::sort(scratch.begin(), scratch.begin() + group.members, less);
+    for (u32 member = 0; member < group.members; ++member) {
+      const u64* from = values + scratch[member] * width;
+      for (u32 k = 0; k < width; ++k) layout.set(state, group.atoms[std::size_t{member} * width + k], static_cast<u32>(from[k]));
+    }
+  }
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,113 @@
+// See tell.hpp.
+#include "runtime/explore/tell.hpp"
+
+#include <algorithm>
+
+#include "runtime/core/story.hpp"
+#include "runtime/core/text.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// Nothing was drawn, so there is no seed to tell.
+std::string without_seed(std::string text) {
+  constexpr const char* kSeed = ", seed 0)";
+  if (const std::size_t at = text.find(kSeed); at != std::string::npos) text.erase(at, std::string(kSeed).size() - 1);
+  return text;
+}
+
+const char* beginning_of(ExploreEnd end) {
+  switch (end) {
+    case ExploreEnd::Complete: return "explored: ";
+    case ExploreEnd::States: return "limit: at least ";
+    case ExploreEnd::Memory: return "memory limit: at least ";
+    case ExploreEnd::Time: return "time limit: at least ";
+    case ExploreEnd::Stopped: return "interrupted: at least ";
+  }
+  return "";
+}
+
+// The published engine writes `0 error`.
+std::string published_count(u64 n, const char* what) { return n == 0 ? "0 " + std::string(what) : counted(n, what); }
+
+}  // namespace
+
+std::string published_line(const ExploreReport& report) {
+  std::string text = " found " + published_count(report.states, "reachable state") + ", " + published_count(report.deadlocks, "deadlock") +
+                     ", and " + published_count(report.errors, "error");
+  if (report.end == ExploreEnd::Stopped) text += " (interrupted)";
+  else if (report.end != ExploreEnd::Complete) text += " (limit reached)";
+  return text + "\n";
+}
+
+std::string counted(u64 n, const char* what) {
+  std::string text;
+  append_number(text, n);
+  text += ' ';
+  text += what;
+  if (n != 1) text += 's';
+  return text;
+}
+
+std::string summary_line(const ExploreReport& report) {
+  return beginning_of(report.end) + counted(report.states, "reachable state") + ", " + counted(report.steps, "step") + ", " +
+         counted(report.deadlocks, "deadlock") + ", " + counted(report.errors, "error") + "\n";
+}
+
+ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way, std::size_t max_lines) {
+  ToldWay told;
+  Core core(image, {.progress = progress});
+  bool is_sound = core.initialize();
+  StepWriter writer;
+  u64 taken = 0;
+  for (; is_sound && taken < way.size() && way[taken] < core.candidate_count(); ++taken) {
+    const Candidate candidate = core.candidate(way[taken]);
+    told.names += told.names.empty() ? "" : ", ";
+    append_candidate(told.names, core, candidate);
+    if (taken < max_lines) writer.step(told.steps, core, candidate, taken);
+    else if (taken == max_lines) told.steps += "… and " + counted(way.size() - taken, "more step") + "\n";
+    is_sound = core.fire(way[taken]);
+    if (!is_sound) break;
+  }
+  if (!is_sound) {
+    told.error = without_seed(text_of(core.fault(), image, 0, taken));
+    told.steps += told.error;
+  } else if (end == WayEnd::Deadlock && core.candidate_count() == 0) {
+    told.steps += without_seed(deadlock_story(core, way.size(), 0));
+  }
+  return told;
+}
+
+std::string trace_of_way(const Image& image, MaximalProgress progress, const Way& way, TraceFormat format) {
+  std::string text;
+  Core core(image, {.progress = progress});
+  Bip2Writer bip2;
+  JsonWriter json;
+  const bool is_bip2 = format == TraceFormat::Bip2;
+  if (is_bip2) bip2.begin(text, 0, Policy::First);
+  else json.begin(text, image, 0, Policy::First);
+  bool is_sound = core.initialize();
+  u64 taken = 0;
+  for (; is_sound && taken < way.size() && way[taken] < core.candidate_count(); ++taken) {
+    if (is_bip2) {
+      bip2.state(text, core, taken);
+      bip2.choice(text, core, way[taken]);
+    } else {
+      json.step(text, core, core.candidate(way[taken]), taken, way[taken]);
+    }
+    is_sound = core.fire(way[taken]);
+    if (!is_sound) break;
+  }
+  const End end = !is_sound ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
+  if (is_bip2) {
+    if (!is_sound) bip2.fault(text, core);
+    bip2.end(text, end, taken);
+  } else {
+    json.end(text, core, end, taken);
+  }
+  return text;
+}
+
+}  // namespace bip::rt
