@@ -91,7 +91,7 @@ void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const
     json["threads"] = found.threads;
   }
   if (found.has_deadlock && found.are_ways_known) json["deadlock"] = {{"choices", found.deadlock}, {"text", ways.deadlock.steps}};
-  if (found.has_error && found.are_ways_known) json["error"] = {{"choices", found.error}, {"text", ways.error.steps}};
+  if (found.has_error && found.are_ways_known) json["error"] = {{"choices", found.error}, {"text", ways.error.steps + ways.error.error}};
   write(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
@@ -181,6 +181,7 @@ int command_explore(const ExploreArguments& arguments) {
       if (!found.are_ways_known) text += "the way to what was found is not known: there was no time left to look for it\n";
     }
     write(stdout, text + rt::summary_line(found));
+    write(stderr, ways.error.error);
   }
   if (arguments.stats) print_stats(found);
   return exit_code_of(found);

@@ -1,5 +1,6 @@
 // When a reduction may be used: what it cannot treat soundly is refused with the reason.
 #include "runtime/explore/explore.hpp"
+#include "runtime/explore/shapes.hpp"
 #include "runtime/explore/symmetry.hpp"
 
 namespace bip::rt {
@@ -8,8 +9,12 @@ std::string reduction_problem(const Image& image, const ExploreOptions& options)
   if (options.reduction == Reduction::None) return {};
   if (image.outside != nullptr) return "the model calls C++, and what a function remembers belongs to no component";
   if (image.priorities.size != 0) return "the model has priorities between interactions, which compare components that share no interaction";
-  if (options.reduction == Reduction::Por) return {};
   const Core core(image, {.progress = options.progress});
+  if (options.reduction == Reduction::Por) {
+    // A step would then depend on guards of connectors that it shares no atom with.
+    const bool may_fault = !shapes_of(core, options.progress).watched.items.empty();
+    return may_fault ? "a guard of a connector may end in a run-time error, which depends on the order of steps" : "";
+  }
   const Locals locals(core);
   if (Symmetry(image, locals).is_trivial()) return "no two members of an array are interchangeable: same arguments, and connectors that stay the same when the two change places";
   return {};

@@ -77,7 +77,8 @@ void Search::begin() {
 
 // Every state anew in a wider layout, level by level: which level a state belongs to stays. The current level's steps are
 // taken again, for its states may have other owners now.
-void Search::widen() {
+bool Search::widen() {
+  bool is_done = true;
   const Layout before = space_.layout;
   std::vector<std::unique_ptr<StateStore>> old = std::move(owners_);
   space_.layout = Layout(*space_.locals);
@@ -99,12 +100,13 @@ void Search::widen() {
         old[owner]->read(row, from.data(), scratch);
         std::fill(to.begin(), to.end(), u64{0});
         for (u32 atom = 0; atom < space_.locals->atoms(); ++atom) space_.layout.set(to.data(), atom, before.get(from.data(), atom));
-        (void)owners_[count == 1 ? 0 : workers_[0].expander->owner_of(to.data())]->add(to.data(), 1);
+        is_done = owners_[count == 1 ? 0 : workers_[0].expander->owner_of(to.data())]->add(to.data(), 1) && is_done;
       }
     }
   }
   level_first_ = std::move(first);
   counts_ = counts_before_level_;
+  return is_done;
 }
 
 u64 Search::frontier_size(u32 level) const {
@@ -181,13 +183,11 @@ bool Search::run_batch(u64 frontier, u64& done) {
   else team_.run(job);
 
   if (std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) { return worker.expander->is_too_narrow(); })) {
-    if (options_.bytes != 0 && 2 * kept_bytes() > options_.bytes) {
-      report_.end = ExploreEnd::Memory;
-      return false;
-    }
-    widen();
+    // Both layouts are there for a moment.
+    const bool has_room = options_.bytes == 0 || 2 * kept_bytes() <= options_.bytes;
+    if (!has_room || !widen()) report_.end = ExploreEnd::Memory;
     done = 0;
-    return true;
+    return report_.end == ExploreEnd::Complete;
   }
   bool is_added = true;
   if (options_.limit != ~u64{0} && states() + workers_[0].out.size() / space_.layout.words() > options_.limit) {

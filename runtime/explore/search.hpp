@@ -40,7 +40,7 @@ class Search {
   bool run_batch(u64 frontier, u64& done);
   bool insert(bool is_small);
   bool insert_up_to_limit();
-  void widen();
+  bool widen();
   void make_owners();
   void tell(u64 expanded_of_level) const;
   [[nodiscard]] bool is_over();

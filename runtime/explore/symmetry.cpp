@@ -13,6 +13,7 @@ namespace bip::rt {
 namespace {
 
 constexpr std::size_t kGroupsOfFamily = 8;  // more: the members are individuals, as in a ring
+constexpr u32 kDeepest = 200;               // hierarchy of connectors; what is deeper is not looked into
 
 using Key = std::vector<u32>;
 
@@ -33,6 +34,7 @@ class Finder {
       }
     }
     connectors_of_.resize(image.atoms.size);
+    std::vector<u32> depth(image.connectors.size, 0);
     std::vector<std::vector<u32>> atoms_of(image.connectors.size);
     for (u32 connector = 0; connector < image.connectors.size; ++connector) {
       const Connector& row = image.connectors[connector];
@@ -43,8 +45,12 @@ class Finder {
         const PortRef ref = refs[k];
         if (ref.choice != kNone) refs.insert(refs.end(), image.choices[ref.choice].ports.begin(), image.choices[ref.choice].ports.end());
         else if (ref.atom != kNone) atoms.push_back(ref.atom);
-        else atoms.insert(atoms.end(), atoms_of[ref.connector].begin(), atoms_of[ref.connector].end());
+        else {
+          atoms.insert(atoms.end(), atoms_of[ref.connector].begin(), atoms_of[ref.connector].end());
+          depth[connector] = std::max(depth[connector], depth[ref.connector] + 1);
+        }
       }
+      is_too_deep_ = is_too_deep_ || depth[connector] > kDeepest;
       for (u32 k = 0; k < row.bind_count; ++k) {
         const u32 atom = owner_[image.binds[row.binds + k]].first;
         if (atom != kNone) atoms.push_back(atom);
@@ -58,6 +64,7 @@ class Finder {
 
   std::vector<Family> families() const {
     std::map<std::string, Family> found;
+    if (is_too_deep_) return {};
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const std::string path = image_.atoms[atom].path;
       for (std::size_t at = path.find('['); at != std::string::npos; at = path.find('[', at + 1)) {
@@ -173,6 +180,7 @@ class Finder {
   const Locals& locals_;
   std::vector<std::pair<u32, u32>> owner_;       // by row of all variables: atom and slot
   std::vector<std::vector<u32>> connectors_of_;  // by atom: those that run
+  bool is_too_deep_ = false;
 };
 
 }  // namespace

@@ -73,7 +73,6 @@ ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const
   }
   if (!is_sound) {
     told.error = without_seed(text_of(core.fault(), image, 0, taken));
-    told.steps += told.error;
   } else if (end == WayEnd::Deadlock && core.candidate_count() == 0) {
     told.steps += without_seed(deadlock_story(core, way.size(), 0));
   }

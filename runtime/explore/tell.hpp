@@ -21,8 +21,8 @@ inline constexpr u64 kStatesPerDot = 1000;
 enum class WayEnd : std::uint8_t { Deadlock, Error };
 struct ToldWay {
   std::string names;   // of the candidates taken, "ROOT.a, ROOT.b"
-  std::string steps;   // a line a step, then who waits for whom, or the error
-  std::string error;   // Error: the text of the run-time error alone
+  std::string steps;   // a line a step; Deadlock: then who waits for whom
+  std::string error;   // Error: the run-time error
 };
 /// Takes the way. At most max_lines steps are listed.
 [[nodiscard]] ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way, std::size_t max_lines);

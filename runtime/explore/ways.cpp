@@ -11,6 +11,7 @@ namespace bip::rt {
 namespace {
 
 constexpr double kGraceSeconds = 5;  // for the ways, when the time was over before
+constexpr std::size_t kShareOfWays = 4;   // of the memory that is allowed: a quarter more for the ways
 constexpr u64 kPiece = 128;
 
 }  // namespace
@@ -38,17 +39,21 @@ bool Search::collect(u32 level, StateStore& hits, const IsHit& is_hit) {
   };
   if (size <= kPiece) job(0);
   else team_.run(job);
+  bool has_room = true;
   for (Worker& worker : workers_) {
-    (void)hits.add(worker.hits.data(), worker.hits.size() / space_.layout.words());
+    has_room = hits.add(worker.hits.data(), worker.hits.size() / space_.layout.words()) && has_room;
     worker.hits.clear();
   }
-  return !is_batch_full_.load();
+  return has_room && !is_batch_full_.load();
 }
 
 bool Search::find_way(Goal goal, u32 level, Way& way) {
   std::vector<std::unique_ptr<StateStore>> near(level + 1);
+  std::size_t used = 0;
   for (u32 at = level + 1; at-- > 0;) {
-    near[at] = std::make_unique<StateStore>(space_.layout.words(), 0);
+    const std::size_t allowed = options_.bytes / kShareOfWays;
+    if (options_.bytes != 0 && used >= allowed) return false;
+    near[at] = std::make_unique<StateStore>(space_.layout.words(), options_.bytes == 0 ? 0 : allowed - used);
     const bool is_done = collect(at, *near[at], [&](Worker& worker, const u64* state) {
       worker.out.clear();
       const Expander::Result result = worker.expander->expand(state, worker.out);
@@ -61,6 +66,7 @@ bool Search::find_way(Goal goal, u32 level, Way& way) {
       return false;
     });
     if (!is_done) return false;
+    used += near[at]->bytes();
   }
   return walk(goal, near, way);
 }
@@ -104,13 +110,12 @@ void Search::find_ways() {
     while (!find_way(goal, level, way)) {
       const bool is_narrow =
           std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) { return worker.expander->is_too_narrow(); });
-      if (!is_narrow) {
+      counts_before_level_ = counts_;
+      if (!is_narrow || !widen()) {
         report_.are_ways_known = false;
         way.clear();
         return;
       }
-      counts_before_level_ = counts_;
-      widen();
     }
   };
   report_.has_deadlock = deadlock_level_ != kNone;

@@ -16,7 +16,9 @@ namespace bip::rt {
 
 namespace {
 
-constexpr std::uint64_t kFirstBuckets = 64;
+// Small at first: the ways keep a set for each level.
+constexpr std::uint64_t kFirstBuckets = 2;
+constexpr std::uint32_t kFirstWords = 32;
 constexpr std::size_t kHugePage = std::size_t{1} << 21;
 // Fill at which the index grows, and by how much it grows, as fractions.
 constexpr std::uint64_t kFillNumerator = 85, kFillDenominator = 100;
@@ -115,6 +117,22 @@ WordSet::u32 WordSet::find(u64 word) const {
   return find(word, hash_of(word), at);
 }
 
+// The first piece doubles until it is a whole one.
+bool WordSet::add_room() {
+  const u32 size = size_ == 0 ? kFirstWords : size_ <= kChunkMask ? 2 * size_ : kChunkMask + 1;
+  std::unique_ptr<u64[]> piece(new (std::nothrow) u64[size]);
+  if (piece == nullptr) return false;
+  if (size_ != 0 && size_ <= kChunkMask) {
+    std::memcpy(piece.get(), chunks_[0].get(), size_ * sizeof(u64));
+    chunks_[0] = std::move(piece);
+    room_ = size;
+  } else {
+    chunks_.push_back(std::move(piece));
+    room_ += size;
+  }
+  return true;
+}
+
 WordSet::Found WordSet::add(u64 word, u64 hash) {
   if (bucket_count_ == 0) return {kFull, false};
   u64 at = 0;
@@ -125,11 +143,7 @@ WordSet::Found WordSet::add(u64 word, u64 hash) {
   }
   // A page of words at a time.
   if (limit_ != 0 && (size_ & 511) == 0 && bytes() + 4096 > limit_) return {kFull, false};
-  if ((size_ & kChunkMask) == 0 && size_ >> kChunkBits == chunks_.size()) {
-    u64* chunk = new (std::nothrow) u64[std::size_t{1} << kChunkBits];
-    if (chunk == nullptr) return {kFull, false};
-    chunks_.emplace_back(chunk);
-  }
+  if (size_ == room_ && !add_room()) return {kFull, false};
   chunks_.back()[size_ & kChunkMask] = word;
   insert(hash, at, size_);
   return {size_++, true};

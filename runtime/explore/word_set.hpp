@@ -73,13 +73,14 @@ class WordSet {
   [[nodiscard]] static u32 agreeing(const Bucket& bucket, u64 hash);
   [[nodiscard]] u32 find(u64 word, u64 hash, u64& bucket) const;
   bool grow();
+  bool add_room();
   bool make_index(u64 buckets);
   void insert(u64 hash, u64 bucket, u32 row);
 
   std::vector<std::unique_ptr<u64[]>> chunks_;
   std::unique_ptr<Bucket[], Free> buckets_;
   u64 bucket_count_ = 0;
-  u32 size_ = 0, grow_at_ = 0;
+  u32 size_ = 0, grow_at_ = 0, room_ = 0;
   std::size_t limit_ = 0;
 };
 
