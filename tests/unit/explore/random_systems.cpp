@@ -80,13 +80,13 @@ void compare_successors(const rt::Image& image, rt::MaximalProgress progress, co
   }
 }
 
-void compare(const std::string& text, rt::MaximalProgress progress, Tally& tally) {
-  const gen::Compiled c = gen::compile_text(text);
+void compare(const std::vector<std::string>& texts, rt::MaximalProgress progress, Tally& tally) {
+  const gen::Compiled c = gen::compile_texts(texts);
   if (!is_fit(c)) {
     ++tally.skipped;
     return;
   }
-  INFO(text);
+  INFO(texts.back());
   const interp::Interpreter interpreter(*c.lowered);
   const rt::Image& image = c.lowered->image;
   const Naive naive = rt::testing::explore_naively(image, progress, kMost);
@@ -137,10 +137,10 @@ TEST_CASE("random systems are explored as the core would, one state at a time") 
   Tally tally;
   const std::uint64_t runs = count_of_runs(120);
   for (std::uint64_t seed = 1; seed <= runs; ++seed) {
-    compare(gen::print(gen::generate(seed)), seed % 4 == 0 ? rt::MaximalProgress::Off : rt::MaximalProgress::On, tally);
+    compare(gen::print_packages(gen::generate(seed)), seed % 4 == 0 ? rt::MaximalProgress::Off : rt::MaximalProgress::On, tally);
   }
   WARN("compared " << tally.compared << " (" << tally.states << " states), up to a limit " << tally.partial << ", with errors " << tally.with_error
                    << ", with deadlocks " << tally.with_deadlock << ", reduced " << tally.reduced << ", skipped " << tally.skipped);
-  CHECK(tally.compared > static_cast<int>(runs) / 3);
+  CHECK(tally.compared > static_cast<int>(runs) / 8);
   CHECK(tally.with_deadlock > 0);
 }
