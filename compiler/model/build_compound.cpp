@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "compiler/model/compound_builder.hpp"
+#include "compiler/model/packages.hpp"
 #include "compiler/model/externs.hpp"
 
 namespace bip::model {
@@ -107,25 +108,30 @@ void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
       void visit(const syntax::Expr* e) {
         for (const syntax::Expr* operand : e->operands) visit(operand);
         DataPath ref;
-        if (e->kind != syntax::ExprKind::Path || data.names.contains(self.b.text(e->path))) return;
-      if (const auto outer = outer_value(self.scope, e->path)) {
-        row.values.push_back(*outer);
-        data.names.merge(outer_bindings(self.b.model.code, {&*outer, 1}, nullptr));
-        return;
-      }
-      if (e->path.parts.size() < 2) return;
-        if (!self.data_path(e->path, ref, true)) {
-          data.names[self.b.text(e->path)] = {.read_only = "unknown", .value = {}, .declared = {}};
+        const std::string name = e->kind == syntax::ExprKind::Path ? self.b.text(e->path) : std::string();
+        if (name.empty() || data.names.contains(name)) return;
+        if (const auto outer = outer_value(self.scope, e->path)) {
+          row.values.push_back(*outer);
+          data.names.merge(outer_bindings(self.b.model.code, {&*outer, 1}, nullptr));
           return;
         }
-        data.names[self.b.text(e->path)] = {.load = Op::LoadBind, .index = static_cast<std::uint32_t>(row.data.size()), .type = ref.type, .read_only = "a guard", .value = {}, .declared = {}};
+        if (e->path.parts.size() < 2) return;
+        // `pack.age.N` is a constant of a package, unless a component is called `pack`.
+        const bool of_package = !self.components.contains(std::string(e->path.parts[0].name.text)) &&
+                                !visible_keys(self.b.model, self.b.model.constants, name, e->path.range.file).empty();
+        if (of_package) return;
+        if (!self.data_path(e->path, ref, true)) {
+          data.names[name] = {.read_only = "unknown", .value = {}, .declared = {}};
+          return;
+        }
+        data.names[name] = {.load = Op::LoadBind, .index = static_cast<std::uint32_t>(row.data.size()), .type = ref.type, .read_only = "a guard", .value = {}, .declared = {}};
         row.data.push_back(ref);
-      row.data_names.push_back(self.b.text(e->path));
+        row.data_names.push_back(name);
       }
     };
     Reader{*this, data, row}.visit(p.guard);
     row.guard = CodeBuilder(b.model, b.diags, data).guard(p.guard);
-  row.guard_syntax = p.guard;
+    row.guard_syntax = p.guard;
   }
   out.priorities.push_back(std::move(row));
 }

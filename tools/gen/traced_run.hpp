@@ -5,10 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
+#include "bip/outside.hpp"
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/engine/scheduler.hpp"
@@ -35,6 +38,25 @@ inline RunSpec run_spec(int number, std::uint64_t seed, std::uint64_t steps) {
           .maximal_progress = number != 3};
 }
 inline constexpr int kRunSpecs = 5;
+
+/// The values of all data. A string is its text: its row says only in which order strings were made. NaN has neither
+/// sign nor payload: IEEE 754 leaves both open, and compilers differ.
+inline std::string data_text(const rt::Image& image, const std::vector<std::uint64_t>& data) {
+  std::string text;
+  std::size_t at = 0;
+  for (std::uint32_t a = 0; a < image.atoms.size; ++a) {
+    const rt::AtomType& type = image.atom_types[image.atoms[a].type];
+    for (std::uint32_t s = 0; s < type.slots.size && at < data.size(); ++s, ++at) {
+      const rt::Slot slot{.bits = data[at]};
+      switch (type.slots[s].type) {
+        case rt::SlotType::String: text += std::string("\"") + rt::string_of(image, slot) + "\" "; break;
+        case rt::SlotType::Float: text += (std::isnan(slot.f) ? std::string("nan") : std::to_string(data[at])) + " "; break;
+        default: text += std::to_string(data[at]) + " ";
+      }
+    }
+  }
+  return text;
+}
 
 /// The state and what can happen next. Steps that nobody watches are another way through the core, and through compiled
 /// code: what they lead to is all there is to see.
@@ -63,7 +85,7 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   if (!sound) return text + "fault " + core.fault().what + "\n";
   const rt::State state = core.snapshot();
   for (const std::uint32_t place : state.places) text += std::to_string(place) + " ";
-  for (const std::uint64_t word : state.data) text += std::to_string(word) + " ";
+  text += data_text(image, state.data);
   text += "\nlist";
   for (const std::uint32_t slot : core.list_order()) text += " " + std::to_string(slot);
   for (std::uint64_t k = 0; k < core.candidate_count() && k < 100; ++k) text += " " + std::to_string(core.candidate(k).slot);
