@@ -121,6 +121,11 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_option("--trace", a.run.trace_path, "write the run to PATH, as JSON lines or as --trace-format says")->type_name("PATH");
   add_choice(*command, "--trace-format", a.run.format, kTraceFormats, "steps|json|bip2",
              "form of the steps; bip2 is the reference engine's");
+  command->add_flag("--asap", a.run.asap, "models with time: each step as soon as it is possible");
+  command->add_flag_callback("--real-time", [&a] { a.run.speed = a.run.speed > 0 ? a.run.speed : 1; },
+                             "time passes as on the wall clock; without, it is logical and nothing sleeps");
+  command->add_option("--speed", a.run.speed, "--real-time, F seconds of the model a second")->check(CLI::Range(1e-6, 1e6))->type_name("F");
+  command->add_flag("--relaxed", a.run.relaxed, "--real-time: a step that starts too late is a warning");
   command->add_flag("--silent", a.run.silent, "no step lines; seed and end are still told");
   command->add_flag("--stats", a.run.stats, "steps, seconds and time a step at the end");
   command->add_flag("--debug", a.run.debug, "print every state's possible steps");

@@ -15,6 +15,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/system/timed.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/explore/tell.hpp"
 
@@ -152,8 +153,13 @@ int command_explore(const ExploreArguments& arguments) {
     emit_stage(c, arguments.file, arguments.optimisation);
     return report(c);
   }
+  if (!compile(c, arguments.file, Stage::Image)) return report(c);
+  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
+    c.diags.report(Diag::kB1900, c.root_range, "the exploration of a model with time").note(timed);
+    return report(c);
+  }
   Executor executor;
-  const bool ready = compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, arguments.optimisation) &&
+  const bool ready = executor.prepare(c, arguments.backend, arguments.optimisation) &&
                      is_explorable(arguments, c);
   if (const int code = report(c); code != 0 || !ready) return code;
   const rt::Image& image = c.lowered->image;

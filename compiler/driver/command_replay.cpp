@@ -11,6 +11,7 @@
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/system/timed.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::driver {
@@ -113,7 +114,12 @@ class Replay {
 int command_replay(const ReplayArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
-  if (!compile(c, arguments.file, Stage::Image) || !executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
+  if (!compile(c, arguments.file, Stage::Image)) return report(c);
+  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
+    c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with time").note(timed);
+    return report(c);
+  }
+  if (!executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
   SourceMap traces;
   const Result<FileId> file = traces.load(arguments.published_trace);
   if (!file) {

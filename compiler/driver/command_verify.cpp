@@ -15,6 +15,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/verify_text.hpp"
+#include "compiler/system/timed.hpp"
 #include "compiler/verify/certificate.hpp"
 
 namespace bip::driver {
@@ -78,6 +79,10 @@ int command_verify(const VerifyArguments& arguments) {
     return report(c);
   }
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
+  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
+    c.diags.report(Diag::kB1900, c.root_range, "a proof about a model with time").note(timed);
+    return report(c);
+  }
   verify::Question question;
   if (!read_question(arguments, c, question)) return kUsage;
 

@@ -77,9 +77,9 @@ bool verify_system(Compilation& c) {
 }
 
 bool lower_system(Compilation& c) {
-  // What executors do not know yet is no System for them.
-  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
-    c.diags.report(Diag::kB1801, c.root_range).note(timed);
+  // Nothing brings events to a running model yet: it would not mean what it says.
+  if (const std::string port = system::first_event_port(*c.system); !port.empty()) {
+    c.diags.report(Diag::kB1801, c.root_range).note(port);
     return false;
   }
   c.root_name = name_of_root(c);

@@ -120,8 +120,10 @@ void TableWriter::atom_type(const rt::AtomType& type) {
     rows.push_back(braces({string_literal(i.name), scope_text(i.scope), at, row_text(i.condition), loc_text(i.loc)}));
   }
   const std::string invariants = table("Invariant", name + "_invariants", rows);
+  const std::string time = atom_time(name, type.time);
+  const std::string rest = time.empty() ? invariants : invariants + ", " + time;
   atom_rows_.push_back(braces({string_literal(name), slots, ports, places, initial, row_text(type.initial_action), transitions,
-                               loc_text(type.loc), priorities, invariants}));
+                               loc_text(type.loc), priorities, rest}));
 }
 
 void TableWriter::connector_type(const rt::ConnectorType& type) {
@@ -150,7 +152,7 @@ void TableWriter::connector_type(const rt::ConnectorType& type) {
   const std::string export_slots = list(name + "_export_slots", type.export_slots);
   connector_rows_.push_back(braces({string_literal(name), params, slots, define, clauses, bool_text(type.exports),
                                     string_literal(type.export_name), row_text(type.export_type), export_slots,
-                                    loc_text(type.loc)}));
+                                    loc_text(type.loc) + (type.resume_sync ? ", true" : "")}));
 }
 
 void TableWriter::image() {

@@ -6,6 +6,7 @@
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/lower/unit_names.hpp"
+#include "runtime/include/bip/image_time.hpp"
 
 namespace bip::emit_cpp {
 
@@ -23,6 +24,10 @@ class TableWriter {
   void port_types();
   void atom_type(const rt::AtomType& type);
   void connector_type(const rt::ConnectorType& type);
+  // tables_time.cpp
+  std::string atom_time(const std::string& name, const rt::AtomTime* time);
+  std::string time_guard(const std::string& name, const rt::TimeGuard& when);
+  std::string resume(const std::string& name, const rt::Resume& resume);
   void priorities();
   void choices();
   void steps();

@@ -68,6 +68,7 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   to.transitions = l.pools.list(transitions);
   to.loc = loc_of(type.loc);
   lower_atom_rules(l, row, type, to);
+  to.time = lower_time(l, row, type);
   l.pools.atom_types.push_back(to);
 }
 
@@ -102,6 +103,7 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
   to.export_type = type.exports ? type.export_type.value : rt::kNone;
   to.export_slots = l.pools.list(type.export_slots);
   to.loc = loc_of(type.loc);
+  to.resume_sync = type.resume == ResumeMode::Sync;
   l.pools.connector_types.push_back(to);
 }
 

@@ -59,6 +59,8 @@ struct Lowering {
 
 /// Port, atom and connector types, and the units of their code.
 void lower_types(Lowering& l);
+/// What the type has to do with time; null if nothing.
+[[nodiscard]] const rt::AtomTime* lower_time(Lowering& l, std::uint32_t row, const AtomType& type);
 /// Compounds, atoms, connectors, bindings, priorities, and the units of priority guards.
 void lower_instances(Lowering& l);
 

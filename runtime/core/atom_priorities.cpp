@@ -79,19 +79,20 @@ bool Core::hide_ports(u32 atom, u32* transition_of_port) {
   return true;
 }
 
+bool Core::is_in_scope(u32 atom, const Invariant& invariant) const {
+  if (invariant.scope == InvariantScope::Always) return true;
+  if (!std::all_of(invariant.places.begin(), invariant.places.end(), [&](u32 place) { return is_marked(atom, place); })) return false;
+  if (invariant.scope == InvariantScope::From) return true;
+  u32 marked = 0;
+  for (u32 place = 0; place < tables_.atom_type(atom).places.size; ++place) marked += is_marked(atom, place) ? 1u : 0u;
+  return marked == invariant.places.size;
+}
+
 bool Core::check_invariants(u32 atom, const LinkedTransition* fired) {
   const AtomType& type = tables_.atom_type(atom);
   const Transition* transition = fired == nullptr ? nullptr : fired->source;
   for (const Invariant& invariant : type.invariants) {
-    if (invariant.scope != InvariantScope::Always) {
-      const bool all = std::all_of(invariant.places.begin(), invariant.places.end(), [&](u32 place) { return is_marked(atom, place); });
-      if (!all) continue;
-      if (invariant.scope == InvariantScope::At) {
-        u32 marked = 0;
-        for (u32 place = 0; place < type.places.size; ++place) marked += is_marked(atom, place) ? 1u : 0u;
-        if (marked != invariant.places.size) continue;
-      }
-    }
+    if (!is_in_scope(atom, invariant)) continue;
     const Code condition = tables_.code(invariant.condition);
     if (condition.fn == nullptr) continue;
     const std::int32_t status = condition.fn(condition.context, all_.data() + atoms_[atom].slot_base, all_.data(), nullptr);

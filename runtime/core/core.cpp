@@ -50,6 +50,7 @@ Core::Core(const Image& image, CoreOptions options)
   chosen_.assign(nodes, 0);
   node_scratch_.assign(nodes, 0);
   use_clause_.assign(uses, kNone);
+  build_time();
   forget();
   link_steps();
 }
@@ -82,6 +83,7 @@ void Core::forget() {
     }
   }
   values_ = tables_.node_start;
+  if (time_ != nullptr) forget_time();
   enabled_.reset(slot_count, is_weighted_);
   for (Listing& listing : listings_) listing = {};
   dirty_.clear();
@@ -120,12 +122,14 @@ bool Core::initialize() {
       u64* marks = marks_.data() + tables_.mark_base[atom];
       for (u32 place : type.initial) marks[place >> 6] |= u64{1} << (place & 63);
     }
+    if (time_ != nullptr) start_clocks(atom);
     if (linked.initial.fn != nullptr) {
       const std::int32_t status = linked.initial.fn(linked.initial.context, slots, all_.data(), nullptr);
       if (status >= 2) return fail_code(status, atom, kNone, nullptr);
     }
+    if (time_ != nullptr && !read_clocks(atom, nullptr)) return false;
     if (linked.has_invariants && !check_invariants(atom, nullptr)) return false;
-    if (!settle_atom(atom, kNone)) return false;
+    if (!settle_atom(atom, kNone, nullptr)) return false;
     if (state.watched != 0) touch(atom);
   }
   return settle_anew();
@@ -185,6 +189,7 @@ State Core::snapshot() const {
   state.data.resize(tables_.atom_slots);
   if (!state.data.empty()) std::memcpy(state.data.data(), all_.data(), state.data.size() * sizeof(Slot));
   extern_data_.save(state.data, state.objects);
+  if (time_ != nullptr) save_time(state.time);
   return state;
 }
 
@@ -194,6 +199,7 @@ bool Core::restore(const State& state) {
   // A fault leaves things between two states.
   if (fault_) forget();
   fault_ = {};
+  if (time_ != nullptr) load_time(state.time);
   // All objects first: what an atom offers may depend on them. An atom that has one counts as changed.
   if (!extern_data_.empty()) extern_data_.load(all_.data(), state.objects);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
@@ -203,7 +209,9 @@ bool Core::restore(const State& state) {
     const u32 mark = tables_.mark_base[atom];
     const bool same_data = slots == 0 || std::memcmp(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot)) == 0;
     const bool same_marks = words == 0 || std::memcmp(&marks_[mark], &state.marks[mark], words * sizeof(u64)) == 0;
-    if (same_data && same_marks && places_[atom] == state.places[atom]) continue;
+    // What a timed atom offers depends on the instant.
+    const bool is_still = time_ == nullptr || tables_.atom_type(atom).time == nullptr;
+    if (is_still && same_data && same_marks && places_[atom] == state.places[atom]) continue;
     for (u32 i = 0; i < slots; ++i) {
       if (!is_extern(tables_.atom_type(atom).slots[i].type)) all_[now.slot_base + i].bits = state.data[now.slot_base + i];
     }

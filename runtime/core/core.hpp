@@ -7,6 +7,7 @@
 // Faults (R codes) stop it: initialize and fire return false, fault() tells why.
 #pragma once
 #include <map>
+#include <memory>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/select.hpp"
 #include "runtime/core/tables.hpp"
+#include "runtime/core/time_state.hpp"
 
 namespace bip::rt {
 
@@ -46,8 +48,12 @@ struct State {
   std::vector<u64> marks;        // bitsets of the Petri types' atoms, in atom order
   std::vector<u64> data;         // the atoms' slots, as bits; of extern types 0
   std::vector<ExternValue> objects;  // of the atoms' slots of extern types, in their order
+  std::vector<i64> time;             // of images with time: see Core::save_time
   friend bool operator==(const State&, const State&) = default;
 };
+
+/// Has an atom to do with time?
+[[nodiscard]] bool has_time(const Image& image);
 
 class Core {
  public:
@@ -113,6 +119,27 @@ class Core {
   [[nodiscard]] const Image& image() const { return *tables_.image; }
   [[nodiscard]] const Tables& tables() const { return tables_; }
 
+  // ---- time (timed.cpp); 0 and nothing in images without
+  [[nodiscard]] bool is_timed() const { return time_ != nullptr; }
+  [[nodiscard]] i64 now() const;
+  /// Lets time pass to an instant, no later than next_change() unless last_instant() comes first. False: a fault.
+  bool advance(i64 to);
+  /// The next instant at which a port may change by itself; kForever: none will.
+  [[nodiscard]] i64 next_change() const;
+  /// The last instant that the invariants allow.
+  [[nodiscard]] i64 last_instant() const;
+  [[nodiscard]] i64 time_unit() const;
+  /// Of a candidate of this instant.
+  CandidateTime time_of(const Candidate& candidate);
+  /// take(at), with what time adds to it.
+  bool take_timed(EnabledSet::Position at);
+  /// The fault of a state in which neither a step nor time can go on. Always false.
+  bool fail_time_lock();
+  /// Real time: the step was planned for now, could start until `last`, and starts at `actual`. Always false.
+  bool fail_late(const Candidate& candidate, i64 last, i64 actual);
+  /// A clock's value in ticks.
+  [[nodiscard]] Int128 clock_value(u32 atom, u32 clock) const;
+
   // ---- looking at the state
   [[nodiscard]] const Slot& slot(u32 row) const { return all_[row]; }
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const;
@@ -168,7 +195,7 @@ class Core {
   }
 
   // enabled.cpp
-  bool settle_atom(u32 atom, u32 place_before);
+  bool settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired);
   bool run_internals(u32 atom);
   bool update_ports(u32 atom, u32 place_before);
   bool check_invariants(u32 atom, const LinkedTransition* fired);
@@ -180,6 +207,24 @@ class Core {
   void crossed(u32 node, bool on);
   void touch(u32 atom);
   void mark_dirty(u32 slot);
+
+  // timed.cpp, time_faults.cpp
+  void build_time();
+  void forget_time();
+  void start_clocks(u32 atom);
+  bool read_clocks(u32 atom, const Transition* fired);
+  bool interval_of(u32 atom, const TimeGuard& when, Interval& out);
+  bool resume_interval(u32 atom, const Resume& resume, Interval& out);
+  bool begin_resume(u32 atom, const LinkedTransition* fired);
+  bool resume_together(const std::vector<u32>& rows);
+  bool look_at_time(u32 atom);
+  bool look_at_invariants(u32 atom);
+  [[nodiscard]] bool is_waiting(u32 atom, u32 port) const;
+  [[nodiscard]] bool is_in_scope(u32 atom, const Invariant& invariant) const;
+  void change_port(u32 instance, u32 transition);
+  void save_time(std::vector<i64>& out) const;
+  void load_time(const std::vector<i64>& in);
+  bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);
 
   // atom_priorities.cpp
   bool hide_ports(u32 atom, u32* transition_of_port);
@@ -311,7 +356,10 @@ class Core {
   std::vector<u32> reweigh_;
   std::vector<std::uint8_t> is_reweighed_;
 
+  std::unique_ptr<TimeState> time_;        // null: the image has nothing to do with time
+
   // scratch
+  std::vector<Participant> participant_scratch_;
   std::vector<u32> port_scratch_;
   std::vector<std::uint8_t> rule_holds_;   // by priority of the atom at hand
   std::vector<u32> rule_in_, rule_order_;  // by port of the atom at hand

@@ -74,6 +74,8 @@ inline void Core::set_port(u32 instance, u32 transition) {
   if ((before == kNone) != (transition == kNone)) flip(instance, transition != kNone);
 }
 
+void Core::change_port(u32 instance, u32 transition) { set_port(instance, transition); }
+
 void Core::touch(u32 atom) {
   const u32 slot_count = static_cast<u32>(is_dirty_.size());
   for (u32 item : tables_.atom_watch[atom]) {
@@ -124,6 +126,7 @@ bool Core::move(u32 atom, const LinkedTransition& transition) {
     const std::int32_t status =
         transition.action.fn(transition.action.context, all_.data() + state.slot_base, all_.data(), nullptr);
     if (status >= 2) return fail_code(status, atom, kNone, transition.source);
+    if (time_ != nullptr && !read_clocks(atom, transition.source)) return false;
   }
   return true;
 }
@@ -173,6 +176,7 @@ bool Core::update_ports(u32 atom, u32 place_before) {
     }
     return true;
   }
+  if (type.is_timed) return look_at_time(atom);
   u32* now = port_scratch_.data();
   const auto look = [&](u32 row) {
     const LinkedTransition& transition = tables_.transitions[row];
@@ -226,8 +230,11 @@ bool Core::update_ports(u32 atom, u32 place_before) {
   return true;
 }
 
-bool Core::settle_atom(u32 atom, u32 place_before) {
-  if (tables_.types[atoms_[atom].type].has_internal && !run_internals(atom)) return false;
+// fired: null for `initial`.
+bool Core::settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired) {
+  const LinkedType& type = tables_.types[atoms_[atom].type];
+  if (type.has_internal && !run_internals(atom)) return false;
+  if (type.is_timed && !begin_resume(atom, fired)) return false;
   return update_ports(atom, place_before);
 }
 
@@ -246,7 +253,7 @@ bool Core::fire_port(u32 instance) {
     } else {
       for (u32 i = 0; i < transition.delta_count; ++i) set_port(info.port_base + delta[i].port, delta[i].transition);
     }
-  } else if ((type.has_invariants && !check_invariants(atom, &transition)) || !settle_atom(atom, before)) {
+  } else if ((type.has_invariants && !check_invariants(atom, &transition)) || !settle_atom(atom, before, &transition)) {
     return false;
   }
   if (info.watched != 0) touch(atom);

@@ -21,6 +21,9 @@ const char* name_of(FaultCode code) {
     case FaultCode::TooManyInteractions: return "R0009";
     case FaultCode::AtomPriorityCycle: return "R0010";
     case FaultCode::Exception: return "R0011";
+    case FaultCode::TimeLock: return "R0020";
+    case FaultCode::BadClock: return "R0021";
+    case FaultCode::LateStep: return "R0022";
   }
   return "";
 }
@@ -31,6 +34,7 @@ int published_exit_code(FaultCode code) {
     case FaultCode::PriorityCycle: return 3;
     case FaultCode::AtomPriorityCycle: return 4;
     case FaultCode::InvariantViolated: return 5;
+    case FaultCode::LateStep: return 7;
     default: return 1;
   }
 }

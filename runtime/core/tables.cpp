@@ -93,7 +93,8 @@ void link_atoms(Tables& tables) {
     places += type.places.size;
     const bool automaton = is_automaton(type);
     linked.mark_words = automaton ? 0 : (type.places.size + 63) / 64;
-    linked.fixed = automaton && is_fixed(type);
+    linked.is_timed = type.time != nullptr;
+    linked.fixed = automaton && !linked.is_timed && is_fixed(type);
     linked.simple = linked.fixed && is_simple(type);
     linked.has_priorities = type.priorities.size != 0;
     linked.has_invariants = type.invariants.size != 0;

@@ -47,6 +47,7 @@ struct LinkedType {
   bool has_internal = false;
   bool has_priorities = false;
   bool has_invariants = false;
+  bool is_timed = false;
   Code initial;
 };
 

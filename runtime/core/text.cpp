@@ -91,11 +91,18 @@ std::string data_of(const Core& core, u32 atom) {
   const AtomType& type = core.tables().atom_type(atom);
   const u32 base = core.image().atoms[atom].slot_base;
   std::string out;
-  for (u32 i = 0; i < type.slots.size; ++i) {
+  const u32 clocks = type.time == nullptr ? 0 : type.time->clocks.size;
+  for (u32 i = 0; i < (clocks == 0 ? type.slots.size : type.time->clocks[0].slot); ++i) {
     if (i != 0) out += ", ";
     out += type.slots[i].name;
     out += " = ";
     append_value(out, core.image(), type.slots[i].type, core.slot(base + i));
+  }
+  for (u32 i = 0; i < clocks; ++i) {
+    if (!out.empty()) out += ", ";
+    out += type.time->clocks[i].name;
+    out += " = ";
+    append_time(out, static_cast<i64>(core.clock_value(atom, i)));
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "runtime/core/core.hpp"
+#include "runtime/core/time_state.hpp"
 
 namespace bip::rt {
 

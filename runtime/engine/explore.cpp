@@ -19,6 +19,13 @@ void write(std::FILE* file, const std::string& text) {
 }  // namespace
 
 ExploreResult explore(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err) {
+  if (has_time(image)) {
+    std::fputs("error: --explore: a model with time has states without end, one an instant\n", err);
+    ExploreResult refused;
+    refused.complete = false;
+    refused.exit_code = 2;
+    return refused;
+  }
   const InterruptGuard guard;
   const bool is_bip2 = options.format == TraceFormat::Bip2;
   if (is_bip2) write(out, kPublishedBegin);

@@ -16,6 +16,8 @@
 #include "runtime/engine/ask.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/scheduler.hpp"
+#include "runtime/engine/timed_scheduler.hpp"
+#include "runtime/engine/real_time.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
@@ -44,6 +46,8 @@ class Sink {
   std::FILE* file_;
 };
 constexpr std::size_t kPiece = 1 << 16;
+// Real time: a wake-up later than this is late.
+constexpr i64 kTolerance = 1'000'000;
 
 // What is written, and where; one of a run.
 struct Output {
@@ -75,6 +79,10 @@ struct Output {
     }
     out.flush();
   }
+  // What can be chosen now or later, before time passes.
+  void foresee(Core& core) {
+    if (core.is_timed() && bip2_format() && !options.interactive && writes_steps()) bip2.foresee(core);
+  }
   // What can be chosen, for a person who is asked next.
   void list(Core& core, std::uint64_t number) {
     if (bip2_format()) {
@@ -91,6 +99,7 @@ struct Output {
   void step(Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
     if (bip2_format()) {
       in_bip2([&](std::string& text) {
+        if (core.is_timed() && !options.interactive) return bip2.foreseen(text, core, number, candidate);
         if (!options.interactive) bip2.state(text, core, number);
         bip2.choice(text, core, k);
       });
@@ -105,13 +114,14 @@ struct Output {
     }
     // What C++ prints comes after the line of its step.
     out.drain(image_calls_cpp ? 0 : kPiece);
+    if (core.is_timed() && options.speed > 0) out.flush();
     trace.drain(kPiece);
   }
   void end(const Core& core, End how, std::uint64_t number) {
     if (bip2_format()) {
       in_bip2([&](std::string& text) {
         if (how == End::Fault) bip2.fault(text, core);
-        bip2.end(text, how, number);
+        bip2.end(text, core, how, number);
       });
     } else if (to_trace) {
       json.end(trace.text, core, how, number);
@@ -181,12 +191,17 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
 
   Core core(image, {.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   Scheduler scheduler(options.policy, seed);
+  TimedScheduler timed(options.policy, options.asap || options.interactive, seed);
   const bool writes = output.writes_steps();
   // Models that draw numbers by rand() run alike wherever they run.
   if (image.outside != nullptr) std::srand(static_cast<unsigned>(seed));
   bool sound = core.initialize();
-  if (sound) scheduler.start(core);
-  const bool is_compiled = !writes && !options.interactive && options.policy == Policy::Uniform && core.has_steps();
+  if (sound && core.is_timed()) timed.start(core);
+  else if (sound) scheduler.start(core);
+  RealTime wall(options.speed > 0 ? options.speed : 1);
+  const bool sleeps = core.is_timed() && options.speed > 0;
+  wall.start(core.now());
+  const bool is_compiled = !writes && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
   while (true) {
@@ -194,6 +209,8 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
       result.end = End::Fault;
     } else if (result.steps >= options.limit) {
       result.end = End::Limit;
+    } else if (output.foresee(core); core.is_timed() && timed.wait(core) == Due::Fault) {
+      result.end = End::Fault;
     } else if (core.candidate_count() == 0) {
       result.end = End::Deadlock;
     } else if (interrupted != 0) {
@@ -212,11 +229,28 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
         }
         at = core.position(k);
       } else {
-        at = scheduler.choose(core);
+        at = core.is_timed() ? timed.choice() : scheduler.choose(core);
+      }
+      if (sleeps) {
+        const i64 late = wall.in_model(wall.sleep_until(core.now()));
+        if (interrupted != 0) continue;
+        if (core.now() + late > timed.latest() + wall.in_model(kTolerance)) {
+          (void)core.fail_late(core.candidate(at), timed.latest(), core.now() + late);
+          if (!options.relaxed) {
+            sound = false;
+            continue;
+          }
+          std::fprintf(err, "warning: %s\n", core.fault().what.c_str());
+        }
       }
       if (writes) output.step(core, core.candidate(at), result.steps, core.number(at));
-      sound = core.take(at);
-      scheduler.fired(at.slot);
+      if (core.is_timed()) {
+        sound = core.take_timed(at);
+        timed.fired(at.slot);
+      } else {
+        sound = core.take(at);
+        scheduler.fired(at.slot);
+      }
       if (sound) ++result.steps;
       continue;
     }
@@ -237,6 +271,11 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
   if (file != nullptr && std::fclose(file) != 0) {
     std::fprintf(err, "error: cannot write `%s`: %s\n", options.trace_path.c_str(), std::strerror(errno));
     result.exit_code = 2;
+  }
+  if (options.stats && sleeps) {
+    std::string text;
+    wall.append_histogram(text);
+    std::fwrite(text.data(), 1, text.size(), err);
   }
   if (options.stats) print_stats(err, result.steps, seconds.count(), cpu_seconds);
   return result;

@@ -16,6 +16,10 @@ constexpr const char* kHelp =
     "  --seed N                    of the policy's choices (default: drawn, always printed)\n"
     "  --limit N                   stop after N steps\n"
     "  --policy P                  uniform (default), first or fair\n"
+    "  --asap                      time: each step as soon as possible (with --policy first and fair always)\n"
+    "  --real-time                 time passes as on the wall clock; without, it is logical and nothing sleeps\n"
+    "  --speed F                   --real-time, F seconds of the model a second\n"
+    "  --relaxed                   real time: a step that starts too late is a warning\n"
     "  --silent                    no line a step\n"
     "  --debug                     every state's candidates\n"
     "  --stats                     steps, seconds, ns/step at the end\n"
@@ -34,6 +38,12 @@ bool parse_number(const char* text, std::uint64_t& value) {
   errno = 0;
   value = std::strtoull(text, &end, 10);
   return *end == '\0' && errno == 0;
+}
+
+bool parse_speed(const char* text, double& value) {
+  char* end = nullptr;
+  value = std::strtod(text, &end);
+  return *text != '\0' && *end == '\0' && value >= 1e-6 && value <= 1e6;
 }
 
 bool parse_policy(const char* text, Policy& policy) {
@@ -77,14 +87,19 @@ int run_main(const Image& image, int argc, char** argv) {
     else if (name == "--interactive") options.interactive = true;
     else if (name == "--explore") options.explore = true;
     else if (name == "--first-enabled") options.policy = Policy::First;
+    else if (name == "--asap") options.asap = true;
+    else if (name == "--real-time") options.speed = options.speed > 0 ? options.speed : 1;
+    else if (name == "--relaxed") options.relaxed = true;
     else if (name == "--stats") options.stats = true;
     else if (name == "--disable-maximal-progress") options.maximal_progress = false;
-    else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format") {
+    else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format" ||
+             name == "--speed") {
       if (!joined && i + 1 < argc) value = argv[++i];
       if (value == nullptr) good = false;
       else if (name == "--seed") good = options.has_seed = parse_number(value, options.seed);
       else if (name == "--limit") good = parse_number(value, options.limit);
       else if (name == "--policy") good = parse_policy(value, options.policy);
+      else if (name == "--speed") good = parse_speed(value, options.speed);
       else if (name == "--trace") options.trace_path = value;
       else good = parse_format(value, options.format);
     } else {

@@ -7,7 +7,7 @@
 #include "bip/outside.hpp"
 #include "runtime/core/story.hpp"
 #include "runtime/core/text.hpp"
-#include "runtime/engine/scheduler.hpp"
+#include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip {
@@ -15,7 +15,7 @@ namespace bip {
 struct System::Impl {
   Impl(const rt::Image& image, const SystemOptions& options)
       : core(image, {.progress = options.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}),
-        scheduler(options.policy, options.seed),
+        scheduler(options.policy, options.asap, options.seed),
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
     std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
@@ -55,7 +55,7 @@ struct System::Impl {
         step.ports.push_back(std::string(core.image().atoms[p.atom].path) + "." + core.tables().atom_type(p.atom).ports[p.port].name);
       }
     }
-    if (!core.take(at)) return outcome = Outcome::Fault;
+    if (!(core.is_timed() ? core.take_timed(at) : core.take(at))) return outcome = Outcome::Fault;
     scheduler.fired(at.slot);
     ++steps;
     if (callback) callback(step);
@@ -63,7 +63,7 @@ struct System::Impl {
   }
 
   rt::Core core;
-  rt::Scheduler scheduler;
+  rt::TimedScheduler scheduler;
   std::uint64_t seed;
   std::uint64_t steps = 0;
   Outcome outcome = Outcome::Stepped;
@@ -75,7 +75,7 @@ struct System::Impl {
 struct System::Snapshot::Impl {
   rt::State state;
   std::vector<rt::u32> order;  // of the list that `uniform` draws from
-  rt::Scheduler scheduler;
+  rt::TimedScheduler scheduler;
   std::uint64_t steps;
   Outcome outcome;
 };
@@ -97,9 +97,15 @@ std::uint64_t System::candidate_count() const {
 
 Outcome System::step() {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
-  if (impl_->core.candidate_count() == 0) return impl_->outcome = Outcome::Deadlock;
-  return impl_->take(impl_->scheduler.choose(impl_->core));
+  switch (impl_->scheduler.wait(impl_->core)) {
+    case rt::Due::Deadlock: return impl_->outcome = Outcome::Deadlock;
+    case rt::Due::Fault: return impl_->outcome = Outcome::Fault;
+    case rt::Due::Step: break;
+  }
+  return impl_->take(impl_->scheduler.choice());
 }
+
+std::int64_t System::now() const { return impl_->core.now(); }
 
 std::uint64_t System::run(std::uint64_t n) {
   for (std::uint64_t i = 0; i < n; ++i) {

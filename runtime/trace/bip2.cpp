@@ -38,6 +38,12 @@ void append_count(std::string& out, std::uint64_t count, const char* what) {
   if (count != 1) out += 's';
 }
 
+void append_instant(std::string& out, const Core& core) {
+  if (!core.is_timed()) return;
+  out += " and global time ";
+  append_time(out, core.now());
+}
+
 }  // namespace
 
 void Bip2Writer::begin(std::string& out, std::uint64_t seed, Policy policy) {
@@ -55,11 +61,14 @@ void Bip2Writer::begin(std::string& out, std::uint64_t seed, Policy policy) {
 }
 
 void Bip2Writer::append(std::string& out, Core& core, std::uint64_t k) {
-  const Image& image = core.image();
-  const Candidate candidate = core.candidate(k);
   out += '[';
   append_number(out, k);
   out += "] ";
+  append_body(out, core, core.candidate(k));
+}
+
+void Bip2Writer::append_body(std::string& out, Core& core, const Candidate& candidate) {
+  const Image& image = core.image();
   append_candidate(out, core, candidate);
   if (candidate.connector == kNone) return;
   out += ':';
@@ -89,6 +98,7 @@ void Bip2Writer::state(std::string& out, Core& core, std::uint64_t number) {
   out += kPrefix;
   out += "state #";
   append_number(out, number);
+  append_instant(out, core);
   out += ": ";
   const std::uint64_t count = core.candidate_count();
   // Internal ports come last in canonical order.
@@ -113,6 +123,53 @@ void Bip2Writer::choice(std::string& out, Core& core, std::uint64_t k) {
   out += '\n';
 }
 
+void Bip2Writer::foresee(Core& core) {
+  foreseen_at_ = core.now();
+  future_ = future_candidates(core, [this](std::string& text, Core& c, const Candidate& candidate) { append_body(text, c, candidate); });
+}
+
+void Bip2Writer::foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen) {
+  const auto append_one = [&](std::size_t k) {
+    out += '[';
+    append_number(out, k);
+    out += "] ";
+    out += future_[k].text;
+  };
+  out += kPrefix;
+  out += "state #";
+  append_number(out, number);
+  out += " and global time ";
+  append_time(out, foreseen_at_);
+  out += ": ";
+  std::size_t interactions = 0;
+  for (const FutureCandidate& f : future_) interactions += f.is_internal ? 0 : 1;
+  if (interactions > 0) append_count(out, interactions, "interaction");
+  if (interactions > 0 && interactions < future_.size()) out += " and ";
+  if (interactions < future_.size()) append_count(out, future_.size() - interactions, "internal port");
+  out += ":\n";
+  std::string text;
+  append_body(text, core, chosen);
+  std::size_t taken = future_.size();
+  for (std::size_t k = 0; k < future_.size(); ++k) {
+    out += kPrefix;
+    out += "  ";
+    append_one(k);
+    for (const Interval& interval : future_[k].intervals) {
+      out += ' ';
+      append_interval(out, interval);
+    }
+    out += '\n';
+    if (future_[k].slot == chosen.slot && future_[k].text == text) taken = k;
+  }
+  if (taken == future_.size()) return;
+  out += kPrefix;
+  out += "-> choose ";
+  append_one(taken);
+  out += " at global time ";
+  append_time(out, core.now());
+  out += '\n';
+}
+
 // The published engine's own words, for scripts that look for them.
 void Bip2Writer::fault(std::string& out, const Core& core) {
   const Fault& fault = core.fault();
@@ -126,16 +183,18 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
     case FaultCode::InvariantViolated: text = "invariant " + atom + '.' + fault.rule + " violated"; break;
     case FaultCode::PriorityCycle: text = "cycle in priorities of compound: " + fault.rule; break;
     case FaultCode::AtomPriorityCycle: text = "cycle in priorities of atom " + atom + ": " + fault.rule; break;
+    case FaultCode::TimeLock: text = "time-lock in " + atom; break;
     default: return;
   }
   out += kPrefix;
   out += "ERROR: " + text + "!\n";
 }
 
-void Bip2Writer::end(std::string& out, End end, std::uint64_t number) {
+void Bip2Writer::end(std::string& out, const Core& core, End end, std::uint64_t number) {
   out += kPrefix;
   out += "state #";
   append_number(out, number);
+  append_instant(out, core);
   switch (end) {
     case End::Deadlock: out += ": deadlock!\n"; break;
     case End::Limit: out += ": limit reached\n"; break;

@@ -32,6 +32,10 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
   const Image& image = core.image();
   out += R"({"step":)";
   append_number(out, number);
+  if (core.is_timed()) {
+    out += R"(,"time":)";
+    append_number(out, static_cast<u64>(core.now()));
+  }
   out += R"(,"choice":)";
   append_number(out, k);
   out += R"(,"candidates":)";
@@ -73,6 +77,10 @@ void JsonWriter::end(std::string& out, const Core& core, End end, std::uint64_t 
   out += name_of(end);
   out += R"(","steps":)";
   append_number(out, steps);
+  if (core.is_timed()) {
+    out += R"(,"time":)";
+    append_number(out, static_cast<u64>(core.now()));
+  }
   if (end == End::Fault) {
     out += R"(,"code":")";
     out += name_of(core.fault().code);

@@ -75,6 +75,11 @@ void StepWriter::step(std::string& out, Core& core, const Candidate& candidate, 
   out += '#';
   append_number(out, number);
   out += "  ";
+  if (core.is_timed()) {
+    out += '@';
+    append_time(out, core.now());
+    out += "  ";
+  }
   append_ports(out, core, candidate);
   out += '\n';
 }

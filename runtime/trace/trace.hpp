@@ -5,6 +5,7 @@
 
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
+#include "runtime/trace/future.hpp"
 
 namespace bip::rt {
 
@@ -35,13 +36,19 @@ class Bip2Writer {
   void begin(std::string& out, std::uint64_t seed, Policy policy);
   void state(std::string& out, Core& core, std::uint64_t number);
   void choice(std::string& out, Core& core, std::uint64_t k);
-  void end(std::string& out, End end, std::uint64_t number);
+  /// Images with time: the state's candidates now and later, before time passes; then the state and the choice as they were.
+  void foresee(Core& core);
+  void foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen);
+  void end(std::string& out, const Core& core, End end, std::uint64_t number);
   /// `ERROR: invariant ROOT.a.i violated!`; nothing for faults that the published engine does not know.
   void fault(std::string& out, const Core& core);
 
  private:
   void append(std::string& out, Core& core, std::uint64_t k);
+  void append_body(std::string& out, Core& core, const Candidate& candidate);
   std::vector<Participant> participants_;
+  std::vector<FutureCandidate> future_;
+  i64 foreseen_at_ = 0;
 };
 
 /// JSON lines, version 1.

@@ -20,6 +20,7 @@ struct SystemOptions {
   std::uint64_t seed = 0;
   rt::Policy policy = rt::Policy::Uniform;
   bool maximal_progress = true;
+  bool asap = false;  // models with time: each step as soon as it is possible
 };
 enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault };
 
@@ -40,13 +41,17 @@ class System {
 
   /// How the last call ended; Stepped after a good start.
   [[nodiscard]] Outcome outcome() const;
-  /// One step, chosen by the policy.
+  /// One step, chosen by the policy. In a model with time the time until then passes first, without sleeping.
   Outcome step();
   /// Up to n steps; how many were taken.
   std::uint64_t run(std::uint64_t n);
   /// Steps taken since the start, or as the restored snapshot has it.
   [[nodiscard]] std::uint64_t steps() const;
 
+  /// The instant, in ns since the start; 0 in a model without time.
+  [[nodiscard]] std::int64_t now() const;
+
+  /// Of this instant: in a model with time there may be none although time brings some.
   [[nodiscard]] std::uint64_t candidate_count() const;
   /// The interaction's name, as in Step. k < candidate_count().
   [[nodiscard]] std::string candidate(std::uint64_t k) const;

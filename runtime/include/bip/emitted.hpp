@@ -9,6 +9,7 @@
 
 #include "bip/arith.hpp"
 #include "bip/image.hpp"
+#include "bip/image_time.hpp"
 
 namespace bip::rt {
 

@@ -108,9 +108,10 @@ struct Invariant {
   const char* name;
   InvariantScope scope;
   Span<std::uint32_t> places;
-  std::uint32_t condition;  // row of Image::codes
+  std::uint32_t condition;  // row of Image::codes, or kNone if it bounds clocks only
   Loc loc;
 };
+struct AtomTime;  // image_time.hpp
 struct AtomType {
   const char* name;
   Span<Var> slots;  // parameters first
@@ -122,6 +123,7 @@ struct AtomType {
   Loc loc;
   Span<AtomPriority> priorities = {};
   Span<Invariant> invariants = {};
+  const AtomTime* time = nullptr;  // null: it has nothing to do with time
 };
 /// Preorder; node 0 is the root group. children are rows of the same array.
 struct DefineNode {
@@ -152,6 +154,7 @@ struct ConnectorType {
   std::uint32_t export_type;
   Span<std::uint32_t> export_slots;
   Loc loc;
+  bool resume_sync = false;  // the ports of an interaction resume together
 };
 
 struct Compound {

@@ -17,6 +17,10 @@ struct RunOptions {
   std::uint64_t limit = ~0ull;     // steps
   Policy policy = Policy::Uniform;
   bool maximal_progress = true;
+  // Models with time. Without `speed` time is logical: nothing sleeps.
+  bool asap = false;               // each step at the first instant at which one is possible
+  double speed = 0;                // model seconds a second of the wall clock
+  bool relaxed = false;            // a step that starts too late is a warning
   bool silent = false;             // no step lines; the seed and the end are still told
   bool stats = false;              // steps, seconds, ns/step at the end
   bool debug = false;              // every state's candidates

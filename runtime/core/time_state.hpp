@@ -1,0 +1,47 @@
+// What a core keeps about time: the instant, each clock's value, who is busy, and what happens next by itself.
+//
+// Present only in cores of images with time. `changes` and `ends` are functions of the rest; they are brought up to date when
+// an atom is looked at, so that the cost of a step is that of the atoms that moved, times O(log atoms).
+#pragma once
+#include "runtime/core/tables.hpp"
+#include "runtime/core/time_heap.hpp"
+
+namespace bip::rt {
+
+struct ClockState {
+  i64 value = 0;              // at `since`
+  i64 since = 0;
+  i64 speed = kUnitSpeed;     // in 2^-32
+};
+/// Of a port that is enabled now.
+struct PortTime {
+  Interval interval{};        // of its transition, around now
+  Urgency urgency = Urgency::Lazy;
+  u32 other = kNone;          // a second enabled transition: to fire the port is a fault
+};
+
+/// A step that may be taken now: around now the instants at which it may be, and how long time may wait for it.
+struct CandidateTime {
+  Interval interval{};
+  Urgency urgency = Urgency::Lazy;
+};
+
+struct TimeState {
+  i64 now = 0;
+  std::vector<u32> clock_base;  // by atom, and the total
+  std::vector<ClockState> clocks;
+  std::vector<i64> busy_until;  // by atom; > now: no port is enabled before then
+  std::vector<i64> may_resume_until;  // by atom: the last instant of what its `resume` waited for
+  std::vector<PortTime> ports;  // by port instance
+  std::vector<u32> pending;     // by port instance: events that wait to be taken
+  TimeHeap changes;             // by atom: the next instant at which its ports may change
+  TimeHeap ends;                // by atom: the last instant that its invariants allow
+  i64 unit = 0;                 // the shortest of all clocks; a second without clocks
+};
+
+/// `4ms200us939ns`, `6s`, `0`.
+void append_time(std::string& out, i64 ticks);
+/// `[ 0, 5ms ]`, `] 2s, +INFTY [`.
+void append_interval(std::string& out, const Interval& interval);
+
+}  // namespace bip::rt

@@ -1,0 +1,316 @@
+// Time in the core: clocks, bounds of conditions as intervals of instants, invariants that bound the time spent, `resume`.
+//
+// What is enabled is still a matter of one instant. A timed atom's ports are found for `now`, and with them the next instant
+// at which they may change and the last one that its invariants allow; `advance` goes to an instant and looks at those atoms
+// again whose ports may have changed. Everything between atoms (connectors, priorities, maximal progress) is as without time,
+// so a dominated interaction is hidden at exactly those instants at which a dominating one is enabled.
+#include <cmath>
+
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// A value in a clock's unit, to the nearest tick. False: not a number, or beyond what a clock counts.
+bool to_ticks(double value, i64 unit, i64& ticks) {
+  const double exact = value * static_cast<double>(unit);
+  if (!(std::fabs(exact) <= static_cast<double>(kMaxTicks))) return false;
+  const bool is_whole = std::fabs(value) <= 9007199254740992.0 && value == std::floor(value);
+  ticks = is_whole ? static_cast<i64>(value) * unit : static_cast<i64>(std::llround(exact));
+  return true;
+}
+
+}  // namespace
+
+bool has_time(const Image& image) {
+  for (const Atom& atom : image.atoms) {
+    if (image.atom_types[atom.type].time != nullptr) return true;
+  }
+  return false;
+}
+
+void Core::build_time() {
+  const Image& image = *tables_.image;
+  if (!has_time(image)) return;
+  time_ = std::make_unique<TimeState>();
+  u32 clocks = 0;
+  for (const Atom& atom : image.atoms) {
+    time_->clock_base.push_back(clocks);
+    const AtomTime* time = image.atom_types[atom.type].time;
+    if (time == nullptr) continue;
+    clocks += time->clocks.size;
+    for (const Clock& clock : time->clocks) {
+      if (time_->unit == 0 || clock.unit < time_->unit) time_->unit = clock.unit;
+    }
+  }
+  time_->clock_base.push_back(clocks);
+  if (time_->unit == 0) time_->unit = 1'000'000'000;
+}
+
+void Core::forget_time() {
+  TimeState& t = *time_;
+  t.now = 0;
+  t.clocks.assign(t.clock_base.back(), {});
+  t.busy_until.assign(atoms_.size(), 0);
+  t.may_resume_until.assign(atoms_.size(), kForever);
+  t.ports.assign(ports_.size(), {});
+  t.pending.assign(ports_.size(), 0);
+  t.changes.reset(atoms_.size());
+  t.ends.reset(atoms_.size());
+}
+
+i64 Core::now() const { return time_ == nullptr ? 0 : time_->now; }
+
+Int128 Core::clock_value(u32 atom, u32 clock) const {
+  const ClockState& state = time_->clocks[time_->clock_base[atom] + clock];
+  return state.value + run_for(state.speed, time_->now - state.since);
+}
+
+void Core::start_clocks(u32 atom) {
+  const AtomTime* time = tables_.atom_type(atom).time;
+  if (time == nullptr) return;
+  Slot* self = all_.data() + atoms_[atom].slot_base;
+  for (const Clock& clock : time->clocks) self[clock.slot + 2].f = 1.0;
+}
+
+// Takes what an action said of the clocks out of the hidden slots.
+bool Core::read_clocks(u32 atom, const Transition* fired) {
+  const AtomTime* time = tables_.atom_type(atom).time;
+  if (time == nullptr) return true;
+  Slot* self = all_.data() + atoms_[atom].slot_base;
+  for (u32 row = 0; row < time->clocks.size; ++row) {
+    const Clock& clock = time->clocks[row];
+    ClockState& state = time_->clocks[time_->clock_base[atom] + row];
+    const double speed = self[clock.slot + 2].f;
+    if (speed != static_cast<double>(state.speed) / static_cast<double>(kUnitSpeed)) {
+      if (!(speed >= 0 && speed <= static_cast<double>(kMaxSpeed / kUnitSpeed))) return fail_clock(atom, clock, fired, "speed", speed);
+      const Int128 value = clock_value(atom, row);
+      if (value > kMaxTicks) return fail_clock(atom, clock, fired, "value", static_cast<double>(value) / static_cast<double>(clock.unit));
+      state = {static_cast<i64>(value), time_->now, std::llround(speed * static_cast<double>(kUnitSpeed))};
+      self[clock.slot + 2].f = static_cast<double>(state.speed) / static_cast<double>(kUnitSpeed);
+    }
+    if (self[clock.slot + 1].i == 0) continue;
+    const double value = self[clock.slot].f;
+    self[clock.slot] = self[clock.slot + 1] = Slot{0};
+    if (!to_ticks(value, clock.unit, state.value)) return fail_clock(atom, clock, fired, "value", value);
+    state.since = time_->now;
+  }
+  return true;
+}
+
+// The instants from now on at which all bounds hold.
+bool Core::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
+  out = {time_->now, kForever, false, false};
+  if (when.bounds.size == 0) return true;
+  const AtomTime& time = *tables_.atom_type(atom).time;
+  Slot* self = all_.data() + atoms_[atom].slot_base;
+  if (const Code measure = tables_.code(when.measure); measure.fn != nullptr) {
+    const std::int32_t status = measure.fn(measure.context, self, all_.data(), nullptr);
+    if (status >= 2) return fail_code(status, atom, kNone, nullptr, "a limit of a clock");
+  }
+  for (const Bound& bound : when.bounds) {
+    const ClockState* states = time_->clocks.data() + time_->clock_base[atom];
+    i64 limit = bound.ticks;
+    if (bound.slot != kNone) {
+      const double value = self[bound.slot].f;
+      self[bound.slot] = Slot{0};
+      // What is no number compares with nothing; what is beyond all clocks is still above or below them.
+      if (!to_ticks(value, time.clocks[bound.clock].unit, limit)) {
+        if (std::isnan(value)) out = Interval::none();
+        limit = value > 0 ? kMaxTicks : -kMaxTicks;
+      }
+    }
+    Int128 value = clock_value(atom, bound.clock);
+    i64 speed = states[bound.clock].speed;
+    if (bound.minus != kNone) {
+      value -= clock_value(atom, bound.minus);
+      speed -= states[bound.minus].speed;
+    }
+    out.meet(instants_of(time_->now, value, speed, bound.op, limit));
+  }
+  return true;
+}
+
+bool Core::resume_interval(u32 atom, const Resume& resume, Interval& out) {
+  if (!interval_of(atom, resume.when, out)) return false;
+  const Code guard = tables_.code(resume.guard);
+  if (guard.fn == nullptr) return true;
+  const std::int32_t status = guard.fn(guard.context, all_.data() + atoms_[atom].slot_base, all_.data(), nullptr);
+  if (status >= 2) return fail_code(status, atom, kNone, nullptr, "what `resume` waits for");
+  if (status == 0) out = Interval::none();
+  return true;
+}
+
+// After a step of the atom, internal transitions included: how long is it busy? fired: null for `initial`.
+bool Core::begin_resume(u32 atom, const LinkedTransition* fired) {
+  const AtomTime* time = tables_.atom_type(atom).time;
+  time_->busy_until[atom] = 0;
+  time_->may_resume_until[atom] = kForever;
+  if (time == nullptr) return true;
+  const u32 first = tables_.types[atoms_[atom].type].first_transition;
+  const Resume& resume = fired == nullptr ? time->initial : time->transitions[static_cast<u32>(fired - tables_.transitions.data()) - first].resume;
+  if (!resume.present) return true;
+  Interval interval;
+  if (!resume_interval(atom, resume, interval)) return false;
+  time_->busy_until[atom] = interval.empty() ? kForever : interval.low;
+  time_->may_resume_until[atom] = interval.high;
+  return true;
+}
+
+// The ports of one interaction go on together, at the first instant at which all may; without one, never.
+bool Core::resume_together(const std::vector<u32>& rows) {
+  i64 until = 0, last = kForever;
+  for (const u32 atom : rows) {
+    until = std::max(until, time_->busy_until[atom]);
+    last = std::min(last, time_->may_resume_until[atom]);
+  }
+  if (until > last) until = kForever;
+  for (const u32 atom : rows) {
+    if (time_->busy_until[atom] == until) continue;
+    time_->busy_until[atom] = until;
+    if (!look_at_time(atom)) return false;
+  }
+  return true;
+}
+
+// A timed atom's ports at this instant, and what is next.
+bool Core::look_at_time(u32 atom) {
+  TimeState& t = *time_;
+  const AtomInfo& state = atoms_[atom];
+  const LinkedType& type = tables_.types[state.type];
+  const AtomTime& time = *tables_.atom_type(atom).time;
+  const u32 ports = tables_.port_base[atom + 1] - state.port_base;
+  u32* now = port_scratch_.data();
+  for (u32 port = 0; port < ports; ++port) now[port] = kNone;
+  i64 next = kForever;
+  const auto look = [&](u32 row) {
+    const LinkedTransition& transition = tables_.transitions[row];
+    const TransitionTime& timing = time.transitions[row - type.first_transition];
+    bool is_enabled = false;
+    if (!is_enabled_from(atom, transition, is_enabled)) return false;
+    Interval interval;
+    if (!is_enabled || is_waiting(atom, transition.port)) return true;
+    if (!interval_of(atom, timing.when, interval)) return false;
+    if (interval.empty()) return true;
+    if (interval.low > t.now) {
+      next = std::min(next, interval.low);
+      return true;
+    }
+    if (interval.high != kForever) next = std::min(next, interval.high + 1);
+    PortTime& port = t.ports[state.port_base + transition.port];
+    if (now[transition.port] != kNone) {
+      port.other = row;
+      port.interval.meet(interval);
+      port.urgency = std::max(port.urgency, timing.urgency);
+      return true;
+    }
+    now[transition.port] = row;
+    port = {interval, timing.urgency, kNone};
+    return true;
+  };
+  if (t.busy_until[atom] > t.now) {
+    next = t.busy_until[atom];
+  } else if (type.mark_words == 0) {
+    for (u32 row : tables_.place_transitions[type.first_place + places_[atom]]) {
+      if (!look(row)) return false;
+    }
+  } else {
+    for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
+      if (tables_.transitions[row].port != kNone && !look(row)) return false;
+    }
+  }
+  if (type.has_priorities && !hide_ports(atom, now)) return false;
+  for (u32 port = 0; port < ports; ++port) change_port(state.port_base + port, now[port]);
+  t.changes.set(atom, next);
+  return look_at_invariants(atom);
+}
+
+// The last instant that the invariants of the atom's places allow: no time passes where one does not hold.
+bool Core::look_at_invariants(u32 atom) {
+  const AtomType& type = tables_.atom_type(atom);
+  i64 end = kForever;
+  for (u32 row = 0; row < type.invariants.size; ++row) {
+    if (type.time->invariants[row].bounds.size == 0 || !is_in_scope(atom, type.invariants[row])) continue;
+    Interval interval;
+    if (!interval_of(atom, type.time->invariants[row], interval)) return false;
+    end = std::min(end, interval.has(time_->now) ? interval.high : time_->now);
+  }
+  time_->ends.set(atom, end);
+  return true;
+}
+
+bool Core::is_waiting(u32 atom, u32 port) const {
+  for (const EventPort& event : tables_.atom_type(atom).time->events) {
+    if (event.port == port) return time_->pending[atoms_[atom].port_base + port] == 0;
+  }
+  return false;
+}
+
+bool Core::advance(i64 to) {
+  TimeState& t = *time_;
+  t.now = to;
+  while (t.changes.first_key() <= to) {
+    if (!look_at_time(t.changes.first_row())) return false;
+  }
+  return dirty_.empty() && dirty_rules_.empty() ? true : settle();
+}
+
+i64 Core::next_change() const { return time_->changes.first_key(); }
+i64 Core::last_instant() const { return time_->ends.first_key(); }
+i64 Core::time_unit() const { return time_->unit; }
+
+CandidateTime Core::time_of(const Candidate& candidate) {
+  CandidateTime out{{time_->now, kForever, false, false}, Urgency::Lazy};
+  participants(candidate, participant_scratch_);
+  for (const Participant& participant : participant_scratch_) {
+    if (tables_.atom_type(participant.atom).time == nullptr) continue;
+    const PortTime& port = time_->ports[tables_.instance(participant.atom, participant.port)];
+    out.interval.meet(port.interval);
+    out.urgency = std::max(out.urgency, port.urgency);
+  }
+  return out;
+}
+
+bool Core::take_timed(EnabledSet::Position at) {
+  const Candidate chosen = candidate(at);
+  participants(chosen, participant_scratch_);
+  const bool is_sync = chosen.connector != kNone && tables_.connector_type(chosen.connector).resume_sync;
+  std::vector<u32> together;
+  for (const Participant& participant : participant_scratch_) {
+    if (tables_.atom_type(participant.atom).time == nullptr) continue;
+    if (is_sync) together.push_back(participant.atom);
+    const u32 instance = tables_.instance(participant.atom, participant.port);
+    if (const u32 other = time_->ports[instance].other; other != kNone) {
+      return fail(FaultCode::TwoTransitions, participant.atom, tables_.transitions[ports_[instance].transition].source, tables_.transitions[other].source);
+    }
+    if (time_->pending[instance] != 0) --time_->pending[instance];
+  }
+  if (!fire(chosen)) return false;
+  if (together.size() < 2) return true;
+  if (!resume_together(together)) return false;
+  return dirty_.empty() && dirty_rules_.empty() ? true : settle();
+}
+
+// now; of each clock its value and speed; of each atom the instant until which it is busy.
+void Core::save_time(std::vector<i64>& out) const {
+  out.push_back(time_->now);
+  for (u32 atom = 0; atom < atoms_.size(); ++atom) {
+    for (u32 clock = 0; clock < time_->clock_base[atom + 1] - time_->clock_base[atom]; ++clock) {
+      out.push_back(static_cast<i64>(clock_value(atom, clock)));
+      out.push_back(time_->clocks[time_->clock_base[atom] + clock].speed);
+    }
+    out.push_back(std::max(time_->busy_until[atom], time_->now));
+  }
+}
+
+void Core::load_time(const std::vector<i64>& in) {
+  const i64* next = in.data();
+  time_->now = *next++;
+  for (u32 atom = 0; atom < atoms_.size(); ++atom) {
+    for (u32 clock = time_->clock_base[atom]; clock < time_->clock_base[atom + 1]; ++clock, next += 2) time_->clocks[clock] = {next[0], time_->now, next[1]};
+    time_->busy_until[atom] = *next++;
+  }
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,61 @@
+// See real_time.hpp.
+#include "runtime/engine/real_time.hpp"
+
+#include <bit>
+#include <ctime>
+
+#include "runtime/core/text.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr i64 kSecond = 1'000'000'000;
+i64 read_clock() {
+  timespec at{};
+  clock_gettime(CLOCK_MONOTONIC, &at);
+  return static_cast<i64>(at.tv_sec) * kSecond + at.tv_nsec;
+}
+
+}  // namespace
+
+void RealTime::start(i64 first) {
+  first_ = first;
+  origin_ = read_clock();
+}
+
+i64 RealTime::sleep_until(i64 instant) {
+  const auto wanted = static_cast<double>(instant - first_) / speed_;
+  // Further away than the clock can say: as far as it can.
+  const i64 due = wanted >= static_cast<double>(kMaxTicks) ? kForever : origin_ + static_cast<i64>(wanted);
+  const timespec at{static_cast<std::time_t>(due / kSecond), static_cast<long>(due % kSecond)};
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+  const i64 late = read_clock() - due;
+  if (late < 0) return 0;  // a signal
+  const auto micros = static_cast<std::uint64_t>(late / 1000);
+  ++late_[std::min<std::size_t>(static_cast<std::size_t>(std::bit_width(micros)), late_.size() - 1)];
+  most_ = std::max(most_, late);
+  return late;
+}
+
+void RealTime::append_histogram(std::string& out) const {
+  std::uint64_t total = 0, before = 0;
+  for (const std::uint64_t count : late_) total += count;
+  std::size_t median = 0;
+  for (; median + 1 < late_.size() && (before + late_[median]) * 2 < total; ++median) before += late_[median];
+  out += "lateness: median below ";
+  append_time(out, (i64{1} << median) * 1000);
+  out += ", most ";
+  append_time(out, most_);
+  out += '\n';
+  for (std::size_t k = 0; k < late_.size(); ++k) {
+    if (late_[k] == 0) continue;
+    out += "  below ";
+    append_time(out, (i64{1} << k) * 1000);
+    out += ": ";
+    append_number(out, late_[k]);
+    out += '\n';
+  }
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,34 @@
+// Model time against the wall clock: sleeps to absolute deadlines and keeps how late each step was.
+//
+// An instant of the model is due at start + (instant - first) / speed on the system's monotonic clock, so lateness never adds up.
+// Between deadlines the thread sleeps; nothing is polled. Lateness is told, never fed back: the run's steps and instants are those
+// of logical time.
+#pragma once
+#include <array>
+#include <string>
+
+#include "runtime/core/interval.hpp"
+
+namespace bip::rt {
+
+class RealTime {
+ public:
+  /// Model seconds a second; > 0.
+  explicit RealTime(double speed) : speed_(speed) {}
+  /// The instant `first` of the model is now.
+  void start(i64 first);
+  /// Returns at the instant, or earlier if a signal came. How late it is then, in ns of the wall clock.
+  i64 sleep_until(i64 instant);
+  /// What `late` ns of the wall clock are in the model's time.
+  [[nodiscard]] i64 in_model(i64 late) const { return static_cast<i64>(static_cast<double>(late) * speed_); }
+  /// Median, largest, and a line for each power of two of microseconds that occurred.
+  void append_histogram(std::string& out) const;
+
+ private:
+  double speed_;
+  i64 first_ = 0, origin_ = 0;
+  std::array<std::uint64_t, 48> late_{};  // [k]: below 2^k us and not below 2^(k-1) us
+  i64 most_ = 0;
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,84 @@
+// See timed_scheduler.hpp. Cost of a state: the candidates and their participants, O(log atoms) an instant that is passed.
+#include "runtime/engine/timed_scheduler.hpp"
+
+namespace bip::rt {
+
+i64 TimedScheduler::look(Core& core) {
+  i64 last = core.last_instant();
+  ends_.clear();
+  for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
+    const CandidateTime time = core.time_of(core.candidate(core.position(k)));
+    ends_.push_back(time.interval.high);
+    if (time.urgency == Urgency::Eager) last = core.now();
+    else if (time.urgency == Urgency::Delayable) last = std::min(last, time.interval.high);
+  }
+  return std::max(last, core.now());
+}
+
+// Uniform in [first, last]; past `first` exponential with the mean if there is no last. The exponential is von Neumann's
+// ("Various techniques used in connection with random digits", 1951): comparisons of uniform numbers, no logarithm, so that
+// every machine draws the same.
+i64 TimedScheduler::draw(i64 first, i64 last, i64 mean) {
+  if (first == last) return first;
+  if (last != kForever) return first + static_cast<i64>(prng_.below(static_cast<std::uint64_t>(last - first) + 1));
+  for (i64 whole = 0;; ++whole) {
+    const std::uint64_t start = prng_.next();
+    std::uint64_t before = start;
+    std::uint64_t run = 1;
+    for (std::uint64_t u = prng_.next(); u <= before; u = prng_.next()) {
+      before = u;
+      ++run;
+    }
+    if (run % 2 == 0) continue;
+    const auto part = static_cast<i64>(static_cast<Int128>(start) * mean >> 64);
+    return std::min(first + whole * mean + part, kForever - 1);
+  }
+}
+
+// The earliest plan, and whose it is; false if it is not before the next change.
+bool TimedScheduler::plan(Core& core, i64 last, i64& at) {
+  at = kForever;
+  std::uint64_t ties = 0;
+  for (std::uint64_t k = 0; k < ends_.size(); ++k) {
+    const i64 instant = draw(core.now(), std::min(ends_[k], last), core.time_unit());
+    if (instant > at) continue;
+    ties = instant == at ? ties + 1 : 1;
+    at = instant;
+    // Of those that plan the same instant each is as likely.
+    if (ties != 1 && prng_.below(ties) != 0) continue;
+    choice_ = core.position(k);
+    latest_ = std::min(ends_[k], last);
+  }
+  return at < core.next_change();
+}
+
+Due TimedScheduler::wait(Core& core) {
+  if (!core.is_timed()) {
+    if (core.candidate_count() == 0) return Due::Deadlock;
+    choice_ = scheduler_.choose(core);
+    return Due::Step;
+  }
+  while (true) {
+    const i64 last = look(core);
+    i64 at = core.now();
+    if (!ends_.empty() && !plans_) {
+      choice_ = scheduler_.choose(core);
+      latest_ = std::min(ends_[core.number(choice_)], last);
+      return Due::Step;
+    }
+    if (!ends_.empty() && plan(core, last, at)) {
+      if (at == core.now()) return Due::Step;
+      return core.advance(at) ? Due::Step : Due::Fault;
+    }
+    const i64 next = core.next_change();
+    if (next > last) {
+      // Nobody can step, and time cannot pass to where somebody might.
+      (void)core.fail_time_lock();
+      return Due::Fault;
+    }
+    if (next == kForever) return Due::Deadlock;
+    if (!core.advance(next)) return Due::Fault;
+  }
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,43 @@
+// When is the next step, and which? Lets logical time pass until a step is due (semantics.md, Time).
+//
+// `uniform` plans every candidate at a random instant of its interval and takes the earliest; the other policies, and all with
+// `asap`, take the first instant at which there is a candidate. Plans are drawn anew at each instant at which something changes:
+// uniform and exponential waiting times forget how long one waited, so the distribution is the same and nothing is kept.
+#pragma once
+#include "bip/run.hpp"
+#include "runtime/core/core.hpp"
+#include "runtime/core/prng.hpp"
+#include "runtime/engine/scheduler.hpp"
+
+namespace bip::rt {
+
+enum class Due : std::uint8_t { Step, Deadlock, Fault };
+
+class TimedScheduler {
+ public:
+  TimedScheduler(Policy policy, bool asap, std::uint64_t seed) : scheduler_(policy, seed), plans_(policy == Policy::Uniform && !asap), prng_(~seed) {}
+
+  /// Lets time pass until a step is due; choice() is it. Without time one is due at once. Deadlock: there never will be one.
+  Due wait(Core& core);
+  [[nodiscard]] EnabledSet::Position choice() const { return choice_; }
+  /// The last instant at which it may be taken.
+  [[nodiscard]] i64 latest() const { return latest_; }
+  /// Once, after the initial state is known.
+  void start(Core& core) const { scheduler_.start(core); }
+  void fired(u32 slot) { scheduler_.fired(slot); }
+
+ private:
+  /// The ends of all candidates' intervals, and the last instant to which time may pass in this state.
+  i64 look(Core& core);
+  bool plan(Core& core, i64 last, i64& at);
+  i64 draw(i64 first, i64 last, i64 mean);
+
+  Scheduler scheduler_;
+  bool plans_;
+  Prng prng_;            // of instants; which candidate is the scheduler's
+  EnabledSet::Position choice_{};
+  i64 latest_ = 0;
+  std::vector<i64> ends_;  // by candidate: the last instant of its interval
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,55 @@
+// Time in an image: what a type of atoms has to do with it (semantics.md, Time). A type without any of it has none of these
+// tables, and an image without such a type costs nothing.
+//
+// Times are counted in ticks of 1 ns. Code knows no clocks: an action that sets one writes the value, in the clock's unit, into
+// a hidden slot and true into the next; a limit that is no constant is put into a hidden slot by `measure`, an action.
+#pragma once
+#include "bip/image.hpp"
+
+namespace bip::rt {
+
+struct Clock {
+  const char* name;
+  std::int64_t unit;   // ticks
+  std::uint32_t slot;  // float: what it is set to; the next, bool: that it is; the one after, float: its speed
+  Loc loc;
+};
+enum class BoundOp : std::uint8_t { Lt, Le, Gt, Ge, Eq };
+/// clock - minus op limit
+struct Bound {
+  std::uint32_t clock, minus;  // of the type; minus: kNone, or of the same unit
+  BoundOp op;
+  std::int64_t ticks;          // the limit, if slot is kNone
+  std::uint32_t slot;          // float, in the clock's unit
+};
+struct TimeGuard {
+  Span<Bound> bounds;
+  std::uint32_t measure;       // row of Image::codes or kNone
+};
+enum class Urgency : std::uint8_t { Lazy, Delayable, Eager };
+struct Resume {
+  bool present;
+  std::uint32_t guard;         // row of Image::codes or kNone
+  TimeGuard when;
+};
+struct TransitionTime {
+  TimeGuard when;
+  Urgency urgency;
+  Resume resume;
+};
+enum class EventPolicy : std::uint8_t { Remember, Ignore, Error };
+/// A port whose transitions wait for an event from outside.
+struct EventPort {
+  std::uint32_t port;
+  EventPolicy policy;
+  const char* event_class;     // C++; "" if none was named
+};
+struct AtomTime {
+  Span<Clock> clocks;
+  Span<TransitionTime> transitions;  // one a transition of the type
+  Span<TimeGuard> invariants;        // one an invariant
+  Resume initial;
+  Span<EventPort> events;
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,73 @@
+// See future.hpp.
+#include "runtime/trace/future.hpp"
+
+#include <algorithm>
+
+namespace bip::rt {
+
+namespace {
+
+// The last instant to which time may pass in this state, and whether a strict bound of a delayable step ends it.
+struct Last {
+  i64 at = kForever;
+  bool is_open = false;
+};
+Last last_instant(Core& core) {
+  Last last{core.last_instant(), false};
+  for (std::uint64_t k = 0; k < core.candidate_count() && last.at > core.now(); ++k) {
+    const CandidateTime time = core.time_of(core.candidate(k));
+    if (time.urgency == Urgency::Eager) last = {core.now(), false};
+    else if (time.urgency == Urgency::Delayable && time.interval.high < last.at) last = {time.interval.high, time.interval.high_open};
+  }
+  if (last.at < core.now()) last = {core.now(), false};
+  return last;
+}
+
+// Has a candidate just come to its end, and that end belongs to it?
+bool has_just_ended(const std::vector<FutureCandidate>& all, i64 now) {
+  return std::any_of(all.begin(), all.end(), [now](const FutureCandidate& f) {
+    return !f.intervals.empty() && f.intervals.back().high == now - 1 && !f.intervals.back().high_open;
+  });
+}
+
+}  // namespace
+
+std::vector<FutureCandidate> future_candidates(Core& core, const std::function<void(std::string&, Core&, const Candidate&)>& tell) {
+  const State state = core.snapshot();
+  const std::vector<u32> order = core.list_order();
+  std::vector<FutureCandidate> all;
+  Last until;
+  for (int instants = 0; instants < kMaxInstants; ++instants) {
+    const i64 now = core.now();
+    if (const Last here = last_instant(core); here.at < until.at) until = here;
+    const i64 next = core.next_change();
+    const i64 end = std::min(until.at, next == kForever ? kForever : next - 1);
+    const bool ended = has_just_ended(all, now);
+    for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
+      const Candidate candidate = core.candidate(k);
+      std::string text;
+      tell(text, core, candidate);
+      auto known = std::find_if(all.begin(), all.end(), [&](const FutureCandidate& f) { return f.slot == candidate.slot && f.text == text; });
+      if (known == all.end()) {
+        all.push_back({std::move(text), candidate.connector == kNone, candidate.slot, {}});
+        known = all.end() - 1;
+      }
+      Interval here = core.time_of(candidate).interval;
+      // It may have been one before, or go on after the next change; a dominating one may end it there.
+      const bool goes_on = !known->intervals.empty() && known->intervals.back().high == now - 1;
+      // What begins because something else ended, or ends because something else begins, leaves that instant out.
+      here.low_open = instants > 0 && (here.low_open || ended);
+      here.low = now;
+      if (here.high > end) here.high = end, here.high_open = end < until.at || until.is_open;
+      if (goes_on) known->intervals.back().high = here.high, known->intervals.back().high_open = here.high_open;
+      else known->intervals.push_back(here);
+    }
+    if (next > until.at || next == kForever || !core.advance(next)) break;
+  }
+  (void)core.restore(state);
+  core.set_list_order(order);
+  std::stable_sort(all.begin(), all.end(), [](const FutureCandidate& a, const FutureCandidate& b) { return a.slot < b.slot; });
+  return all;
+}
+
+}  // namespace bip::rt
