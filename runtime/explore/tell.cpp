@@ -102,7 +102,7 @@ std::string trace_of_way(const Image& image, MaximalProgress progress, const Way
   const End end = !is_sound ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
   if (is_bip2) {
     if (!is_sound) bip2.fault(text, core);
-    bip2.end(text, end, taken);
+    bip2.end(text, core, end, taken);
   } else {
     json.end(text, core, end, taken);
   }
