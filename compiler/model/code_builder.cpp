@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "compiler/model/externs.hpp"
 #include "compiler/model/packages.hpp"
@@ -176,7 +177,8 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
   }
   if (b->poison) return std::nullopt;
   if (b->value.is_valid()) {
-    // A parameter of a function. Each use adds as much as the argument is large.
+    // A parameter of a function. Each use but the first adds as much as the argument is large.
+    if (!std::exchange(b->is_placed, true)) return Typed{b->value, b->type};
     if (model_.code.exprs.size() - unfold_start_ <= kMaxUnfolded) return Typed{copy(b->value), b->type};
     report_too_large(e);
     return std::nullopt;

@@ -17,6 +17,7 @@ MODEL = """package m
     export port Value in(x), out(x)
     place S, T
     initial to S
+    @SuppressWarning(modifiedvariabletransition)
     on in from S to T provided (x < n) do { x = x + 1; }
     on out from T to S
   end
