@@ -76,7 +76,7 @@ def run(count, seed, report):
         try:
             c.next_id = 1000 + batch
             c.open(URI, MODEL)
-            got = c.at("references", URI, 13, 20, context={"includeDeclaration": True})
+            got = c.at("references", URI, 14, 20, context={"includeDeclaration": True})
             if got is None or len(got) < 2:
                 raise AssertionError(f"after batch {batch} (seed {seed}): {got}")
             passed += 1
