@@ -15,6 +15,7 @@ constexpr std::size_t kMissingKept = 4;   // names a group
 constexpr std::size_t kWantsKept = 16;    // edges an atom
 constexpr u32 kMetKept = 64;             // participants of the last step looked at
 constexpr std::size_t kLinesShown = 10;
+constexpr std::size_t kEndsShown = 8;     // components at either end of a cycle
 constexpr std::size_t kCycleStarts = 32;  // places from which the shortest cycle is looked for
 
 struct Want {
@@ -60,7 +61,14 @@ class Story {
       for (std::size_t i = 0; i < lines.size() && i < kLinesShown; ++i) append_wait(out, lines[i].first, lines[i].second);
       append_rest(out, lines.size());
       out += "  cycle: ";
-      for (u32 atom : cycle) out += std::string(relative(image_.atoms[atom].path)) + " -> ";
+      for (std::size_t i = 0; i < cycle.size(); ++i) {
+        // Of a long way round the two ends say what it looks like.
+        if (cycle.size() > 2 * kEndsShown && i == kEndsShown) {
+          out += "… -> ";
+          i = cycle.size() - kEndsShown;
+        }
+        out += std::string(relative(image_.atoms[cycle[i]].path)) + " -> ";
+      }
       out += std::string(relative(image_.atoms[cycle[0]].path)) + '\n';
       return out;
     }
