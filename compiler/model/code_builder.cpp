@@ -178,7 +178,7 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
   if (b->poison) return std::nullopt;
   if (b->value.is_valid()) {
     // A parameter of a function. Each use but the first adds as much as the argument is large.
-    if (!std::exchange(b->is_placed, true)) return Typed{b->value, b->type};
+    if (std::exchange(b->is_fresh, false)) return Typed{b->value, b->type};
     if (model_.code.exprs.size() - unfold_start_ <= kMaxUnfolded) return Typed{copy(b->value), b->type};
     report_too_large(e);
     return std::nullopt;
@@ -355,7 +355,7 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
     Diagnostics quiet;  // the declaration itself was checked once
     const Type type = native_type(function.params[i].type, quiet).value_or(Type::Int);
     const ExprId arg = expr_as(e->operands[i], type, fmt::format("argument `{}`", function.params[i].name.text));
-    inner.names[std::string(function.params[i].name.text)] = {.type = type, .read_only = "a parameter keeps its value", .value = arg, .declared = function.params[i].name.range};
+    inner.names[std::string(function.params[i].name.text)] = {.type = type, .read_only = "a parameter keeps its value", .value = arg, .is_fresh = true, .declared = function.params[i].name.range};
   }
   Diagnostics quiet;
   const Type result = native_type(function.result, quiet).value_or(Type::Int);

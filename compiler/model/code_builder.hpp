@@ -19,7 +19,7 @@ struct Binding {
   Type type = Type::Int;
   std::string read_only{};// why it cannot be assigned; empty: it can
   ExprId value{};         // valid: the name stands for this expression
-  mutable bool is_placed = false;  // `value` has a place in a tree: each further use is a copy
+  mutable bool is_fresh = false;  // `value` has no place in a tree yet: the first use takes it, others copy
   bool poison = false;    // its declaration was wrong or is not supported: uses say nothing more
   bool is_clock = false;  // index: the first of its hidden slots. Code sets it, and reads and sets its speed
   SourceRange declared{};
