@@ -15,6 +15,14 @@ struct Known {
   Ty type = Ty::Int;
   bool writable = true;
 };
+[[nodiscard]] inline Expr name_of(const Known& known) {
+  Expr e;
+  e.kind = ExprKind::Name;
+  e.type = known.type;
+  e.scope = known.scope;
+  e.name = known.name;
+  return e;
+}
 
 /// What a seed's model is like as a whole.
 struct Style {

@@ -64,13 +64,7 @@ Expr CodeMaker::leaf(Ty type, const std::vector<Known>& known) {
     if (k.type == type || (type == Ty::Pair && k.type == Ty::Wide) || (type == Ty::Float && k.type == Ty::Int && random_->percent(30))) fitting.push_back(&k);
   }
   if (fitting.empty() || random_->percent(25)) return literal(type);
-  const Known& k = *random_->pick(fitting);
-  Expr e;
-  e.kind = ExprKind::Name;
-  e.type = k.type;
-  e.scope = k.scope;
-  e.name = k.name;
-  return e;
+  return name_of(*random_->pick(fitting));
 }
 
 Expr CodeMaker::int_operation(const std::vector<Known>& known, int depth) {

@@ -116,13 +116,7 @@ std::optional<Stmt> CodeMaker::call_statement(const std::vector<Known>& known, i
       if (k.writable && k.type == p.type) fitting.push_back(&k);
     }
     if (fitting.empty()) return std::nullopt;
-    const Known& k = *random_->pick(fitting);
-    Expr name;
-    name.kind = ExprKind::Name;
-    name.type = k.type;
-    name.scope = k.scope;
-    name.name = k.name;
-    stmt.value.args.push_back(std::move(name));
+    stmt.value.args.push_back(name_of(*random_->pick(fitting)));
   }
   return stmt;
 }
