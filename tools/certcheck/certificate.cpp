@@ -34,12 +34,18 @@ class Reader {
       const auto fail = [&](const std::string& why) { throw Rejected("line " + std::to_string(number) + ": " + why); };
       if (number == 1 && line != "bipc-certificate 1") fail("not a certificate of version 1");
       if (has_end) fail("something follows the end");
-      if (head == "method" && line != "method invariants" && line != "method induction") throw NotCheckable("the evidence is a search of all states");
+      if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
+      if (head == "method" && line != "method invariants" && line != "method induction") fail("an unknown method");
       if (head == "method") c_.is_induction = line == "method induction";
       if (head == "method" && !c_.is_induction && c_.claim != "deadlock-free") fail("invariants alone prove no such claim");
-      if (head == "claim") c_.claim = line.substr(6);
+      if (head == "claim") {
+        if (!c_.claim.empty() || line.size() < 7) fail("one claim is expected");
+        c_.claim = line.substr(6);
+      }
       if (head == "class") {
-        words >> word >> word;
+        words >> word;
+        if (word != std::to_string(c_.classes.size())) fail("not the number of the next class");
+        words >> word;
         Class row;
         while (row.type < m_.atom_types.size() && m_.atom_types[row.type].name != word) ++row.type;
         if (row.type == m_.atom_types.size()) fail("no atom type `" + word + "`");
@@ -75,7 +81,9 @@ class Reader {
           const std::size_t colon = word.rfind(':');
           const auto atom = atom_rows.find(word.substr(0, colon));
           if (colon == std::string::npos || atom == atom_rows.end()) fail("no component in `" + word + "`");
-          members.emplace(atom->second, std::stoul(word.substr(colon + 1)));
+          const std::size_t state = std::stoul(word.substr(colon + 1));
+          if (word.substr(colon + 1) != std::to_string(state)) fail("no number in `" + word + "`");
+          members.emplace(atom->second, state);
         }
         set.members.assign(members.begin(), members.end());
         c_.sets.push_back(std::move(set));
@@ -84,6 +92,8 @@ class Reader {
         c_.facts.back().text = "line " + std::to_string(number);
       } else if (head == "end") {
         has_end = true;
+      } else if (number != 1 && head != "root" && head != "claim" && head != "method") {
+        fail("an unknown row");
       }
     }
     if (!has_end) throw Rejected("the certificate has no end");
@@ -129,7 +139,10 @@ class Reader {
     LocalState state;
     state.values.resize(type.slots.size());
     std::string word;
-    words >> word >> word;
+    words >> word;
+    if (word != std::to_string(row.states.size())) fail("not the number of the next mode");
+    words >> word;
+    if (word != "at") fail("a mode without `at`");
     while (words >> word) {
       const std::size_t equals = word.find('=');
       const auto row_of = [&](const std::vector<std::string>& names, const std::string& name) {

@@ -76,6 +76,9 @@ class Reader {
         type.exported.push_back(has_word(item, "export"));
         type.ports.push_back(item.items.at(2).text);
         type.port_slots.push_back(rows_of(item.find("slots")));
+      } else if (head == "clock" || head == "resume") {
+        // Bounds on clocks and resumptions would be taken for steps that are always there.
+        throw NotCheckable("`" + type.name + "` depends on time");
       } else if (head == "place") {
         type.places.push_back(item.items.at(2).text);
       } else if (head == "invariant") {
@@ -86,6 +89,7 @@ class Reader {
         type.initial_action = &item;
       } else if (head == "transition") {
         Transition t;
+        if (item.find("bound") != nullptr || item.find("resume") != nullptr) throw NotCheckable("`" + type.name + "` depends on time");
         if (const Tree* on = item.find("on")) {
           t.is_internal = false;
           t.port = on->items.at(1).row();
