@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 namespace certcheck {
 
@@ -21,7 +22,7 @@ class Reader {
     std::istringstream in(text);
     std::string line;
     std::size_t number = 0;
-    bool has_end = false;
+    bool has_end = false, has_method = false;
     std::map<std::string, std::size_t> atom_rows;
     for (std::size_t k = 0; k < m_.atoms.size(); ++k) atom_rows.emplace(m_.atoms[k].path, k);
     c_.class_of.assign(m_.atoms.size(), kNone);
@@ -36,6 +37,7 @@ class Reader {
       if (has_end) fail("something follows the end");
       if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
       if (head == "method" && line != "method invariants" && line != "method induction") fail("an unknown method");
+      if (head == "method" && std::exchange(has_method, true)) fail("one method is expected");
       if (head == "method") c_.is_induction = line == "method induction";
       if (head == "method" && !c_.is_induction && c_.claim != "deadlock-free") fail("invariants alone prove no such claim");
       if (head == "claim") {
@@ -63,14 +65,16 @@ class Reader {
         if (c_.classes.empty()) fail("a mode without class");
         mode(words, c_.classes.back(), fail);
       } else if (head == "component") {
-        std::size_t row = 0, state = 0;
         words >> word;
         const auto atom = atom_rows.find(word);
         if (atom == atom_rows.end()) fail("no component `" + word + "`");
-        words >> word >> row >> word;
+        words >> word >> word;
+        const std::size_t row = number_of(word, fail);
+        words >> word;
+        if (c_.class_of[atom->second] != kNone) fail("a component twice");
         if (row >= c_.classes.size() || c_.classes[row].type != m_.atoms[atom->second].type) fail("the class does not fit");
         c_.class_of[atom->second] = row;
-        while (words >> state) c_.reachable[atom->second].insert(state);
+        while (words >> word) c_.reachable[atom->second].insert(number_of(word, fail));
         if (!c_.reachable[atom->second].empty() && *c_.reachable[atom->second].rbegin() >= c_.classes[row].states.size()) fail("no such mode");
       } else if (head == "trap" || head == "one-token") {
         Set set;
@@ -81,9 +85,7 @@ class Reader {
           const std::size_t colon = word.rfind(':');
           const auto atom = atom_rows.find(word.substr(0, colon));
           if (colon == std::string::npos || atom == atom_rows.end()) fail("no component in `" + word + "`");
-          const std::size_t state = std::stoul(word.substr(colon + 1));
-          if (word.substr(colon + 1) != std::to_string(state)) fail("no number in `" + word + "`");
-          members.emplace(atom->second, state);
+          members.emplace(atom->second, number_of(word.substr(colon + 1), fail));
         }
         set.members.assign(members.begin(), members.end());
         c_.sets.push_back(std::move(set));
@@ -97,8 +99,17 @@ class Reader {
       }
     }
     if (!has_end) throw Rejected("the certificate has no end");
+    if (c_.claim.empty() || !has_method) throw Rejected("the certificate does not say what it proves and how");
     if (c_.is_induction && c_.classes.empty() && c_.sets.empty()) return;
     if (std::find(c_.class_of.begin(), c_.class_of.end(), kNone) != c_.class_of.end()) throw Rejected("a component has no row");
+  }
+
+  // Of at most 32 bits, written in the one way.
+  template <class Fail>
+  static std::size_t number_of(const std::string& word, const Fail& fail) {
+    const bool is_one = !word.empty() && word.size() <= 10 && word.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_one || std::to_string(std::stoul(word)) != word || std::stoul(word) > 0x80000000UL) fail("`" + word + "` is no number here");
+    return std::stoul(word);
   }
 
   // "ROOT.a.n 0 7", or literals "!ROOT.a@PLACE", "ROOT.a.n:3"
@@ -124,7 +135,7 @@ class Reader {
       part.row = static_cast<std::size_t>(std::find(names.begin(), names.end(), own) - names.begin());
       if (part.row == names.size()) fail("no `" + own + "` in `" + word + "`");
       if (!part.is_place && type.types[part.row] != "int" && type.types[part.row] != "bool" && type.types[part.row] != "string") fail("`" + own + "` cannot be followed");
-      if (!is_range && !part.is_place) part.bit = static_cast<unsigned>(std::stoul(name.substr(colon + 1)));
+      if (!is_range && !part.is_place) part.bit = static_cast<unsigned>(number_of(name.substr(colon + 1), fail));
       if (part.bit > 31) fail("an int has 32 bits");
       result.parts.push_back(part);
       if (is_range && !(words >> result.low >> result.high)) fail("a range has two ends");
@@ -157,7 +168,10 @@ class Reader {
       const std::size_t slot = row_of(type.slots, word.substr(0, equals));
       if (!row.followed[slot]) fail("a value that is not followed");
       const std::string value = word.substr(equals + 1);
-      if (value != "?") state.values[slot] = {true, static_cast<std::int32_t>(std::stol(value))};
+      if (value == "?") continue;
+      const bool is_negative = value[0] == '-';
+      const auto size = static_cast<std::int64_t>(number_of(value.substr(is_negative ? 1 : 0), fail));
+      state.values[slot] = {true, static_cast<std::int32_t>(is_negative ? -size : size)};
     }
     if (!row.numbers.emplace(state, row.states.size()).second) fail("a mode twice");
     row.states.push_back(std::move(state));

@@ -73,6 +73,7 @@ class Reader {
         type.types.push_back(item.items.at(3).text);
         type.is_param.push_back(has_word(item, "param"));
       } else if (head == "port") {
+        if (item.find("extern") != nullptr) throw NotCheckable("`" + type.name + "` waits for events from outside");
         type.exported.push_back(has_word(item, "export"));
         type.ports.push_back(item.items.at(2).text);
         type.port_slots.push_back(rows_of(item.find("slots")));
@@ -89,7 +90,7 @@ class Reader {
         type.initial_action = &item;
       } else if (head == "transition") {
         Transition t;
-        if (item.find("bound") != nullptr || item.find("resume") != nullptr) throw NotCheckable("`" + type.name + "` depends on time");
+        if (item.find("resume") != nullptr || has_word(item, "delayable") || has_word(item, "eager")) throw NotCheckable("`" + type.name + "` depends on time");
         if (const Tree* on = item.find("on")) {
           t.is_internal = false;
           t.port = on->items.at(1).row();
@@ -99,6 +100,8 @@ class Reader {
         if (const Tree* guard = item.find("guard")) t.guard = &guard->items.at(1);
         t.action = item.find("do");
         type.transitions.push_back(t);
+      } else if (head != "priority" && head != "merged" && item.is_list) {
+        throw NotCheckable("a row `" + head + "` of `" + type.name + "`");
       }
     }
     type.written.resize(type.exported.size());
