@@ -147,6 +147,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command->add_option("--timeout", a.timeout, "give up after SECONDS (default 60)")->check(is_number())->type_name("SECONDS");
   command->add_option("--memory", a.megabytes, "of the states that a search keeps (default 2048)")->check(is_number())->type_name("MB");
   command->add_option("--certificate", a.certificate, "write the evidence of a proof to PATH")->type_name("PATH");
+  command->add_flag("--partial", a.partial, "can a component wait for ever while others move")->excludes("--property")->excludes("--certificate");
   command->add_flag("--why", a.why, "print the invariants of a proof");
   command->add_flag("--json", a.json, "the verdict as JSON");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes code when states are searched");

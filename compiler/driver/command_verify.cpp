@@ -55,7 +55,8 @@ class Progress {
 
 // False: the property was no good, and that has been said.
 bool read_question(const VerifyArguments& a, const Compilation& c, verify::Question& question) {
-  if (a.property.empty() || a.property == "deadlock") return true;
+  if (a.partial) question.what = verify::Asked::NobodyStuck;
+  if (a.partial || a.property.empty() || a.property == "deadlock") return true;
   if (a.property == "errors") {
     question.what = verify::Asked::NoErrors;
     return true;

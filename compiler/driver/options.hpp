@@ -53,6 +53,7 @@ struct VerifyArguments {
   std::uint64_t megabytes = 2048;    // of the states that a search keeps
   std::string certificate;           // empty: none is written
   std::string property;              // empty: deadlock-freedom
+  bool partial = false;              // local deadlocks
   bool json = false;
   bool why = false;
 };

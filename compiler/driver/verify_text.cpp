@@ -20,7 +20,17 @@ const char* name_of(verify::Asked asked, bool holds) {
   switch (asked) {
     case verify::Asked::DeadlockFreedom: return holds ? "deadlock-free" : "deadlock";
     case verify::Asked::NoErrors: return holds ? "error-free" : "error";
+    case verify::Asked::NobodyStuck: return holds ? "free of local deadlocks" : "local deadlock";
     default: return holds ? "holds" : "violated";
+  }
+}
+
+const char* found_by_visit(verify::Asked asked) {
+  switch (asked) {
+    case verify::Asked::DeadlockFreedom: return "no deadlock among";
+    case verify::Asked::NoErrors: return "no error among";
+    case verify::Asked::NobodyStuck: return "no component waits for ever in";
+    default: return "true in";
   }
 }
 
@@ -29,8 +39,7 @@ std::string free_text(const Compilation& c, const verify::Question& question, co
   if (question.what == verify::Asked::State) text += fmt::format(": `{}`", question.property.text);
   const std::string size = fmt::format("({}, {})", count_of(c.system->atoms.size(), "component"), count_of(c.system->connectors.size(), "connector"));
   if (d.method == verify::Method::Exhaustive) {
-    const char* what = question.what == verify::Asked::DeadlockFreedom ? "no deadlock" : question.what == verify::Asked::NoErrors ? "no error" : "true";
-    text += fmt::format(": {} {} all {}\n", what, question.what == verify::Asked::State ? "in" : "among", count_of(d.states, "reachable state"));
+    text += fmt::format(": {} all {}\n", found_by_visit(question.what), count_of(d.states, "reachable state"));
   } else if (d.method == verify::Method::Invariants) {
     text += fmt::format(": proved with {} {}\n", count_of(d.proof.invariants.size(), "invariant"), size);
   } else {
@@ -71,7 +80,7 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
       v = {kOk, name_of(question.what, true), free_text(c, question, d, decider, why)};
       break;
     case verify::Outcome::Violated:
-      v = {kViolated, name_of(question.what, false), verify::tell(c.lowered->image, question, d.choices, kStepsShown)};
+      v = {kViolated, name_of(question.what, false), verify::tell(c.lowered->image, question, d, kStepsShown)};
       break;
     case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, decider)}; break;
   }
@@ -83,6 +92,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
   if (question.what == verify::Asked::State) json["property"] = question.property.text;
   if (question.what == verify::Asked::NoErrors) json["property"] = "errors";
+  if (question.what == verify::Asked::NobodyStuck) json["property"] = "partial";
   if (d.outcome == verify::Outcome::Holds) {
     json["method"] = d.method == verify::Method::Exhaustive ? "exhaustive" : d.method == verify::Method::Induction ? "induction" : "invariants";
     if (d.method != verify::Method::Exhaustive) json["invariants"] = d.proof.invariants.size();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "compiler/verify/find_stuck.hpp"
 #include "compiler/verify/follow.hpp"
 #include "compiler/verify/mode_signals.hpp"
 #include "compiler/verify/strengthen.hpp"
@@ -13,6 +14,7 @@ namespace bip::verify {
 namespace {
 // The first search is a second's work at most: states times what is in one.
 constexpr std::uint64_t kFirstStates = 20000, kFirstValues = 4000000;
+std::string state_count(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " state" : " states"); }
 }  // namespace
 
 bool Decider::ready() {
@@ -65,9 +67,29 @@ Decider::Tried Decider::try_search(std::uint64_t states) {
     return Tried::Done;
   }
   if (states == ~std::uint64_t{0}) {
-    add_reason("the search met its limit of " + found.limit + " after " + std::to_string(found.states) + (found.states == 1 ? " state" : " states"));
+    add_reason("the search met its limit of " + found.limit + " after " + state_count(found.states));
   }
   return Tried::Open;
+}
+
+// Only a visit of all states decides it.
+void Decider::look_for_stuck() {
+  if (!can_run_) d_.reason = "the model calls C++, whose state cannot be searched";
+  if (!ready()) return;
+  const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .report = [&](std::uint64_t count) { report_("search", count, "states"); }};
+  StuckResult result = find_stuck(net_, image_, limits);
+  d_.states = result.search.states;
+  d_.fault = result.search.fault;
+  d_.method = Method::Exhaustive;
+  switch (result.search.end) {
+    case SearchEnd::Exhausted: d_.outcome = Outcome::Holds; break;
+    case SearchEnd::Found:
+      d_.outcome = Outcome::Violated;
+      d_.choices = std::move(result.search.choices);
+      d_.stuck = std::move(result.stuck);
+      break;
+    case SearchEnd::Limit: add_reason("the search met its limit of " + result.search.limit + " after " + state_count(d_.states)); break;
+  }
 }
 
 std::vector<std::vector<Signal>> Decider::structural_clauses() {
@@ -154,6 +176,10 @@ Decision Decider::decide(const Question& question, const DecideLimits& limits) {
   limits_ = limits;
   d_ = {};
   is_exhausted_ = induction_failed_ = is_strengthened_ = false;
+  if (question.what == Asked::NobodyStuck) {
+    look_for_stuck();
+    return std::move(d_);
+  }
   look_at_structure();
   if (d_.outcome != Outcome::Unknown) return std::move(d_);
   // What each engine gets of the time that is left.

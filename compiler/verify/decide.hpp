@@ -8,7 +8,8 @@
 
 namespace bip::verify {
 
-enum class Asked : std::uint8_t { DeadlockFreedom, NoErrors, State };
+/// NobodyStuck: that no component waits for ever while others move.
+enum class Asked : std::uint8_t { DeadlockFreedom, NoErrors, State, NobodyStuck };
 struct Question {
   Asked what = Asked::DeadlockFreedom;
   Property property;  // State
@@ -28,6 +29,7 @@ struct Decision {
   bool has_structure = false;
   std::vector<Cube> lemmas;            // Induction
   std::vector<std::uint64_t> choices;  // Violated
+  std::vector<u32> stuck;              // Violated, NobodyStuck: rows of atoms
   std::uint64_t states = 0;            // visited by the last search
   std::string fault;                   // a run-time error that a search met and that was not asked about
   std::string reason;                  // Unknown
@@ -59,6 +61,7 @@ class Decider {
   enum class Tried : std::uint8_t { Done, Open };
   void look_at_structure();
   Tried try_search(std::uint64_t states);
+  void look_for_stuck();
   Tried try_induction(double seconds);
   [[nodiscard]] bool is_stopped() const { return seconds_until(limits_.end) <= 0; }
   [[nodiscard]] bool ready();

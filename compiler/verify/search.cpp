@@ -69,13 +69,6 @@ template <class T>
 void append_bytes(std::string& out, const std::vector<T>& values) {
   out.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
 }
-std::string key_of(const rt::State& state) {
-  std::string key;
-  append_bytes(key, state.places);
-  append_bytes(key, state.marks);
-  append_bytes(key, state.data);
-  return key;
-}
 
 class Search {
  public:
@@ -192,7 +185,7 @@ class Search {
     std::size_t bytes = 0;
     const auto add = [&](u32 parent, u32 choice) {
       rt::State state = core_.snapshot();
-      std::string key = key_of(state);
+      std::string key = state_key(state);
       const std::size_t size = 2 * key.size() + 200;
       const auto [found, is_new] = rows.try_emplace(std::move(key), static_cast<u32>(visited.size()));
       if (!is_new) return false;
@@ -277,6 +270,14 @@ class Search {
 };
 
 }  // namespace
+
+std::string state_key(const rt::State& state) {
+  std::string key;
+  append_bytes(key, state.places);
+  append_bytes(key, state.marks);
+  append_bytes(key, state.data);
+  return key;
+}
 
 SearchResult search(const Net& net, const rt::Image& image, const SearchGoal& goal, const std::vector<u32>& candidate, const SearchLimits& limits) {
   return Search(net, image, goal, candidate, limits).run();

@@ -36,6 +36,9 @@ struct SearchLimits {
 [[nodiscard]] SearchResult search(const Net& net, const rt::Image& image, const SearchGoal& goal, const std::vector<u32>& candidate,
                                   const SearchLimits& limits);
 
+/// Equal for equal states only; of images without extern data and time.
+[[nodiscard]] std::string state_key(const rt::State& state);
+
 /// Do these steps lead from the initial state to the goal?
 [[nodiscard]] bool reaches(const rt::Image& image, const SearchGoal& goal, const std::vector<std::uint64_t>& choices);
 

@@ -9,6 +9,8 @@ namespace bip::verify {
 
 namespace {
 
+constexpr std::size_t kStuckShown = 20;
+
 // No seed: these steps were chosen one by one.
 void drop_seed(std::string& text) {
   if (const std::size_t at = text.find(", seed 0)"); at != std::string::npos) text.erase(at, 8);
@@ -25,6 +27,26 @@ std::string broken_state(const rt::Core& core, const Property& property, std::si
     const std::string data = rt::data_of(core, atom);
     out += (data.empty() ? "" : "  " + data) + '\n';
   }
+  return out;
+}
+
+std::string stuck_text(const rt::Core& core, const std::vector<u32>& stuck, std::size_t steps) {
+  const std::string who = stuck.size() == 1 ? "1 component waits" : std::to_string(stuck.size()) + " components wait";
+  std::string out = "deadlock[V0004]: " + who + " for ever, whatever the others do   (" + step_count(steps) + '\n';
+  for (std::size_t k = 0; k < stuck.size() && k < kStuckShown; ++k) {
+    const rt::Atom& row = core.image().atoms[stuck[k]];
+    const rt::AtomType& type = core.image().atom_types[row.type];
+    out += std::string("  ") + rt::relative(row.path) + " at `" + rt::places_of(core, stuck[k]) + "`  ";
+    rt::append_line(out, core.image(), row.loc);
+    const char* before = "   wants ";
+    for (u32 port = 0; port < type.ports.size; ++port) {
+      if (core.enabled_transition(stuck[k], port) == rt::kNone) continue;
+      out += std::string(before) + type.ports[port].name;
+      before = ", ";
+    }
+    out += '\n';
+  }
+  if (stuck.size() > kStuckShown) out += "  … and " + std::to_string(stuck.size() - kStuckShown) + " more\n";
   return out;
 }
 
@@ -45,8 +67,10 @@ SearchGoal goal_of(const Question& question) {
   return goal;
 }
 
-std::string tell(const rt::Image& image, const Question& question, const std::vector<std::uint64_t>& choices, std::size_t max_lines) {
-  if (!reaches(image, goal_of(question), choices)) return {};
+std::string tell(const rt::Image& image, const Question& question, const Decision& decision, std::size_t max_lines) {
+  const std::vector<std::uint64_t>& choices = decision.choices;
+  // Who waits for ever is not to be seen in the last state alone: the decision says it.
+  if (question.what != Asked::NobodyStuck && !reaches(image, goal_of(question), choices)) return {};
   rt::Core core(image);
   std::string out;
   rt::StepWriter writer;
@@ -57,6 +81,7 @@ std::string tell(const rt::Image& image, const Question& question, const std::ve
     goes_on = core.fire(choices[step]);
   }
   if (!goes_on) return out + error_text(core, choices.size());
+  if (question.what == Asked::NobodyStuck) return out + stuck_text(core, decision.stuck, choices.size());
   if (question.what == Asked::State) return out + broken_state(core, question.property, choices.size());
   std::string story = rt::deadlock_story(core, choices.size(), 0);
   drop_seed(story);

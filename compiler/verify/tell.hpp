@@ -9,7 +9,7 @@ namespace bip::verify {
 /// What is looked for, as a search has it. `question` must outlive it.
 [[nodiscard]] SearchGoal goal_of(const Question& question);
 
-/// At most `max_lines` steps. Empty: the choices do not lead to what the question is about.
-[[nodiscard]] std::string tell(const rt::Image& image, const Question& question, const std::vector<std::uint64_t>& choices, std::size_t max_lines);
+/// Of a decision that is Violated; at most `max_lines` steps. Empty: its choices do not lead to what the question is about.
+[[nodiscard]] std::string tell(const rt::Image& image, const Question& question, const Decision& decision, std::size_t max_lines);
 
 }  // namespace bip::verify
