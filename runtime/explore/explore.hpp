@@ -29,7 +29,7 @@ struct ExploreOptions {
   std::size_t bytes = 0;          // of everything that is kept; 0: no limit
   u32 threads = 1;
   std::function<void(const ExploreProgress&)> tell;  // now and then
-  std::function<bool()> is_stopped;                  // asked now and then
+  std::function<bool()> is_stopped;                  // asked now and then, by any thread
 };
 
 enum class ExploreEnd : std::uint8_t { Complete, States, Memory, Time, Stopped };

@@ -9,6 +9,7 @@ namespace {
 
 constexpr u64 kPiece = 128;                 // states that a thread takes at a time
 constexpr u64 kSmall = 512;                 // a frontier that one thread does alone
+constexpr u64 kStatesPerLook = 16;          // at the clock: where the core is asked, a state can take milliseconds
 constexpr std::size_t kBatchWords = 1u << 18;  // of successors a thread: a batch ends, limits are looked at
 
 }  // namespace
@@ -116,12 +117,17 @@ u64 Search::frontier_size(u32 level) const {
   return sum;
 }
 
+ExploreEnd Search::end_by_now() const {
+  if (options_.is_stopped && options_.is_stopped()) return ExploreEnd::Stopped;
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
+  return options_.seconds > 0 && spent.count() > options_.seconds ? ExploreEnd::Time : ExploreEnd::Complete;
+}
+
 bool Search::is_over() {
   if (report_.end != ExploreEnd::Complete) return true;
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
-  if (options_.is_stopped && options_.is_stopped()) report_.end = ExploreEnd::Stopped;
-  else if (options_.seconds > 0 && spent.count() > options_.seconds) report_.end = ExploreEnd::Time;
-  else if (options_.bytes != 0 && kept_bytes() > options_.bytes) report_.end = ExploreEnd::Memory;
+  report_.end = end_by_now();
+  if (report_.end != ExploreEnd::Complete) return true;
+  if (options_.bytes != 0 && kept_bytes() > options_.bytes) report_.end = ExploreEnd::Memory;
   return report_.end != ExploreEnd::Complete;
 }
 
@@ -166,10 +172,16 @@ bool Search::run_batch(u64 frontier, u64& done) {
   is_batch_full_ = false;
   const auto job = [&](u32 k) {
     Worker& worker = workers_[k];
+    u64 looked = 0;
     while (!is_batch_full_.load(std::memory_order_relaxed)) {
       const u64 from = cursor_.fetch_add(kPiece);
       if (from >= end) break;
-      each_state(worker, level_, from, std::min(from + kPiece, end), [](Worker& at, const u64* state) {
+      each_state(worker, level_, from, std::min(from + kPiece, end), [&](Worker& at, const u64* state) {
+        // Whatever of the batch is done then counts; the search is over after it.
+        if (++looked % kStatesPerLook == 0 && end_by_now() != ExploreEnd::Complete) {
+          is_batch_full_.store(true, std::memory_order_relaxed);
+          return false;
+        }
         const Expander::Result result = at.expander->expand(state, at.out);
         at.counts.steps += result.steps;
         at.counts.deadlocks += result.is_deadlock ? 1 : 0;

@@ -44,6 +44,7 @@ class Search {
   void make_owners();
   void tell(u64 expanded_of_level) const;
   [[nodiscard]] bool is_over();
+  [[nodiscard]] ExploreEnd end_by_now() const;  // any thread
   [[nodiscard]] u64 states() const;
   [[nodiscard]] u64 frontier_size(u32 level) const;
   [[nodiscard]] std::size_t kept_bytes() const;

@@ -1,15 +1,10 @@
-// See stubborn.hpp. Cost of a state: the closure from a few of its slots, each linear in the slots that meet.
+// See stubborn.hpp. Cost of a state: linear in the pairs of slots that meet, from the first candidates on until a set of one is
+// found.
 #include "runtime/explore/stubborn.hpp"
 
 #include <algorithm>
 
 namespace bip::rt {
-
-namespace {
-
-constexpr u32 kTries = 24;  // slots with which a set is begun; the smallest set is taken
-
-}  // namespace
 
 Stubborn::Stubborn(const Core& core, const Shapes& shapes) : image_(core.image()), shapes_(shapes) {
   std::vector<Csr::Pair> pairs;
@@ -34,6 +29,52 @@ Stubborn::Stubborn(const Core& core, const Shapes& shapes) : image_(core.image()
     }
   }
   by_place_ = Csr::build(rows, pairs);
+  list_enabling();
+}
+
+// By two ports: may a transition of the first bring the automaton to where the second is offered? Internal transitions run at
+// the end of a step, so it leads to every place that they may lead on to.
+std::vector<std::vector<bool>> Stubborn::ports_that_lead(const AtomType& type) {
+  std::vector<std::vector<bool>> leads(type.ports.size, std::vector<bool>(type.ports.size, false));
+  std::vector<bool> seen(type.places.size);
+  for (const Transition& step : type.transitions) {
+    if (step.port == kNone) continue;
+    std::fill(seen.begin(), seen.end(), false);
+    std::vector<u32> todo{step.to[0]};
+    while (!todo.empty()) {
+      const u32 here = todo.back();
+      todo.pop_back();
+      if (seen[here]) continue;
+      seen[here] = true;
+      for (const Transition& t : type.transitions) {
+        if (t.from[0] != here) continue;
+        if (t.port == kNone) todo.push_back(t.to[0]);
+        else leads[step.port][t.port] = true;
+      }
+    }
+  }
+  return leads;
+}
+
+void Stubborn::list_enabling() {
+  std::vector<std::vector<std::vector<bool>>> leads(image_.atom_types.size);
+  std::vector<Csr::Pair> pairs;
+  u32 rows = 0;
+  for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+    const u32 row = image_.atoms[atom].type;
+    const u32 ports = image_.atom_types[row].ports.size;
+    port_base_.push_back(rows);
+    if (is_automaton_[atom] && leads[row].empty()) leads[row] = ports_that_lead(image_.atom_types[row]);
+    for (u32 port = 0; port < ports; ++port, ++rows) {
+      if (!is_automaton_[atom]) continue;
+      for (const u32 slot : shapes_.slots_of_atom[atom]) {
+        const Span<SlotLeaf> leaves = shapes_.leaves_of(slot);
+        const bool brings = std::any_of(leaves.begin(), leaves.end(), [&](const SlotLeaf& leaf) { return leaf.atom == atom && leads[row][leaf.port][port]; });
+        if (brings) pairs.push_back({rows, slot});
+      }
+    }
+  }
+  enabling_ = Csr::build(rows, pairs);
 }
 
 // May the port of an automaton be enabled at the place? Guards are not looked at.
@@ -48,54 +89,101 @@ Span<u32> Stubborn::near(const u64* state, const Layout& layout, const Locals& l
   return by_place_[place_base_[atom] + (is_automaton_[atom] ? locals.place(atom, layout.get(state, atom)) : 0)];
 }
 
+// What a slot needs. Of a slot without candidate: of the atoms whose port is not offered where they stand, and the two sets that
+// each gives, one that adds few slots with a candidate; those of the component at hand are in the set anyway.
+StubbornScratch::Frame Stubborn::frame_of(u32 slot, const u64* state, const Layout& layout, const Locals& locals, const std::vector<u32>& has_candidate,
+                                          const StubbornScratch& scratch) const {
+  StubbornScratch::Frame frame{slot, false, {}};
+  if (has_candidate[slot] != 0 || !shapes_.slots[slot].is_rendezvous) return frame;
+  std::pair<u32, u32> fewest;
+  const auto offer = [&](Span<u32> slots) {
+    std::pair<u32, u32> cost{0, 0};
+    for (const u32 other : slots) {
+      const StubbornScratch::Visit& visit = scratch.visits[other];
+      if (visit.round == scratch.round && visit.is_open) continue;
+      const bool is_complete = visit.round == scratch.round;
+      cost.first += has_candidate[other] != 0 || (is_complete && visit.has_candidate) ? 1 : 0;
+      cost.second += is_complete ? 0 : 1;
+    }
+    if (frame.is_blocked && cost >= fewest) return;
+    fewest = cost;
+    frame.is_blocked = true;
+    frame.needed = slots;
+  };
+  for (const SlotLeaf& leaf : shapes_.leaves_of(slot)) {
+    if (!is_automaton_[leaf.atom] || offers(leaf.atom, leaf.port, locals.place(leaf.atom, layout.get(state, leaf.atom)))) continue;
+    offer(enabling_[port_base_[leaf.atom] + leaf.port]);
+    offer(near(state, layout, locals, leaf.atom));
+  }
+  return frame;
+}
+
+// The next slot that the frame's slot needs, or kNone.
+u32 Stubborn::next_needed(StubbornScratch::Frame& frame, const u64* state, const Layout& layout, const Locals& locals) const {
+  if (frame.is_blocked) return frame.at < frame.needed.size ? frame.needed[frame.at++] : kNone;
+  const Span<u32> own = shapes_.atoms_of(frame.slot);
+  for (; frame.atom < own.size; ++frame.atom, frame.at = 0) {
+    const Span<u32> slots = near(state, layout, locals, own[frame.atom]);
+    if (frame.at < slots.size) return slots[frame.at++];
+  }
+  return kNone;
+}
+
 void Stubborn::choose(const u64* state, const Layout& layout, const Locals& locals, const std::vector<u32>& has_candidate,
                       StubbornScratch& scratch, std::vector<u32>& chosen) const {
-  scratch.in_set.resize(shapes_.slots.size(), 0);
-  std::vector<u32>& set = scratch.set;
+  using Visit = StubbornScratch::Visit;
+  std::vector<Visit>& visits = scratch.visits;
+  visits.resize(shapes_.slots.size());
+  const std::uint32_t round = ++scratch.round;
+  u32 order = 0;
   std::size_t best = ~std::size_t{0};
-  u32 tries = 0;
-  for (u32 start = 0; start < has_candidate.size() && tries < kTries && best > 1; ++start) {
-    if (has_candidate[start] == 0) continue;
-    ++tries;
-    const std::uint32_t round = ++scratch.round;
-    set.assign(1, start);
-    scratch.in_set[start] = round;
-    const auto add_near = [&](u32 atom) {
-      for (const u32 slot : near(state, layout, locals, atom)) {
-        if (scratch.in_set[slot] == round) continue;
-        scratch.in_set[slot] = round;
-        set.push_back(slot);
-      }
-    };
-    std::size_t taken = 0;
-    for (std::size_t at = 0; at < set.size() && taken < best; ++at) {
-      const u32 slot = set[at];
-      u32 blocking = kNone;
-      if (has_candidate[slot] != 0) {
-        ++taken;
-      } else if (shapes_.slots[slot].is_rendezvous) {
-        u32 fewest = kNone;
-        for (const SlotLeaf& leaf : shapes_.leaves_of(slot)) {
-          if (!is_automaton_[leaf.atom] || offers(leaf.atom, leaf.port, locals.place(leaf.atom, layout.get(state, leaf.atom)))) continue;
-          u32 fresh = 0;
-          for (const u32 other : near(state, layout, locals, leaf.atom)) fresh += scratch.in_set[other] == round ? 0u : 1u;
-          if (fewest == kNone || fresh < fewest) {
-            fewest = fresh;
-            blocking = leaf.atom;
-          }
-        }
-      }
-      if (blocking != kNone) {
-        add_near(blocking);
-      } else {
-        for (const u32 atom : shapes_.atoms_of(slot)) add_near(atom);
-      }
+  const auto begin = [&](u32 slot) {
+    visits[slot] = {round, order, order, true, false};
+    ++order;
+    scratch.open.push_back(slot);
+    scratch.frames.push_back(frame_of(slot, state, layout, locals, has_candidate, scratch));
+  };
+  // The component of `root` is complete: everything from it to the top of `open`. Those it needs were complete before.
+  const auto finish = [&](u32 root) {
+    const bool is_candidate_below = visits[root].has_candidate;
+    scratch.set.clear();
+    u32 slot = kNone;
+    std::size_t first = scratch.open.size();
+    do {
+      slot = scratch.open[--first];
+      if (has_candidate[slot] != 0) scratch.set.push_back(slot);
+    } while (slot != root);
+    for (std::size_t k = first; k < scratch.open.size(); ++k) {
+      visits[scratch.open[k]].is_open = false;
+      visits[scratch.open[k]].has_candidate = is_candidate_below || !scratch.set.empty();
     }
-    if (taken >= best) continue;
-    best = taken;
-    chosen.clear();
-    for (const u32 slot : set) {
-      if (has_candidate[slot] != 0) chosen.push_back(slot);
+    scratch.open.resize(first);
+    if (is_candidate_below || scratch.set.empty() || scratch.set.size() >= best) return;
+    best = scratch.set.size();
+    chosen = scratch.set;
+  };
+  const u32 slots = static_cast<u32>(has_candidate.size());
+  scratch.frames.clear();
+  scratch.open.clear();
+  for (u32 start = 0; start < slots && best > 1; ++start) {
+    if (has_candidate[start] == 0 || visits[start].round == round) continue;
+    begin(start);
+    while (!scratch.frames.empty()) {
+      const u32 next = next_needed(scratch.frames.back(), state, layout, locals);
+      const u32 slot = scratch.frames.back().slot;
+      if (next != kNone && visits[next].round != round) {
+        begin(next);
+      } else if (next != kNone) {
+        if (visits[next].is_open) visits[slot].low = std::min(visits[slot].low, visits[next].order);
+        else visits[slot].has_candidate |= visits[next].has_candidate;
+      } else {
+        scratch.frames.pop_back();
+        if (visits[slot].low == visits[slot].order) finish(slot);
+        if (scratch.frames.empty()) break;
+        Visit& above = visits[scratch.frames.back().slot];
+        above.has_candidate |= visits[slot].has_candidate;
+        if (visits[slot].is_open) above.low = std::min(above.low, visits[slot].low);
+      }
     }
   }
   std::sort(chosen.begin(), chosen.end());

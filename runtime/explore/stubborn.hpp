@@ -2,10 +2,14 @@
 //
 // A set T of slots, one with a candidate among them, such that what is left out can neither move nor be influenced by an
 // atom of T's slots: if t in T has a candidate, all slots that could use one of its atoms where that atom stands now are in
-// T; if it has none, this holds of one atom whose port is not offered there (of all its atoms, if no single one is to
-// blame). Steps outside T then commute with those in T, and what keeps a slot of T disabled only T can change. So a
+// T; if it has none, it is because an atom's port is not offered there, and all slots that may bring that atom to where it is
+// offered are in T, or all that could use the atom where it stands (if no single atom is to blame: those near all its atoms). Steps outside T then commute with those in T, and what keeps a slot of T disabled only T can change. So a
 // deadlock is reached from here exactly if it is through a step of T; each such step is taken, the others are not.
-// Kept: which deadlocks are reachable. Not kept: other states, run-time errors, numbers of steps.
+// Kept: which deadlocks are reachable. Not kept: other states, run-time errors, numbers of steps. No proviso about cycles is
+// needed for that (Valmari 1990): a deadlock that can be reached from a state can be reached through the state's set.
+//
+// "t needs u" is a graph over slots, and T is closed in it. The smallest closed sets with a candidate are strongly connected
+// components with no candidate below them (Valmari's algorithm of strong components, with Tarjan's of 1972).
 #pragma once
 #include <vector>
 
@@ -15,9 +19,22 @@
 namespace bip::rt {
 
 struct StubbornScratch {
-  std::vector<std::uint32_t> in_set;   // by slot: round in which it was added
+  struct Visit {
+    std::uint32_t round = 0;    // of the state at hand, if it was visited
+    u32 order = 0, low = 0;     // Tarjan's numbers
+    bool is_open = false;       // its component is not complete
+    bool has_candidate = false; // in the complete components that it needs; once its own is complete, in that too
+  };
+  struct Frame {
+    u32 slot = 0;
+    bool is_blocked = false;    // it needs `needed`, else what is near its atoms
+    Span<u32> needed;
+    u32 atom = 0, at = 0;       // position among its atoms, among slots
+  };
+  std::vector<Visit> visits;    // by slot
   std::uint32_t round = 0;
-  std::vector<u32> set, best;
+  std::vector<Frame> frames;
+  std::vector<u32> open, set;
 };
 
 class Stubborn {
@@ -31,12 +48,19 @@ class Stubborn {
  private:
   [[nodiscard]] Span<u32> near(const u64* state, const Layout& layout, const Locals& locals, u32 atom) const;
   [[nodiscard]] bool offers(u32 atom, u32 port, u32 place) const;
+  static std::vector<std::vector<bool>> ports_that_lead(const AtomType& type);
+  void list_enabling();
+  [[nodiscard]] StubbornScratch::Frame frame_of(u32 slot, const u64* state, const Layout& layout, const Locals& locals, const std::vector<u32>& has_candidate,
+                                                const StubbornScratch& scratch) const;
+  [[nodiscard]] u32 next_needed(StubbornScratch::Frame& frame, const u64* state, const Layout& layout, const Locals& locals) const;
 
   const Image& image_;
   const Shapes& shapes_;
   std::vector<u32> place_base_;   // by atom: its first row of by_place_; Petri types have one row
   std::vector<bool> is_automaton_;
   Csr by_place_;                  // by atom and place: slots that may use the atom there
+  std::vector<u32> port_base_;    // by atom: its first row of enabling_
+  Csr enabling_;                  // by atom and port: slots that may bring an automaton to where the port is offered
 };
 
 }  // namespace bip::rt
