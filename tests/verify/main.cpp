@@ -14,10 +14,10 @@
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/certificate.hpp"
 #include "compiler/verify/tell.hpp"
+#include "tests/verify/random_property.hpp"
 #include "tests/verify/small_net.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/description.hpp"
-#include "tools/gen/prng.hpp"
 
 namespace {
 
@@ -35,31 +35,6 @@ struct Totals {
 
 verify::Clock::time_point after(double seconds) {
   return verify::Clock::now() + std::chrono::duration_cast<verify::Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
-// A property that is neither always nor never broken, with some luck.
-std::string random_property(const System& system, std::uint64_t seed) {
-  gen::Prng random(seed);
-  std::string text = "never ";
-  for (int k = 0; k < 2; ++k) {
-    const Atom& atom = system.atoms[AtomId(static_cast<std::size_t>(random.below(system.atoms.size())))];
-    const AtomType& type = system.atom_types[atom.type];
-    if (k != 0) text += " && ";
-    const std::string path = atom.path.substr(5);
-    if (!type.slots.empty() && random.below(3) == 0) {
-      const Slot& slot = type.slots[static_cast<std::size_t>(random.below(type.slots.size()))];
-      if (slot.type == Type::Int) {
-        text += path + '.' + slot.name + " > " + std::to_string(random.below(4));
-        continue;
-      }
-      if (slot.type == Type::Bool) {
-        text += path + '.' + slot.name;
-        continue;
-      }
-    }
-    text += path + '@' + type.places[static_cast<std::size_t>(random.below(type.places.size()))];
-  }
-  return text;
 }
 
 class Check {
@@ -80,7 +55,7 @@ class Check {
     verify::Question deadlock, errors, state;
     errors.what = verify::Asked::NoErrors;
     state.what = verify::Asked::State;
-    const std::string property = random_property(*c.system, seed);
+    const std::string property = verify::test::random_property(*c.system, seed);
     Result<verify::Property> parsed = verify::parse_property(property, *c.system);
     if (!parsed) {
       fail("property `" + property + "`: " + parsed.error());

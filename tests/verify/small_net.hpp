@@ -7,5 +7,7 @@ namespace bip::verify::test {
 
 /// The text of a model. The same seed gives the same text on every machine.
 [[nodiscard]] std::string small_net(std::uint64_t seed);
+/// Users that take locks: their proofs need invariants.
+[[nodiscard]] std::string lock_net(std::uint64_t seed);
 
 }  // namespace bip::verify::test

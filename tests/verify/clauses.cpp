@@ -1,0 +1,256 @@
+// See clauses.hpp. The cost is the number of states that satisfy the rows times what is enabled in each.
+#include "tests/verify/clauses.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+
+namespace bip::verify::test {
+
+namespace {
+
+constexpr std::size_t kNone = ~std::size_t{0};
+
+bool read_number(const std::string& word, std::int64_t& number) {
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  return error == std::errc{} && end == word.data() + word.size() && std::to_string(number) == word;
+}
+bool read_row_number(const std::string& word, std::size_t count, std::uint32_t& row) {
+  std::int64_t number = 0;
+  if (!read_number(word, number) || number < 0 || static_cast<std::size_t>(number) >= count) return false;
+  row = static_cast<std::uint32_t>(number);
+  return true;
+}
+template <class Names, class NameOf>
+bool find_name(const Names& names, const std::string& name, std::uint32_t& row, NameOf name_of) {
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    row = static_cast<std::uint32_t>(k);
+    if (name_of(names[k]) == name) return true;
+  }
+  return false;
+}
+const std::string& slot_name(const Slot& slot) { return slot.name; }
+const std::string& own_name(const std::string& name) { return name; }
+
+}  // namespace
+
+std::size_t Clauses::atom_of(const std::string& path) const {
+  for (std::size_t atom = 0; atom < system_.atoms.size(); ++atom) {
+    if (system_.atoms[AtomId(atom)].path == path) return atom;
+  }
+  return kNone;
+}
+
+bool Clauses::split_data(const std::string& path, std::size_t& atom, std::uint32_t& slot) const {
+  const std::size_t dot = path.rfind('.');
+  if (dot == std::string::npos) return false;
+  atom = atom_of(path.substr(0, dot));
+  return atom != kNone && find_name(system_.atom_types[system_.atoms[AtomId(atom)].type].slots, path.substr(dot + 1), slot, slot_name);
+}
+
+bool Clauses::read_literal(std::string word, Literal& literal) const {
+  literal.is_negated = word[0] == '!';
+  if (literal.is_negated) word.erase(0, 1);
+  const std::size_t at = word.find('@'), colon = word.rfind(':');
+  literal.is_place = at != std::string::npos;
+  if (literal.is_place) {
+    literal.atom = atom_of(word.substr(0, at));
+    return literal.atom != kNone && find_name(system_.atom_types[system_.atoms[AtomId(literal.atom)].type].places, word.substr(at + 1), literal.row, own_name);
+  }
+  return colon != std::string::npos && split_data(word.substr(0, colon), literal.atom, literal.row) && read_row_number(word.substr(colon + 1), 32, literal.bit);
+}
+
+bool Clauses::read_mode(const std::vector<std::string>& words, Rows& rows) const {
+  if (rows.classes.empty()) return false;
+  Class& row = rows.classes.back();
+  const AtomType& type = system_.atom_types[row.type];
+  if (words.size() < 4 || words[1] != std::to_string(row.modes.size()) || words[2] != "at") return false;
+  Mode mode;
+  std::size_t places = 0;
+  for (std::size_t k = 3; k < words.size(); ++k) {
+    const std::size_t equals = words[k].find('=');
+    std::uint32_t found = 0;
+    if (equals == std::string::npos) {
+      if (!find_name(type.places, words[k], mode.place, own_name)) return false;
+      ++places;
+      continue;
+    }
+    if (!find_name(type.slots, words[k].substr(0, equals), found, slot_name)) return false;
+    if (std::find(row.slots.begin(), row.slots.end(), found) == row.slots.end()) return false;
+    const std::string value = words[k].substr(equals + 1);
+    std::int64_t number = 0;
+    if (value != "?" && !read_number(value, number)) return false;
+    if (value == "?" || type.slots[found].type == Type::String) rows.is_listable = false;
+    if (value != "?") mode.values[found] = static_cast<std::int32_t>(number);
+  }
+  // Data that the modes don't know can be anything.
+  const bool knows_all = std::all_of(type.slots.begin(), type.slots.end(), [&](const Slot& slot) {
+    return slot.is_param || mode.values.contains(static_cast<std::uint32_t>(&slot - type.slots.data()));
+  });
+  rows.is_listable = rows.is_listable && places == 1 && knows_all;
+  if (std::find(row.modes.begin(), row.modes.end(), mode) != row.modes.end()) return false;
+  row.modes.push_back(mode);
+  return true;
+}
+
+bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const {
+  const std::string& head = words[0];
+  if (head == "class") {
+    Class row;
+    std::uint32_t type = 0;
+    std::vector<std::string> names;
+    for (const AtomType& one : system_.atom_types) names.push_back(one.name);
+    if (words.size() < 3 || words[1] != std::to_string(rows.classes.size()) || !find_name(names, words[2], type, own_name)) return false;
+    row.type = AtomTypeId(std::size_t{type});
+    for (std::size_t k = 3; k < words.size(); ++k) {
+      std::uint32_t slot = 0;
+      if (!find_name(system_.atom_types[row.type].slots, words[k], slot, slot_name)) return false;
+      row.slots.push_back(slot);
+    }
+    rows.classes.push_back(std::move(row));
+    return true;
+  }
+  if (head == "mode") return read_mode(words, rows);
+  if (head == "component") {
+    const std::size_t atom = words.size() < 5 ? kNone : atom_of(words[1]);
+    std::uint32_t row = 0;
+    if (atom == kNone || rows.class_of[atom] != kNone || !read_row_number(words[3], rows.classes.size(), row)) return false;
+    rows.class_of[atom] = row;
+    if (rows.classes[row].type != system_.atoms[AtomId(atom)].type) return false;
+    for (std::size_t k = 5; k < words.size(); ++k) {
+      std::uint32_t mode = 0;
+      if (!read_row_number(words[k], rows.classes[row].modes.size(), mode)) return false;
+      rows.reachable[atom].insert(mode);
+    }
+    return true;
+  }
+  if (head == "trap" || head == "one-token") {
+    std::set<Member> members;
+    for (std::size_t k = 1; k < words.size(); ++k) {
+      const std::size_t colon = words[k].rfind(':');
+      if (colon == std::string::npos) return false;
+      Member member{atom_of(words[k].substr(0, colon)), 0};
+      // A mode that the class lacks is none that holds.
+      if (member.atom == kNone || !read_row_number(words[k].substr(colon + 1), 0x7fffffff, member.mode)) return false;
+      members.insert(member);
+    }
+    (head == "trap" ? rows.traps : rows.one_tokens).push_back(std::move(members));
+    return true;
+  }
+  if (head == "lemma") {
+    std::vector<Literal> lemma(words.size() - 1);
+    for (std::size_t k = 1; k < words.size(); ++k) {
+      if (!read_literal(words[k], lemma[k - 1])) return false;
+    }
+    rows.lemmas.push_back(std::move(lemma));
+    return true;
+  }
+  if (head == "range") {
+    Range range;
+    if (words.size() != 4 || !split_data(words[1], range.atom, range.slot) || !read_number(words[2], range.low) || !read_number(words[3], range.high)) return false;
+    rows.ranges.push_back(range);
+    return true;
+  }
+  return head == "root" || head == "claim" || head == "method" || head == "end" || head == "bipc-certificate";
+}
+
+bool Clauses::read(const std::string& text, Rows& rows) const {
+  rows.class_of.assign(system_.atoms.size(), kNone);
+  rows.reachable.resize(system_.atoms.size());
+  std::istringstream lines(text);
+  std::string line;
+  while (std::getline(lines, line)) {
+    std::istringstream in(line);
+    std::vector<std::string> words;
+    for (std::string word; in >> word;) words.push_back(word);
+    if (words.empty() || !read_row(words, rows)) return false;
+  }
+  return std::find(rows.class_of.begin(), rows.class_of.end(), kNone) == rows.class_of.end();
+}
+
+std::int32_t Clauses::value(const rt::State& state, std::size_t atom, std::uint32_t slot) const {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(state.data[image_.atoms[static_cast<u32>(atom)].slot_base + slot]));
+}
+
+bool Clauses::is_in(const rt::State& state, std::size_t atom, const Mode& mode) const {
+  return state.places[atom] == mode.place &&
+         std::all_of(mode.values.begin(), mode.values.end(), [&](const auto& known) { return value(state, atom, known.first) == known.second; });
+}
+
+bool Clauses::hold(const Rows& rows, const rt::State& state) const {
+  const auto in_mode = [&](std::size_t atom, std::uint32_t mode) {
+    const std::vector<Mode>& modes = rows.classes[rows.class_of[atom]].modes;
+    return mode < modes.size() && rows.reachable[atom].contains(mode) && is_in(state, atom, modes[mode]);
+  };
+  for (std::size_t atom = 0; atom < rows.reachable.size(); ++atom) {
+    if (std::none_of(rows.reachable[atom].begin(), rows.reachable[atom].end(), [&](std::uint32_t mode) { return in_mode(atom, mode); })) return false;
+  }
+  const auto tokens = [&](const std::set<Member>& members) {
+    return std::count_if(members.begin(), members.end(), [&](const Member& member) { return in_mode(member.atom, member.mode); });
+  };
+  for (const std::set<Member>& trap : rows.traps) {
+    if (tokens(trap) == 0) return false;
+  }
+  for (const std::set<Member>& set : rows.one_tokens) {
+    if (tokens(set) != 1) return false;
+  }
+  for (const Range& range : rows.ranges) {
+    const std::int32_t v = value(state, range.atom, range.slot);
+    if (v < range.low || v > range.high) return false;
+  }
+  return std::all_of(rows.lemmas.begin(), rows.lemmas.end(), [&](const std::vector<Literal>& lemma) {
+    return std::any_of(lemma.begin(), lemma.end(), [&](const Literal& l) {
+      const bool is_set = l.is_place ? state.places[l.atom] == l.row : ((static_cast<std::uint32_t>(value(state, l.atom, l.row)) >> l.bit) & 1) != 0;
+      return is_set != l.is_negated;
+    });
+  });
+}
+
+Worth Clauses::worth(const std::string& text, const SearchGoal& goal, std::size_t limit) {
+  Rows rows;
+  const bool is_sound = read(text, rows);
+  if (!rows.is_listable || rows.classes.empty()) return Worth::TooLarge;
+  if (!is_sound) return Worth::Malformed;
+  std::size_t count = 1;
+  for (const std::set<std::uint32_t>& modes : rows.reachable) {
+    count *= modes.size();
+    if (count > limit) return Worth::TooLarge;
+  }
+  rt::Core core(image_);
+  if (!core.initialize()) return Worth::TooLarge;
+  rt::State state = core.snapshot();
+  if (!state.marks.empty() || !state.time.empty()) return Worth::TooLarge;
+  const rt::State first = state;
+  if (!hold(rows, first)) return Worth::Insufficient;
+  for (std::size_t number = 0; number < count; ++number) {
+    std::size_t rest = number;
+    bool exists = true;
+    for (std::size_t atom = 0; atom < rows.reachable.size(); ++atom) {
+      auto chosen = rows.reachable[atom].begin();
+      std::advance(chosen, static_cast<long>(rest % rows.reachable[atom].size()));
+      rest /= rows.reachable[atom].size();
+      const Mode& mode = rows.classes[rows.class_of[atom]].modes[*chosen];
+      const std::vector<Slot>& slots = system_.atom_types[system_.atoms[AtomId(atom)].type].slots;
+      state.places[atom] = mode.place;
+      for (const auto& [slot, v] : mode.values) {
+        if (slots[slot].is_param && value(first, atom, slot) != v) exists = false;
+        if (!slots[slot].is_param) state.data[image_.atoms[static_cast<u32>(atom)].slot_base + slot] = static_cast<std::uint32_t>(v);
+      }
+    }
+    if (!exists || !hold(rows, state)) continue;
+    if (!core.restore(state)) {
+      if (goal.faults) return Worth::Insufficient;
+      continue;
+    }
+    const std::uint64_t steps = core.candidate_count();
+    if ((goal.stuck && steps == 0) || (goal.state && goal.state(core))) return Worth::Insufficient;
+    for (std::uint64_t k = 0; k < steps; ++k) {
+      if (k != 0 && !core.restore(state)) break;
+      const bool is_fired = core.fire(k);
+      if (is_fired ? !hold(rows, core.snapshot()) : goal.faults) return Worth::Insufficient;
+    }
+  }
+  return Worth::Suffices;
+}
+
+}  // namespace bip::verify::test

@@ -1,0 +1,75 @@
+// What a certificate's rows say of single states, read once more (neither by the prover's code nor by certcheck's), and whether
+// they suffice: true at first, kept by every step that the engine knows, and of no state that is bad.
+//
+// Only for small systems whose atoms are automata and whose modes know the values of all data: then the states that satisfy the
+// rows can be listed, reachable or not, and each is tried on the engine's core.
+#pragma once
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "compiler/verify/search.hpp"
+
+namespace bip::verify::test {
+
+enum class Worth : std::uint8_t { Suffices, Insufficient, Malformed, TooLarge };
+
+class Clauses {
+ public:
+  /// `system` and `image` are of one compilation and must outlive it.
+  Clauses(const System& system, const rt::Image& image) : system_(system), image_(image) {}
+  /// Worth of the rows as a proof that nothing of `goal` is reachable. TooLarge: more than `limit` states, or what is not listable.
+  [[nodiscard]] Worth worth(const std::string& text, const SearchGoal& goal, std::size_t limit);
+
+ private:
+  struct Mode {
+    std::uint32_t place = 0;
+    std::map<std::uint32_t, std::int32_t> values;  // by slot
+    friend bool operator==(const Mode&, const Mode&) = default;
+  };
+  struct Class {
+    AtomTypeId type;
+    std::vector<std::uint32_t> slots;
+    std::vector<Mode> modes;
+  };
+  struct Member {
+    std::size_t atom = 0;
+    std::uint32_t mode = 0;
+    friend auto operator<=>(const Member&, const Member&) = default;
+  };
+  struct Literal {
+    std::size_t atom = 0;
+    std::uint32_t row = 0, bit = 0;
+    bool is_place = false, is_negated = false;
+  };
+  struct Range {
+    std::size_t atom = 0;
+    std::uint32_t slot = 0;
+    std::int64_t low = 0, high = 0;
+  };
+  struct Rows {
+    std::vector<Class> classes;
+    std::vector<std::size_t> class_of;
+    std::vector<std::set<std::uint32_t>> reachable;
+    std::vector<std::set<Member>> traps, one_tokens;
+    std::vector<std::vector<Literal>> lemmas;
+    std::vector<Range> ranges;
+    bool is_listable = true;
+  };
+
+  [[nodiscard]] bool read(const std::string& text, Rows& rows) const;
+  [[nodiscard]] bool read_row(const std::vector<std::string>& words, Rows& rows) const;
+  [[nodiscard]] bool read_mode(const std::vector<std::string>& words, Rows& rows) const;
+  [[nodiscard]] bool read_literal(std::string word, Literal& literal) const;
+  [[nodiscard]] bool split_data(const std::string& path, std::size_t& atom, std::uint32_t& slot) const;
+  [[nodiscard]] std::size_t atom_of(const std::string& path) const;
+  [[nodiscard]] bool is_in(const rt::State& state, std::size_t atom, const Mode& mode) const;
+  [[nodiscard]] bool hold(const Rows& rows, const rt::State& state) const;
+  [[nodiscard]] std::int32_t value(const rt::State& state, std::size_t atom, std::uint32_t slot) const;
+
+  const System& system_;
+  const rt::Image& image_;
+};
+
+}  // namespace bip::verify::test

@@ -1,0 +1,156 @@
+// bip-mutate-certificates: proofs of small random systems are changed at random, and certcheck must not accept those whose
+// clauses no longer suffice. Whether they do is found without it: all states that satisfy them are tried on the engine's core.
+//
+//   bip-mutate-certificates --from S --count N [--each N] [--states N]
+//
+// N seeds, three systems each (a small net, locks, a model of tools/gen), up to three claims each, --each changes of every proof.
+// Accepting too little is no fault, but is counted: what certcheck demands row by row may hold of all rows together only.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+
+#include "compiler/interp/interp.hpp"
+#include "compiler/system/bsys.hpp"
+#include "compiler/verify/certificate.hpp"
+#include "compiler/verify/tell.hpp"
+#include "tests/verify/clauses.hpp"
+#include "tests/verify/mutation.hpp"
+#include "tests/verify/random_property.hpp"
+#include "tests/verify/small_net.hpp"
+#include "tools/certcheck/check.hpp"
+#include "tools/gen/compiled.hpp"
+#include "tools/gen/description.hpp"
+
+namespace {
+
+using namespace bip;
+using verify::test::Worth;
+
+struct Options {
+  std::uint64_t from = 1, count = 20, each = 20;
+  std::size_t states = 4000;
+};
+enum class Told { Accepted, Rejected, NotCheckable };
+struct Totals {
+  unsigned long long proofs = 0, refused_proofs = 0, skipped = 0, same = 0;
+  unsigned long long insufficient = 0, rejected = 0, not_checkable = 0, malformed = 0, sufficient = 0, accepted = 0, failed = 0;
+};
+
+Told ask(const certcheck::Model& model, const std::string& text, std::string& why) {
+  try {
+    why = certcheck::check(model, text);
+    return Told::Accepted;
+  } catch (const certcheck::NotCheckable& e) {
+    why = e.what();
+    return Told::NotCheckable;
+  } catch (const std::exception& e) {
+    why = e.what();
+    return Told::Rejected;
+  }
+}
+
+class Run {
+ public:
+  Run(const Options& options, Totals& totals) : o_(options), t_(totals) {}
+
+  void system(const std::string& name, const std::vector<std::string>& texts, std::uint64_t seed) {
+    const gen::Compiled c = gen::compile_texts(texts);
+    if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.extern_types.empty()) return;
+    const interp::Interpreter interpreter(*c.lowered);
+    certcheck::Model model;
+    try {
+      certcheck::read_model(system::print(*c.system), model);
+    } catch (const certcheck::NotCheckable&) {
+      return;
+    }
+    verify::Question deadlock, errors, state;
+    errors.what = verify::Asked::NoErrors;
+    state.what = verify::Asked::State;
+    Result<verify::Property> parsed = verify::parse_property(verify::test::random_property(*c.system, seed), *c.system);
+    if (!parsed) return;
+    state.property = std::move(*parsed);
+    int number = 0;
+    for (const verify::Question* question : {&deadlock, &errors, &state}) one(c, model, *question, name + '-' + std::to_string(number++), seed);
+  }
+
+ private:
+  void one(const gen::Compiled& c, const certcheck::Model& model, const verify::Question& question, const std::string& name, std::uint64_t seed) {
+    verify::DecideLimits limits;
+    limits.end = verify::Clock::now() + std::chrono::seconds(2);
+    limits.may_search = false;
+    limits.wants_certificate = true;
+    verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
+    const verify::Decision d = decider.decide(question, limits);
+    if (d.outcome != verify::Outcome::Holds) return;
+    const std::string proof = verify::certificate(decider, question, d, *c.system, "Root()");
+    const verify::SearchGoal goal = verify::goal_of(question);
+    verify::test::Clauses clauses(*c.system, c.lowered->image);
+    const Worth whole = clauses.worth(proof, goal, o_.states);
+    if (whole == Worth::TooLarge) {
+      ++t_.skipped;
+      return;
+    }
+    ++t_.proofs;
+    std::string why;
+    if (whole != Worth::Suffices) fail(name, "the prover's own rows do not suffice", proof);
+    if (ask(model, proof, why) != Told::Accepted) {
+      ++t_.refused_proofs;
+      return;
+    }
+    gen::Prng random(seed * 3 + static_cast<std::uint64_t>(question.what));
+    for (std::uint64_t k = 0; k < o_.each; ++k) {
+      const std::string changed = verify::test::mutate(proof, random);
+      if (changed == proof) {
+        ++t_.same;
+        continue;
+      }
+      const Worth worth = clauses.worth(changed, goal, o_.states);
+      if (worth == Worth::TooLarge) continue;
+      const Told told = ask(model, changed, why);
+      if (worth == Worth::Suffices) {
+        ++t_.sufficient;
+        t_.accepted += told == Told::Accepted ? 1 : 0;
+        continue;
+      }
+      ++(worth == Worth::Malformed ? t_.malformed : t_.insufficient);
+      if (told == Told::Accepted) fail(name, "clauses that do not suffice are accepted: " + why, changed);
+      if (worth == Worth::Insufficient) ++(told == Told::Rejected ? t_.rejected : t_.not_checkable);
+    }
+  }
+  void fail(const std::string& name, const std::string& what, const std::string& proof) {
+    ++t_.failed;
+    std::printf("FAILED %s: %s\n%s", name.c_str(), what.c_str(), proof.c_str());
+    std::fflush(stdout);
+  }
+
+  const Options& o_;
+  Totals& t_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options o;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string flag = argv[i];
+    const std::uint64_t value = std::strtoull(argv[i + 1], nullptr, 10);
+    if (flag == "--from") o.from = value;
+    else if (flag == "--count") o.count = value;
+    else if (flag == "--each") o.each = value;
+    else if (flag == "--states") o.states = value;
+  }
+  Totals t;
+  Run run(o, t);
+  for (std::uint64_t seed = o.from; seed < o.from + o.count; ++seed) {
+    run.system("net" + std::to_string(seed), {verify::test::small_net(seed)}, seed);
+    run.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
+    run.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
+  }
+  std::printf("proofs %llu (%llu refused, %llu more have too many states); changed so that they do not suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "
+              "they still do: %llu (accepted %llu); nothing changed: %llu\n",
+              t.proofs, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed, t.sufficient, t.accepted, t.same);
+  std::printf("mutations: %llu passed, %llu failed\n", t.insufficient + t.malformed - t.failed, t.failed);
+  return t.failed == 0 && t.insufficient > 0 ? 0 : 1;
+}
