@@ -41,6 +41,7 @@ struct Style {
   bool regular = false;      // what can be compiled as whole steps: ports of one transition, no faults, few guards and triggers
   bool ruled = false;        // many priority rules, in chains, with guards
   int max_weight = 120;      // alternatives of one connector
+  int max_atoms = 800;       // of a whole model: four levels of wide arrays would have a million
   std::vector<Var> constants;
   std::vector<InlineFunction> functions;
 };
@@ -96,6 +97,7 @@ struct Interface {
     int weight = 1, depth = 0;
   };
   std::vector<Item> ports;
+  int atoms = 0;  // within one element, arrays of `n` counted at their largest
 };
 /// Adds a compound type (and the connector types it needs) to the model.
 void make_compound(Prng& random, const Style& style, Description& model, std::map<std::string, Interface>& interfaces,

@@ -17,6 +17,8 @@ struct Offer {
   bool connector = false;
 };
 
+constexpr int kLargestArray = 4;
+
 class CompoundMaker {
  public:
   CompoundMaker(Prng& random, const Style& style, Description& model, std::map<std::string, Interface>& interfaces)
@@ -45,13 +47,15 @@ class CompoundMaker {
       Component component;
       component.name = "a" + std::to_string(k);
       bool nested = !model_.compound_types.empty() && random_.percent(style_.deep ? 65 : is_root ? 35 : 25);
-      if (nested) {
-        add_nested(component, random_.pick(model_.compound_types));
+      const CompoundType* type = nested ? &random_.pick(model_.compound_types) : nullptr;
+      if (type != nullptr && atoms_ + kLargestArray * interfaces_[type->name].atoms <= style_.max_atoms) {
+        add_nested(component, *type);
       } else {
         add_atom(component, random_.pick(model_.atom_types));
       }
       compound_.components.push_back(component);
     }
+    interfaces_[compound_.name].atoms = atoms_;
   }
   struct Shown {
     std::string name, port_type;
@@ -72,9 +76,10 @@ class CompoundMaker {
   }
   void add_nested(Component& component, const CompoundType& type) {
     component.type = type.name;
-    if (!type.params.empty()) component.args.push_back(int_literal(random_.between(2, 4)));
+    if (!type.params.empty()) component.args.push_back(int_literal(random_.between(2, kLargestArray)));
     if (random_.percent(12)) component.size = std::to_string(random_.between(2, 3));
     const int elements = component.size.empty() ? 1 : std::stoi(component.size);
+    atoms_ += elements * interfaces_[type.name].atoms;
     for (int k = 0; k < elements; ++k) {
       std::string name = component.name;
       Index index;
@@ -92,9 +97,10 @@ class CompoundMaker {
   void add_atom(Component& component, const AtomType& type) {
     component.type = type.name;
     bool has_param = !compound_.params.empty();
-    if (random_.percent(12)) component.size = has_param && random_.percent(60) ? "n" : std::to_string(random_.between(2, 4));
+    if (random_.percent(12)) component.size = has_param && random_.percent(60) ? "n" : std::to_string(random_.between(2, kLargestArray));
     for (const Var& param : type.params) component.args.push_back(argument(param.type, has_param));
     int elements = component.size.empty() ? 1 : component.size == "n" ? 2 : std::stoi(component.size);
+    atoms_ += component.size == "n" ? kLargestArray : elements;
     for (int k = 0; k < elements; ++k) {
       for (const auto& [name, port_type, weight] : shown_by(type)) {
         Offer offer{{component.name, {}, name}, port_type, {component.name}, weight, 0, false};
@@ -261,6 +267,7 @@ class CompoundMaker {
   std::map<std::string, Interface>& interfaces_;
   CodeMaker code_;
   CompoundType compound_;
+  int atoms_ = 0;
   std::vector<Offer> offers_;
   std::set<std::string> bound_;
 };
