@@ -158,6 +158,17 @@ struct NetCheck {
     for (std::size_t i = 0; i < atom.invariants.size(); ++i) check_invariant(i);
   }
 
+  // Where one token walks about, no two places are ever marked together.
+  void check_invariants_of_one_token() {
+    for (std::size_t i = 0; i < atom.invariants.size(); ++i) {
+      const Invariant& invariant = atom.invariants[i];
+      if (invariant.scope == InvariantScope::Always || invariant.places.size() < 2) continue;
+      b.diags.report(Diag::kB1036, decl.invariants[i].range, invariant.name)
+          .note(fmt::format("only one place of `{}` is marked at a time, and this asks for {} together", atom.name, invariant.places.size()))
+          .help("write an invariant for each place");
+    }
+  }
+
   void check_invariant(std::size_t row) {
     const Invariant& invariant = atom.invariants[row];
     if (invariant.scope == InvariantScope::Always) return;
@@ -222,7 +233,11 @@ void check_atom_net(Builder& b, const AtomType& atom, const syntax::Decl& decl) 
   check.check_places(reached);
   check.check_forestalled(reached);
   check.check_endless(reached);
-  if (!check.is_one_token() && check.list_markings()) check.check_markings();
+  if (check.is_one_token()) {
+    check.check_invariants_of_one_token();
+  } else if (check.list_markings()) {
+    check.check_markings();
+  }
 }
 
 }  // namespace bip::model
