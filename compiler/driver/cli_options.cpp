@@ -126,6 +126,7 @@ void add_run(CLI::App& app, RunArguments& a) {
                              "time passes as on the wall clock; without, it is logical and nothing sleeps");
   command->add_option("--speed", a.run.speed, "--real-time, F seconds of the model a second")->check(CLI::Range(1e-6, 1e6))->type_name("F");
   command->add_flag("--relaxed", a.run.relaxed, "--real-time: a step that starts too late is a warning");
+  command->add_option("--events", a.run.events_path, "events from outside, one a line of JSON, in the order of their time")->type_name("PATH");
   command->add_flag("--silent", a.run.silent, "no step lines; seed and end are still told");
   command->add_flag("--stats", a.run.stats, "steps, seconds and time a step at the end");
   command->add_flag("--debug", a.run.debug, "print every state's possible steps");

@@ -77,8 +77,8 @@ bool verify_system(Compilation& c) {
 }
 
 bool lower_system(Compilation& c) {
-  // Nothing brings events to a running model yet: it would not mean what it says.
-  if (const std::string port = system::first_event_port(*c.system); !port.empty()) {
+  // What comes from outside is a number, a truth value or a text.
+  if (const std::string port = system::first_event_with_object(*c.system); !port.empty()) {
     c.diags.report(Diag::kB1801, c.root_range).note(port);
     return false;
   }

@@ -29,12 +29,13 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line("#include <limits>");
   out.line();
   const CodeTable& code = lowered.system->code;
+  const bool has_outside = lowered.image.outside != nullptr;
   out.line("#include \"bip/emitted.hpp\"");
   if (options.with_main) out.line("#include \"bip/run.hpp\"");
   out.line();
-  if (ForeignNames::is_needed(code)) out.line(foreign_includes(code));
+  if (has_outside) out.line(foreign_includes(code));
   out.line("namespace " + options.namespace_name + " {");
-  if (ForeignNames::is_needed(code)) out.line(foreign_text(code, options.const_names, {}));
+  if (has_outside) out.line(foreign_text(code, options.const_names, {}));
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.
@@ -42,7 +43,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
                            "wrap_mul", "wrap_neg", "wrap_sub"}) {
     out.line(std::string("using bip::rt::") + name + ";");
   }
-  if (ForeignNames::is_needed(code)) out.line("using bip::rt::ExternVar;");
+  if (has_outside) out.line("using bip::rt::ExternVar;");
   emit_functions(lowered, out);
   emit_steps(lowered, out);
   out.line();

@@ -6,6 +6,7 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/lower/pools.hpp"
+#include "runtime/include/bip/image_time.hpp"
 
 namespace bip::lower {
 
@@ -46,6 +47,19 @@ void lower_texts(Lowering& l) {
   BIP_ASSERT(*l.pools.strings[0] == '\0');
 }
 
+// Do events bring strings? Their rows are made while the model runs.
+bool brings_strings(const rt::Image& image) {
+  for (const rt::AtomType& type : image.atom_types) {
+    if (type.time == nullptr) continue;
+    for (const rt::EventPort& event : type.time->events) {
+      for (const rt::Var& var : image.port_types[type.ports[event.port].type].vars) {
+        if (var.type == rt::SlotType::String) return true;
+      }
+    }
+  }
+  return false;
+}
+
 void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools) {
   rt::Image& image = out.image;
   image.name = pools.name.c_str();
@@ -64,7 +78,7 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.binds = span_of(pools.binds);
   image.choices = span_of(pools.choices);
   image.extern_types = span_of(out.extern_types);
-  if (!out.functions.empty() || !out.extern_types.empty()) image.outside = &out.outside;
+  if (!out.functions.empty() || !out.extern_types.empty() || brings_strings(image)) image.outside = &out.outside;
   image.priorities = span_of(pools.priorities);
 }
 

@@ -34,8 +34,16 @@ std::string event_port_of(const System& system, const AtomType& type) {
 
 }  // namespace
 
-std::string first_event_port(const System& system) {
-  return first_of(system, [&](const AtomType& type) { return event_port_of(system, type); });
+std::string first_event_with_object(const System& system) {
+  return first_of(system, [&](const AtomType& type) -> std::string {
+    for (const Port& port : type.ports) {
+      if (!port.external) continue;
+      for (const Variable& var : system.port_types[port.type].variables) {
+        if (is_extern(var.type)) return told(system, type, fmt::format("port `{}` for events with `{}`, a C++ object", port.name, var.name), port.loc);
+      }
+    }
+    return {};
+  });
 }
 
 std::string first_timed(const System& system) {

@@ -9,8 +9,8 @@ namespace bip::system {
 /// "atom type `Timer` has clock `x` (timer.bip:5:11)": the first thing in an instance's type that only means something with
 /// time. Empty: there is none.
 [[nodiscard]] std::string first_timed(const System& system);
-/// The same of a port for events from outside.
-[[nodiscard]] std::string first_event_port(const System& system);
+/// The same of a port for events from outside that carry a C++ object.
+[[nodiscard]] std::string first_event_with_object(const System& system);
 [[nodiscard]] inline bool is_timed(const System& system) { return !first_timed(system).empty(); }
 
 }  // namespace bip::system

@@ -140,6 +140,17 @@ class Core {
   /// A clock's value in ticks.
   [[nodiscard]] Int128 clock_value(u32 atom, u32 clock) const;
 
+  // ---- events from outside (events.cpp)
+  /// The atoms' ports for them, in canonical order; a row is how others name one. Empty in images without.
+  [[nodiscard]] const std::vector<EventPortRow>& event_ports() const;
+  /// An event comes at this instant, with one value for each variable of the port's type. False: a fault.
+  bool deliver(u32 row, const Slot* values);
+  /// How many came to the port and were not taken.
+  [[nodiscard]] u32 waiting_events(u32 row) const { return time_->queues[row].count; }
+  [[nodiscard]] bool is_event_port(u32 atom, u32 port) const { return time_ != nullptr && event_row(tables_.instance(atom, port)) != kNone; }
+  /// A variable of a port as a step shows it: of a port for events what the event brings.
+  [[nodiscard]] const Slot& shown(u32 atom, u32 port, u32 variable) const;
+
   // ---- looking at the state
   [[nodiscard]] const Slot& slot(u32 row) const { return all_[row]; }
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const;
@@ -219,11 +230,21 @@ class Core {
   bool resume_together(const std::vector<u32>& rows);
   bool look_at_time(u32 atom);
   bool look_at_invariants(u32 atom);
-  [[nodiscard]] bool is_waiting(u32 atom, u32 port) const;
   [[nodiscard]] bool is_in_scope(u32 atom, const Invariant& invariant) const;
   void change_port(u32 instance, u32 transition);
   void save_time(std::vector<i64>& out) const;
   void load_time(const std::vector<i64>& in);
+
+  // events.cpp
+  void list_event_ports();
+  [[nodiscard]] u32 event_row(u32 instance) const { return time_->event_row.empty() ? kNone : time_->event_row[instance]; }
+  [[nodiscard]] bool is_without_event(u32 instance) const {
+    const u32 row = event_row(instance);
+    return row != kNone && time_->queues[row].count == 0;
+  }
+  void take_event(u32 instance);
+  bool refuse_events(u32 atom, const u32* transition_of_port);
+  bool fail_event(u32 row);
   bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);
 
   // atom_priorities.cpp

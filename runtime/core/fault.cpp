@@ -24,6 +24,7 @@ const char* name_of(FaultCode code) {
     case FaultCode::TimeLock: return "R0020";
     case FaultCode::BadClock: return "R0021";
     case FaultCode::LateStep: return "R0022";
+    case FaultCode::EventRefused: return "R0023";
   }
   return "";
 }

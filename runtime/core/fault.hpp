@@ -22,7 +22,8 @@ enum class FaultCode : std::uint8_t {
   Exception,             // R0011 a C++ function threw
   TimeLock,              // R0020 neither a step nor time can go on
   BadClock,              // R0021 a clock is set to what is no value or speed of one
-  LateStep               // R0022 real time: a step that starts when its guard no longer allows it
+  LateStep,              // R0022 real time: a step that starts when its guard no longer allows it
+  EventRefused           // R0023 an event from outside came to a port that says `error` and could not take it
 };
 [[nodiscard]] const char* name_of(FaultCode code);  // "R0001"
 /// The exit number of the published engine for the fault; 1 for those it does not know.

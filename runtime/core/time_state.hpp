@@ -26,6 +26,19 @@ struct CandidateTime {
   Urgency urgency = Urgency::Lazy;
 };
 
+/// A port for events of one atom (events.cpp).
+struct EventPortRow {
+  u32 atom = 0, port = 0;
+  u32 width = 0;              // values an event carries
+  EventPolicy policy = EventPolicy::Remember;
+};
+/// Events that came and were not taken, first come first taken. A part of the state.
+struct EventQueue {
+  u32 count = 0;
+  u32 first = 0;              // row of `values` of the first one
+  std::vector<Slot> values;
+};
+
 struct TimeState {
   i64 now = 0;
   std::vector<u32> clock_base;  // by atom, and the total
@@ -33,7 +46,10 @@ struct TimeState {
   std::vector<i64> busy_until;  // by atom; > now: no port is enabled before then
   std::vector<i64> may_resume_until;  // by atom: the last instant of what its `resume` waited for
   std::vector<PortTime> ports;  // by port instance
-  std::vector<u32> pending;     // by port instance: events that wait to be taken
+  std::vector<EventPortRow> event_ports;
+  std::vector<u32> event_row;   // by port instance: row of event_ports, or kNone; empty if there are none
+  std::vector<EventQueue> queues;  // by row of event_ports
+  u64 events_gone = 0;          // taken or dropped; no part of the state
   TimeHeap changes;             // by atom: the next instant at which its ports may change
   TimeHeap ends;                // by atom: the last instant that its invariants allow
   i64 unit = 0;                 // the shortest of all clocks; a second without clocks

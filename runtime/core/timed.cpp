@@ -46,6 +46,7 @@ void Core::build_time() {
   }
   time_->clock_base.push_back(clocks);
   if (time_->unit == 0) time_->unit = 1'000'000'000;
+  list_event_ports();
 }
 
 void Core::forget_time() {
@@ -55,7 +56,7 @@ void Core::forget_time() {
   t.busy_until.assign(atoms_.size(), 0);
   t.may_resume_until.assign(atoms_.size(), kForever);
   t.ports.assign(ports_.size(), {});
-  t.pending.assign(ports_.size(), 0);
+  t.queues.assign(t.event_ports.size(), {});
   t.changes.reset(atoms_.size());
   t.ends.reset(atoms_.size());
 }
@@ -190,7 +191,7 @@ bool Core::look_at_time(u32 atom) {
     bool is_enabled = false;
     if (!is_enabled_from(atom, transition, is_enabled)) return false;
     Interval interval;
-    if (!is_enabled || is_waiting(atom, transition.port)) return true;
+    if (!is_enabled || is_without_event(state.port_base + transition.port)) return true;
     if (!interval_of(atom, timing.when, interval)) return false;
     if (interval.empty()) return true;
     if (interval.low > t.now) {
@@ -220,6 +221,7 @@ bool Core::look_at_time(u32 atom) {
       if (tables_.transitions[row].port != kNone && !look(row)) return false;
     }
   }
+  if (!refuse_events(atom, now)) return false;
   if (type.has_priorities && !hide_ports(atom, now)) return false;
   for (u32 port = 0; port < ports; ++port) change_port(state.port_base + port, now[port]);
   t.changes.set(atom, next);
@@ -238,13 +240,6 @@ bool Core::look_at_invariants(u32 atom) {
   }
   time_->ends.set(atom, end);
   return true;
-}
-
-bool Core::is_waiting(u32 atom, u32 port) const {
-  for (const EventPort& event : tables_.atom_type(atom).time->events) {
-    if (event.port == port) return time_->pending[atoms_[atom].port_base + port] == 0;
-  }
-  return false;
 }
 
 bool Core::advance(i64 to) {
@@ -284,7 +279,7 @@ bool Core::take_timed(EnabledSet::Position at) {
     if (const u32 other = time_->ports[instance].other; other != kNone) {
       return fail(FaultCode::TwoTransitions, participant.atom, tables_.transitions[ports_[instance].transition].source, tables_.transitions[other].source);
     }
-    if (time_->pending[instance] != 0) --time_->pending[instance];
+    take_event(instance);
   }
   if (!fire(chosen)) return false;
   if (together.size() < 2) return true;
@@ -292,7 +287,8 @@ bool Core::take_timed(EnabledSet::Position at) {
   return dirty_.empty() && dirty_rules_.empty() ? true : settle();
 }
 
-// now; of each clock its value and speed; of each atom the instant until which it is busy.
+// now; of each clock its value and speed; of each atom the instant until which it is busy; of each port for events how many
+// wait, and their values.
 void Core::save_time(std::vector<i64>& out) const {
   out.push_back(time_->now);
   for (u32 atom = 0; atom < atoms_.size(); ++atom) {
@@ -302,6 +298,10 @@ void Core::save_time(std::vector<i64>& out) const {
     }
     out.push_back(std::max(time_->busy_until[atom], time_->now));
   }
+  for (const EventQueue& queue : time_->queues) {
+    out.push_back(queue.count);
+    for (std::size_t k = queue.first; k < queue.values.size(); ++k) out.push_back(static_cast<i64>(queue.values[k].bits));
+  }
 }
 
 void Core::load_time(const std::vector<i64>& in) {
@@ -310,6 +310,11 @@ void Core::load_time(const std::vector<i64>& in) {
   for (u32 atom = 0; atom < atoms_.size(); ++atom) {
     for (u32 clock = time_->clock_base[atom]; clock < time_->clock_base[atom + 1]; ++clock, next += 2) time_->clocks[clock] = {next[0], time_->now, next[1]};
     time_->busy_until[atom] = *next++;
+  }
+  for (u32 row = 0; row < time_->queues.size(); ++row) {
+    EventQueue& queue = time_->queues[row];
+    queue = {static_cast<u32>(*next++), 0, {}};
+    for (u32 k = 0; k < queue.count * time_->event_ports[row].width; ++k) queue.values.push_back(Slot{.bits = static_cast<u64>(*next++)});
   }
 }
 

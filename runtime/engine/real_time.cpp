@@ -24,14 +24,20 @@ void RealTime::start(i64 first) {
   origin_ = read_clock();
 }
 
-i64 RealTime::sleep_until(i64 instant) {
+i64 RealTime::due(i64 instant) const {
   const auto wanted = static_cast<double>(instant - first_) / speed_;
-  // Further away than the clock can say: as far as it can.
-  const i64 due = wanted >= static_cast<double>(kMaxTicks) ? kForever : origin_ + static_cast<i64>(wanted);
-  const timespec at{static_cast<std::time_t>(due / kSecond), static_cast<long>(due % kSecond)};
+  return wanted >= static_cast<double>(kMaxTicks) ? kForever : origin_ + static_cast<i64>(wanted);
+}
+
+void RealTime::sleep_until(i64 instant) const {
+  const i64 end = due(instant);
+  const timespec at{static_cast<std::time_t>(end / kSecond), static_cast<long>(end % kSecond)};
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
-  const i64 late = read_clock() - due;
-  if (late < 0) return 0;  // a signal
+}
+
+i64 RealTime::note_late(i64 instant) {
+  const i64 late = read_clock() - due(instant);
+  if (late < 0) return 0;
   const auto micros = static_cast<std::uint64_t>(late / 1000);
   ++late_[std::min<std::size_t>(static_cast<std::size_t>(std::bit_width(micros)), late_.size() - 1)];
   most_ = std::max(most_, late);

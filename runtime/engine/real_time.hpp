@@ -17,14 +17,19 @@ class RealTime {
   explicit RealTime(double speed) : speed_(speed) {}
   /// The instant `first` of the model is now.
   void start(i64 first);
-  /// Returns at the instant, or earlier if a signal came. How late it is then, in ns of the wall clock.
-  i64 sleep_until(i64 instant);
+  /// Returns at the instant, or earlier if a signal came.
+  void sleep_until(i64 instant) const;
+  /// A step of the instant starts: how late that is, in ns of the wall clock.
+  i64 note_late(i64 instant);
   /// What `late` ns of the wall clock are in the model's time.
   [[nodiscard]] i64 in_model(i64 late) const { return static_cast<i64>(static_cast<double>(late) * speed_); }
   /// Median, largest, and a line for each power of two of microseconds that occurred.
   void append_histogram(std::string& out) const;
 
  private:
+  /// On the wall clock; further away than it can say: as far as it can.
+  [[nodiscard]] i64 due(i64 instant) const;
+
   double speed_;
   i64 first_ = 0, origin_ = 0;
   std::array<std::uint64_t, 48> late_{};  // [k]: below 2^k us and not below 2^(k-1) us

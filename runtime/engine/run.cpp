@@ -191,6 +191,12 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
 
   Core core(image, {.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   Scheduler scheduler(options.policy, seed);
+  EventFeed feed(core);
+  if (std::string error; !options.events_path.empty() && !feed.read(options.events_path, error)) {
+    std::fprintf(err, "error: %s\n", error.c_str());
+    if (file != nullptr) std::fclose(file);
+    return {End::Fault, 0, 2};
+  }
   TimedScheduler timed(options.policy, options.asap || options.interactive, seed);
   const bool writes = output.writes_steps();
   // Models that draw numbers by rand() run alike wherever they run.
@@ -201,20 +207,24 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
   RealTime wall(options.speed > 0 ? options.speed : 1);
   const bool sleeps = core.is_timed() && options.speed > 0;
   wall.start(core.now());
+  if (sleeps) feed.follow(wall);
   const bool is_compiled = !writes && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
+  Due due = Due::Step;
   while (true) {
     if (!sound) {
       result.end = End::Fault;
     } else if (result.steps >= options.limit) {
       result.end = End::Limit;
-    } else if (output.foresee(core); core.is_timed() && timed.wait(core) == Due::Fault) {
+    } else if (output.foresee(core); (due = core.is_timed() ? timed.wait(core, feed) : Due::Step) == Due::Fault) {
       result.end = End::Fault;
-    } else if (core.candidate_count() == 0) {
-      result.end = End::Deadlock;
-    } else if (interrupted != 0) {
+    } else if (due == Due::Event) {
+      continue;
+    } else if (due == Due::Stopped || interrupted != 0) {
       result.end = End::Interrupted;
+    } else if (due == Due::Deadlock || core.candidate_count() == 0) {
+      result.end = End::Deadlock;
     } else if (is_compiled) {
       result.steps += core.run_steps(scheduler.prng(), options.limit - result.steps, is_interrupted, sound);
       continue;
@@ -232,8 +242,7 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
         at = core.is_timed() ? timed.choice() : scheduler.choose(core);
       }
       if (sleeps) {
-        const i64 late = wall.in_model(wall.sleep_until(core.now()));
-        if (interrupted != 0) continue;
+        const i64 late = wall.in_model(wall.note_late(core.now()));
         if (core.now() + late > timed.latest() + wall.in_model(kTolerance)) {
           (void)core.fail_late(core.candidate(at), timed.latest(), core.now() + late);
           if (!options.relaxed) {

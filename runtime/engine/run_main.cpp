@@ -20,6 +20,7 @@ constexpr const char* kHelp =
     "  --real-time                 time passes as on the wall clock; without, it is logical and nothing sleeps\n"
     "  --speed F                   --real-time, F seconds of the model a second\n"
     "  --relaxed                   real time: a step that starts too late is a warning\n"
+    "  --events FILE               events from outside, JSON lines: {\"time\":\"1s500ms\",\"port\":\"a.press\",\"values\":{\"x\":1}}\n"
     "  --silent                    no line a step\n"
     "  --debug                     every state's candidates\n"
     "  --stats                     steps, seconds, ns/step at the end\n"
@@ -93,7 +94,7 @@ int run_main(const Image& image, int argc, char** argv) {
     else if (name == "--stats") options.stats = true;
     else if (name == "--disable-maximal-progress") options.maximal_progress = false;
     else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format" ||
-             name == "--speed") {
+             name == "--speed" || name == "--events") {
       if (!joined && i + 1 < argc) value = argv[++i];
       if (value == nullptr) good = false;
       else if (name == "--seed") good = options.has_seed = parse_number(value, options.seed);
@@ -101,6 +102,7 @@ int run_main(const Image& image, int argc, char** argv) {
       else if (name == "--policy") good = parse_policy(value, options.policy);
       else if (name == "--speed") good = parse_speed(value, options.speed);
       else if (name == "--trace") options.trace_path = value;
+      else if (name == "--events") options.events_path = value;
       else good = parse_format(value, options.format);
     } else {
       std::fprintf(stderr, "%s: unknown option `%s`, see --help\n", program, argv[i]);

@@ -15,6 +15,7 @@ namespace bip {
 struct System::Impl {
   Impl(const rt::Image& image, const SystemOptions& options)
       : core(image, {.progress = options.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}),
+        feed(core),
         scheduler(options.policy, options.asap, options.seed),
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
@@ -63,6 +64,7 @@ struct System::Impl {
   }
 
   rt::Core core;
+  rt::EventFeed feed;
   rt::TimedScheduler scheduler;
   std::uint64_t seed;
   std::uint64_t steps = 0;
@@ -97,12 +99,15 @@ std::uint64_t System::candidate_count() const {
 
 Outcome System::step() {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
-  switch (impl_->scheduler.wait(impl_->core)) {
-    case rt::Due::Deadlock: return impl_->outcome = Outcome::Deadlock;
-    case rt::Due::Fault: return impl_->outcome = Outcome::Fault;
-    case rt::Due::Step: break;
+  while (true) {
+    switch (impl_->scheduler.wait(impl_->core, impl_->feed)) {
+      case rt::Due::Event: break;
+      case rt::Due::Stopped:
+      case rt::Due::Deadlock: return impl_->outcome = Outcome::Deadlock;
+      case rt::Due::Fault: return impl_->outcome = Outcome::Fault;
+      case rt::Due::Step: return impl_->take(impl_->scheduler.choice());
+    }
   }
-  return impl_->take(impl_->scheduler.choice());
 }
 
 std::int64_t System::now() const { return impl_->core.now(); }

@@ -3,7 +3,7 @@
 
 namespace bip::rt {
 
-i64 TimedScheduler::look(Core& core) {
+i64 TimedScheduler::survey(Core& core) {
   i64 last = core.last_instant();
   ends_.clear();
   for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
@@ -36,48 +36,58 @@ i64 TimedScheduler::draw(i64 first, i64 last, i64 mean) {
 }
 
 // The earliest plan, and whose it is; false if it is not before the next change.
-bool TimedScheduler::plan(Core& core, i64 last, i64& at) {
-  at = kForever;
+bool TimedScheduler::plan(Core& core, i64 last) {
+  at_ = kForever;
   std::uint64_t ties = 0;
   for (std::uint64_t k = 0; k < ends_.size(); ++k) {
     const i64 instant = draw(core.now(), std::min(ends_[k], last), core.time_unit());
-    if (instant > at) continue;
-    ties = instant == at ? ties + 1 : 1;
-    at = instant;
+    if (instant > at_) continue;
+    ties = instant == at_ ? ties + 1 : 1;
+    at_ = instant;
     // Of those that plan the same instant each is as likely.
     if (ties != 1 && prng_.below(ties) != 0) continue;
     choice_ = core.position(k);
     latest_ = std::min(ends_[k], last);
   }
-  return at < core.next_change();
+  return at_ < core.next_change();
 }
 
-Due TimedScheduler::wait(Core& core) {
+TimedScheduler::Next TimedScheduler::look(Core& core) {
+  const i64 last = survey(core);
+  at_ = core.now();
+  if (!ends_.empty() && !plans_) {
+    choice_ = scheduler_.choose(core);
+    latest_ = std::min(ends_[core.number(choice_)], last);
+    return Next::Step;
+  }
+  if (!ends_.empty() && plan(core, last)) return Next::Step;
+  const i64 next = core.next_change();
+  at_ = std::min(next, last);
+  if (next > last) return Next::Lock;
+  return next == kForever ? Next::Never : Next::Change;
+}
+
+Due TimedScheduler::wait(Core& core, EventFeed& feed) {
   if (!core.is_timed()) {
     if (core.candidate_count() == 0) return Due::Deadlock;
     choice_ = scheduler_.choose(core);
     return Due::Step;
   }
   while (true) {
-    const i64 last = look(core);
-    i64 at = core.now();
-    if (!ends_.empty() && !plans_) {
-      choice_ = scheduler_.choose(core);
-      latest_ = std::min(ends_[core.number(choice_)], last);
-      return Due::Step;
+    const Next next = look(core);
+    if (const i64 event = feed.wait(core, at_); event != kForever) {
+      if (event > core.now() && !core.advance(event)) return Due::Fault;
+      return feed.deliver(core) ? Due::Event : Due::Fault;
     }
-    if (!ends_.empty() && plan(core, last, at)) {
-      if (at == core.now()) return Due::Step;
-      return core.advance(at) ? Due::Step : Due::Fault;
-    }
-    const i64 next = core.next_change();
-    if (next > last) {
+    if (feed.is_stopped()) return Due::Stopped;
+    if (next == Next::Never) return Due::Deadlock;
+    if (next == Next::Lock) {
       // Nobody can step, and time cannot pass to where somebody might.
       (void)core.fail_time_lock();
       return Due::Fault;
     }
-    if (next == kForever) return Due::Deadlock;
-    if (!core.advance(next)) return Due::Fault;
+    if (at_ != core.now() && !core.advance(at_)) return Due::Fault;
+    if (next == Next::Step) return Due::Step;
   }
 }
 

@@ -1,4 +1,4 @@
-// When is the next step, and which? Lets logical time pass until a step is due (semantics.md, Time).
+// When is the next step, and which? Lets time pass until a step is due or an event comes (semantics.md, Time, Events).
 //
 // `uniform` plans every candidate at a random instant of its interval and takes the earliest; the other policies, and all with
 // `asap`, take the first instant at which there is a candidate. Plans are drawn anew at each instant at which something changes:
@@ -7,18 +7,20 @@
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/core/prng.hpp"
+#include "runtime/engine/event_feed.hpp"
 #include "runtime/engine/scheduler.hpp"
 
 namespace bip::rt {
 
-enum class Due : std::uint8_t { Step, Deadlock, Fault };
+/// Event: some were delivered at this instant, and it is not decided what is next. Stopped: by a signal, before anything was.
+enum class Due : std::uint8_t { Step, Event, Deadlock, Fault, Stopped };
 
 class TimedScheduler {
  public:
   TimedScheduler(Policy policy, bool asap, std::uint64_t seed) : scheduler_(policy, seed), plans_(policy == Policy::Uniform && !asap), prng_(~seed) {}
 
   /// Lets time pass until a step is due; choice() is it. Without time one is due at once. Deadlock: there never will be one.
-  Due wait(Core& core);
+  Due wait(Core& core, EventFeed& feed);
   [[nodiscard]] EnabledSet::Position choice() const { return choice_; }
   /// The last instant at which it may be taken.
   [[nodiscard]] i64 latest() const { return latest_; }
@@ -27,16 +29,20 @@ class TimedScheduler {
   void fired(u32 slot) { scheduler_.fired(slot); }
 
  private:
+  /// What happens next if nothing comes from outside, at the instant at_: a step, a change of what is enabled, nothing more,
+  /// or no time may pass beyond it.
+  enum class Next : std::uint8_t { Step, Change, Never, Lock };
+  Next look(Core& core);
   /// The ends of all candidates' intervals, and the last instant to which time may pass in this state.
-  i64 look(Core& core);
-  bool plan(Core& core, i64 last, i64& at);
+  i64 survey(Core& core);
+  bool plan(Core& core, i64 last);
   i64 draw(i64 first, i64 last, i64 mean);
 
   Scheduler scheduler_;
   bool plans_;
   Prng prng_;            // of instants; which candidate is the scheduler's
   EnabledSet::Position choice_{};
-  i64 latest_ = 0;
+  i64 at_ = 0, latest_ = 0;
   std::vector<i64> ends_;  // by candidate: the last instant of its interval
 };
 

@@ -63,7 +63,7 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
         if (i != 0) out += ',';
         append_quoted(out, type.vars[i].name);
         out += ':';
-        append_json_value(out, image, type.vars[i].type, core.slot(atom.slot_base + port.slots[i]));
+        append_json_value(out, image, type.vars[i].type, core.shown(participant.atom, participant.port, i));
       }
       out += '}';
     }

@@ -41,13 +41,30 @@ void StepWriter::begin(std::string& out, std::uint64_t seed, Policy policy) {
   out += '\n';
 }
 
+void StepWriter::append_values(std::string& out, const Core& core, u32 atom, u32 port) {
+  const Port& declared = core.tables().atom_type(atom).ports[port];
+  const PortType& type = core.image().port_types[declared.type];
+  for (u32 i = 0; i < declared.slots.size; ++i) {
+    out += i == 0 ? "(" : ", ";
+    out += type.vars[i].name;
+    out += '=';
+    append_value(out, core.image(), type.vars[i].type, core.shown(atom, port, i));
+  }
+  if (declared.slots.size != 0) out += ')';
+}
+
 void StepWriter::append_ports(std::string& out, Core& core, const Candidate& candidate) {
   const Image& image = core.image();
   if (candidate.connector == kNone) {
     out += relative(image.atoms[candidate.atom].path);
     out += '.';
     out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
-    out += " (internal)";
+    if (core.is_event_port(candidate.atom, candidate.port)) {
+      append_values(out, core, candidate.atom, candidate.port);
+      out += " (event)";
+    } else {
+      out += " (internal)";
+    }
     return;
   }
   append_candidate(out, core, candidate);
@@ -59,15 +76,7 @@ void StepWriter::append_ports(std::string& out, Core& core, const Candidate& can
     out += relative(image.atoms[participant.atom].path);
     out += '.';
     out += port.name;
-    if (port.slots.size == 0) continue;
-    const PortType& type = image.port_types[port.type];
-    for (u32 i = 0; i < port.slots.size; ++i) {
-      out += i == 0 ? "(" : ", ";
-      out += type.vars[i].name;
-      out += '=';
-      append_value(out, image, type.vars[i].type, core.slot(image.atoms[participant.atom].slot_base + port.slots[i]));
-    }
-    out += ')';
+    append_values(out, core, participant.atom, participant.port);
   }
 }
 

@@ -27,6 +27,7 @@ class StepWriter {
 
  private:
   void append_ports(std::string& out, Core& core, const Candidate& candidate);
+  void append_values(std::string& out, const Core& core, u32 atom, u32 port);
   std::vector<Participant> participants_;
 };
 

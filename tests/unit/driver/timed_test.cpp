@@ -148,12 +148,13 @@ std::string check(Plant plant, std::uint64_t seed, bool asap, Totals& totals) {
   const interp::Interpreter interpreter(*c.lowered);
   rt::Core core(c.lowered->image);
   rt::TimedScheduler scheduler(rt::Policy::Uniform, asap, seed);
+  rt::EventFeed feed(core);
   if (!core.initialize()) return core.fault().what;
   scheduler.start(core);
   std::int64_t now = 0;
   for (int k = 0; k < 40; ++k) {
     const std::optional<std::int64_t> first = plant.first_step(now);
-    const rt::Due due = scheduler.wait(core);
+    const rt::Due due = scheduler.wait(core, feed);
     const std::string fault = core.fault().what;
     if (due != rt::Due::Step) {
       if (first) return fmt::format("it ends at {} although a step is possible at {}: {}", now, *first, fault);
@@ -218,12 +219,13 @@ TEST_CASE("a snapshot holds the time") {
   const interp::Interpreter interpreter(*c.lowered);
   rt::Core core(c.lowered->image);
   rt::TimedScheduler scheduler(rt::Policy::Uniform, false, 9);
+  rt::EventFeed feed(core);
   REQUIRE(core.initialize());
   scheduler.start(core);
   const auto run = [&](int steps) {
     std::string told;
     for (int k = 0; k < steps; ++k) {
-      REQUIRE(scheduler.wait(core) == rt::Due::Step);
+      REQUIRE(scheduler.wait(core, feed) == rt::Due::Step);
       told += fmt::format("{}:{} ", core.now(), core.candidate(scheduler.choice()).connector);
       REQUIRE(core.take_timed(scheduler.choice()));
     }

@@ -1,0 +1,182 @@
+// See event_file.hpp.
+#include "runtime/engine/event_file.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "runtime/core/text.hpp"
+#include "runtime/engine/json_line.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// Longer lines are no events.
+constexpr std::size_t kMaxLine = 1 << 20;
+
+EventValue value_of(JsonLine& json, SlotType type) {
+  switch (json.kind()) {
+    case JsonLine::Kind::Bool: return json.boolean();
+    case JsonLine::Kind::String: {
+      std::string text = json.string();
+      // As traces write floats that JSON has no word for.
+      if (type != SlotType::Float) return text;
+      if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
+      if (text == "inf") return std::numeric_limits<double>::infinity();
+      if (text == "-inf") return -std::numeric_limits<double>::infinity();
+      return text;
+    }
+    case JsonLine::Kind::Number: {
+      if (type == SlotType::Float) return json.real();
+      const std::int64_t whole = json.integer();
+      if (json.ok() && (whole < INT32_MIN || whole > INT32_MAX)) json.fail("the number does not fit an int");
+      return static_cast<std::int32_t>(whole);
+    }
+    default: break;
+  }
+  json.fail("a value was expected: a number, a string, true or false");
+  return std::int32_t{0};
+}
+
+void append_real(std::string& out, double value) {
+  const bool quoted = !std::isfinite(value);
+  if (quoted) out += '"';
+  append_double(out, value);
+  if (quoted) out += '"';
+}
+
+// {"x":1} or [1]
+void read_values(JsonLine& json, const EventPorts& ports, Event& event) {
+  const Span<Var>& vars = ports.vars(event.row);
+  if (json.kind() == JsonLine::Kind::Array) {
+    for (bool more = json.open('['); more; more = json.next(']')) {
+      const std::size_t k = event.values.size();
+      event.values.push_back(value_of(json, k < vars.size ? vars[k].type : SlotType::Int));
+    }
+    return;
+  }
+  std::vector<bool> is_given(vars.size);
+  event.values.assign(vars.size, std::int32_t{0});
+  for (bool more = json.open('{'); more; more = json.next('}')) {
+    const std::string name = json.string();
+    u32 k = 0;
+    while (k < vars.size && name != vars[k].name) ++k;
+    if (!json.take(':')) return;
+    if (k == vars.size) return json.fail("port `" + ports.path(event.row) + "` has no variable `" + name + "`");
+    if (is_given[k]) return json.fail("`" + name + "` comes twice");
+    is_given[k] = true;
+    event.values[k] = value_of(json, vars[k].type);
+  }
+  for (u32 k = 0; k < vars.size; ++k) {
+    if (!is_given[k]) json.fail("`" + std::string(vars[k].name) + "` is missing");
+  }
+}
+
+// False: it is the header or the end of a record.
+bool read_event(JsonLine& json, const EventPorts& ports, Event& event) {
+  bool has_time = false, has_port = false, has_values = false;
+  for (bool more = json.open('{'); more; more = json.next('}')) {
+    const std::string key = json.string();
+    if (!json.take(':')) return true;
+    if (key == "format" || key == "end") return false;
+    if (key == "time") {
+      has_time = true;
+      event.time = json.kind() == JsonLine::Kind::String ? parse_time(json.string()) : json.integer();
+      if (event.time < 0 || event.time > kMaxTicks) json.fail("`time` is no instant: ns, or a text like \"1s500ms\"");
+    } else if (key == "look") {
+      event.look = static_cast<u64>(json.integer());
+    } else if (key == "port") {
+      const std::string path = json.string();
+      event.row = ports.find(path);
+      has_port = event.row != kNone;
+      if (!has_port) json.fail("there is no port `" + path + "` for events from outside");
+    } else if (key == "values") {
+      if (!has_port) json.fail("`values` comes before `port`");
+      else read_values(json, ports, event);
+      has_values = true;
+    } else {
+      json.fail("`" + key + "` is not known: `time`, `port`, `values` and `look` are");
+    }
+  }
+  if (!has_time) json.fail("`time` is missing");
+  if (!has_port) json.fail("`port` is missing");
+  if (!json.at_end()) return true;
+  if (std::string problem = ports.check(event.row, event.values); !problem.empty()) json.fail(has_values ? problem : problem + ": `values` is missing");
+  return true;
+}
+
+}  // namespace
+
+i64 parse_time(std::string_view text) {
+  constexpr std::pair<std::string_view, i64> kUnits[] = {{"s", 1'000'000'000}, {"ms", 1'000'000}, {"us", 1'000}, {"ns", 1}};
+  if (text == "0") return 0;
+  Int128 total = 0;
+  std::size_t at = 0, unit = 0;
+  while (at < text.size()) {
+    i64 count = 0;
+    const std::size_t first = at;
+    for (; at < text.size() && text[at] >= '0' && text[at] <= '9' && count < kMaxTicks / 10; ++at) count = count * 10 + (text[at] - '0');
+    if (at == first) return -1;
+    std::size_t end = at;
+    while (end < text.size() && text[end] >= 'a' && text[end] <= 'z') ++end;
+    // The largest unit comes first.
+    while (unit < std::size(kUnits) && kUnits[unit].first != text.substr(at, end - at)) ++unit;
+    if (unit == std::size(kUnits)) return -1;
+    total += static_cast<Int128>(count) * kUnits[unit++].second;
+    at = end;
+  }
+  return text.empty() || total > kMaxTicks ? -1 : static_cast<i64>(total);
+}
+
+bool read_events(const std::string& path, const EventPorts& ports, std::vector<Event>& out, std::string& error) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) {
+    error = "cannot read `" + path + "`: " + std::strerror(errno);
+    return false;
+  }
+  std::string line;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    JsonLine json(line.size() > kMaxLine ? std::string_view() : std::string_view(line));
+    Event event;
+    const bool is_event = read_event(json, ports, event);
+    if (json.ok() && is_event && !out.empty() && event.time < out.back().time) json.fail("events come in the order of their time");
+    if (!json.ok()) {
+      error = path + ":";
+      append_number(error, number);
+      error += ": " + json.error();
+      return false;
+    }
+    if (is_event) out.push_back(std::move(event));
+  }
+  return true;
+}
+
+void append_event(std::string& out, const EventPorts& ports, const Event& event) {
+  out += R"({"time":)";
+  append_number(out, static_cast<u64>(event.time));
+  if (event.look != kAnyLook) {
+    out += R"(,"look":)";
+    append_number(out, event.look);
+  }
+  out += R"(,"port":)";
+  append_quoted(out, ports.path(event.row).c_str());
+  const Span<Var>& vars = ports.vars(event.row);
+  if (vars.size != 0) out += R"(,"values":{)";
+  for (u32 i = 0; i < vars.size; ++i) {
+    if (i != 0) out += ',';
+    append_quoted(out, vars[i].name);
+    out += ':';
+    if (const auto* truth = std::get_if<bool>(&event.values[i])) out += *truth ? "true" : "false";
+    else if (const auto* whole = std::get_if<std::int32_t>(&event.values[i])) out += std::to_string(*whole);
+    else if (const auto* text = std::get_if<std::string>(&event.values[i])) append_quoted(out, text->c_str());
+    else append_real(out, std::get<double>(event.values[i]));
+  }
+  out += vars.size != 0 ? "}}\n" : "}\n";
+}
+
+}  // namespace bip::rt

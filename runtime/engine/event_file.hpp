@@ -1,0 +1,28 @@
+// Events in a file, one a line of JSON, in the order in which they come (semantics.md, Events). Written by --record, read by
+// --events and `bipc replay`.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "runtime/engine/event_ports.hpp"
+
+namespace bip::rt {
+
+inline constexpr u64 kAnyLook = ~u64{0};
+/// An event for a row of EventPorts.
+struct Event {
+  i64 time = 0;
+  u32 row = 0;
+  u64 look = kAnyLook;  // replay: how often the engine had looked for its next step when it came
+  std::vector<EventValue> values;
+};
+
+/// All events of the file. False: `error` says in which line what is wrong.
+[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, std::vector<Event>& out, std::string& error);
+/// A line with its newline.
+void append_event(std::string& out, const EventPorts& ports, const Event& event);
+
+/// `1s500ms`, `20us`, `0`: ns; -1: it is none.
+[[nodiscard]] i64 parse_time(std::string_view text);
+
+}  // namespace bip::rt

@@ -1,0 +1,96 @@
+// See event_ports.hpp.
+#include "runtime/engine/event_ports.hpp"
+
+#include <algorithm>
+
+#include "bip/outside.hpp"
+#include "runtime/core/text.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+const char* name_of(SlotType type) {
+  switch (type) {
+    case SlotType::Int: return "an int";
+    case SlotType::Bool: return "a bool";
+    case SlotType::Float: return "a float";
+    case SlotType::String: return "a string";
+  }
+  return "a C++ object";
+}
+
+bool fits(SlotType type, const EventValue& value) {
+  switch (type) {
+    case SlotType::Int: return std::holds_alternative<std::int32_t>(value);
+    case SlotType::Bool: return std::holds_alternative<bool>(value);
+    case SlotType::Float: return std::holds_alternative<double>(value);
+    case SlotType::String: return std::holds_alternative<std::string>(value);
+  }
+  return false;
+}
+
+}  // namespace
+
+EventPorts::EventPorts(const Core& core) : image_(core.image()), rows_(core.event_ports()) {
+  for (u32 row = 0; row < rows_.size(); ++row) by_path_.push_back(row);
+  std::sort(by_path_.begin(), by_path_.end(), [this](u32 a, u32 b) { return path(a) < path(b); });
+}
+
+std::string EventPorts::path(u32 row) const {
+  const Atom& atom = image_.atoms[rows_[row].atom];
+  return std::string(atom.path) + '.' + image_.atom_types[atom.type].ports[rows_[row].port].name;
+}
+
+u32 EventPorts::find(std::string_view text) const {
+  const std::string wanted = (text.starts_with("ROOT.") ? "" : "ROOT.") + std::string(text);
+  const auto at = std::lower_bound(by_path_.begin(), by_path_.end(), wanted, [this](u32 row, const std::string& key) { return path(row) < key; });
+  return at != by_path_.end() && path(*at) == wanted ? *at : kNone;
+}
+
+const Span<Var>& EventPorts::vars(u32 row) const {
+  const AtomType& type = image_.atom_types[image_.atoms[rows_[row].atom].type];
+  return image_.port_types[type.ports[rows_[row].port].type].vars;
+}
+
+std::string EventPorts::check(u32 row, std::vector<EventValue>& values) const {
+  const Span<Var>& wanted = vars(row);
+  std::string problem;
+  if (values.size() != wanted.size) {
+    problem = "`" + path(row) + "` takes ";
+    append_number(problem, wanted.size);
+    problem += wanted.size == 1 ? " value, not " : " values, not ";
+    append_number(problem, values.size());
+    return problem;
+  }
+  for (u32 i = 0; i < wanted.size; ++i) {
+    if (const auto* whole = std::get_if<std::int32_t>(&values[i]); whole != nullptr && wanted[i].type == SlotType::Float) values[i] = static_cast<double>(*whole);
+    if (!fits(wanted[i].type, values[i])) return "`" + std::string(wanted[i].name) + "` of `" + path(row) + "` is " + name_of(wanted[i].type);
+  }
+  return problem;
+}
+
+void EventPorts::to_slots(u32 row, const std::vector<EventValue>& values, std::vector<Slot>& out) const {
+  const Span<Var>& wanted = vars(row);
+  out.clear();
+  for (u32 i = 0; i < wanted.size; ++i) {
+    Slot slot{0};
+    if (const auto* truth = std::get_if<bool>(&values[i])) slot.i = *truth ? 1 : 0;
+    else if (const auto* whole = std::get_if<std::int32_t>(&values[i])) slot.i = *whole;
+    else if (const auto* real = std::get_if<double>(&values[i])) slot.f = *real;
+    else if (const auto* text = std::get_if<std::string>(&values[i])) slot.i = image_.outside->intern(*text);
+    out.push_back(slot);
+  }
+}
+
+EventValue EventPorts::from_slot(SlotType type, Slot slot) const {
+  switch (type) {
+    case SlotType::Int: break;
+    case SlotType::Bool: return slot.i != 0;
+    case SlotType::Float: return slot.f;
+    case SlotType::String: return std::string(string_of(image_, slot));
+  }
+  return slot.i;
+}
+
+}  // namespace bip::rt
