@@ -34,10 +34,13 @@ void add_structure(const Net& net, const Proof& proof, std::string& out) {
     out += '\n';
   }
   for (const TokenInvariant& invariant : proof.invariants) {
-    out += invariant.kind == InvariantKind::Trap ? "trap" : "one-token";
-    for (u32 mode : invariant.modes) {
-      const u32 atom = net.atom_of_mode[mode];
+    const bool is_sum = invariant.kind == InvariantKind::Sum;
+    if (is_sum) out += "sum " + std::to_string(invariant.total);
+    else out += invariant.kind == InvariantKind::Trap ? "trap" : "one-token";
+    for (std::size_t k = 0; k < invariant.modes.size(); ++k) {
+      const u32 mode = invariant.modes[k], atom = net.atom_of_mode[mode];
       out += ' ' + system.atoms[AtomId(std::size_t{atom})].path + ':' + std::to_string(mode - net.mode_base[atom]);
+      if (is_sum) out += '*' + std::to_string(invariant.weights[k]);
     }
     out += '\n';
   }
@@ -119,9 +122,11 @@ std::string cube_text(const Machine& machine, const System& system, const Cube& 
 
 std::string invariant_text(const Net& net, const TokenInvariant& invariant) {
   constexpr std::size_t kShown = 12;
-  std::string out = invariant.kind == InvariantKind::Trap ? "always one of " : "exactly one of ";
+  const bool is_sum = invariant.kind == InvariantKind::Sum;
+  std::string out = is_sum ? "always " + std::to_string(invariant.total) + " = " : invariant.kind == InvariantKind::Trap ? "always one of " : "exactly one of ";
   for (std::size_t k = 0; k < invariant.modes.size() && k < kShown; ++k) {
-    if (k != 0) out += ", ";
+    if (k != 0) out += is_sum ? " + " : ", ";
+    if (weight_of(invariant, k) != 1) out += std::to_string(weight_of(invariant, k)) + ' ';
     out += net.mode_name(invariant.modes[k]);
   }
   if (invariant.modes.size() > kShown) out += " … (" + std::to_string(invariant.modes.size()) + " in all)";

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "compiler/verify/weighted_sum.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -45,6 +47,7 @@ void Encoding::add_atoms() {
     solver_.add(modes);
     add_at_most_one(solver_, modes);
   }
+  for (Lit literal : marked_) is_reachable_.push_back(literal != 0 ? 1 : 0);
 }
 
 Encoding::Lacking Encoding::port(u32 row) {
@@ -208,13 +211,20 @@ void Encoding::add_step(const Lacking& lacking) {
   else if (lacking.kind == Lacking::Kind::Never) solver_.add(std::span<const Lit>{});
 }
 
-void Encoding::add(const TokenInvariant& invariant) {
+bool Encoding::add(const TokenInvariant& invariant) {
+  if (invariant.kind == InvariantKind::Sum) {
+    WeightedSum sum;
+    if (!build_weighted_sum(net_, invariant, is_reachable_, sum)) return false;
+    add_weighted_sum(sum, marked_, solver_);
+    return true;
+  }
   std::vector<Lit> modes;
   for (u32 mode : invariant.modes) {
     if (marked_[mode] != 0) modes.push_back(marked_[mode]);
   }
   solver_.add(modes);
   if (invariant.kind == InvariantKind::OneToken) add_at_most_one(solver_, modes);
+  return true;
 }
 
 std::vector<std::uint8_t> Encoding::marked() const {

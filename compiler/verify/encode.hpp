@@ -14,7 +14,8 @@ class Encoding {
  public:
   Encoding(const Net& net, const Spread& reachable);
 
-  void add(const TokenInvariant& invariant);
+  /// False: it is a sum too large for clauses.
+  bool add(const TokenInvariant& invariant);
   [[nodiscard]] Answer solve(double seconds) { return solver_.solve(seconds); }
   /// By mode: 1 if marked in the model.
   [[nodiscard]] std::vector<std::uint8_t> marked() const;
@@ -38,6 +39,7 @@ class Encoding {
   const Spread& reachable_;
   Solver solver_;
   std::vector<Lit> marked_;       // by mode; 0: not reachable
+  std::vector<std::uint8_t> is_reachable_;  // by mode
   std::vector<Lacking> lacking_;  // by node
 };
 

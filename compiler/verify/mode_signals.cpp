@@ -2,6 +2,7 @@
 #include "compiler/verify/mode_signals.hpp"
 
 #include "compiler/verify/cnf.hpp"
+#include "compiler/verify/weighted_sum.hpp"
 
 namespace bip::verify {
 
@@ -77,6 +78,11 @@ std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof
   const std::vector<Signal>& signals = all.modes;
   std::vector<std::vector<Signal>>& clauses = all.clauses;
   for (const TokenInvariant& invariant : proof.invariants) {
+    if (invariant.kind == InvariantKind::Sum) {
+      WeightedSum sum;
+      if (build_weighted_sum(net, invariant, proof.reachable, sum)) clauses.push_back({weighted_sum_signal(sum, signals, machine.circuit)});
+      continue;
+    }
     clauses.emplace_back();
     for (u32 mode : invariant.modes) {
       if (signals[mode] != kFalse) clauses.back().push_back(signals[mode]);

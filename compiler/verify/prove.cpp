@@ -1,7 +1,8 @@
-// The loop of VERIFICATION: solve, largest trap, small traps, one-token invariants.
+// The loop: solve, largest trap, small traps, linear invariants, one-token invariants.
 #include "compiler/verify/prove.hpp"
 
 #include "compiler/verify/encode.hpp"
+#include "compiler/verify/linear.hpp"
 #include "compiler/verify/one_token.hpp"
 
 namespace bip::verify {
@@ -38,8 +39,18 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
 
   Encoding encoding(net, reachable);
   TrapFinder traps(net, reachable);
+  LinearFinder sums(net, reachable);
   OneTokenFinder one_tokens(net, reachable);
   int questions = 0;
+  const auto add_all = [&](std::vector<TokenInvariant> found) {
+    std::size_t added = 0;
+    for (TokenInvariant& invariant : found) {
+      if (!encoding.add(invariant)) continue;
+      proof.invariants.push_back(std::move(invariant));
+      ++added;
+    }
+    return added;
+  };
   while (true) {
     const Answer answer = encoding.solve(seconds_until(end));
     if (answer != Answer::Satisfiable) {
@@ -48,8 +59,9 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
     }
     ++proof.candidates;
     const std::vector<std::uint8_t> marked = encoding.marked();
-    std::vector<TokenInvariant> found = traps.find(marked);
-    if (found.empty()) {
+    std::size_t added = add_all(traps.find(marked));
+    if (added == 0) added = add_all(sums.find(traps, marked));
+    if (added == 0) {
       proof.candidate.clear();
       for (u32 mode = 0; mode < net.mode_count(); ++mode) {
         if (marked[mode] != 0) proof.candidate.push_back(mode);
@@ -58,15 +70,11 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
         proof.end = ProofEnd::Stopped;
         return proof;
       }
+      if (!sums.satisfies_all()) added = add_all(one_tokens.find(traps, marked, kOneTokenBatch, seconds_until(end)));
     }
-    if (found.empty()) found = one_tokens.find(traps, marked, kOneTokenBatch, seconds_until(end));
-    if (found.empty()) {
+    if (added == 0) {
       proof.end = seconds_until(end) > 0 ? ProofEnd::Candidate : ProofEnd::Timeout;
       return proof;
-    }
-    for (TokenInvariant& invariant : found) {
-      encoding.add(invariant);
-      proof.invariants.push_back(std::move(invariant));
     }
   }
 }

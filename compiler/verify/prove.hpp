@@ -34,7 +34,7 @@ struct Proof {
   std::uint64_t candidates = 0;         // models of the formula looked at
 };
 
-/// Asked about a candidate (by atom: the mode) that no trap excludes, before other invariants are looked for: true stops.
+/// Asked about a candidate (by atom: the mode) that neither a trap nor a linear invariant excludes: true stops.
 using StopAt = std::function<bool(const std::vector<u32>& candidate)>;
 
 /// Which modes are reachable by structure, into `reachable` (fresh, forward) and the proof's.

@@ -2,8 +2,10 @@
 #include "compiler/verify/strengthen.hpp"
 
 #include "compiler/verify/cnf.hpp"
+#include "compiler/verify/linear.hpp"
 #include "compiler/verify/mode_signals.hpp"
 #include "compiler/verify/one_token.hpp"
+#include "compiler/verify/weighted_sum.hpp"
 
 namespace bip::verify {
 
@@ -33,19 +35,36 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
   add({bad});
 
   const auto add_token = [&](const TokenInvariant& invariant) {
+    if (invariant.kind == InvariantKind::Sum) {
+      WeightedSum sum;
+      if (!build_weighted_sum(net, invariant, proof.reachable, sum)) return false;
+      add({weighted_sum_signal(sum, modes, machine.circuit)});
+      return true;
+    }
     std::vector<Lit> literals;
     for (u32 mode : invariant.modes) {
       if (modes[mode] != kFalse) literals.push_back(cnf.literal(modes[mode]));
     }
     solver.add(literals);
     if (invariant.kind == InvariantKind::OneToken) add_at_most_one(solver, literals);
+    return true;
   };
-  for (const TokenInvariant& invariant : proof.invariants) add_token(invariant);
+  for (const TokenInvariant& invariant : proof.invariants) (void)add_token(invariant);
+  const auto add_all = [&](std::vector<TokenInvariant> found) {
+    std::size_t added = 0;
+    for (TokenInvariant& invariant : found) {
+      if (!add_token(invariant)) continue;
+      proof.invariants.push_back(std::move(invariant));
+      ++added;
+    }
+    return added;
+  };
 
   Spread reachable(net, Direction::Forward, nullptr);
   Proof again;
   spread_from_initial(net, reachable, again);
   TrapFinder traps(net, reachable);
+  LinearFinder sums(net, reachable);
   OneTokenFinder one_tokens(net, reachable);
   while (true) {
     const Answer answer = solver.solve(seconds_until(end));
@@ -53,13 +72,12 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
     ++proof.candidates;
     std::vector<std::uint8_t> marked(net.mode_count(), 0);
     for (u32 mode = 0; mode < net.mode_count(); ++mode) marked[mode] = modes[mode] != kFalse && solver.is_true(cnf.literal(modes[mode])) ? 1 : 0;
-    std::vector<TokenInvariant> found = traps.find(marked);
-    if (found.empty()) found = one_tokens.find(traps, marked, kOneTokenBatch, seconds_until(end));
-    if (found.empty()) return false;
-    for (TokenInvariant& invariant : found) {
-      add_token(invariant);
-      proof.invariants.push_back(std::move(invariant));
+    std::size_t added = add_all(traps.find(marked));
+    if (added == 0) {
+      added = add_all(sums.find(traps, marked));
+      if (added == 0 && !sums.satisfies_all()) added = add_all(one_tokens.find(traps, marked, kOneTokenBatch, seconds_until(end)));
     }
+    if (added == 0) return false;
   }
 }
 

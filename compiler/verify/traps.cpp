@@ -7,7 +7,7 @@
 namespace bip::verify {
 
 TrapFinder::TrapFinder(const Net& net, const Spread& reachable)
-    : net_(net), reachable_(reachable), in_large_(net.mode_count(), 0), in_set_(net.mode_count(), 0) {}
+    : net_(net), reachable_(reachable), in_large_(net.mode_count(), 0), in_set_(net.mode_count(), 0), weight_(net.mode_count(), 0), is_seen_(net.nodes.size(), 0) {}
 
 void TrapFinder::put(u32 mode) {
   if (in_set_[mode] != 0) return;
@@ -243,92 +243,6 @@ std::vector<TokenInvariant> TrapFinder::find(const std::vector<std::uint8_t>& ma
     if (!is_small) break;
   }
   return found;
-}
-
-namespace {
-constexpr int kVaries = 1 << 20, kDead = kVaries + 1;
-}
-
-// By how much a choice below changes the number of tokens in the set; kVaries if choices differ, kDead if there is none.
-int TrapFinder::delta(u32 node, u32 depth) const {
-  if (depth > kMaxDepth) return kVaries;
-  int result = kDead;
-  const auto join = [&](int value) { result = result == kDead || result == value ? value : kVaries; };
-  const std::span<const Edge> children = net_.children(node);
-  switch (net_.nodes[node].kind) {
-    case NodeKind::Port: {
-      const u32 base = net_.mode_base[net_.atom_of_port[node]];
-      for (const Move& move : net_.moves(node)) {
-        if (is_possible(node, base + move.from)) join(in_set_[base + move.to] - in_set_[base + move.from]);
-      }
-      return result;
-    }
-    case NodeKind::All: {
-      int sum = 0;
-      bool varies = false;
-      for (const Edge& child : children) {
-        const int value = delta(child.node, depth + 1);
-        if (value == kDead) return kDead;
-        varies |= value == kVaries;
-        if (!varies) sum += value;
-      }
-      return varies ? kVaries : sum;
-    }
-    case NodeKind::Trigger: {
-      if (children.size() == 1) return delta(children[0].node, depth + 1);
-      for (const Edge& child : children) {
-        const int value = delta(child.node, depth + 1);
-        if (value != 0 && value != kDead) return kVaries;
-      }
-      return 0;
-    }
-    default:
-      for (const Edge& child : children) {
-        const int value = delta(child.node, depth + 1);
-        if (value != kDead) join(value);
-      }
-      return result;
-  }
-}
-
-bool TrapFinder::holds_one_token(const std::vector<u32>& modes) {
-  clear();
-  for (u32 mode : modes) put(mode);
-  std::vector<u32> atoms;
-  for (u32 mode : modes) {
-    if (atoms.empty() || atoms.back() != net_.atom_of_mode[mode]) atoms.push_back(net_.atom_of_mode[mode]);
-  }
-  std::sort(atoms.begin(), atoms.end());
-  atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
-  int tokens = 0;
-  bool holds = true;
-  std::vector<u32> todo;
-  for (u32 atom : atoms) {
-    std::size_t inside = 0;
-    for (u32 mode : net_.class_at(atom).initial) inside += in_set_[net_.mode_base[atom] + mode];
-    holds = holds && (inside == 0 || inside == net_.class_at(atom).initial.size());
-    tokens += inside == 0 ? 0 : 1;
-    for (u32 port = net_.port_base[atom]; port < net_.port_base[atom + 1]; ++port) {
-      if (delta(port, 0) != 0 && delta(port, 0) != kDead) todo.push_back(port);
-    }
-  }
-  holds = holds && tokens == 1;
-  // Every root above a port that changes something.
-  std::vector<u32> seen;
-  while (!todo.empty() && holds) {
-    const u32 node = todo.back();
-    todo.pop_back();
-    if (std::find(seen.begin(), seen.end(), node) != seen.end()) continue;
-    seen.push_back(node);
-    if (net_.nodes[node].is_root) {
-      const int value = delta(node, 0);
-      holds = value == 0 || value == kDead;
-    }
-    for (const Edge& parent : net_.parents(node)) todo.push_back(parent.node);
-    if (seen.size() > 4096) holds = false;
-  }
-  clear();
-  return holds;
 }
 
 }  // namespace bip::verify

@@ -14,12 +14,16 @@
 
 namespace bip::verify {
 
-enum class InvariantKind : std::uint8_t { Trap, OneToken };
-/// Trap: at least one of the modes is marked. OneToken: exactly one.
+enum class InvariantKind : std::uint8_t { Trap, OneToken, Sum };
+/// Trap: at least one of the modes is marked. OneToken: exactly one. Sum: the weights of those that are marked add up to the total.
 struct TokenInvariant {
   InvariantKind kind = InvariantKind::Trap;
-  std::vector<u32> modes;  // sorted
+  std::vector<u32> modes;                  // sorted
+  std::vector<std::int64_t> weights = {};  // Sum: by row of modes, greater than 0
+  std::int64_t total = 1;                  // Sum
 };
+
+[[nodiscard]] inline std::int64_t weight_of(const TokenInvariant& invariant, std::size_t row) { return invariant.weights.empty() ? 1 : invariant.weights[row]; }
 
 class TrapFinder {
  public:
@@ -29,7 +33,9 @@ class TrapFinder {
   [[nodiscard]] std::vector<TokenInvariant> find(const std::vector<std::uint8_t>& marked);
 
   /// Does every step keep the number of tokens in the set, and is it one at first? Decided by structure.
-  [[nodiscard]] bool holds_one_token(const std::vector<u32>& modes);
+  [[nodiscard]] bool holds_one_token(const std::vector<u32>& modes) { return keeps_sum({InvariantKind::OneToken, modes}); }
+  /// Does every step keep the sum of the weights (1, where there are none), and is it the total at first?
+  [[nodiscard]] bool keeps_sum(const TokenInvariant& invariant);
 
  private:
   static constexpr std::size_t kMaxGrown = 400, kMaxShrunk = 64;
@@ -49,13 +55,15 @@ class TrapFinder {
   [[nodiscard]] bool is_trap() const;
   void put(u32 mode);
   void clear();
-  [[nodiscard]] int delta(u32 node, u32 depth) const;
+  [[nodiscard]] std::int64_t delta(u32 node, u32 depth) const;
 
   const Net& net_;
   const Spread& reachable_;
   std::vector<std::uint8_t> in_large_;  // by mode: in the largest trap
   std::vector<std::uint8_t> in_set_;    // by mode: in the set at hand
   std::vector<u32> set_;
+  std::vector<std::int64_t> weight_;     // by mode: in the sum at hand
+  std::vector<std::uint8_t> is_seen_;    // by node, scratch
 };
 
 }  // namespace bip::verify

@@ -76,18 +76,31 @@ class Reader {
         c_.class_of[atom->second] = row;
         while (words >> word) c_.reachable[atom->second].insert(number_of(word, fail));
         if (!c_.reachable[atom->second].empty() && *c_.reachable[atom->second].rbegin() >= c_.classes[row].states.size()) fail("no such mode");
-      } else if (head == "trap" || head == "one-token") {
+      } else if (head == "trap" || head == "one-token" || head == "sum") {
         Set set;
-        set.is_one_token = head == "one-token";
+        set.is_trap = head == "trap";
         set.text = "line " + std::to_string(number);
-        std::set<std::pair<std::size_t, std::size_t>> members;
+        if (head == "sum") {
+          if (!(words >> word)) fail("a sum without total");
+          set.total = word == "0" ? 0 : weight_of(word, fail);
+        }
+        std::map<std::pair<std::size_t, std::size_t>, int> members;
         while (words >> word) {
+          int weight = 1;
+          if (const std::size_t star = word.rfind('*'); head == "sum" && star != std::string::npos) {
+            weight = weight_of(word.substr(star + 1), fail);
+            word.resize(star);
+          }
           const std::size_t colon = word.rfind(':');
           const auto atom = atom_rows.find(word.substr(0, colon));
           if (colon == std::string::npos || atom == atom_rows.end()) fail("no component in `" + word + "`");
-          members.emplace(atom->second, number_of(word.substr(colon + 1), fail));
+          const bool is_new = members.emplace(std::pair(atom->second, number_of(word.substr(colon + 1), fail)), weight).second;
+          if (!is_new && head == "sum") fail("a mode twice");
         }
-        set.members.assign(members.begin(), members.end());
+        for (const auto& [member, weight] : members) {
+          set.members.push_back(member);
+          set.weights.push_back(weight);
+        }
         c_.sets.push_back(std::move(set));
       } else if (head == "range" || head == "lemma") {
         c_.facts.push_back(fact(words, head == "range", atom_rows, fail));
@@ -102,6 +115,13 @@ class Reader {
     if (c_.claim.empty() || !has_method) throw Rejected("the certificate does not say what it proves and how");
     if (c_.is_induction && c_.classes.empty() && c_.sets.empty()) return;
     if (std::find(c_.class_of.begin(), c_.class_of.end(), kNone) != c_.class_of.end()) throw Rejected("a component has no row");
+  }
+
+  template <class Fail>
+  static int weight_of(const std::string& word, const Fail& fail) {
+    const std::size_t weight = number_of(word, fail);
+    if (weight == 0 || weight > 0x40000000UL) fail("`" + word + "` is no weight");
+    return static_cast<int>(weight);
   }
 
   // Of at most 32 bits, written in the one way.

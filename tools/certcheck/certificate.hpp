@@ -11,9 +11,12 @@ struct Class {
   std::map<LocalState, std::size_t> numbers;
   std::vector<std::vector<std::pair<std::size_t, std::size_t>>> moves;  // by port: from, to
 };
+/// A trap, or states of which the weights of those that hold add up to a total (one-token: 1, of weights 1).
 struct Set {
-  bool is_one_token = false;
-  std::vector<std::pair<std::size_t, std::size_t>> members;  // atom, state
+  bool is_trap = false;
+  std::vector<std::pair<std::size_t, std::size_t>> members;  // atom, state; sorted
+  std::vector<int> weights;                                  // by member
+  int total = 1;
   std::string text;
 };
 

@@ -119,24 +119,25 @@ class Checker {
   struct Effect {
     bool quiet = false;   // a choice in which nobody puts anything into the set
     bool takes = false;   // such a choice in which somebody takes something out
-    long low = 0, high = 0;  // by how much a choice changes the number of tokens, at least and at most
+    long low = 0, high = 0;  // by how much a choice changes the sum, at least and at most
   };
 
   void check_set(const Set& set) {
-    const auto holds = [&](std::size_t atom, std::size_t state) {
-      return std::binary_search(set.members.begin(), set.members.end(), std::pair(atom, state));
+    const auto weight = [&](std::size_t atom, std::size_t state) -> long {
+      const auto at = std::lower_bound(set.members.begin(), set.members.end(), std::pair(atom, state));
+      return at != set.members.end() && *at == std::pair(atom, state) ? set.weights[static_cast<std::size_t>(at - set.members.begin())] : 0;
     };
     std::set<std::size_t> atoms, touched;
     for (const auto& [atom, state] : set.members) atoms.insert(atom);
-    std::size_t tokens = 0;
+    long sum = 0;
     for (std::size_t atom : atoms) {
-      std::size_t inside = 0;
-      for (std::size_t state : initial_[atom]) inside += holds(atom, state) ? 1 : 0;
-      if (inside == initial_[atom].size() && inside != 0) ++tokens;
-      else if (inside != 0 && set.is_one_token) throw Rejected(set.text + ": not surely one token at first");
+      std::set<long> first;
+      for (std::size_t state : initial_[atom]) first.insert(weight(atom, state));
+      if (first.size() > 1 && !set.is_trap) throw Rejected(set.text + ": not surely the total at first");
+      if (!first.empty()) sum += *first.begin();
       for (std::size_t port = m_.first_port[atom]; port < m_.first_port[atom + 1]; ++port) touched.insert(port);
     }
-    if (tokens == 0 || (set.is_one_token && tokens != 1)) throw Rejected(set.text + ": not marked at first as it should be");
+    if (set.is_trap ? sum == 0 : sum != set.total) throw Rejected(set.text + ": not marked at first as it should be");
     std::map<std::size_t, Effect> effects;
     while (!touched.empty()) {
       // Children have smaller rows than parents.
@@ -150,10 +151,10 @@ class Checker {
         bool is_first = true;
         for (const auto& [from, to] : moves(row)) {
           if (!reachable_[atom].contains(from)) continue;
-          const bool was = holds(atom, from), is = holds(atom, to);
-          effect.quiet = effect.quiet || !is;
-          effect.takes = effect.takes || (was && !is);
-          const long change = (is ? 1 : 0) - (was ? 1 : 0);
+          const long was = weight(atom, from), is = weight(atom, to);
+          effect.quiet = effect.quiet || is == 0;
+          effect.takes = effect.takes || (was != 0 && is == 0);
+          const long change = is - was;
           effect.low = is_first ? change : std::min(effect.low, change);
           effect.high = is_first ? change : std::max(effect.high, change);
           is_first = false;
@@ -162,8 +163,8 @@ class Checker {
         effect = combine(node, effects);
       }
       effects[row] = effect;
-      if (node.is_step && !set.is_one_token && effect.takes) throw Rejected(set.text + ": a step takes the last token out of the trap");
-      if (node.is_step && set.is_one_token && (effect.low != 0 || effect.high != 0)) throw Rejected(set.text + ": a step changes the number of tokens");
+      if (node.is_step && set.is_trap && effect.takes) throw Rejected(set.text + ": a step takes the last token out of the trap");
+      if (node.is_step && !set.is_trap && (effect.low != 0 || effect.high != 0)) throw Rejected(set.text + ": a step changes the sum");
       touched.insert(node.parents.begin(), node.parents.end());
     }
   }
@@ -221,12 +222,7 @@ class Checker {
       exactly_one(all);
     }
     for (const Set& set : sets_) {
-      z3::expr_vector all(z);
-      for (const auto& [atom, state] : set.members) {
-        if (const auto found = marked[atom].find(state); found != marked[atom].end()) all.push_back(found->second);
-      }
-      if (set.is_one_token) exactly_one(all);
-      else solver.add(z3::mk_or(all));
+      solver.add(satisfied(set, z, marked));
     }
     std::vector<z3::expr> sure;
     for (std::size_t row = 0; row < m_.nodes.size(); ++row) {

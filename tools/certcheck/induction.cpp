@@ -6,6 +6,20 @@
 
 namespace certcheck {
 
+z3::expr satisfied(const Set& set, z3::context& z, const std::vector<std::map<std::size_t, z3::expr>>& modes) {
+  z3::expr_vector all(z);
+  std::vector<int> weights;
+  for (std::size_t k = 0; k < set.members.size(); ++k) {
+    const auto& [atom, state] = set.members[k];
+    const auto found = modes[atom].find(state);
+    if (found == modes[atom].end()) continue;
+    all.push_back(found->second);
+    weights.push_back(set.weights[k]);
+  }
+  if (all.empty()) return z.bool_val(!set.is_trap && set.total == 0);
+  return set.is_trap ? z3::mk_or(all) : z3::pbeq(all, weights.data(), set.total);
+}
+
 namespace {
 
 class Induction {
@@ -125,12 +139,7 @@ class Induction {
       exactly_one(all);
     }
     for (const Set& set : c_.sets) {
-      z3::expr_vector all(z_);
-      for (const auto& [atom, state] : set.members) {
-        if (const auto found = modes[atom].find(state); found != modes[atom].end()) all.push_back(found->second);
-      }
-      if (set.is_one_token) exactly_one(all);
-      else solver_.add(z3::mk_or(all));
+      solver_.add(satisfied(set, z_, modes));
     }
   }
 

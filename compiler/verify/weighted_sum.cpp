@@ -1,0 +1,80 @@
+// See weighted_sum.hpp.
+#include "compiler/verify/weighted_sum.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace bip::verify {
+
+bool build_weighted_sum(const Net& net, const TokenInvariant& invariant, const std::vector<std::uint8_t>& is_reachable, WeightedSum& sum) {
+  // By atom: each reachable mode and its weight. Modes are sorted, so those of an atom stand together.
+  struct Level {
+    std::vector<std::pair<u32, std::int64_t>> modes;
+    std::int64_t least_left = 0, most_left = 0;  // of the atoms that follow
+  };
+  std::vector<Level> levels;
+  for (std::size_t k = 0; k < invariant.modes.size();) {
+    const u32 atom = net.atom_of_mode[invariant.modes[k]];
+    levels.emplace_back();
+    for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
+      const bool is_in = k < invariant.modes.size() && invariant.modes[k] == mode;
+      if (is_reachable[mode] != 0) levels.back().modes.emplace_back(mode, is_in ? weight_of(invariant, k) : 0);
+      if (is_in) ++k;
+    }
+  }
+  std::int64_t least = 0, most = 0;
+  for (std::size_t k = levels.size(); k-- > 0;) {
+    levels[k].least_left = least;
+    levels[k].most_left = most;
+    if (levels[k].modes.empty()) return false;
+    const auto [low, high] = std::minmax_element(levels[k].modes.begin(), levels[k].modes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    least += low->second;
+    most += high->second;
+  }
+  std::map<std::int64_t, u32> here{{0, 0}};
+  sum = {1, {}};
+  for (const Level& level : levels) {
+    std::map<std::int64_t, u32> next;
+    for (const auto& [value, node] : here) {
+      for (const auto& [mode, weight] : level.modes) {
+        const std::int64_t after = value + weight;
+        u32 to = kNoRow;
+        if (after + level.least_left <= invariant.total && invariant.total <= after + level.most_left) {
+          const auto [found, is_new] = next.try_emplace(after, sum.nodes);
+          sum.nodes += is_new ? 1 : 0;
+          to = found->second;
+        }
+        sum.edges.push_back({node, to, mode});
+      }
+      if (sum.edges.size() > WeightedSum::kMaxEdges) return false;
+    }
+    here = std::move(next);
+  }
+  return true;
+}
+
+// A variable a node, which follows from the one before and the mode: what cannot become the total is excluded.
+void add_weighted_sum(const WeightedSum& sum, const std::vector<Lit>& literals, Solver& solver) {
+  std::vector<Lit> nodes(sum.nodes, 0);
+  for (u32 k = 1; k < sum.nodes; ++k) nodes[k] = solver.new_variable();
+  std::vector<Lit> clause;
+  for (const WeightedSum::Edge& edge : sum.edges) {
+    clause.assign(1, -literals[edge.mode]);
+    if (edge.node != 0) clause.push_back(-nodes[edge.node]);
+    if (edge.next != kNoRow) clause.push_back(nodes[edge.next]);
+    solver.add(clause);
+  }
+}
+
+// From the end: a node is good if the mode that is marked leads to a good one.
+Signal weighted_sum_signal(const WeightedSum& sum, const std::vector<Signal>& signals, Circuit& circuit) {
+  std::vector<Signal> good(sum.nodes, kFalse);
+  good.back() = kTrue;
+  for (std::size_t k = sum.edges.size(); k-- > 0;) {
+    const WeightedSum::Edge& edge = sum.edges[k];
+    if (edge.next != kNoRow) good[edge.node] = circuit.either(good[edge.node], circuit.both(signals[edge.mode], good[edge.next]));
+  }
+  return good[0];
+}
+
+}  // namespace bip::verify
