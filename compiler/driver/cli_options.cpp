@@ -16,6 +16,9 @@ const Names<ColorChoice> kColors{{"auto", ColorChoice::Auto}, {"always", ColorCh
 const Names<EmitKind> kEmits{{"tokens", EmitKind::Tokens}, {"syntax", EmitKind::Syntax}, {"model", EmitKind::Model},
                              {"system", EmitKind::System}, {"llvm", EmitKind::Llvm},     {"asm", EmitKind::Asm},
                              {"cpp", EmitKind::Cpp},       {"dot", EmitKind::Dot},       {"json", EmitKind::Json}};
+const Names<EmitKind> kGraphFormats{{"dot", EmitKind::Dot}, {"json", EmitKind::Json}};
+const Names<graph::Show> kShows{
+    {"all", graph::Show::All}, {"structure", graph::Show::Structure}, {"automata", graph::Show::Automata}};
 const Names<Backend> kBackends{{"jit", Backend::Jit}, {"interp", Backend::Interp}};
 const Names<rt::Policy> kPolicies{{"uniform", rt::Policy::Uniform}, {"first", rt::Policy::First}, {"fair", rt::Policy::Fair}};
 const Names<rt::TraceFormat> kTraceFormats{
@@ -79,7 +82,7 @@ void add_compile(CLI::App& app, CompileOptions& options) {
   add_folders(app, options);
   app.add_option("--root", options.root, "root component, 'Ring(10)'; else the one parameterless compound nobody instantiates")
       ->type_name("TYPE(ARGS)");
-  add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp",
+  add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp|dot|json",
              "print this stage's product and stop");
   app.add_flag("--time-passes", options.time_passes, "print how long each pass took to standard error");
   app.add_flag("--verify-each", options.verify_each, "check the compiler's own promises after each pass");
@@ -205,6 +208,15 @@ void add_emit(CLI::App& app, EmitArguments& a) {
   command->footer("Without -o the C++ (or what --emit names) goes to standard output.\nExample:\n  bipc emit model.bip -o generated");
 }
 
+void add_graph(CLI::App& app, GraphArguments& a) {
+  CLI::App* command = app.add_subcommand("graph", "print a picture of a system for Graphviz, or the system as JSON");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  add_choice(*command, "--format", a.format, kGraphFormats, "dot|json", "DOT is what Graphviz draws (default)");
+  add_choice(*command, "--show", a.show, kShows, "all|structure|automata", "instances and connectors, the automaton of each atom type, or both (default)");
+  add_compile(*command, a.compile);
+  command->footer("Example:\n  bipc graph --show structure model.bip | dot -Tsvg -o model.svg");
+}
+
 void add_fmt(CLI::App& app, FmtArguments& a) {
   CLI::App* command = app.add_subcommand("fmt", "print models in house style");
   command->add_option("FILE", a.files, ".bip files")->required()->type_name("");
@@ -305,6 +317,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_explore(app, arguments.explore);
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);
+  add_graph(app, arguments.graph);
   add_replay(app, arguments.replay);
   add_fmt(app, arguments.fmt);
   add_migrate(app, arguments.migrate);

@@ -14,6 +14,7 @@ struct Arguments {
   ExploreArguments explore;
   BuildArguments build;
   EmitArguments emit;
+  GraphArguments graph;
   ReplayArguments replay;
   FmtArguments fmt;
   MigrateArguments migrate;

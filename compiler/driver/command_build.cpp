@@ -1,11 +1,14 @@
 // `bipc build`: the emitted C++, the runtime and the host compiler make a program of their own.
 //
-// Needs a C++20 compiler on the host. The C++ is written to a temporary directory that is removed in any case; the
-// compiler's own messages go to standard error as they are.
+// Needs a C++20 compiler on the host. The C++ is written to a temporary directory that is removed in any case; what the
+// compiler says of it is told by places of the model (compiler_errors.hpp).
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/compiler_errors.hpp"
 #include "compiler/driver/cpp_side.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/exit_codes.hpp"
@@ -73,6 +76,7 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   if (!find_cpp_side(c, cpp)) return false;
   emit_cpp::Options options;
   options.const_names = cpp.const_names;
+  options.mark_foreign = true;
   if (arguments.optimisation != Optimisation::O0) steps::derive_steps(*c.lowered);
   if (const auto written = write_file(source, emit_cpp::emit(*c.lowered, options)); !written) {
     c.diags.report(Diag::kB5004, {}, source, written.error());
@@ -93,12 +97,15 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   // Beside the goal, then renamed over it: a program that runs just now is replaced, not written into.
   const std::string fresh = arguments.output + ".bipc-new";
   command.insert(command.end(), {"-o", fresh});
-  const Result<int> status = run_program(command);
+  const std::string said = (*work).path() + "/said";
+  const Result<int> status = run_program(command, said);
   std::error_code error;
   if (!status || *status != 0) {
     std::filesystem::remove(fresh, error);
-    auto problem = c.diags.report(Diag::kB5003, {}, compiler);
-    problem.note(status ? fmt::format("exit code {}", *status) : status.error());
+    std::ifstream in(said, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    report_build_failure(c, compiler, status ? fmt::format("exit code {}", *status) : status.error(), text.str(), (*work).path());
     return false;
   }
   std::filesystem::rename(fresh, arguments.output, error);

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "compiler/driver/compiler_errors.hpp"
 #include "compiler/driver/host_compiler.hpp"
 
 namespace bip::driver {
@@ -55,15 +56,6 @@ void add_once(std::vector<std::string>& list, const std::string& item) {
   if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
 }
 
-bool has_word(const std::string& text, const std::string& word) {
-  const auto is_word = [](char ch) { return (ch >= 'a' && ch <= 'z') || (ch >= 'A' && ch <= 'Z') || (ch >= '0' && ch <= '9') || ch == '_'; };
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
-    const std::size_t end = at + word.size();
-    if ((at == 0 || !is_word(text[at - 1])) && (end == text.size() || !is_word(text[end]))) return true;
-  }
-  return false;
-}
-
 // FNV-1a, twice with different starts: names in a cache, nothing that an enemy chooses.
 class Hash {
  public:
@@ -104,38 +96,6 @@ fs::path cache_folder() {
   if (cache != nullptr && *cache != '\0') return fs::path(cache) / "bipc";
   if (home != nullptr && *home != '\0') return fs::path(home) / ".cache" / "bipc";
   return fs::temp_directory_path(error) / fmt::format("bipc-cache-{}", ::getuid());
-}
-
-// The range of a place, up to the end of its line.
-SourceRange range_of(const Compilation& c, const Loc& loc) {
-  if (c.is_bsys() || loc.line == 0 || loc.file >= c.sources.size()) return {};
-  const FileId file(loc.file);
-  const std::string_view line = c.sources.line(file, loc.line);
-  const auto start = static_cast<std::uint32_t>(line.data() - c.sources.text(file).data());
-  const std::size_t close = line.find(')', loc.column - 1);
-  const auto end = static_cast<std::uint32_t>(close == std::string_view::npos ? line.size() : close + 1);
-  return {file, start + loc.column - 1, start + end};
-}
-
-// "filter.hpp:12: " of the first error, without folders and columns; empty if it has no place.
-std::string place_of_error(const std::string& said) {
-  const std::size_t at = said.find(": error: ");
-  if (at == std::string::npos) return {};
-  const std::size_t line = said.rfind('\n', at);
-  const std::string place = said.substr(line == std::string::npos ? 0 : line + 1, at - (line == std::string::npos ? 0 : line + 1));
-  const std::string name = place.substr(place.rfind('/') == std::string::npos ? 0 : place.rfind('/') + 1);
-  const std::size_t first = name.find(':');
-  return first == std::string::npos ? "" : name.substr(0, name.find(':', first + 1)) + ": ";
-}
-
-// What stands behind the first "error: ".
-std::string first_error(const std::string& said) {
-  std::size_t at = said.find("error: ");
-  if (at == std::string::npos) return said.substr(0, said.find('\n'));
-  at += 7;
-  const std::string error = said.substr(at, said.find('\n', at) - at);
-  // It would suggest our wrapper.
-  return error.substr(0, error.find("; did you mean"));
 }
 
 // The shared object's path, compiled if the cache has none; empty after a report.
@@ -224,6 +184,7 @@ bool find_cpp_side(Compilation& c, emit_cpp::CppBuild& out) {
     const std::string path = find_file(c, file, folder);
     if (path.empty()) return false;
     add_once(out.include_dirs, folder);
+    add_once(out.headers, path);
     texts.push_back(text_of(path));
   }
   for (const auto& [files, paths] : {std::pair(&code.cpp.sources, &out.sources), {&code.cpp.objects, &out.objects}}) {
@@ -239,42 +200,6 @@ bool find_cpp_side(Compilation& c, emit_cpp::CppBuild& out) {
     if (std::any_of(texts.begin(), texts.end(), has_const)) out.const_names.insert(function.name);
   }
   return true;
-}
-
-void report_cpp_failure(Compilation& c, const std::string& said) {
-  const CodeTable& code = c.system->code;
-  const std::string error = first_error(said);
-  constexpr std::string_view kTypeMark = "bip-type-";
-  if (const std::string place = place_of_error(said); place.starts_with(kTypeMark)) {
-    const std::size_t row = std::strtoul(place.c_str() + kTypeMark.size(), nullptr, 10);
-    if (row < code.extern_types.size()) {
-      const ExternType& type = code.extern_types[row];
-      c.diags.report(Diag::kB5011, range_of(c, type.loc), fmt::format("type `{}`", type.name)).note("C++: " + error);
-      return;
-    }
-  }
-  constexpr std::string_view kMark = "bip-prototype-";
-  if (const std::size_t at = said.find(kMark); at != std::string::npos) {
-    const std::size_t row = std::strtoul(said.c_str() + at + kMark.size(), nullptr, 10);
-    if (row < code.functions.size()) {
-      const Function& function = code.functions[row];
-      c.diags.report(Diag::kB5011, range_of(c, function.loc), fmt::format("`{}`", emit_cpp::signature_text(code, function))).note("C++: " + error);
-      return;
-    }
-  }
-  for (const char* marker : {"undefined reference to `", "undefined symbol: "}) {
-    const std::size_t at = said.find(marker);
-    if (at == std::string::npos) continue;
-    const std::size_t begin = at + std::string_view(marker).size();
-    const std::string symbol = said.substr(begin, said.find_first_of("'\n", begin) - begin);
-    for (const Function& function : code.functions) {
-      if (!has_word(symbol.substr(0, symbol.find('(')), function.name)) continue;
-      c.diags.report(Diag::kB5011, range_of(c, function.loc), fmt::format("`{}`", emit_cpp::signature_text(code, function)))
-          .note(fmt::format("C++: `{}` is declared but no `src` or `obj` defines it", symbol));
-      return;
-    }
-  }
-  c.diags.report(Diag::kB5012, {}, "does not compile").note("C++: " + place_of_error(said) + error);
 }
 
 bool load_cpp_side(Compilation& c) {

@@ -18,7 +18,4 @@ namespace bip::driver {
 /// C++ does not have is told by its prototype.
 [[nodiscard]] bool load_cpp_side(Compilation& c);
 
-/// Reports why the C++ compiler failed: the function that it could not call, or the first thing that it said.
-void report_cpp_failure(Compilation& c, const std::string& said);
-
 }  // namespace bip::driver

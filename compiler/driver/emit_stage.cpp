@@ -40,7 +40,10 @@ Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisa
     case EmitKind::Llvm:
     case EmitKind::Asm: {
       const Result<JitPlugin> plugin = load_jit();
-      if (!plugin) return Failure{plugin.error()};
+      if (!plugin) {
+        c.diags.report(Diag::kB5001, {}, fmt::format("`--emit={}`", name_of(kind))).note(plugin.error());
+        return std::string();
+      }
       const jit::OptLevel level = opt_level(*c.lowered, optimisation);
       return kind == EmitKind::Llvm ? (*plugin).emit_llvm(*c.lowered, level) : (*plugin).emit_asm(*c.lowered, level);
     }
@@ -52,9 +55,9 @@ Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisa
       steps::derive_steps(*c.lowered);
       return emit_cpp::emit(*c.lowered, options_of_text);
     }
-    case EmitKind::None:
-    case EmitKind::Dot:
-    case EmitKind::Json: break;
+    case EmitKind::Dot: return graph::dot(*c.system);
+    case EmitKind::Json: return graph::json(*c.system);
+    case EmitKind::None: break;
   }
   return Failure{"no such stage"};
 }
@@ -68,10 +71,6 @@ const char* name_of(EmitKind kind) {
 
 void emit_stage(Compilation& c, const std::string& path, Optimisation optimisation) {
   const EmitKind kind = c.options.emit;
-  if (kind == EmitKind::Dot || kind == EmitKind::Json) {
-    c.diags.report(Diag::kB5001, {}, fmt::format("`--emit={}`", name_of(kind)));
-    return;
-  }
   if (path.ends_with(".bsys") && stage_of(kind) < Stage::System) {
     c.diags.report(Diag::kB5008, {}, path, name_of(kind));
     return;

@@ -6,6 +6,7 @@
 
 #include "bip/run.hpp"
 #include "compiler/diag/diagnostics.hpp"
+#include "compiler/graph/graph.hpp"
 #include "runtime/explore/explore.hpp"
 
 namespace bip::driver {
@@ -82,6 +83,12 @@ struct EmitArguments {
   std::string file;
   std::string directory;  // empty: print the stage of compile.emit
   Optimisation optimisation = Optimisation::O2;
+};
+struct GraphArguments {
+  CompileOptions compile;
+  std::string file;
+  EmitKind format = EmitKind::Dot;
+  graph::Show show = graph::Show::All;
 };
 /// A file checked against a trace of the published engine.
 struct ReplayArguments {

@@ -35,7 +35,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line();
   if (has_outside) out.line(foreign_includes(code));
   out.line("namespace " + options.namespace_name + " {");
-  if (has_outside) out.line(foreign_text(code, options.const_names, {}));
+  if (has_outside) out.line(foreign_text(code, options.const_names, {.mark = options.mark_foreign}));
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.

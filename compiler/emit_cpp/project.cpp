@@ -1,39 +1,19 @@
-// A directory that builds alone: model.cpp, CMakeLists.txt, a copy of the runtime.
+// A directory that builds alone: model.cpp, CMakeLists.txt, copies of the runtime and of the model's C++ side.
 //
 // Files whose text is already there are left untouched, so a second emission rebuilds only what changed.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <sstream>
 #include <vector>
 
-#include "compiler/emit_cpp/emit_cpp.hpp"
+#include "compiler/emit_cpp/copy_outside.hpp"
 
 namespace bip::emit_cpp {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<std::string> read_file(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return std::nullopt;
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-Result<bool> write_file(const fs::path& path, const std::string& text) {
-  if (read_file(path) == text) return true;
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (!out) return Failure{"cannot write " + path.string()};
-  return true;
-}
 
 // Paths below `runtime_dir` of all its sources and headers, sorted.
 Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
@@ -83,14 +63,16 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
       << "target_compile_options(bip_program PRIVATE -ffp-contract=off)\n"
       << "target_link_libraries(bip_program PRIVATE Threads::Threads)\n";
   if (!cpp.include_dirs.empty() || !cpp.sources.empty() || !cpp.objects.empty()) {
-    out << "# The C++ side of the model, where `@cpp` found it.\n"
-        << "target_include_directories(bip_program PRIVATE";
-    for (const std::string& dir : cpp.include_dirs) out << " \"" << dir << "\"";
-    out << ")\ntarget_sources(bip_program PRIVATE";
-    for (const std::string& file : cpp.sources) out << " \"" << file << "\"";
-    out << ")\ntarget_link_libraries(bip_program PRIVATE";
-    for (const std::string& file : cpp.objects) out << " \"" << file << "\"";
-    out << ")\n";
+    out << "# The C++ side of the model: copies of what `@cpp` names.\n";
+    const auto list = [&out](const char* command, const std::vector<std::string>& paths) {
+      if (paths.empty()) return;
+      out << command << "(bip_program PRIVATE";
+      for (const std::string& path : paths) out << " \"${CMAKE_CURRENT_SOURCE_DIR}/" << path << "\"";
+      out << ")\n";
+    };
+    list("target_include_directories", cpp.include_dirs);
+    list("target_sources", cpp.sources);
+    list("target_link_libraries", cpp.objects);
   }
   out
       << "set_target_properties(bip_program PROPERTIES OUTPUT_NAME \"" << plain_name(program_name) << "\")\n";
@@ -98,6 +80,25 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
 }
 
 }  // namespace
+
+std::optional<std::string> read_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return std::nullopt;
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+Result<bool> write_file(const fs::path& path, const std::string& text) {
+  if (read_file(path) == text) return true;
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  if (!out) return Failure{"cannot write " + path.string()};
+  return true;
+}
 
 Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
                           const std::string& runtime_dir, const std::string& program_name, const CppBuild& cpp) {
@@ -110,7 +111,9 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
     Result<bool> written = write_file(root / "runtime" / file, *text);
     if (!written) return written;
   }
-  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, cpp));
+  const Result<CppBuild> copied = copy_outside(cpp, root);
+  if (!copied) return Failure{copied.error()};
+  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, *copied));
   if (!written) return written;
   Options options;
   options.const_names = cpp.const_names;

@@ -1,4 +1,4 @@
-// The reference executor. One evaluator over the code IR serves guards, actions, transfers and compile-time values.
+// The reference executor. One evaluator over the code IR serves guards, actions and transfers.
 //
 // Operands are evaluated left to right, && and || stop early, and the first fault ends the unit at once: nothing after it
 // is read or stored. Statements are followed in a loop; expressions and nested ifs recurse, and the parser caps their
@@ -27,9 +27,8 @@ rt::Slot float_slot(double value) {
 
 class Evaluator {
  public:
-  Evaluator(const CodeTable& code, const std::uint32_t* sites, const rt::Slot* self_read, rt::Slot* self, rt::Slot* all,
-            const std::uint32_t* bind, lower::LoweredSystem* lowered = nullptr)
-      : code_(code), lowered_(lowered), sites_(sites), self_read_(self_read), self_(self), all_(all), bind_(bind) {}
+  Evaluator(lower::LoweredSystem& lowered, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind)
+      : code_(lowered.system->code), lowered_(lowered), self_(self), all_(all), bind_(bind) {}
 
   /// The value; meaningless once status() is not 0.
   rt::Slot eval(ExprId id);
@@ -47,9 +46,7 @@ class Evaluator {
   void store(Type type, rt::Slot& to, rt::Slot value);
 
   const CodeTable& code_;
-  lower::LoweredSystem* lowered_;  // null: constants, which call nothing
-  const std::uint32_t* sites_;  // null: the expression's own row is the site
-  const rt::Slot* self_read_;
+  lower::LoweredSystem& lowered_;
   rt::Slot* self_;
   rt::Slot* all_;
   const std::uint32_t* bind_;
@@ -63,7 +60,7 @@ rt::Slot Evaluator::eval(ExprId id) {
     case Op::ConstBool:
     case Op::ConstString: return int_slot(e.int_value);
     case Op::ConstFloat: return float_slot(e.float_value);
-    case Op::LoadSelf: return self_read_[e.index];
+    case Op::LoadSelf: return self_[e.index];
     case Op::LoadBind: return all_[bind_[e.index]];
     case Op::Call: return call(id, e);
     case Op::And:
@@ -137,7 +134,7 @@ rt::Slot Evaluator::int_binary(ExprId id, const Expr& e, std::int32_t a, std::in
 }
 
 rt::Slot Evaluator::divide(ExprId id, Op op, std::int32_t a, std::int32_t b) {
-  status_ = rt::division_status(a, b, sites_ != nullptr ? sites_[id.value] : id.value);
+  status_ = rt::division_status(a, b, lowered_.site_of_expr[id.value]);
   if (status_ != 0) return int_slot(0);
   return int_slot(op == Op::Div ? rt::quotient(a, b) : rt::remainder(a, b));
 }
@@ -159,9 +156,9 @@ rt::Slot Evaluator::call(ExprId id, const Expr& e) {
     slots.push_back(&values[k]);
   }
   rt::Slot result{};
-  if (function.has_result && is_extern(function.result)) result = lowered_->temporaries[id.value];
-  if (lowered_->functions[e.index](&lowered_->outside, &result, slots.data()) != 0) {
-    status_ = rt::fault_status(sites_[id.value], rt::FaultKind{});
+  if (function.has_result && is_extern(function.result)) result = lowered_.temporaries[id.value];
+  if (lowered_.functions[e.index](&lowered_.outside, &result, slots.data()) != 0) {
+    status_ = rt::fault_status(lowered_.site_of_expr[id.value], rt::FaultKind{});
   }
   return result;
 }
@@ -169,7 +166,7 @@ rt::Slot Evaluator::call(ExprId id, const Expr& e) {
 // Extern types: the object is copied, the variable keeps its own.
 void Evaluator::store(Type type, rt::Slot& to, rt::Slot value) {
   if (is_extern(type)) {
-    lowered_->extern_types[extern_row(type)].copy(&rt::object_in<char>(to), &rt::object_in<char>(value));
+    lowered_.extern_types[extern_row(type)].copy(&rt::object_in<char>(to), &rt::object_in<char>(value));
   } else {
     to = value;
   }
@@ -194,22 +191,20 @@ void Evaluator::execute(StmtId first) {
 
 struct Context {
   lower::LoweredSystem* lowered;
-  const CodeTable* code;
-  const std::uint32_t* sites;
   ExprId expr;
   StmtId body;
 };
 
 std::int32_t run_guard(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
   const auto& c = *static_cast<const Context*>(context);
-  Evaluator evaluator(*c.code, c.sites, self, self, all, bind, c.lowered);
+  Evaluator evaluator(*c.lowered, self, all, bind);
   const rt::Slot value = evaluator.eval(c.expr);
   return evaluator.status() != 0 ? evaluator.status() : value.i;
 }
 
 std::int32_t run_action(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
   const auto& c = *static_cast<const Context*>(context);
-  Evaluator evaluator(*c.code, c.sites, self, self, all, bind, c.lowered);
+  Evaluator evaluator(*c.lowered, self, all, bind);
   evaluator.execute(c.body);
   return evaluator.status() != 0 ? evaluator.status() : 1;
 }
@@ -224,20 +219,12 @@ Interpreter::Interpreter(lower::LoweredSystem& lowered) : impl_(std::make_unique
   impl_->contexts.reserve(lowered.units.size());
   std::size_t row = 0;
   for (const lower::CodeUnit& unit : lowered.units) {
-    impl_->contexts.push_back({&lowered, &lowered.system->code, lowered.site_of_expr.data(), unit.expr, unit.body});
+    impl_->contexts.push_back({&lowered, unit.expr, unit.body});
     const bool is_guard = unit.kind == lower::CodeKind::Guard;
     lowered.codes[row++] = {is_guard ? &run_guard : &run_action, &impl_->contexts.back()};
   }
 }
 
 Interpreter::~Interpreter() = default;
-
-std::int32_t evaluate(const CodeTable& code, ExprId expr, const rt::Slot* self, rt::Slot& out) {
-  Evaluator evaluator(code, nullptr, self, nullptr, nullptr, nullptr);
-  const rt::Slot value = evaluator.eval(expr);
-  if (evaluator.status() != 0) return evaluator.status();
-  out = value;
-  return 1;
-}
 
 }  // namespace bip::interp

@@ -20,10 +20,4 @@ class Interpreter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Evaluates an expression that reads only Self, over `self`. Returns 1 and the value in `out`, or, with `out` as it was,
-/// an rt::fault_status whose site is the row of the faulting expression (there is no image yet): its place is
-/// `code.exprs[ExprId((status - 2) / 2)].loc`.
-/// For guards over parameters, array sizes and component arguments at instantiation.
-[[nodiscard]] std::int32_t evaluate(const CodeTable& code, ExprId expr, const rt::Slot* self, rt::Slot& out);
-
 }  // namespace bip::interp

@@ -1,4 +1,5 @@
 // What stands on a node's line: expressions with every operator in parentheses and under one spelling, paths, names.
+#include "compiler/base/quote.hpp"
 #include "compiler/syntax/dump.hpp"
 
 namespace bip::syntax {
@@ -32,7 +33,7 @@ std::string Dumper::text(const Expr* e) {
     case ExprKind::Bool:
       return e->truth ? "true" : "false";
     case ExprKind::String:
-      return "\"" + std::string(e->text) + "\"";
+      return quoted(e->text);
     case ExprKind::Path:
       return text(e->path) + (e->clock_speed ? "'" : "");
     case ExprKind::Unary:

@@ -1,5 +1,6 @@
 // The bodies of atoms and compounds. An atom of the paper's notation is printed as states if each of its transitions leaves
 // one place and they stand place by place, else as places with transitions `from … to …`, as in BIP2.
+#include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 
 namespace bip::syntax {

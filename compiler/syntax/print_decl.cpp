@@ -1,4 +1,5 @@
 // Files, packages and their declarations.
+#include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 
 namespace bip::syntax {

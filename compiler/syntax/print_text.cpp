@@ -1,5 +1,6 @@
 // Pieces of lines: expressions, paths, lists. Operators keep the sign that was written (`&&`, `and`, `∧`); parentheses are
 // kept where they were. Recursion follows the depth of expressions, which the parser limits.
+#include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 
 namespace bip::syntax {
@@ -79,23 +80,6 @@ std::string Printer::text(const Annotation& a) const {
     }
   }
   return out;
-}
-
-std::string Printer::quoted(std::string_view plain) {
-  std::string out = "\"";
-  for (const char c : plain) {
-    switch (c) {
-      case '"': out += "\\\""; break;
-      case '\\': out += "\\\\"; break;
-      case '\n': out += "\\n"; break;
-      case '\t': out += "\\t"; break;
-      case '\r': out += "\\r"; break;
-      case '\b': out += "\\b"; break;
-      case '\f': out += "\\f"; break;
-      default: out += c;
-    }
-  }
-  return out + '"';
 }
 
 std::string Printer::text(const Expr* e, bool without_parentheses) const {

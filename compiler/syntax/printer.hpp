@@ -51,7 +51,6 @@ class Printer {
   [[nodiscard]] std::string text(const Annotation& a) const;
   [[nodiscard]] std::string simple(const Stmt& s) const;
   [[nodiscard]] std::string guard(const Expr* e) const;
-  [[nodiscard]] static std::string quoted(std::string_view plain);
 
   // print_action.cpp
   void block(std::string_view word, const Block& b);

@@ -229,6 +229,7 @@ std::optional<System> instantiate(Model& model, const std::string& root_type, co
   system.port_types = model.port_types;
   system.atom_types = model.atom_types;
   system.connector_types = model.connector_types;
+  drop_unused_types(system, model.packages.back().file.value);
   return system;
 }
 

@@ -90,4 +90,7 @@ struct Instantiator {
   std::vector<std::uint32_t> stamps{};  // by atom: the last connector that saw it
 };
 
+// drop_unused_types.cpp
+void drop_unused_types(System& system, std::uint32_t own_file);
+
 }  // namespace bip::system

@@ -1,0 +1,20 @@
+// The C++ side of a model, copied into an emitted project, so that the project can be moved. Internal to emit_cpp/.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "compiler/emit_cpp/emit_cpp.hpp"
+
+namespace bip::emit_cpp {
+
+/// Copies sources, objects and headers into `project`/outside, with all that they include and that is found beside them or in
+/// the include folders. The result's paths are relative to `project`; folders lie to each other as they did.
+[[nodiscard]] Result<CppBuild> copy_outside(const CppBuild& cpp, const std::filesystem::path& project);
+
+// project.cpp
+[[nodiscard]] std::optional<std::string> read_file(const std::filesystem::path& path);
+/// A file that has this text already is left untouched.
+[[nodiscard]] Result<bool> write_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace bip::emit_cpp

@@ -1,0 +1,97 @@
+// The automaton of each atom type as DOT: circles are places, arrows transitions. A transition with several places on a
+// side, which is a Petri net's, is a bar of its own.
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "compiler/graph/code_text.hpp"
+#include "compiler/graph/dot.hpp"
+
+namespace bip::graph {
+namespace {
+
+std::string in_brackets(const std::string& text) { return text.empty() ? "" : "[" + text + "]"; }
+
+class Automaton {
+ public:
+  Automaton(std::string& out, const System& system, std::size_t row)
+      : out_(out), code_(system.code), type_(system.atom_types[AtomTypeId(row)]), names_(names_of(type_)), id_(fmt::format("t{}", row)) {}
+
+  void run() {
+    put("  subgraph cluster_{} {{\n    label={};\n", id_, dot_string(heading()));
+    for (std::size_t p = 0; p < type_.places.size(); ++p) put("    {}_p{} [shape=circle, label={}];\n", id_, p, dot_string(type_.places[p]));
+    put("    {}_i [shape=point];\n", id_);
+    const std::string action = lines_of({shortened(text_of(code_, type_.initial_action, names_)), resume(type_.initial_resume)});
+    for (std::size_t k = 0; k < type_.initial.size(); ++k) edge(id_ + "_i", place(type_.initial[k]), k == 0 ? action : "");
+    for (std::size_t t = 0; t < type_.transitions.size(); ++t) transition(t);
+    out_ += "  }\n";
+  }
+
+ private:
+  template <class... Args>
+  void put(fmt::format_string<Args...> text, Args&&... args) {
+    fmt::format_to(std::back_inserter(out_), text, std::forward<Args>(args)...);
+  }
+
+  [[nodiscard]] std::string place(std::uint32_t row) const { return fmt::format("{}_p{}", id_, row); }
+
+  void edge(const std::string& from, const std::string& to, const std::string& label, const char* more = "") {
+    put("    {} -> {} [label={}{}];\n", from, to, dot_string(label), more);
+  }
+
+  [[nodiscard]] std::string resume(const Resume& r) const {
+    return r.present ? shortened("resume " + in_brackets(condition_of(code_, type_, r.guard, r.when))) : "";
+  }
+
+  /// Name and parameters, data, then what restricts the transitions.
+  [[nodiscard]] std::string heading() const {
+    std::string params, data, clocks;
+    for (std::size_t k = 0; k < type_.visible_slots(); ++k) {
+      const Slot& slot = type_.slots[k];
+      std::string& list = slot.is_param ? params : data;
+      list += (list.empty() ? "" : ", ") + code_.type_name(slot.type) + " " + slot.name;
+    }
+    for (const Clock& clock : type_.clocks) clocks += (clocks.empty() ? "clock " : ", ") + clock.name;
+    std::vector<std::string> lines{shortened(type_.name + "(" + params + ")"), shortened(data), shortened(clocks)};
+    for (const AtomPriority& rule : type_.priorities) {
+      const auto side = [this](std::uint32_t port) { return port == AtomPriority::kAnyPort ? std::string("*") : type_.ports[port].name; };
+      lines.push_back(shortened("priority " + side(rule.low) + " < " + side(rule.high) + " " + in_brackets(text_of(code_, rule.guard, names_))));
+    }
+    for (const Invariant& invariant : type_.invariants) {
+      const std::string where = list_of(invariant.places, type_.places);
+      const std::string scope = invariant.scope == InvariantScope::Always ? "" : invariant.scope == InvariantScope::At ? "at " + where + " " : "from " + where + " ";
+      lines.push_back(shortened("invariant " + scope + in_brackets(condition_of(code_, type_, invariant.condition, invariant.when))));
+    }
+    return lines_of(lines);
+  }
+
+  void transition(std::size_t t) {
+    const Transition& row = type_.transitions[t];
+    const bool is_internal = row.port == Transition::kInternal;
+    const char* urgency = row.urgency == Urgency::Lazy ? "" : name_of(row.urgency);
+    const std::string label = lines_of({is_internal ? "internal" : type_.ports[row.port].name, shortened(in_brackets(condition_of(code_, type_, row.guard, row.when))),
+                                        urgency, shortened(text_of(code_, row.action, names_)), resume(row.resume)});
+    const char* style = is_internal ? ", style=dashed" : "";
+    if (row.from.size() == 1 && row.to.size() == 1) {
+      edge(place(row.from[0]), place(row.to[0]), label, style);
+      return;
+    }
+    put("    {}_b{} [shape=box, width=0.1, label={}];\n", id_, t, dot_string(label));
+    for (const std::uint32_t from : row.from) put("    {} -> {}_b{}{};\n", place(from), id_, t, is_internal ? " [style=dashed]" : "");
+    for (const std::uint32_t to : row.to) put("    {}_b{} -> {}{};\n", id_, t, place(to), is_internal ? " [style=dashed]" : "");
+  }
+
+  std::string& out_;
+  const CodeTable& code_;
+  const AtomType& type_;
+  CodeNames names_;
+  std::string id_;
+};
+
+}  // namespace
+
+void put_automata(std::string& out, const System& system) {
+  for (std::size_t row = 0; row < system.atom_types.size(); ++row) Automaton(out, system, row).run();
+}
+
+}  // namespace bip::graph
