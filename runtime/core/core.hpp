@@ -129,6 +129,9 @@ class Core {
   /// The last instant that the invariants allow.
   [[nodiscard]] i64 last_instant() const;
   [[nodiscard]] i64 time_unit() const;
+  /// The last instant to which time may pass in this state, candidates' urgency and invariants considered; of each candidate
+  /// the last instant of its interval.
+  i64 wait_limit(std::vector<i64>& ends);
   /// Of a candidate of this instant.
   CandidateTime time_of(const Candidate& candidate);
   /// take(at), with what time adds to it.
@@ -137,6 +140,18 @@ class Core {
   bool fail_time_lock();
   /// Real time: the step was planned for now, could start until `last`, and starts at `actual`. Always false.
   bool fail_late(const Candidate& candidate, i64 last, i64 actual);
+  // ---- conditions on clocks apart from the instant, for who explores all instants at once (measured.cpp). False: a fault.
+  [[nodiscard]] bool measure(u32 atom, const TimeGuard& when, MeasuredGuard& out);
+  /// The labelled transitions that the atom's marking and data enable, whether it is busy or not and whether events wait or not.
+  [[nodiscard]] bool timed_transitions(u32 atom, std::vector<TimedTransition>& out);
+  /// Of the invariants in scope, those that bound clocks.
+  [[nodiscard]] bool timed_invariants(u32 atom, std::vector<MeasuredGuard>& out);
+  /// What the atom waits for after a transition (a row of its type's; kNone: after `initial`).
+  [[nodiscard]] bool measured_resume(u32 atom, u32 row, MeasuredGuard& out);
+  /// Rows of all clocks that the last timed step has set; first_clock: of an atom.
+  [[nodiscard]] const std::vector<u32>& set_clocks() const { return time_->set_clocks; }
+  [[nodiscard]] u32 first_clock(u32 atom) const { return time_->clock_base[atom]; }
+  [[nodiscard]] const ClockState& clock_state(u32 row) const { return time_->clocks[row]; }
   /// A clock's value in ticks.
   [[nodiscard]] Int128 clock_value(u32 atom, u32 clock) const;
 
@@ -219,11 +234,13 @@ class Core {
   void touch(u32 atom);
   void mark_dirty(u32 slot);
 
-  // timed.cpp, time_faults.cpp
+  // timed.cpp, measured.cpp, time_faults.cpp
   void build_time();
   void forget_time();
   void start_clocks(u32 atom);
   bool read_clocks(u32 atom, const Transition* fired);
+  bool measure_limits(u32 atom, const TimeGuard& when);
+  bool take_limit(u32 atom, const Bound& bound, i64& limit);
   bool interval_of(u32 atom, const TimeGuard& when, Interval& out);
   bool resume_interval(u32 atom, const Resume& resume, Interval& out);
   bool begin_resume(u32 atom, const LinkedTransition* fired);

@@ -39,6 +39,24 @@ struct EventQueue {
   std::vector<Slot> values;
 };
 
+/// A condition on an atom's clocks as its data are now: each clock (minus another) from low to high, in ticks.
+inline constexpr i64 kNoBound = INT64_MAX;       // of high; -kNoBound of low
+inline constexpr i64 kFarLimit = i64{1} << 59;   // beyond it a limit counts as infinite: 18 years
+struct ClockBound {
+  u32 clock, minus;            // of the atom's type; minus: kNone: 0
+  i64 low = -kNoBound, high = kNoBound;
+};
+struct MeasuredGuard {
+  bool can_hold = true;        // false: whatever the clocks are
+  std::vector<ClockBound> bounds;
+};
+/// A transition that the atom's marking and data enable, at whatever instant.
+struct TimedTransition {
+  u32 row = kNone, port = kNone;  // of the type
+  Urgency urgency = Urgency::Lazy;
+  MeasuredGuard when;
+};
+
 struct TimeState {
   i64 now = 0;
   std::vector<u32> clock_base;  // by atom, and the total
@@ -50,6 +68,7 @@ struct TimeState {
   std::vector<u32> event_row;   // by port instance: row of event_ports, or kNone; empty if there are none
   std::vector<EventQueue> queues;  // by row of event_ports
   u64 events_gone = 0;          // taken or dropped; no part of the state
+  std::vector<u32> set_clocks;  // rows of `clocks` that were set since the last restore or timed step began
   TimeHeap changes;             // by atom: the next instant at which its ports may change
   TimeHeap ends;                // by atom: the last instant that its invariants allow
   i64 unit = 0;                 // the shortest of all clocks; a second without clocks

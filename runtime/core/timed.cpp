@@ -57,6 +57,7 @@ void Core::forget_time() {
   t.may_resume_until.assign(atoms_.size(), kForever);
   t.ports.assign(ports_.size(), {});
   t.queues.assign(t.event_ports.size(), {});
+  t.set_clocks.clear();
   t.changes.reset(atoms_.size());
   t.ends.reset(atoms_.size());
 }
@@ -94,34 +95,42 @@ bool Core::read_clocks(u32 atom, const Transition* fired) {
     if (self[clock.slot + 1].i == 0) continue;
     const double value = self[clock.slot].f;
     self[clock.slot] = self[clock.slot + 1] = Slot{0};
+    time_->set_clocks.push_back(time_->clock_base[atom] + row);
     if (!to_ticks(value, clock.unit, state.value)) return fail_clock(atom, clock, fired, "value", value);
     state.since = time_->now;
   }
   return true;
 }
 
+// The limits that are no constants, into their hidden slots.
+bool Core::measure_limits(u32 atom, const TimeGuard& when) {
+  const Code measure = tables_.code(when.measure);
+  if (measure.fn == nullptr) return true;
+  const std::int32_t status = measure.fn(measure.context, all_.data() + atoms_[atom].slot_base, all_.data(), nullptr);
+  return status < 2 || fail_code(status, atom, kNone, nullptr, "a limit of a clock");
+}
+
+// Takes a measured limit out of its slot. False: it is no number, and compares with nothing.
+bool Core::take_limit(u32 atom, const Bound& bound, i64& limit) {
+  limit = bound.ticks;
+  if (bound.slot == kNone) return true;
+  Slot* self = all_.data() + atoms_[atom].slot_base;
+  const double value = self[bound.slot].f;
+  self[bound.slot] = Slot{0};
+  // What is beyond all clocks is still above or below them.
+  if (!to_ticks(value, tables_.atom_type(atom).time->clocks[bound.clock].unit, limit)) limit = value > 0 ? kMaxTicks : -kMaxTicks;
+  return !std::isnan(value);
+}
+
 // The instants from now on at which all bounds hold.
 bool Core::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
   out = {time_->now, kForever, false, false};
   if (when.bounds.size == 0) return true;
-  const AtomTime& time = *tables_.atom_type(atom).time;
-  Slot* self = all_.data() + atoms_[atom].slot_base;
-  if (const Code measure = tables_.code(when.measure); measure.fn != nullptr) {
-    const std::int32_t status = measure.fn(measure.context, self, all_.data(), nullptr);
-    if (status >= 2) return fail_code(status, atom, kNone, nullptr, "a limit of a clock");
-  }
+  if (!measure_limits(atom, when)) return false;
   for (const Bound& bound : when.bounds) {
     const ClockState* states = time_->clocks.data() + time_->clock_base[atom];
-    i64 limit = bound.ticks;
-    if (bound.slot != kNone) {
-      const double value = self[bound.slot].f;
-      self[bound.slot] = Slot{0};
-      // What is no number compares with nothing; what is beyond all clocks is still above or below them.
-      if (!to_ticks(value, time.clocks[bound.clock].unit, limit)) {
-        if (std::isnan(value)) out = Interval::none();
-        limit = value > 0 ? kMaxTicks : -kMaxTicks;
-      }
-    }
+    i64 limit = 0;
+    if (!take_limit(atom, bound, limit)) out = Interval::none();
     Int128 value = clock_value(atom, bound.clock);
     i64 speed = states[bound.clock].speed;
     if (bound.minus != kNone) {
@@ -268,6 +277,7 @@ CandidateTime Core::time_of(const Candidate& candidate) {
 }
 
 bool Core::take_timed(EnabledSet::Position at) {
+  time_->set_clocks.clear();
   const Candidate chosen = candidate(at);
   participants(chosen, participant_scratch_);
   const bool is_sync = chosen.connector != kNone && tables_.connector_type(chosen.connector).resume_sync;
@@ -305,6 +315,7 @@ void Core::save_time(std::vector<i64>& out) const {
 }
 
 void Core::load_time(const std::vector<i64>& in) {
+  time_->set_clocks.clear();
   const i64* next = in.data();
   time_->now = *next++;
   for (u32 atom = 0; atom < atoms_.size(); ++atom) {

@@ -3,18 +3,6 @@
 
 namespace bip::rt {
 
-i64 TimedScheduler::survey(Core& core) {
-  i64 last = core.last_instant();
-  ends_.clear();
-  for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
-    const CandidateTime time = core.time_of(core.candidate(core.position(k)));
-    ends_.push_back(time.interval.high);
-    if (time.urgency == Urgency::Eager) last = core.now();
-    else if (time.urgency == Urgency::Delayable) last = std::min(last, time.interval.high);
-  }
-  return std::max(last, core.now());
-}
-
 // Uniform in [first, last]; past `first` exponential with the mean if there is no last. The exponential is von Neumann's
 // ("Various techniques used in connection with random digits", 1951): comparisons of uniform numbers, no logarithm, so that
 // every machine draws the same.
@@ -53,7 +41,7 @@ bool TimedScheduler::plan(Core& core, i64 last) {
 }
 
 TimedScheduler::Next TimedScheduler::look(Core& core) {
-  const i64 last = survey(core);
+  const i64 last = core.wait_limit(ends_);
   at_ = core.now();
   if (!ends_.empty() && !plans_) {
     choice_ = scheduler_.choose(core);

@@ -33,8 +33,6 @@ class TimedScheduler {
   /// or no time may pass beyond it.
   enum class Next : std::uint8_t { Step, Change, Never, Lock };
   Next look(Core& core);
-  /// The ends of all candidates' intervals, and the last instant to which time may pass in this state.
-  i64 survey(Core& core);
   bool plan(Core& core, i64 last);
   i64 draw(i64 first, i64 last, i64 mean);
 

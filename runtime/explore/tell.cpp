@@ -29,6 +29,15 @@ const char* beginning_of(ExploreEnd end) {
   return "";
 }
 
+// A way without time, as one whose steps are all taken at once.
+TimedWay at_once(const Way& way) {
+  TimedWay timed;
+  for (const u64 choice : way) timed.steps.push_back({0, choice});
+  return timed;
+}
+
+bool take(Core& core, u64 k) { return core.is_timed() ? core.take_timed(core.position(k)) : core.fire(k); }
+
 // The published engine writes `0 error`.
 std::string published_count(u64 n, const char* what) { return n == 0 ? "0 " + std::string(what) : counted(n, what); }
 
@@ -56,30 +65,50 @@ std::string summary_line(const ExploreReport& report) {
          counted(report.deadlocks, "deadlock") + ", " + counted(report.errors, "error") + "\n";
 }
 
-ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way, std::size_t max_lines) {
+std::string summary_line(const ZoneReport& report) {
+  const char* beginning = report.inexact.empty() ? beginning_of(report.end) : "not exact: at least ";
+  return beginning + counted(report.zones, "zone") + " of " + counted(report.locations, "location") + ", " + counted(report.steps, "step") + ", " +
+         counted(report.deadlocks, "deadlock") + ", " + counted(report.time_locks, "time lock") + ", " + counted(report.errors, "error") + "\n";
+}
+
+ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way, std::size_t max_lines) {
   ToldWay told;
   Core core(image, {.progress = progress});
   bool is_sound = core.initialize();
   StepWriter writer;
   u64 taken = 0;
-  for (; is_sound && taken < way.size() && way[taken] < core.candidate_count(); ++taken) {
-    const Candidate candidate = core.candidate(way[taken]);
+  for (; is_sound && taken < way.steps.size(); ++taken) {
+    if (!let_time_pass(core, way.steps[taken].at) || way.steps[taken].choice >= core.candidate_count()) break;
+    const u64 choice = way.steps[taken].choice;
+    const Candidate candidate = core.candidate(choice);
     told.names += told.names.empty() ? "" : ", ";
     append_candidate(told.names, core, candidate);
     if (taken < max_lines) writer.step(told.steps, core, candidate, taken);
-    else if (taken == max_lines) told.steps += "… and " + counted(way.size() - taken, "more step") + "\n";
-    is_sound = core.fire(way[taken]);
+    else if (taken == max_lines) told.steps += "… and " + counted(way.steps.size() - taken, "more step") + "\n";
+    is_sound = take(core, choice);
     if (!is_sound) break;
   }
-  if (!is_sound) {
+  const i64 last = core.now();
+  if (is_sound) (void)let_time_pass(core, way.end);
+  if (end == WayEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  if (core.fault()) {
     told.error = without_seed(text_of(core.fault(), image, 0, taken));
   } else if (end == WayEnd::Deadlock && core.candidate_count() == 0) {
-    told.steps += without_seed(deadlock_story(core, way.size(), 0));
+    if (core.now() > last) {
+      told.steps += "time passes to ";
+      append_time(told.steps, core.now());
+      told.steps += '\n';
+    }
+    told.steps += without_seed(deadlock_story(core, taken, 0));
   }
   return told;
 }
 
-std::string trace_of_way(const Image& image, MaximalProgress progress, const Way& way, TraceFormat format) {
+ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way, std::size_t max_lines) {
+  return tell_way(image, progress, end, at_once(way), max_lines);
+}
+
+std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way, TraceFormat format) {
   std::string text;
   Core core(image, {.progress = progress});
   Bip2Writer bip2;
@@ -89,24 +118,35 @@ std::string trace_of_way(const Image& image, MaximalProgress progress, const Way
   else json.begin(text, image, 0, Policy::First);
   bool is_sound = core.initialize();
   u64 taken = 0;
-  for (; is_sound && taken < way.size() && way[taken] < core.candidate_count(); ++taken) {
-    if (is_bip2) {
+  for (; is_sound && taken < way.steps.size(); ++taken) {
+    const u64 choice = way.steps[taken].choice;
+    if (is_bip2 && core.is_timed()) bip2.foresee(core);
+    if (!let_time_pass(core, way.steps[taken].at) || choice >= core.candidate_count()) break;
+    if (is_bip2 && core.is_timed()) {
+      bip2.foreseen(text, core, taken, core.candidate(choice));
+    } else if (is_bip2) {
       bip2.state(text, core, taken);
-      bip2.choice(text, core, way[taken]);
+      bip2.choice(text, core, choice);
     } else {
-      json.step(text, core, core.candidate(way[taken]), taken, way[taken]);
+      json.step(text, core, core.candidate(choice), taken, choice);
     }
-    is_sound = core.fire(way[taken]);
+    is_sound = take(core, choice);
     if (!is_sound) break;
   }
-  const End end = !is_sound ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
+  if (is_sound) (void)let_time_pass(core, way.end);
+  if (end == WayEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  const End ended = core.fault() ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
   if (is_bip2) {
-    if (!is_sound) bip2.fault(text, core);
-    bip2.end(text, core, end, taken);
+    if (core.fault()) bip2.fault(text, core);
+    bip2.end(text, core, ended, taken);
   } else {
-    json.end(text, core, end, taken);
+    json.end(text, core, ended, taken);
   }
   return text;
+}
+
+std::string trace_of_way(const Image& image, MaximalProgress progress, const Way& way, TraceFormat format) {
+  return trace_of_way(image, progress, WayEnd::Deadlock, at_once(way), format);
 }
 
 }  // namespace bip::rt

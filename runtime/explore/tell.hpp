@@ -5,6 +5,7 @@
 
 #include "bip/run.hpp"
 #include "runtime/explore/explore.hpp"
+#include "runtime/explore/zones.hpp"
 
 namespace bip::rt {
 
@@ -18,15 +19,20 @@ inline constexpr u64 kStatesPerDot = 1000;
 /// "3 states", "1 state".
 [[nodiscard]] std::string counted(u64 n, const char* what);
 
-enum class WayEnd : std::uint8_t { Deadlock, Error };
+/// `explored: 20 zones of 7 locations, 31 steps, 0 deadlocks, 1 time lock, 0 errors`
+[[nodiscard]] std::string summary_line(const ZoneReport& report);
+
+enum class WayEnd : std::uint8_t { Deadlock, Error, TimeLock };
 struct ToldWay {
   std::string names;   // of the candidates taken, "ROOT.a, ROOT.b"
   std::string steps;   // a line a step; Deadlock: then who waits for whom
-  std::string error;   // Error: the run-time error
+  std::string error;   // Error, TimeLock: the run-time error
 };
 /// Takes the way. At most max_lines steps are listed.
 [[nodiscard]] ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way, std::size_t max_lines);
+[[nodiscard]] ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way, std::size_t max_lines);
 /// The way as a trace that `bipc replay` reads (Bip2) or JSON lines.
 [[nodiscard]] std::string trace_of_way(const Image& image, MaximalProgress progress, const Way& way, TraceFormat format);
+[[nodiscard]] std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way, TraceFormat format);
 
 }  // namespace bip::rt

@@ -1,0 +1,112 @@
+// See dbm.hpp.
+#include "runtime/explore/dbm.hpp"
+
+#include <algorithm>
+
+namespace bip::rt {
+
+namespace {
+
+std::int64_t sum(std::int64_t a, std::int64_t b) { return a == Zone::kInf || b == Zone::kInf ? Zone::kInf : a + b; }
+
+}  // namespace
+
+// Only paths through the new bound can be shorter than before.
+bool Zone::meet(const ZoneBound& add) {
+  if (implies(add)) return true;
+  if (sum(at(add.j, add.i), add.limit) < 0) return false;
+  bound(add.i, add.j) = add.limit;
+  for (u32 i = 0; i < size_; ++i) {
+    const i64 to = sum(at(i, add.i), add.limit);
+    if (to == kInf) continue;
+    for (u32 j = 0; j < size_; ++j) bound(i, j) = std::min(at(i, j), sum(to, at(add.j, j)));
+  }
+  return true;
+}
+
+void Zone::let_time_pass() {
+  for (u32 i = 1; i < size_; ++i) bound(i, 0) = kInf;
+}
+
+void Zone::shift(i64 ticks) {
+  for (u32 i = 1; i < size_; ++i) {
+    bound(i, 0) = sum(at(i, 0), ticks);
+    bound(0, i) -= ticks;
+  }
+}
+
+void Zone::set_clock(u32 clock, i64 value) {
+  for (u32 k = 0; k < size_; ++k) {
+    if (k == clock) continue;
+    bound(clock, k) = sum(value, at(0, k));
+    bound(k, clock) = sum(at(k, 0), -value);
+  }
+}
+
+bool Zone::includes(const Zone& other) const {
+  return std::equal(bounds_.begin(), bounds_.end(), other.bounds_.begin(), [](i64 mine, i64 its) { return its <= mine; });
+}
+
+std::vector<Zone::i64> Zone::least_point() const {
+  std::vector<i64> point(size_, 0);
+  for (u32 i = 1; i < size_; ++i) point[i] = -at(0, i);
+  return point;
+}
+
+bool Zone::is_unbounded() const {
+  for (u32 i = 1; i < size_; ++i) {
+    if (at(i, 0) != kInf) return false;
+  }
+  return true;
+}
+
+void Zone::close() {
+  for (u32 k = 0; k < size_; ++k) {
+    for (u32 i = 0; i < size_; ++i) {
+      const i64 to = at(i, k);
+      if (to == kInf) continue;
+      for (u32 j = 0; j < size_; ++j) bound(i, j) = std::min(at(i, j), sum(to, at(k, j)));
+    }
+  }
+}
+
+void Zone::extrapolate(const std::vector<i64>& max, const std::vector<i64>& min) {
+  bool is_changed = false;
+  const std::vector<i64> least = least_point();
+  const auto widen = [&](u32 i, u32 j, i64 limit) {
+    if (at(i, j) == limit) return;
+    bound(i, j) = limit;
+    is_changed = true;
+  };
+  for (u32 i = 1; i < size_; ++i) {
+    for (u32 j = 0; j < size_; ++j) {
+      if (i != j && (at(i, j) > max[i] - min[j] || least[i] > max[i] || (j != 0 && least[j] > max[j]))) widen(i, j, kInf);
+    }
+    if (least[i] > max[i]) widen(0, i, -(max[i] + 1));
+  }
+  if (is_changed) close();
+}
+
+void subtract(const Zone& zone, const Zone& hole, std::vector<Zone>& out) {
+  Zone rest = zone;
+  Zone common = zone;
+  for (Zone::u32 i = 0; i < zone.size(); ++i) {
+    for (Zone::u32 j = 0; j < zone.size(); ++j) {
+      if (i != j && hole.at(i, j) != Zone::kInf && !common.meet({i, j, hole.at(i, j)})) {
+        out.push_back(zone);
+        return;
+      }
+    }
+  }
+  for (Zone::u32 i = 0; i < zone.size(); ++i) {
+    for (Zone::u32 j = 0; j < zone.size(); ++j) {
+      if (i == j || hole.at(i, j) == Zone::kInf || rest.implies({i, j, hole.at(i, j)})) continue;
+      const ZoneBound inside{i, j, hole.at(i, j)};
+      Zone part = rest;
+      if (part.meet(inside.opposite())) out.push_back(std::move(part));
+      if (!rest.meet(inside)) return;
+    }
+  }
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,213 @@
+// See zone_location.hpp.
+#include "runtime/explore/zone_location.hpp"
+
+#include <algorithm>
+
+namespace bip::rt {
+
+namespace {
+
+void append_row(std::string& key, const void* data, std::size_t bytes) { key.append(static_cast<const char*>(data), bytes); }
+
+template <class T>
+void append_all(std::string& key, const std::vector<T>& values) {
+  append_row(key, values.data(), values.size() * sizeof(T));
+}
+
+void sort_unique(Bounds& bounds) {
+  std::sort(bounds.begin(), bounds.end());
+  bounds.erase(std::unique(bounds.begin(), bounds.end()), bounds.end());
+}
+
+}  // namespace
+
+// Constants that can be known are noted at once, in the initial state: most limits are constants or parameters.
+Locations::Locations(Core& core, MaximalProgress progress) : core_(core), shapes_(shapes_of(core, progress)) {
+  const Image& image = core.image();
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    const AtomType& type = image.atom_types[image.atoms[atom].type];
+    is_timed_.push_back(type.time != nullptr);
+    if (type.time != nullptr) clocks_ += type.time->clocks.size;
+  }
+  max_.assign(clocks_ + 1, 0);
+  min_.assign(clocks_ + 1, 0);
+  transitions_.resize(image.atoms.size);
+  is_ruled_.assign(shapes_.slots.size(), false);
+  const PriorityTables rules = link_priorities(core.tables());
+  for (u32 slot = 0; slot < rules.slot_involved.size(); ++slot) {
+    if (rules.slot_involved[slot] == 0) continue;
+    is_ruled_[slot] = true;
+    for (const u32 atom : shapes_.atoms_of(slot)) ruled_atoms_.push_back(atom);
+  }
+  std::sort(ruled_atoms_.begin(), ruled_atoms_.end());
+  ruled_atoms_.erase(std::unique(ruled_atoms_.begin(), ruled_atoms_.end()), ruled_atoms_.end());
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    const AtomType& type = image.atom_types[image.atoms[atom].type];
+    if (!is_timed_[atom]) continue;
+    MeasuredGuard guard;
+    Bounds bounds;
+    for (const TransitionTime& transition : type.time->transitions) {
+      if (core.measure(atom, transition.when, guard)) append(atom, guard, bounds);
+      if (core.measure(atom, transition.resume.when, guard)) append(atom, guard, bounds);
+    }
+    for (const TimeGuard& invariant : type.time->invariants) {
+      if (core.measure(atom, invariant, guard)) append(atom, guard, bounds);
+    }
+  }
+  has_grown_ = false;
+}
+
+void Locations::clear() {
+  rows_.clear();
+  index_.clear();
+  bytes_ = 0;
+}
+
+u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders) {
+  std::string key;
+  append_all(key, state.places);
+  append_all(key, state.marks);
+  append_all(key, state.data);
+  append_all(key, waits);
+  append_all(key, leaders);
+  const std::size_t size = key.size();
+  const auto [at, is_new] = index_.try_emplace(std::move(key), static_cast<u32>(rows_.size()));
+  if (!is_new) return at->second;
+  Location row;
+  row.state = std::move(state);
+  row.waits = waits;
+  row.leaders = leaders;
+  rows_.push_back(std::move(row));
+  bytes_ += 2 * size + sizeof(Location);
+  return at->second;
+}
+
+// Doubled, so that a limit that grows step by step is met in few rounds.
+void Locations::note(const ZoneBound& bound) {
+  if (bound.i != 0 && bound.j != 0) {
+    has_differences_ = true;
+    return;
+  }
+  const u32 clock = std::max(bound.i, bound.j);
+  const i64 constant = bound.i == 0 ? -bound.limit : bound.limit;
+  if (constant <= max_[clock]) return;
+  max_[clock] = std::max(constant, std::min(2 * max_[clock], kFarLimit));
+  has_grown_ = true;
+}
+
+void Locations::note_set(u32 clock, i64 value) {
+  if (value >= min_[clock]) return;
+  min_[clock] = std::min(value, std::max(2 * min_[clock], -kFarLimit));
+  has_grown_ = true;
+}
+
+void Locations::append(u32 atom, const MeasuredGuard& guard, Bounds& out) {
+  const u32 first = core_.first_clock(atom) + 1;
+  for (const ClockBound& bound : guard.bounds) {
+    const u32 i = first + bound.clock;
+    const u32 j = bound.minus == kNone ? 0 : first + bound.minus;
+    for (const ZoneBound& one : {ZoneBound{i, j, bound.high}, ZoneBound{j, i, -bound.low}}) {
+      if (one.limit == kNoBound) continue;
+      out.push_back(one);
+      note(one);
+    }
+  }
+}
+
+bool Locations::measure_slot(Location& at, u32 slot) {
+  const Image& image = core_.image();
+  const SlotShape& shape = shapes_.slots[slot];
+  SlotCondition condition{slot, shape.is_rendezvous && !is_ruled_[slot], {}};
+  bool is_urgent = false;
+  const auto is_offered = [&](const SlotLeaf& leaf) {
+    if (!is_timed_[leaf.atom]) return core_.enabled_transition(leaf.atom, leaf.port) != kNone;
+    return std::any_of(transitions_[leaf.atom].begin(), transitions_[leaf.atom].end(), [&](const TimedTransition& t) { return t.port == leaf.port; });
+  };
+  const Span<SlotLeaf> leaves = shapes_.leaves_of(slot);
+  const auto offered = std::count_if(leaves.begin(), leaves.end(), is_offered);
+  if (offered == 0 || (shape.is_rendezvous && offered != static_cast<std::ptrdiff_t>(leaves.size))) return false;
+  for (const SlotLeaf& leaf : leaves) {
+    if (!is_timed_[leaf.atom]) continue;
+    std::size_t count = 0;
+    for (const TimedTransition& transition : transitions_[leaf.atom]) {
+      if (transition.port != leaf.port) continue;
+      ++count;
+      is_urgent = is_urgent || transition.urgency != Urgency::Lazy;
+      append(leaf.atom, transition.when, condition.bounds);
+    }
+    // Two transitions of a port are alternatives; a port with a rule may be hidden by others.
+    const bool has_rules = image.atom_types[image.atoms[leaf.atom].type].priorities.size != 0;
+    if (count > 1 || has_rules) condition.is_conjunction = false;
+    if (!has_rules) continue;
+    for (const TimedTransition& transition : transitions_[leaf.atom]) append(leaf.atom, transition.when, condition.bounds);
+  }
+  if (is_ruled_[slot]) {
+    for (const u32 atom : ruled_atoms_) {
+      for (const TimedTransition& transition : transitions_[atom]) append(atom, transition.when, condition.bounds);
+    }
+  }
+  sort_unique(condition.bounds);
+  if (is_urgent) at.cells.insert(at.cells.end(), condition.bounds.begin(), condition.bounds.end());
+  at.has_urgent = at.has_urgent || is_urgent;
+  at.slots.push_back(std::move(condition));
+  return true;
+}
+
+// clocks: some that belong to it. Untimed ports, data and limits are the same at all of them.
+bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
+  if (at.is_measured) return true;
+  if (!core_.restore(point(at, clocks))) return false;
+  std::vector<MeasuredGuard> guards;
+  for (u32 atom = 0; atom < is_timed_.size(); ++atom) {
+    transitions_[atom].clear();
+    if (!is_timed_[atom]) continue;
+    if (!core_.timed_invariants(atom, guards)) return false;
+    for (const MeasuredGuard& guard : guards) {
+      at.may_go_on = at.may_go_on && guard.can_hold;
+      append(atom, guard, at.invariants);
+    }
+    if (at.waits[atom] == kNone) {
+      if (!core_.timed_transitions(atom, transitions_[atom])) return false;
+      continue;
+    }
+    auto group = std::find_if(at.groups.begin(), at.groups.end(), [&](const WaitGroup& other) { return other.leader == at.leaders[atom]; });
+    if (group == at.groups.end()) group = at.groups.insert(group, {at.leaders[atom], true, {}});
+    MeasuredGuard guard;
+    if (!core_.measured_resume(atom, at.waits[atom] == kAfterInitial ? kNone : at.waits[atom], guard)) return false;
+    group->ends = group->ends && guard.can_hold;
+    append(atom, guard, group->bounds);
+  }
+  sort_unique(at.invariants);
+  for (const WaitGroup& group : at.groups) {
+    if (group.ends) at.cells.insert(at.cells.end(), group.bounds.begin(), group.bounds.end());
+  }
+  for (u32 slot = 0; slot < shapes_.slots.size(); ++slot) (void)measure_slot(at, slot);
+  sort_unique(at.cells);
+  at.is_measured = true;
+  return true;
+}
+
+State Locations::point(const Location& at, const std::vector<i64>& clocks) const {
+  State state = at.state;
+  state.time.assign(1, 0);
+  u32 clock = 1;
+  for (u32 atom = 0; atom < is_timed_.size(); ++atom) {
+    const AtomType& type = core_.image().atom_types[core_.image().atoms[atom].type];
+    for (u32 k = 0; type.time != nullptr && k < type.time->clocks.size; ++k, ++clock) {
+      state.time.push_back(clocks[clock]);
+      state.time.push_back(kUnitSpeed);
+    }
+    state.time.push_back(at.waits[atom] == kNone ? 0 : kForever);
+  }
+  return state;
+}
+
+Bounds Locations::all_bounds(const Location& at) const {
+  Bounds all = at.cells;
+  all.insert(all.end(), at.invariants.begin(), at.invariants.end());
+  for (const SlotCondition& slot : at.slots) all.insert(all.end(), slot.bounds.begin(), slot.bounds.end());
+  sort_unique(all);
+  return all;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,91 @@
+// The discrete half of a timed state, and what it demands of the clocks. Internal to runtime/explore.
+//
+// A condition is a list of bounds (dbm.hpp). For each slot the list says what its candidates depend on; those of urgent slots, and
+// what busy atoms wait for, cut a zone into cells in each of which the passing of time is ruled alike.
+#pragma once
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "runtime/explore/dbm.hpp"
+#include "runtime/explore/shapes.hpp"
+
+namespace bip::rt {
+
+using Bounds = std::vector<ZoneBound>;
+
+struct SlotCondition {
+  u32 slot = 0;
+  bool is_conjunction = false;  // a candidate exactly where all bounds hold
+  Bounds bounds;
+};
+/// Atoms that go on together once all bounds hold.
+struct WaitGroup {
+  u32 leader = 0;
+  bool ends = true;             // false: never
+  Bounds bounds;
+};
+struct Location {
+  State state;                  // its `time` is of no meaning
+  std::vector<u32> waits;       // by atom: the transition after which it is busy, kInitial, or kNone
+  std::vector<u32> leaders;     // by atom: with whom it goes on
+  bool is_measured = false;
+  bool may_go_on = true;        // false: an invariant holds nowhere
+  Bounds invariants;
+  std::vector<SlotCondition> slots;
+  std::vector<WaitGroup> groups;
+  Bounds cells;                 // sorted
+  bool has_urgent = false;
+  std::vector<u32> nodes;       // of the zone graph
+};
+inline constexpr u32 kAfterInitial = kNone - 1;
+
+class Locations {
+ public:
+  Locations(Core& core, MaximalProgress progress);
+
+  /// The row of the location; made if it is new.
+  u32 find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders);
+  [[nodiscard]] Location& operator[](u32 row) { return rows_[row]; }
+  [[nodiscard]] u32 size() const { return static_cast<u32>(rows_.size()); }
+  void clear();
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+  /// Works out what the location demands, at clock values that it is reached with. False: a fault.
+  [[nodiscard]] bool measure(Location& at, const std::vector<i64>& clocks);
+  /// A state of the core: the location with these clock values ([0] unused).
+  [[nodiscard]] State point(const Location& at, const std::vector<i64>& clocks) const;
+  /// All bounds that matter at the location.
+  [[nodiscard]] Bounds all_bounds(const Location& at) const;
+
+  [[nodiscard]] u32 clocks() const { return clocks_; }
+  /// By clock + 1: compared with nothing greater, never set to less.
+  [[nodiscard]] const std::vector<i64>& max() const { return max_; }
+  [[nodiscard]] const std::vector<i64>& min() const { return min_; }
+  /// Has a constant grown since? What was forgotten before may matter then.
+  [[nodiscard]] bool take_growth() { return std::exchange(has_grown_, false); }
+  void note_set(u32 clock, i64 value);
+  [[nodiscard]] bool has_differences() const { return has_differences_; }
+  [[nodiscard]] const Shapes& shapes() const { return shapes_; }
+
+ private:
+  void append(u32 atom, const MeasuredGuard& guard, Bounds& out);
+  void note(const ZoneBound& bound);
+  bool measure_slot(Location& at, u32 slot);
+
+  Core& core_;
+  Shapes shapes_;
+  u32 clocks_ = 0;
+  std::vector<bool> is_timed_;        // by atom
+  std::vector<bool> is_ruled_;        // by slot: priorities compare it with others
+  std::vector<u32> ruled_atoms_;      // of all those slots
+  std::vector<i64> max_, min_;
+  bool has_grown_ = false, has_differences_ = false;
+  std::vector<Location> rows_;
+  std::unordered_map<std::string, u32> index_;
+  std::size_t bytes_ = 0;
+  std::vector<std::vector<TimedTransition>> transitions_;  // by atom, of the location that is measured
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,395 @@
+// See zone_search.hpp.
+#include "runtime/explore/zone_search.hpp"
+
+#include <algorithm>
+
+#include "runtime/core/text.hpp"
+
+namespace bip::rt {
+
+std::vector<Zone> cut(const Zone& zone, const Bounds& bounds) {
+  std::vector<Zone> cells{zone};
+  for (const ZoneBound& bound : bounds) {
+    const std::size_t count = cells.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!cells[k].is_cut_by(bound)) continue;
+      Zone beyond = cells[k];
+      if (!beyond.meet(bound.opposite()) || !cells[k].meet(bound)) continue;
+      cells.push_back(std::move(beyond));
+    }
+  }
+  return cells;
+}
+
+bool agree(Zone& zone, const Zone& part, const Bounds& bounds) {
+  return std::all_of(bounds.begin(), bounds.end(),
+                     [&](const ZoneBound& bound) { return zone.meet(part.implies(bound) ? bound : bound.opposite()); });
+}
+
+ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options)
+    : image_(image), options_(options), core_(image, {.progress = options.progress}), locations_((static_cast<void>(core_.initialize()), core_), options.progress) {}
+
+// What a step (or `initial`) did to the clocks. False: they do what cannot be followed.
+bool ZoneSearch::follow_clocks(Zone& zone) {
+  u32 row = 0;
+  for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+    const AtomTime* time = image_.atom_types[image_.atoms[atom].type].time;
+    for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k, ++row) {
+      const ClockState& clock = core_.clock_state(row);
+      const bool is_far = std::max(clock.value, -clock.value) > kFarLimit;
+      if (clock.speed == kUnitSpeed && !is_far) continue;
+      const Loc& loc = time->clocks[k].loc;
+      report_.inexact = "clock `" + std::string(time->clocks[k].name) + "` of `" + image_.atoms[atom].path + "` (" + image_.files[loc.file] + ":" +
+                        std::to_string(loc.line) + ") " + (is_far ? "is set to a value beyond 18 years" : "runs at another speed than 1");
+      return false;
+    }
+  }
+  for (const u32 set : core_.set_clocks()) {
+    const i64 value = core_.clock_state(set).value;
+    locations_.note_set(set + 1, value);
+    zone.set_clock(set + 1, value);
+  }
+  return true;
+}
+
+bool ZoneSearch::begin() {
+  nodes_.clear();
+  locations_.clear();
+  next_ = 0;
+  node_bytes_ = 0;
+  deadlock_ = time_lock_ = error_ = {};
+  report_ = {};
+  if (image_.extern_types.size != 0) {
+    report_.inexact = std::string("the model has variables of the C++ type `") + image_.extern_types[0].name + "`";
+    return false;
+  }
+  for (const Atom& atom : image_.atoms) {
+    const AtomType& type = image_.atom_types[atom.type];
+    if (type.time == nullptr || type.time->events.size == 0) continue;
+    const Port& port = type.ports[type.time->events[0].port];
+    report_.inexact = "port `" + std::string(port.name) + "` of `" + atom.path + "` (" + image_.files[port.loc.file] + ":" + std::to_string(port.loc.line) + ") waits for events from outside";
+    return false;
+  }
+  if (!core_.initialize()) {
+    report_.errors = 1;
+    report_.has_error = true;
+    return false;
+  }
+  Zone zone(locations_.clocks());
+  if (!follow_clocks(zone)) return false;
+  std::vector<u32> waits, leaders;
+  for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+    const AtomTime* time = image_.atom_types[image_.atoms[atom].type].time;
+    const bool waits_now = time != nullptr && time->initial.present;
+    waits.push_back(waits_now ? kAfterInitial : kNone);
+    leaders.push_back(waits_now ? atom : 0);
+  }
+  enter(locations_.find_or_add(core_.snapshot(), waits, leaders), std::move(zone), {.origin = {}, .zone = Zone(0)});
+  return true;
+}
+
+bool ZoneSearch::is_inside(const Location& at, const Zone& zone) const {
+  return at.may_go_on && std::all_of(at.invariants.begin(), at.invariants.end(), [&](const ZoneBound& bound) { return zone.implies(bound); });
+}
+
+bool ZoneSearch::wakes(const Location& at, const Zone& zone) const {
+  return std::any_of(at.groups.begin(), at.groups.end(), [&](const WaitGroup& group) {
+    return group.ends && std::all_of(group.bounds.begin(), group.bounds.end(), [&](const ZoneBound& bound) { return zone.implies(bound); });
+  });
+}
+
+bool ZoneSearch::is_eager(const Location& at, const std::vector<i64>& point) {
+  if (!at.has_urgent || !enter_core(at, point)) return false;
+  for (u64 k = 0; k < core_.candidate_count(); ++k) {
+    if (core_.time_of(core_.candidate(k)).urgency == Urgency::Eager) return true;
+  }
+  return false;
+}
+
+// Zones with these points become nodes: cut into cells, each with the time that may pass in it.
+void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
+  label.location = row;
+  {
+    Location& at = locations_[row];
+    if (!locations_.measure(at, zone.least_point())) {
+      // The fault shows wherever the step led.
+      if (label.parent == kNone) ++report_.errors, report_.has_error = true;
+      else note_error(label.parent, label.origin, label.edge == ZoneEdge::Step, label.slot, label.config);
+      return;
+    }
+  }
+  Bounds bounds = locations_[row].cells;
+  bounds.insert(bounds.end(), locations_[row].invariants.begin(), locations_[row].invariants.end());
+  for (Zone& cell : cut(zone, bounds)) {
+    const Location& at = locations_[row];
+    ZoneNode node = label;
+    const bool is_inside_now = is_inside(at, cell);
+    node.is_waking = wakes(at, cell);
+    node.is_still = !is_inside_now || node.is_waking || is_eager(at, cell.least_point());
+    if (!node.is_still) {
+      const Zone part = cell;
+      cell.let_time_pass();
+      (void)agree(cell, part, bounds);
+    }
+    if (!locations_.has_differences()) cell.extrapolate(locations_.max(), locations_.min());
+    node.zone = std::move(cell);
+    insert(std::move(node));
+  }
+}
+
+void ZoneSearch::insert(ZoneNode&& node) {
+  std::vector<u32>& others = locations_[node.location].nodes;
+  for (const u32 other : others) {
+    if (nodes_[other].zone.includes(node.zone)) return;
+  }
+  std::erase_if(others, [&](u32 other) {
+    if (!node.zone.includes(nodes_[other].zone)) return false;
+    nodes_[other].is_covered = other >= next_;
+    return true;
+  });
+  if (report_.zones >= options_.limit) {
+    report_.end = ExploreEnd::States;
+    return;
+  }
+  others.push_back(static_cast<u32>(nodes_.size()));
+  node_bytes_ += sizeof(ZoneNode) + node.zone.bytes() + node.origin.capacity() * sizeof(i64);
+  report_.depth = std::max(report_.depth, node.depth);
+  nodes_.push_back(std::move(node));
+  ++report_.zones;
+}
+
+void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 slot, u32 config) {
+  if (!is_node_faulty_) ++report_.errors;
+  is_node_faulty_ = report_.has_error = true;
+  if (error_.node == kNone) error_ = {node, point, true, is_step, slot, config, false};
+}
+
+// Takes a candidate from a cell of the node. False: the search has to end.
+bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point, u64 k) {
+  const Location& at = locations_[nodes_[node].location];
+  const EnabledSet::Position position = core_.position(k);
+  const Candidate candidate = core_.candidate(position);
+  std::vector<Participant> participants;
+  core_.participants(candidate, participants);
+  const bool is_sync = candidate.connector != kNone && core_.tables().connector_type(candidate.connector).resume_sync;
+  std::vector<u32> waits = at.waits, leaders = at.leaders, timed;
+  u32 leader = kNone;
+  bool waits_now = false;
+  for (const Participant& participant : participants) {
+    const AtomTime* time = core_.tables().atom_type(participant.atom).time;
+    if (time == nullptr) continue;
+    const u32 row = core_.enabled_transition(participant.atom, participant.port);
+    const bool is_busy = time->transitions[row].resume.present;
+    waits[participant.atom] = is_busy ? row : kNone;
+    leaders[participant.atom] = is_busy ? participant.atom : 0;
+    waits_now = waits_now || is_busy;
+    leader = std::min(leader, participant.atom);
+    timed.push_back(participant.atom);
+    if (is_sync) waits[participant.atom] = row;
+  }
+  for (const u32 atom : timed) {
+    if (!is_sync) break;
+    if (!waits_now) waits[atom] = kNone;
+    leaders[atom] = waits_now ? leader : 0;
+  }
+  ++report_.steps;
+  if (!core_.take_timed(position)) {
+    note_error(node, point, true, candidate.slot, candidate.config);
+    return true;
+  }
+  Zone zone = cell;
+  if (!follow_clocks(zone)) return false;
+  ZoneNode label{.parent = node, .depth = nodes_[node].depth + 1, .edge = ZoneEdge::Step, .slot = candidate.slot, .config = candidate.config, .origin = point, .zone = Zone(0)};
+  enter(locations_.find_or_add(core_.snapshot(), waits, leaders), std::move(zone), std::move(label));
+  return true;
+}
+
+// All candidates of a slot; what has one is taken out of `rest`.
+bool ZoneSearch::step_from(u32 node, const SlotCondition& condition, std::vector<Zone>& rest) {
+  std::vector<Zone> cells;
+  if (condition.is_conjunction) {
+    Zone cell = nodes_[node].zone;
+    for (const ZoneBound& bound : condition.bounds) {
+      if (!cell.meet(bound)) return true;
+    }
+    cells.push_back(std::move(cell));
+  } else {
+    cells = cut(nodes_[node].zone, condition.bounds);
+  }
+  for (const Zone& cell : cells) {
+    const std::vector<i64> point = cell.least_point();
+    if (!enter_core(locations_[nodes_[node].location], point)) {
+      note_error(node, point, false, condition.slot, 0);
+      continue;
+    }
+    u64 first = 0, end = 0;
+    for (u64 k = 0; k < core_.candidate_count(); ++k) {
+      const u32 slot = core_.candidate(k).slot;
+      if (slot < condition.slot) first = k + 1;
+      if (slot <= condition.slot) end = k + 1;
+    }
+    if (first == end) continue;
+    std::vector<Zone> left;
+    for (const Zone& part : rest) subtract(part, cell, left);
+    rest = std::move(left);
+    for (u64 k = first; k < end; ++k) {
+      if (k != first && !enter_core(locations_[nodes_[node].location], point)) break;
+      if (!fire(node, cell, point, k)) return false;
+    }
+  }
+  return true;
+}
+
+// Beyond these bounds delayable candidates of the point let no time pass.
+Bounds ZoneSearch::deadlines(const Location& at, const std::vector<i64>& point) {
+  Bounds out;
+  if (!at.has_urgent || !enter_core(at, point)) return out;
+  std::vector<Participant> participants;
+  std::vector<TimedTransition> transitions;
+  for (u64 k = 0; k < core_.candidate_count(); ++k) {
+    const Candidate candidate = core_.candidate(k);
+    if (core_.time_of(candidate).urgency != Urgency::Delayable) continue;
+    core_.participants(candidate, participants);
+    for (const Participant& participant : participants) {
+      if (core_.tables().atom_type(participant.atom).time == nullptr) continue;
+      if (!core_.timed_transitions(participant.atom, transitions)) return out;
+      const u32 first = core_.first_clock(participant.atom) + 1;
+      // Of two transitions of the port that are both enabled (to take it is an error) the interval is what they share.
+      const auto holds = [&](const ClockBound& bound) {
+        const i64 value = point[first + bound.clock] - (bound.minus == kNone ? 0 : point[first + bound.minus]);
+        return bound.low <= value && value <= bound.high;
+      };
+      for (const TimedTransition& transition : transitions) {
+        if (transition.port != participant.port || !std::all_of(transition.when.bounds.begin(), transition.when.bounds.end(), holds)) continue;
+        for (const ClockBound& bound : transition.when.bounds) {
+          if (bound.high != kNoBound && bound.minus == kNone) out.push_back({first + bound.clock, 0, bound.high});
+        }
+      }
+    }
+  }
+  return out;
+}
+
+// Into the neighbour cells, a tick further, unless a deadline or an invariant is in the way.
+void ZoneSearch::pass_time(u32 node) {
+  const u32 row = nodes_[node].location;
+  if (locations_[row].cells.empty()) return;
+  Zone next = nodes_[node].zone;
+  const Bounds ends = deadlines(locations_[row], next.least_point());
+  next.shift(1);
+  for (const Bounds* bounds : {&ends, static_cast<const Bounds*>(&locations_[row].invariants)}) {
+    for (const ZoneBound& bound : *bounds) {
+      if (!next.meet(bound)) return;
+    }
+  }
+  for (Zone& cell : cut(next, locations_[row].cells)) {
+    Zone same = cell;
+    if (agree(same, nodes_[node].zone, locations_[row].cells)) continue;
+    enter(row, std::move(cell), {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::Time, .origin = {}, .zone = Zone(0)});
+  }
+}
+
+void ZoneSearch::go_on(u32 node) {
+  const Location& at = locations_[nodes_[node].location];
+  std::vector<u32> waits = at.waits, leaders = at.leaders;
+  for (const WaitGroup& group : at.groups) {
+    const Zone& zone = nodes_[node].zone;
+    if (!group.ends || !std::all_of(group.bounds.begin(), group.bounds.end(), [&](const ZoneBound& bound) { return zone.implies(bound); })) continue;
+    for (u32 atom = 0; atom < waits.size(); ++atom) {
+      if (at.waits[atom] == kNone || at.leaders[atom] != group.leader) continue;
+      waits[atom] = kNone;
+      leaders[atom] = 0;
+    }
+  }
+  State state = at.state;
+  Zone zone = nodes_[node].zone;
+  enter(locations_.find_or_add(std::move(state), waits, leaders), std::move(zone),
+        {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::GoOn, .origin = {}, .zone = Zone(0)});
+}
+
+// rest: where the node has no candidate.
+void ZoneSearch::judge(u32 node, const std::vector<Zone>& rest) {
+  const Location& at = locations_[nodes_[node].location];
+  bool has_deadlock = false, has_lock = false;
+  const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far) {
+    has = true;
+    if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far};
+  };
+  const bool is_inside_now = is_inside(at, nodes_[node].zone);
+  for (const Zone& part : rest) {
+    if (!is_inside_now) {
+      note(time_lock_, has_lock, part.least_point(), false);
+      continue;
+    }
+    for (const ZoneBound& bound : at.invariants) {
+      Zone end = part;
+      if (bound.j == 0 && end.meet({0, bound.i, -bound.limit})) note(time_lock_, has_lock, end.least_point(), false);
+    }
+    if (part.is_unbounded()) note(deadlock_, has_deadlock, part.least_point(), true);
+  }
+  report_.deadlocks += has_deadlock ? 1 : 0;
+  report_.time_locks += has_lock ? 1 : 0;
+}
+
+void ZoneSearch::expand(u32 node) {
+  is_node_faulty_ = false;
+  if (nodes_[node].is_waking) {
+    go_on(node);
+    return;
+  }
+  std::vector<Zone> rest{nodes_[node].zone};
+  const std::size_t slots = locations_[nodes_[node].location].slots.size();
+  for (std::size_t k = 0; k < slots; ++k) {
+    const SlotCondition condition = locations_[nodes_[node].location].slots[k];
+    if (!step_from(node, condition, rest)) return;
+  }
+  judge(node, rest);
+  if (!nodes_[node].is_still) pass_time(node);
+}
+
+bool ZoneSearch::is_over() {
+  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty()) return true;
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
+  report_.bytes = node_bytes_ + locations_.bytes();
+  if (options_.is_stopped && options_.is_stopped()) report_.end = ExploreEnd::Stopped;
+  else if (options_.seconds > 0 && spent.count() > options_.seconds) report_.end = ExploreEnd::Time;
+  else if (options_.bytes != 0 && report_.bytes > options_.bytes) report_.end = ExploreEnd::Memory;
+  if (options_.tell && next_ % 256 == 0) {
+    options_.tell({.states = report_.zones, .expanded = next_, .steps = report_.steps, .deadlocks = report_.deadlocks + report_.time_locks,
+                   .errors = report_.errors, .depth = report_.depth, .bytes = report_.bytes});
+  }
+  return report_.end != ExploreEnd::Complete;
+}
+
+// Anew whenever a constant has grown: what was forgotten by the smaller one may matter.
+void ZoneSearch::search() {
+  for (;;) {
+    const bool has_begun = begin();
+    if (locations_.take_growth()) continue;
+    if (!has_begun) return;
+    bool has_grown = false;
+    for (; !has_grown && next_ < nodes_.size() && !is_over(); ++next_) {
+      if (!nodes_[next_].is_covered) expand(next_);
+      has_grown = locations_.take_growth();
+    }
+    if (!has_grown) return;
+  }
+}
+
+ZoneReport ZoneSearch::run() {
+  search();
+  report_.locations = locations_.size();
+  report_.bytes = node_bytes_ + locations_.bytes();
+  report_.has_deadlock = deadlock_.node != kNone;
+  report_.has_time_lock = time_lock_.node != kNone;
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
+  report_.seconds = spent.count();
+  if (report_.has_deadlock) find_way(deadlock_, report_.deadlock);
+  if (report_.has_time_lock) find_way(time_lock_, report_.time_lock);
+  if (error_.node != kNone) find_way(error_, report_.error);
+  return std::move(report_);
+}
+
+ZoneReport explore_zones(const Image& image, const ExploreOptions& options) { return ZoneSearch(image, options).run(); }
+
+}  // namespace bip::rt

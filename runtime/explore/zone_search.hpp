@@ -1,0 +1,84 @@
+// One exploration of a zone graph. Internal to runtime/explore; what it computes is in zones.hpp.
+//
+// A node is a location with a zone that lies in one cell (zone_location.hpp) and is closed under the time that may pass in it. Its
+// edges: a step; time that goes on into a neighbour cell; atoms that stop being busy, which takes no time and comes first.
+#pragma once
+#include <chrono>
+#include <deque>
+
+#include "runtime/explore/zone_location.hpp"
+#include "runtime/explore/zones.hpp"
+
+namespace bip::rt {
+
+enum class ZoneEdge : std::uint8_t { Initial, Step, Time, GoOn };
+
+struct ZoneNode {
+  u32 location = 0, parent = kNone, depth = 0;
+  ZoneEdge edge = ZoneEdge::Initial;
+  u32 slot = 0, config = 0;         // Step
+  bool is_still = false;            // no time passes in it
+  bool is_waking = false;           // busy atoms may go on
+  bool is_covered = false;          // by a later one, before it was expanded
+  std::vector<i64> origin;          // Step: a point of the parent's zone at which it was taken
+  Zone zone;
+};
+
+class ZoneSearch {
+ public:
+  ZoneSearch(const Image& image, const ExploreOptions& options);
+  ZoneReport run();
+  /// After it: the graph.
+  [[nodiscard]] const std::deque<ZoneNode>& nodes() const { return nodes_; }
+  [[nodiscard]] Locations& locations() { return locations_; }
+
+ private:
+  struct Target {                   // what was found first
+    u32 node = kNone;
+    std::vector<i64> point;
+    bool is_error = false, is_step = false;  // is_step: in a step of this slot
+    u32 slot = 0, config = 0;
+    bool is_far = false;            // deadlock: however long time passes
+  };
+  // zone_search.cpp
+  bool begin();
+  void search();
+  void expand(u32 node);
+  void enter(u32 location, Zone&& zone, ZoneNode&& label);
+  void insert(ZoneNode&& node);
+  bool step_from(u32 node, const SlotCondition& condition, std::vector<Zone>& rest);
+  bool fire(u32 node, const Zone& cell, const std::vector<i64>& point, u64 k);
+  void pass_time(u32 node);
+  void go_on(u32 node);
+  void judge(u32 node, const std::vector<Zone>& rest);
+  void note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 slot, u32 config);
+  [[nodiscard]] bool is_over();
+  bool follow_clocks(Zone& zone);
+  [[nodiscard]] bool enter_core(const Location& at, const std::vector<i64>& point) { return core_.restore(locations_.point(at, point)); }
+  [[nodiscard]] bool is_inside(const Location& at, const Zone& zone) const;
+  [[nodiscard]] bool wakes(const Location& at, const Zone& zone) const;
+  [[nodiscard]] bool is_eager(const Location& at, const std::vector<i64>& point);
+  [[nodiscard]] Bounds deadlines(const Location& at, const std::vector<i64>& point);
+
+  // zone_way.cpp
+  void find_way(const Target& target, TimedWay& way);
+
+  const Image& image_;
+  ExploreOptions options_;
+  Core core_;
+  Locations locations_;
+  std::deque<ZoneNode> nodes_;
+  u32 next_ = 0;                    // the first that was not expanded
+  std::size_t node_bytes_ = 0;
+  Target deadlock_, time_lock_, error_;
+  bool is_node_faulty_ = false;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  ZoneReport report_;
+};
+
+/// The parts of the zone in each of which every bound is true or false throughout.
+[[nodiscard]] std::vector<Zone> cut(const Zone& zone, const Bounds& bounds);
+/// Keeps the points that agree with `part` (a cell of them) on every bound. False: there are none.
+[[nodiscard]] bool agree(Zone& zone, const Zone& part, const Bounds& bounds);
+
+}  // namespace bip::rt

@@ -1,0 +1,43 @@
+// All behaviours of a timed image at all instants: its zone graph (Daws, Tripakis 1998; Bengtsson, Yi 2004), breadth first.
+//
+// A state of the graph is a *location* (markings, data, who is busy) with a zone of clock values. Time is the core's: whole ticks,
+// so zones are exact, and what is enabled in a part of a zone in which no condition changes its truth is asked of a core at one point of
+// it. Deadlock: no candidate now, and none however long time passes. Time lock: no candidate, and time may not pass. A lazy step
+// may be missed; a state in which it was counts. Not exact, and then ended with the reason: clocks that run at another speed than 1.
+// Conditions on differences of clocks are exact too, but nothing is forgotten then, so the graph may have no end.
+// Cost: zones times slots times clocks squared; a location's zones are compared pairwise.
+#pragma once
+#include "runtime/explore/explore.hpp"
+
+namespace bip::rt {
+
+struct TimedStep {
+  i64 at = 0;   // the instant
+  u64 choice = 0;  // number of the candidate at that instant
+};
+/// From the initial state. `end`: the instant to which time passes afterwards.
+struct TimedWay {
+  std::vector<TimedStep> steps;
+  i64 end = 0;
+};
+
+struct ZoneReport {
+  ExploreEnd end = ExploreEnd::Complete;
+  std::string inexact;            // what could not be followed, with its place; the exploration ended there
+  u64 zones = 0, locations = 0, steps = 0;
+  u64 deadlocks = 0, time_locks = 0, errors = 0;  // zones with such a point; with a step that ends in a run-time error
+  u32 depth = 0;
+  bool has_deadlock = false, has_time_lock = false, has_error = false;
+  TimedWay deadlock, time_lock, error;
+  bool are_ways_known = true;     // false: a way could not be taken by the core
+  std::size_t bytes = 0;
+  double seconds = 0;
+};
+
+/// One thread. options.reduction and threads mean nothing here; options.limit counts zones.
+[[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options);
+
+/// Lets time pass to an instant. False: it may not pass so far, or a fault.
+[[nodiscard]] bool let_time_pass(Core& core, i64 to);
+
+}  // namespace bip::rt

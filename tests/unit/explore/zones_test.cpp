@@ -1,0 +1,224 @@
+// The zone graph against what it stands for: random small timed systems whose time is explored one tick at a time, with nothing
+// but a core, and walks of the core through instants that have no bound.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+#include <string>
+
+#include "compiler/interp/interp.hpp"
+#include "runtime/core/prng.hpp"
+#include "runtime/explore/zone_search.hpp"
+#include "tests/unit/explore/timed_systems.hpp"
+#include "tools/gen/compiled.hpp"
+
+namespace {
+
+using namespace bip;
+using rt::i64;
+using rt::u32;
+using rt::u64;
+
+constexpr i64 kCap = rt::testing::kMostConstant + 2;  // clocks beyond it are all alike
+constexpr std::size_t kMost = 20000;                  // states that are visited tick by tick
+
+// What can be told of a state: markings, data, who is busy, clocks up to the cap.
+using Key = std::vector<i64>;
+
+struct Ticks {
+  std::set<Key> keys;
+  std::vector<rt::State> states;
+  std::set<Key> places;             // without the clocks
+  bool has_deadlock = false, has_lock = false, has_error = false, is_complete = true;
+};
+
+Key place_of(const rt::State& state) {
+  Key key(state.places.begin(), state.places.end());
+  for (const u64 word : state.marks) key.push_back(static_cast<i64>(word));
+  for (const u64 word : state.data) key.push_back(static_cast<i64>(word));
+  return key;
+}
+
+// Time counted from here, clocks cut off.
+void normalize(const rt::Image& image, rt::State& state) {
+  std::size_t at = 1;
+  for (const rt::Atom& atom : image.atoms) {
+    const rt::AtomTime* time = image.atom_types[atom.type].time;
+    for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k, at += 2) state.time[at] = std::min(state.time[at], kCap);
+    if (state.time[at] != rt::kForever) state.time[at] -= state.time[0];
+    ++at;
+  }
+  state.time[0] = 0;
+}
+
+// max: by clock + 1, beyond it a clock's values are alike.
+Key key_of(const rt::Image& image, const rt::State& state, const std::vector<i64>* max = nullptr) {
+  Key key = place_of(state);
+  std::size_t at = 1, clock = 1;
+  for (const rt::Atom& atom : image.atoms) {
+    const rt::AtomTime* time = image.atom_types[atom.type].time;
+    for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k, ++clock, at += 2) {
+      key.push_back(max == nullptr ? state.time[at] : std::min(state.time[at], (*max)[clock] + 1));
+    }
+    key.push_back(state.time[at++] > 0 ? 1 : 0);
+  }
+  return key;
+}
+
+Ticks explore_ticks(const rt::Image& image) {
+  Ticks found;
+  rt::Core core(image);
+  std::vector<rt::State> todo;
+  const auto add = [&] {
+    rt::State state = core.snapshot();
+    normalize(image, state);
+    if (!found.keys.insert(key_of(image, state)).second) return;
+    found.places.insert(place_of(state));
+    found.states.push_back(state);
+    todo.push_back(std::move(state));
+  };
+  if (!core.initialize()) {
+    found.has_error = true;
+    return found;
+  }
+  add();
+  std::vector<i64> ends;
+  while (!todo.empty()) {
+    if (found.states.size() > kMost) {
+      found.is_complete = false;
+      return found;
+    }
+    const rt::State here = std::move(todo.back());
+    todo.pop_back();
+    if (!core.restore(here)) {
+      found.has_error = true;
+      continue;
+    }
+    const u64 count = core.candidate_count();
+    const bool may_wait = core.wait_limit(ends) > core.now();
+    if (count == 0 && !may_wait) found.has_lock = true;
+    if (may_wait) {
+      if (!core.advance(core.now() + 1)) {
+        found.has_error = true;
+      } else {
+        rt::State next = core.snapshot();
+        normalize(image, next);
+        if (count == 0 && key_of(image, next) == key_of(image, here)) found.has_deadlock = true;
+        add();
+      }
+    }
+    for (u64 k = 0; k < count; ++k) {
+      REQUIRE(core.restore(here));
+      if (core.take_timed(core.position(k))) add();
+      else found.has_error = true;
+    }
+  }
+  return found;
+}
+
+struct Tally {
+  int compared = 0, deadlocks = 0, locks = 0, errors = 0;
+  u64 states = 0, zones = 0, walked = 0;
+};
+
+bool has_point(rt::ZoneSearch& search, const rt::Image& image, const rt::State& state) {
+  std::vector<i64> point{0};
+  std::vector<bool> is_busy;
+  std::size_t at = 1;
+  for (const rt::Atom& atom : image.atoms) {
+    const rt::AtomTime* time = image.atom_types[atom.type].time;
+    for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k, at += 2) point.push_back(state.time[at]);
+    is_busy.push_back(state.time[at++] > state.time[0]);
+  }
+  for (const rt::ZoneNode& node : search.nodes()) {
+    const rt::Location& location = search.locations()[node.location];
+    if (node.is_waking || place_of(location.state) != place_of(state)) continue;
+    bool is_inside = true;
+    for (std::size_t atom = 0; atom < is_busy.size(); ++atom) is_inside = is_inside && (location.waits[atom] != rt::kNone) == is_busy[atom];
+    for (u32 i = 0; i < point.size() && is_inside; ++i) {
+      for (u32 j = 0; j < point.size(); ++j) is_inside = is_inside && (i == j || node.zone.at(i, j) == rt::Zone::kInf || point[i] - point[j] <= node.zone.at(i, j));
+    }
+    if (is_inside) return true;
+  }
+  return false;
+}
+
+// Any instant that may be, not only those that a policy plans.
+void walk(rt::ZoneSearch& search, const rt::Image& image, u64 seed, Tally& tally) {
+  rt::Core core(image);
+  rt::Prng random(seed);
+  REQUIRE(core.initialize());
+  std::vector<i64> ends;
+  for (int step = 0; step < 40; ++step) {
+    INFO("walk " << seed << ", step " << step << ", at " << core.now());
+    REQUIRE(has_point(search, image, core.snapshot()));
+    ++tally.walked;
+    const u64 count = core.candidate_count();
+    const i64 limit = std::min({core.wait_limit(ends), core.next_change(), core.now() + 3});
+    if (limit > core.now() && (count == 0 || random.below(2) == 0)) {
+      if (!core.advance(core.now() + 1 + static_cast<i64>(random.below(static_cast<u64>(limit - core.now()))))) return;
+    } else if (count == 0 || !core.take_timed(core.position(random.below(count)))) {
+      return;
+    }
+  }
+}
+
+void compare(u64 seed, Tally& tally) {
+  const std::string text = rt::testing::random_timed_system(seed);
+  const gen::Compiled c = gen::compile_texts({text});
+  INFO("seed " << seed << "\n" << text);
+  // Two transitions that are sure to collide do not compile.
+  if (!c.problem.empty()) return;
+  const interp::Interpreter interpreter(*c.lowered);
+  const rt::Image& image = c.lowered->image;
+  const Ticks ticks = explore_ticks(image);
+  if (!ticks.is_complete) return;
+  rt::ZoneSearch search(image, {.limit = 200000});
+  const rt::ZoneReport found = search.run();
+  REQUIRE(found.inexact == "");
+  REQUIRE(found.end == rt::ExploreEnd::Complete);
+  ++tally.compared;
+  tally.states += ticks.states.size();
+  tally.zones += found.zones;
+  tally.deadlocks += ticks.has_deadlock ? 1 : 0;
+  tally.locks += ticks.has_lock ? 1 : 0;
+  tally.errors += ticks.has_error ? 1 : 0;
+  REQUIRE(found.has_error == ticks.has_error);
+  REQUIRE(found.has_deadlock == ticks.has_deadlock);
+  REQUIRE(found.has_time_lock == ticks.has_lock);
+  REQUIRE(found.are_ways_known);
+  // What the graph cannot tell apart is not told apart here either.
+  std::set<Key> places, reached;
+  const std::vector<i64>& max = search.locations().max();
+  for (const rt::State& state : ticks.states) reached.insert(key_of(image, state, &max));
+  for (const rt::ZoneNode& node : search.nodes()) {
+    const rt::Location& location = search.locations()[node.location];
+    places.insert(place_of(location.state));
+    if (node.is_waking) continue;
+    rt::State point = search.locations().point(location, node.zone.least_point());
+    normalize(image, point);
+    // What is wrong, if it is.
+    std::string what = "a node after " + std::to_string(node.parent) + ", edge " + std::to_string(static_cast<int>(node.edge)) + ":";
+    for (const i64 value : key_of(image, point, &max)) what += ' ' + std::to_string(value);
+    INFO(what);
+    REQUIRE(reached.count(key_of(image, point, &max)) == 1);
+  }
+  REQUIRE(places == ticks.places);
+  if (ticks.has_error && found.zones == 0) return;
+  for (u64 k = 1; k <= 3; ++k) walk(search, image, seed * 8 + k, tally);
+}
+
+}  // namespace
+
+TEST_CASE("zone graphs of random timed systems are their behaviour tick by tick") {
+  Tally tally;
+  const char* wanted = std::getenv("BIP_ZONE_RUNS");
+  const u64 runs = wanted == nullptr ? 120 : std::strtoull(wanted, nullptr, 10);
+  for (u64 seed = 1; seed <= runs; ++seed) compare(seed, tally);
+  WARN("compared " << tally.compared << " (" << tally.states << " states tick by tick, " << tally.zones << " zones), with deadlock " << tally.deadlocks
+                   << ", with time lock " << tally.locks << ", with error " << tally.errors << ", states walked " << tally.walked);
+  CHECK(tally.compared > static_cast<int>(runs) / 2);
+  CHECK(tally.deadlocks > 0);
+  CHECK(tally.locks > 0);
+}
