@@ -68,7 +68,8 @@ def groups():
     if (BUILD / "bip-gen").exists():
         os.environ["BUILD"] = str(BUILD)
         if (BUILD / "bip-verify-check").exists():
-            yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/run")]))]
+            yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/run")])),
+                             ("terminal", lambda: run_script("terminal", [sys.executable, str(ROOT / "tests/verify/terminal")]))]
         yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"]))]
 
 

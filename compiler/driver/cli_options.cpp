@@ -158,7 +158,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   add_compile(*command, a.compile);
   command->footer(
       "EXPR is about stable states: a@PLACE, a.data, can connector, can a.port, with the operators of guards.\n"
-      "Exit code: 0 it holds, 3 it does not (the steps are shown), 4 unknown. Ctrl-C ends with what is known.\n"
+      "Exit code: 0 it holds, 3 it does not (the steps are shown), 4 unknown. Ctrl-C tells what is known and ends with 4.\n"
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
       "  bipc verify --property 'never phil[0]@EATS && phil[1]@EATS' model.bip\n"
       "  bipc verify --property errors model.bip");

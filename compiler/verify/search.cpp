@@ -112,11 +112,13 @@ class Search {
     return sum;
   }
 
-  // Always the step that comes nearest to the candidate, as long as it comes nearer, or does not lead away for too long.
+  // Always the step that comes nearest to the candidate, as long as it comes nearer, or does not lead away for too long. A
+  // candidate that can be reached like that is, in about as many steps as it is far away: a walk is not to eat the proof's time.
   bool walk() {
     rt::State state = core_.snapshot();
     std::int64_t best = distance(state);
     std::uint64_t idle = 0;
+    const std::size_t most = 1000 + 3 * static_cast<std::size_t>(std::max<std::int64_t>(best, 0));
     std::vector<u32> places = state.places;
     while (seconds_until(limits_.end) > 0) {
       const std::uint64_t count = core_.candidate_count();
@@ -153,7 +155,7 @@ class Search {
       }
       idle = now < best ? 0 : idle + 1;
       best = std::min(best, now);
-      if (idle > 200 || result_.choices.size() > 1000000) break;
+      if (idle > 200 || result_.choices.size() > most) break;
     }
     return false;
   }
