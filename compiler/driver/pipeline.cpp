@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "compiler/base/assert.hpp"
+#include "compiler/driver/check_rest.hpp"
 #include "compiler/driver/load_packages.hpp"
 #include "compiler/driver/roots.hpp"
 #include "compiler/system/bsys.hpp"
@@ -128,7 +129,9 @@ bool compile(Compilation& c, const std::string& path, Stage last) {
   c.path = path;
   for (const Pass& pass : kPasses) {
     if (pass.stage > last) break;
-    if (!timed(c, pass.name, [&] { return pass.run(c); })) return false;
+    if (timed(c, pass.name, [&] { return pass.run(c); })) continue;
+    if (pass.stage == Stage::Syntax && last > Stage::Syntax) check_rest(c);
+    return false;
   }
   return true;
 }
