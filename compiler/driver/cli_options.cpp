@@ -130,6 +130,8 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_option("--speed", a.run.speed, "--real-time, F seconds of the model a second")->check(CLI::Range(1e-6, 1e6))->type_name("F");
   command->add_flag("--relaxed", a.run.relaxed, "--real-time: a step that starts too late is a warning");
   command->add_option("--events", a.run.events_path, "events from outside, one a line of JSON, in the order of their time")->type_name("PATH");
+  command->add_option("--record", a.run.record_path, "write the events that come to PATH, for --replay")->type_name("PATH");
+  command->add_option("--replay", a.run.replay_path, "repeat the run that was recorded, in logical time, with its seed and policy")->type_name("PATH");
   command->add_flag("--silent", a.run.silent, "no step lines; seed and end are still told");
   command->add_flag("--stats", a.run.stats, "steps, seconds and time a step at the end");
   command->add_flag("--debug", a.run.debug, "print every state's possible steps");

@@ -1,5 +1,5 @@
 // See compiler_errors.hpp. C++ compilers name places; our own text makes them places of the model: `#line` where code of the
-// model stands, "bip-prototype-3" and "bip-type-3" where C++ is called (emit_cpp/foreign.hpp).
+// model stands, "bip-prototype-3", "bip-type-3" and "bip-class-3" where C++ is called (emit_cpp/foreign.hpp).
 #include "compiler/driver/compiler_errors.hpp"
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "compiler/emit_cpp/foreign.hpp"
+#include "compiler/lower/event_classes.hpp"
 
 namespace bip::driver {
 
@@ -66,6 +67,15 @@ std::optional<DiagnosticBuilder> report_prototype(Compilation& c, const std::str
     if (row < code.extern_types.size()) {
       const ExternType& type = code.extern_types[row];
       return c.diags.report(Diag::kB5011, range_of(c, type.loc), fmt::format("type `{}`", type.name)).note("C++: " + error);
+    }
+  }
+  constexpr std::string_view kClassMark = "bip-class-";
+  if (const std::size_t at = said.find(kClassMark); at != std::string::npos) {
+    const std::vector<lower::EventClassUse> uses = lower::event_class_uses(*c.system);
+    const std::size_t row = std::strtoul(said.c_str() + at + kClassMark.size(), nullptr, 10);
+    if (row < uses.size()) {
+      const Port& port = c.system->atom_types[uses[row].type].ports[uses[row].port];
+      return c.diags.report(Diag::kB5011, range_of(c, port.loc), fmt::format("class `{}` of port `{}`", port.event_class, port.name)).note("C++: " + error);
     }
   }
   constexpr std::string_view kMark = "bip-prototype-";

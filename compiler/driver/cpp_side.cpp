@@ -12,6 +12,7 @@
 
 #include "compiler/driver/compiler_errors.hpp"
 #include "compiler/driver/host_compiler.hpp"
+#include "compiler/lower/event_classes.hpp"
 
 namespace bip::driver {
 
@@ -113,7 +114,7 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp) {
     c.diags.report(Diag::kB5002, {}, tried).help("the model calls C++, which must be compiled; install one (`apt-get install g++`)");
     return {};
   }
-  const std::string shim = emit_cpp::shim_text(c.system->code, cpp.const_names);
+  const std::string shim = emit_cpp::shim_text(*c.system, cpp.const_names);
   const std::string parent = fs::path(runtime.directory).parent_path().string();
   for (const char* flag : {"-std=c++20", "-O1", "-shared", "-fPIC", "-ffp-contract=off", "-w", "-Wl,-z,defs"}) command.emplace_back(flag);
   command.insert(command.end(), {"-I" + runtime.directory + "/include", "-I" + parent});
@@ -173,7 +174,9 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp) {
 
 }  // namespace
 
-bool has_cpp_side(const Compilation& c) { return c.system && emit_cpp::ForeignNames::is_needed(c.system->code); }
+bool has_cpp_side(const Compilation& c) {
+  return c.system && (emit_cpp::ForeignNames::is_needed(c.system->code) || !lower::event_class_uses(*c.system).empty());
+}
 
 bool find_cpp_side(Compilation& c, emit_cpp::CppBuild& out) {
   if (!has_cpp_side(c)) return true;
@@ -225,6 +228,8 @@ bool load_cpp_side(Compilation& c) {
     lowered.extern_types[row] = types[row];
     lowered.extern_types[row].name = name;
   }
+  const auto* classes = static_cast<const rt::EventClass*>(::dlsym(library, "bip_event_classes"));
+  for (std::size_t row = 0; row < lowered.event_classes.size(); ++row) lowered.event_classes[row] = classes[row];
   // Results of extern types need a place between a call and its use; calls do not nest in themselves.
   const CodeTable& code = c.system->code;
   if (!lowered.extern_types.empty()) lowered.temporaries.assign(code.exprs.size(), rt::Slot{});

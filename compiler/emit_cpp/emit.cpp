@@ -3,6 +3,7 @@
 // Everything but image() is in an unnamed namespace inside the options' one, so files of several models can be one
 // translation unit. The file is made for `g++ -std=c++20 -ffp-contract=off`: floats must not be contracted.
 #include "compiler/emit_cpp/emit_cpp.hpp"
+#include "compiler/emit_cpp/foreign_events.hpp"
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/emit_cpp/steps.hpp"
 #include "compiler/emit_cpp/tables.hpp"
@@ -34,8 +35,11 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   if (options.with_main) out.line("#include \"bip/run.hpp\"");
   out.line();
   if (has_outside) out.line(foreign_includes(code));
+  const std::vector<lower::EventClassUse> classes = lower::event_class_uses(*lowered.system);
+  if (!classes.empty()) out.line("#include \"bip/event_source.hpp\"");
   out.line("namespace " + options.namespace_name + " {");
   if (has_outside) out.line(foreign_text(code, options.const_names, {.mark = options.mark_foreign}));
+  if (!classes.empty()) out.line(event_class_text(*lowered.system, classes, options.mark_foreign));
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.

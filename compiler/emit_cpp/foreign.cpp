@@ -1,6 +1,7 @@
 // See foreign.hpp. Wrappers are called `call_f`, so that they never hide the `f` that they call.
 #include "compiler/emit_cpp/foreign.hpp"
 
+#include "compiler/emit_cpp/foreign_events.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/unit_names.hpp"
 
@@ -122,9 +123,14 @@ std::string foreign_text(const CodeTable& code, const ConstNames& const_names, c
   return out;
 }
 
-std::string shim_text(const CodeTable& code, const ConstNames& const_names) {
+std::string shim_text(const System& system, const ConstNames& const_names) {
+  const CodeTable& code = system.code;
   const ForeignNames names(code);
-  std::string out = foreign_includes(code) + "\n" + foreign_text(code, const_names, {.own_world = false, .mark = true});
+  const std::vector<lower::EventClassUse> classes = lower::event_class_uses(system);
+  std::string out = foreign_includes(code);
+  if (!classes.empty()) out += "#include \"bip/event_source.hpp\"\n";
+  out += "\n" + foreign_text(code, const_names, {.own_world = false, .mark = true});
+  if (!classes.empty()) out += event_class_text(system, classes, true);
   const auto line = [&](const std::string& text) { out += text + "\n"; };
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
     const Function& function = code.functions[k];
@@ -151,6 +157,9 @@ std::string shim_text(const CodeTable& code, const ConstNames& const_names) {
     line("  }");
     line("}");
   }
+  if (!classes.empty()) line("\nextern \"C\" const bip::rt::EventClass bip_event_classes[] = {");
+  for (std::size_t k = 0; k < classes.size(); ++k) line("    " + event_class_row(system, classes, k) + ",");
+  if (!classes.empty()) line("};");
   if (code.extern_types.empty()) return out;
   line("");
   line("extern \"C\" const bip::rt::ExternType bip_extern_types[] = {");

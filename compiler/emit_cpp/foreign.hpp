@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/model/code.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::emit_cpp {
 
@@ -41,8 +41,8 @@ struct ForeignOptions {
 };
 [[nodiscard]] std::string foreign_text(const CodeTable& code, const ConstNames& const_names, const ForeignOptions& options);
 
-/// The source of the shared object: exports `bip_call_<row>`, and `bip_extern_types` if there are any.
-[[nodiscard]] std::string shim_text(const CodeTable& code, const ConstNames& const_names);
+/// The source of the shared object: exports `bip_call_<row>`, and `bip_extern_types` and `bip_event_classes` if there are any.
+[[nodiscard]] std::string shim_text(const System& system, const ConstNames& const_names);
 
 /// "int min(int, int)" of a row, for messages.
 [[nodiscard]] std::string signature_text(const CodeTable& code, const Function& function);

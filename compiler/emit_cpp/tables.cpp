@@ -5,6 +5,7 @@
 #include "compiler/emit_cpp/tables.hpp"
 
 #include "compiler/emit_cpp/foreign.hpp"
+#include "compiler/emit_cpp/foreign_events.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 
 namespace bip::emit_cpp {
@@ -171,6 +172,10 @@ void TableWriter::image() {
     extern_types.push_back("extern_type_of<" + foreign.type(extern_type(k)) + ">(" + string_literal(lowered_.extern_types[k].name) + ")");
   }
   const std::string extern_span = table("ExternType", "extern_types", extern_types);
+  const std::vector<lower::EventClassUse> uses = lower::event_class_uses(*lowered_.system);
+  std::vector<std::string> event_classes;
+  for (std::size_t k = 0; k < uses.size(); ++k) event_classes.push_back(event_class_row(*lowered_.system, uses, k));
+  const std::string event_class_span = table("EventClass", "event_classes", event_classes);
   const std::string files = table("const char*", "files", texts(image_.files));
   const std::string strings = table("const char*", "strings", texts(image_.strings));
   const std::string code_span = table("Code", "codes", codes);
@@ -204,6 +209,7 @@ void TableWriter::image() {
   if (image_.outside != nullptr) {
     field("extern_types", extern_span);
     field("outside", "&outside::own_world");
+    if (!uses.empty()) field("event_classes", event_class_span);
   }
   out_.line("};");
 }

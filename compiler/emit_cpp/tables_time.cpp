@@ -42,7 +42,7 @@ std::string TableWriter::atom_time(const std::string& name, const rt::AtomTime* 
   const std::string initial = resume(name + "_initial", time->initial);
   rows.clear();
   for (const rt::EventPort& e : time->events) {
-    rows.push_back(braces({row_text(e.port), kPolicies[static_cast<int>(e.policy)], string_literal(e.event_class)}));
+    rows.push_back(braces({row_text(e.port), kPolicies[static_cast<int>(e.policy)], string_literal(e.event_class), row_text(e.source)}));
   }
   const std::string events = table("EventPort", name + "_events", rows);
   const std::string unique = names_.make(name + "_time");

@@ -6,7 +6,6 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/lower/pools.hpp"
-#include "runtime/include/bip/image_time.hpp"
 
 namespace bip::lower {
 
@@ -78,7 +77,8 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.binds = span_of(pools.binds);
   image.choices = span_of(pools.choices);
   image.extern_types = span_of(out.extern_types);
-  if (!out.functions.empty() || !out.extern_types.empty() || brings_strings(image)) image.outside = &out.outside;
+  image.event_classes = span_of(out.event_classes);
+  if (!out.functions.empty() || !out.extern_types.empty() || !out.event_classes.empty() || brings_strings(image)) image.outside = &out.outside;
   image.priorities = span_of(pools.priorities);
 }
 
@@ -90,6 +90,10 @@ std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& na
   out->pools = {new LoweredSystem::Pools, [](LoweredSystem::Pools* p) { delete p; }};
   out->pools->name = name;
   Lowering l{system, *out, *out->pools, {}};
+  l.event_classes = event_class_uses(system);
+  for (const EventClassUse& use : l.event_classes) {
+    out->event_classes.push_back({system.atom_types[use.type].ports[use.port].event_class.c_str(), nullptr, nullptr, nullptr, nullptr});
+  }
   number_sites(l);
   lower_texts(l);
   lower_types(l);

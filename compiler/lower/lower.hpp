@@ -8,7 +8,7 @@
 
 #include "compiler/lower/steps.hpp"
 #include "compiler/system/system.hpp"
-#include "runtime/include/bip/image.hpp"
+#include "runtime/include/bip/image_time.hpp"
 #include "runtime/include/bip/outside.hpp"
 
 namespace bip::lower {
@@ -37,6 +37,7 @@ struct LoweredSystem {
   // `temporaries` (one an expression, empty if no call gives an extern value: the object that holds its result).
   std::vector<rt::ForeignFn> functions;
   std::vector<rt::ExternType> extern_types;
+  std::vector<rt::EventClass> event_classes;  // one an EventClassUse
   std::vector<rt::Slot> temporaries;
   rt::Outside outside;
   // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.

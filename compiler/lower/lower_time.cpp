@@ -57,7 +57,10 @@ const rt::AtomTime* lower_time(Lowering& l, std::uint32_t row, const AtomType& t
   std::vector<rt::EventPort> events;
   for (std::uint32_t port = 0; port < type.ports.size(); ++port) {
     const Port& p = type.ports[port];
-    if (p.external) events.push_back({port, static_cast<rt::EventPolicy>(p.policy), p.event_class.c_str()});
+    if (!p.external) continue;
+    std::uint32_t source = 0;
+    while (source < l.event_classes.size() && (l.event_classes[source].type.value != row || l.event_classes[source].port != port)) ++source;
+    events.push_back({port, static_cast<rt::EventPolicy>(p.policy), p.event_class.c_str(), source == l.event_classes.size() ? rt::kNone : source});
   }
   to.events = l.pools.list(events);
   return l.pools.list(std::vector<rt::AtomTime>{to}).data;

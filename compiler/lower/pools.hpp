@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compiler/base/arena.hpp"
+#include "compiler/lower/event_classes.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/lower/unit_names.hpp"
 
@@ -48,6 +49,7 @@ struct Lowering {
   LoweredSystem& out;
   LoweredSystem::Pools& pools;
   UniqueNames names;
+  std::vector<EventClassUse> event_classes{};
 
   /// Adds a unit and returns its row; rt::kNone for absent code.
   std::uint32_t guard(CodeOwner owner, std::uint32_t row, const std::string& name, ExprId expr);

@@ -131,6 +131,8 @@ class Core {
   [[nodiscard]] const std::vector<EventPortRow>& event_ports() const;
   /// An event comes at this instant, with one value for each variable of the port's type. False: a fault.
   bool deliver(u32 row, const Slot* values);
+  /// What has gone wrong outside, at this instant. Always false.
+  bool fail_outside(FaultCode code, const std::string& what);
   /// How many came to the port and were not taken.
   [[nodiscard]] u32 waiting_events(u32 row) const { return time_->queues[row].count; }
   [[nodiscard]] bool is_event_port(u32 atom, u32 port) const { return time_ != nullptr && event_row(tables_.instance(atom, port)) != kNone; }

@@ -23,7 +23,7 @@ void Core::list_event_ports() {
     for (const EventPort& event : type.time->events) {
       if (time_->event_row.empty()) time_->event_row.assign(tables_.port_atom.size(), kNone);
       time_->event_row[tables_.instance(atom, event.port)] = static_cast<u32>(time_->event_ports.size());
-      time_->event_ports.push_back({atom, event.port, type.ports[event.port].slots.size, event.policy});
+      time_->event_ports.push_back({atom, event.port, type.ports[event.port].slots.size, event.policy, event.source});
     }
   }
 }
@@ -51,7 +51,6 @@ void Core::take_event(u32 instance) {
   for (u32 i = 0; i < port.width; ++i) self[declared.slots[i]] = queue.values[queue.first + i];
   queue.first += port.width;
   --queue.count;
-  ++time_->events_gone;
   if (queue.count == 0) {
     queue.values.clear();
     queue.first = 0;
@@ -68,7 +67,6 @@ bool Core::refuse_events(u32 atom, const u32* transition_of_port) {
     EventQueue& queue = time_->queues[row];
     if (queue.count == 0 || transition_of_port[event.port] != kNone || event.policy == EventPolicy::Remember) continue;
     if (event.policy == EventPolicy::Error) return fail_event(row);
-    time_->events_gone += queue.count;
     queue = {};
   }
   return true;
@@ -102,6 +100,14 @@ bool Core::fail_event(u32 row) {
       append_time(fault_.what, time_->busy_until[port.atom]);
     }
   }
+  return false;
+}
+
+bool Core::fail_outside(FaultCode code, const std::string& what) {
+  fault_ = {};
+  fault_.code = code;
+  fault_.what = what + " at ";
+  append_time(fault_.what, now());
   return false;
 }
 

@@ -25,6 +25,8 @@ const char* name_of(FaultCode code) {
     case FaultCode::BadClock: return "R0021";
     case FaultCode::LateStep: return "R0022";
     case FaultCode::EventRefused: return "R0023";
+    case FaultCode::SourceFailed: return "R0024";
+    case FaultCode::ReplayDiffers: return "R0025";
   }
   return "";
 }

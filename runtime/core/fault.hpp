@@ -23,7 +23,9 @@ enum class FaultCode : std::uint8_t {
   TimeLock,              // R0020 neither a step nor time can go on
   BadClock,              // R0021 a clock is set to what is no value or speed of one
   LateStep,              // R0022 real time: a step that starts when its guard no longer allows it
-  EventRefused           // R0023 an event from outside came to a port that says `error` and could not take it
+  EventRefused,          // R0023 an event from outside came to a port that says `error` and could not take it
+  SourceFailed,          // R0024 a C++ class behind a port for events threw
+  ReplayDiffers          // R0025 a run that is replayed is no longer what was recorded
 };
 [[nodiscard]] const char* name_of(FaultCode code);  // "R0001"
 /// The exit number of the published engine for the fault; 1 for those it does not know.

@@ -31,6 +31,7 @@ struct EventPortRow {
   u32 atom = 0, port = 0;
   u32 width = 0;              // values an event carries
   EventPolicy policy = EventPolicy::Remember;
+  u32 source = kNone;         // row of Image::event_classes
 };
 /// Events that came and were not taken, first come first taken. A part of the state.
 struct EventQueue {
@@ -67,7 +68,6 @@ struct TimeState {
   std::vector<EventPortRow> event_ports;
   std::vector<u32> event_row;   // by port instance: row of event_ports, or kNone; empty if there are none
   std::vector<EventQueue> queues;  // by row of event_ports
-  u64 events_gone = 0;          // taken or dropped; no part of the state
   std::vector<u32> set_clocks;  // rows of `clocks` that were set since the last restore or timed step began
   TimeHeap changes;             // by atom: the next instant at which its ports may change
   TimeHeap ends;                // by atom: the last instant that its invariants allow

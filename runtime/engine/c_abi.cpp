@@ -25,7 +25,7 @@ std::size_t copy_out(const std::string& text, char* buffer, std::size_t size) {
 }
 int code_of(bip::Outcome outcome) { return static_cast<int>(outcome); }
 static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED && static_cast<int>(bip::Outcome::Deadlock) == BIP_DEADLOCK &&
-              static_cast<int>(bip::Outcome::Fault) == BIP_FAULT);
+              static_cast<int>(bip::Outcome::Fault) == BIP_FAULT && static_cast<int>(bip::Outcome::Stopped) == BIP_STOPPED);
 
 }  // namespace
 

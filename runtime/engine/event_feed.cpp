@@ -1,32 +1,136 @@
 // See event_feed.hpp.
 #include "runtime/engine/event_feed.hpp"
 
+#include <algorithm>
+
 #include "runtime/engine/interrupt.hpp"
 
 namespace bip::rt {
 
+namespace {
+// Real time: so often the engine may look at an instant whose steps do not end while an event of a later one waits.
+constexpr u32 kMaxStalls = 64;
+}  // namespace
+
+void EventFeed::follow(RealTime& wall) {
+  wall_ = &wall;
+  engine_.wall = &wall;
+}
+
+bool EventFeed::open_sources(Core& core) {
+  engine_.waker = &inbox_.waker();
+  return sources_.open(core, ports_, engine_) || fail(core);
+}
+
+bool EventFeed::fail(Core& core) {
+  failed_ = true;
+  return core.fail_outside(FaultCode::SourceFailed, sources_.problem());
+}
+
+void EventFeed::open_inbox() {
+  is_open_ = true;
+  held_.assign(ports_.size(), 0);
+}
+
+void EventFeed::stop() {
+  is_stopped_.store(true);
+  inbox_.waker().wake();
+}
+
+bool EventFeed::read(const std::string& path, std::string& error) {
+  const bool sound = read_events(path, ports_, script_, error);
+  for (Event& event : script_) event.look = kAnyLook;
+  return sound;
+}
+
 // A recorded event came after the look that its line names, whatever the instants say.
 bool EventFeed::is_due(const Event& event, i64 target) const { return event.look == kAnyLook ? event.time <= target : event.look <= looks_; }
 
-i64 EventFeed::wait(const Core& core, i64 target) {
-  ++looks_;
-  const bool has_next = next_ < script_.size();
-  const bool is_next_due = has_next && is_due(script_[next_], target);
-  const i64 until = is_next_due ? std::max(script_[next_].time, core.now()) : target;
-  if (wall_ != nullptr && until != kForever) {
-    wall_->sleep_until(until);
-    is_stopped_ = is_interrupted();
-    if (is_stopped_) return kForever;
+// What came from classes and threads, sorted by its instants.
+bool EventFeed::collect(Core& core, i64 until) {
+  const std::size_t before = arrived_.size();
+  if (!sources_.empty() && !sources_.poll(core, ports_, until, arrived_)) return fail(core);
+  if (is_open_) inbox_.take(arrived_);
+  if (arrived_.size() == before) return true;
+  for (std::size_t k = before; k < arrived_.size(); ++k) arrived_[k].time = std::max(arrived_[k].time, core.now());
+  std::stable_sort(arrived_.begin(), arrived_.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
+  return true;
+}
+
+// Tells the inbox what the core holds no longer.
+void EventFeed::release(const Core& core) {
+  for (std::size_t k = 0; k < active_.size();) {
+    const u32 row = active_[k];
+    const u32 waiting = core.waiting_events(row);
+    if (waiting < held_[row]) inbox_.release(row, held_[row] - waiting);
+    held_[row] = waiting;
+    if (waiting != 0) {
+      ++k;
+    } else {
+      active_[k] = active_.back();
+      active_.pop_back();
+    }
   }
-  return is_next_due ? until : kForever;
+}
+
+i64 EventFeed::wait(Core& core, i64 target) {
+  ++looks_;
+  if (ports_.size() == 0 && wall_ == nullptr) {
+    if (is_interrupted()) is_stopped_.store(true);
+    looks_ -= is_stopped() ? 1 : 0;
+    return kForever;
+  }
+  release(core);
+  engine_.instant.store(core.now(), std::memory_order_relaxed);
+  stalls_ = target == core.now() && !arrived_.empty() ? stalls_ + 1 : 0;
+  while (true) {
+    if (wall_ != nullptr) waker().prepare();
+    if (!collect(core, target)) return kForever;
+    i64 event = kForever;
+    if (next_ < script_.size() && is_due(script_[next_], target)) event = script_[next_].time;
+    if (!arrived_.empty() && (arrived_.front().time <= target || stalls_ > kMaxStalls)) event = std::min({event, arrived_.front().time, target});
+    if (event != kForever && next_ < script_.size() && script_[next_].look != kAnyLook && (script_[next_].look != looks_ || event < core.now() || event > target)) {
+      failed_ = true;
+      (void)core.fail_outside(FaultCode::ReplayDiffers, "the run differs from what was recorded before the event for port `" + ports_.path(script_[next_].row) + '`');
+      return kForever;
+    }
+    const i64 until = event == kForever ? target : std::max(event, core.now());
+    const bool comes = event != kForever;
+    const bool may_come = is_open_ || !sources_.empty();
+    const bool is_over = wall_ == nullptr || wall_->has_passed(until) || (until == kForever && !may_come);
+    if (wall_ != nullptr && (is_over || is_stopped() || is_interrupted())) waker().stay_awake();
+    if (is_interrupted()) is_stopped_.store(true);
+    if (is_stopped()) {
+      --looks_;
+      return kForever;
+    }
+    if (is_over) return comes ? until : kForever;
+    waker().sleep_until(wall_->due(until));
+  }
 }
 
 bool EventFeed::deliver(Core& core) {
   for (; next_ < script_.size() && is_due(script_[next_], core.now()); ++next_) {
-    ports_.to_slots(script_[next_].row, script_[next_].values, slots_);
-    if (!core.deliver(script_[next_].row, slots_.data())) return false;
+    if (!deliver(core, script_[next_])) return false;
+  }
+  while (!arrived_.empty() && (arrived_.front().time <= core.now() || stalls_ > kMaxStalls)) {
+    const Event event = std::move(arrived_.front());
+    arrived_.pop_front();
+    if (!deliver(core, event)) return false;
+    if (is_open_ && held_[event.row]++ == 0) active_.push_back(event.row);
+    if (!sources_.delivered(core, event.row)) return fail(core);
   }
   return true;
+}
+
+bool EventFeed::deliver(Core& core, const Event& event) {
+  if (record_ != nullptr) {
+    std::string line;
+    append_event(line, ports_, {core.now(), event.row, looks_, event.values});
+    std::fwrite(line.data(), 1, line.size(), record_);
+  }
+  ports_.to_slots(event.row, event.values, slots_);
+  return core.deliver(event.row, slots_.data());
 }
 
 }  // namespace bip::rt

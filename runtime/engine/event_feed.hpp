@@ -1,43 +1,79 @@
-// Where a run's events come from: a file, and in real time the clock on the wall that says when.
+// Where a run's events come from: a file, or C++ classes and other threads; and in real time the clock on the wall that says when.
 //
 // The engine looks what is next, then asks whether something comes from outside before that. In logical time the answer follows
-// from the events alone, so a run with the same events is the same run; in real time asking sleeps. Cost without ports for
-// events: one comparison.
+// from the events alone, so a run with the same events is the same run; in real time asking sleeps, and uses no time while
+// nothing comes. What is delivered can be recorded: the instants, and after which look. Cost without ports for events: a comparison.
 #pragma once
+#include <cstdio>
+#include <deque>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "runtime/engine/event_file.hpp"
-#include "runtime/engine/real_time.hpp"
+#include "runtime/engine/event_sources.hpp"
+#include "runtime/engine/inbox.hpp"
 
 namespace bip::rt {
 
 class EventFeed {
  public:
-  explicit EventFeed(const Core& core) : ports_(core) {}
+  static constexpr u32 kCapacity = 1u << 16;
+  explicit EventFeed(const Core& core, u32 capacity = kCapacity) : ports_(core), inbox_(ports_.size(), capacity) {}
   [[nodiscard]] const EventPorts& ports() const { return ports_; }
 
-  /// The events of a file; once, before the first question. False: `error` says what is wrong.
-  [[nodiscard]] bool read(const std::string& path, std::string& error) { return read_events(path, ports_, script_, error); }
+  /// The events of a file, and nothing else; once, before the first question. False: `error` says what is wrong.
+  [[nodiscard]] bool read(const std::string& path, std::string& error);
+  /// Those of a record, each after the look after which it came.
+  [[nodiscard]] bool replay(const std::string& path, std::string& error) { return read_events(path, ports_, script_, error); }
+  /// Makes the objects of the model's classes. False: a fault.
+  [[nodiscard]] bool open_sources(Core& core);
+  /// Threads may post from now on: in real time their events are waited for, however long.
+  void open_inbox();
   /// From now on waiting sleeps.
-  void follow(RealTime& wall) { wall_ = &wall; }
+  void follow(RealTime& wall);
+  /// Each event that is delivered is written as a line; the file stays the caller's.
+  void record(std::FILE* file) { record_ = file; }
+
+  /// Any thread, after open_inbox. Values as EventPorts::check wants them. False: too many wait for the port.
+  [[nodiscard]] bool post(u32 row, std::vector<EventValue> values) { return inbox_.post(row, std::move(values), wall_); }
+  /// Any thread: who waits returns, and is_stopped().
+  void stop();
+  void go_on() { is_stopped_.store(false); }
+  [[nodiscard]] Waker& waker() { return inbox_.waker(); }
 
   /// The engine has looked, and without us it goes on at `target`. The instant of the first event that comes until then, no
-  /// earlier than now; kForever: none does, or is_stopped(). In real time it is then `target`.
-  [[nodiscard]] i64 wait(const Core& core, i64 target);
+  /// earlier than now; kForever: none does, or is_stopped(), or failed(). In real time it is then `target`.
+  [[nodiscard]] i64 wait(Core& core, i64 target);
   /// All events of this instant into the core. False: a fault.
   [[nodiscard]] bool deliver(Core& core);
-  [[nodiscard]] bool is_stopped() const { return is_stopped_; }
+  [[nodiscard]] bool is_stopped() const { return is_stopped_.load(); }
+  /// A class threw; the core has the fault.
+  [[nodiscard]] bool failed() const { return failed_; }
+  /// How often the engine asked and was answered.
+  [[nodiscard]] u64 looks() const { return looks_; }
 
  private:
   [[nodiscard]] bool is_due(const Event& event, i64 target) const;
+  bool collect(Core& core, i64 until);
+  bool deliver(Core& core, const Event& event);
+  void release(const Core& core);
+  bool fail(Core& core);
 
   EventPorts ports_;
   std::vector<Event> script_;
-  std::size_t next_ = 0;   // of script_
+  std::size_t next_ = 0;           // of script_
+  Inbox inbox_;
+  EventSources sources_;
+  EventSources::Engine engine_;
+  std::deque<Event> arrived_;      // in the order of their instants
+  std::vector<u32> held_;          // by row: posted events in the core, when we looked last
+  std::vector<u32> active_;        // rows of which there are some
   u64 looks_ = 0;
+  u32 stalls_ = 0;
   RealTime* wall_ = nullptr;
-  bool is_stopped_ = false;
+  std::FILE* record_ = nullptr;
+  bool is_open_ = false, failed_ = false;
+  std::atomic<bool> is_stopped_{false};
   std::vector<Slot> slots_;
 };
 

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 
 #include "runtime/core/text.hpp"
 #include "runtime/engine/json_line.hpp"
+#include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
 
@@ -76,7 +78,7 @@ void read_values(JsonLine& json, const EventPorts& ports, Event& event) {
   }
 }
 
-// False: it is the header or the end of a record.
+// False: it is the first or the last line of a record.
 bool read_event(JsonLine& json, const EventPorts& ports, Event& event) {
   bool has_time = false, has_port = false, has_values = false;
   for (bool more = json.open('{'); more; more = json.next('}')) {
@@ -132,7 +134,11 @@ i64 parse_time(std::string_view text) {
   return text.empty() || total > kMaxTicks ? -1 : static_cast<i64>(total);
 }
 
-bool read_events(const std::string& path, const EventPorts& ports, std::vector<Event>& out, std::string& error) {
+namespace {
+
+// Calls on_line(json) for each line that is not empty, until one is wrong.
+template <class OnLine>
+bool read_lines(const std::string& path, std::string& error, const OnLine& on_line) {
   std::ifstream in(path, std::ios::binary);
   if (!in) {
     error = "cannot read `" + path + "`: " + std::strerror(errno);
@@ -142,18 +148,85 @@ bool read_events(const std::string& path, const EventPorts& ports, std::vector<E
   for (std::size_t number = 1; std::getline(in, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     JsonLine json(line.size() > kMaxLine ? std::string_view() : std::string_view(line));
-    Event event;
-    const bool is_event = read_event(json, ports, event);
-    if (json.ok() && is_event && !out.empty() && event.time < out.back().time) json.fail("events come in the order of their time");
-    if (!json.ok()) {
-      error = path + ":";
-      append_number(error, number);
-      error += ": " + json.error();
-      return false;
-    }
-    if (is_event) out.push_back(std::move(event));
+    on_line(json, number);
+    if (json.ok()) continue;
+    error = path + ":";
+    append_number(error, number);
+    error += ": " + json.error();
+    return false;
   }
   return true;
+}
+
+template <class Word>
+Word word_of(JsonLine& json, std::initializer_list<Word> words) {
+  const std::string text = json.string();
+  for (const Word word : words) {
+    if (text == name_of(word)) return word;
+  }
+  json.fail("`" + text + "` is not known");
+  return *words.begin();
+}
+
+// Of the first or the last line; what others wrote into them is skipped over if it is no bracket.
+void read_record_line(JsonLine& json, Record& out, bool& is_first) {
+  for (bool more = json.open('{'); more; more = json.next('}')) {
+    const std::string key = json.string();
+    if (!json.take(':')) return;
+    if (key == "format") is_first = json.string() == "bipc-events";
+    else if (key == "version") json.integer() == 1 ? void() : json.fail("version 1 was expected");
+    else if (key == "model") out.model = json.string();
+    else if (key == "seed") out.seed = static_cast<u64>(json.integer());
+    else if (key == "policy") out.policy = word_of(json, {Policy::Uniform, Policy::First, Policy::Fair});
+    else if (key == "asap") out.asap = json.boolean();
+    else if (key == "maximal_progress") out.maximal_progress = json.boolean();
+    else if (key == "end") out.has_end = true, out.end = word_of(json, {End::Limit, End::Deadlock, End::Fault, End::Interrupted});
+    else if (key == "steps") out.steps = static_cast<u64>(json.integer());
+    else if (key == "looks") out.looks = static_cast<u64>(json.integer());
+    else if (key == "time") (void)json.integer();
+    else return json.fail("`" + key + "` is not known");
+  }
+  (void)json.at_end();
+}
+
+}  // namespace
+
+bool read_record(const std::string& path, Record& out, std::string& error) {
+  bool is_record = false;
+  const bool sound = read_lines(path, error, [&](JsonLine& json, std::size_t number) {
+    if (number != 1 && json.first_key() != "end") return;
+    if (number == 1 && json.first_key() != "format") return json.fail("this is no record of a run: --record writes one");
+    read_record_line(json, out, is_record);
+    if (number == 1 && !is_record) json.fail("this is no record of a run: --record writes one");
+  });
+  if (sound && !is_record) error = path + ": this is no record of a run: --record writes one";
+  return sound && is_record;
+}
+
+void append_record_head(std::string& out, const Record& record) {
+  out += R"({"format":"bipc-events","version":1,"model":)";
+  append_quoted(out, record.model.c_str());
+  out += R"(,"seed":)";
+  append_number(out, record.seed);
+  out += std::string(R"(,"policy":")") + name_of(record.policy) + R"(","asap":)" + (record.asap ? "true" : "false");
+  out += std::string(R"(,"maximal_progress":)") + (record.maximal_progress ? "true" : "false") + "}\n";
+}
+
+void append_record_end(std::string& out, const Record& record) {
+  out += std::string(R"({"end":")") + name_of(record.end) + R"(","steps":)";
+  append_number(out, record.steps);
+  out += R"(,"looks":)";
+  append_number(out, record.looks);
+  out += "}\n";
+}
+
+bool read_events(const std::string& path, const EventPorts& ports, std::vector<Event>& out, std::string& error) {
+  return read_lines(path, error, [&](JsonLine& json, std::size_t) {
+    Event event;
+    if (!read_event(json, ports, event)) return;
+    if (json.ok() && !out.empty() && event.time < out.back().time) json.fail("events come in the order of their time");
+    out.push_back(std::move(event));
+  });
 }
 
 void append_event(std::string& out, const EventPorts& ports, const Event& event) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bip/run.hpp"
 #include "runtime/engine/event_ports.hpp"
 
 namespace bip::rt {
@@ -16,6 +17,21 @@ struct Event {
   u64 look = kAnyLook;  // replay: how often the engine had looked for its next step when it came
   std::vector<EventValue> values;
 };
+
+/// What the first and the last line of a record say of the run: replay needs it.
+struct Record {
+  bool has_end = false;      // false: the run was cut off
+  std::string model;
+  u64 seed = 0;
+  Policy policy = Policy::Uniform;
+  bool asap = false, maximal_progress = true;
+  End end = End::Limit;
+  u64 steps = 0, looks = 0;
+};
+/// False: `error` says what is wrong.
+[[nodiscard]] bool read_record(const std::string& path, Record& out, std::string& error);
+void append_record_head(std::string& out, const Record& record);
+void append_record_end(std::string& out, const Record& record);
 
 /// All events of the file. False: `error` says in which line what is wrong.
 [[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, std::vector<Event>& out, std::string& error);

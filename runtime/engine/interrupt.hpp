@@ -4,10 +4,12 @@
 
 namespace bip::rt {
 
-/// While it lives SIGINT sets the flag; the handler that was there before is put back afterwards.
+class Waker;
+
+/// While it lives SIGINT sets the flag and wakes `waker`; the handler that was there before is put back afterwards.
 class InterruptGuard {
  public:
-  InterruptGuard();
+  explicit InterruptGuard(Waker* waker = nullptr);
   ~InterruptGuard();
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;

@@ -172,6 +172,11 @@ double JsonLine::real() {
   return value;
 }
 
+std::string JsonLine::first_key() const {
+  JsonLine ahead(text_.substr(at_));
+  return ahead.open('{') ? ahead.string() : std::string();
+}
+
 bool JsonLine::at_end() {
   skip_space();
   if (ok() && at_ < text_.size()) fail("nothing more was expected");

@@ -26,6 +26,8 @@ class JsonLine {
   /// A number without fraction and exponent that fits.
   std::int64_t integer();
   double real();
+  /// Of an object that comes next; nothing is taken. Empty: there is none.
+  [[nodiscard]] std::string first_key() const;
   /// Nothing but white space is left.
   bool at_end();
 

@@ -2,26 +2,15 @@
 #include "runtime/engine/real_time.hpp"
 
 #include <bit>
-#include <ctime>
 
 #include "runtime/core/text.hpp"
+#include "runtime/engine/waker.hpp"
 
 namespace bip::rt {
 
-namespace {
-
-constexpr i64 kSecond = 1'000'000'000;
-i64 read_clock() {
-  timespec at{};
-  clock_gettime(CLOCK_MONOTONIC, &at);
-  return static_cast<i64>(at.tv_sec) * kSecond + at.tv_nsec;
-}
-
-}  // namespace
-
 void RealTime::start(i64 first) {
   first_ = first;
-  origin_ = read_clock();
+  origin_ = wall_clock();
 }
 
 i64 RealTime::due(i64 instant) const {
@@ -29,14 +18,15 @@ i64 RealTime::due(i64 instant) const {
   return wanted >= static_cast<double>(kMaxTicks) ? kForever : origin_ + static_cast<i64>(wanted);
 }
 
-void RealTime::sleep_until(i64 instant) const {
-  const i64 end = due(instant);
-  const timespec at{static_cast<std::time_t>(end / kSecond), static_cast<long>(end % kSecond)};
-  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+i64 RealTime::now() const {
+  const auto passed = static_cast<double>(wall_clock() - origin_) * speed_;
+  return passed >= static_cast<double>(kMaxTicks) ? kMaxTicks : first_ + static_cast<i64>(passed);
 }
 
+bool RealTime::has_passed(i64 instant) const { return instant != kForever && wall_clock() >= due(instant); }
+
 i64 RealTime::note_late(i64 instant) {
-  const i64 late = read_clock() - due(instant);
+  const i64 late = wall_clock() - due(instant);
   if (late < 0) return 0;
   const auto micros = static_cast<std::uint64_t>(late / 1000);
   ++late_[std::min<std::size_t>(static_cast<std::size_t>(std::bit_width(micros)), late_.size() - 1)];

@@ -1,7 +1,7 @@
 // Model time against the wall clock: sleeps to absolute deadlines and keeps how late each step was.
 //
 // An instant of the model is due at start + (instant - first) / speed on the system's monotonic clock, so lateness never adds up.
-// Between deadlines the thread sleeps; nothing is polled. Lateness is told, never fed back: the run's steps and instants are those
+// Nothing here sleeps: who waits (event_feed.hpp) asks when an instant is due. Lateness is told, never fed back: the run's steps and instants are those
 // of logical time.
 #pragma once
 #include <array>
@@ -17,8 +17,11 @@ class RealTime {
   explicit RealTime(double speed) : speed_(speed) {}
   /// The instant `first` of the model is now.
   void start(i64 first);
-  /// Returns at the instant, or earlier if a signal came.
-  void sleep_until(i64 instant) const;
+  /// The model's instant. Any thread, once started.
+  [[nodiscard]] i64 now() const;
+  /// When an instant is due on the wall clock; further away than it can say: kForever.
+  [[nodiscard]] i64 due(i64 instant) const;
+  [[nodiscard]] bool has_passed(i64 instant) const;
   /// A step of the instant starts: how late that is, in ns of the wall clock.
   i64 note_late(i64 instant);
   /// What `late` ns of the wall clock are in the model's time.
@@ -27,9 +30,6 @@ class RealTime {
   void append_histogram(std::string& out) const;
 
  private:
-  /// On the wall clock; further away than it can say: as far as it can.
-  [[nodiscard]] i64 due(i64 instant) const;
-
   double speed_;
   i64 first_ = 0, origin_ = 0;
   std::array<std::uint64_t, 48> late_{};  // [k]: below 2^k us and not below 2^(k-1) us

@@ -1,9 +1,10 @@
 // The sequential engine: initialize, then choose and fire until the limit, a deadlock, a fault or Ctrl-C.
 //
 // With nothing to write the loop builds no strings. SIGINT is caught while a run is on, and the handler that was there
-// before is put back; the flag it sets is the one global of the runtime, for a signal handler can reach nothing else.
+// before is put back; the flag it sets and whom it wakes are the only globals of the runtime: a signal handler can reach nothing else.
 #include "bip/run.hpp"
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -25,7 +26,11 @@ namespace bip::rt {
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
-extern "C" void bip_on_interrupt(int) { interrupted = 1; }
+std::atomic<Waker*> interrupt_wakes{nullptr};
+extern "C" void bip_on_interrupt(int) {
+  interrupted = 1;
+  if (Waker* const waker = interrupt_wakes.load()) waker->wake();
+}
 
 // Text on its way to a file, written in large pieces.
 class Sink {
@@ -142,6 +147,45 @@ struct Output {
   }
 };
 
+// A file to write, or null after a report.
+std::FILE* open_file(const std::string& path, std::FILE* err) {
+  std::FILE* const file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) std::fprintf(err, "error: cannot write `%s`: %s\n", path.c_str(), std::strerror(errno));
+  return file;
+}
+bool close_file(std::FILE* file, const std::string& path, std::FILE* err) {
+  if (file == nullptr || std::fclose(file) == 0) return true;
+  std::fprintf(err, "error: cannot write `%s`: %s\n", path.c_str(), std::strerror(errno));
+  return false;
+}
+
+// The record says how the run was started and where it ended.
+bool begin_replay(const Image& image, RunOptions& options, Record& record, std::FILE* err) {
+  std::string error;
+  if (!read_record(options.replay_path, record, error)) {
+    std::fprintf(err, "error: %s\n", error.c_str());
+    return false;
+  }
+  if (record.model != image.name) {
+    std::fprintf(err, "error: %s: a run of `%s` was recorded, this is `%s`\n", options.replay_path.c_str(), record.model.c_str(), image.name);
+    return false;
+  }
+  options.seed = record.seed;
+  options.has_seed = true;
+  options.policy = record.policy;
+  options.asap = record.asap;
+  options.maximal_progress = record.maximal_progress;
+  options.speed = 0;
+  // One more than recorded tells a run that goes on.
+  if (record.has_end) options.limit = std::min(options.limit, record.steps + 1);
+  return true;
+}
+
+// Was the recorded run ended here? Deadlocks and faults come again by themselves.
+bool ends_here(const Record& record, u64 steps, u64 looks) {
+  return record.has_end && (record.end == End::Limit || record.end == End::Interrupted) && steps == record.steps && looks == record.looks;
+}
+
 // Of the steps alone, without the initial state.
 void print_stats(std::FILE* err, std::uint64_t steps, double seconds, double cpu_seconds) {
   const double scale = steps == 0 ? 0 : 1e9 / static_cast<double>(steps);
@@ -151,12 +195,14 @@ void print_stats(std::FILE* err, std::uint64_t steps, double seconds, double cpu
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
+InterruptGuard::InterruptGuard(Waker* waker) {
   interrupted = 0;
+  interrupt_wakes.store(waker);
   before_ = std::signal(SIGINT, bip_on_interrupt);
 }
 InterruptGuard::~InterruptGuard() {
   if (before_ != SIG_ERR) std::signal(SIGINT, before_);
+  interrupt_wakes.store(nullptr);
 }
 bool is_interrupted() { return interrupted != 0; }
 
@@ -170,32 +216,42 @@ std::uint64_t draw_seed() {
   return static_cast<std::uint32_t>(std::chrono::steady_clock::now().time_since_epoch().count());
 }
 
-RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err) {
+RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::FILE* err) {
+  RunOptions options = given;
+  Record record;
+  if (!options.replay_path.empty() && !begin_replay(image, options, record, err)) return {End::Fault, 0, 2};
   if (options.explore) {
     const ExploreResult found = explore(image, options, out, err);
     return {found.complete ? End::Deadlock : End::Limit, 0, found.exit_code};
   }
   RunResult result;
   std::FILE* file = nullptr;
-  if (!options.trace_path.empty()) {
-    file = std::fopen(options.trace_path.c_str(), "wb");
-    if (file == nullptr) {
-      std::fprintf(err, "error: cannot write `%s`: %s\n", options.trace_path.c_str(), std::strerror(errno));
-      return {End::Fault, 0, 2};
-    }
+  std::FILE* record_file = nullptr;
+  if (!options.trace_path.empty() && (file = open_file(options.trace_path, err)) == nullptr) return {End::Fault, 0, 2};
+  if (!options.record_path.empty() && (record_file = open_file(options.record_path, err)) == nullptr) {
+    (void)close_file(file, options.trace_path, err);
+    return {End::Fault, 0, 2};
   }
   const std::uint64_t seed = options.has_seed ? options.seed : draw_seed();
   Output output{options, seed, Sink(out), Sink(file), file != nullptr, image.outside != nullptr};
-  const InterruptGuard guard;
   output.begin(image);
 
   Core core(image, {.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   Scheduler scheduler(options.policy, seed);
   EventFeed feed(core);
-  if (std::string error; !options.events_path.empty() && !feed.read(options.events_path, error)) {
+  const InterruptGuard guard(&feed.waker());
+  const bool is_replay = !options.replay_path.empty();
+  if (std::string error; (is_replay && !feed.replay(options.replay_path, error)) || (!options.events_path.empty() && !feed.read(options.events_path, error))) {
     std::fprintf(err, "error: %s\n", error.c_str());
-    if (file != nullptr) std::fclose(file);
+    (void)close_file(file, options.trace_path, err);
+    (void)close_file(record_file, options.record_path, err);
     return {End::Fault, 0, 2};
+  }
+  if (record_file != nullptr) {
+    std::string text;
+    append_record_head(text, {false, image.name, seed, options.policy, options.asap, options.maximal_progress});
+    std::fwrite(text.data(), 1, text.size(), record_file);
+    feed.record(record_file);
   }
   TimedScheduler timed(options.policy, options.asap || options.interactive, seed);
   const bool writes = output.writes_steps();
@@ -208,6 +264,8 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
   const bool sleeps = core.is_timed() && options.speed > 0;
   wall.start(core.now());
   if (sleeps) feed.follow(wall);
+  // Their threads may ask for the time.
+  if (sound && !is_replay && options.events_path.empty()) sound = feed.open_sources(core);
   const bool is_compiled = !writes && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
@@ -217,11 +275,13 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
       result.end = End::Fault;
     } else if (result.steps >= options.limit) {
       result.end = End::Limit;
+    } else if (ends_here(record, result.steps, feed.looks())) {
+      result.end = record.end;
     } else if (output.foresee(core); (due = core.is_timed() ? timed.wait(core, feed) : Due::Step) == Due::Fault) {
       result.end = End::Fault;
     } else if (due == Due::Event) {
       continue;
-    } else if (due == Due::Stopped || interrupted != 0) {
+    } else if (due == Due::Stopped || (interrupted != 0 && !core.is_timed())) {
       result.end = End::Interrupted;
     } else if (due == Due::Deadlock || core.candidate_count() == 0) {
       result.end = End::Deadlock;
@@ -277,9 +337,16 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
   }
   // As a shell says of a program that SIGINT ended; the end of --interactive's input is none.
   if (result.end == End::Interrupted && interrupted != 0) result.exit_code = 128 + SIGINT;
-  if (file != nullptr && std::fclose(file) != 0) {
-    std::fprintf(err, "error: cannot write `%s`: %s\n", options.trace_path.c_str(), std::strerror(errno));
-    result.exit_code = 2;
+  if (record_file != nullptr) {
+    std::string text;
+    append_record_end(text, {true, "", 0, options.policy, false, true, result.end, result.steps, feed.looks()});
+    std::fwrite(text.data(), 1, text.size(), record_file);
+  }
+  const bool is_trace_written = close_file(file, options.trace_path, err);
+  if (!close_file(record_file, options.record_path, err) || !is_trace_written) result.exit_code = 2;
+  if (record.has_end && (result.end != record.end || result.steps != record.steps)) {
+    std::fprintf(err, "error: %s: recorded were %llu steps and the end `%s`\n", options.replay_path.c_str(), static_cast<unsigned long long>(record.steps), name_of(record.end));
+    result.exit_code = 1;
   }
   if (options.stats && sleeps) {
     std::string text;

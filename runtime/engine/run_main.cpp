@@ -21,6 +21,8 @@ constexpr const char* kHelp =
     "  --speed F                   --real-time, F seconds of the model a second\n"
     "  --relaxed                   real time: a step that starts too late is a warning\n"
     "  --events FILE               events from outside, JSON lines: {\"time\":\"1s500ms\",\"port\":\"a.press\",\"values\":{\"x\":1}}\n"
+    "  --record FILE               write the events that come, for --replay\n"
+    "  --replay FILE               repeat the run that was recorded, in logical time\n"
     "  --silent                    no line a step\n"
     "  --debug                     every state's candidates\n"
     "  --stats                     steps, seconds, ns/step at the end\n"
@@ -94,7 +96,7 @@ int run_main(const Image& image, int argc, char** argv) {
     else if (name == "--stats") options.stats = true;
     else if (name == "--disable-maximal-progress") options.maximal_progress = false;
     else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format" ||
-             name == "--speed" || name == "--events") {
+             name == "--speed" || name == "--events" || name == "--record" || name == "--replay") {
       if (!joined && i + 1 < argc) value = argv[++i];
       if (value == nullptr) good = false;
       else if (name == "--seed") good = options.has_seed = parse_number(value, options.seed);
@@ -103,6 +105,8 @@ int run_main(const Image& image, int argc, char** argv) {
       else if (name == "--speed") good = parse_speed(value, options.speed);
       else if (name == "--trace") options.trace_path = value;
       else if (name == "--events") options.events_path = value;
+      else if (name == "--record") options.record_path = value;
+      else if (name == "--replay") options.replay_path = value;
       else good = parse_format(value, options.format);
     } else {
       std::fprintf(stderr, "%s: unknown option `%s`, see --help\n", program, argv[i]);

@@ -15,8 +15,9 @@ namespace bip {
 struct System::Impl {
   Impl(const rt::Image& image, const SystemOptions& options)
       : core(image, {.progress = options.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}),
-        feed(core),
+        feed(core, options.event_capacity),
         scheduler(options.policy, options.asap, options.seed),
+        wall(options.speed > 0 ? options.speed : 1),
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
     std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
@@ -25,6 +26,10 @@ struct System::Impl {
     if (image.outside != nullptr) std::srand(static_cast<unsigned>(options.seed));
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
     if (outcome == Outcome::Stepped) scheduler.start(core);
+    feed.open_inbox();
+    if (options.speed > 0) feed.follow(wall);
+    wall.start(core.now());
+    if (outcome == Outcome::Stepped && !feed.open_sources(core)) outcome = Outcome::Fault;
   }
 
   [[nodiscard]] rt::u32 find_atom(const std::string& path) const {
@@ -66,6 +71,7 @@ struct System::Impl {
   rt::Core core;
   rt::EventFeed feed;
   rt::TimedScheduler scheduler;
+  rt::RealTime wall;
   std::uint64_t seed;
   std::uint64_t steps = 0;
   Outcome outcome = Outcome::Stepped;
@@ -102,13 +108,27 @@ Outcome System::step() {
   while (true) {
     switch (impl_->scheduler.wait(impl_->core, impl_->feed)) {
       case rt::Due::Event: break;
-      case rt::Due::Stopped:
+      case rt::Due::Stopped: return impl_->outcome = Outcome::Stopped;
       case rt::Due::Deadlock: return impl_->outcome = Outcome::Deadlock;
       case rt::Due::Fault: return impl_->outcome = Outcome::Fault;
       case rt::Due::Step: return impl_->take(impl_->scheduler.choice());
     }
   }
 }
+
+Posted System::post(const std::string& port, std::vector<EventValue> values) { return post(event_port(port), std::move(values)); }
+
+std::uint32_t System::event_port(const std::string& port) const { return impl_->feed.ports().find(port); }
+
+Posted System::post(std::uint32_t event_port, std::vector<EventValue> values) {
+  rt::EventFeed& feed = impl_->feed;
+  if (event_port >= feed.ports().size()) return Posted::NoSuchPort;
+  if (!feed.ports().check(event_port, values).empty()) return Posted::BadValues;
+  return feed.post(event_port, std::move(values)) ? Posted::Taken : Posted::Full;
+}
+
+void System::stop() { impl_->feed.stop(); }
+void System::go_on() { impl_->feed.go_on(); }
 
 std::int64_t System::now() const { return impl_->core.now(); }
 
@@ -171,6 +191,7 @@ void System::restore(const Snapshot& snapshot) {
   if (sound) impl_->core.set_list_order(snapshot.impl_->order);
   impl_->scheduler = snapshot.impl_->scheduler;
   impl_->steps = snapshot.impl_->steps;
+  impl_->wall.start(impl_->core.now());
   impl_->outcome = sound ? snapshot.impl_->outcome : Outcome::Fault;
 }
 

@@ -67,6 +67,7 @@ Due TimedScheduler::wait(Core& core, EventFeed& feed) {
       if (event > core.now() && !core.advance(event)) return Due::Fault;
       return feed.deliver(core) ? Due::Event : Due::Fault;
     }
+    if (feed.failed()) return Due::Fault;
     if (feed.is_stopped()) return Due::Stopped;
     if (next == Next::Never) return Due::Deadlock;
     if (next == Next::Lock) {

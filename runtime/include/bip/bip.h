@@ -15,7 +15,7 @@ typedef struct bip_system bip_system;
 typedef struct bip_snapshot bip_snapshot;
 
 enum bip_policy { BIP_UNIFORM = 0, BIP_FIRST = 1, BIP_FAIR = 2 };
-enum bip_outcome { BIP_STEPPED = 0, BIP_DEADLOCK = 1, BIP_FAULT = 2 };
+enum bip_outcome { BIP_STEPPED = 0, BIP_DEADLOCK = 1, BIP_FAULT = 2, BIP_STOPPED = 3 };
 
 /* Null if the policy is none of the above. Ask bip_status whether the initial state is sound. */
 bip_system* bip_create(const bip_image* image, uint64_t seed, int policy);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "bip/events.hpp"
 #include "bip/image.hpp"
 #include "bip/run.hpp"
 
@@ -21,8 +22,13 @@ struct SystemOptions {
   rt::Policy policy = rt::Policy::Uniform;
   bool maximal_progress = true;
   bool asap = false;  // models with time: each step as soon as it is possible
+  // Model seconds a second: step() sleeps until its step is due, and waits for events if there is none. 0: logical time.
+  double speed = 0;
+  std::uint32_t event_capacity = 65536;  // events that may wait for a port
 };
-enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault };
+enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault, Stopped };
+/// What became of an event. Full: as many as may wait do; the model takes them slower than they come.
+enum class Posted : std::uint8_t { Taken, Full, NoSuchPort, BadValues };
 
 /// An interaction that was taken.
 struct Step {
@@ -30,6 +36,9 @@ struct Step {
   std::string interaction;         // "ROOT.take0", or "ROOT.a.think" for an internal port
   std::vector<std::string> ports;  // "ROOT.p0.take", in the order of firing
 };
+
+/// A namespace of its own for the linker: the compiler, which may be linked too, has a bip::System that is something else.
+inline namespace embed {
 
 class System {
  public:
@@ -47,6 +56,17 @@ class System {
   std::uint64_t run(std::uint64_t n);
   /// Steps taken since the start, or as the restored snapshot has it.
   [[nodiscard]] std::uint64_t steps() const;
+
+  /// An event from outside for `extern port`s, "ROOT.panel.turn" with or without "ROOT.", with a value for each variable of
+  /// the port's type. From any thread, also while another one is in step(); it comes at the instant of the wall clock, in logical
+  /// time at that of the next step(). After Deadlock the model goes on if an event helps.
+  Posted post(const std::string& port, std::vector<EventValue> values = {});
+  /// The same without looking for the name each time. kNone: there is no such port.
+  [[nodiscard]] std::uint32_t event_port(const std::string& port) const;
+  Posted post(std::uint32_t event_port, std::vector<EventValue> values);
+  /// From any thread: step() that waits, or the next that would, ends with Stopped. Until go_on().
+  void stop();
+  void go_on();
 
   /// The instant, in ns since the start; 0 in a model without time.
   [[nodiscard]] std::int64_t now() const;
@@ -94,5 +114,7 @@ class System {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+}  // namespace embed
 
 }  // namespace bip

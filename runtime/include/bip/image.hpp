@@ -70,6 +70,7 @@ struct ExternType {
   bool (*equal)(const void*, const void*);      // null: its values cannot be compared
   void (*destroy)(void* object);
 };
+struct EventClass;  // image_time.hpp
 class Outside;  // outside.hpp
 
 struct Var {
@@ -226,6 +227,7 @@ struct Image {
   Span<Choice> choices = {};
   Span<ExternType> extern_types = {};
   Outside* outside = nullptr;            // if the model calls C++
+  Span<EventClass> event_classes = {};
   Span<StepFn> step_fns = {};            // by shape; empty: no compiled steps
   Span<StepRun> step_runs = {};
   Span<StepOperand> step_operands = {};

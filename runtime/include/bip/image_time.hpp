@@ -43,6 +43,7 @@ struct EventPort {
   std::uint32_t port;
   EventPolicy policy;
   const char* event_class;     // C++; "" if none was named
+  std::uint32_t source;        // row of Image::event_classes; kNone: events come from files and programs only
 };
 struct AtomTime {
   Span<Clock> clocks;
@@ -50,6 +51,25 @@ struct AtomTime {
   Span<TimeGuard> invariants;        // one an invariant
   Resume initial;
   Span<EventPort> events;
+};
+
+/// What an object of a C++ class may ask of the engine, from any thread.
+struct SourceContext {
+  const char* port;                                  // "ROOT.panel.press"
+  void* engine;
+  void (*notify)(void* engine);
+  std::int64_t (*now)(void* engine);
+};
+enum class Poll : std::uint8_t { None, Event, Exception };
+/// A class behind a port for events (event_source.hpp). Nothing throws: what an exception said is the Outside's message.
+struct EventClass {
+  const char* name;
+  /// A new object, initialized; null after an exception.
+  void* (*make)(const SourceContext& context, Outside& outside);
+  /// Takes the first event if its instant is no later than `until`: the instant and the values.
+  Poll (*poll)(void* object, Outside& outside, std::int64_t now, std::int64_t until, std::int64_t& time, Slot* values);
+  bool (*purge)(void* object, Outside& outside);     // false after an exception
+  void (*destroy)(void* object);
 };
 
 }  // namespace bip::rt

@@ -21,7 +21,10 @@ struct RunOptions {
   bool asap = false;               // each step at the first instant at which one is possible
   double speed = 0;                // model seconds a second of the wall clock
   bool relaxed = false;            // a step that starts too late is a warning
-  std::string events_path;         // events from outside, JSON lines; empty: none come
+  // Events from outside, JSON lines. Without a file they come from the model's C++ classes.
+  std::string events_path;
+  std::string record_path;         // where they are written as they come; empty: nowhere
+  std::string replay_path;         // such a record: repeats the run in logical time, its seed and policy too
   bool silent = false;             // no step lines; the seed and the end are still told
   bool stats = false;              // steps, seconds, ns/step at the end
   bool debug = false;              // every state's candidates

@@ -1,0 +1,45 @@
+// See foreign_events.hpp.
+#include "compiler/emit_cpp/foreign_events.hpp"
+
+#include "compiler/emit_cpp/writer.hpp"
+
+namespace bip::emit_cpp {
+
+namespace {
+
+const Port& port_of(const System& system, const lower::EventClassUse& use) { return system.atom_types[use.type].ports[use.port]; }
+
+const char* slot_function(Type type) {
+  switch (type) {
+    case Type::Float: return "bip::rt::float_slot(source.get_";
+    case Type::String: return "bip::rt::event_slot(strings, source.get_";
+    default: return "bip::rt::int_slot(source.get_";
+  }
+}
+
+}  // namespace
+
+std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses, bool mark) {
+  std::string out = "namespace outside {\n";
+  for (std::size_t k = 0; k < uses.size(); ++k) {
+    const std::string name = "event_class_" + std::to_string(k);
+    if (mark) out += "#line 1 \"bip-class-" + std::to_string(k) + "\"\n";
+    out += "using " + name + " = " + port_of(system, uses[k]).event_class + ";\n";
+    out += "inline void event_values_" + std::to_string(k) + "([[maybe_unused]] " + name + "& source, [[maybe_unused]] bip::rt::Slot* out, [[maybe_unused]] bip::rt::Outside& strings) {\n";
+    std::size_t row = 0;
+    for (const Variable& v : system.port_types[port_of(system, uses[k]).type].variables) {
+      out += "  out[" + std::to_string(row++) + "] = " + slot_function(v.type) + v.name + "()" + (v.type == Type::Bool ? " ? 1 : 0" : "") + ");\n";
+    }
+    out += "}\n";
+  }
+  if (mark) out += "#line 1 \"bip-shim\"\n";
+  return out + "}  // namespace outside\n";
+}
+
+std::string event_class_row(const System& system, const std::vector<lower::EventClassUse>& uses, std::size_t k) {
+  const std::string number = std::to_string(k);
+  return "bip::rt::event_class_of<outside::event_class_" + number + ", &outside::event_values_" + number + ">(" +
+         string_literal(port_of(system, uses[k]).event_class) + ")";
+}
+
+}  // namespace bip::emit_cpp

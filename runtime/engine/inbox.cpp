@@ -1,0 +1,32 @@
+// See inbox.hpp.
+#include "runtime/engine/inbox.hpp"
+
+namespace bip::rt {
+
+bool Inbox::post(u32 row, std::vector<EventValue> values, const RealTime* wall) {
+  {
+    const std::lock_guard<std::mutex> hold(lock_);
+    if (waiting_[row] >= capacity_) return false;
+    ++waiting_[row];
+    // Under the lock: events are in the order of their instants.
+    events_.push_back({wall == nullptr ? 0 : wall->now(), row, kAnyLook, std::move(values)});
+  }
+  waker_.wake();
+  return true;
+}
+
+void Inbox::take(std::deque<Event>& out) {
+  {
+    const std::lock_guard<std::mutex> hold(lock_);
+    taken_.swap(events_);
+  }
+  for (Event& event : taken_) out.push_back(std::move(event));
+  taken_.clear();
+}
+
+void Inbox::release(u32 row, u32 count) {
+  const std::lock_guard<std::mutex> hold(lock_);
+  waiting_[row] -= std::min(waiting_[row], count);
+}
+
+}  // namespace bip::rt

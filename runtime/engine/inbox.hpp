@@ -1,0 +1,37 @@
+// Events on their way from other threads to the engine, with a bound on what waits for each port, so that nobody who posts faster
+// than the model takes fills the memory. A full queue is told to who posts; nothing that was taken in is lost.
+//
+// Any thread posts, one thread takes. Cost of a post: a lock held for a move, and a system call if the engine sleeps.
+#pragma once
+#include <deque>
+#include <mutex>
+
+#include "runtime/engine/event_file.hpp"
+#include "runtime/engine/real_time.hpp"
+#include "runtime/engine/waker.hpp"
+
+namespace bip::rt {
+
+class Inbox {
+ public:
+  Inbox(std::size_t ports, u32 capacity) : capacity_(capacity), waiting_(ports, 0) {}
+
+  /// False: `capacity` events for the port wait here or in the core. The event's instant is that of `wall`, else that at which
+  /// it is taken.
+  [[nodiscard]] bool post(u32 row, std::vector<EventValue> values, const RealTime* wall);
+  /// Moves all that came to the end of `out`, in their order.
+  void take(std::deque<Event>& out);
+  /// `count` events of the port left the core.
+  void release(u32 row, u32 count);
+  [[nodiscard]] Waker& waker() { return waker_; }
+
+ private:
+  u32 capacity_;
+  std::mutex lock_;
+  std::vector<Event> events_;
+  std::vector<u32> waiting_;  // by row
+  std::vector<Event> taken_;  // the engine's; its memory is used again
+  Waker waker_;
+};
+
+}  // namespace bip::rt
