@@ -69,7 +69,8 @@ def groups():
         os.environ["BUILD"] = str(BUILD)
         if (BUILD / "bip-verify-check").exists():
             yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/run")])),
-                             ("terminal", lambda: run_script("terminal", [sys.executable, str(ROOT / "tests/verify/terminal")]))]
+                             ("terminal", lambda: run_script("terminal", [sys.executable, str(ROOT / "tests/verify/terminal")])),
+                             ("exports", lambda: run_script("exports", [sys.executable, str(ROOT / "tests/verify/exports")]))]
         yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"]))]
 
 

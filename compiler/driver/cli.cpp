@@ -64,6 +64,7 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("build")) return command_build(arguments.build);
   if (app.got_subcommand("emit")) return command_emit(arguments.emit);
   if (app.got_subcommand("graph")) return command_graph(arguments.graph);
+  if (app.got_subcommand("export")) return command_export(arguments.exported);
   if (app.got_subcommand("replay")) return command_replay(arguments.replay);
   if (app.got_subcommand("genom")) return command_genom(arguments.genom);
   if (app.got_subcommand("migrate")) return command_migrate(arguments.migrate);

@@ -24,6 +24,7 @@ const Names<rt::Policy> kPolicies{{"uniform", rt::Policy::Uniform}, {"first", rt
 const Names<rt::TraceFormat> kTraceFormats{
     {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}};
 
+const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela}, {"pnml", ExportFormat::Pnml}};
 const Names<rt::Reduction> kReductions{
     {"none", rt::Reduction::None}, {"por", rt::Reduction::Por}, {"symmetry", rt::Reduction::Symmetry}};
 
@@ -219,6 +220,17 @@ void add_graph(CLI::App& app, GraphArguments& a) {
   command->footer("Example:\n  bipc graph --show structure model.bip | dot -Tsvg -o model.svg");
 }
 
+void add_export(CLI::App& app, ExportArguments& a) {
+  CLI::App* command = app.add_subcommand("export", "write a model for other tools: Promela for SPIN, PNML for Petri nets");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  add_choice(*command, "--format", a.format, kExportFormats, "promela|pnml", "promela (default): int, bool and string data; pnml: no data that decides");
+  command->add_option("-o,--output", a.output, "the file to write (default: standard output)")->type_name("FILE");
+  command->add_flag_callback("--disable-maximal-progress", [&a] { a.maximal_progress = false; },
+                             "smaller interactions may run although a larger one could");
+  add_compile(*command, a.compile);
+  command->footer("Example:\n  bipc export --root 'Table(5)' model.bip -o m.pml && spin -a m.pml && cc -O2 -fwrapv -DSAFETY -o pan pan.c && ./pan");
+}
+
 void add_fmt(CLI::App& app, FmtArguments& a) {
   CLI::App* command = app.add_subcommand("fmt", "print models in house style");
   command->add_option("FILE", a.files, ".bip files")->required()->type_name("");
@@ -320,6 +332,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);
   add_graph(app, arguments.graph);
+  add_export(app, arguments.exported);
   add_replay(app, arguments.replay);
   add_fmt(app, arguments.fmt);
   add_migrate(app, arguments.migrate);

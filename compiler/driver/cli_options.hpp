@@ -15,6 +15,7 @@ struct Arguments {
   BuildArguments build;
   EmitArguments emit;
   GraphArguments graph;
+  ExportArguments exported;
   ReplayArguments replay;
   FmtArguments fmt;
   MigrateArguments migrate;

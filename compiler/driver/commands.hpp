@@ -16,6 +16,8 @@ namespace bip::driver {
 [[nodiscard]] int command_emit(const EmitArguments& arguments);
 /// A picture of the system (DOT), or the system as JSON.
 [[nodiscard]] int command_graph(const GraphArguments& arguments);
+/// Promela or PNML.
+[[nodiscard]] int command_export(const ExportArguments& arguments);
 [[nodiscard]] int command_replay(const ReplayArguments& arguments);
 [[nodiscard]] int command_fmt(const FmtArguments& arguments);
 /// Robot module descriptions (.gen) to BIP.

@@ -90,6 +90,14 @@ struct GraphArguments {
   EmitKind format = EmitKind::Dot;
   graph::Show show = graph::Show::All;
 };
+enum class ExportFormat : std::uint8_t { Promela, Pnml };
+struct ExportArguments {
+  CompileOptions compile;
+  std::string file;
+  std::string output;  // empty: standard output
+  ExportFormat format = ExportFormat::Promela;
+  bool maximal_progress = true;
+};
 /// A file checked against a trace of the published engine.
 struct ReplayArguments {
   CompileOptions compile;

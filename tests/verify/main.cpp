@@ -4,7 +4,8 @@
 //   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models]
 //
 // Two provers a question: one without search, whose proofs and replayed ways must agree with the visit; and the whole one,
-// which should have an answer. With --out each proof of a system leaves N.bsys, N.cert for certcheck.
+// which should have an answer. With --out each proof of a system leaves N.bsys, N.cert for certcheck. --print DIR
+// writes all systems there, as .bsys, and asks nothing.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -26,7 +27,7 @@ using namespace bip;
 struct Options {
   std::uint64_t from = 1, count = 100, states = 5000;
   double seconds = 1;
-  std::string out;
+  std::string out, print;
   bool nets = true, models = true;
 };
 struct Totals {
@@ -51,6 +52,10 @@ class Check {
     // What C++ remembers is outside of a state: there is no visit to compare with.
     if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty()) return;
     ++t_.systems;
+    if (!o_.print.empty()) {
+      std::ofstream(o_.print + '/' + name + ".bsys") << system::print(*c.system);
+      return;
+    }
     const interp::Interpreter interpreter(*c.lowered);
     verify::Question deadlock, errors, state;
     errors.what = verify::Asked::NoErrors;
@@ -129,12 +134,14 @@ int main(int argc, char** argv) {
     else if (flag == "--states") o.states = std::strtoull(value, nullptr, 10);
     else if (flag == "--seconds") o.seconds = std::strtod(value, nullptr);
     else if (flag == "--out") o.out = value;
+    else if (flag == "--print") o.print = value;
     else if (flag == "--sort") (std::strcmp(value, "nets") == 0 ? o.models : o.nets) = false;
   }
   Totals t;
   Check check(o, t);
   for (std::uint64_t seed = o.from; seed < o.from + o.count; ++seed) {
     if (o.nets) check.system("net" + std::to_string(seed), {verify::test::small_net(seed)}, seed);
+    if (o.nets && (seed % 3 == 0 || !o.print.empty())) check.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
     if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
   const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };

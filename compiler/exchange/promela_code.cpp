@@ -1,0 +1,130 @@
+// See promela_code.hpp. Recursion follows code, whose depth .bsys bounds.
+#include "compiler/exchange/promela_code.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace bip::exchange {
+
+namespace {
+
+// A guard that reads an `up` has its text in it; what grows beyond this is refused.
+constexpr std::size_t kMaxText = 100000;
+
+const char* sign_of(Op op) {
+  switch (op) {
+    case Op::Add: return "+";
+    case Op::Sub: return "-";
+    case Op::Mul: return "*";
+    case Op::Div: return "/";
+    case Op::Mod: return "%";
+    case Op::BitAnd: return "&";
+    case Op::BitOr: return "|";
+    case Op::BitXor: return "^";
+    case Op::And: return "&&";
+    case Op::Or: return "||";
+    case Op::Eq: return "==";
+    case Op::Ne: return "!=";
+    case Op::Lt: return "<";
+    case Op::Gt: return ">";
+    case Op::Le: return "<=";
+    case Op::Ge: return ">=";
+    default: return nullptr;
+  }
+}
+
+std::string number(std::int32_t value) {
+  if (value == std::numeric_limits<std::int32_t>::min()) return "(-2147483647 - 1)";
+  return value < 0 ? fmt::format("({})", value) : fmt::format("{}", value);
+}
+
+}  // namespace
+
+void PromelaCode::refuse(const std::string& what, const Loc& loc) {
+  if (!refusal_.empty()) return;
+  refusal_ = what;
+  if (loc.line != 0 && loc.file < system_.files.size()) refusal_ += fmt::format(" ({}:{}:{})", system_.files[loc.file], loc.line, loc.column);
+}
+
+// A float that is stored and never compared: reading one is refused, so that what is left out changes nothing.
+bool PromelaCode::decides_nothing(const Stmt& store) {
+  if (is_extern(store.type) || (store.type == Type::Float && !code_.functions.empty())) refuse("data of type " + code_.type_name(store.type), store.loc);
+  return store.type == Type::Float;
+}
+
+std::string PromelaCode::division(const Expr& e, const std::string& a, const Names& names) {
+  const Expr& divisor = code_.exprs[e.b];
+  // By anything else it may be a run-time error in the middle of an expression.
+  if (divisor.op != Op::ConstInt || divisor.int_value == 0 || divisor.int_value == -1) refuse("a division by what is no constant, or by 0 or -1", e.loc);
+  return fmt::format("({} {} {})", a, sign_of(e.op), text(e.b, names));
+}
+
+std::string PromelaCode::text(ExprId expr, const Names& names) {
+  if (!expr.is_valid()) return "true";
+  const Expr& e = code_.exprs[expr];
+  switch (e.op) {
+    case Op::ConstInt:
+    case Op::ConstString: return number(e.int_value);
+    case Op::ConstBool: return e.int_value != 0 ? "true" : "false";
+    case Op::LoadSelf:
+    case Op::LoadBind: {
+      const std::string name = e.op == Op::LoadSelf ? names.self(e.index) : names.bind(e.index);
+      if (e.type == Type::Float || is_extern(e.type)) refuse("data of type " + code_.type_name(e.type), e.loc);
+      if (name.empty()) refuse("what is read of a merged port that does not take part", e.loc);
+      return name;
+    }
+    case Op::ConstFloat:
+    case Op::IntToFloat: refuse("data of type float", e.loc); return "0";
+    case Op::Call: refuse("a call of C++", e.loc); return "0";
+    case Op::Neg: return fmt::format("(-{})", text(e.a, names));
+    case Op::Not: return fmt::format("(!{})", text(e.a, names));
+    case Op::BitNot: return fmt::format("(~{})", text(e.a, names));
+    default: break;
+  }
+  const std::string a = text(e.a, names);
+  if (e.op == Op::Div || e.op == Op::Mod) return division(e, a, names);
+  std::string all = fmt::format("({} {} {})", a, sign_of(e.op), text(e.b, names));
+  if (all.size() > kMaxText) refuse("an expression that becomes too long", e.loc);
+  return refusal_.empty() ? all : "0";
+}
+
+std::string PromelaCode::statements(StmtId body, const Names& names, const std::string& indent) {
+  std::string out;
+  for (StmtId row = body; row.is_valid(); row = code_.stmts[row].next) {
+    const Stmt& s = code_.stmts[row];
+    if (s.op == StmtOp::Call) {
+      refuse("a call of C++", s.loc);
+    } else if (s.op == StmtOp::If) {
+      const auto branch = [&](StmtId inner) { return inner.is_valid() ? statements(inner, names, indent + "  ") : indent + "  skip;\n"; };
+      out += fmt::format("{0}if\n{0}:: {1} ->\n{2}{0}:: else ->\n{3}{0}fi;\n", indent, text(s.value, names), branch(s.then_body), branch(s.else_body));
+    } else {
+      if (decides_nothing(s)) continue;
+      const std::string name = s.op == StmtOp::StoreSelf ? names.self(s.index) : names.bind(s.index);
+      if (name.empty()) refuse("what is written to a merged port that does not take part", s.loc);
+      out += fmt::format("{}{} = {};\n", indent, name, text(s.value, names));
+    }
+  }
+  return out;
+}
+
+void PromelaCode::substitute(StmtId body, const Names& names, std::map<u32, std::string>& self) {
+  Names current = names;
+  current.self = [&self](u32 k) { return self.at(k); };
+  for (StmtId row = body; row.is_valid() && refusal_.empty(); row = code_.stmts[row].next) {
+    const Stmt& s = code_.stmts[row];
+    if (s.op == StmtOp::Call) {
+      refuse("a call of C++", s.loc);
+    } else if (s.op == StmtOp::If) {
+      const std::string condition = text(s.value, current);
+      std::map<u32, std::string> yes = self, no = self;
+      substitute(s.then_body, names, yes);
+      substitute(s.else_body, names, no);
+      for (auto& [slot, value] : self) value = yes[slot] == no[slot] ? yes[slot] : fmt::format("({} -> {} : {})", condition, yes[slot], no[slot]);
+    } else if (!decides_nothing(s)) {
+      self[s.index] = text(s.value, current);
+    }
+  }
+}
+
+}  // namespace bip::exchange
