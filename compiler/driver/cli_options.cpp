@@ -193,6 +193,27 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
       "Example:\n  bipc explore --root 'Table(12)' --trace dead.txt --trace-format bip2 model.bip && bipc replay --published dead.txt --root 'Table(12)' model.bip");
 }
 
+void add_serve(CLI::App& app, ServeArguments& a) {
+  CLI::App* command = app.add_subcommand("serve", "run a model in real time while clients post events, look at it and steer it");
+  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option("--socket", a.socket, "listen at the Unix socket PATH, not to standard input")->type_name("PATH");
+  command->add_option_function<std::uint16_t>(
+             "--port", [&a](const std::uint16_t& port) { a.port = port; a.has_port = true; },
+             "listen at TCP port N of 127.0.0.1, not to standard input; 0: one that is free, told on standard error")
+      ->check(is_number())
+      ->type_name("N");
+  command->add_flag("--paused", a.paused, "wait for `resume` or `step`");
+  command->add_option("--seed", a.seed, "of the random choices (default 0)")->check(is_number())->type_name("N");
+  add_choice(*command, "--policy", a.policy, kPolicies, "uniform|first|fair", "which of the possible steps is taken");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
+  command->add_flag("--asap", a.asap, "each step as soon as it is possible");
+  command->add_option("--speed", a.speed, "F seconds of the model a second (default 1)")->check(CLI::Range(1e-6, 1e6))->type_name("F");
+  add_compile(*command, a.compile);
+  command->footer(
+      "Requests and answers are lines of JSON, see compiler/docs/serve.md; tools/serve_client.py speaks them.\n"
+      "Example:\n  echo '{\"do\":\"hello\"}' | bipc serve model.bip");
+}
+
 void add_build(CLI::App& app, BuildArguments& a) {
   CLI::App* command = app.add_subcommand("build", "make a stand-alone program with the host's C++ compiler");
   command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
@@ -329,6 +350,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_run(app, arguments.run);
   add_verify(app, arguments.verify);
   add_explore(app, arguments.explore);
+  add_serve(app, arguments.serve);
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);
   add_graph(app, arguments.graph);

@@ -10,6 +10,7 @@ namespace bip::driver {
 struct Arguments {
   CheckArguments check;
   RunArguments run;
+  ServeArguments serve;
   VerifyArguments verify;
   ExploreArguments explore;
   BuildArguments build;

@@ -12,6 +12,8 @@ namespace bip::driver {
 [[nodiscard]] int command_verify(const VerifyArguments& arguments);
 /// All reachable states: 0, 1 run-time errors, 3 deadlocks, 4 a limit came first.
 [[nodiscard]] int command_explore(const ExploreArguments& arguments);
+/// Until a client shuts it down or its input ends.
+[[nodiscard]] int command_serve(const ServeArguments& arguments);
 [[nodiscard]] int command_build(const BuildArguments& arguments);
 [[nodiscard]] int command_emit(const EmitArguments& arguments);
 /// A picture of the system (DOT), or the system as JSON.

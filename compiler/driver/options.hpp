@@ -40,6 +40,20 @@ struct RunArguments {
   Optimisation optimisation = Optimisation::Auto;
   rt::RunOptions run;
 };
+/// A model that clients talk to.
+struct ServeArguments {
+  CompileOptions compile;
+  std::string file;
+  Backend backend = Backend::Auto;
+  std::uint64_t seed = 0;
+  rt::Policy policy = rt::Policy::Uniform;
+  bool asap = false;
+  bool paused = false;
+  double speed = 1;
+  std::string socket;      // empty: standard input, unless has_port
+  bool has_port = false;
+  std::uint16_t port = 0;
+};
 struct BuildArguments {
   CompileOptions compile;
   std::string file;

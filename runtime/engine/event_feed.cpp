@@ -17,6 +17,11 @@ void EventFeed::follow(RealTime& wall) {
   engine_.wall = &wall;
 }
 
+void EventFeed::restart(RealTime& wall, i64 now) {
+  inbox_.restart(wall, now);
+  for (Event& event : arrived_) event.time = now;
+}
+
 bool EventFeed::open_sources(Core& core) {
   engine_.waker = &inbox_.waker();
   return sources_.open(core, ports_, engine_) || fail(core);
@@ -33,7 +38,7 @@ void EventFeed::open_inbox() {
 }
 
 void EventFeed::stop() {
-  is_stopped_.store(true);
+  wants_stop_.store(true);
   inbox_.waker().wake();
 }
 
@@ -75,9 +80,10 @@ void EventFeed::release(const Core& core) {
 
 i64 EventFeed::wait(Core& core, i64 target) {
   ++looks_;
+  gave_up_ = false;
   if (ports_.size() == 0 && wall_ == nullptr) {
-    if (is_interrupted()) is_stopped_.store(true);
-    looks_ -= is_stopped() ? 1 : 0;
+    gave_up_ = is_interrupted();
+    looks_ -= gave_up_ ? 1 : 0;
     return kForever;
   }
   release(core);
@@ -98,9 +104,10 @@ i64 EventFeed::wait(Core& core, i64 target) {
     const bool comes = event != kForever;
     const bool may_come = is_open_ || !sources_.empty();
     const bool is_over = wall_ == nullptr || wall_->has_passed(until) || (until == kForever && !may_come);
-    if (wall_ != nullptr && (is_over || is_stopped() || is_interrupted())) waker().stay_awake();
-    if (is_interrupted()) is_stopped_.store(true);
-    if (is_stopped()) {
+    // What is due comes before what stop() wants.
+    gave_up_ = is_interrupted() || (!is_over && wants_stop_.load());
+    if (wall_ != nullptr && (is_over || gave_up_)) waker().stay_awake();
+    if (gave_up_) {
       --looks_;
       return kForever;
     }

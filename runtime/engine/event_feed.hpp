@@ -38,7 +38,9 @@ class EventFeed {
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values) { return inbox_.post(row, std::move(values), wall_); }
   /// Any thread: who waits returns, and is_stopped().
   void stop();
-  void go_on() { is_stopped_.store(false); }
+  void go_on() { wants_stop_.store(false); }
+  /// The instant `now` of the model is now on the wall, and events that wait come now.
+  void restart(RealTime& wall, i64 now);
   [[nodiscard]] Waker& waker() { return inbox_.waker(); }
 
   /// The engine has looked, and without us it goes on at `target`. The instant of the first event that comes until then, no
@@ -46,7 +48,7 @@ class EventFeed {
   [[nodiscard]] i64 wait(Core& core, i64 target);
   /// All events of this instant into the core. False: a fault.
   [[nodiscard]] bool deliver(Core& core);
-  [[nodiscard]] bool is_stopped() const { return is_stopped_.load(); }
+  [[nodiscard]] bool is_stopped() const { return gave_up_; }
   /// A class threw; the core has the fault.
   [[nodiscard]] bool failed() const { return failed_; }
   /// How often the engine asked and was answered.
@@ -73,7 +75,8 @@ class EventFeed {
   RealTime* wall_ = nullptr;
   std::FILE* record_ = nullptr;
   bool is_open_ = false, failed_ = false;
-  std::atomic<bool> is_stopped_{false};
+  bool gave_up_ = false;
+  std::atomic<bool> wants_stop_{false};
   std::vector<Slot> slots_;
 };
 

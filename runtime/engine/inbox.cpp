@@ -24,6 +24,12 @@ void Inbox::take(std::deque<Event>& out) {
   taken_.clear();
 }
 
+void Inbox::restart(RealTime& wall, i64 now) {
+  const std::lock_guard<std::mutex> hold(lock_);
+  wall.start(now);
+  for (Event& event : events_) event.time = now;
+}
+
 void Inbox::release(u32 row, u32 count) {
   const std::lock_guard<std::mutex> hold(lock_);
   waiting_[row] -= std::min(waiting_[row], count);

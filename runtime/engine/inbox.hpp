@@ -21,6 +21,8 @@ class Inbox {
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values, const RealTime* wall);
   /// Moves all that came to the end of `out`, in their order.
   void take(std::deque<Event>& out);
+  /// Starts the clock anew at an instant, which becomes that of all events that are here.
+  void restart(RealTime& wall, i64 now);
   /// `count` events of the port left the core.
   void release(u32 row, u32 count);
   [[nodiscard]] Waker& waker() { return waker_; }

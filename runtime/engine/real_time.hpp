@@ -5,6 +5,7 @@
 // of logical time.
 #pragma once
 #include <array>
+#include <atomic>
 #include <string>
 
 #include "runtime/core/interval.hpp"
@@ -31,7 +32,7 @@ class RealTime {
 
  private:
   double speed_;
-  i64 first_ = 0, origin_ = 0;
+  std::atomic<i64> first_{0}, origin_{0};
   std::array<std::uint64_t, 48> late_{};  // [k]: below 2^k us and not below 2^(k-1) us
   i64 most_ = 0;
 };

@@ -129,6 +129,7 @@ Posted System::post(std::uint32_t event_port, std::vector<EventValue> values) {
 
 void System::stop() { impl_->feed.stop(); }
 void System::go_on() { impl_->feed.go_on(); }
+void System::restart_clock() { impl_->feed.restart(impl_->wall, impl_->core.now()); }
 
 std::int64_t System::now() const { return impl_->core.now(); }
 
@@ -191,7 +192,7 @@ void System::restore(const Snapshot& snapshot) {
   if (sound) impl_->core.set_list_order(snapshot.impl_->order);
   impl_->scheduler = snapshot.impl_->scheduler;
   impl_->steps = snapshot.impl_->steps;
-  impl_->wall.start(impl_->core.now());
+  impl_->feed.restart(impl_->wall, impl_->core.now());
   impl_->outcome = sound ? snapshot.impl_->outcome : Outcome::Fault;
 }
 

@@ -67,6 +67,8 @@ class System {
   /// From any thread: step() that waits, or the next that would, ends with Stopped. Until go_on().
   void stop();
   void go_on();
+  /// With `speed`: now is the model's instant, as after a pause. Events that wait come now.
+  void restart_clock();
 
   /// The instant, in ns since the start; 0 in a model without time.
   [[nodiscard]] std::int64_t now() const;

@@ -1,0 +1,35 @@
+// `bipc serve`: a model runs in real time, and clients talk to it (compiler/docs/serve.md).
+#include <cstdio>
+
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/executor.hpp"
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/report.hpp"
+#include "compiler/serve/server.hpp"
+
+namespace bip::driver {
+
+int command_serve(const ServeArguments& arguments) {
+  Compilation c(arguments.compile);
+  Executor executor;
+  const bool ready = compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, Optimisation::Auto);
+  if (const int code = report(c); code != 0 || !ready) return code;
+  SystemOptions options;
+  options.seed = arguments.seed;
+  options.policy = arguments.policy;
+  options.asap = arguments.asap;
+  options.speed = arguments.speed;
+  serve::Controller controller(c.lowered->image, options, arguments.paused);
+  serve::ServerOptions server;
+  server.uses_stdio = arguments.socket.empty() && !arguments.has_port;
+  server.socket_path = arguments.socket;
+  server.uses_tcp = arguments.has_port;
+  server.tcp_port = arguments.port;
+  if (std::string error; !serve::serve(controller, server, error)) {
+    std::fprintf(stderr, "error: %s\n", error.c_str());
+    return kUsage;
+  }
+  return kOk;
+}
+
+}  // namespace bip::driver

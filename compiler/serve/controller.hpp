@@ -1,0 +1,68 @@
+// A model that runs on a thread of its own while others post events, look at it, pause it and take it back.
+//
+// Whoever wants to see or change more than an event hands over a function; it runs on the engine's thread between two steps, so
+// nothing is ever seen half-way. A waiting engine is woken for it. Cost while nothing happens: none.
+#pragma once
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "bip/bip.hpp"
+
+namespace bip::serve {
+
+class Controller {
+ public:
+  /// Runs on the engine's thread.
+  using Command = std::function<void(Controller&)>;
+  static constexpr std::size_t kMaxSnapshots = 16;
+
+  Controller(const rt::Image& image, const SystemOptions& options, bool begins_paused);
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+  ~Controller();
+  /// Both are called on the engine's thread; set before start().
+  std::function<void(const Step&, std::int64_t now)> on_step;
+  std::function<void(Outcome outcome, const std::string& text)> on_end;
+  void start();
+  /// Ends the thread; nothing is called afterwards.
+  void halt();
+
+  // ---- any thread
+  [[nodiscard]] const rt::Image& image() const { return image_; }
+  [[nodiscard]] embed::System& events() { return system_; }  // post() and event_port() only
+  void ask(Command command);
+
+  // ---- in a command
+  [[nodiscard]] const embed::System& system() const { return system_; }
+  [[nodiscard]] bool is_paused() const { return is_paused_; }
+  [[nodiscard]] bool has_ended() const { return has_ended_; }
+  void pause() { is_paused_ = true; }
+  /// Runs on; steps > 0: only so many. The wall clock goes on from the model's instant.
+  void resume(std::uint64_t steps);
+  /// The number to restore it by; false if there are too many.
+  [[nodiscard]] bool save(std::size_t& number);
+  [[nodiscard]] bool restore(std::size_t number);
+
+ private:
+  void run();
+  void end(Outcome outcome);
+
+  const rt::Image& image_;
+  embed::System system_;
+  std::vector<embed::System::Snapshot> snapshots_;
+  bool is_paused_;
+  bool has_ended_ = false;
+  std::uint64_t steps_left_ = 0;  // 0: no end
+
+  std::mutex lock_;
+  std::condition_variable changed_;
+  std::deque<Command> commands_;
+  bool quits_ = false;
+  std::thread thread_;
+};
+
+}  // namespace bip::serve

@@ -1,0 +1,247 @@
+// See protocol.hpp.
+#include "compiler/serve/protocol.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "bip/image_time.hpp"
+
+namespace bip::serve {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr std::size_t kMaxAtoms = 1000;
+
+// Text from a model or a client may be no UTF-8.
+std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json answer_to(const Json& id) {
+  Json answer;
+  if (!id.is_null()) answer["id"] = id;
+  answer["ok"] = true;
+  return answer;
+}
+std::string refusal_of(const Json& id, const std::string& what) {
+  Json answer;
+  if (!id.is_null()) answer["id"] = id;
+  answer["ok"] = false;
+  answer["error"] = what;
+  return line_of(answer);
+}
+
+const char* type_name(rt::SlotType type) {
+  switch (type) {
+    case rt::SlotType::Int: return "int";
+    case rt::SlotType::Bool: return "bool";
+    case rt::SlotType::Float: return "float";
+    case rt::SlotType::String: return "string";
+  }
+  return "object";
+}
+
+std::string path_of(const rt::Atom& atom, const rt::Port& port) { return std::string(atom.path) + "." + port.name; }
+
+Json ports_of(const rt::Image& image) {
+  Json ports = Json::array();
+  for (const rt::Atom& atom : image.atoms) {
+    const rt::AtomType& type = image.atom_types[atom.type];
+    for (std::uint32_t k = 0; type.time != nullptr && k < type.time->events.size; ++k) {
+      const rt::Port& port = type.ports[type.time->events[k].port];
+      Json vars = Json::object();
+      for (const rt::Var& v : image.port_types[port.type].vars) vars[v.name] = type_name(v.type);
+      ports.push_back({{"port", path_of(atom, port)}, {"values", std::move(vars)}});
+      if (ports.size() == kMaxAtoms) return ports;
+    }
+  }
+  return ports;
+}
+
+// The value, or an empty text for what no event carries.
+bool value_of(const Json& json, rt::SlotType type, EventValue& out, std::string& wrong) {
+  if (json.is_boolean()) out = json.get<bool>();
+  else if (json.is_string()) out = json.get<std::string>();
+  else if (json.is_number() && type == rt::SlotType::Float) out = json.get<double>();
+  else if (json.is_number_integer() && json >= INT32_MIN && json <= INT32_MAX) out = json.get<std::int32_t>();
+  else wrong = "a value is an int of 32 bits, a float, a string, true or false";
+  return wrong.empty();
+}
+
+const rt::PortType* type_of_port(const rt::Image& image, const std::string& port) {
+  const std::string wanted = (port.starts_with("ROOT.") ? "" : "ROOT.") + port;
+  for (const rt::Atom& atom : image.atoms) {
+    if (!wanted.starts_with(atom.path)) continue;
+    const rt::AtomType& type = image.atom_types[atom.type];
+    for (const rt::Port& p : type.ports) {
+      if (path_of(atom, p) == wanted) return &image.port_types[p.type];
+    }
+  }
+  return nullptr;
+}
+
+// Empty, or what is wrong.
+std::string post(Controller& controller, const Json& request) {
+  const auto port = request.find("port");
+  if (port == request.end() || !port->is_string()) return "`port` is missing, the path of a port for events";
+  const std::string path = port->get<std::string>();
+  const std::uint32_t row = controller.events().event_port(path);
+  if (row == rt::kNone) return "there is no port `" + path + "` for events from outside";
+  const rt::Span<rt::Var>& vars = type_of_port(controller.image(), path)->vars;
+  std::vector<EventValue> values(vars.size);
+  std::string wrong;
+  const Json given = request.value("values", Json::array());
+  if (given.size() != vars.size || !(given.is_array() || given.is_object())) return "`" + path + "` takes " + std::to_string(vars.size) + " values";
+  for (std::uint32_t k = 0; k < vars.size && wrong.empty(); ++k) {
+    if (given.is_object() && !given.contains(vars[k].name)) return std::string("`") + vars[k].name + "` is missing";
+    (void)value_of(given.is_object() ? given[vars[k].name] : given[k], vars[k].type, values[k], wrong);
+  }
+  if (!wrong.empty()) return wrong;
+  switch (controller.events().post(row, std::move(values))) {
+    case Posted::Taken: break;
+    case Posted::Full: return "full: too many events wait for the port";
+    case Posted::NoSuchPort:
+    case Posted::BadValues: return "the values are not of the types of the port";
+  }
+  return {};
+}
+
+Json state_of(const Controller& controller, const std::set<std::string>& wanted) {
+  const rt::Image& image = controller.image();
+  const embed::System& system = controller.system();
+  Json atoms = Json::object();
+  for (const rt::Atom& atom : image.atoms) {
+    if (!wanted.empty() && !wanted.contains(atom.path)) continue;
+    if (atoms.size() == kMaxAtoms) break;
+    const rt::AtomType& type = image.atom_types[atom.type];
+    const std::uint32_t hidden = type.time != nullptr && type.time->clocks.size != 0 ? type.time->clocks[0].slot : type.slots.size;
+    Json data = Json::object();
+    for (std::uint32_t k = 0; k < hidden; ++k) {
+      const std::string path = std::string(atom.path) + "." + type.slots[k].name;
+      std::int32_t whole = 0;
+      bool truth = false;
+      double real = 0;
+      std::string text;
+      if (system.read(path, whole)) data[type.slots[k].name] = whole;
+      else if (system.read(path, truth)) data[type.slots[k].name] = truth;
+      else if (system.read(path, real)) data[type.slots[k].name] = real;
+      else if (system.read(path, text)) data[type.slots[k].name] = text;
+    }
+    atoms[atom.path] = {{"place", system.place(atom.path)}, {"data", std::move(data)}};
+  }
+  return atoms;
+}
+
+// A set of strings; false if it is something else.
+bool texts_of(const Json& request, const char* key, std::set<std::string>& out) {
+  const auto list = request.find(key);
+  if (list == request.end()) return true;
+  if (!list->is_array()) return false;
+  for (const Json& item : *list) {
+    if (!item.is_string()) return false;
+    out.insert(item.get<std::string>());
+  }
+  return true;
+}
+
+bool count_of(const Json& request, const char* key, std::uint64_t without, std::uint64_t& out) {
+  const auto count = request.find(key);
+  out = without;
+  if (count == request.end()) return true;
+  if (!count->is_number_unsigned()) return false;
+  out = count->get<std::uint64_t>();
+  return true;
+}
+
+// What is done between two steps, and answered then.
+void ask(Controller& controller, const Reply& reply, const Json& id, std::function<std::string(Controller&, Json&)> work) {
+  controller.ask([send = reply.send, id, work = std::move(work)](Controller& c) {
+    Json answer = answer_to(id);
+    const std::string wrong = work(c, answer);
+    send(wrong.empty() ? line_of(answer) : refusal_of(id, wrong));
+  });
+}
+
+}  // namespace
+
+void handle_line(Controller& controller, const std::string& line, Reply reply) {
+  const Json request = Json::parse(line, nullptr, false);
+  if (!request.is_object()) return reply.send(refusal_of(Json(), "a line is an object of JSON"));
+  const Json id = request.value("id", Json());
+  const auto refuse = [&](const std::string& what) { reply.send(refusal_of(id, what)); };
+  if (id.is_structured()) return reply.send(refusal_of(Json(), "`id` is a number or a string"));
+  const auto found = request.find("do");
+  const std::string what = found != request.end() && found->is_string() ? found->get<std::string>() : "";
+  std::set<std::string> names;
+  std::uint64_t count = 0;
+  if (what == "post") {
+    const std::string wrong = post(controller, request);
+    return wrong.empty() ? reply.send(line_of(answer_to(id))) : refuse(wrong);
+  }
+  if (what == "hello") {
+    Json answer = answer_to(id);
+    answer["format"] = "bipc-serve";
+    answer["version"] = 1;
+    answer["model"] = controller.image().name;
+    answer["ports"] = ports_of(controller.image());
+    return reply.send(line_of(answer));
+  }
+  if (what == "subscribe" || what == "unsubscribe") {
+    if (!texts_of(request, "interactions", names)) return refuse("`interactions` is an array of names");
+    reply.subscribe({what == "subscribe", std::move(names)});
+    return reply.send(line_of(answer_to(id)));
+  }
+  if (what == "state") {
+    if (!texts_of(request, "atoms", names)) return refuse("`atoms` is an array of paths");
+    return ask(controller, reply, id, [names](Controller& c, Json& answer) {
+      answer["time"] = c.system().now();
+      answer["steps"] = c.system().steps();
+      answer["paused"] = c.is_paused();
+      answer["ended"] = c.has_ended();
+      answer["atoms"] = state_of(c, names);
+      return std::string();
+    });
+  }
+  if (what == "pause" || what == "resume") {
+    return ask(controller, reply, id, [pauses = what == "pause"](Controller& c, Json&) {
+      if (pauses) c.pause();
+      else c.resume(0);
+      return std::string();
+    });
+  }
+  if (what == "step") {
+    if (!count_of(request, "count", 1, count) || count == 0) return refuse("`count` is a whole number from 1 on");
+    return ask(controller, reply, id, [count](Controller& c, Json&) {
+      if (c.has_ended()) return std::string("the run has ended");
+      c.resume(count);
+      return std::string();
+    });
+  }
+  if (what == "snapshot") {
+    return ask(controller, reply, id, [](Controller& c, Json& answer) {
+      std::size_t number = 0;
+      if (!c.save(number)) return std::string("no more than 16 snapshots are kept");
+      answer["snapshot"] = number;
+      return std::string();
+    });
+  }
+  if (what == "restore") {
+    if (!count_of(request, "snapshot", ~0ull, count)) return refuse("`snapshot` is a number that `snapshot` gave");
+    return ask(controller, reply, id, [count](Controller& c, Json&) { return c.restore(count) ? std::string() : std::string("there is no such snapshot"); });
+  }
+  if (what == "shutdown") {
+    reply.send(line_of(answer_to(id)));
+    return reply.shut_down();
+  }
+  refuse(what.empty() ? "`do` is missing" : "`" + what + "` is not known");
+}
+
+std::string step_line(const Step& step, std::int64_t now) {
+  return line_of({{"note", "step"}, {"step", step.number}, {"time", now}, {"interaction", step.interaction}, {"ports", step.ports}});
+}
+
+std::string end_line(Outcome outcome, const std::string& text) {
+  return line_of({{"note", "end"}, {"outcome", outcome == Outcome::Fault ? "error" : "deadlock"}, {"text", text}});
+}
+
+std::string error_line(const std::string& what) { return refusal_of(Json(), what); }
+
+}  // namespace bip::serve

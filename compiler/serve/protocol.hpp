@@ -1,0 +1,36 @@
+// What a line from a client means (compiler/docs/serve.md): checked, done, answered with one line. No sockets here.
+//
+// Nothing that a client sends can do more than be refused: lines are limited in size by who reads them, values are checked
+// against the model, unknown words are named. Nothing throws.
+#pragma once
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "compiler/serve/controller.hpp"
+
+namespace bip::serve {
+
+/// What one client is told of without asking.
+struct Subscription {
+  bool is_on = false;
+  std::set<std::string> interactions;  // empty: all
+};
+
+struct Reply {
+  /// With its newline; from any thread, once or later.
+  std::function<void(std::string line)> send;
+  std::function<void(const Subscription&)> subscribe;
+  std::function<void()> shut_down;
+};
+
+/// Does what the line says.
+void handle_line(Controller& controller, const std::string& line, Reply reply);
+
+/// `{"note":"step",…}` and `{"note":"end",…}` with a newline.
+[[nodiscard]] std::string step_line(const Step& step, std::int64_t now);
+[[nodiscard]] std::string end_line(Outcome outcome, const std::string& text);
+[[nodiscard]] std::string error_line(const std::string& what);
+
+}  // namespace bip::serve
