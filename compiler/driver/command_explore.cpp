@@ -15,6 +15,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/timed_models.hpp"
 #include "compiler/system/timed.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/explore/tell.hpp"
@@ -154,14 +155,11 @@ int command_explore(const ExploreArguments& arguments) {
     return report(c);
   }
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
-  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "the exploration of a model with time").note(timed);
-    return report(c);
-  }
   Executor executor;
   const bool ready = executor.prepare(c, arguments.backend, arguments.optimisation) &&
                      is_explorable(arguments, c);
   if (const int code = report(c); code != 0 || !ready) return code;
+  if (system::is_timed(*c.system)) return explore_timed(arguments, c);
   const rt::Image& image = c.lowered->image;
   const rt::ExploreReport found = search(arguments, image);
   const rt::MaximalProgress maximal = arguments.explore.progress;

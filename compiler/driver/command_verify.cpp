@@ -14,6 +14,7 @@
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/timed_models.hpp"
 #include "compiler/driver/verify_text.hpp"
 #include "compiler/system/timed.hpp"
 #include "compiler/verify/certificate.hpp"
@@ -80,12 +81,9 @@ int command_verify(const VerifyArguments& arguments) {
     return report(c);
   }
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
-  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "a proof about a model with time").note(timed);
-    return report(c);
-  }
   verify::Question question;
   if (!read_question(arguments, c, question)) return kUsage;
+  if (system::is_timed(*c.system)) return verify_timed(arguments, c, question.what);
 
   const auto seconds = std::chrono::duration<double>(static_cast<double>(std::min<std::uint64_t>(arguments.timeout, 100000000)));
   verify::DecideLimits limits;

@@ -1,0 +1,205 @@
+// See timed_models.hpp. What is told has been taken by a core; what could not be followed exactly is named and gives no verdict.
+#include "compiler/driver/timed_models.hpp"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compiler/driver/executor.hpp"
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/machine.hpp"
+#include "compiler/driver/report.hpp"
+#include "compiler/system/timed.hpp"
+#include "runtime/engine/interrupt.hpp"
+#include "runtime/explore/tell.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+constexpr std::size_t kStepsShown = 100;
+constexpr std::uint64_t kMega = 1000000;
+constexpr const char* kNotReplayed = "the core could not take the way to what was found\n";
+
+void write(std::FILE* file, const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), file);
+  std::fflush(file);
+}
+
+// Of what was found: the error before the deadlock before the time lock, as exit codes have it.
+struct Found {
+  rt::WayEnd end = rt::WayEnd::Deadlock;
+  const rt::TimedWay* way = nullptr;  // null: nothing was
+};
+Found first_of(const rt::ZoneReport& found) {
+  if (found.has_deadlock) return {rt::WayEnd::Deadlock, &found.deadlock};
+  if (found.has_time_lock) return {rt::WayEnd::TimeLock, &found.time_lock};
+  if (found.has_error) return {rt::WayEnd::Error, &found.error};
+  return {};
+}
+
+const char* end_of(const rt::ZoneReport& found) {
+  if (!found.inexact.empty()) return "inexact";
+  switch (found.end) {
+    case rt::ExploreEnd::Complete: return "complete";
+    case rt::ExploreEnd::States: return "limit";
+    case rt::ExploreEnd::Memory: return "memory";
+    case rt::ExploreEnd::Time: return "time";
+    case rt::ExploreEnd::Stopped: return "interrupted";
+  }
+  return "";
+}
+
+nlohmann::ordered_json way_json(const rt::TimedWay& way, const rt::ToldWay& told) {
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  for (const rt::TimedStep& step : way.steps) steps.push_back({{"time", step.at}, {"choice", step.choice}});
+  return {{"steps", steps}, {"end", way.end}, {"text", told.steps + told.error}};
+}
+
+struct Told {
+  rt::ToldWay deadlock, time_lock, error;
+};
+
+void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const Told& told) {
+  nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1}, {"end", end_of(found)}, {"zones", found.zones},
+                              {"locations", found.locations}, {"steps", found.steps}, {"deadlocks", found.deadlocks},
+                              {"time_locks", found.time_locks}, {"errors", found.errors}, {"depth", found.depth}};
+  if (!found.inexact.empty()) json["inexact"] = found.inexact;
+  if (a.stats) {
+    json["seconds"] = found.seconds;
+    json["bytes"] = found.bytes;
+  }
+  if (found.are_ways_known) {
+    if (found.has_deadlock) json["deadlock"] = way_json(found.deadlock, told.deadlock);
+    if (found.has_time_lock) json["time_lock"] = way_json(found.time_lock, told.time_lock);
+    if (found.has_error) json["error"] = way_json(found.error, told.error);
+  }
+  write(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+}
+
+int exit_code_of(const rt::ZoneReport& found) {
+  if (found.has_error) return kModelErrors;
+  if (found.has_deadlock || found.has_time_lock) return kViolated;
+  return found.end == rt::ExploreEnd::Complete && found.inexact.empty() ? kOk : kUnknown;
+}
+
+std::string limit_text(const rt::ZoneReport& found) {
+  if (!found.inexact.empty()) return found.inexact + ", which zones cannot follow";
+  switch (found.end) {
+    case rt::ExploreEnd::Time: return "the time is over";
+    case rt::ExploreEnd::Memory: return "the memory does not suffice";
+    case rt::ExploreEnd::Stopped: return "interrupted";
+    default: return "the limit of zones is reached";
+  }
+}
+
+// What has no answer yet is said. False: it was.
+bool is_answerable(const VerifyArguments& a, Compilation& c, verify::Asked asked) {
+  const char* refused = nullptr;
+  if (asked == verify::Asked::State) refused = "a property of states of a model with time";
+  else if (asked != verify::Asked::DeadlockFreedom && asked != verify::Asked::NoErrors) refused = "`--partial` for a model with time";
+  else if (!a.certificate.empty()) refused = "a certificate for a model with time";
+  else if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty()) refused = "a proof about a model with time that calls C++";
+  if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
+  return refused == nullptr;
+}
+
+}  // namespace
+
+int explore_timed(const ExploreArguments& arguments, Compilation& c) {
+  const rt::Image& image = c.lowered->image;
+  rt::ZoneReport found;
+  {
+    const rt::InterruptGuard guard;
+    rt::ExploreOptions options = arguments.explore;
+    options.seconds = static_cast<double>(arguments.seconds);
+    options.bytes = arguments.megabytes == 0 ? available_memory() / 4 * 3 : arguments.megabytes * kMega;
+    options.is_stopped = rt::is_interrupted;
+    found = rt::explore_zones(image, options);
+  }
+  const rt::MaximalProgress maximal = arguments.explore.progress;
+  Told told;
+  if (found.are_ways_known) {
+    if (found.has_deadlock) told.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
+    if (found.has_time_lock) told.time_lock = rt::tell_way(image, maximal, rt::WayEnd::TimeLock, found.time_lock, kStepsShown);
+    if (found.has_error) told.error = rt::tell_way(image, maximal, rt::WayEnd::Error, found.error, kStepsShown);
+  }
+  if (const Found first = first_of(found); !arguments.trace_path.empty() && first.way != nullptr && found.are_ways_known) {
+    const std::string trace = rt::trace_of_way(image, maximal, first.end, *first.way, arguments.format);
+    if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
+      c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
+      return report(c);
+    }
+  }
+  if (arguments.json) {
+    print_json(arguments, found, told);
+    return exit_code_of(found);
+  }
+  std::string text;
+  if (!arguments.silent) {
+    text = told.deadlock.steps + told.time_lock.steps;
+    write(stdout, text);
+    write(stderr, told.time_lock.error);
+    write(stdout, told.error.steps);
+    text = found.are_ways_known ? "" : kNotReplayed;
+    if (!found.inexact.empty()) text += found.inexact + ", which zones cannot follow\n";
+  }
+  write(stdout, text + rt::summary_line(found));
+  write(stderr, told.error.error);
+  if (arguments.stats) {
+    write(stderr, fmt::format("zones/s {:.0f}, bytes/zone {:.1f}, depth {}, seconds {:.3f}\n", static_cast<double>(found.zones) / std::max(found.seconds, 1e-9),
+                              static_cast<double>(found.bytes) / static_cast<double>(std::max<std::uint64_t>(found.zones, 1)), found.depth, found.seconds));
+  }
+  return exit_code_of(found);
+}
+
+int verify_timed(const VerifyArguments& arguments, Compilation& c, verify::Asked asked) {
+  Executor executor;
+  const bool may_start = is_answerable(arguments, c, asked) && executor.prepare(c, arguments.backend, Optimisation::Auto);
+  if (const int code = report(c); code != 0 || !may_start) return code;
+  const rt::Image& image = c.lowered->image;
+  rt::ZoneReport found;
+  {
+    const rt::InterruptGuard guard;
+    rt::ExploreOptions options;
+    options.seconds = static_cast<double>(arguments.timeout);
+    options.bytes = arguments.megabytes * kMega;
+    options.is_stopped = rt::is_interrupted;
+    found = rt::explore_zones(image, options);
+  }
+  const bool asks_errors = asked == verify::Asked::NoErrors;
+  const bool is_violated = asks_errors ? found.has_error : found.has_deadlock || found.has_time_lock;
+  const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
+  const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
+  nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
+  if (asks_errors) json["property"] = "errors";
+  json["zones"] = found.zones;
+  std::string text;
+  int exit_code = kUnknown;
+  if (is_violated && found.are_ways_known) {
+    const Found first = asks_errors ? Found{rt::WayEnd::Error, &found.error} : first_of(found);
+    const rt::ToldWay told = rt::tell_way(image, rt::MaximalProgress::On, first.end, *first.way, kStepsShown);
+    json["verdict"] = first.end == rt::WayEnd::Error ? "error" : first.end == rt::WayEnd::TimeLock ? "time lock" : "deadlock";
+    json["steps"] = first.way->steps.size();
+    text = told.steps + told.error;
+    exit_code = kViolated;
+  } else if (is_complete && !is_violated) {
+    const std::string name = asks_errors ? "error-free" : "deadlock-free";
+    json["verdict"] = name;
+    json["method"] = "exhaustive";
+    text = name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
+    if (found.has_error) text += "note: a run-time error can occur\n";
+    exit_code = kOk;
+  } else {
+    const std::string reason = is_violated ? "the core could not take the way that was found" : limit_text(found);
+    json["reason"] = reason;
+    text = "unknown: " + reason + ", after " + size + '\n';
+  }
+  json["text"] = text;
+  write(stdout, arguments.json ? json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : text);
+  return exit_code;
+}
+
+}  // namespace bip::driver
