@@ -3,6 +3,7 @@
 // Without a wish the JIT is taken if it is there. A system without any code needs neither: then libLLVM stays unloaded.
 #include "compiler/driver/executor.hpp"
 
+#include "bip/outside.hpp"
 #include "compiler/base/assert.hpp"
 #include "compiler/driver/cpp_side.hpp"
 #include "compiler/steps/derive_steps.hpp"
@@ -16,9 +17,20 @@ jit::OptLevel opt_level(const lower::LoweredSystem& lowered, Optimisation optimi
   return optimisation == Optimisation::O0 ? jit::OptLevel::O0 : jit::OptLevel::O2;
 }
 
+Executor::~Executor() {
+  if (lowered_ == nullptr) return;
+  const CodeTable& code = lowered_->system->code;
+  for (std::size_t row = 0; row < lowered_->temporaries.size(); ++row) {
+    if (lowered_->temporaries[row].bits == 0) continue;
+    const Type type = code.functions[code.exprs[ExprId(row)].index].result;
+    lowered_->extern_types[extern_row(type)].destroy(&rt::object_in<char>(lowered_->temporaries[row]));
+  }
+}
+
 bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation) {
   const StageScope doing("preparing the code of", c.path);
   if (!load_cpp_side(c)) return false;
+  lowered_ = c.lowered.get();
   if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
     const Result<JitPlugin> plugin = load_jit();
     if (plugin) {

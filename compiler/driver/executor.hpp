@@ -13,13 +13,18 @@ inline constexpr std::size_t kMaxUnitsForO2 = 32;
 
 [[nodiscard]] jit::OptLevel opt_level(const lower::LoweredSystem& lowered, Optimisation optimisation);
 
-/// Owns what the image's code pointers need; keep alive as long as the image runs.
+/// Owns what the image's code pointers need; keep alive as long as the image runs, and not longer than the compilation.
 class Executor {
  public:
+  Executor() = default;
+  Executor(const Executor&) = delete;
+  Executor& operator=(const Executor&) = delete;
+  ~Executor();
   /// False if the back end failed; c.diags says why.
   [[nodiscard]] bool prepare(Compilation& c, Backend backend, Optimisation optimisation);
 
  private:
+  lower::LoweredSystem* lowered_ = nullptr;  // its temporaries are objects that C++ made
   std::unique_ptr<interp::Interpreter> interpreter_;
   JitCode jit_;
 };
