@@ -137,6 +137,21 @@ bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const 
     (head == "trap" ? rows.traps : rows.one_tokens).push_back(std::move(members));
     return true;
   }
+  if (head == "sum") {
+    Sum sum;
+    if (words.size() < 2 || !read_number(words[1], sum.total)) return false;
+    for (std::size_t k = 2; k < words.size(); ++k) {
+      const std::size_t colon = words[k].rfind(':'), star = words[k].rfind('*');
+      if (colon == std::string::npos || star == std::string::npos || star < colon) return false;
+      Member member{atom_of(words[k].substr(0, colon)), 0};
+      std::int64_t weight = 0;
+      if (member.atom == kNone || !read_row_number(words[k].substr(colon + 1, star - colon - 1), 0x7fffffff, member.mode)) return false;
+      if (!read_number(words[k].substr(star + 1), weight)) return false;
+      sum.weights[member] += weight;
+    }
+    rows.sums.push_back(std::move(sum));
+    return true;
+  }
   if (head == "lemma") {
     std::vector<Literal> lemma(words.size() - 1);
     for (std::size_t k = 1; k < words.size(); ++k) {
@@ -193,6 +208,11 @@ bool Clauses::hold(const Rows& rows, const rt::State& state) const {
   }
   for (const std::set<Member>& set : rows.one_tokens) {
     if (tokens(set) != 1) return false;
+  }
+  for (const Sum& sum : rows.sums) {
+    std::int64_t total = 0;
+    for (const auto& [member, weight] : sum.weights) total += in_mode(member.atom, member.mode) ? weight : 0;
+    if (total != sum.total) return false;
   }
   for (const Range& range : rows.ranges) {
     const std::int32_t v = value(state, range.atom, range.slot);

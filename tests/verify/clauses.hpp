@@ -48,7 +48,12 @@ class Clauses {
     std::uint32_t slot = 0;
     std::int64_t low = 0, high = 0;
   };
+  struct Sum {
+    std::int64_t total = 0;
+    std::map<Member, std::int64_t> weights;
+  };
   struct Rows {
+    std::vector<Sum> sums;
     std::vector<Class> classes;
     std::vector<std::size_t> class_of;
     std::vector<std::set<std::uint32_t>> reachable;
