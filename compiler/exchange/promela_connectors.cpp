@@ -82,7 +82,7 @@ void PromelaWriter::add_connector(ConnectorId connector) {
     for (u32 k = 0; k < type.slots.size(); ++k) {
       if (type.slots[k].type == Type::Float) continue;
       if (is_extern(type.slots[k].type)) code_.refuse("data of type " + system_.code.type_name(type.slots[k].type), type.slots[k].loc);
-      const std::string declaration = fmt::format("hidden {} {}; /* {}.{} */\n", type.slots[k].type == Type::Bool ? "bool" : "int", frame_name(use.connector, k),
+      const std::string declaration = fmt::format("hidden {} {}; /* {}.{} */\n", type.slots[k].type == Type::Bool ? "byte" : "int", frame_name(use.connector, k),
                                                   plain(system_.connectors[use.connector].path), plain(type.slots[k].name));
       // Bound by several, a connector has its data once.
       if (declarations_.find(declaration) == std::string::npos) declarations_ += declaration;
