@@ -9,6 +9,7 @@ Cnf::Cnf(const Circuit& circuit, Solver& solver) : circuit_(circuit), solver_(so
 }
 
 Lit Cnf::literal(Signal signal) {
+  if (literals_.size() < circuit_.size()) literals_.resize(circuit_.size(), 0);
   std::vector<u32> todo{node_of(signal)};
   while (!todo.empty()) {
     const u32 row = todo.back();

@@ -17,10 +17,11 @@ struct Relevant {
 class Cnf {
  public:
   Cnf(const Circuit& circuit, Solver& solver);
-  /// The literal of a signal; clauses for what is below are added when first asked for.
+  /// The literal of a signal; clauses for what is below are added when first asked for. The circuit may have grown.
   [[nodiscard]] Lit literal(Signal signal);
   /// 0 if the node has no literal yet.
   [[nodiscard]] Lit known(Signal signal) const {
+    if (node_of(signal) >= literals_.size()) return 0;
     const Lit here = literals_[node_of(signal)];
     return (signal & 1) != 0 ? -here : here;
   }
