@@ -326,6 +326,10 @@ void add_genom(CLI::App& app, GenomArguments& a) {
   command->add_option("-o,--output", a.output, "the .bip file to write (default: standard output)")->type_name("FILE");
   command->add_option("--package", a.package, "name of the package (default: of the output file, else of the first module)")->type_name("NAME");
   command->add_option("--yields", a.side_file, "side file: what codels answer, which triggers wait, who reads which poster")->type_name("FILE");
+  command->add_option("--flavour", a.flavour, "codels answer freely (default), or are the C++ functions of their names")
+      ->check(CLI::Validator([](std::string& text) { return text == "verification" || text == "execution" ? "" : not_one_of(text, "verification|execution"); }, ""))
+      ->type_name("verification|execution");
+  command->add_flag("--skeleton", a.skeleton, "execution flavour, and empty codels in C++ beside the output; files that are there stay");
   command->add_option("--instances", a.instances, "activities a service may have at once (default 1); one more if it interrupts itself")
       ->check(CLI::Range(1, 16))
       ->type_name("N");

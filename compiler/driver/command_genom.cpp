@@ -27,6 +27,7 @@ genom::TranslateOptions options_of(const GenomArguments& a) {
   o.generate.package = a.package;
   if (o.generate.package.empty() && !a.output.empty()) o.generate.package = genom::bip_name(fs::path(a.output).stem().string());
   for (const std::string& file : a.files) o.generate.sources.push_back(fs::path(file).filename().string());
+  if (a.skeleton || a.flavour == "execution") o.generate.flavour = genom::Flavour::Execution;
   o.generate.lock = a.lock == "module" ? genom::LockGranularity::Module : a.lock == "codel" ? genom::LockGranularity::Codel : genom::LockGranularity::ByGeneration;
   o.generate.tick_us = static_cast<std::int64_t>(a.tick_ms * 1000.0);
   o.generate.control_period = a.control_period;
@@ -45,7 +46,7 @@ std::string formatted(const std::string& text) {
   return syntax::print(*syntax, sources);
 }
 
-std::optional<std::string> translated(Compilation& c, const GenomArguments& a) {
+std::optional<genom::Translation> translated(Compilation& c, const GenomArguments& a) {
   std::vector<genom::Description> files;
   for (const std::string& path : a.files) {
     const Result<FileId> file = genom::load_description(c.sources, path);
@@ -65,22 +66,43 @@ std::optional<std::string> translated(Compilation& c, const GenomArguments& a) {
     }
   }
   if (c.diags.has_errors()) return std::nullopt;
-  const std::optional<std::string> text = genom::translate(c.sources, files, std::move(side), options_of(a), c.diags);
-  if (!text) return std::nullopt;
-  return formatted(*text);
+  std::optional<genom::Translation> result = genom::translate(c.sources, files, std::move(side), options_of(a), c.diags);
+  if (result) result->bip = formatted(result->bip);
+  return result;
+}
+
+void write(Compilation& c, const std::string& path, const std::string& text) {
+  const Result<bool> written = write_file(path, text);
+  if (!written) c.diags.report(Diag::kB5004, {}, path, written.error());
+}
+
+// What somebody may have filled in already is never written over.
+void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Translation& result) {
+  const fs::path folder = fs::path(a.output).parent_path();
+  const std::string package = options_of(a).generate.package;
+  std::error_code ignored;
+  for (const auto& [suffix, text] : {std::pair("_codels.hpp", &result.codel_header), std::pair("_codels.cpp", &result.codel_source)}) {
+    const std::string path = (folder / (package + suffix)).string();
+    if (fs::exists(path, ignored)) {
+      std::printf("%s is there already and stays as it is\n", path.c_str());
+    } else {
+      write(c, path, *text);
+    }
+  }
 }
 
 }  // namespace
 
 int command_genom(const GenomArguments& arguments) {
   Compilation c(arguments.compile);
-  const std::optional<std::string> text = translated(c, arguments);
-  if (text && arguments.output.empty()) {
-    std::fwrite(text->data(), 1, text->size(), stdout);
-  } else if (text) {
-    const Result<bool> written = write_file(arguments.output, *text);
-    if (!written) c.diags.report(Diag::kB5004, {}, arguments.output, written.error());
+  if (arguments.skeleton && arguments.output.empty()) {
+    std::fputs("bipc: `--skeleton` writes files beside the output\n  = help: add `-o FILE`\n", stderr);
+    return kUsage;
   }
+  const std::optional<genom::Translation> result = translated(c, arguments);
+  if (result && arguments.output.empty()) std::fwrite(result->bip.data(), 1, result->bip.size(), stdout);
+  if (result && !arguments.output.empty()) write(c, arguments.output, result->bip);
+  if (result && arguments.skeleton) write_skeleton(c, arguments, *result);
   return report(c);
 }
 

@@ -141,6 +141,8 @@ struct GenomArguments {
   std::string package;
   std::vector<std::string> defines;
   std::size_t instances = 1;
+  std::string flavour;     // "", "verification" or "execution"
+  bool skeleton = false;   // empty codels beside the output
   std::string lock;        // "", "module" or "codel"
   double tick_ms = 0;
   std::int64_t control_period = 1;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "compiler/genom/names.hpp"
+#include "compiler/genom/codels.hpp"
 #include "compiler/genom/plan.hpp"
 #include "compiler/genom/wires.hpp"
 
@@ -41,10 +42,12 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
   return fmt::format(
       "// {} as BIP: what `bipc genom` made of {}.\n"
       "//\n"
-      "// One tick is {} ms. Codels answer freely; requests come in any order. compiler/docs/genom.md says what is what.\n"
-      "package {}\n"
+      "// One tick is {} ms; {}; requests come in any order. compiler/docs/genom.md says what is what.\n"
+      "{}package {}\n"
       "  use genom.ports\n  use genom.timers\n  use genom.locks\n  use genom.posters\n  use genom.services\n  use genom.tasks\n",
-      names, files, static_cast<double>(tick_us) / 1000.0, options.package);
+      names, files, static_cast<double>(tick_us) / 1000.0,
+      options.flavour == Flavour::Execution ? "codels are the C++ functions of their names" : "codels answer freely",
+      options.flavour == Flavour::Execution ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp\")\n", options.package) : "", options.package);
 }
 
 void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
@@ -114,6 +117,7 @@ void write_functional_level(std::string& out, const std::vector<Plan>& plans) {
 std::string generate(const std::vector<Module>& modules, const GenerateOptions& options) {
   const std::int64_t tick_us = options.tick_us > 0 ? options.tick_us : tick_of(modules);
   std::string out = header(modules, options, tick_us);
+  if (options.flavour == Flavour::Execution) out += codel_prototypes(modules);
   std::vector<Plan> plans;
   Scope types;
   for (const char* own : kOwnTypes) types.claim(own, "");

@@ -12,7 +12,8 @@ namespace bip::genom {
 enum class LockGranularity : std::uint8_t { ByGeneration, Module, Codel };
 
 struct GenerateOptions {
-  std::string package;
+  Flavour flavour = Flavour::Verification;
+  std::string package;  // of the execution flavour also the stem of its C++ files
   std::vector<std::string> sources;  // file names, for the first comment
   LockGranularity lock = LockGranularity::ByGeneration;
   std::int64_t tick_us = 0;          // 0: the clock of GenoM 2 modules, the greatest unit that divides all periods of GenoM 3
@@ -24,5 +25,9 @@ struct GenerateOptions {
 /// One package: the types of each module, and the compound `FunctionalLevel` with all of them, the semaphore and the
 /// master timer. Modules are resolved and free of errors.
 [[nodiscard]] std::string generate(const std::vector<Module>& modules, const GenerateOptions& options);
+
+/// Execution flavour: PACKAGE_codels.hpp declares what the package calls; PACKAGE_codels.cpp is a beginning of it, which compiles.
+[[nodiscard]] std::string codel_header(const std::vector<Module>& modules, const GenerateOptions& options);
+[[nodiscard]] std::string codel_source(const std::vector<Module>& modules, const GenerateOptions& options);
 
 }  // namespace bip::genom

@@ -19,6 +19,9 @@ struct Name {
   [[nodiscard]] bool is_set() const { return !text.empty(); }
 };
 
+/// What codels answer: anything that their state permits, or what C++ functions of their names return.
+enum class Flavour : std::uint8_t { Verification, Execution };
+
 /// What a codel may answer. `Other` is anything that its state does not permit: it suspends the task.
 enum class Next : std::uint8_t { State, Pause, Ether, Zombie, Sleep, Other };
 struct Yield {

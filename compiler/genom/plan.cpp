@@ -66,6 +66,7 @@ class Planner {
   Planner(const Module& module, const GenerateOptions& options, Scope& types) : m_(module), types_(types) {
     p_.module = &module;
     p_.by_codel = options.lock == LockGranularity::Codel || (options.lock == LockGranularity::ByGeneration && module.generation == 3);
+    p_.calls = options.flavour == Flavour::Execution;
     p_.type = types_.claim(type_name(module.name.text), "Module");
     p_.component = bip_name(module.name.text);
   }
@@ -164,13 +165,25 @@ Plan make_plan(const Module& module, const GenerateOptions& options, Scope& type
 
 bool Plan::may_suspend(std::size_t task) const {
   const Task& t = module->tasks[task];
-  if (t.permanent.is_set() && t.permanent_fails) return true;
+  if ((t.permanent.is_set() && t.permanent_fails) || tasks[task].permanent.has_bad) return true;
   return std::any_of(tasks[task].slots.begin(), tasks[task].slots.end(), [&](std::size_t slot) { return services[slots[slot].service].activity.has_bad; });
 }
 
 std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {
   if (module.generation == 3) return codel.uses;
   return codel.name.is_set() ? std::vector<DataUse>{{"ids", true}} : std::vector<DataUse>{};
+}
+
+int answer_code(const Yield& answer) {
+  switch (answer.next) {
+    case Next::Ether: return 0;
+    case Next::State: return 1 + static_cast<int>(answer.state);
+    case Next::Pause: return 101 + static_cast<int>(answer.state);
+    case Next::Zombie: return 201;
+    case Next::Sleep: return 202;
+    case Next::Other: break;
+  }
+  return -1;
 }
 
 std::string codel_label(const State& state) { return state.codel.name.is_set() ? bip_name(state.codel.name.text) : "no_codel_" + bip_name(state.name.text); }

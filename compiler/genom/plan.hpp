@@ -55,6 +55,7 @@ struct LockPlan {
 struct Plan {
   const Module* module = nullptr;
   bool by_codel = false;  // lock granularity
+  bool calls = false;     // execution flavour: codels are called
   std::string type;       // of the module's compound; begins the names of its other types
   std::string component;  // in the functional level
   std::vector<Slot> slots;
@@ -89,6 +90,8 @@ void write_functional_level(std::string& out, const std::vector<Plan>& plans);
 
 /// GenoM 2 does not say what a codel touches: everything.
 [[nodiscard]] std::vector<DataUse> uses_of(const Module& module, const Codel& codel);
+/// What a C++ codel returns for an answer: 0 ether, 1 + k the k-th state, 101 + k that after a pause, 201 zombie, 202 sleep.
+[[nodiscard]] int answer_code(const Yield& answer);
 /// How a state's turn is called: by its codel.
 [[nodiscard]] std::string codel_label(const State& state);
 

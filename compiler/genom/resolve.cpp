@@ -31,7 +31,7 @@ void check_unique(const std::vector<Row>& rows, const char* kind, Diagnostics& d
 
 class Resolver {
  public:
-  Resolver(Module& module, std::vector<SideLine>& side, Diagnostics& diags) : m_(module), side_(side), diags_(diags) {}
+  Resolver(Module& module, std::vector<SideLine>& side, Flavour flavour, Diagnostics& diags) : m_(module), side_(side), flavour_(flavour), diags_(diags) {}
 
   void run(std::size_t instances) {
     check_unique(m_.services, m_.generation == 2 ? "request" : "service", diags_);
@@ -42,6 +42,7 @@ class Resolver {
       if (p.task.is_set()) p.task_index = task(p.task);
     }
     for (SideLine& line : side_) apply(line);
+    if (flavour_ == Flavour::Execution) free_answers();
     for (Service& s : m_.services) {
       for (State& state : s.activity.states) states_of(s.activity, state);
       const std::size_t own = find(m_.services, s.name.text);
@@ -105,6 +106,20 @@ class Resolver {
     }
   }
 
+  // A C++ function returns what it likes.
+  void free_answers() {
+    for (Service& s : m_.services) {
+      s.validate_fails = s.body_fails = true;
+      for (State& state : s.activity.states) {
+        if (state.codel.name.is_set()) state.yields.push_back({Next::Other, {}, 0});
+      }
+    }
+    for (Task& t : m_.tasks) {
+      t.permanent_fails = true;
+      for (State& state : t.activity.states) state.yields.push_back({Next::Other, {}, 0});
+    }
+  }
+
   // Names of states that GenoM 2 codels yield; those of GenoM 3 are known already.
   void states_of(const Activity& activity, State& state) {
     if (m_.generation != 2) return;
@@ -156,7 +171,7 @@ class Resolver {
       for (State& state : s.activity.states) {
         if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) continue;
         line.used = true;
-        narrow(state, line);
+        if (flavour_ == Flavour::Verification) narrow(state, line);
       }
     }
   }
@@ -183,12 +198,15 @@ class Resolver {
 
   Module& m_;
   std::vector<SideLine>& side_;
+  Flavour flavour_;
   Diagnostics& diags_;
 };
 
 }  // namespace
 
-void resolve(Module& module, std::vector<SideLine>& side, std::size_t instances, Diagnostics& diags) { Resolver(module, side, diags).run(instances); }
+void resolve(Module& module, std::vector<SideLine>& side, std::size_t instances, Flavour flavour, Diagnostics& diags) {
+  Resolver(module, side, flavour, diags).run(instances);
+}
 
 std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Diagnostics& diags) {
   std::vector<SideLine> lines;

@@ -24,8 +24,8 @@ struct SideLine {
 [[nodiscard]] std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Diagnostics& diags);
 
 /// Checks and connects the names of `module`, applies the lines that are about it (and marks them as used), and gives every
-/// service its number of instances. A service that interrupts itself needs one more: the new one waits for the old.
-void resolve(Module& module, std::vector<SideLine>& side, std::size_t instances, Diagnostics& diags);
+/// service its number of instances. In the execution flavour codels are not narrowed, and may answer nonsense. A service that interrupts itself needs one more: the new one waits for the old.
+void resolve(Module& module, std::vector<SideLine>& side, std::size_t instances, Flavour flavour, Diagnostics& diags);
 
 /// Lines of the side file that were about nothing.
 void report_unused(const std::vector<SideLine>& side, Diagnostics& diags);

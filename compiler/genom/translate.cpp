@@ -43,18 +43,23 @@ Module read_module(SourceMap& sources, const Description& description, const Pre
   return is_genom3(text.tokens) ? parse_genom3(text.tokens, text.header_missing, diags) : parse_genom2(text.tokens, text.header_missing, diags);
 }
 
-std::optional<std::string> translate(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
+std::optional<Translation> translate(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
                                      const TranslateOptions& options, Diagnostics& diags) {
   std::vector<Module> modules;
   for (const Description& d : files) modules.push_back(read_module(sources, d, options.preprocess, diags));
-  for (Module& m : modules) resolve(m, side, options.instances, diags);
+  for (Module& m : modules) resolve(m, side, options.instances, options.generate.flavour, diags);
   report_unused(side, diags);
   check_module_names(modules, diags);
   check_reads(modules, diags);
   if (diags.has_errors()) return std::nullopt;
   GenerateOptions generate_options = options.generate;
   if (generate_options.package.empty()) generate_options.package = bip_name(modules.front().name.text);
-  return generate(modules, generate_options);
+  Translation result{generate(modules, generate_options), {}, {}};
+  if (generate_options.flavour == Flavour::Execution) {
+    result.codel_header = codel_header(modules, generate_options);
+    result.codel_source = codel_source(modules, generate_options);
+  }
+  return result;
 }
 
 }  // namespace bip::genom

@@ -21,11 +21,16 @@ struct Description {
   FileId file;
 };
 
+/// `codel_header`, `codel_source`: of the execution flavour, codels that answer the first thing permitted.
+struct Translation {
+  std::string bip, codel_header, codel_source;
+};
+
 /// One description, parsed and not yet resolved.
 [[nodiscard]] Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options, Diagnostics& diags);
 
 /// Nothing if there are errors. `side`: the lines of the side file.
-[[nodiscard]] std::optional<std::string> translate(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
+[[nodiscard]] std::optional<Translation> translate(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
                                                    const TranslateOptions& options, Diagnostics& diags);
 
 }  // namespace bip::genom

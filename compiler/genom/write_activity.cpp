@@ -6,6 +6,8 @@
 // What a codel answers is free: one port an answer, merged by what the rest of the module makes of it.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 
@@ -42,6 +44,7 @@ class Writer {
       for (const Name& r : service_->reports) out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r.text), r.text);
     }
     if (stoppable() && plan_.by_codel) out_ += "    data bool stopping = false\n";
+    if (plan_.calls) out_ += "    data int next = 0, report = 0\n";
   }
 
   void port(const std::string& name) { out_ += fmt::format("    export port Signal {}()\n", name); }
@@ -106,8 +109,8 @@ class Writer {
     return is_3_ && ((stoppable() && (i == activity_.start || i == activity_.stop)) || yields(i, Next::Pause));
   }
 
-  void on(const std::string& port, const std::string& from, const std::string& to, const std::string& action = {}) {
-    out_ += fmt::format("    on {} from {} to {}{}\n", port, from, to, action.empty() ? "" : " do { " + action + "; }");
+  void on(const std::string& port, const std::string& from, const std::string& to, const std::string& action = {}, const std::string& guard = {}) {
+    out_ += fmt::format("    on {} from {} to {}{}{}\n", port, from, to, guard.empty() ? "" : " provided (" + guard + ")", action.empty() ? "" : " do { " + action + "; }");
   }
 
   // Whatever it does, an aborted activity goes to its stop state: at once if it waits, else when its codel has answered.
@@ -148,7 +151,9 @@ class Writer {
     out_ += "\n    // Its turn.\n";
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!a_.used[i]) continue;
-      on("run_" + places_[i], places_[i], places_[i] + "_RUNS");
+      const Codel& codel = activity_.states[i].codel;
+      const bool calls = plan_.calls && codel.name.is_set();
+      on("run_" + places_[i], places_[i], places_[i] + "_RUNS", calls ? fmt::format("report = 0; next = {}(report)", bip_name(codel.name.text)) : "");
       if (plan_.by_codel) on("done_" + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -166,19 +171,37 @@ class Writer {
       const bool is_stop = stoppable() && i == activity_.stop;
       const std::string clear = is_stop ? "" : forget;
       out_ += fmt::format("\n    // {}\n", s.codel.name.is_set() ? "What " + s.codel.name.text + " answers." : s.name.text + " has no codel.");
-      bool ends = false;
+      const bool ends = std::any_of(s.yields.begin(), s.yields.end(), [](const Yield& y) { return y.next == Next::Ether; });
+      const bool may_report = service_ != nullptr && s.codel.name.is_set() && !service_->reports.empty() && (is_3_ || (ends && !is_stop));
+      const bool calls = plan_.calls && s.codel.name.is_set();
+      std::string known;
+      const auto when = [&](const Yield& y) {
+        if (!calls) return std::string();
+        if (y.next == Next::Other) return "!(" + (known.empty() ? "false" : known) + ")";
+        std::string guard = fmt::format("next == {}", answer_code(y));
+        // GenoM 3: an exception goes before any state.
+        if (may_report && (is_3_ || y.next == Next::Ether)) guard += " && report == 0";
+        known += (known.empty() ? "" : " || ") + (guard.find('&') == std::string::npos ? guard : "(" + guard + ")");
+        return guard;
+      };
       for (const Yield& y : s.yields) {
-        if (y.next == Next::State) on("to_" + places_[y.state], from, places_[y.state]);
-        if (y.next == Next::Pause) on("pause_" + places_[y.state], from, places_[y.state] + "_PAUSED");
-        if (y.next == Next::Sleep) on("to_SLEEP", from, "SLEEP");
-        if (y.next == Next::Zombie) on("zombie", from, "ZOMBIE", clear);
-        if (y.next == Next::Other) on("bad", from, places_[i]);
-        if (y.next == Next::Ether) on(is_stop ? "intr" : "ok", from, "ETHER", clear);
-        ends = ends || y.next == Next::Ether;
+        if (y.next == Next::State) on("to_" + places_[y.state], from, places_[y.state], {}, when(y));
+        if (y.next == Next::Pause) on("pause_" + places_[y.state], from, places_[y.state] + "_PAUSED", {}, when(y));
+        if (y.next == Next::Sleep) on("to_SLEEP", from, "SLEEP", {}, when(y));
+        if (y.next == Next::Zombie) on("zombie", from, "ZOMBIE", clear, when(y));
+        if (y.next == Next::Ether) on(is_stop ? "intr" : "ok", from, "ETHER", clear, when(y));
       }
-      const bool may_report = service_ != nullptr && s.codel.name.is_set() && (is_3_ || (ends && !is_stop));
-      if (!may_report) continue;
-      for (const Name& r : service_->reports) on("report_" + bip_name(r.text), from, "ETHER", clear);
+      for (std::size_t k = 0; may_report && k < service_->reports.size(); ++k) {
+        std::string guard;
+        if (calls) {
+          guard = is_3_ ? fmt::format("report == {}", k + 1) : fmt::format("next == {} && report == {}", answer_code({Next::Ether, {}, 0}), k + 1);
+          known += (known.empty() ? "" : " || ") + (is_3_ ? guard : "(" + guard + ")");
+        }
+        on("report_" + bip_name(service_->reports[k].text), from, "ETHER", clear, guard);
+      }
+      for (const Yield& y : s.yields) {
+        if (y.next == Next::Other) on("bad", from, places_[i], {}, when(y));
+      }
     }
   }
 

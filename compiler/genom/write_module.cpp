@@ -107,6 +107,26 @@ void ModuleWriter::parts(const GenerateOptions& options) {
 }
 
 
+// Execution flavour: the codels one after the other, until one does not answer OK.
+std::string ModuleWriter::called(const std::vector<Codel>& codels, const std::string& answer) const {
+  std::string action;
+  for (const Codel& c : codels) {
+    if (!p_.calls || !c.name.is_set()) continue;
+    const std::string call = fmt::format("{} <- {}()", answer, bip_name(c.name.text));
+    action += action.empty() ? call : fmt::format("{} if ({} == 0) then {}; fi", action.ends_with("fi") ? "" : ";", answer, call);
+  }
+  return action;
+}
+
+// The k-th of so many reports; the last one stands for whatever else a codel returns.
+std::string ModuleWriter::answered(const std::string& answer, std::size_t k, std::size_t reports) const {
+  if (!p_.calls) return {};
+  if (k + 1 < reports) return fmt::format("{} == {}", answer, k + 1);
+  std::string guard = answer + " != 0";
+  for (std::size_t i = 0; i < k; ++i) guard += fmt::format(" && {} != {}", answer, i + 1);
+  return guard;
+}
+
 void ModuleWriter::control_cycle() {
   std::vector<std::string> chck{control("chck")};
   add_module_lock(chck, "take");
@@ -154,7 +174,7 @@ void ModuleWriter::request(std::size_t i) {
     const std::string& name = p_.slots[slot].component;
     std::vector<std::string> trig{control("trig_" + p.id), of_slot(slot, "trig")};
     if (!is_execution) add_locks(trig, bodies(s), 0, "take");
-    wire({.name = "trig_" + name, .ports = trig, .exported = true});
+    wire({.name = "trig_" + name, .ports = trig, .action = called(s.body, of_slot(slot, "trig.answer")), .exported = true});
     const std::string rejected = control("rej_" + p.id);
     wire({.name = "rej_" + name, .ports = {rejected, of_slot(slot, "rej")}, .exported = true, .report_to = rejected, .report = "REJECTED"});
   }
@@ -174,7 +194,7 @@ void ModuleWriter::admissions(std::size_t i) {
     admit.insert(admit.end(), busy.begin(), busy.end());
     admit.insert(admit.end(), stats.begin(), stats.end());
     add_locks(admit, {&s.validate}, 0, "take");
-    wire({.name = "admit_" + p_.slots[slot].component, .ports = admit, .guard = guard});
+    wire({.name = "admit_" + p_.slots[slot].component, .ports = admit, .guard = guard, .action = called({s.validate}, of_slot(slot, "ctrl.answer"))});
     if (s.validate.name.is_set()) validated(s, slot);
     busy.push_back(of_slot(slot, "busy"));
   }
@@ -197,12 +217,14 @@ void ModuleWriter::validated(const Service& s, std::size_t slot) {
   const std::string& name = p_.slots[slot].component;
   std::vector<std::string> valid{control("valid"), of_slot(slot, "valid")};
   add_locks(valid, {&s.validate}, 0, "give");
-  wire({.name = "valid_" + name, .ports = valid});
+  wire({.name = "valid_" + name, .ports = valid, .guard = p_.calls ? of_slot(slot, "valid.answer == 0") : ""});
   if (!s.validate_fails) return;
-  for (const std::string& report : reports_of(s)) {
+  const std::vector<std::string> reports = reports_of(s);
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    const std::string& report = reports[k];
     std::vector<std::string> bad{control("invalid"), of_slot(slot, "invalid")};
     add_locks(bad, {&s.validate}, 0, "give");
-    wire({.name = fmt::format("invalid_{}_{}", name, bip_name(report)), .ports = bad, .action = fmt::format("{}.rep <- \"{}\"", control("invalid"), report)});
+    wire({.name = fmt::format("invalid_{}_{}", name, bip_name(report)), .ports = bad, .guard = answered(of_slot(slot, "invalid.answer"), k, reports.size()), .action = fmt::format("{}.rep <- \"{}\"", control("invalid"), report)});
   }
 }
 
@@ -224,12 +246,15 @@ void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
   std::vector<std::string> fin{control("final"), of_slot(slot, "fin")};
   add_locks(fin, bodies(s), 0, "give");
   if (s.is_init) fin.push_back(p_.ids + ".initialise");
-  wire({.name = "final_" + p_.slots[slot].component, .ports = fin, .action = control("final") + ".rep <- \"OK\""});
-  if (s.body.empty() || !s.body_fails) return;
-  for (const std::string& report : reports_of(s)) {
+  const bool has_codel = std::any_of(s.body.begin(), s.body.end(), [](const Codel& c) { return c.name.is_set(); });
+  wire({.name = "final_" + p_.slots[slot].component, .ports = fin, .guard = p_.calls && has_codel ? of_slot(slot, "fin.answer == 0") : "", .action = control("final") + ".rep <- \"OK\""});
+  if (!has_codel || !s.body_fails) return;
+  const std::vector<std::string> reports = reports_of(s);
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    const std::string& report = reports[k];
     std::vector<std::string> bad{control("final"), of_slot(slot, "nofin")};
     add_locks(bad, bodies(s), 0, "give");
-    wire({.name = fmt::format("final_{}_{}", p_.slots[slot].component, bip_name(report)), .ports = bad, .action = fmt::format("{}.rep <- \"{}\"", control("final"), report)});
+    wire({.name = fmt::format("final_{}_{}", p_.slots[slot].component, bip_name(report)), .ports = bad, .guard = answered(of_slot(slot, "nofin.answer"), k, reports.size()), .action = fmt::format("{}.rep <- \"{}\"", control("final"), report)});
   }
 }
 }  // namespace bip::genom

@@ -109,6 +109,11 @@ void ModuleWriter::turns_of_permanent(std::size_t i) {
   if (a.rests) wire({.name = "skip_permanent_" + name, .ports = {of_task(i, "skip_permanent"), of_task(i, "permanent_rest")}});
   if (a.goes_on) wire({.name = "more_permanent_" + name, .ports = {of_task(i, "more_permanent"), of_task(i, "permanent_went_on")}});
   if (a.pauses) wire({.name = "paused_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_paused")}});
+  if (a.has_bad) {
+    std::vector<std::string> bad{of_task(i, "suspend"), of_task(i, "permanent_bad")};
+    add_module_lock(bad, "give");
+    wire({.name = "bad_permanent_" + name, .ports = bad});
+  }
   if (a.ends) wire({.name = "ended_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_ok")}});
 }
 

@@ -126,10 +126,13 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   if (!t.has_permanent()) write_wire(out, {.name = "stop", .ports = {"scheduler.stop", "controller.stop"}});
   std::vector<std::string> begin{"scheduler." + begin_port(t), "controller.work"};
   if (t.permanent.is_set()) begin.emplace_back("permanent.exec");
-  write_wire(out, {.name = "begin", .ports = begin, .exported = true});
-  if (t.permanent.is_set()) write_wire(out, {.name = "permanent_done", .ports = {"scheduler.permanentdone", "permanent.done"}, .exported = plan.by_codel});
+  const bool calls = plan.calls && t.permanent.is_set();
+  write_wire(out, {.name = "begin", .ports = begin, .action = calls ? fmt::format("permanent.exec.answer <- {}()", bip_name(t.permanent.text)) : "", .exported = true});
+  if (t.permanent.is_set()) {
+    write_wire(out, {.name = "permanent_done", .ports = {"scheduler.permanentdone", "permanent.done"}, .guard = calls ? "permanent.done.answer == 0" : "", .exported = plan.by_codel});
+  }
   if (t.permanent.is_set() && t.permanent_fails) {
-    write_wire(out, {.name = "permanent_fails", .ports = {"scheduler.suspend", "permanent.fail"}, .exported = true});
+    write_wire(out, {.name = "permanent_fails", .ports = {"scheduler.suspend", "permanent.fail"}, .guard = calls ? "permanent.fail.answer != 0" : "", .exported = true});
   }
 
   out += "\n";
@@ -163,6 +166,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
     if (a.pauses) write_export(out, "permanent.resume", "permanent_resume");
     if (a.ends) write_export(out, "permanent.ok", "permanent_ok");
     if (a.rests) write_export(out, "permanent.rest", "permanent_rest");
+    if (a.has_bad) write_export(out, "permanent.bad", "permanent_bad");
   }
   bool any_bad = false;
   for (std::size_t i = 0; i < turns.size(); ++i) any_bad = any_bad || activity_of(plan, task, i).has_bad;

@@ -1,0 +1,109 @@
+// One list of codels gives three texts: BIP's prototypes, a C++ header, and a C++ source to begin with.
+#include "compiler/genom/codels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/genom/generate.hpp"
+#include "compiler/genom/names.hpp"
+#include "compiler/genom/plan.hpp"
+
+namespace bip::genom {
+namespace {
+
+struct Function {
+  std::string name;
+  std::string module;
+  bool has_report = false;            // of an activity: returns what is next, and may set a report
+  std::string says;                   // what it is, for a reader
+  std::vector<std::string> answers;   // "EXEC = 2"
+  int first = 0;                      // answer of the skeleton
+};
+
+std::string text_of(const Activity& activity, const Yield& y, bool is_3) {
+  switch (y.next) {
+    case Next::State: return activity.states[y.state].name.text;
+    case Next::Pause: return "pause::" + activity.states[y.state].name.text;
+    case Next::Ether: return is_3 ? "ether" : "ETHER";
+    case Next::Zombie: return "ZOMBIE";
+    case Next::Sleep: return "SLEEP";
+    case Next::Other: break;
+  }
+  return {};
+}
+
+void add(std::vector<Function>& all, Function f) {
+  const bool known = std::any_of(all.begin(), all.end(), [&](const Function& g) { return g.name == f.name && g.has_report == f.has_report; });
+  if (!known) all.push_back(std::move(f));
+}
+
+void add_activity(std::vector<Function>& all, const Module& m, const std::string& owner, const Activity& activity) {
+  for (const State& s : activity.states) {
+    if (!s.codel.name.is_set()) continue;
+    Function f{bip_name(s.codel.name.text), m.name.text, true, fmt::format("{}, state {}", owner, s.name.text), {}, 0};
+    for (const Yield& y : s.yields) {
+      if (y.next == Next::Other) continue;
+      if (f.answers.empty()) f.first = answer_code(y);
+      f.answers.push_back(fmt::format("{} = {}", text_of(activity, y, m.generation == 3), answer_code(y)));
+    }
+    add(all, std::move(f));
+  }
+}
+
+std::vector<Function> functions_of(const std::vector<Module>& modules) {
+  std::vector<Function> all;
+  for (const Module& m : modules) {
+    for (const Service& s : m.services) {
+      std::vector<std::string> reports{"OK = 0"};
+      for (std::size_t k = 0; k < s.reports.size(); ++k) reports.push_back(fmt::format("{} = {}", s.reports[k].text, k + 1));
+      if (s.validate.name.is_set()) add(all, {bip_name(s.validate.name.text), m.name.text, false, fmt::format("{}, its parameters", s.name.text), reports, 0});
+      for (const Codel& c : s.body) {
+        if (c.name.is_set()) add(all, {bip_name(c.name.text), m.name.text, false, s.name.text, reports, 0});
+      }
+      add_activity(all, m, s.name.text, s.activity);
+    }
+    for (const Task& t : m.tasks) {
+      if (t.permanent.is_set()) add(all, {bip_name(t.permanent.text), m.name.text, false, fmt::format("task {}, in each cycle", t.name.text), {"OK = 0"}, 0});
+      add_activity(all, m, "task " + t.name.text, t.activity);
+    }
+  }
+  return all;
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& p : parts) text += (text.empty() ? "" : ", ") + p;
+  return text;
+}
+
+}  // namespace
+
+std::string codel_prototypes(const std::vector<Module>& modules) {
+  std::string out = "\n";
+  for (const Function& f : functions_of(modules)) out += fmt::format("  extern function int {}({})\n", f.name, f.has_report ? "int" : "");
+  return out;
+}
+
+std::string codel_header(const std::vector<Module>& modules, const GenerateOptions& options) {
+  std::string out = fmt::format("// Codels that {}.bip calls. Written by `bipc genom --skeleton`.\n//\n", options.package);
+  out += "// A codel of an activity returns what is next, and sets `report` (0: OK) if it ends the activity with a report of its service.\n";
+  out += "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n";
+  std::string module;
+  for (const Function& f : functions_of(modules)) {
+    if (f.module != module) out += fmt::format("\n// ---- {}\n", f.module);
+    module = f.module;
+    out += fmt::format("// {}: {}\nint {}({});\n", f.says, joined(f.answers), f.name, f.has_report ? "int& report" : "");
+  }
+  return out;
+}
+
+std::string codel_source(const std::vector<Module>& modules, const GenerateOptions& options) {
+  std::string out = fmt::format("// Codels of {0}.bip, empty: each answers the first thing that it may.\n#include \"{0}_codels.hpp\"\n", options.package);
+  for (const Function& f : functions_of(modules)) {
+    out += fmt::format("\n// {}: {}\nint {}({}) {{ return {}; }}\n", f.says, joined(f.answers), f.name, f.has_report ? "int& /*report*/" : "", f.first);
+  }
+  return out;
+}
+
+}  // namespace bip::genom
