@@ -59,7 +59,8 @@ def groups():
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
     yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/run")])),
-                    ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/dala")]))]
+                    ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/dala")])),
+                    ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/run")]))]
     yield "serve", [("serve", lambda: run_script("serve", [sys.executable, str(ROOT / "tests/serve/run")]))]
     if (BUILD / "bip-fuzz").exists():
         yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]

@@ -68,6 +68,7 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("export")) return command_export(arguments.exported);
   if (app.got_subcommand("replay")) return command_replay(arguments.replay);
   if (app.got_subcommand("genom")) return command_genom(arguments.genom);
+  if (app.got_subcommand("rules")) return command_rules(arguments.rules);
   if (app.got_subcommand("migrate")) return command_migrate(arguments.migrate);
   if (app.got_subcommand("fmt")) return command_fmt(arguments.fmt);
   if (app.got_subcommand("explain")) return command_explain(arguments.explain_code, arguments.explain_color);

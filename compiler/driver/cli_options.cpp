@@ -320,15 +320,15 @@ void add_migrate(CLI::App& app, MigrateArguments& a) {
   command->footer("Nothing else of a text changes: its layout and comments stay.\nExample:\n  bipc migrate -i model.bip");
 }
 
-void add_genom(CLI::App& app, GenomArguments& a) {
-  CLI::App* command = app.add_subcommand("genom", "translate descriptions of robot modules (GenoM 2 and 3) to BIP");
-  command->add_option("FILE", a.files, ".gen files; all together are one functional level")->required()->type_name("");
+// How modules become BIP.
+void add_generation(CLI::App* command, GenomArguments& a) {
   command->add_option("-o,--output", a.output, "the .bip file to write (default: standard output)")->type_name("FILE");
   command->add_option("--package", a.package, "name of the package (default: of the output file, else of the first module)")->type_name("NAME");
   command->add_option("--yields", a.side_file, "side file: what codels answer, which triggers wait, who reads which poster")->type_name("FILE");
   command->add_option("--flavour", a.flavour, "codels answer freely (default), or are the C++ functions of their names")
       ->check(CLI::Validator([](std::string& text) { return text == "verification" || text == "execution" ? "" : not_one_of(text, "verification|execution"); }, ""))
       ->type_name("verification|execution");
+  command->add_flag("--executive", a.executive, "execution flavour, and requests come from C++: executive_request, executive_answer, executive_reply");
   command->add_flag("--skeleton", a.skeleton, "execution flavour, and empty codels in C++ beside the output; files that are there stay");
   command->add_option("--instances", a.instances, "activities a service may have at once (default 1); one more if it interrupts itself")
       ->check(CLI::Range(1, 16))
@@ -343,7 +343,22 @@ void add_genom(CLI::App& app, GenomArguments& a) {
   command->add_option("-I", a.compile.folders, "where headers are; the file's own folder comes first")->allow_extra_args(false)->type_name("DIR");
   command->add_option("-D", a.defines, "define a macro")->allow_extra_args(false)->type_name("NAME[=VALUE]");
   add_diagnostics(*command, a.compile);
+}
+
+void add_genom(CLI::App& app, GenomArguments& a) {
+  CLI::App* command = app.add_subcommand("genom", "translate descriptions of robot modules (GenoM 2 and 3) to BIP");
+  command->add_option("FILE", a.files, ".gen files; all together are one functional level")->required()->type_name("");
+  add_generation(command, a);
   command->footer("Example:\n  bipc genom demo.gen -o demo.bip && bipc verify demo.bip");
+}
+
+void add_rules(CLI::App& app, GenomArguments& a) {
+  CLI::App* command = app.add_subcommand("rules", "translate rules over robot modules to a functional level that keeps them");
+  command->add_option("FILE", a.files, "a .rules file; it names the modules")->required()->expected(1)->type_name("");
+  command->add_flag("--prove", a.prove, "first look for services that the rules never let in, and name the rules that do it");
+  command->add_option("--timeout", a.timeout, "seconds for that (default 60)")->check(CLI::Range(1, 100000000))->type_name("S");
+  add_generation(command, a);
+  command->footer("Example:\n  bipc rules --prove rover.rules -o rover.bip && bipc verify rover.bip");
 }
 
 }  // namespace
@@ -363,6 +378,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_fmt(app, arguments.fmt);
   add_migrate(app, arguments.migrate);
   add_genom(app, arguments.genom);
+  add_rules(app, arguments.rules);
   add_explain(app, arguments);
   add_version(app);
 }

@@ -20,7 +20,7 @@ struct Arguments {
   ReplayArguments replay;
   FmtArguments fmt;
   MigrateArguments migrate;
-  GenomArguments genom;
+  GenomArguments genom, rules;
   PublishedArguments published;
   std::string explain_code;
   ColorChoice explain_color = ColorChoice::Auto;

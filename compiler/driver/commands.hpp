@@ -24,6 +24,7 @@ namespace bip::driver {
 [[nodiscard]] int command_fmt(const FmtArguments& arguments);
 /// Robot module descriptions (.gen) to BIP.
 [[nodiscard]] int command_genom(const GenomArguments& arguments);
+[[nodiscard]] int command_rules(const GenomArguments& arguments);
 [[nodiscard]] int command_migrate(const MigrateArguments& arguments);
 /// `code` empty: the list of codes.
 [[nodiscard]] int command_explain(const std::string& code, ColorChoice color);

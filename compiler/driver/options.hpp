@@ -132,7 +132,7 @@ struct FmtArguments {
   bool in_place = false;
 };
 
-/// Descriptions of robot modules to BIP.
+/// Descriptions of robot modules to BIP, and rules over them: then `files` is the one .rules file.
 struct GenomArguments {
   CompileOptions compile;  // diagnostics; folders are those of headers
   std::vector<std::string> files;
@@ -142,12 +142,15 @@ struct GenomArguments {
   std::vector<std::string> defines;
   std::size_t instances = 1;
   std::string flavour;     // "", "verification" or "execution"
+  bool executive = false;  // requests come from C++
   bool skeleton = false;   // empty codels beside the output
   std::string lock;        // "", "module" or "codel"
   double tick_ms = 0;
   std::int64_t control_period = 1;
   std::int64_t poster_period = 1;
   std::int64_t oldest = 100;
+  bool prove = false;            // of rules: can they be met?
+  std::uint64_t timeout = 60;
 };
 
 /// The published tools' own call: bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR].

@@ -87,8 +87,16 @@ std::string codel_prototypes(const std::vector<Module>& modules) {
 
 std::string codel_header(const std::vector<Module>& modules, const GenerateOptions& options) {
   std::string out = fmt::format("// Codels that {}.bip calls. Written by `bipc genom --skeleton`.\n//\n", options.package);
+  if (options.has_executive) {
+    out += "// The executive is asked once a tick for \"MODULE.SERVICE(VALUE, ...)\" or \"\", and hears of what came of it: (module, service, report).\n";
+  }
   out += "// A codel of an activity returns what is next, and sets `report` (0: OK) if it ends the activity with a report of its service.\n";
   out += "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n";
+  if (options.has_executive) {
+    out += "#include <string>\n\nstd::string executive_request();\n"
+           "void executive_answer(const char* module, const char* service, const char* report);\n"
+           "void executive_reply(const char* module, const char* service, const char* report);\n";
+  }
   std::string module;
   for (const Function& f : functions_of(modules)) {
     if (f.module != module) out += fmt::format("\n// ---- {}\n", f.module);
@@ -100,6 +108,11 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
 
 std::string codel_source(const std::vector<Module>& modules, const GenerateOptions& options) {
   std::string out = fmt::format("// Codels of {0}.bip, empty: each answers the first thing that it may.\n#include \"{0}_codels.hpp\"\n", options.package);
+  if (options.has_executive) {
+    out += "\n// Never asks for anything.\nstd::string executive_request() { return {}; }\n"
+           "void executive_answer(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n"
+           "void executive_reply(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n";
+  }
   for (const Function& f : functions_of(modules)) {
     out += fmt::format("\n// {}: {}\nint {}({}) {{ return {}; }}\n", f.says, joined(f.answers), f.name, f.has_report ? "int& /*report*/" : "", f.first);
   }

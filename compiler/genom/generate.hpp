@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/genom/constraints.hpp"
 #include "compiler/genom/module.hpp"
 
 namespace bip::genom {
@@ -13,9 +14,11 @@ enum class LockGranularity : std::uint8_t { ByGeneration, Module, Codel };
 
 struct GenerateOptions {
   Flavour flavour = Flavour::Verification;
+  bool has_executive = false;  // execution flavour: requests come from C++, which hears of replies
   std::string package;  // of the execution flavour also the stem of its C++ files
   std::vector<std::string> sources;  // file names, for the first comment
   LockGranularity lock = LockGranularity::ByGeneration;
+  Constraints constraints;           // of the functional level; services and posters by index
   std::int64_t tick_us = 0;          // 0: the clock of GenoM 2 modules, the greatest unit that divides all periods of GenoM 3
   std::int64_t control_period = 1;   // ticks between two looks at the message box
   std::int64_t poster_period = 1;    // ticks between two steps of PosterAge

@@ -67,6 +67,7 @@ class Planner {
     p_.module = &module;
     p_.by_codel = options.lock == LockGranularity::Codel || (options.lock == LockGranularity::ByGeneration && module.generation == 3);
     p_.calls = options.flavour == Flavour::Execution;
+    p_.reports = options.has_executive;
     p_.type = types_.claim(type_name(module.name.text), "Module");
     p_.component = bip_name(module.name.text);
   }
@@ -161,7 +162,18 @@ class Planner {
 
 }  // namespace
 
-Plan make_plan(const Module& module, const GenerateOptions& options, Scope& types) { return Planner(module, options, types).run(); }
+Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& options, Scope& types) {
+  Plan p = Planner(module, options, types).run();
+  for (const Constraint& c : options.constraints.rows) {
+    if (c.kind == ConstraintKind::Admit && c.subject.module == index) p.services[c.subject.service].is_decided = true;
+    if (c.kind == ConstraintKind::Keep && c.subject.module == index) p.services[c.subject.service].is_stopped = true;
+    if (c.kind == ConstraintKind::Interrupt && c.other.module == index) p.services[c.other.service].is_stopped = true;
+    if (c.kind != ConstraintKind::Wait) continue;
+    if (c.other.module == index) p.services[c.other.service].is_waited_for = true;
+    if (c.subject.module == index) p.launches_outside = true;
+  }
+  return p;
+}
 
 bool Plan::may_suspend(std::size_t task) const {
   const Task& t = module->tasks[task];

@@ -39,6 +39,9 @@ struct ServicePlan {
   std::string type;                // of the compound; ControlService is one for all
   ActivityPlan activity;
   std::vector<std::size_t> slots;  // indices of Plan::slots; of a control service one
+  bool is_decided = false;         // rules say whether it is accepted
+  bool is_stopped = false;         // and tell it to stop
+  bool is_waited_for = false;      // services of rules begin when it does not run
 };
 struct TaskPlan {
   std::string component, type, scheduler;
@@ -56,6 +59,8 @@ struct Plan {
   const Module* module = nullptr;
   bool by_codel = false;  // lock granularity
   bool calls = false;     // execution flavour: codels are called
+  bool reports = false;   // C++ hears of replies
+  bool launches_outside = false;  // rules say when activities begin
   std::string type;       // of the module's compound; begins the names of its other types
   std::string component;  // in the functional level
   std::vector<Slot> slots;
@@ -74,7 +79,8 @@ struct Plan {
 };
 
 /// `types`: names of types that the package has already; those of the module are added.
-[[nodiscard]] Plan make_plan(const Module& module, const GenerateOptions& options, Scope& types);
+/// `index`: of the module, in constraints.
+[[nodiscard]] Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& options, Scope& types);
 
 /// The atom of a service's or (GenoM 3) a task's codels. `has_reports`: it is a service's.
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment);
@@ -86,7 +92,6 @@ void write_data_lock(std::string& out, std::size_t threads);
 /// The message box and the compound of the control task.
 void write_control(std::string& out, const Plan& plan);
 void write_module(std::string& out, const Plan& plan, const GenerateOptions& options);
-void write_functional_level(std::string& out, const std::vector<Plan>& plans);
 
 /// GenoM 2 does not say what a codel touches: everything.
 [[nodiscard]] std::vector<DataUse> uses_of(const Module& module, const Codel& codel);

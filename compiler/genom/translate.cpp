@@ -43,8 +43,8 @@ Module read_module(SourceMap& sources, const Description& description, const Pre
   return is_genom3(text.tokens) ? parse_genom3(text.tokens, text.header_missing, diags) : parse_genom2(text.tokens, text.header_missing, diags);
 }
 
-std::optional<Translation> translate(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
-                                     const TranslateOptions& options, Diagnostics& diags) {
+std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
+                                                const TranslateOptions& options, Diagnostics& diags) {
   std::vector<Module> modules;
   for (const Description& d : files) modules.push_back(read_module(sources, d, options.preprocess, diags));
   for (Module& m : modules) resolve(m, side, options.instances, options.generate.flavour, diags);
@@ -52,12 +52,16 @@ std::optional<Translation> translate(SourceMap& sources, const std::vector<Descr
   check_module_names(modules, diags);
   check_reads(modules, diags);
   if (diags.has_errors()) return std::nullopt;
-  GenerateOptions generate_options = options.generate;
-  if (generate_options.package.empty()) generate_options.package = bip_name(modules.front().name.text);
-  Translation result{generate(modules, generate_options), {}, {}};
-  if (generate_options.flavour == Flavour::Execution) {
-    result.codel_header = codel_header(modules, generate_options);
-    result.codel_source = codel_source(modules, generate_options);
+  return modules;
+}
+
+std::string package_of(const std::vector<Module>& modules) { return bip_name(modules.front().name.text); }
+
+Translation write_package(const std::vector<Module>& modules, const GenerateOptions& options) {
+  Translation result{generate(modules, options), {}, {}};
+  if (options.flavour == Flavour::Execution) {
+    result.codel_header = codel_header(modules, options);
+    result.codel_source = codel_source(modules, options);
   }
   return result;
 }

@@ -7,11 +7,14 @@
 //   asked  -accept->  allowed, or -refuse-> laun by the state of the module; control requests begin at `allowed`
 //   allowed -admit_X-> ctrl or okay, or -full_X-> laun
 //   ctrl   -valid->   okay, or -invalid-> laun: what the control codel answers
-//   okay   -abtInc_X-> abtI  what is incompatible is told to stop; or -rej_X-> laun by a constraint
+//   okay   -allow_X-> alld   if rules say so (only where there are some), or -rej_X-> laun
+//   okay, alld -abtInc_X-> abtI  what is incompatible is told to stop
 //   abtI   -trig_X->  laun (execution) or exec (control) -final-> laun
 //   laun   -launch->  laun   activities begin that need wait for nobody; -done-> give
 //   give   -give/rest-> idle the lock and the semaphore go back
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "compiler/genom/plan.hpp"
 #include "compiler/genom/wires.hpp"
@@ -93,6 +96,7 @@ void write_control(std::string& out, const Plan& plan) {
     box.places += ", ctrl";
   }
   box.places += m.services.empty() ? ", laun" : ", okay, abtI, laun";
+  if (std::any_of(plan.services.begin(), plan.services.end(), [](const ServicePlan& s) { return s.is_decided; })) box.places += ", alld";
   for (std::size_t i = 0; i < m.services.size(); ++i) {
     const Service& s = m.services[i];
     const std::string& id = plan.services[i].id;
@@ -106,7 +110,11 @@ void write_control(std::string& out, const Plan& plan) {
     box.transitions += fmt::format("\n    // {}\n", s.name.text);
     box.on("admit_" + id, "allowed", s.validate.name.is_set() ? "ctrl" : "okay", guard);
     if (refuses(plan, i)) box.on("full_" + id, "allowed", "laun", guard);
-    box.on("abtInc_" + id, "okay", "abtI", guard);
+    if (plan.services[i].is_decided) {
+      box.signal("allow_" + id);
+      box.on("allow_" + id, "okay", "alld", guard);
+    }
+    box.on("abtInc_" + id, plan.services[i].is_decided ? "alld" : "okay", "abtI", guard);
     box.on("rej_" + id, "okay", "laun", guard);
     box.on("trig_" + id, "abtI", s.kind == ServiceKind::Control ? "exec" : waits ? "back" : "laun", guard);
   }
@@ -137,7 +145,8 @@ void write_control(std::string& out, const Plan& plan) {
   }
   for (const char* name : {"done", "give", "rest"}) box.signal(name);
   box.places += ", give_back, fini";
-  box.on("done", "laun", "give_back");
+  const std::string answer = fmt::format(" do {{ if (rqst != \"\") then executive_answer(\"{}\", rqst, rep); rqst = \"\"; fi }}", m.name.text);
+  box.on("done", "laun", "give_back", plan.reports ? answer : "");
   box.on("give", "give_back", "idle", " provided (token) do { token = false; }");
   box.on("rest", "give_back", "idle", " provided (!token)");
 

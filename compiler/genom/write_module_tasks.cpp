@@ -33,7 +33,7 @@ void ModuleWriter::launches() {
         if (slot != k) ports.push_back(of_slot(slot, "idle"));
       }
     }
-    wire({.name = "launch_" + p_.slots[k].component, .ports = ports});
+    wire({.name = "launch_" + p_.slots[k].component, .ports = ports, .exported = p_.launches_outside});
   }
   if (std::any_of(m_.services.begin(), m_.services.end(), [&](const Service& s) { return waits(s); })) {
     wire({.name = "retake", .ports = {control("retake"), p_.lock + ".take"}});
@@ -198,7 +198,8 @@ void ModuleWriter::priorities() {
   for (std::size_t k = 0; k < p_.slots.size(); ++k) {
     if (p_.service_of(k).kind == ServiceKind::Execution) launches.push_back("launch_" + p_.slots[k].component);
   }
-  if (launches.empty()) return;
+  // Where rules say when activities begin, the functional level does this.
+  if (launches.empty() || p_.launches_outside) return;
   out_ += "\n";
   for (std::size_t k = 0; k < launches.size(); ++k) {
     const std::string& low = names_.at(k + 1 < launches.size() ? launches[k + 1] : "done");
@@ -220,14 +221,22 @@ void ModuleWriter::exports() {
       rej += comma + out_of("rej_" + p_.slots[slot].component);
       abt += comma + of_slot(slot, "abt");
     }
+    if (p.is_decided) write_export(out_, control("allow_" + p.id), "allow_" + p.id);
     write_export(out_, out_of("abtInc_" + p.id), "abtInc_" + p.id);
     write_export(out_, trig, "trig_" + p.id);
     write_export(out_, rej, "rej_" + p.id);
     if (m_.services[i].kind == ServiceKind::Execution) write_export(out_, abt, "abt_" + p.id);
-    for (const std::size_t slot : p.slots) write_export(out_, of_slot(slot, "stat"), "stat_" + p_.slots[slot].component);
+    for (const std::size_t slot : p.slots) {
+      const std::string& name = p_.slots[slot].component;
+      write_export(out_, of_slot(slot, "stat"), "stat_" + name);
+      if (p.is_stopped) write_export(out_, of_slot(slot, "halt"), "halt_" + name);
+      if (p.is_waited_for) write_export(out_, of_slot(slot, "idle"), "idle_" + name);
+      if (p_.launches_outside && m_.services[i].kind == ServiceKind::Execution) write_export(out_, out_of("launch_" + name), "launch_" + name);
+    }
   }
   if (p_.execution_slots > 0) write_export(out_, control("read_Abort"), "read_Abort");
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
+  if (p_.launches_outside) write_export(out_, out_of("done"), "done");
   write_export(out_, out_of("give"), "give");
   for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
     if (m_.tasks[i].has_permanent() || !m_.tasks[i].reads.empty()) write_export(out_, out_of("begin_" + p_.tasks[i].component), "begin_" + p_.tasks[i].component);

@@ -191,6 +191,11 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
   write_wire(out, {.name = "start", .ports = {"controller.start", "activity.start"}, .exported = true});
   write_wire(out, {.name = "cancel", .ports = {"controller.cancel"}, .exported = true, .report_to = "controller.cancel", .report = interrupted});
   write_wire(out, {.name = "abort", .ports = {"controller.abt", "activity.abt"}, .exported = true, .report_to = "controller.abt", .report = interrupted});
+  if (p.is_stopped) {
+    // Told to stop, once.
+    write_wire(out, {.name = "drop", .ports = {"controller.cancel"}, .exported = true, .report_to = "controller.cancel", .report = interrupted});
+    write_wire(out, {.name = "halt", .ports = {"controller.halt", "activity.abt"}, .exported = true, .report_to = "controller.halt", .report = interrupted});
+  }
   if (a.ends) write_wire(out, {.name = "fin", .ports = {"controller.fin", "activity.ok"}, .exported = true});
   if (a.ends_not_ok) {
     write_wire(out, {.name = "nofin", .ports = {"controller.nofin", "activity." + a.not_ok()},
@@ -201,6 +206,10 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
     write_wire(out, {.name = "fail", .ports = {"controller.fail", "activity.zombie"}, .exported = true});
     write_wire(out, {.name = "bury", .ports = {"controller.bury", "activity.bury"}, .exported = true});
   }
+  if (plan.reports) {
+    out += fmt::format("\n    connector replied(controller.reply)\n      export port Signal out\n      define [controller.reply]\n"
+                       "      on controller.reply down {{ executive_reply(\"{}\", \"{}\", controller.reply.rep); }}\n", plan.module->name.text, s.name.text);
+  }
   out += "\n";
   if (s.validate.name.is_set()) {
     for (const char* name : {"ctrl", "valid"}) write_export(out, std::string("controller.") + name, name);
@@ -208,9 +217,11 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
   } else {
     write_export(out, "controller.admit", "admit");
   }
-  for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat", "reply"}) write_export(out, std::string("controller.") + name, name);
+  for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat"}) write_export(out, std::string("controller.") + name, name);
+  write_export(out, plan.reports ? "replied.out" : "controller.reply", "reply");
   write_export(out, "start.out", "start");
   write_export(out, "cancel.out, abort.out", "abt");
+  if (p.is_stopped) write_export(out, "drop.out, halt.out", "halt");
   if (a.ends) write_export(out, "fin.out", "fin");
   if (a.ends_not_ok) write_export(out, "nofin.out", "nofin");
   if (a.ends_stopped) write_export(out, "intr.out", "intr");

@@ -82,6 +82,7 @@ Target find_target(std::string_view name) {
   if (name == "format") return try_format;
   if (name == "lsp") return try_lsp;
   if (name == "genom") return try_genom;
+  if (name == "rules") return try_rules;
   return nullptr;
 }
 

@@ -30,7 +30,10 @@ struct Verdict {
 /// `bipc genom`: errors that can be read, or BIP that `check` accepts without a warning.
 [[nodiscard]] Verdict try_genom(std::string_view input);
 
-/// "text", "bsys", "format", "lsp" or "genom"; nullptr for another name.
+/// `bipc rules` over two modules, likewise.
+[[nodiscard]] Verdict try_rules(std::string_view input);
+
+/// "text", "bsys", "format", "lsp", "genom" or "rules"; nullptr for another name.
 using Target = Verdict (*)(std::string_view);
 [[nodiscard]] Target find_target(std::string_view name);
 

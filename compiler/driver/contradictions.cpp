@@ -1,0 +1,121 @@
+// One question a service; minimal sets by deletion: a rule that is not needed for the trouble goes, one after the other.
+#include "compiler/driver/contradictions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include "compiler/driver/executor.hpp"
+#include "compiler/genom/translate.hpp"
+#include "compiler/rules/reduce.hpp"
+#include "compiler/verify/decide.hpp"
+
+namespace bip::driver {
+namespace {
+
+using verify::Clock;
+
+class Judge {
+ public:
+  Judge(const rules::Reduced& reduced, const rules::Checked& checked, std::size_t rules, double seconds)
+      : reduced_(reduced), checked_(checked), rules_(rules), end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
+
+  /// Is it proved that the property holds with these rules only?
+  [[nodiscard]] bool holds(const std::vector<bool>& kept, const std::string& property) const {
+    genom::GenerateOptions options;
+    options.package = "reduced";
+    options.constraints = reduced_.constraints;
+    std::vector<genom::Constraint>& rows = options.constraints.rows;
+    rows.clear();
+    for (std::size_t i = 0; i < reduced_.constraints.rows.size(); ++i) {
+      if (kept[checked_.rule[i]]) rows.push_back(reduced_.constraints.rows[i]);
+    }
+    options.oldest = 4;
+    Compilation c{CompileOptions{}};
+    const std::string path = "/reduced/reduced.bip";
+    c.open_texts[path] = genom::write_package(reduced_.modules, options).bip;
+    if (!compile(c, path, Stage::Image)) return false;
+    verify::Question question;
+    Result<verify::Property> parsed = verify::parse_property(property, *c.system);
+    if (!parsed) return false;
+    question.what = verify::Asked::State;
+    question.property = std::move(*parsed);
+    verify::DecideLimits limits;
+    limits.end = end_;
+    Executor executor;
+    verify::Decider decider(*c.system, c.lowered->image, true, [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); }, [](const char*, std::uint64_t, const char*) {});
+    return decider.decide(question, limits).outcome == verify::Outcome::Holds;
+  }
+
+  /// A subset of all rules that is enough, and of which none can go.
+  [[nodiscard]] std::vector<std::size_t> culprits(const std::string& property) const {
+    std::vector<bool> kept(rules_, true);
+    std::vector<std::size_t> needed;
+    for (std::size_t i = 0; i < rules_; ++i) {
+      kept[i] = false;
+      if (holds(kept, property)) continue;
+      kept[i] = true;
+      needed.push_back(i);
+    }
+    return needed;
+  }
+
+  [[nodiscard]] bool is_over() const { return verify::seconds_until(end_) <= 0; }
+
+ private:
+  const rules::Reduced& reduced_;
+  const rules::Checked& checked_;
+  std::size_t rules_;
+  Clock::time_point end_;
+};
+
+// Rules that are enough to keep some services out.
+struct Contradiction {
+  std::vector<std::size_t> culprits;
+  std::vector<std::string> services;
+};
+
+// One rule is where it is shown, the others are labels.
+void tell(Diagnostics& diags, const rules::RuleFile& file, const Contradiction& found) {
+  auto d = diags.report(Diag::kB6110, file.rules[found.culprits[0]].range, found.services[0]);
+  d.label(found.culprits.size() == 1 ? "by this rule alone" : "by this rule");
+  for (std::size_t i = 1; i < found.culprits.size(); ++i) d.label(file.rules[found.culprits[i]].range, "and this one");
+  if (found.culprits.size() > 1) d.note(fmt::format("{} rules together: without any one of them it could be", found.culprits.size()));
+  for (std::size_t i = 1; i < found.services.size(); ++i) d.note(fmt::format("nor is `{}`", found.services[i]));
+}
+
+}  // namespace
+
+void report_contradictions(Compilation& c, const rules::RuleFile& file, const std::vector<genom::Module>& modules, const rules::Checked& checked, double seconds) {
+  const rules::Reduced reduced = rules::reduce(modules, checked.constraints);
+  const rt::InterruptGuard guard;
+  const Judge judge(reduced, checked, file.rules.size(), seconds);
+  const std::vector<bool> all(file.rules.size(), true);
+  std::set<genom::ServiceRef> asked;
+  std::vector<Contradiction> found;
+  for (std::size_t i = 0; i < reduced.names.size() && !judge.is_over(); ++i) {
+    if (checked.constraints.rows[i].kind != genom::ConstraintKind::Admit || !asked.insert(reduced.names[i]).second) continue;
+    const genom::ServiceRef s = reduced.names[i];
+    const bool is_control = reduced.modules[s.module].services[s.service].kind == genom::ServiceKind::Control;
+    const std::string property = fmt::format("never m{}.s{}{}.active", s.module, s.service, is_control ? "" : ".controller");
+    if (!judge.holds(all, property)) continue;
+    const genom::ServiceRef was = checked.constraints.rows[i].subject;
+    const std::string name = modules[was.module].name.text + "." + modules[was.module].services[was.service].name.text;
+    const auto known = std::find_if(found.begin(), found.end(), [&](const Contradiction& f) {
+      std::vector<bool> kept(file.rules.size(), false);
+      for (const std::size_t rule : f.culprits) kept[rule] = true;
+      return judge.holds(kept, property);
+    });
+    if (known != found.end()) {
+      known->services.push_back(name);
+      continue;
+    }
+    std::vector<std::size_t> culprits = judge.culprits(property);
+    if (!culprits.empty()) found.push_back({std::move(culprits), {name}});
+  }
+  for (const Contradiction& f : found) tell(c.diags, file, f);
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,94 @@
+// What rules ask of a functional level, as the generator takes it: who may be admitted, who is told to stop and when, who
+// waits for whom. compiler/rules fills it from a .rules file; nothing in it refers to text.
+#pragma once
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bip::genom {
+
+struct ServiceRef {
+  std::size_t module = 0, service = 0;
+  auto operator<=>(const ServiceRef&) const = default;
+};
+struct PosterRef {
+  std::size_t module = 0, poster = 0;
+};
+
+/// A length of time: ticks, else microseconds.
+struct Span {
+  std::int64_t value = 0;
+  bool is_ticks = false;
+};
+
+enum class ConditionKind : std::uint8_t {
+  Number,    // `number`
+  Text,      // `text`
+  Active,    // `service` was accepted and has not ended
+  Done,      // it has ended with OK at least once
+  Asked,     // parameter `row` of the request that is looked at
+  Value,     // parameter `row` of the last one accepted
+  Total,     // the sum of parameters `rows` over the services that are active
+  Fresh,     // `poster` is not older than `span`
+  Age,       // its PosterAge
+  Below,     // stopwatch `row` shows less than its limit
+  Ordered,   // pair `row`: the first service was accepted, and the second after it
+  Not,       // one operand
+  Operator   // `text`, two operands
+};
+struct Condition {
+  ConditionKind kind = ConditionKind::Number;
+  std::int64_t number = 0;
+  std::string text;
+  ServiceRef service;
+  PosterRef poster;
+  Span span;
+  std::size_t row = 0;
+  std::vector<std::size_t> rows;
+  std::vector<Condition> operands;
+};
+
+enum class ConstraintKind : std::uint8_t {
+  Admit,      // `subject` is accepted only if the condition holds, else rejected
+  Keep,       // and told to stop as soon as it does not
+  Interrupt,  // a request for `subject` tells `other` to stop
+  Wait        // `subject`, accepted, begins only when `other` does not run
+};
+struct Constraint {
+  ConstraintKind kind = ConstraintKind::Admit;
+  std::string name;
+  std::string text;  // the rule, for a reader
+  ServiceRef subject, other;
+  Condition condition;
+  std::string report;
+  std::optional<ServiceRef> recovery;  // asked for when the rule rejects or stops
+};
+
+/// A parameter of a request, and which values it may have.
+struct ParameterRow {
+  std::string name;
+  ServiceRef service;
+  bool is_text = false;
+  std::vector<std::string> values;  // as BIP writes them
+};
+/// Counts ticks in which `service` is active, or in which it is not.
+struct StopwatchRow {
+  ServiceRef service;
+  bool counts_active = true;
+  Span limit;
+};
+/// Which of two services was accepted last.
+struct PairRow {
+  ServiceRef first, second;
+};
+
+struct Constraints {
+  std::vector<Constraint> rows;
+  std::vector<ParameterRow> parameters;
+  std::vector<StopwatchRow> stopwatches;
+  std::vector<PairRow> pairs;
+};
+
+}  // namespace bip::genom

@@ -1,0 +1,330 @@
+// Module by module: who may ask, what is accepted, rejected, told to stop, and begun; then time.
+//
+// A request is decided where it is at `okay` (docs/genom.md): either `allow` and the interruptions go through, or a `reject` does;
+// the guards exclude each other. What a rule stops goes before time does.
+#include "compiler/genom/level.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "compiler/genom/level_condition.hpp"
+#include "compiler/genom/wires.hpp"
+
+namespace bip::genom {
+namespace {
+
+class LevelWriter {
+ public:
+  LevelWriter(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us)
+      : out_(out), plans_(plans), c_(options.constraints), options_(options), names_(level_scope()), conditions_(plans, options, parts_, tick_us) {}
+
+  void run() {
+    out_ += "\n  // All modules, the token for triggers, and the clock.\n  compound type FunctionalLevel()\n";
+    for (const Plan& p : plans_) {
+      out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p.type, p.component);
+      names_.claim(p.component, "");
+      for (std::size_t i = 0; i < p.posters.size(); ++i) posters_[p.module->name.text + "." + p.module->posters[i].name.text] = p.component + ".read_" + p.posters[i];
+    }
+    sync_ = names_.claim("InterModuleSync", "event");
+    out_ += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n    component MasterTimer masterTimer()\n";
+    if (options_.has_executive) out_ += fmt::format("    component Executive {}()\n", executive_ = names_.claim("executive", "part"));
+    parts();
+    for (std::size_t m = 0; m < plans_.size(); ++m) module(m);
+    time();
+    out_ += priorities_.empty() ? "" : "\n";
+    for (const auto& [low, high] : priorities_) out_ += fmt::format("    priority {} {}:* < {}:*\n", names_.claim("first_" + high, "rule"), low, high);
+    out_ += "  end\n";
+  }
+
+ private:
+  // Under its own name, or with a suffix if that is taken.
+  std::string wire(Wire w, const std::string& suffix = "event") {
+    w.name = names_.claim(w.name, suffix);
+    write_wire(out_, w);
+    return w.name;
+  }
+  [[nodiscard]] const Plan& plan(ServiceRef s) const { return plans_[s.module]; }
+  [[nodiscard]] std::string name_of(ServiceRef s) const { return plan(s).component + "_" + plan(s).services[s.service].id; }
+  [[nodiscard]] std::vector<std::string> of_slots(ServiceRef s, const char* port) const {
+    std::vector<std::string> all;
+    for (const std::size_t slot : plan(s).services[s.service].slots) all.push_back(fmt::format("{}.{}_{}", plan(s).component, port, plan(s).slots[slot].component));
+    return all;
+  }
+
+  // What rules remember.
+  void parts() {
+    if (c_.rows.empty()) return;
+    out_ += "\n    // What the rules remember.\n";
+    const auto component = [&](const std::string& wanted, const std::string& type, const std::string& arguments) {
+      const std::string name = names_.claim(wanted, "part");
+      out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n", type, name, arguments);
+      return name;
+    };
+    for (const ParameterRow& p : c_.parameters) {
+      parts_.parameters.push_back(component(name_of(p.service) + "_" + bip_name(p.name), p.is_text ? "TextParameter" : "NumberParameter", p.values[0]));
+    }
+    for (const StopwatchRow& w : c_.stopwatches) {
+      const std::int64_t limit = conditions_.ticks(w.limit);
+      parts_.stopwatches.push_back(component(name_of(w.service) + (w.counts_active ? "_takes" : "_since"), "Stopwatch",
+                                             fmt::format("{}, {}, {}", limit, w.counts_active, w.counts_active ? 0 : limit)));
+    }
+    for (const PairRow& p : c_.pairs) parts_.pairs.push_back(component(fmt::format("{}_then_{}", name_of(p.first), name_of(p.second)), "Pair", ""));
+    std::map<std::string, std::string> known;
+    for (const Constraint& row : c_.rows) {
+      if (row.recovery && !known.contains(row.name)) known[row.name] = component("after_" + row.name, "Recovery", "");
+      parts_.recoveries.push_back(row.recovery ? known[row.name] : "");
+    }
+  }
+
+  void module(std::size_t m) {
+    const Plan& p = plans_[m];
+    const std::string prefix = p.component + ".";
+    out_ += fmt::format("\n    // {}: a request takes the semaphore; what no rule is about is free.\n", p.module->name.text);
+    std::vector<std::string> reads;
+    for (std::size_t i = 0; i < p.services.size(); ++i) service({m, i}, reads);
+    if (p.execution_slots > 0) {
+      Wire abort{.name = p.component + "_read_Abort", .ports = {prefix + "read_Abort", "semaphore.take"}};
+      asks(abort, p.module->name.text + ".Abort");
+      reads.push_back(wire(std::move(abort)));
+    }
+    recoveries(m, reads);
+    if (p.launches_outside) launches(m);
+    wire({.name = p.component + "_give", .ports = {prefix + "give", "semaphore.give"}});
+    for (std::size_t i = 0; i < p.tasks.size(); ++i) {
+      const Task& t = p.module->tasks[i];
+      if (!t.has_permanent() && t.reads.empty()) continue;
+      std::vector<std::string> ports{prefix + "begin_" + p.tasks[i].component};
+      for (const Name& read : t.reads) {
+        const auto poster = posters_.find(read.text);
+        if (poster != posters_.end()) add_port(ports, poster->second);
+      }
+      const std::string begin = wire({.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports});
+      for (const auto& [s, stop] : stops_) {
+        if (s.module == m && p.module->services[s.service].task_index == i) priorities_.emplace_back(begin, stop);
+      }
+    }
+  }
+
+  // In the order of a control cycle: asked for, rejected or allowed, accepted; then told to stop.
+  void service(ServiceRef s, std::vector<std::string>& reads) {
+    const std::string port = plan(s).component + ".";
+    const std::string& id = plan(s).services[s.service].id;
+    requests(s, port + "read_" + id, reads);
+    decide(s, port);
+    std::vector<std::string> trig{port + "trig_" + id};
+    for (std::size_t i = 0; i < c_.parameters.size(); ++i) {
+      if (c_.parameters[i].service == s) trig.push_back(parts_.parameters[i] + ".accept");
+    }
+    for (std::size_t i = 0; i < c_.stopwatches.size(); ++i) {
+      if (c_.stopwatches[i].service == s) trig.push_back(parts_.stopwatches[i] + ".restart");
+    }
+    for (std::size_t i = 0; i < c_.pairs.size(); ++i) {
+      if (c_.pairs[i].first == s) trig.push_back(parts_.pairs[i] + ".first");
+      if (c_.pairs[i].second == s && c_.pairs[i].first != s) trig.push_back(parts_.pairs[i] + ".second");
+    }
+    wire({.name = plan(s).component + "_trig_" + id, .ports = trig});
+    for (std::size_t row = 0; row < c_.rows.size(); ++row) {
+      if (c_.rows[row].kind == ConstraintKind::Keep && c_.rows[row].subject == s) stop(row);
+    }
+  }
+
+  // One connector a value of its parameters.
+  void requests(ServiceRef s, const std::string& read, std::vector<std::string>& reads) {
+    std::string asked = fmt::format("{}.{}", plan(s).module->name.text, plan(s).module->services[s.service].name.text);
+    std::vector<std::string> texts{asked};
+    std::vector<Wire> wires{{.name = plan(s).component + "_read_" + plan(s).services[s.service].id, .ports = {read, "semaphore.take"}}};
+    for (std::size_t i = 0; i < c_.parameters.size(); ++i) {
+      const ParameterRow& p = c_.parameters[i];
+      if (p.service != s) continue;
+      std::vector<Wire> more;
+      std::vector<std::string> more_texts;
+      for (std::size_t k = 0; k < wires.size(); ++k) {
+        for (const std::string& value : p.values) {
+          Wire next = wires[k];
+          const std::string bare = value[0] == '"' ? value.substr(1, value.size() - 2) : value;
+          more_texts.push_back(texts[k] + (texts[k] == asked ? "(" : ", ") + bare);
+          next.name = bip_name(fmt::format("{}_{}_{}", next.name, p.name, bare));
+          next.ports.push_back(parts_.parameters[i] + ".set");
+          next.action += fmt::format("{}{}.set.asked <- {}", next.action.empty() ? "" : "; ", parts_.parameters[i], value);
+          more.push_back(std::move(next));
+        }
+      }
+      wires = std::move(more);
+      texts = std::move(more_texts);
+    }
+    for (std::size_t k = 0; k < wires.size(); ++k) {
+      asks(wires[k], texts[k] + (texts[k] == asked ? "" : ")"));
+      reads.push_back(wire(std::move(wires[k])));
+    }
+  }
+
+  // Only if the executive says so.
+  void asks(Wire& w, const std::string& request) const {
+    if (!options_.has_executive) return;
+    w.ports.push_back(executive_ + ".ask");
+    w.guard = fmt::format("{}.ask.wanted == \"{}\"", executive_, request);
+  }
+
+  // Either every rule allows it, or one rejects it; then what it interrupts is told.
+  void decide(ServiceRef s, const std::string& port) {
+    const std::string& id = plan(s).services[s.service].id;
+    std::vector<std::string> ports{port + "allow_" + id};
+    std::string guard;
+    for (std::size_t row = 0; row < c_.rows.size(); ++row) {
+      const Constraint& c = c_.rows[row];
+      if (c.subject != s || c.kind != ConstraintKind::Admit) continue;
+      reject(row);
+      std::string condition = conditions_.text(c.condition, ports);
+      if (c.condition.kind == ConditionKind::Operator) condition = "(" + condition + ")";
+      guard += (guard.empty() ? "" : " && ") + condition;
+    }
+    if (!guard.empty()) wire({.name = plan(s).component + "_allow_" + id, .ports = ports, .guard = guard});
+    ports = {port + "abtInc_" + id};
+    for (const Constraint& c : c_.rows) {
+      if (c.subject == s && c.kind == ConstraintKind::Interrupt && !waits_already(c)) tell(c, ports);
+    }
+    wire({.name = plan(s).component + "_abtInc_" + id, .ports = ports, .triggers = ports.size() > 1 ? 1u : 0u});
+  }
+
+  void reject(std::size_t row) {
+    const Constraint& c = c_.rows[row];
+    out_ += fmt::format("\n    // {}", c.text);
+    const std::string rejected = fmt::format("{}.rej_{}", plan(c.subject).component, plan(c.subject).services[c.subject.service].id);
+    std::vector<std::string> ports{rejected};
+    const Condition violated = negated(c.condition);
+    const std::string guard = conditions_.text(violated, ports);
+    if (c.recovery) ports.push_back(parts_.recoveries[row] + ".call");
+    wire({.name = fmt::format("{}_reject_{}", plan(c.subject).component, c.name), .ports = ports, .guard = guard, .action = fmt::format("{}.rep <- \"{}\"", rejected, c.report)},
+         plan(c.subject).services[c.subject.service].id);
+  }
+
+  static Condition negated(const Condition& of) {
+    if (of.kind == ConditionKind::Not) return of.operands[0];
+    Condition c;
+    c.kind = ConditionKind::Not;
+    c.operands.push_back(of);
+    return c;
+  }
+
+  // A connector each that carries the report, and joins the interruption if there is something to stop.
+  void tell(const Constraint& c, std::vector<std::string>& told) {
+    for (const std::string& halt : of_slots(c.other, "halt")) {
+      std::string wanted = fmt::format("{}_tells_{}", name_of(c.subject), halt);
+      wanted.replace(wanted.find(".halt_"), 6, "_");
+      if (std::find(told.begin(), told.end(), wanted + ".out") != told.end()) continue;
+      out_ += fmt::format("\n    // {}", c.text);
+      told.push_back(wire({.name = wanted, .ports = {halt}, .action = fmt::format("{}.rep <- \"{}\"", halt, c.report), .exported = true}) + ".out");
+    }
+  }
+
+  void stop(std::size_t row) {
+    const Constraint& c = c_.rows[row];
+    for (const std::string& halt : of_slots(c.subject, "halt")) {
+      out_ += fmt::format("\n    // {}", c.text);
+      std::vector<std::string> ports{halt};
+      const std::string guard = conditions_.text(negated(c.condition), ports);
+      if (c.recovery) ports.push_back(parts_.recoveries[row] + ".call");
+      const std::string name = wire({.name = fmt::format("{}_stop_{}", plan(c.subject).component, c.name), .ports = ports, .guard = guard, .action = fmt::format("{}.rep <- \"{}\"", halt, c.report)},
+                                    plan(c.subject).services[c.subject.service].id);
+      stops_.emplace_back(c.subject, name);
+      priorities_.emplace_back(sync_, name);
+    }
+  }
+
+  // What is to be done after a violation comes before any other request to its module.
+  void recoveries(std::size_t m, const std::vector<std::string>& reads) {
+    std::vector<std::string> done;
+    for (std::size_t row = 0; row < c_.rows.size(); ++row) {
+      const Constraint& c = c_.rows[row];
+      if (!c.recovery || c.recovery->module != m || std::find(done.begin(), done.end(), parts_.recoveries[row]) != done.end()) continue;
+      done.push_back(parts_.recoveries[row]);
+      const Plan& p = plans_[m];
+      const std::string name = wire({.name = fmt::format("{}_recover_{}", p.component, c.name),
+                                     .ports = {fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id), "semaphore.take", parts_.recoveries[row] + ".run"}});
+      for (const std::string& read : reads) priorities_.emplace_back(read, name);
+    }
+  }
+
+  // Accepted activities begin in slot order, before the control cycle ends, when those that rules name do not run.
+  void launches(std::size_t m) {
+    const Plan& p = plans_[m];
+    std::vector<std::string> all;
+    for (std::size_t k = 0; k < p.slots.size(); ++k) {
+      if (p.service_of(k).kind != ServiceKind::Execution) continue;
+      std::vector<std::string> ports{fmt::format("{}.launch_{}", p.component, p.slots[k].component)};
+      for (const Constraint& c : c_.rows) {
+        if (c.kind != ConstraintKind::Wait || c.subject != ServiceRef{m, p.slots[k].service} || waits_already(c)) continue;
+        for (const std::string& idle : of_slots(c.other, "idle")) add_port(ports, idle);
+      }
+      all.push_back(wire({.name = fmt::format("{}_launch_{}", p.component, p.slots[k].component), .ports = ports}));
+    }
+    all.push_back(wire({.name = p.component + "_done", .ports = {p.component + ".done"}}));
+    for (std::size_t k = 0; k + 1 < all.size(); ++k) priorities_.emplace_back(all[k + 1], all[k]);
+  }
+
+  // The module's own list of what a service interrupts says the same.
+  [[nodiscard]] bool waits_already(const Constraint& c) const {
+    if (c.subject.module != c.other.module) return false;
+    const std::vector<std::size_t>& interrupted = plan(c.subject).module->services[c.subject.service].interrupted;
+    return std::find(interrupted.begin(), interrupted.end(), c.other.service) != interrupted.end();
+  }
+
+  void time() {
+    std::vector<std::string> ports{"masterTimer.tick"};
+    std::string action;
+    for (const Plan& p : plans_) ports.push_back(p.component + ".moduleTick");
+    if (options_.has_executive) ports.push_back(executive_ + ".tick");
+    for (std::size_t i = 0; i < c_.stopwatches.size(); ++i) {
+      const std::string tick = parts_.stopwatches[i] + ".tick";
+      ports.push_back(tick);
+      std::string active;
+      for (const std::string& stat : conditions_.stats(c_.stopwatches[i].service)) {
+        add_port(ports, stat);
+        active += (active.empty() ? "" : " || ") + stat + ".active";
+      }
+      action += fmt::format("{}{}.running <- {}", action.empty() ? "" : "; ", tick, active);
+    }
+    write_wire(out_, {.name = sync_, .ports = ports, .action = action});
+  }
+
+  std::string& out_;
+  const std::vector<Plan>& plans_;
+  const Constraints& c_;
+  const GenerateOptions& options_;
+  LevelParts parts_;
+  std::string executive_, sync_;
+  Scope names_;
+  ConditionWriter conditions_;
+  std::map<std::string, std::string> posters_;
+  std::vector<std::pair<ServiceRef, std::string>> stops_;
+  std::vector<std::pair<std::string, std::string>> priorities_;
+};
+
+}  // namespace
+
+std::string executive_type() {
+  return "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is none; final replies.\n"
+         "  extern function string executive_request()\n"
+         "  extern function executive_answer(string, string, string)\n"
+         "  extern function executive_reply(string, string, string)\n"
+         "\n  port type Asks(string wanted)\n"
+         "\n  // The decisional level, as far as it is seen here: one request at a time, asked for anew in each tick.\n"
+         "  atom type Executive()\n    data string wanted = \"\"\n    export port Signal tick()\n    export port Asks ask(wanted)\n"
+         "\n    place HERE\n\n    initial to HERE\n\n"
+         "    on tick from HERE to HERE do {\n      if (wanted == \"\") then\n        wanted = executive_request();\n      fi\n    }\n"
+         "    on ask from HERE to HERE do { wanted = \"\"; }\n  end\n";
+}
+
+Scope level_scope() {
+  Scope names;
+  for (const char* own : {"semaphore", "masterTimer"}) names.claim(own, "");
+  return names;
+}
+
+void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us) {
+  LevelWriter(out, plans, options, tick_us).run();
+}
+
+}  // namespace bip::genom

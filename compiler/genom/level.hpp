@@ -1,0 +1,19 @@
+// The functional level: all modules, what belongs to none of them, and the connectors that rules replace (docs/rules.md).
+// Inside compiler/genom only.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/genom/generate.hpp"
+#include "compiler/genom/names.hpp"
+#include "compiler/genom/plan.hpp"
+
+namespace bip::genom {
+
+/// The names that the functional level has of its own.
+[[nodiscard]] Scope level_scope();
+/// The atom through which C++ asks for services, and the functions that it calls.
+[[nodiscard]] std::string executive_type();
+void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us);
+
+}  // namespace bip::genom

@@ -1,0 +1,84 @@
+// Every operator in parentheses: nobody has to know two precedences.
+#include "compiler/genom/level_condition.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bip::genom {
+
+void add_port(std::vector<std::string>& ports, const std::string& port) {
+  if (std::find(ports.begin(), ports.end(), port) == ports.end()) ports.push_back(port);
+}
+
+std::vector<std::string> ConditionWriter::stats(ServiceRef s) const {
+  const Plan& p = plans_[s.module];
+  std::vector<std::string> all;
+  for (const std::size_t slot : p.services[s.service].slots) all.push_back(fmt::format("{}.stat_{}", p.component, p.slots[slot].component));
+  return all;
+}
+
+std::int64_t ConditionWriter::ticks(Span span) const { return std::max<std::int64_t>(1, span.is_ticks ? span.value : (span.value + tick_us_ - 1) / tick_us_); }
+
+std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_t tick_us) {
+  return (span.is_ticks ? span.value : span.value / tick_us) / options.poster_period;
+}
+
+std::string ConditionWriter::any_of(ServiceRef s, const char* what, const char* sign, std::vector<std::string>& ports) const {
+  std::string out;
+  const std::vector<std::string> all = stats(s);
+  for (const std::string& stat : all) {
+    add_port(ports, stat);
+    out += (out.empty() ? "" : std::string(" ") + sign + " ") + stat + "." + what;
+  }
+  return all.size() == 1 ? out : "(" + out + ")";
+}
+
+std::string ConditionWriter::read(const std::string& part, const char* what, std::vector<std::string>& ports) const {
+  add_port(ports, part + ".read");
+  return fmt::format("{}.read.{}", part, what);
+}
+
+std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& ports) const {
+  const auto poster_age = [&] {
+    const Plan& p = plans_[c.poster.module];
+    const std::string port = fmt::format("{}.read_{}", p.component, p.posters[c.poster.poster]);
+    add_port(ports, port);
+    return port + ".PosterAge";
+  };
+  switch (c.kind) {
+    case ConditionKind::Number: return std::to_string(c.number);
+    case ConditionKind::Text: return "\"" + c.text + "\"";
+    case ConditionKind::Active: return any_of(c.service, "active", "||", ports);
+    case ConditionKind::Done: return any_of(c.service, "done", "||", ports);
+    case ConditionKind::Asked: return read(parts_.parameters[c.row], "asked", ports);
+    case ConditionKind::Value: return read(parts_.parameters[c.row], "value", ports);
+    case ConditionKind::Total: {
+      std::string sum;
+      for (const std::size_t row : c.rows) {
+        const std::string value = read(parts_.parameters[row], "value", ports);
+        sum += fmt::format("{}{} * {}", sum.empty() ? "" : " + ", any_of(options_.constraints.parameters[row].service, "running", "+", ports), value);
+      }
+      return "(" + sum + ")";
+    }
+    case ConditionKind::Fresh: return fmt::format("{} <= {}", poster_age(), steps_of_age(c.span, options_, tick_us_));
+    case ConditionKind::Age: return poster_age();
+    case ConditionKind::Below: return fmt::format("{} < {}", read(parts_.stopwatches[c.row], "t", ports), ticks(options_.constraints.stopwatches[c.row].limit));
+    case ConditionKind::Ordered: return read(parts_.pairs[c.row], "ordered", ports);
+    case ConditionKind::Not: {
+      const Condition& of = c.operands[0];
+      const bool is_bare = of.kind == ConditionKind::Ordered || of.kind == ConditionKind::Active || of.kind == ConditionKind::Done || of.kind == ConditionKind::Not;
+      return is_bare ? "!" + text(of, ports) : "!(" + text(of, ports) + ")";
+    }
+    case ConditionKind::Operator: break;
+  }
+  std::string sides[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Condition& of = c.operands[i];
+    const bool is_bare = of.kind != ConditionKind::Operator && of.kind != ConditionKind::Fresh && of.kind != ConditionKind::Below;
+    sides[i] = is_bare ? text(of, ports) : "(" + text(of, ports) + ")";
+  }
+  return fmt::format("{} {} {}", sides[0], c.text, sides[1]);
+}
+
+}  // namespace bip::genom

@@ -1,0 +1,43 @@
+// Conditions of rules as guards: the text, and the ports that have to take part so that it can be read. Inside compiler/genom only.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/genom/generate.hpp"
+#include "compiler/genom/plan.hpp"
+
+namespace bip::genom {
+
+/// Names of the parts that rules need, by row of Constraints.
+struct LevelParts {
+  std::vector<std::string> parameters, stopwatches, pairs, recoveries;
+};
+
+class ConditionWriter {
+ public:
+  ConditionWriter(const std::vector<Plan>& plans, const GenerateOptions& options, const LevelParts& parts, std::int64_t tick_us)
+      : plans_(plans), options_(options), parts_(parts), tick_us_(tick_us) {}
+
+  /// The guard; ports that are not yet in `ports` are added.
+  [[nodiscard]] std::string text(const Condition& condition, std::vector<std::string>& ports) const;
+  /// "NDD.stat_GoTo" of each instance.
+  [[nodiscard]] std::vector<std::string> stats(ServiceRef s) const;
+  /// `span` in ticks, at least one.
+  [[nodiscard]] std::int64_t ticks(Span span) const;
+
+ private:
+  [[nodiscard]] std::string any_of(ServiceRef s, const char* what, const char* sign, std::vector<std::string>& ports) const;
+  [[nodiscard]] std::string read(const std::string& part, const char* what, std::vector<std::string>& ports) const;
+
+  const std::vector<Plan>& plans_;
+  const GenerateOptions& options_;
+  const LevelParts& parts_;
+  std::int64_t tick_us_;
+};
+
+/// In steps of PosterAge: the oldest that is within `span`.
+[[nodiscard]] std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_t tick_us);
+/// Adds what is not there yet.
+void add_port(std::vector<std::string>& ports, const std::string& port);
+
+}  // namespace bip::genom

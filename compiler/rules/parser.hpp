@@ -1,0 +1,15 @@
+// The two halves of the parser: rules (parse.cpp) and their conditions (parse_condition.cpp). Inside compiler/rules only.
+#pragma once
+#include "compiler/genom/cursor.hpp"
+#include "compiler/rules/rules.hpp"
+
+namespace bip::rules {
+
+/// NAME [ '.' NAME ]
+[[nodiscard]] bool parse_path(genom::Cursor& at, Path& into, const char* what);
+/// NUMBER ( ticks | us | ms | s | min )
+[[nodiscard]] bool parse_span(genom::Cursor& at, genom::Span& into);
+/// C's operators over what is active, done, fresh, asked for.
+[[nodiscard]] bool parse_condition(genom::Cursor& at, Expr& into);
+
+}  // namespace bip::rules

@@ -1,0 +1,118 @@
+// A mapping from old references to new ones, filled in the order of the rows.
+#include "compiler/rules/reduce.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+
+namespace bip::rules {
+namespace {
+
+using genom::Condition;
+using genom::Module;
+using genom::ServiceRef;
+
+constexpr std::int64_t kTick = 10000;
+
+class Reducer {
+ public:
+  Reducer(const std::vector<Module>& modules, const genom::Constraints& constraints) : old_(modules) { out_.constraints = constraints; }
+
+  Reduced run() {
+    genom::Constraints& c = out_.constraints;
+    for (genom::Constraint& row : c.rows) {
+      service(row.subject);
+      if (row.kind == genom::ConstraintKind::Interrupt || row.kind == genom::ConstraintKind::Wait) service(row.other);
+      if (row.recovery) service(*row.recovery);
+      condition(row.condition);
+    }
+    for (genom::ParameterRow& p : c.parameters) service(p.service);
+    for (genom::StopwatchRow& w : c.stopwatches) {
+      service(w.service);
+      w.limit = {2, true};
+    }
+    for (genom::PairRow& p : c.pairs) {
+      service(p.first);
+      service(p.second);
+    }
+    for (const genom::Constraint& row : c.rows) out_.names.push_back(row.subject);
+    return std::move(out_);
+  }
+
+ private:
+  Module& module(std::size_t& index) {
+    const auto [it, is_new] = modules_.emplace(index, out_.modules.size());
+    if (is_new) {
+      Module m;
+      m.name.text = fmt::format("m{}", out_.modules.size());
+      m.generation = 2;
+      m.tick_us = kTick;
+      // It has always something to do, and what it writes, if it likes, it writes then.
+      genom::Task t;
+      t.name.text = "task";
+      t.period_us = kTick;
+      t.permanent.text = "cycle";
+      t.permanent_fails = false;
+      m.tasks.push_back(std::move(t));
+      out_.modules.push_back(std::move(m));
+    }
+    index = it->second;
+    return out_.modules[index];
+  }
+
+  void service(ServiceRef& s) {
+    const ServiceRef was = s;
+    if (const auto known = services_.find(was); known != services_.end()) {
+      s = known->second;
+      return;
+    }
+    Module& m = module(s.module);
+    s.service = m.services.size();
+    services_.emplace(was, s);
+    genom::Service reduced;
+    reduced.name.text = fmt::format("s{}", s.service);
+    reduced.kind = old_[was.module].services[was.service].kind;
+    if (reduced.kind == genom::ServiceKind::Execution) {
+      // It runs, and ends when it likes, well or not.
+      genom::State run{.name = {"EXEC", {}}, .codel = {{"run", {}}, {}}, .yields = {{genom::Next::State, {}, 0}, {genom::Next::Ether, {}, 0}}};
+      genom::State stop{.name = {"INTER", {}}, .codel = {{"stop", {}}, {}}, .yields = {{genom::Next::Ether, {}, 0}}};
+      reduced.activity = {{std::move(run), std::move(stop)}, 0, 1};
+      reduced.reports.push_back({"FAILED", {}});
+    }
+    m.services.push_back(std::move(reduced));
+  }
+
+  void poster(genom::PosterRef& p) {
+    const auto was = std::pair(p.module, p.poster);
+    if (const auto known = posters_.find(was); known != posters_.end()) {
+      p = known->second;
+      return;
+    }
+    Module& m = module(p.module);
+    p.poster = m.posters.size();
+    posters_.emplace(was, p);
+    genom::Poster reduced;
+    reduced.name.text = fmt::format("p{}", p.poster);
+    reduced.task.text = "task";
+    m.posters.push_back(std::move(reduced));
+  }
+
+  void condition(Condition& c) {
+    if (c.kind == genom::ConditionKind::Active || c.kind == genom::ConditionKind::Done) service(c.service);
+    if (c.kind == genom::ConditionKind::Fresh || c.kind == genom::ConditionKind::Age) poster(c.poster);
+    if (c.kind == genom::ConditionKind::Fresh) c.span = {2, true};
+    for (Condition& operand : c.operands) condition(operand);
+  }
+
+  const std::vector<Module>& old_;
+  Reduced out_;
+  std::map<std::size_t, std::size_t> modules_;
+  std::map<ServiceRef, ServiceRef> services_;
+  std::map<std::pair<std::size_t, std::size_t>, genom::PosterRef> posters_;
+};
+
+}  // namespace
+
+Reduced reduce(const std::vector<Module>& modules, const genom::Constraints& constraints) { return Reducer(modules, constraints).run(); }
+
+}  // namespace bip::rules

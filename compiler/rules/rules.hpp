@@ -1,0 +1,77 @@
+// A .rules file as it was written: names are names still, and every row knows its place.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/genom/constraints.hpp"
+#include "compiler/genom/module.hpp"
+
+namespace bip::rules {
+
+using genom::Name;
+
+/// `NDD.GoTo`, or `GoTo` if only one module has it.
+struct Path {
+  Name module, name;
+  [[nodiscard]] SourceRange range() const {
+    SourceRange r = name.range;
+    if (module.is_set()) r.begin = module.range.begin;
+    return r;
+  }
+  [[nodiscard]] std::string text() const { return module.is_set() ? module.text + "." + name.text : name.text; }
+};
+
+enum class ExprKind : std::uint8_t { Number, Text, Of, Active, Done, Request, Total, Fresh, Age, Ordered, Not, Operator };
+/// `Of` is a parameter of a service; Active and Done of a service, Fresh and Age of a poster.
+struct Expr {
+  ExprKind kind = ExprKind::Number;
+  SourceRange range;
+  std::int64_t number = 0;
+  std::string text{};  // of a string; an operator's sign
+  Path path{}, second{};
+  Name name{};         // of a parameter
+  genom::Span span{};
+  std::vector<Expr> operands{};
+};
+
+enum class Verb : std::uint8_t {
+  Before,     // right only after left has succeeded
+  Apart,      // does not overlap
+  During,     // left only while right is active
+  Requires,   // condition when left is asked for
+  Maintains,  // and as long as it runs
+  AtMost,     // left takes at most `span`
+  AtLeast     // left begins at least `span` after right ended
+};
+enum class Policy : std::uint8_t { Reject, Wait, Interrupt };
+
+struct Rule {
+  Verb verb = Verb::Before;
+  Name name;                          // as given; else made of the rule
+  std::vector<Path> left, right;
+  Policy policy[2] = {Policy::Reject, Policy::Reject};  // for requests to the left while the right runs, and the other way
+  Expr condition;
+  genom::Span span;
+  Name report;
+  std::optional<Path> recovery;
+  SourceRange range;
+};
+
+struct ParameterDecl {
+  Name name;
+  std::vector<Path> services;
+  bool is_text = false;
+  std::vector<std::string> values;
+};
+
+struct RuleFile {
+  Name package;
+  std::vector<Name> modules;  // paths of .gen files, relative to the rules
+  Name side_file;
+  std::vector<ParameterDecl> parameters;
+  std::vector<Rule> rules;
+};
+
+}  // namespace bip::rules

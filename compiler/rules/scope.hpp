@@ -1,0 +1,34 @@
+// What names of a .rules file mean, and conditions with their types. Inside compiler/rules only.
+#pragma once
+#include "compiler/diag/diagnostics.hpp"
+#include "compiler/rules/rules.hpp"
+
+namespace bip::rules {
+
+enum class Type : std::uint8_t { Bool, Int, Text, None };
+
+class NameScope {
+ public:
+  NameScope(const std::vector<genom::Module>& modules, genom::Constraints& constraints, Diagnostics& diags)
+      : modules_(modules), constraints_(constraints), diags_(diags) {}
+
+  [[nodiscard]] std::optional<genom::ServiceRef> service(const Path& path);
+  [[nodiscard]] std::optional<genom::PosterRef> poster(const Path& path);
+  [[nodiscard]] const genom::Service& at(genom::ServiceRef s) const { return modules_[s.module].services[s.service]; }
+  [[nodiscard]] std::string text(genom::ServiceRef s) const { return modules_[s.module].name.text + "." + at(s).name.text; }
+  void parameter(const ParameterDecl& decl);
+  /// A condition of a rule about `subject`; false if it was reported. `is_kept`: it is looked at while the subject runs.
+  [[nodiscard]] bool condition(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
+
+ private:
+  [[nodiscard]] Type convert(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
+  [[nodiscard]] Type combine(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
+  [[nodiscard]] Type parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, bool is_asked, genom::Condition& into);
+  [[nodiscard]] bool sees_itself(const Expr& e, genom::ServiceRef seen, genom::ServiceRef subject);
+
+  const std::vector<genom::Module>& modules_;
+  genom::Constraints& constraints_;
+  Diagnostics& diags_;
+};
+
+}  // namespace bip::rules

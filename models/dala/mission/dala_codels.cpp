@@ -1,0 +1,359 @@
+// Codels of Dala's modules over a simulated world (world.hpp), and the executive that asks for them (executive.hpp). What a
+// mission has no use for ends at once and well: the second half.
+#include "dala_codels.hpp"
+
+#include "executive.hpp"
+#include "world.hpp"
+
+namespace {
+
+using namespace dala;
+
+// What is next in an activity; of other codels 0 is OK.
+constexpr int kOk = 0, kEther = 0, kExec = 2, kEnd = 3, kInter = 4;
+
+World& world() {
+  static World w;
+  return w;
+}
+Executive& executive() {
+  static Executive e(world());
+  return e;
+}
+
+}  // namespace
+
+std::string executive_request() { return executive().next(); }
+void executive_answer(const char* module, const char* service, const char* report) { executive().answer(std::string(module) + "." + service, report); }
+void executive_reply(const char* module, const char* service, const char* report) { executive().reply(std::string(module) + "." + service, report); }
+
+// ---- POM, RFLEX: where the rover is, and its wheels
+int pomPermanent() { return kOk; }
+int rflexPermanent() {
+  world().move(5 * kTick);
+  return kOk;
+}
+int rflexTrackSpeedStartStart(int&) {
+  world().is_tracking = true;
+  return kExec;
+}
+int rflexTrackSpeedStartMain(int&) { return kExec; }
+int rflexTrackSpeedStartInter(int&) {
+  world().is_tracking = false;
+  return std::abs(world().v) > 0.01 ? kInter : kEther;
+}
+// By odometry alone, straight.
+int rflexGotoPositionMain(int&) {
+  World& w = world();
+  const std::vector<double>& to = w.arguments["RFLEX.GotoPosition"];
+  const double dx = to.at(0) - w.x, dy = to.at(1) - w.y, far = std::hypot(dx, dy);
+  const double off = wrapped(std::atan2(dy, dx) - w.heading);
+  w.is_tracking = far > 0.1;
+  w.wanted_turn = std::clamp(2.0 * off, -1.2, 1.2);
+  w.wanted_v = std::abs(off) < 0.3 ? std::min(0.5, far) : 0;
+  return w.is_tracking ? kExec : kEnd;
+}
+int rflexGotoPositionInter(int&) {
+  world().is_tracking = false;
+  return kEther;
+}
+
+// ---- LaserRF, Aspect: what is round the rover
+int laserPermanent() {
+  if (world().is_scanning) world().look();
+  return kOk;
+}
+int laserrfStartAcquisitionMain(int&) {
+  world().is_scanning = true;
+  return kExec;
+}
+int laserrfStartAcquisitionInter(int&) {
+  world().is_scanning = false;
+  return kEther;
+}
+int aspectPermanent() {
+  if (world().is_mapping) world().map = world().scan;
+  return kOk;
+}
+int aspectBuildMapMain(int&) {
+  world().is_mapping = true;
+  return kExec;
+}
+int aspectBuildMapInter(int&) {
+  world().is_mapping = false;
+  return kEther;
+}
+
+// ---- NDD: speeds from obstacles and a goal
+int nddPermanent() { return world().ndd_is_stuck ? -1 : kOk; }
+int nddGoToStart(int&) {
+  World& w = world();
+  const std::vector<double>& to = w.arguments["NDD.GoTo"];
+  w.goal_x = to.at(0);
+  w.goal_y = to.at(1);
+  w.blocked_since = -1;
+  return kExec;
+}
+int nddGoToMain(int& report) {
+  World& w = world();
+  if (std::hypot(w.goal_x - w.x, w.goal_y - w.y) < 0.15) return kEnd;
+  if (w.avoid()) {
+    w.blocked_since = -1;
+    return kExec;
+  }
+  if (w.blocked_since < 0) w.blocked_since = w.now;
+  if (w.now - w.blocked_since < 5) return kExec;
+  report = 1;  // BLOCKED
+  return kEther;
+}
+int nddGoToEnd(int&) {
+  world().wanted_v = world().wanted_turn = 0;
+  return kEther;
+}
+int nddGoToInter(int&) {
+  world().wanted_v = world().wanted_turn = 0;
+  return kEther;
+}
+
+// ---- Heating, Battery
+int heatingPermanent() {
+  World& w = world();
+  w.temperature += (w.is_heating ? 12.0 : 0.0) * 0.1 - 0.002 * (w.temperature + 30);
+  return kOk;
+}
+int heatingHeatToStart(int&) {
+  world().heat_to = world().arguments["Heating.HeatTo"].at(0);
+  world().is_heating = true;
+  return kExec;
+}
+int heatingHeatToMain(int&) { return world().temperature < world().heat_to ? kExec : kEnd; }
+int heatingHeatToEnd(int&) {
+  world().is_heating = false;
+  return kEther;
+}
+int batteryPermanent() {
+  World& w = world();
+  w.charge -= (w.is_heating ? 60.0 : 0.0) * 0.1 + 40 * std::abs(w.v) * 0.1 + 1.0;
+  return kOk;
+}
+int batteryCameraStartUsingBatteryMain(int&) { return kExec; }
+int batteryPTUStartUsingBatteryMain(int&) { return kExec; }
+int batteryLaserStartUsingBatteryMain(int&) { return kExec; }
+int batteryWheelsStartUsingBatteryMain(int&) { return kExec; }
+int batteryAntennaStartUsingBatteryMain(int&) { return kExec; }
+
+// ---- PTU, VIAM, Hueblob: cameras
+int ptuMoveAbsoluteStart(int&) {
+  world().pan_to = world().arguments["PTU.MoveAbsolute"].at(0);
+  return kExec;
+}
+int ptuMoveAbsoluteMain(int&) {
+  World& w = world();
+  w.pan += std::clamp(w.pan_to - w.pan, -0.02, 0.02);
+  return std::abs(w.pan_to - w.pan) > 0.001 ? kExec : kEther;
+}
+int viamAcquireStart(int&) {
+  world().busy_until = world().now + 0.8;
+  return kExec;
+}
+int viamAcquireMain(int&) { return world().now < world().busy_until ? kExec : kEnd; }
+int viamAcquireEnd(int&) {
+  ++world().pictures;
+  return kEther;
+}
+// A red rock within three metres, in front.
+int hueblobMonitorMain(int&) {
+  World& w = world();
+  const double dx = w.rock_x - w.x, dy = w.rock_y - w.y;
+  if (!w.is_watching && std::hypot(dx, dy) < 3 && std::abs(wrapped(std::atan2(dy, dx) - w.heading)) < 0.8) w.is_watching = w.has_seen_rock = true;
+  return kExec;
+}
+
+// ---- Antenna: pictures to the orbiter, while it is there
+int antennaCheckWindow() { return world().orbiter_is_visible() ? kOk : 1; }
+int antennaCommunicateMain(int&) {
+  World& w = world();
+  if (w.sent == w.pictures || !w.orbiter_is_visible()) return kEther;
+  if (w.now >= w.busy_until) {
+    ++w.sent;
+    w.busy_until = w.now + 1;
+  }
+  return kExec;
+}
+
+// ---- ends at once and well
+int pomInitMain(int&) { return kEther; }
+int pomCheckReference() { return kOk; }
+int pomSetReferenceMain(int&) { return kEther; }
+int pomSetFrame() { return kOk; }
+int rflexInitMain(int&) { return kEther; }
+int rflexCheckTrack() { return kOk; }
+int rflexGotoPositionStart(int&) { return kExec; }
+int rflexGotoPositionEnd(int&) { return kEther; }
+int rflexGotoSpeedStart(int&) { return kExec; }
+int rflexGotoSpeedMain(int&) { return kEther; }
+int rflexGotoSpeedInter(int&) { return kEther; }
+int rflexSetPositionMain(int&) { return kEther; }
+int rflexBrakesOnMain(int&) { return kEther; }
+int rflexBrakesOffMain(int&) { return kEther; }
+int rflexCalibrateMain(int&) { return kEther; }
+int rflexMonitorBatteryMain(int&) { return kEther; }
+int rflexSonarOnMain(int&) { return kEther; }
+int rflexLogStartMain(int&) { return kEther; }
+int rflexSetMode() { return kOk; }
+int rflexTrackPermanent() { return kOk; }
+int laserrfInitStart(int&) { return kExec; }
+int laserrfInitMain(int&) { return kEther; }
+int laserCheckMode() { return kOk; }
+int laserrfSetModeMain(int&) { return kEther; }
+int laserrfSetResolutionMain(int&) { return kEther; }
+int laserCheckStart() { return kOk; }
+int laserrfStartAcquisitionStart(int&) { return kExec; }
+int laserrfOneScanMain(int&) { return kEther; }
+int laserrfSetSegmentationMain(int&) { return kEther; }
+int laserrfLogStartMain(int&) { return kEther; }
+int laserrfMonitorMain(int&) { return kEther; }
+int laserrfResetMain(int&) { return kEther; }
+int laserSetPeriod() { return kOk; }
+int laserSetFrame() { return kOk; }
+int laserSetPort() { return kOk; }
+int aspectInitMain(int&) { return kEther; }
+int aspectCheckView() { return kOk; }
+int aspectSetViewParametersMain(int&) { return kEther; }
+int aspectBuildMapStart(int&) { return kExec; }
+int aspectAddSegmentMain(int&) { return kEther; }
+int aspectSetSource() { return kOk; }
+int aspectSetRange() { return kOk; }
+int nddInitMain(int&) { return kEther; }
+int nddCheckParams() { return kOk; }
+int nddSetParamsMain(int&) { return kEther; }
+int nddSetDataSourceMain(int&) { return kEther; }
+int nddCheckSpeed() { return kOk; }
+int nddSetSpeedMain(int&) { return kEther; }
+int nddCheckGoal() { return kOk; }
+int heatingInitMain(int&) { return kEther; }
+int heatingCheckGoal() { return kOk; }
+int heatingHeatToInter(int&) { return kEther; }
+int heatingMonitorMain(int&) { return kEther; }
+int heatingCoolDownMain(int&) { return kEther; }
+int heatingSetLimits() { return kOk; }
+int batteryInitMain(int&) { return kEther; }
+int batteryCheckPower() { return kOk; }
+int batteryCameraStartUsingBatteryEnd(int&) { return kEther; }
+int batteryCameraStartUsingBatteryInter(int&) { return kEther; }
+int batteryPTUStartUsingBatteryEnd(int&) { return kEther; }
+int batteryPTUStartUsingBatteryInter(int&) { return kEther; }
+int batteryLaserStartUsingBatteryEnd(int&) { return kEther; }
+int batteryLaserStartUsingBatteryInter(int&) { return kEther; }
+int batteryWheelsStartUsingBatteryEnd(int&) { return kEther; }
+int batteryWheelsStartUsingBatteryInter(int&) { return kEther; }
+int batteryAntennaStartUsingBatteryEnd(int&) { return kEther; }
+int batteryAntennaStartUsingBatteryInter(int&) { return kEther; }
+int antennaInitMain(int&) { return kEther; }
+int antennaCommunicateStart(int&) { return kExec; }
+int antennaCommunicateInter(int&) { return kEther; }
+int antennaAddWindow() { return kOk; }
+int ptuInitStart(int&) { return kExec; }
+int ptuInitMain(int&) { return kEther; }
+int ptuCheckAngles() { return kOk; }
+int ptuMoveAbsoluteInter(int&) { return kEther; }
+int ptuMoveRelativeStart(int&) { return kExec; }
+int ptuMoveRelativeMain(int&) { return kEther; }
+int ptuMoveRelativeInter(int&) { return kEther; }
+int ptuTrackStart(int&) { return kExec; }
+int ptuTrackMain(int&) { return kEther; }
+int ptuTrackInter(int&) { return kEther; }
+int ptuCalibrateMain(int&) { return kEther; }
+int ptuSetSpeed() { return kOk; }
+int ptuPermanent() { return kOk; }
+int viamInitMain(int&) { return kEther; }
+int viamCheckFormat() { return kOk; }
+int viamConfigureMain(int&) { return kEther; }
+int viamCheckBank() { return kOk; }
+int viamAcquireInter(int&) { return kEther; }
+int viamAcquireContinuousStart(int&) { return kExec; }
+int viamAcquireContinuousMain(int&) { return kEnd; }
+int viamAcquireContinuousEnd(int&) { return kEther; }
+int viamAcquireContinuousInter(int&) { return kEther; }
+int viamSaveMain(int&) { return kEther; }
+int viamLoadMain(int&) { return kEther; }
+int viamDisplayMain(int&) { return kEther; }
+int viamDisplayInter(int&) { return kEther; }
+int viamLogStartMain(int&) { return kEther; }
+int viamSetExposure() { return kOk; }
+int viamSetGain() { return kOk; }
+int viamCreateBank() { return kOk; }
+int hueblobInitMain(int&) { return kEther; }
+int hueCheckMonitor() { return kOk; }
+int hueblobMonitorStart(int&) { return kExec; }
+int hueblobMonitorEnd(int&) { return kEther; }
+int hueblobMonitorInter(int&) { return kEther; }
+int hueblobDetectStart(int&) { return kExec; }
+int hueblobDetectMain(int&) { return kEnd; }
+int hueblobDetectEnd(int&) { return kEther; }
+int hueCheckHue() { return kOk; }
+int hueblobSetHueMain(int&) { return kEther; }
+int hueblobLearnStart(int&) { return kExec; }
+int hueblobLearnMain(int&) { return kEnd; }
+int hueblobLearnEnd(int&) { return kEther; }
+int hueSetSource() { return kOk; }
+int huePermanent() { return kOk; }
+int dtmInitMain(int&) { return kEther; }
+int dtmCheckFuse() { return kOk; }
+int dtmFuseStart(int&) { return kExec; }
+int dtmFuseMain(int&) { return kEnd; }
+int dtmFuseEnd(int&) { return kEther; }
+int dtmFuseInter(int&) { return kEther; }
+int dtmFuseContinuousStart(int&) { return kExec; }
+int dtmFuseContinuousMain(int&) { return kEnd; }
+int dtmFuseContinuousEnd(int&) { return kEther; }
+int dtmFuseContinuousInter(int&) { return kEther; }
+int dtmResetMapMain(int&) { return kEther; }
+int dtmSaveMain(int&) { return kEther; }
+int dtmLoadMain(int&) { return kEther; }
+int dtmExtractMain(int&) { return kEnd; }
+int dtmExtractEnd(int&) { return kEther; }
+int dtmSetResolution() { return kOk; }
+int dtmSetSource() { return kOk; }
+int dtmPermanent() { return kOk; }
+int stereoInitMain(int&) { return kEther; }
+int stereoCheckPair() { return kOk; }
+int stereoCorrelateStart(int&) { return kExec; }
+int stereoCorrelateMain(int&) { return kEnd; }
+int stereoCorrelateEnd(int&) { return kEther; }
+int stereoCorrelateInter(int&) { return kEther; }
+int stereoCorrelateContinuousStart(int&) { return kExec; }
+int stereoCorrelateContinuousMain(int&) { return kEnd; }
+int stereoCorrelateContinuousEnd(int&) { return kEther; }
+int stereoCorrelateContinuousInter(int&) { return kEther; }
+int stereoRectifyMain(int&) { return kEnd; }
+int stereoRectifyEnd(int&) { return kEther; }
+int stereoCalibrateMain(int&) { return kEther; }
+int stereoSaveMain(int&) { return kEther; }
+int stereoSetParameters() { return kOk; }
+int stereoSetSource() { return kOk; }
+int stereoPermanent() { return kOk; }
+int p3dInitMain(int&) { return kEther; }
+int p3dCheckGoal() { return kOk; }
+int p3dGoToStart(int&) { return kExec; }
+int p3dGoToMain(int&) { return kEnd; }
+int p3dGoToEnd(int&) { return kEther; }
+int p3dGoToInter(int&) { return kEther; }
+int p3dTrackPathStart(int&) { return kExec; }
+int p3dTrackPathMain(int&) { return kEnd; }
+int p3dTrackPathEnd(int&) { return kEther; }
+int p3dTrackPathInter(int&) { return kEther; }
+int p3dEvaluateMain(int&) { return kEther; }
+int p3dCheckArcs() { return kOk; }
+int p3dSetArcsMain(int&) { return kEther; }
+int p3dSetCostsMain(int&) { return kEther; }
+int p3dSetDemMain(int&) { return kEther; }
+int p3dPlanStart(int&) { return kExec; }
+int p3dPlanMain(int&) { return kEther; }
+int p3dPlanInter(int&) { return kEther; }
+int p3dLogStartMain(int&) { return kEther; }
+int p3dRecoverMain(int&) { return kEther; }
+int p3dSetSpeed() { return kOk; }
+int p3dSetSource() { return kOk; }
+int p3dSetPoseSource() { return kOk; }
+int p3dPermanent() { return kOk; }

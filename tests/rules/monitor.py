@@ -1,0 +1,159 @@
+"""Watches a trace of a functional level for states that rules forbid. Written from what rules mean, not from how they are translated.
+
+A rule is a tuple: ("before", A, B), ("apart", A, B), ("during", A, B), ("fresh", A, POSTER, ticks, kept), ("at most", A, ticks),
+("at least", A, ticks, B), ("sum", parameter, most). A service is "MODULE.NAME"; with several instances it runs while one does.
+"""
+import json
+import re
+
+INSTANCE = re.compile(r"_\d+$")  # of a service, from the second on
+
+
+class Forbidden(Exception):
+    pass
+
+
+class Activity:
+    """One instance of a service, as the ports of its controller tell it."""
+
+    def __init__(self):
+        self.accepted = self.runs = self.told = self.in_codel = False
+
+
+class Monitor:
+    def __init__(self, rules):
+        self.rules = rules
+        self.activities = {}   # service -> {component -> Activity}
+        self.succeeded = set()
+        self.age = {}          # poster -> steps since it was written
+        self.asked = {}        # service -> parameter -> value of the request that is looked at
+        self.value = {}        # ... of the last one accepted
+        self.accepted_at, self.ended_at = {}, {}
+        self.now = 0
+        self.counts = {"ticks": 0, "accepted": 0, "rejected": 0, "stopped": 0}
+        self.reports = set()
+
+    # ---- what the rules speak of ----
+    def instances(self, service):
+        return self.activities.get(service, {}).values()
+
+    def active(self, service):
+        return any(a.accepted for a in self.instances(service))
+
+    def running(self, service):
+        return any(a.runs for a in self.instances(service))
+
+    def untold(self, service):
+        """Something of it runs, or may begin to, and nobody told it to stop; while a codel runs nobody can."""
+        return any(a.accepted and not a.told and not a.in_codel for a in self.instances(service))
+
+    # ---- the trace ----
+    def follow(self, lines):
+        for line in lines:
+            step = json.loads(line)
+            if step.get("end") in ("error", "deadlock"):
+                raise Forbidden(f"the run ends with {step}")
+            if "interaction" in step or "port" in step:
+                try:
+                    self.step(step)
+                except Forbidden as e:
+                    raise Forbidden(f"step {step.get('step')}, {step.get('interaction')}: {e}") from None
+
+    def step(self, step):
+        name = step.get("interaction", "")[len("ROOT."):]
+        ports = [p["port"].removeprefix("ROOT.") for p in step.get("ports", [])]
+        if any(p == "masterTimer.tick" for p in ports):
+            self.tick()
+        for port in ports:
+            module, *path, event = port.split(".")
+            if module in ("semaphore", "masterTimer") or not path:
+                continue
+            self.event(module, path, event, name)
+        if "_reject_" in name:
+            self.counts["rejected"] += 1
+            self.reports.update(p["values"]["rep"] for p in step["ports"] if "rep" in p.get("values", {}))
+        if "_stop_" in name and any(p.endswith((".halt", ".cancel")) for p in ports):
+            self.counts["stopped"] += 1
+
+    def event(self, module, path, event, name):
+        if path[-1] == "box" and event.startswith("read_"):
+            service = f"{module}.{event[len('read_'):]}"
+            self.asked[service] = dict(self.parameters(name, f"{module}_read_{event[len('read_'):]}"))
+        elif path[-1] == "box" and event.startswith("allow_"):
+            self.decided(f"{module}.{event[len('allow_'):]}")
+        elif event == "write" and len(path) == 1:
+            self.age[f"{module}.{path[0]}"] = 0
+        elif event == "grow" and len(path) == 1:
+            self.age[f"{module}.{path[0]}"] = self.age.get(f"{module}.{path[0]}", 0) + 1
+        elif path[-1] in ("controller", "activity") or len(path) == 1:
+            component = path[0]
+            if path[-1] == "activity" and event in ("abt", "rest", "resume"):
+                return
+            service = f"{module}.{INSTANCE.sub('', component)}"
+            if path[-1] == "activity":
+                self.activities.setdefault(service, {}).setdefault(component, Activity()).in_codel = event.startswith("run_")
+                return
+            self.controller(service, component, event, is_control=len(path) == 1)
+
+    @staticmethod
+    def parameters(name, prefix):
+        words = name[len(prefix) + 1:].split("_")
+        return [(words[i], words[i + 1]) for i in range(0, len(words) - 1, 2)]
+
+    def controller(self, service, component, event, is_control):
+        a = self.activities.setdefault(service, {}).setdefault(component, Activity())
+        if event == "trig":
+            a.accepted, a.told, a.runs = True, False, is_control
+            self.counts["accepted"] += 1
+            self.value[service] = self.asked.get(service, {})
+            self.accepted_at[service] = self.now
+            self.accepted(service)
+            if is_control:
+                self.together()
+        elif event == "start":
+            a.runs = True
+            self.together()
+        elif event in ("halt", "abt"):
+            a.told = True
+        elif event in ("fin", "nofin", "intr", "fail", "cancel"):
+            if event == "fin" or (event == "intr" and not a.told):
+                self.succeeded.add(service)
+            a.accepted = a.runs = False
+            self.ended_at[service] = self.now
+
+    # ---- the rules ----
+    def decided(self, service):
+        for rule in self.rules:
+            if rule[0] == "fresh" and rule[1] == service and self.age.get(rule[2], 0) > rule[3]:
+                raise Forbidden(f"{service} is allowed, {rule[2]} is {self.age[rule[2]]} old")
+            if rule[0] == "during" and rule[1] == service and not self.active(rule[2]):
+                raise Forbidden(f"{service} is allowed, {rule[2]} is not active")
+            if rule[0] == "at least" and rule[1] == service and rule[3] in self.accepted_at:
+                ended = self.now - self.ended_at.get(rule[3], self.now)
+                if self.active(rule[3]) or ended < rule[2]:
+                    raise Forbidden(f"{service} is allowed {ended} ticks after {rule[3]}")
+
+    def accepted(self, service):
+        for rule in self.rules:
+            if rule[0] == "before" and rule[2] == service and rule[1] not in self.succeeded:
+                raise Forbidden(f"{service} is accepted, {rule[1]} has never succeeded")
+            if rule[0] == "sum":
+                total = sum(int(v.get(rule[1], 0)) for s, v in self.value.items() if self.active(s))
+                if total > rule[2]:
+                    raise Forbidden(f"the sum of {rule[1]} is {total}")
+
+    def together(self):
+        for rule in self.rules:
+            if rule[0] == "apart" and self.running(rule[1]) and self.running(rule[2]):
+                raise Forbidden(f"{rule[1]} and {rule[2]} overlap")
+
+    def tick(self):
+        self.now += 1
+        self.counts["ticks"] += 1
+        for rule in self.rules:
+            if rule[0] == "during" and self.untold(rule[1]) and not self.active(rule[2]):
+                raise Forbidden(f"{rule[1]} runs on without {rule[2]}")
+            if rule[0] == "fresh" and rule[4] and self.untold(rule[1]) and self.age.get(rule[2], 0) > rule[3]:
+                raise Forbidden(f"{rule[1]} runs on, {rule[2]} is {self.age[rule[2]]} old")
+            if rule[0] == "at most" and self.untold(rule[1]) and self.now - self.accepted_at[rule[1]] > rule[2]:
+                raise Forbidden(f"{rule[1]} has run for {self.now - self.accepted_at[rule[1]]} ticks")
