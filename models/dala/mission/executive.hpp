@@ -42,6 +42,7 @@ class Executive {
       const std::vector<Step>& steps = procedures_.at(name);
       if (at == steps.size()) {
         stack_.pop_back();
+        if (stack_.empty() && world_.nearest < kRadius) ++surprises_;
         if (stack_.empty()) log("mission over: %.1f m driven, %d pictures, %d sent, nearest obstacle %.2f m, %d surprises", world_.driven, world_.pictures, world_.sent, world_.nearest, surprises_);
         continue;
       }
