@@ -306,7 +306,7 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
   command->add_flag_callback("--disable-maximal-progress", [&a] { a.maximal_progress = false; }, "the run had it too");
   add_compile(*command, a.compile);
   command->footer(
-      "Takes the choices of TRACE and compares the candidates of every state, in any order, with names and values. The first\n"
+      "Takes the choices of TRACE and compares the candidates of every state, in any order, with names, values and intervals. The first\n"
       "difference is told with both sets and ends with 1.\n"
       "Example:\n  bipc replay --published run.txt model.bip");
 }

@@ -1,7 +1,8 @@
 // `bipc replay --published TRACE FILE`: does a model still mean what the published engine made of it.
 //
 // Follows the choices of the trace with our own core and compares, state by state, the candidates as multisets of their
-// printed form (names and port values). The first difference is told with both sets.
+// printed form (names, port values and, of models with time, the intervals in which each may be taken). The first difference
+// is told with both sets.
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -12,6 +13,7 @@
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/system/timed.hpp"
+#include "runtime/engine/event_file.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::driver {
@@ -34,6 +36,15 @@ std::vector<Shown> our_candidates(rt::Core& core, rt::Bip2Writer& writer) {
   writer.state(text, core, 0);
   const Result<std::vector<TraceState>> states = read_published_trace(text);
   return states && core.candidate_count() > 0 ? shown((*states).front().candidates) : std::vector<Shown>();
+}
+
+// Now and later, with their intervals.
+std::vector<Shown> our_future(rt::Core& core, rt::Bip2Writer& writer) {
+  std::string text;
+  writer.foresee(core);
+  writer.future_state(text, 0);
+  const Result<std::vector<TraceState>> states = read_published_trace(text);
+  return states && writer.has_future() ? shown((*states).front().candidates) : std::vector<Shown>();
 }
 
 // Those of `a` that `b` lacks, counted.
@@ -67,20 +78,25 @@ class Replay {
   bool follow(const std::vector<TraceState>& states) {
     if (!core_.initialize()) return fault(states.front(), 0);
     for (const TraceState& state : states) {
-      const std::vector<Shown> ours = our_candidates(core_, writer_);
+      std::vector<Shown> ours = core_.is_timed() ? our_future(core_, writer_) : our_candidates(core_, writer_);
       const std::vector<Shown> theirs = shown(state.candidates);
       // The last state of a run that was cut off may lack lines.
       const bool is_cut = !state.is_complete && &state == &states.back() && state.chosen.empty();
       if (!missing_in(theirs, ours).empty() || (!is_cut && !missing_in(ours, theirs).empty())) return differ(state, theirs, ours);
       ++compared_;
       if (state.chosen.empty()) continue;
+      if (core_.is_timed()) {
+        if (!pass_time(state)) return false;
+        ours = our_candidates(core_, writer_);
+      }
       const std::string wanted = normal_candidate(state.chosen);
       const auto chosen = std::find_if(ours.begin(), ours.end(), [&](const Shown& s) { return s.normal == wanted; });
       if (chosen == ours.end()) {
-        c_.diags.report(Diag::kB5021, {}, fmt::format("state #{} of `{}` chooses what it does not list: {}", state.number, trace_path_, state.chosen));
-        return false;
+        return fail(core_.is_timed() ? fmt::format("state #{} of `{}` chooses at {} what is not possible then: {}", state.number, trace_path_, state.instant, state.chosen)
+                                     : fmt::format("state #{} of `{}` chooses what it does not list: {}", state.number, trace_path_, state.chosen));
       }
-      if (!core_.fire(static_cast<std::uint64_t>(chosen - ours.begin()))) return fault(state, steps_);
+      const auto k = static_cast<std::uint64_t>(chosen - ours.begin());
+      if (core_.is_timed() ? !core_.take_timed(core_.position(k)) : !core_.fire(k)) return fault(state, steps_);
       ++steps_;
     }
     return true;
@@ -89,6 +105,23 @@ class Replay {
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
 
  private:
+  bool fail(std::string what) {
+    c_.diags.add(Diag::kB5021, {}, std::move(what));
+    return false;
+  }
+  // To the instant of the choice, over those at which something changes.
+  bool pass_time(const TraceState& state) {
+    if (state.instant.empty()) return fail(fmt::format("state #{} of `{}` does not say when it is left", state.number, trace_path_));
+    const rt::i64 to = rt::parse_time(state.instant);
+    if (to < 0) return fail(fmt::format("state #{} of `{}` is left at `{}`, which is no instant", state.number, trace_path_, state.instant));
+    if (to < core_.now()) return fail(fmt::format("state #{} of `{}` is left at {}, before it is reached", state.number, trace_path_, state.instant));
+    while (core_.now() < to) {
+      const rt::i64 next = std::min(to, core_.next_change());
+      if (next > core_.wait_limit(ends_)) return fail(fmt::format("state #{} of `{}` is left at {}, to which time may not pass in the model", state.number, trace_path_, state.instant));
+      if (!core_.advance(next)) return fault(state, steps_);
+    }
+    return true;
+  }
   bool differ(const TraceState& state, const std::vector<Shown>& theirs, const std::vector<Shown>& ours) {
     auto d = c_.diags.report(Diag::kB5021, {}, fmt::format("state #{} differs from `{}`, line {}", state.number, trace_path_, state.line));
     for (const std::string& text : missing_in(theirs, ours)) d.note("only in the trace: " + text);
@@ -106,6 +139,7 @@ class Replay {
   const std::string& trace_path_;
   rt::Core core_;
   rt::Bip2Writer writer_;
+  std::vector<rt::i64> ends_;
   std::uint64_t compared_ = 0, steps_ = 0;
 };
 
@@ -115,8 +149,8 @@ int command_replay(const ReplayArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
-  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with time").note(timed);
+  if (const std::string port = system::first_event_port(*c.system); !port.empty()) {
+    c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with events, which they do not hold,").note(port);
     return report(c);
   }
   if (!executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);

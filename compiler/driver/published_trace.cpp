@@ -10,6 +10,7 @@ namespace bip::driver {
 namespace {
 
 constexpr std::string_view kPrefix = "[BIP ENGINE]:";
+constexpr std::string_view kAtTime = " at global time ";
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front())) != 0) text.remove_prefix(1);
@@ -118,6 +119,11 @@ Result<std::vector<TraceState>> read_published_trace(std::string_view text) {
       if (!states.empty()) states.back().is_complete = expected == 0;
     } else if (take(line, "-> choose")) {
       if (states.empty() || !take_candidate(trimmed(line), states.back().chosen)) return Failure{fmt::format("line {} chooses nothing that can be read", number)};
+      TraceState& state = states.back();
+      if (const std::size_t at = state.chosen.rfind(kAtTime); at != std::string::npos && state.chosen.find('"', at) == std::string::npos) {
+        state.instant = trimmed(std::string_view(state.chosen).substr(at + kAtTime.size()));
+        state.chosen.resize(at);
+      }
     } else if (line.starts_with('[')) {
       if (states.empty() || !take_candidate(line, candidate)) return Failure{fmt::format("line {} is no interaction of a state", number)};
       states.back().candidates.push_back(std::move(candidate));

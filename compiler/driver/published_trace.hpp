@@ -15,8 +15,9 @@ namespace bip::driver {
 struct TraceState {
   std::uint64_t number = 0;
   std::size_t line = 0;                 // of its first line, from 1
-  std::vector<std::string> candidates;  // without "[k] "
+  std::vector<std::string> candidates;  // without "[k] ", with their intervals
   std::string chosen;                   // empty: none
+  std::string instant;                  // "1s500ms", when it was taken; empty: the trace has no time
   bool is_deadlock = false;
   bool is_complete = false;             // as many candidates as its first line says
 };

@@ -34,6 +34,10 @@ std::string event_port_of(const System& system, const AtomType& type) {
 
 }  // namespace
 
+std::string first_event_port(const System& system) {
+  return first_of(system, [&](const AtomType& type) { return event_port_of(system, type); });
+}
+
 std::string first_event_with_object(const System& system) {
   return first_of(system, [&](const AtomType& type) -> std::string {
     for (const Port& port : type.ports) {

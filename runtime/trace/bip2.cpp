@@ -128,13 +128,14 @@ void Bip2Writer::foresee(Core& core) {
   future_ = future_candidates(core, [this](std::string& text, Core& c, const Candidate& candidate) { append_body(text, c, candidate); });
 }
 
-void Bip2Writer::foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen) {
-  const auto append_one = [&](std::size_t k) {
-    out += '[';
-    append_number(out, k);
-    out += "] ";
-    out += future_[k].text;
-  };
+void Bip2Writer::append_foreseen(std::string& out, std::size_t k) const {
+  out += '[';
+  append_number(out, k);
+  out += "] ";
+  out += future_[k].text;
+}
+
+void Bip2Writer::future_state(std::string& out, std::uint64_t number) const {
   out += kPrefix;
   out += "state #";
   append_number(out, number);
@@ -147,27 +148,32 @@ void Bip2Writer::foreseen(std::string& out, Core& core, std::uint64_t number, co
   if (interactions > 0 && interactions < future_.size()) out += " and ";
   if (interactions < future_.size()) append_count(out, future_.size() - interactions, "internal port");
   out += ":\n";
-  std::string text;
-  append_body(text, core, chosen);
-  std::size_t taken = future_.size();
   for (std::size_t k = 0; k < future_.size(); ++k) {
     out += kPrefix;
     out += "  ";
-    append_one(k);
+    append_foreseen(out, k);
     for (const Interval& interval : future_[k].intervals) {
       out += ' ';
       append_interval(out, interval);
     }
     out += '\n';
-    if (future_[k].slot == chosen.slot && future_[k].text == text) taken = k;
   }
-  if (taken == future_.size()) return;
-  out += kPrefix;
-  out += "-> choose ";
-  append_one(taken);
-  out += " at global time ";
-  append_time(out, core.now());
-  out += '\n';
+}
+
+void Bip2Writer::foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen) {
+  future_state(out, number);
+  std::string text;
+  append_body(text, core, chosen);
+  for (std::size_t k = 0; k < future_.size(); ++k) {
+    if (future_[k].slot != chosen.slot || future_[k].text != text) continue;
+    out += kPrefix;
+    out += "-> choose ";
+    append_foreseen(out, k);
+    out += " at global time ";
+    append_time(out, core.now());
+    out += '\n';
+    return;
+  }
 }
 
 // The published engine's own words, for scripts that look for them.

@@ -39,6 +39,9 @@ class Bip2Writer {
   void choice(std::string& out, Core& core, std::uint64_t k);
   /// Images with time: the state's candidates now and later, before time passes; then the state and the choice as they were.
   void foresee(Core& core);
+  /// The state alone, with the intervals; for who only looks at it.
+  void future_state(std::string& out, std::uint64_t number) const;
+  [[nodiscard]] bool has_future() const { return !future_.empty(); }
   void foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen);
   void end(std::string& out, const Core& core, End end, std::uint64_t number);
   /// `ERROR: invariant ROOT.a.i violated!`; nothing for faults that the published engine does not know.
@@ -47,6 +50,7 @@ class Bip2Writer {
  private:
   void append(std::string& out, Core& core, std::uint64_t k);
   void append_body(std::string& out, Core& core, const Candidate& candidate);
+  void append_foreseen(std::string& out, std::size_t k) const;
   std::vector<Participant> participants_;
   std::vector<FutureCandidate> future_;
   i64 foreseen_at_ = 0;
