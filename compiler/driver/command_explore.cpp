@@ -32,16 +32,6 @@ void write(std::FILE* file, const std::string& text) {
   std::fflush(file);
 }
 
-const char* name_of(rt::ExploreEnd end) {
-  switch (end) {
-    case rt::ExploreEnd::Complete: return "complete";
-    case rt::ExploreEnd::States: return "limit";
-    case rt::ExploreEnd::Memory: return "memory";
-    case rt::ExploreEnd::Time: return "time";
-    case rt::ExploreEnd::Stopped: return "interrupted";
-  }
-  return "";
-}
 const char* name_of(rt::Reduction reduction) {
   return reduction == rt::Reduction::None ? "none" : reduction == rt::Reduction::Por ? "por" : "symmetry";
 }

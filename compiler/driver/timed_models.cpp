@@ -40,17 +40,7 @@ Found first_of(const rt::ZoneReport& found) {
   return {};
 }
 
-const char* end_of(const rt::ZoneReport& found) {
-  if (!found.inexact.empty()) return "inexact";
-  switch (found.end) {
-    case rt::ExploreEnd::Complete: return "complete";
-    case rt::ExploreEnd::States: return "limit";
-    case rt::ExploreEnd::Memory: return "memory";
-    case rt::ExploreEnd::Time: return "time";
-    case rt::ExploreEnd::Stopped: return "interrupted";
-  }
-  return "";
-}
+const char* end_of(const rt::ZoneReport& found) { return found.inexact.empty() ? name_of(found.end) : "inexact"; }
 
 nlohmann::ordered_json way_json(const rt::TimedWay& way, const rt::ToldWay& told) {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();

@@ -43,6 +43,17 @@ std::string published_count(u64 n, const char* what) { return n == 0 ? "0 " + st
 
 }  // namespace
 
+const char* name_of(ExploreEnd end) {
+  switch (end) {
+    case ExploreEnd::Complete: return "complete";
+    case ExploreEnd::States: return "limit";
+    case ExploreEnd::Memory: return "memory";
+    case ExploreEnd::Time: return "time";
+    case ExploreEnd::Stopped: return "interrupted";
+  }
+  return "";
+}
+
 std::string published_line(const ExploreReport& report) {
   std::string text = " found " + published_count(report.states, "reachable state") + ", " + published_count(report.deadlocks, "deadlock") +
                      ", and " + published_count(report.errors, "error");

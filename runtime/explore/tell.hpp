@@ -9,6 +9,8 @@
 
 namespace bip::rt {
 
+/// "complete", "limit", "memory", "time", "interrupted".
+[[nodiscard]] const char* name_of(ExploreEnd end);
 /// `explored: 82 reachable states, 205 steps, 1 deadlock, 0 errors`, with `limit:` … and `at least` if it is partial.
 [[nodiscard]] std::string summary_line(const ExploreReport& report);
 /// The published engine's: ` found 82 reachable states, 1 deadlock, and 0 error`. Before it go kPublishedBegin and the dots.
