@@ -111,6 +111,9 @@ int run_command_line(int argc, char** argv) {
     std::fputs(app.help().c_str(), stdout);
     return argc > 1 ? kUsage : kOk;
   }
+  if (app.got_subcommand("replay") && arguments.replay.published_trace.empty() && arguments.replay.recorded_trace.empty()) {
+    return usage_error("a trace is needed: --published or --recorded", help_of(app, argc, argv));
+  }
   return dispatch(app, arguments);
 }
 

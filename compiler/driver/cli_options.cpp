@@ -23,6 +23,9 @@ const Names<Backend> kBackends{{"jit", Backend::Jit}, {"interp", Backend::Interp
 const Names<rt::Policy> kPolicies{{"uniform", rt::Policy::Uniform}, {"first", rt::Policy::First}, {"fair", rt::Policy::Fair}};
 const Names<rt::TraceFormat> kTraceFormats{
     {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}};
+const Names<rt::TraceFormat> kRecordFormats{
+    {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}, {"binary", rt::TraceFormat::Binary}};
+const Names<rt::Engine> kEngines{{"sequential", rt::Engine::Sequential}, {"threads", rt::Engine::Threads}, {"batch", rt::Engine::Batch}};
 
 const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela}, {"pnml", ExportFormat::Pnml}};
 const Names<rt::Reduction> kReductions{
@@ -123,8 +126,11 @@ void add_run(CLI::App& app, RunArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
   add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
   command->add_option("--trace", a.run.trace_path, "write the run to PATH, as JSON lines or as --trace-format says")->type_name("PATH");
-  add_choice(*command, "--trace-format", a.run.format, kTraceFormats, "steps|json|bip2",
-             "form of the steps; bip2 is the reference engine's");
+  add_choice(*command, "--trace-format", a.run.format, kRecordFormats, "steps|json|bip2|binary",
+             "form of the steps; bip2 is the reference engine's, binary a byte or two a step for `bipc replay`");
+  add_choice(*command, "--engine", a.run.engine, kEngines, "sequential|threads|batch",
+             "threads: long actions at the same time; batch: short steps of a large system, a part a thread");
+  command->add_option("--threads", a.run.threads, "of these engines (default: one a processor)")->check(CLI::Range(1, 256))->type_name("N");
   command->add_flag("--asap", a.run.asap, "models with time: each step as soon as it is possible");
   command->add_flag_callback("--real-time", [&a] { a.run.speed = a.run.speed > 0 ? a.run.speed : 1; },
                              "time passes as on the wall clock; without, it is logical and nothing sleeps");
@@ -301,14 +307,23 @@ void add_published(CLI::App& app, PublishedArguments& a) {
 void add_replay(CLI::App& app, ReplayArguments& a) {
   CLI::App* command = app.add_subcommand("replay", "follow a recorded run and compare each state");
   command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
-  command->add_option("--published", a.published_trace, "the text that the published engine (or --trace-format=bip2) wrote")->required()->type_name("TRACE");
+  CLI::Option* published = command->add_option("--published", a.published_trace, "the text that the published engine (or --trace-format=bip2) wrote");
+  published->type_name("TRACE");
+  command->add_option("--recorded", a.recorded_trace, "a binary trace (`bipc run --trace-format=binary`); its steps are printed")
+      ->type_name("TRACE")
+      ->excludes(published);
+  add_choice(*command, "--trace-format", a.format, kTraceFormats, "steps|json|bip2", "--recorded: form of the steps");
+  command->add_flag("--silent", a.silent, "--recorded: no step lines");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
   command->add_flag_callback("--disable-maximal-progress", [&a] { a.maximal_progress = false; }, "the run had it too");
   add_compile(*command, a.compile);
   command->footer(
-      "Takes the choices of TRACE and compares the candidates of every state, in any order, with names, values and intervals. The first\n"
-      "difference is told with both sets and ends with 1.\n"
-      "Example:\n  bipc replay --published run.txt model.bip");
+      "--published takes the choices of TRACE and compares the candidates of every state, in any order, with names, values and\n"
+      "intervals.\n"
+      "--recorded asks whether each step is a candidate where it is taken, and whether the last state is the recorded one.\n"
+      "The first difference is told and ends with 1.\n"
+      "Example:\n  bipc replay --published run.txt model.bip\n"
+      "  bipc run --seed 1 --limit 100 --trace run.bin --trace-format binary model.bip && bipc replay --recorded run.bin model.bip");
 }
 
 void add_migrate(CLI::App& app, MigrateArguments& a) {

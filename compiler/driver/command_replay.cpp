@@ -1,10 +1,15 @@
-// `bipc replay --published TRACE FILE`: does a model still mean what the published engine made of it.
+// `bipc replay --published TRACE FILE`: does a model still mean what the published engine made of it. And --recorded: is a binary
+// trace a run of the model, shown in another format (runtime/engine/follow.hpp).
 //
-// Follows the choices of the trace with our own core and compares, state by state, the candidates as multisets of their
-// printed form (names, port values and, of models with time, the intervals in which each may be taken). The first difference
-// is told with both sets.
+// --published follows the choices of the trace with our own core and compares, state by state, the candidates as multisets of their
+// printed form (names, port values and, of models with time, the intervals in which each may be taken). The first difference is
+// told with both sets.
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
 #include <map>
 
 #include "compiler/driver/commands.hpp"
@@ -14,6 +19,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/system/timed.hpp"
 #include "runtime/engine/event_file.hpp"
+#include "runtime/engine/follow.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::driver {
@@ -143,6 +149,28 @@ class Replay {
   std::uint64_t compared_ = 0, steps_ = 0;
 };
 
+int replay_recorded(Compilation& c, const ReplayArguments& arguments) {
+  std::ifstream file(arguments.recorded_trace, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
+    c.diags.report(Diag::kB0090, {}, arguments.recorded_trace, std::strerror(errno));
+    return report(c);
+  }
+  rt::RunOptions options;
+  options.silent = arguments.silent;
+  options.format = arguments.format;
+  const rt::Followed followed = rt::follow(c.lowered->image, bytes, options, stdout);
+  if (!followed.is_trace) {
+    c.diags.report(Diag::kB0090, {}, arguments.recorded_trace, followed.problem);
+  } else if (!followed.problem.empty()) {
+    auto d = c.diags.report(Diag::kB5021, {}, followed.problem);
+    if (!followed.candidates.empty()) d.note("the model has" + followed.candidates);
+  } else {
+    std::printf("replay: %llu step%s and the end agree\n", static_cast<unsigned long long>(followed.steps), followed.steps == 1 ? "" : "s");
+  }
+  return report(c);
+}
+
 }  // namespace
 
 int command_replay(const ReplayArguments& arguments) {
@@ -154,6 +182,7 @@ int command_replay(const ReplayArguments& arguments) {
     return report(c);
   }
   if (!executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
+  if (!arguments.recorded_trace.empty()) return replay_recorded(c, arguments);
   SourceMap traces;
   const Result<FileId> file = traces.load(arguments.published_trace);
   if (!file) {

@@ -112,11 +112,13 @@ struct ExportArguments {
   ExportFormat format = ExportFormat::Promela;
   bool maximal_progress = true;
 };
-/// A file checked against a trace of the published engine.
+/// A file checked against a trace: of the published engine, or a binary one.
 struct ReplayArguments {
   CompileOptions compile;
   std::string file;
-  std::string published_trace;
+  std::string published_trace, recorded_trace;  // one of them
+  rt::TraceFormat format = rt::TraceFormat::Steps;
+  bool silent = false;
   Backend backend = Backend::Auto;
   bool maximal_progress = true;
 };

@@ -55,7 +55,7 @@ Core::Core(const Image& image, CoreOptions options)
   link_steps();
 }
 
-Core::FlatGuard Core::flat_guard(const SlotInfo& info) {
+FlatGuard Core::flat_guard(const SlotInfo& info) {
   if (info.kind != SlotKind::Flat || info.clause == kNone || !extern_data_.empty()) return {};
   const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
   const Code guard = tables_.code(clause.guard);
@@ -249,6 +249,12 @@ std::vector<u32> Core::last_slots() const {
     }
   }
   return last;
+}
+
+std::vector<u32> Core::recent_slots(u64 count) const {
+  std::vector<u32> slots;
+  for (u64 i = count; i > 0; --i) slots.push_back(history_[(history_at_ + kHistory - i) % kHistory]);
+  return slots;
 }
 
 u32 Core::listed_count(u32 connector) const {

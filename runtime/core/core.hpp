@@ -6,14 +6,17 @@
 // the step touched. No allocation in steady state unless a guarded connector is searched.
 // Faults (R codes) stop it: initialize and fire return false, fault() tells why.
 #pragma once
+#include <functional>
 #include <map>
 #include <memory>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "runtime/core/core_rows.hpp"
 #include "runtime/core/extern_data.hpp"
 #include "runtime/core/fault.hpp"
+#include "runtime/core/partial.hpp"
 #include "runtime/core/prng.hpp"
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/select.hpp"
@@ -22,6 +25,10 @@
 #include "runtime/core/time_state.hpp"
 
 namespace bip::rt {
+
+struct BatchPlan;
+struct BatchPart;
+class Team;
 
 /// Has an atom to do with time?
 [[nodiscard]] bool has_time(const Image& image);
@@ -46,7 +53,6 @@ class Core {
   void keep_list();
   /// In the list's order; empty without one.
   [[nodiscard]] std::vector<u32> list_order() const;
-  /// Of the same state.
   void set_list_order(const std::vector<u32>& order);
   /// The k-th candidate in the list's order while every slot in it has one, else in canonical order; k < candidate_count().
   /// Needs the list. O(1) while every slot has one.
@@ -60,6 +66,8 @@ class Core {
   [[nodiscard]] std::uint64_t number(EnabledSet::Position at) const { return enabled_.rank(at.slot) + at.rank; }
   [[nodiscard]] Candidate candidate(EnabledSet::Position at) const;
 
+  /// Is there such a candidate?
+  [[nodiscard]] bool has(EnabledSet::Position at) const { return at.slot < tables_.slots.size() && at.rank < enabled_.weight(at.slot); }
   /// Takes the step. False: a fault; the state is then between two stable ones.
   bool fire(const Candidate& candidate);
   bool fire(std::uint64_t k) { return take(enabled_.select(k)); }
@@ -70,11 +78,19 @@ class Core {
     return *program != kNone ? run_program(program, at.slot) : fire(candidate(at));
   }
 
-  /// Can run_steps be used: the image has step functions for this system, and the list is kept.
+  /// Has the image step functions for this system, and is the list kept?
   [[nodiscard]] bool has_steps() const { return !run_of_.empty() && keeps_list_; }
-  /// Takes up to `limit` steps, drawn uniformly as `drawn` does; returns how many. Asks is_stopped now and then. sound: false
-  /// after a fault.
+  /// Up to `limit` steps, drawn as `drawn` does; returns how many. Asks is_stopped now and then. sound: false after a fault.
   u64 run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound);
+  /// Has every slot a step function?
+  [[nodiscard]] bool can_batch() const;
+  /// The same on the team's threads, in epochs (batch.hpp), while there is enough to do for all; run_steps must follow.
+  /// record, unless empty, is given what was fired, in an order that is a run.
+  u64 run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(), const std::function<void(const std::vector<u32>&)>& record);
+  [[nodiscard]] const PriorityTables& priorities() const { return rules_; }
+  static constexpr u32 kHistory = 1u << 14;
+  /// The slots fired last, at most kHistory of them, in their order.
+  [[nodiscard]] std::vector<u32> recent_slots(u64 count) const;
 
   /// The atom ports that take part, in the order in which they fire.
   void participants(const Candidate& candidate, std::vector<Participant>& out);
@@ -139,6 +155,19 @@ class Core {
   /// A variable of a port as a step shows it: of a port for events what the event brings.
   [[nodiscard]] const Slot& shown(u32 atom, u32 port, u32 variable) const;
 
+  // ---- partial states (partial.hpp): steps begun and finished apart. One caller at a time; only `run` may go on elsewhere
+  /// From now on only these take steps. Of an initialized image without time.
+  void allow_partial();
+  /// May a candidate of the slot begin, although atoms are at work?
+  [[nodiscard]] bool is_decided(u32 slot) const;
+  /// Appends what must run then, also if it returns false: a fault.
+  bool begin(EnabledSet::Position at, u64 step, std::vector<Work>& works);
+  [[nodiscard]] std::int32_t run(const Work& work);
+  Finished finish(Work& work, std::int32_t status);
+  [[nodiscard]] const PartialState* partial() const { return partial_.get(); }
+  /// Ends it, nothing being at work. False: a fault was met; fault() is the one of the earliest step.
+  bool end_partial();
+
   // ---- looking at the state
   [[nodiscard]] const Slot& slot(u32 row) const { return all_[row]; }
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const;
@@ -153,34 +182,6 @@ class Core {
   [[nodiscard]] u32 listed_count(u32 connector) const;
 
  private:
-  static constexpr u32 kHistory = 1u << 14;
-  struct AtomInfo {
-    u32 port_base = 0, slot_base = 0;
-    u32 type = 0;
-    u32 watched = 0;
-  };
-  struct PortState {
-    // Row of Tables::transitions: the enabled one, or kNone. For simple types the only one of the port, and the place
-    // from which it is enabled: their ports change with the atom's place, without being written to.
-    u32 transition = kNone;
-    u32 place = kNone;
-    u32 atom = 0;
-    u32 edge = 0;            // edge_count == 1: the node; else first row of port_out's items
-    u32 edge_count = 0;
-  };
-  /// The candidates of a searched slot.
-  struct Listing {
-    std::vector<u64> configs;  // Planned: count * words
-    u32 count = 0;
-    std::vector<std::uint8_t> hidden;  // by configuration; empty: none
-  };
-
-  /// The guard of a flat rendezvous, found without a look at the image.
-  struct FlatGuard {
-    u32 code = kNone;                // row of codes_
-    u32 own = 0, binds = 0;
-  };
-
   FlatGuard flat_guard(const SlotInfo& info);
   void forget();
   bool settle_anew();
@@ -196,6 +197,8 @@ class Core {
   // enabled.cpp
   bool settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired);
   bool run_internals(u32 atom);
+  bool find_internal(u32 atom, const LinkedTransition*& found);
+  bool move_tokens(u32 atom, const LinkedTransition& transition);
   bool update_ports(u32 atom, u32 place_before);
   bool check_invariants(u32 atom, const LinkedTransition* fired);
   bool move(u32 atom, const LinkedTransition& transition);
@@ -206,6 +209,12 @@ class Core {
   void crossed(u32 node, bool on);
   void touch(u32 atom);
   void mark_dirty(u32 slot);
+
+  // partial.cpp
+  bool begin_port(u32 instance);
+  bool settle_partial();
+  void note_fault(u64 step, u32 order);
+  [[nodiscard]] u64 last_step_of(u32 slot) const;
 
   // timed.cpp, measured.cpp, time_faults.cpp
   void build_time();
@@ -241,19 +250,6 @@ class Core {
   bool hide_ports(u32 atom, u32* transition_of_port);
 
   // programs.cpp, run_program.cpp
-  struct ProgramCode {
-    Code code;
-    u32 zeroed = 0;  // own slots that are zeroed before it runs
-  };
-  struct ProgramCodes {
-    std::vector<u32> words;                      // three a code
-    std::vector<std::pair<bool, u32>> owners;    // by code: a port instance (true) or a connector
-  };
-  struct ProgramParts {
-    ProgramCodes before, after;                  // the places
-    std::vector<u32> places, touched, instances;
-    std::vector<std::pair<u32, std::int32_t>> deltas;
-  };
   void build_programs();
   u32 code_row(Code code, u32 zeroed);
   void list_code(u32 connector, Code code, bool zeroes, ProgramCodes& out);
@@ -284,6 +280,12 @@ class Core {
     u64 inverse;
   };
   void link_steps();
+
+  // run_batch.cpp
+  void run_part(const BatchPlan& plan, BatchPart& part, bool records);
+  void cut_list(const BatchPlan& plan, std::vector<BatchPart>& parts, u64 draws);
+  void join_list(const std::vector<BatchPart>& parts);
+  u64 run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u32>& fired);
 
   // search.cpp: configurations of plans
   using Bits = std::vector<u64>;
@@ -368,6 +370,8 @@ class Core {
   std::vector<std::uint8_t> is_reweighed_;
 
   std::unique_ptr<TimeState> time_;        // null: the image has nothing to do with time
+  std::unique_ptr<PartialState> partial_;  // null: steps are taken at once
+  bool collects_ = false;                  // a step begins: its ports' actions are not run, but noted
 
   // scratch
   std::vector<Participant> participant_scratch_;

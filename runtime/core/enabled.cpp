@@ -108,9 +108,7 @@ bool Core::is_enabled_from(u32 atom, const LinkedTransition& transition, bool& e
   return true;
 }
 
-// Tokens, then the action.
-bool Core::move(u32 atom, const LinkedTransition& transition) {
-  const AtomInfo& state = atoms_[atom];
+bool Core::move_tokens(u32 atom, const LinkedTransition& transition) {
   if (transition.to != kNone) {
     places_[atom] = transition.to;
   } else {
@@ -122,6 +120,14 @@ bool Core::move(u32 atom, const LinkedTransition& transition) {
       marks[place >> 6] |= bit;
     }
   }
+  return true;
+}
+
+// Tokens, then the action.
+inline bool Core::move(u32 atom, const LinkedTransition& transition) {
+  const AtomInfo& state = atoms_[atom];
+  if (transition.to != kNone) places_[atom] = transition.to;
+  else if (!move_tokens(atom, transition)) return false;
   if (transition.action.fn != nullptr) {
     const std::int32_t status =
         transition.action.fn(transition.action.context, all_.data() + state.slot_base, all_.data(), nullptr);
@@ -131,28 +137,36 @@ bool Core::move(u32 atom, const LinkedTransition& transition) {
   return true;
 }
 
+// The internal transition that is enabled, null if none is.
+bool Core::find_internal(u32 atom, const LinkedTransition*& found) {
+  const LinkedType& type = tables_.types[atoms_[atom].type];
+  found = nullptr;
+  const auto look = [&](const LinkedTransition& transition) {
+    bool enabled = false;
+    if (!is_enabled_from(atom, transition, enabled)) return false;
+    if (!enabled) return true;
+    if (found != nullptr) return fail(FaultCode::TwoInternals, atom, found->source, transition.source);
+    found = &transition;
+    return true;
+  };
+  if (type.mark_words == 0) {
+    for (u32 row : tables_.place_internals[type.first_place + places_[atom]]) {
+      if (!look(tables_.transitions[row])) return false;
+    }
+    return true;
+  }
+  for (u32 i = 0; i < type.transition_count; ++i) {
+    const LinkedTransition& transition = tables_.transitions[type.first_transition + i];
+    if (transition.port == kNone && !look(transition)) return false;
+  }
+  return true;
+}
+
 bool Core::run_internals(u32 atom) {
   const LinkedType& type = tables_.types[atoms_[atom].type];
   for (std::uint32_t run = 0;; ++run) {
     const LinkedTransition* found = nullptr;
-    const auto look = [&](const LinkedTransition& transition) {
-      bool enabled = false;
-      if (!is_enabled_from(atom, transition, enabled)) return false;
-      if (!enabled) return true;
-      if (found != nullptr) return fail(FaultCode::TwoInternals, atom, found->source, transition.source);
-      found = &transition;
-      return true;
-    };
-    if (type.mark_words == 0) {
-      for (u32 row : tables_.place_internals[type.first_place + places_[atom]]) {
-        if (!look(tables_.transitions[row])) return false;
-      }
-    } else {
-      for (u32 i = 0; i < type.transition_count; ++i) {
-        const LinkedTransition& transition = tables_.transitions[type.first_transition + i];
-        if (transition.port == kNone && !look(transition)) return false;
-      }
-    }
+    if (!find_internal(atom, found)) return false;
     if (found == nullptr) return true;
     if (run >= options_.internal_bound) return fail(FaultCode::EndlessInternals, atom, found->source, nullptr);
     if (!move(atom, *found)) return false;
@@ -239,6 +253,7 @@ bool Core::settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired
 }
 
 bool Core::fire_port(u32 instance) {
+  if (collects_) return begin_port(instance);
   const PortState& port = ports_[instance];
   const u32 atom = port.atom;
   const AtomInfo& info = atoms_[atom];

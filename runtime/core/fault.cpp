@@ -122,7 +122,8 @@ bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transit
   if (function != nullptr) {
     fault_.code = FaultCode::Exception;
     fault_.what = "exception in " + quoted(function);
-    if (image().outside != nullptr && !image().outside->message().empty()) fault_.what += ": " + image().outside->message();
+    const std::string message = image().outside != nullptr ? image().outside->message() : "";
+    if (!message.empty()) fault_.what += ": " + message;
   }
   if (atom != kNone) {
     const AtomType& type = tables_.atom_type(atom);

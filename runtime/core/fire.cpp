@@ -11,9 +11,11 @@ namespace bip::rt {
 
 bool Core::fire(const Candidate& candidate) {
   const SlotInfo& info = tables_.slots[candidate.slot];
-  if (rows_.empty()) build_programs();
-  const u32* program = rows_.data() + std::size_t{candidate.slot} * row_words_;
-  if (*program != kNone) return run_program(program, candidate.slot);
+  if (partial_ == nullptr) {
+    if (rows_.empty()) build_programs();
+    const u32* program = rows_.data() + std::size_t{candidate.slot} * row_words_;
+    if (*program != kNone) return run_program(program, candidate.slot);
+  }
   remember(candidate.slot);
   bool done = false;
   switch (info.kind) {
@@ -22,7 +24,7 @@ bool Core::fire(const Candidate& candidate) {
     case SlotKind::Planned: done = fire_planned(candidate, info); break;
     case SlotKind::Port: done = fire_port(info.row); break;
   }
-  return done && settle();
+  return done && (partial_ == nullptr ? settle() : settle_partial());
 }
 
 void Core::zero_frame(u32 connector) {

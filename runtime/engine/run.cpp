@@ -4,6 +4,7 @@
 // before is put back; the flag it sets and whom it wakes are the only globals of the runtime: a signal handler can reach nothing else.
 #include "bip/run.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -11,15 +12,16 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <memory>
 
-#include "runtime/core/story.hpp"
-#include "runtime/core/text.hpp"
 #include "runtime/engine/ask.hpp"
+#include "runtime/engine/batch.hpp"
 #include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/output.hpp"
 #include "runtime/engine/scheduler.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/engine/real_time.hpp"
-#include "runtime/trace/trace.hpp"
+#include "runtime/engine/threads.hpp"
 
 namespace bip::rt {
 
@@ -32,120 +34,8 @@ extern "C" void bip_on_interrupt(int) {
   if (Waker* const waker = interrupt_wakes.load()) waker->wake();
 }
 
-// Text on its way to a file, written in large pieces.
-class Sink {
- public:
-  explicit Sink(std::FILE* file) : file_(file) {}
-  std::string text;
-  void drain(std::size_t threshold) {
-    if (text.size() <= threshold) return;
-    std::fwrite(text.data(), 1, text.size(), file_);
-    text.clear();
-  }
-  void flush() {
-    drain(0);
-    std::fflush(file_);
-  }
-
- private:
-  std::FILE* file_;
-};
-constexpr std::size_t kPiece = 1 << 16;
 // Real time: a wake-up later than this is late.
 constexpr i64 kTolerance = 1'000'000;
-
-// What is written, and where; one of a run.
-struct Output {
-  const RunOptions& options;
-  std::uint64_t seed;
-  Sink out;
-  Sink trace;
-  bool to_trace;
-  bool image_calls_cpp = false;
-  StepWriter steps{};
-  Bip2Writer bip2{};
-  JsonWriter json{};
-
-  [[nodiscard]] bool bip2_format() const { return options.format == TraceFormat::Bip2; }
-  [[nodiscard]] bool writes_steps() const { return !options.silent || options.debug || to_trace; }
-  // Calls write(text) for standard output and for the trace, where both have the bip2 format.
-  template <class Write>
-  void in_bip2(const Write& write) {
-    if (!options.silent) write(out.text);
-    if (to_trace) write(trace.text);
-  }
-  void begin(const Image& image) {
-    if (bip2_format()) {
-      in_bip2([&](std::string& text) { bip2.begin(text, seed, options.policy); });
-      if (options.silent) steps.begin(out.text, seed, options.policy);
-    } else {
-      steps.begin(out.text, seed, options.policy);
-      if (to_trace) json.begin(trace.text, image, seed, options.policy);
-    }
-    out.flush();
-  }
-  // What can be chosen now or later, before time passes.
-  void foresee(Core& core) {
-    if (core.is_timed() && bip2_format() && !options.interactive && writes_steps()) bip2.foresee(core);
-  }
-  // What can be chosen, for a person who is asked next.
-  void list(Core& core, std::uint64_t number) {
-    if (bip2_format()) {
-      in_bip2([&](std::string& text) { bip2.state(text, core, number); });
-      if (options.silent) bip2.state(out.text, core, number);
-    } else {
-      out.text += "state ";
-      append_number(out.text, number);
-      out.text += ":\n";
-      steps.state(out.text, core);
-    }
-    out.flush();
-  }
-  void step(Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
-    if (bip2_format()) {
-      in_bip2([&](std::string& text) {
-        if (core.is_timed() && !options.interactive) return bip2.foreseen(text, core, number, candidate);
-        if (!options.interactive) bip2.state(text, core, number);
-        bip2.choice(text, core, k);
-      });
-    } else {
-      if (options.format == TraceFormat::Json) {
-        if (!options.silent) json.step(out.text, core, candidate, number, k);
-      } else {
-        if (options.debug && !options.interactive) steps.state(out.text, core);
-        if (!options.silent) steps.step(out.text, core, candidate, number);
-      }
-      if (to_trace) json.step(trace.text, core, candidate, number, k);
-    }
-    // What C++ prints comes after the line of its step.
-    out.drain(image_calls_cpp ? 0 : kPiece);
-    if (core.is_timed() && options.speed > 0) out.flush();
-    trace.drain(kPiece);
-  }
-  void end(const Core& core, End how, std::uint64_t number) {
-    if (bip2_format()) {
-      in_bip2([&](std::string& text) {
-        if (how == End::Fault) bip2.fault(text, core);
-        bip2.end(text, core, how, number);
-      });
-    } else if (to_trace) {
-      json.end(trace.text, core, how, number);
-    }
-    if (!bip2_format() || options.silent) tell_end(core, how, number);
-    out.flush();
-    if (to_trace) trace.flush();
-  }
-  void tell_end(const Core& core, End how, std::uint64_t number) {
-    switch (how) {
-      case End::Limit: out.text += "limit: "; break;
-      case End::Interrupted: out.text += "interrupted: "; break;
-      case End::Deadlock: out.text += deadlock_story(core, number, seed); return;
-      case End::Fault: return;
-    }
-    append_number(out.text, number);
-    out.text += number == 1 ? " step\n" : " steps\n";
-  }
-};
 
 // A file to write, or null after a report.
 std::FILE* open_file(const std::string& path, std::FILE* err) {
@@ -193,6 +83,17 @@ void print_stats(std::FILE* err, std::uint64_t steps, double seconds, double cpu
                seconds * scale, cpu_seconds * scale);
 }
 
+// Why such a run cannot be; null: it can.
+const char* refusal(const Image& image, const RunOptions& options) {
+  if (options.engine != Engine::Sequential) {
+    if (has_time(image)) return "an engine with several threads does not run models with time";
+    if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
+    if (options.engine == Engine::Threads && options.format == TraceFormat::Bip2) return "--trace-format=bip2 needs the sequential engine: it lists what each state offers";
+  }
+  if (options.format == TraceFormat::Binary && has_time(image)) return "--trace-format=binary does not record models with time";
+  return nullptr;
+}
+
 }  // namespace
 
 InterruptGuard::InterruptGuard(Waker* waker) {
@@ -224,7 +125,12 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     const ExploreResult found = explore(image, options, out, err);
     return {found.complete ? End::Deadlock : End::Limit, 0, found.exit_code};
   }
+  if (const char* why = refusal(image, options); why != nullptr) {
+    std::fprintf(err, "error: %s\n", why);
+    return {End::Fault, 0, 2};
+  }
   RunResult result;
+  ThreadedResult threaded;
   std::FILE* file = nullptr;
   std::FILE* record_file = nullptr;
   if (!options.trace_path.empty() && (file = open_file(options.trace_path, err)) == nullptr) return {End::Fault, 0, 2};
@@ -233,7 +139,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     return {End::Fault, 0, 2};
   }
   const std::uint64_t seed = options.has_seed ? options.seed : draw_seed();
-  Output output{options, seed, Sink(out), Sink(file), file != nullptr, image.outside != nullptr};
+  Output output(options, seed, out, file, image);
   output.begin(image);
 
   Core core(image, {.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
@@ -266,11 +172,18 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   if (sleeps) feed.follow(wall);
   // Their threads may ask for the time.
   if (sound && !is_replay && options.events_path.empty()) sound = feed.open_sources(core);
-  const bool is_compiled = !writes && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
+  const bool is_compiled = (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
+  if (sound && options.engine == Engine::Threads) {
+    threaded = run_threads(core, scheduler, options, output);
+    result.end = threaded.end;
+    result.steps = threaded.steps;
+  }
+  std::unique_ptr<BatchEngine> batch;
+  if (sound && options.engine == Engine::Batch) batch = std::make_unique<BatchEngine>(core, scheduler, options, output);
   Due due = Due::Step;
-  while (true) {
+  while (options.engine != Engine::Threads || !sound) {
     if (!sound) {
       result.end = End::Fault;
     } else if (result.steps >= options.limit) {
@@ -285,8 +198,14 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       result.end = End::Interrupted;
     } else if (due == Due::Deadlock || core.candidate_count() == 0) {
       result.end = End::Deadlock;
+    } else if (batch && batch->is_on()) {
+      result.steps += batch->advance(result.steps, options.limit - result.steps, sound);
+      continue;
     } else if (is_compiled) {
-      result.steps += core.run_steps(scheduler.prng(), options.limit - result.steps, is_interrupted, sound);
+      const u64 most = options.limit - result.steps;
+      const u64 done = core.run_steps(scheduler.prng(), writes ? std::min<u64>(most, Core::kHistory) : most, is_interrupted, sound);
+      result.steps += done;
+      if (writes) output.record(core.recent_slots(done + (sound ? 0 : 1)));
       continue;
     } else {
       EnabledSet::Position at{};
@@ -312,7 +231,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
           std::fprintf(err, "warning: %s\n", core.fault().what.c_str());
         }
       }
-      if (writes) output.step(core, core.candidate(at), result.steps, core.number(at));
+      if (writes) output.step(core, at, result.steps, core.number(at));
       if (core.is_timed()) {
         sound = core.take_timed(at);
         timed.fired(at.slot);
@@ -354,6 +273,16 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     std::fwrite(text.data(), 1, text.size(), err);
   }
   if (options.stats) print_stats(err, result.steps, seconds.count(), cpu_seconds);
+  if (options.stats && batch && batch->is_on()) {
+    std::fprintf(err, "parts %u, shared slots %zu, steps beside each other %llu\n", batch->parts(), batch->shared(),
+                 static_cast<unsigned long long>(batch->beside()));
+  } else if (options.stats && batch) {
+    std::fprintf(err, "one part: the system does not come apart, or has steps without compiled code\n");
+  }
+  if (options.stats && threaded.threads != 0) {
+    std::fprintf(err, "threads %u, atoms at work at once %u, actions handed over %llu\n", threaded.threads, threaded.most_busy,
+                 static_cast<unsigned long long>(threaded.handed_over));
+  }
   return result;
 }
 

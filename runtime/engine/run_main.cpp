@@ -30,7 +30,9 @@ constexpr const char* kHelp =
     "  --explore                   count all reachable states, deadlocks and errors (at most --limit states)\n"
     "  --first-enabled             --policy first\n"
     "  --trace FILE                write the trace, JSON lines (bip2 with --trace-format bip2)\n"
-    "  --trace-format F            steps (default), json or bip2\n"
+    "  --trace-format F            steps (default), json, bip2 or binary\n"
+    "  --engine E                  sequential (default), threads (long actions) or batch (large systems)\n"
+    "  --threads N                 of these engines (default: one a processor)\n"
     "  --disable-maximal-progress  smaller interactions are candidates too\n"
     "  --help                      this text\n\n"
     "example: %s --seed 42 --limit 1000 --trace run.trace\n";
@@ -61,7 +63,23 @@ bool parse_format(const char* text, TraceFormat& format) {
   if (std::strcmp(text, "steps") == 0) format = TraceFormat::Steps;
   else if (std::strcmp(text, "json") == 0) format = TraceFormat::Json;
   else if (std::strcmp(text, "bip2") == 0) format = TraceFormat::Bip2;
+  else if (std::strcmp(text, "binary") == 0) format = TraceFormat::Binary;
   else return false;
+  return true;
+}
+
+bool parse_engine(const char* text, Engine& engine) {
+  if (std::strcmp(text, "sequential") == 0) engine = Engine::Sequential;
+  else if (std::strcmp(text, "threads") == 0) engine = Engine::Threads;
+  else if (std::strcmp(text, "batch") == 0) engine = Engine::Batch;
+  else return false;
+  return true;
+}
+
+bool parse_threads(const char* text, std::uint32_t& threads) {
+  std::uint64_t value = 0;
+  if (!parse_number(text, value) || value < 1 || value > 256) return false;
+  threads = static_cast<std::uint32_t>(value);
   return true;
 }
 
@@ -96,12 +114,15 @@ int run_main(const Image& image, int argc, char** argv) {
     else if (name == "--stats") options.stats = true;
     else if (name == "--disable-maximal-progress") options.maximal_progress = false;
     else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format" ||
-             name == "--speed" || name == "--events" || name == "--record" || name == "--replay") {
+             name == "--speed" || name == "--events" || name == "--record" || name == "--replay" || name == "--engine" ||
+             name == "--threads") {
       if (!joined && i + 1 < argc) value = argv[++i];
       if (value == nullptr) good = false;
       else if (name == "--seed") good = options.has_seed = parse_number(value, options.seed);
       else if (name == "--limit") good = parse_number(value, options.limit);
       else if (name == "--policy") good = parse_policy(value, options.policy);
+      else if (name == "--engine") good = parse_engine(value, options.engine);
+      else if (name == "--threads") good = parse_threads(value, options.threads);
       else if (name == "--speed") good = parse_speed(value, options.speed);
       else if (name == "--trace") options.trace_path = value;
       else if (name == "--events") options.events_path = value;

@@ -12,7 +12,7 @@
 #include "runtime/explore/expander.hpp"
 #include "runtime/explore/explore.hpp"
 #include "runtime/explore/state_store.hpp"
-#include "runtime/explore/team.hpp"
+#include "runtime/core/team.hpp"
 
 namespace bip::rt {
 

@@ -126,7 +126,7 @@ std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd en
   JsonWriter json;
   const bool is_bip2 = format == TraceFormat::Bip2;
   if (is_bip2) bip2.begin(text, 0, Policy::First);
-  else json.begin(text, image, 0, Policy::First);
+  else json.begin(text, image, 0, Policy::First, Engine::Sequential);
   bool is_sound = core.initialize();
   u64 taken = 0;
   for (; is_sound && taken < way.steps.size(); ++taken) {

@@ -18,13 +18,17 @@ void append_json_value(std::string& out, const Image& image, SlotType type, Slot
 
 }  // namespace
 
-void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy) {
+void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy, Engine engine) {
   out += R"({"format":"bipc-trace","version":1,"model":)";
   append_quoted(out, image.name);
   out += R"(,"seed":)";
   append_number(out, seed);
   out += R"(,"policy":")";
   out += name_of(policy);
+  if (engine != Engine::Sequential) {
+    out += R"(","engine":")";
+    out += name_of(engine);
+  }
   out += "\"}\n";
 }
 
@@ -36,10 +40,12 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
     out += R"(,"time":)";
     append_number(out, static_cast<u64>(core.now()));
   }
-  out += R"(,"choice":)";
-  append_number(out, k);
-  out += R"(,"candidates":)";
-  append_number(out, core.candidate_count());
+  if (k != kNoChoice) {
+    out += R"(,"choice":)";
+    append_number(out, k);
+    out += R"(,"candidates":)";
+    append_number(out, core.candidate_count());
+  }
   out += R"(,"interaction":)";
   std::string name;
   append_candidate(name, core, candidate);

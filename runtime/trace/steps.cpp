@@ -23,6 +23,15 @@ const char* name_of(End end) {
   return "";
 }
 
+const char* name_of(Engine engine) {
+  switch (engine) {
+    case Engine::Sequential: return "sequential";
+    case Engine::Threads: return "threads";
+    case Engine::Batch: return "batch";
+  }
+  return "";
+}
+
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate) {
   if (candidate.connector != kNone) {
     out += core.image().connectors[candidate.connector].path;

@@ -11,6 +11,10 @@ namespace bip::rt {
 
 [[nodiscard]] const char* name_of(Policy policy);  // "uniform"
 [[nodiscard]] const char* name_of(End end);        // "deadlock"
+[[nodiscard]] const char* name_of(Engine engine);  // "threads"
+
+/// For candidates whose number is not known.
+inline constexpr std::uint64_t kNoChoice = ~std::uint64_t{0};
 
 /// The candidate's name: the connector's path, or atom.port.
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate);
@@ -59,7 +63,8 @@ class Bip2Writer {
 /// JSON lines, version 1.
 class JsonWriter {
  public:
-  void begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy);
+  void begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy, Engine engine);
+  /// k == kNoChoice: neither it nor the number of candidates is written.
   void step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k);
   void end(std::string& out, const Core& core, End end, std::uint64_t steps);
 

@@ -1,13 +1,16 @@
 // The C++ side of a running model: strings that were made at run time, the last exception, objects of extern types.
 //
 // Header only: the emitted program, the shared object of `bipc run` and the compiler all use it. Strings are rows; those
-// of the image come first, C++ results are interned above them, so that equal texts stay equal rows. Not thread-safe.
+// of the image come first, C++ results are interned above them, so that equal texts stay equal rows. Several threads may
+// call functions at a time; each sees the exception of its own last call.
 #pragma once
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <unordered_map>
 
 #include "bip/image.hpp"
@@ -26,16 +29,27 @@ class Outside {
     is_attached_ = true;
     for (const char* text : strings) add(text);
   }
-  [[nodiscard]] const char* text(std::int32_t row) const { return texts_[static_cast<std::size_t>(row)].c_str(); }
+  [[nodiscard]] const char* text(std::int32_t row) const {
+    const std::lock_guard guard(lock_);
+    return texts_[static_cast<std::size_t>(row)].c_str();
+  }
   [[nodiscard]] std::int32_t intern(std::string_view text) {
+    const std::lock_guard guard(lock_);
     const auto it = rows_.find(text);
     return it != rows_.end() ? it->second : add(text);
   }
   /// A null pointer is the empty string.
   [[nodiscard]] std::int32_t intern(const char* text) { return intern(std::string_view(text == nullptr ? "" : text)); }
   /// What the exception that ended the last call said.
-  [[nodiscard]] const std::string& message() const { return message_; }
-  void set_message(const char* message) { message_ = message; }
+  [[nodiscard]] std::string message() const {
+    const std::lock_guard guard(lock_);
+    const auto it = messages_.find(std::this_thread::get_id());
+    return it == messages_.end() ? std::string() : it->second;
+  }
+  void set_message(const char* message) {
+    const std::lock_guard guard(lock_);
+    messages_[std::this_thread::get_id()] = message;
+  }
 
  private:
   std::int32_t add(std::string_view text) {
@@ -48,7 +62,8 @@ class Outside {
   bool is_attached_ = false;
   std::deque<std::string> texts_;  // never moves
   std::unordered_map<std::string_view, std::int32_t> rows_;
-  std::string message_;
+  std::unordered_map<std::thread::id, std::string> messages_;
+  mutable std::mutex lock_;
 };
 
 /// A C++ function behind an adapter: 0, or 1 after an exception. An extern result is assigned to the object that

@@ -9,7 +9,10 @@
 namespace bip::rt {
 
 enum class Policy : std::uint8_t { Uniform, First, Fair };
-enum class TraceFormat : std::uint8_t { Steps, Json, Bip2 };
+enum class TraceFormat : std::uint8_t { Steps, Json, Bip2, Binary };
+/// Sequential: one step after the other. Threads: atoms' transitions on several threads, steps that do not conflict overlap.
+/// Batch: many steps between two meetings of the threads. All three make runs of the same semantics.
+enum class Engine : std::uint8_t { Sequential, Threads, Batch };
 
 struct RunOptions {
   std::uint64_t seed = 0;
@@ -17,6 +20,9 @@ struct RunOptions {
   std::uint64_t limit = ~0ull;     // steps
   Policy policy = Policy::Uniform;
   bool maximal_progress = true;
+  Engine engine = Engine::Sequential;
+  std::uint32_t threads = 0;       // of the engines that have several; 0: one a processor
+  std::uint64_t perturb = 0;       // tests: threads wait at random places, by this seed; 0: they do not
   // Models with time. Without `speed` time is logical: nothing sleeps.
   bool asap = false;               // each step at the first instant at which one is possible
   double speed = 0;                // model seconds a second of the wall clock
@@ -31,8 +37,8 @@ struct RunOptions {
   bool interactive = false;        // the candidates are listed and a number is read for each step
   std::FILE* input = nullptr;      // interactive: where from; null: standard input
   bool explore = false;            // no run: all reachable states, at most `limit`
-  TraceFormat format = TraceFormat::Steps;  // of standard output: Steps or Bip2
-  std::string trace_path;          // JSON lines, or the bip2 format if `format` is Bip2; empty: none
+  TraceFormat format = TraceFormat::Steps;  // of standard output; Binary: there as Steps
+  std::string trace_path;          // JSON lines, or as `format` says if it is Bip2 or Binary; empty: none
 };
 
 enum class End : std::uint8_t { Limit, Deadlock, Fault, Interrupted };

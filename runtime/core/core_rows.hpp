@@ -1,0 +1,52 @@
+// The rows of the core's own tables: atoms, ports, searched slots, programs. Nobody else needs them.
+#pragma once
+#include <utility>
+#include <vector>
+
+#include "runtime/core/tables.hpp"
+
+namespace bip::rt {
+
+struct AtomInfo {
+  u32 port_base = 0, slot_base = 0;
+  u32 type = 0;
+  u32 watched = 0;
+};
+struct PortState {
+  // Row of Tables::transitions: the enabled one, or kNone. For simple types the only one of the port, and the place
+  // from which it is enabled: their ports change with the atom's place, without being written to.
+  u32 transition = kNone;
+  u32 place = kNone;
+  u32 atom = 0;
+  u32 edge = 0;            // edge_count == 1: the node; else first row of port_out's items
+  u32 edge_count = 0;
+};
+/// The candidates of a searched slot.
+struct Listing {
+  std::vector<u64> configs;  // Planned: count * words
+  u32 count = 0;
+  std::vector<std::uint8_t> hidden;  // by configuration; empty: none
+};
+
+/// The guard of a flat rendezvous, found without a look at the image.
+struct FlatGuard {
+  u32 code = kNone;                // row of codes_
+  u32 own = 0, binds = 0;
+};
+
+// ---- programs (programs.cpp)
+struct ProgramCode {
+  Code code;
+  u32 zeroed = 0;  // own slots that are zeroed before it runs
+};
+struct ProgramCodes {
+  std::vector<u32> words;                      // three a code
+  std::vector<std::pair<bool, u32>> owners;    // by code: a port instance (true) or a connector
+};
+struct ProgramParts {
+  ProgramCodes before, after;                  // the places
+  std::vector<u32> places, touched, instances;
+  std::vector<std::pair<u32, std::int32_t>> deltas;
+};
+
+}  // namespace bip::rt

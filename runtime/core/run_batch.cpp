@@ -1,0 +1,123 @@
+// Epochs of compiled steps on several threads: see batch.hpp. An epoch costs two meetings of the threads and one pass over the
+// list of the enabled, which is cut into the parts' lists before and joined after; so it is as long as the system is large.
+#include <algorithm>
+
+#include "runtime/core/batch.hpp"
+#include "runtime/core/core.hpp"
+#include "runtime/core/team.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr u64 kMostEpoch = 1u << 22;
+constexpr u32 kTriesPerStep = 16;   // draws among the shared slots until one is enabled
+
+}  // namespace
+
+bool Core::can_batch() const {
+  if (!has_steps()) return false;
+  return std::none_of(run_of_.begin(), run_of_.end(), [](u32 row) { return row == kNone; });
+}
+
+// The part's share: whom it draws among the shared ones is left to the end of the epoch.
+void Core::run_part(const BatchPlan& plan, BatchPart& part, bool records) {
+  StepState s{all_.data(), places_.data(), values_.data(), part.members.data(), enabled_.open_list().position, part.scratch.data(), part.count};
+  const std::uint8_t* const is_shared = plan.is_shared.data();
+  Prng numbers = part.prng;
+  u64 steps = 0;
+  for (u64 draw = 0; draw < part.draws && s.count != 0; ++draw) {
+    const u32 slot = s.members[numbers.below(s.count)];
+    if (is_shared[slot] != 0) continue;
+    const Run& run = runs_[run_of_[slot]];
+    run.fn(s, run.operands, static_cast<u32>((slot - run.first) * run.inverse >> 32));
+    if (records) part.fired.push_back(slot);
+    ++steps;
+  }
+  part.prng = numbers;
+  part.count = s.count;
+  part.steps = steps;
+}
+
+void Core::cut_list(const BatchPlan& plan, std::vector<BatchPart>& parts, u64 draws) {
+  const EnabledSet::List list = enabled_.open_list();
+  for (BatchPart& part : parts) part.count = 0;
+  for (u32 i = 0; i < *list.count; ++i) {
+    const u32 slot = list.members[i];
+    BatchPart& part = parts[plan.part[slot]];
+    list.position[slot] = part.count;
+    part.members[part.count++] = slot;
+  }
+  for (BatchPart& part : parts) {
+    part.draws = draws * part.count / *list.count;
+    part.fired.clear();
+  }
+}
+
+void Core::join_list(const std::vector<BatchPart>& parts) {
+  const EnabledSet::List list = enabled_.open_list();
+  u32 count = 0;
+  for (const BatchPart& part : parts) {
+    for (u32 i = 0; i < part.count; ++i) {
+      const u32 slot = part.members[i];
+      list.position[slot] = count;
+      list.members[count++] = slot;
+    }
+  }
+  enabled_.close_list(count);
+}
+
+// Up to `draws` steps among the shared slots.
+u64 Core::run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u32>& fired) {
+  const EnabledSet::List list = enabled_.open_list();
+  StepState s{all_.data(), places_.data(), values_.data(), list.members, list.position, step_scratch_.data(), *list.count};
+  u64 steps = 0;
+  for (u64 tries = draws * kTriesPerStep; steps < draws && tries > 0 && !plan.shared.empty(); --tries) {
+    const u32 slot = plan.shared[prng.below(plan.shared.size())];
+    if (s.position[slot] == kAbsentSlot) continue;
+    const Run& run = runs_[run_of_[slot]];
+    run.fn(s, run.operands, static_cast<u32>((slot - run.first) * run.inverse >> 32));
+    fired.push_back(slot);
+    ++steps;
+  }
+  enabled_.close_list(s.count);
+  return steps;
+}
+
+u64 Core::run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(), const std::function<void(const std::vector<u32>&)>& record) {
+  const u64 epoch = std::min(std::max<u64>(tables_.slots.size() * 2, plan.least_epoch), kMostEpoch);
+  std::vector<BatchPart> parts(plan.parts);
+  for (u32 k = 0; k < plan.parts; ++k) {
+    parts[k].prng = Prng(prng.next());
+    parts[k].members.assign(std::size_t{plan.size[k]} + 1, 0);
+    parts[k].scratch = step_scratch_;
+  }
+  std::vector<u32> fired;
+  u64 done = 0;
+  while (enabled_.listed_count() != 0 && limit - done >= plan.least_epoch && !is_stopped()) {
+    const u64 draws = std::min(epoch, limit - done);
+    cut_list(plan, parts, draws);
+    team.run([&](u32 k) {
+      if (k < plan.parts) run_part(plan, parts[k], record != nullptr);
+    });
+    join_list(parts);
+    u64 steps = 0, left = draws;
+    for (const BatchPart& part : parts) {
+      steps += part.steps;
+      left -= std::min(left, part.draws);
+      left += part.draws - part.steps;
+      if (record) record(part.fired);
+    }
+    fired.clear();
+    steps += run_shared(plan, prng, std::min(left, draws - steps), fired);
+    if (record) record(fired);
+    done += steps;
+    // Too little to do beside each other: the short way takes over.
+    if (steps * 2 < draws) break;
+  }
+  // The ring of slots fired last knows nothing of these.
+  if (done != 0) std::fill(history_.begin(), history_.end(), kNone);
+  return done;
+}
+
+}  // namespace bip::rt
