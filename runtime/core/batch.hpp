@@ -22,6 +22,7 @@ struct BatchPlan {
   std::vector<u32> shared;
   std::vector<u32> size;                // by part: slots
   u64 least_epoch = 1u << 16;           // steps: an epoch's two meetings of the threads cost as much as some hundred
+  u64 perturb = 0;                      // tests: the parts of an epoch begin late, by this seed
 };
 /// any_share: also if most of it is shared, for tests.
 [[nodiscard]] BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 parts, bool any_share = false);

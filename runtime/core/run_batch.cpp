@@ -1,6 +1,8 @@
 // Epochs of compiled steps on several threads: see batch.hpp. An epoch costs two meetings of the threads and one pass over the
 // list of the enabled, which is cut into the parts' lists before and joined after; so it is as long as the system is large.
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "runtime/core/batch.hpp"
 #include "runtime/core/core.hpp"
@@ -12,6 +14,12 @@ namespace {
 
 constexpr u64 kMostEpoch = 1u << 22;
 constexpr u32 kTriesPerStep = 16;   // draws among the shared slots until one is enabled
+
+void wait_a_little(u64 seed) {
+  const u64 how = Prng(seed).below(8);
+  if (how == 0) std::this_thread::sleep_for(std::chrono::microseconds(20));
+  else if (how < 4) std::this_thread::yield();
+}
 
 }  // namespace
 
@@ -98,7 +106,9 @@ u64 Core::run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bo
     const u64 draws = std::min(epoch, limit - done);
     cut_list(plan, parts, draws);
     team.run([&](u32 k) {
-      if (k < plan.parts) run_part(plan, parts[k], record != nullptr);
+      if (k >= plan.parts) return;
+      if (plan.perturb != 0) wait_a_little(plan.perturb + done * kMostParts + k);
+      run_part(plan, parts[k], record != nullptr);
     });
     join_list(parts);
     u64 steps = 0, left = draws;

@@ -19,7 +19,10 @@ BatchEngine::BatchEngine(Core& core, Scheduler& scheduler, const RunOptions& opt
   if (!core.can_batch() || options.policy != Policy::Uniform) return;
   const u32 threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   plan_ = plan_batch(core.tables(), core.priorities(), std::min<u32>(threads, kMostParts), options.perturb != 0);
-  if (options.perturb != 0) plan_.least_epoch = kTestedEpoch;
+  if (options.perturb != 0) {
+    plan_.least_epoch = kTestedEpoch;
+    plan_.perturb = options.perturb;
+  }
   if (!is_on()) return;
   team_ = std::make_unique<Team>(plan_.parts);
   if (!output.writes_steps() || output.records_only()) return;

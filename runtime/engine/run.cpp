@@ -88,6 +88,7 @@ const char* refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
     if (has_time(image)) return "an engine with several threads does not run models with time";
     if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
+    if (!options.record_path.empty() || !options.replay_path.empty()) return "--record and --replay need the sequential engine";
     if (options.engine == Engine::Threads && options.format == TraceFormat::Bip2) return "--trace-format=bip2 needs the sequential engine: it lists what each state offers";
   }
   if (options.format == TraceFormat::Binary && has_time(image)) return "--trace-format=binary does not record models with time";

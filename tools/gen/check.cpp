@@ -8,9 +8,8 @@
 #endif
 #include "compiler/steps/derive_steps.hpp"
 #include "compiler/system/bsys.hpp"
-#include "runtime/engine/follow.hpp"
-#include "runtime/trace/trace.hpp"
 #include "tools/gen/compiled.hpp"
+#include "tools/gen/engine_runs.hpp"
 #include "tools/gen/functions.hpp"
 #include "tools/gen/traced_run.hpp"
 
@@ -53,44 +52,20 @@ std::string check_bsys(const Compiled& c, const std::vector<std::string>& traces
   return compare_traces("bsys trace", traces, all_traces(again.lowered->image, seed, steps));
 }
 
-// Runs of the other engines, under random delays: each must be one that the core accepts, end and last state included.
-std::string check_engines(const rt::Image& image, std::uint64_t seed, std::uint64_t steps) {
-  for (const rt::Engine engine : {rt::Engine::Threads, rt::Engine::Batch}) {
-    // One of three ways a seed: every run waits for threads some hundred times.
-    for (const std::uint64_t variant : {seed % 3}) {
-      rt::RunOptions options;
-      options.seed = seed + variant;
-      options.has_seed = true;
-      options.limit = steps;
-      options.policy = variant == 2 ? rt::Policy::Fair : rt::Policy::Uniform;
-      options.maximal_progress = variant != 1;
-      options.engine = engine;
-      options.threads = 3;
-      options.perturb = variant == 0 ? 0 : seed + 1;
-      options.silent = true;
-      options.format = rt::TraceFormat::Binary;
-      const int file = memfd_create("recorded", 0);
-      options.trace_path = "/proc/self/fd/" + std::to_string(file);
-      char* said = nullptr;
-      std::size_t said_size = 0;
-      std::FILE* out = open_memstream(&said, &said_size);
-      (void)rt::run(image, options, out, out);
-      std::string bytes;
-      char buffer[4096];
-      lseek(file, 0, SEEK_SET);
-      for (ssize_t n; (n = read(file, buffer, sizeof buffer)) > 0;) bytes.append(buffer, static_cast<std::size_t>(n));
-      close(file);
-      rt::RunOptions quiet;
-      quiet.silent = true;
-      const rt::Followed followed = rt::follow(image, bytes, quiet, out);
-      std::fclose(out);
-      const std::string text(said, said_size);
-      std::free(said);
-      if (!followed.problem.empty()) {
-        return std::string(rt::name_of(engine)) + ": run " + std::to_string(variant) + ": " + followed.problem + "; could be taken:" + followed.candidates + "\n" + text;
-      }
-    }
+// Nothing but them: by the interpreter, which has no compiled steps, and by the JIT, which has.
+std::string check_engines(lower::LoweredSystem& lowered, std::uint64_t seed, const CheckOptions& options, EngineCounts& counts) {
+  {
+    interp::Interpreter interpreter(lowered);
+    std::string failure = engine_runs(lowered.image, seed, options.engine_runs, options.steps, counts);
+    if (!failure.empty()) return failure;
   }
+#ifdef BIP_GEN_JIT
+  if (options.jit) {
+    auto code = jit::Jit::compile(lowered, jit::OptLevel::O2);
+    if (!code) return "jit -O2: " + code.error();
+    return engine_runs(lowered.image, seed, options.engine_runs, options.steps, counts);
+  }
+#endif
   return "";
 }
 
@@ -113,7 +88,7 @@ SupportedModel supported_model(std::uint64_t seed) {
   return {generate(seed, Features::Plain), true};
 }
 
-std::string check_model(const Description& model, std::uint64_t seed, const CheckOptions& options, OracleCounts& counts,
+std::string check_model(const Description& model, std::uint64_t seed, const CheckOptions& options, Counts& counts,
                         EmittedCase* emitted) {
   Compiled c = compile_texts(print_packages(model));
   if (!c.problem.empty()) return "compile " + c.problem;
@@ -121,24 +96,27 @@ std::string check_model(const Description& model, std::uint64_t seed, const Chec
   steps::derive_steps(*c.lowered);
   const rt::Image& image = c.lowered->image;
   std::vector<std::string> traces;
-  {
+  if (options.engine_runs != 0) {
+    std::string failure = check_engines(*c.lowered, seed, options, counts.engines);
+    if (!failure.empty()) return failure;
+  } else {
     interp::Interpreter interpreter(*c.lowered);
-    std::string failure = check_naive(model, image, seed, options.steps, counts);
+    std::string failure = check_naive(model, image, seed, options.steps, counts.oracle);
     if (!failure.empty()) return failure;
     traces = all_traces(image, seed, options.steps);
     failure = check_bsys(c, traces, seed, options.steps);
     if (failure.empty()) failure = check_formatted(c);
-    if (failure.empty()) failure = check_engines(image, seed, options.steps);
+    if (failure.empty()) failure = engine_runs(image, seed, 1, options.steps, counts.engines);
     if (!failure.empty()) return failure;
   }
 #ifdef BIP_GEN_JIT
-  if (options.jit) {
+  if (options.jit && options.engine_runs == 0) {
     for (jit::OptLevel level : {jit::OptLevel::O0, jit::OptLevel::O2}) {
       const char* kind = level == jit::OptLevel::O0 ? "interp against jit -O0" : "interp against jit -O2";
       auto code = jit::Jit::compile(*c.lowered, level);
       if (!code) return std::string(kind) + ": " + code.error();
       std::string failure = compare_traces(kind, traces, all_traces(image, seed, options.steps));
-      if (failure.empty() && level == jit::OptLevel::O2) failure = check_engines(image, seed, options.steps);
+      if (failure.empty() && level == jit::OptLevel::O2) failure = engine_runs(image, seed, 1, options.steps, counts.engines);
       if (!failure.empty()) return failure;
     }
   }

@@ -7,6 +7,7 @@
 
 #include "bip/image.hpp"
 #include "tools/gen/description.hpp"
+#include "tools/gen/engine_runs.hpp"
 
 namespace bip::gen {
 
@@ -14,12 +15,18 @@ struct CheckOptions {
   std::uint64_t steps = 60;
   bool jit = true;
   bool emit_cpp = false;
+  std::uint64_t engine_runs = 0;  // not 0: so many runs of the engines with several threads, and no other check
   std::string source_dir;   // the project's root, for emitted C++
   std::string runtime_lib;  // libbip_runtime.a
   std::string work_dir;     // for emitted C++
+  std::string cxx_flags;    // those of this build's sanitizers
 };
 struct OracleCounts {
   std::uint64_t states = 0, too_large = 0;
+};
+struct Counts {
+  OracleCounts oracle;
+  EngineCounts engines;
 };
 
 /// A sound model on its way into a batch of emitted C++.
@@ -39,15 +46,15 @@ struct SupportedModel {
 /// Compiles the text, runs the interpreter, the JIT at both levels and the naive oracle, round-trips .bsys and fmt.
 /// Fills `emitted` if it is not null and the model is sound.
 [[nodiscard]] std::string check_model(const Description& model, std::uint64_t seed, const CheckOptions& options,
-                                      OracleCounts& counts, EmittedCase* emitted);
+                                      Counts& counts, EmittedCase* emitted);
 
-/// Compiles all cases as one program and compares traces. One row a failing case.
+/// Compiles all cases as one program and compares traces, or makes its runs. One row a failing case.
 struct Failure {
   std::uint64_t seed = 0;
   std::string what;
 };
 [[nodiscard]] std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const CheckOptions& options,
-                                                 const std::string& name);
+                                                 const std::string& name, EngineCounts& counts);
 
 /// States and candidates against the naive oracle. The image must have code.
 [[nodiscard]] std::string check_naive(const Description& model, const rt::Image& image, std::uint64_t seed,

@@ -1,5 +1,6 @@
 // A batch of models as one C++ program: the emitted texts one after the other, a main() that makes every run and writes
-// each trace with its length before it. -O0 finds errors of emission; the optimiser is g++'s own affair.
+// each trace with its length before it. -O0 finds errors of emission; the optimiser is g++'s own affair. Runs of the engines with
+// several threads are judged by the program itself: one record a model, its counts or what is wrong.
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -19,6 +20,23 @@ std::string read_file(const std::string& path) {
   std::ostringstream all;
   all << in.rdbuf();
   return all.str();
+}
+
+std::string engines_program(const std::vector<EmittedCase>& cases, const CheckOptions& options) {
+  std::string text;
+  for (const EmittedCase& c : cases) text += c.source + "\n";
+  text += "#include \"tools/gen/engine_runs.hpp\"\n"
+          "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
+          "  bip::gen::EngineCounts n;\n"
+          "  std::string t = bip::gen::engine_runs(image, seed, " + std::to_string(options.engine_runs) + ", " + std::to_string(options.steps) + ", n);\n"
+          "  if (t.empty()) t = std::to_string(n.runs) + \" \" + std::to_string(n.steps) + \" \" + std::to_string(n.in_parts);\n"
+          "  std::printf(\"%zu\\n\", t.size());\n  std::fwrite(t.data(), 1, t.size(), stdout);\n  std::fflush(stdout);\n}\n"
+          "int main() {\n";
+  for (const EmittedCase& c : cases) {
+    std::string seed = std::to_string(c.seed);
+    text += "  run_all(m" + seed + "::image(), " + seed + "u);\n";
+  }
+  return text + "}\n";
 }
 
 std::string program(const std::vector<EmittedCase>& cases, std::uint64_t steps) {
@@ -47,18 +65,26 @@ std::string next_record(const std::string& all, std::size_t& at) {
   return record;
 }
 
-/// Only the first lines of a compiler's complaint.
+/// Only the first lines of a compiler's or sanitizer's complaint.
 std::string head(const std::string& text) { return text.substr(0, 600); }
+
+/// "runs steps in_parts", as engines_program writes them. False: it is something else.
+bool read_counts(const std::string& record, EngineCounts& counts) {
+  unsigned long long runs = 0, steps = 0, in_parts = 0;
+  if (std::sscanf(record.c_str(), "%llu %llu %llu", &runs, &steps, &in_parts) != 3) return false;
+  counts.add({runs, steps, in_parts});
+  return true;
+}
 
 }  // namespace
 
-std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const CheckOptions& options, const std::string& name) {
+std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const CheckOptions& options, const std::string& name, EngineCounts& counts) {
   std::vector<Failure> failures;
   if (cases.empty()) return failures;
   std::string base = options.work_dir + "/" + name;
-  std::ofstream(base + ".cpp") << program(cases, options.steps);
+  std::ofstream(base + ".cpp") << (options.engine_runs != 0 ? engines_program(cases, options) : program(cases, options.steps));
   std::string root = options.source_dir;
-  std::string command = "ccache g++ -std=c++20 -O0 -ffp-contract=off -fuse-ld=mold -I" + quoted(root) + " -I" + quoted(root + "/runtime/include") +
+  std::string command = "ccache g++ -std=c++20 -O0 -ffp-contract=off -fuse-ld=mold " + options.cxx_flags + " -I" + quoted(root) + " -I" + quoted(root + "/runtime/include") +
                         " -I" + quoted(root + "/runtime") + " -I" + quoted(root + "/tools/gen/outside") + " " + quoted(base + ".cpp") + " " + quoted(options.runtime_lib) + " -lpthread -o " +
                         quoted(base + ".exe") + " >" + quoted(base + ".log") + " 2>&1";
   if (std::system(command.c_str()) != 0) {
@@ -67,16 +93,22 @@ std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const 
     std::size_t half = cases.size() / 2;
     std::vector<EmittedCase> left(cases.begin(), cases.begin() + static_cast<std::ptrdiff_t>(half));
     std::vector<EmittedCase> right(cases.begin() + static_cast<std::ptrdiff_t>(half), cases.end());
-    failures = check_emitted(left, options, name + "l");
-    for (Failure& f : check_emitted(right, options, name + "r")) failures.push_back(std::move(f));
+    failures = check_emitted(left, options, name + "l", counts);
+    for (Failure& f : check_emitted(right, options, name + "r", counts)) failures.push_back(std::move(f));
     return failures;
   }
   // Seconds of the processor: on a busy machine the clock says nothing about the program.
-  command = "ulimit -t 60; " + quoted(base + ".exe") + " >" + quoted(base + ".out") + " 2>" + quoted(base + ".err");
+  command = "ulimit -t " + std::string(options.engine_runs != 0 ? "1200" : "60") + "; " + quoted(base + ".exe") + " >" + quoted(base + ".out") + " 2>" + quoted(base + ".err");
   int status = std::system(command.c_str());
   std::string all = read_file(base + ".out");
   std::size_t at = 0;
   for (const EmittedCase& c : cases) {
+    if (options.engine_runs != 0) {
+      const std::string said = next_record(all, at);
+      if (!said.empty() && read_counts(said, counts)) continue;
+      failures.push_back({c.seed, "emitted C++: " + (said.empty() ? "program stopped, status " + std::to_string(status) + "\n" + head(read_file(base + ".err")) : said)});
+      if (said.empty()) break;
+    }
     for (std::size_t k = 0; k < c.traces.size(); ++k) {
       std::string got = next_record(all, at);
       if (got == c.traces[k]) continue;

@@ -3,6 +3,7 @@
 //   bip-gen --seed S --print              the model of a seed
 //   bip-gen --seed S --check              its checks; on failure the reduced model
 //   bip-gen --check --from S --count N [--jobs J] [--emit-cpp] [--no-jit] [--steps N] [--batch N] [--out DIR]
+//   bip-gen --check --engines RUNS ...    only runs of the engines with several threads, RUNS of each a system
 //   bip-gen --broadcast N                 a trigger with N receivers, for tools/bench
 #include <sys/stat.h>
 #include <unistd.h>
@@ -31,7 +32,7 @@ struct Arguments {
 constexpr const char* kUsage =
     "usage: bip-gen --seed S --print\n"
     "       bip-gen --seed S --check [--emit-cpp] [--no-jit] [--steps N]\n"
-    "       bip-gen --check --from S --count N [--jobs J] [--emit-cpp] [--no-jit] [--steps N] [--batch N] [--out DIR]\n"
+    "       bip-gen --check --from S --count N [--jobs J] [--emit-cpp] [--no-jit] [--steps N] [--batch N] [--out DIR] [--engines RUNS]\n"
     "       bip-gen --broadcast N\n"
     "example: bip-gen --check --from 1 --count 500 --jobs 2 --emit-cpp\n";
 
@@ -58,6 +59,8 @@ bool read_arguments(int argc, char** argv, Arguments& a) {
       a.options.steps = number();
     } else if (flag == "--jobs") {
       a.jobs = static_cast<int>(number());
+    } else if (flag == "--engines") {
+      a.options.engine_runs = number();
     } else if (flag == "--batch") {
       a.batch = number();
     } else if (flag == "--broadcast") {
@@ -83,8 +86,9 @@ std::string kind_of(const std::string& failure) {
 
 void report(const Failure& failure, const Arguments& a, bool shrunk) {
   std::string seed = std::to_string(failure.seed);
-  std::printf("FAILED seed %s: %s\n  reproduce: bip-gen --seed %s --check%s\n", seed.c_str(), failure.what.c_str(), seed.c_str(),
-              a.options.emit_cpp ? " --emit-cpp" : "");
+  const std::string engines = a.options.engine_runs == 0 ? "" : " --engines " + std::to_string(a.options.engine_runs);
+  std::printf("FAILED seed %s: %s\n  reproduce: bip-gen --seed %s --check%s%s\n", seed.c_str(), failure.what.c_str(), seed.c_str(),
+              a.options.emit_cpp ? " --emit-cpp" : "", engines.c_str());
   if (!shrunk) return;
   std::string kind = kind_of(failure.what);
   CheckOptions options = a.options;
@@ -116,15 +120,21 @@ int check(Arguments& a) {
   a.options.work_dir = work;
   a.options.source_dir = BIP_GEN_SOURCE_DIR;
   a.options.runtime_lib = BIP_GEN_RUNTIME_LIB;
+  a.options.cxx_flags = BIP_GEN_CXX_FLAGS;
   Totals totals = check_seeds(a.from, a.count, a.jobs, a.batch, a.options);
   for (std::size_t k = 0; k < totals.failures.size(); ++k) report(totals.failures[k], a, k < 5);
   std::filesystem::remove_all(work);
   if (totals.unsupported > 0) {
     std::printf("not supported yet (B1900), checked without: %llu systems\n", static_cast<unsigned long long>(totals.unsupported));
   }
-  std::printf("oracle: %llu states, %llu systems too large for it; emitted C++: %llu systems\n",
-              static_cast<unsigned long long>(totals.oracle.states), static_cast<unsigned long long>(totals.oracle.too_large),
-              static_cast<unsigned long long>(totals.emitted));
+  if (a.options.engine_runs == 0) {
+    std::printf("oracle: %llu states, %llu systems too large for it; emitted C++: %llu systems\n",
+                static_cast<unsigned long long>(totals.counts.oracle.states), static_cast<unsigned long long>(totals.counts.oracle.too_large),
+                static_cast<unsigned long long>(totals.emitted));
+  }
+  const EngineCounts& engines = totals.counts.engines;
+  std::printf("engines: %llu runs with several threads, %llu of them in parts, %llu steps\n", static_cast<unsigned long long>(engines.runs),
+              static_cast<unsigned long long>(engines.in_parts), static_cast<unsigned long long>(engines.steps));
   std::printf("differential: %llu systems, %zu failed\n", static_cast<unsigned long long>(totals.models), totals.failures.size());
   return totals.failures.empty() && totals.models == a.count ? 0 : 1;
 }

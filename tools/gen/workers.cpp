@@ -18,6 +18,7 @@ namespace {
 
 // Of the processor, not of the clock: on a busy machine a model may wait for minutes.
 constexpr int kSecondsPerModel = 30;
+constexpr int kSecondsPerRuns = 600;
 
 void limit_time(int seconds) {
   const itimerval limit{.it_interval = {}, .it_value = {.tv_sec = seconds, .tv_usec = 0}};
@@ -27,7 +28,7 @@ void limit_time(int seconds) {
 std::string death(int status) {
   if (WIFSIGNALED(status)) {
     int signal = WTERMSIG(status);
-    return signal == SIGPROF ? "crash: no end within " + std::to_string(kSecondsPerModel) + " s" : "crash: signal " + std::to_string(signal);
+    return signal == SIGPROF ? "crash: no end in its time" : "crash: signal " + std::to_string(signal);
   }
   return "crash: exit code " + std::to_string(WEXITSTATUS(status));
 }
@@ -50,13 +51,14 @@ class Worker {
   void run(std::uint64_t first, std::uint64_t end, std::uint64_t stride) {
     for (std::uint64_t seed = first; seed < end; seed += stride) {
       *current_ = seed;
-      limit_time(kSecondsPerModel);
-      OracleCounts counts;
+      limit_time(options_.engine_runs != 0 ? kSecondsPerRuns : kSecondsPerModel);
+      Counts counts;
       EmittedCase emitted;
       SupportedModel supported = supported_model(seed);
       std::string failure = check_model(supported.model, seed, options_, counts, options_.emit_cpp ? &emitted : nullptr);
       limit_time(0);
-      std::fprintf(out_, "M %llu %llu\n", static_cast<unsigned long long>(counts.states), static_cast<unsigned long long>(counts.too_large));
+      std::fprintf(out_, "M %llu %llu\n", static_cast<unsigned long long>(counts.oracle.states), static_cast<unsigned long long>(counts.oracle.too_large));
+      tell(counts.engines);
       if (supported.is_plain) std::fprintf(out_, "U 1\n");
       if (!failure.empty()) {
         report({seed, failure});
@@ -74,9 +76,15 @@ class Worker {
   void report(const Failure& f) {
     std::fprintf(out_, "F %llu %s\n", static_cast<unsigned long long>(f.seed), one_line(f.what).c_str());
   }
+  void tell(const EngineCounts& counts) {
+    std::fprintf(out_, "R %llu %llu %llu\n", static_cast<unsigned long long>(counts.runs), static_cast<unsigned long long>(counts.steps),
+                 static_cast<unsigned long long>(counts.in_parts));
+  }
   void flush() {
     if (cases_.empty()) return;
-    for (const Failure& f : check_emitted(cases_, options_, "batch" + std::to_string(cases_.front().seed))) report(f);
+    EngineCounts counts;
+    for (const Failure& f : check_emitted(cases_, options_, "batch" + std::to_string(cases_.front().seed), counts)) report(f);
+    tell(counts);
     std::fprintf(out_, "E %zu\n", cases_.size());
     cases_.clear();
   }
@@ -97,8 +105,11 @@ void read_results(std::FILE* in, Totals& totals) {
     std::uint64_t first = std::strtoull(line + 2, &rest, 10);
     if (line[0] == 'M') {
       ++totals.models;
-      totals.oracle.states += first;
-      totals.oracle.too_large += std::strtoull(rest, nullptr, 10);
+      totals.counts.oracle.states += first;
+      totals.counts.oracle.too_large += std::strtoull(rest, nullptr, 10);
+    } else if (line[0] == 'R') {
+      const std::uint64_t steps = std::strtoull(rest, &rest, 10);
+      totals.counts.engines.add({first, steps, std::strtoull(rest, nullptr, 10)});
     } else if (line[0] == 'E') {
       totals.emitted += first;
     } else if (line[0] == 'U') {
@@ -166,15 +177,15 @@ std::string check_isolated(const Description& model, std::uint64_t seed, const C
   std::fflush(nullptr);
   pid_t pid = fork();
   if (pid == 0) {
-    limit_time(kSecondsPerModel);
+    limit_time(options.engine_runs != 0 ? kSecondsPerRuns : kSecondsPerModel);
     // What a crashing compiler says about itself would repeat at every attempt.
     std::FILE* quiet = std::freopen("/dev/null", "w", stderr);
     if (quiet == nullptr) std::_Exit(1);
-    OracleCounts counts;
+    Counts counts;
     EmittedCase emitted;
     std::string failure = check_model(model, seed, options, counts, options.emit_cpp ? &emitted : nullptr);
     if (failure.empty() && options.emit_cpp) {
-      for (const Failure& f : check_emitted({emitted}, options, "alone" + std::to_string(seed))) failure = f.what;
+      for (const Failure& f : check_emitted({emitted}, options, "alone" + std::to_string(seed), counts.engines)) failure = f.what;
     }
     std::fputs(failure.c_str(), results);
     std::fflush(results);

@@ -7,7 +7,7 @@ namespace bip::gen {
 struct Totals {
   std::uint64_t models = 0, emitted = 0;
   std::uint64_t unsupported = 0;  // of them, what the compiler said "not yet" to: their plain models were checked
-  OracleCounts oracle;
+  Counts counts;
   std::vector<Failure> failures;  // by seed
 };
 

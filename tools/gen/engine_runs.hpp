@@ -1,0 +1,91 @@
+// Runs of the engines with several threads under random delays: each must be one that the core accepts (runtime/engine/follow.hpp),
+// its end and last state included. Needs the runtime only, so that emitted programs of a batch make the same runs.
+#pragma once
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "bip/run.hpp"
+#include "runtime/core/batch.hpp"
+#include "runtime/core/core.hpp"
+#include "runtime/engine/follow.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::gen {
+
+struct EngineCounts {
+  std::uint64_t runs = 0, steps = 0;
+  std::uint64_t in_parts = 0;  // of them, runs of the batch engine whose system came apart
+  void add(const EngineCounts& more) {
+    runs += more.runs;
+    steps += more.steps;
+    in_parts += more.in_parts;
+  }
+};
+
+/// Does the batch engine do more than the sequential one here?
+inline bool comes_apart(const rt::Image& image) {
+  rt::Core core(image);
+  core.keep_list();
+  return core.can_batch() && rt::plan_batch(core.tables(), core.priorities(), 3, true).parts > 1;
+}
+
+/// One run, recorded and followed. Empty: accepted.
+inline std::string engine_run(const rt::Image& image, rt::RunOptions options, EngineCounts& counts) {
+  options.has_seed = true;
+  options.silent = true;
+  options.format = rt::TraceFormat::Binary;
+  const int file = memfd_create("recorded", 0);
+  options.trace_path = "/proc/self/fd/" + std::to_string(file);
+  char* said = nullptr;
+  std::size_t said_size = 0;
+  std::FILE* out = open_memstream(&said, &said_size);
+  counts.steps += rt::run(image, options, out, out).steps;
+  ++counts.runs;
+  std::string bytes;
+  char buffer[4096];
+  lseek(file, 0, SEEK_SET);
+  for (ssize_t n; (n = read(file, buffer, sizeof buffer)) > 0;) bytes.append(buffer, static_cast<std::size_t>(n));
+  close(file);
+  rt::RunOptions quiet;
+  quiet.silent = true;
+  const rt::Followed followed = rt::follow(image, bytes, quiet, out);
+  std::fclose(out);
+  const std::string text(said, said_size);
+  std::free(said);
+  if (followed.problem.empty()) return "";
+  return std::string(rt::name_of(options.engine)) + ": seed " + std::to_string(options.seed) + (options.maximal_progress ? "" : ", all interactions") + ": " +
+         followed.problem + "; could be taken:" + followed.candidates + "\n" + text;
+}
+
+/// `runs` runs of each engine: policies, maximal progress and delays in turn.
+inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::uint64_t runs, std::uint64_t steps, EngineCounts& counts) {
+  const bool has_parts = comes_apart(image);
+  for (std::uint64_t k = 0; k < runs; ++k) {
+    rt::RunOptions options;
+    options.seed = seed + k;
+    options.limit = steps;
+    // One of three ways a seed: every run waits for threads some hundred times.
+    const std::uint64_t variant = options.seed % 3;
+    options.policy = variant == 2 ? rt::Policy::Fair : rt::Policy::Uniform;
+    options.maximal_progress = variant != 1;
+    options.threads = 2 + static_cast<std::uint32_t>(k % 3);
+    options.perturb = variant == 0 ? 0 : options.seed + 1;
+    options.engine = rt::Engine::Threads;
+    if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
+    options.engine = rt::Engine::Batch;
+    // Only these take epochs.
+    options.policy = rt::Policy::Uniform;
+    options.maximal_progress = true;
+    options.perturb = options.seed + 1;
+    if (has_parts) ++counts.in_parts;
+    else if (k != 0) continue;  // a sequential run once more
+    if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
+  }
+  return "";
+}
+
+}  // namespace bip::gen
