@@ -73,7 +73,8 @@ def groups():
             yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/run")])),
                              ("terminal", lambda: run_script("terminal", [sys.executable, str(ROOT / "tests/verify/terminal")])),
                              ("exports", lambda: run_script("exports", [sys.executable, str(ROOT / "tests/verify/exports")]))]
-        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"]))]
+        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"])),
+                               ("engines", lambda: run_script("engines", [str(ROOT / "tests/differential/engines"), "100"]))]
 
 
 def main():
