@@ -307,11 +307,8 @@ void add_published(CLI::App& app, PublishedArguments& a) {
 void add_replay(CLI::App& app, ReplayArguments& a) {
   CLI::App* command = app.add_subcommand("replay", "follow a recorded run and compare each state");
   command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
-  CLI::Option* published = command->add_option("--published", a.published_trace, "the text that the published engine (or --trace-format=bip2) wrote");
-  published->type_name("TRACE");
-  command->add_option("--recorded", a.recorded_trace, "a binary trace (`bipc run --trace-format=binary`); its steps are printed")
-      ->type_name("TRACE")
-      ->excludes(published);
+  CLI::Option* published = command->add_option("--published", a.published_trace, "the text that the published engine (or --trace-format=bip2) wrote")->type_name("TRACE");
+  command->add_option("--recorded", a.recorded_trace, "a binary trace (`bipc run --trace-format=binary`); its steps are printed")->type_name("TRACE")->excludes(published);
   add_choice(*command, "--trace-format", a.format, kTraceFormats, "steps|json|bip2", "--recorded: form of the steps");
   command->add_flag("--silent", a.silent, "--recorded: no step lines");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
