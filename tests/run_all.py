@@ -60,7 +60,8 @@ def groups():
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
     yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/run")])),
                     ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/dala")])),
-                    ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/run")]))]
+                    ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/run")])),
+                    ("mission", lambda: run_script("mission", [sys.executable, str(ROOT / "models/dala/run")]))]
     yield "serve", [("serve", lambda: run_script("serve", [sys.executable, str(ROOT / "tests/serve/run")]))]
     if (BUILD / "bip-fuzz").exists():
         yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]

@@ -115,7 +115,7 @@ void add_check(CLI::App& app, CheckArguments& a) {
 
 void add_run(CLI::App& app, RunArguments& a) {
   CLI::App* command = app.add_subcommand("run", "run a model and print its steps");
-  command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
+  command->add_option("FILE", a.file, "a .bip or .bsys file, or a folder with a program `run`, which gets --seed and --speed")->required()->type_name("");
   command->add_option_function<std::uint64_t>(
              "--seed", [&a](const std::uint64_t& seed) { a.run.seed = seed; a.run.has_seed = true; },
              "of the random choices; without it one is drawn and printed")
@@ -340,7 +340,8 @@ void add_generation(CLI::App* command, GenomArguments& a) {
   command->add_option("--flavour", a.flavour, "codels answer freely (default), or are the C++ functions of their names")
       ->check(CLI::Validator([](std::string& text) { return text == "verification" || text == "execution" ? "" : not_one_of(text, "verification|execution"); }, ""))
       ->type_name("verification|execution");
-  command->add_flag("--executive", a.executive, "execution flavour, and requests come from C++: executive_request, executive_answer, executive_reply");
+  auto* executive = command->add_flag("--executive", a.executive, "execution flavour, and requests come from C++: executive_request, executive_answer, executive_reply");
+  command->add_flag("--served", a.served, "execution flavour in real time, and requests come from clients of `bipc serve`")->excludes(executive);
   command->add_flag("--skeleton", a.skeleton, "execution flavour, and empty codels in C++ beside the output; files that are there stay");
   command->add_option("--instances", a.instances, "activities a service may have at once (default 1); one more if it interrupts itself")
       ->check(CLI::Range(1, 16))

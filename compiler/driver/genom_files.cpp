@@ -47,8 +47,8 @@ genom::TranslateOptions translate_options(const GenomArguments& a, const std::ve
   if (o.generate.package.empty() && !a.output.empty()) o.generate.package = genom::bip_name(fs::path(a.output).stem().string());
   if (o.generate.package.empty()) o.generate.package = package;
   for (const std::string& file : files) o.generate.sources.push_back(fs::path(file).filename().string());
-  o.generate.has_executive = a.executive;
-  if (a.skeleton || a.executive || a.flavour == "execution") o.generate.flavour = genom::Flavour::Execution;
+  if (a.executive || a.served) o.generate.executive = a.served ? genom::Executive::Served : genom::Executive::Cpp;
+  if (a.skeleton || a.executive || a.served || a.flavour == "execution") o.generate.flavour = genom::Flavour::Execution;
   o.generate.lock = a.lock == "module" ? genom::LockGranularity::Module : a.lock == "codel" ? genom::LockGranularity::Codel : genom::LockGranularity::ByGeneration;
   o.generate.tick_us = static_cast<std::int64_t>(a.tick_ms * 1000.0);
   o.generate.control_period = a.control_period;

@@ -145,6 +145,7 @@ struct GenomArguments {
   std::size_t instances = 1;
   std::string flavour;     // "", "verification" or "execution"
   bool executive = false;  // requests come from C++
+  bool served = false;     // requests come from clients of `bipc serve`
   bool skeleton = false;   // empty codels beside the output
   std::string lock;        // "", "module" or "codel"
   double tick_ms = 0;

@@ -87,12 +87,13 @@ std::string codel_prototypes(const std::vector<Module>& modules) {
 
 std::string codel_header(const std::vector<Module>& modules, const GenerateOptions& options) {
   std::string out = fmt::format("// Codels that {}.bip calls. Written by `bipc genom --skeleton`.\n//\n", options.package);
-  if (options.has_executive) {
+  if (options.executive == Executive::Cpp) {
     out += "// The executive is asked once a tick for \"MODULE.SERVICE(VALUE, ...)\" or \"\", and hears of what came of it: (module, service, report).\n";
   }
   out += "// A codel of an activity returns what is next, and sets `report` (0: OK) if it ends the activity with a report of its service.\n";
   out += "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n";
-  if (options.has_executive) {
+  if (options.executive == Executive::Served) out += "\n// The input of a request that a client posts, before the request is looked at.\nvoid request_input(const char* service, const char* input);\n";
+  if (options.executive == Executive::Cpp) {
     out += "#include <string>\n\nstd::string executive_request();\n"
            "void executive_answer(const char* module, const char* service, const char* report);\n"
            "void executive_reply(const char* module, const char* service, const char* report);\n";
@@ -108,7 +109,8 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
 
 std::string codel_source(const std::vector<Module>& modules, const GenerateOptions& options) {
   std::string out = fmt::format("// Codels of {0}.bip, empty: each answers the first thing that it may.\n#include \"{0}_codels.hpp\"\n", options.package);
-  if (options.has_executive) {
+  if (options.executive == Executive::Served) out += "\nvoid request_input(const char* /*service*/, const char* /*input*/) {}\n";
+  if (options.executive == Executive::Cpp) {
     out += "\n// Never asks for anything.\nstd::string executive_request() { return {}; }\n"
            "void executive_answer(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n"
            "void executive_reply(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n";

@@ -19,7 +19,8 @@ namespace {
 // Of stdlib/genom, and the root: a type of the package would hide them.
 constexpr const char* kOwnTypes[] = {"Signal", "Report", "Status", "Age", "ControlState", "MasterTimer", "Timer", "WakeUp", "IdsLock", "Semaphore",
                                      "Poster", "ServiceController", "ControlService", "TaskController", "Permanent", "ControlIds", "FunctionalLevel", "Answer",
-                                     "Running", "Elapsed", "Number", "Text", "Order", "Stopwatch", "NumberParameter", "TextParameter", "Pair", "Recovery", "Asks", "Executive"};
+                                     "Running", "Elapsed", "Number", "Text", "Order", "Stopwatch", "NumberParameter", "TextParameter", "Pair", "Recovery", "Asks", "Executive", "MasterClock",
+                                     "Posts", "Told"};
 
 // The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
@@ -86,7 +87,7 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
   for (const Constraint& c : options.constraints.rows) options.oldest = std::max(options.oldest, oldest_for(c.condition, options, tick_us));
   std::string out = header(modules, options, tick_us);
   if (options.flavour == Flavour::Execution) out += codel_prototypes(modules);
-  if (options.has_executive) out += executive_type();
+  if (options.executive != Executive::Anybody) out += executive_type(options.executive);
   std::vector<Plan> plans;
   Scope types;
   for (const char* own : kOwnTypes) types.claim(own, "");

@@ -12,9 +12,12 @@ namespace bip::genom {
 /// What a codel has to itself while it runs: all data of its module, or the data that it uses.
 enum class LockGranularity : std::uint8_t { ByGeneration, Module, Codel };
 
+/// Who asks for services, and hears of replies: anybody for anything; C++ functions; clients of `bipc serve`.
+enum class Executive : std::uint8_t { Anybody, Cpp, Served };
+
 struct GenerateOptions {
   Flavour flavour = Flavour::Verification;
-  bool has_executive = false;  // execution flavour: requests come from C++, which hears of replies
+  Executive executive = Executive::Anybody;  // another one: execution flavour
   std::string package;  // of the execution flavour also the stem of its C++ files
   std::vector<std::string> sources;  // file names, for the first comment
   LockGranularity lock = LockGranularity::ByGeneration;

@@ -18,7 +18,7 @@ namespace {
 class LevelWriter {
  public:
   LevelWriter(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us)
-      : out_(out), plans_(plans), c_(options.constraints), options_(options), names_(level_scope()), conditions_(plans, options, parts_, tick_us) {}
+      : out_(out), plans_(plans), c_(options.constraints), options_(options), tick_us_(tick_us), names_(level_scope()), conditions_(plans, options, parts_, tick_us) {}
 
   void run() {
     out_ += "\n  // All modules, the token for triggers, and the clock.\n  compound type FunctionalLevel()\n";
@@ -28,8 +28,12 @@ class LevelWriter {
       for (std::size_t i = 0; i < p.posters.size(); ++i) posters_[p.module->name.text + "." + p.module->posters[i].name.text] = p.component + ".read_" + p.posters[i];
     }
     sync_ = names_.claim("InterModuleSync", "event");
-    out_ += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n    component MasterTimer masterTimer()\n";
-    if (options_.has_executive) out_ += fmt::format("    component Executive {}()\n", executive_ = names_.claim("executive", "part"));
+    out_ += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n";
+    out_ += is_served() ? fmt::format("    component MasterClock masterTimer({})\n", tick_us_) : "    component MasterTimer masterTimer()\n";
+    if (options_.executive != Executive::Anybody) {
+      executive_ = names_.claim("executive", "part");
+      out_ += fmt::format("    component Executive {}({})\n", executive_, is_served() ? std::to_string(100 + 2 * options_.control_period) : "");
+    }
     parts();
     for (std::size_t m = 0; m < plans_.size(); ++m) module(m);
     time();
@@ -45,6 +49,7 @@ class LevelWriter {
     write_wire(out_, w);
     return w.name;
   }
+  [[nodiscard]] bool is_served() const { return options_.executive == Executive::Served; }
   [[nodiscard]] const Plan& plan(ServiceRef s) const { return plans_[s.module]; }
   [[nodiscard]] std::string name_of(ServiceRef s) const { return plan(s).component + "_" + plan(s).services[s.service].id; }
   [[nodiscard]] std::vector<std::string> of_slots(ServiceRef s, const char* port) const {
@@ -90,6 +95,11 @@ class LevelWriter {
       reads.push_back(wire(std::move(abort)));
     }
     recoveries(m, reads);
+    if (!executive_.empty()) {
+      // What is asked for is not left for the next cycle.
+      const std::string none = wire({.name = p.component + "_none", .ports = {prefix + "none"}});
+      for (const std::string& read : reads) priorities_.emplace_back(none, read);
+    }
     if (p.launches_outside) launches(m);
     wire({.name = p.component + "_give", .ports = {prefix + "give", "semaphore.give"}});
     for (std::size_t i = 0; i < p.tasks.size(); ++i) {
@@ -162,7 +172,7 @@ class LevelWriter {
 
   // Only if the executive says so.
   void asks(Wire& w, const std::string& request) const {
-    if (!options_.has_executive) return;
+    if (executive_.empty()) return;
     w.ports.push_back(executive_ + ".ask");
     w.guard = fmt::format("{}.ask.wanted == \"{}\"", executive_, request);
   }
@@ -275,7 +285,7 @@ class LevelWriter {
     std::vector<std::string> ports{"masterTimer.tick"};
     std::string action;
     for (const Plan& p : plans_) ports.push_back(p.component + ".moduleTick");
-    if (options_.has_executive) ports.push_back(executive_ + ".tick");
+    if (!executive_.empty()) ports.push_back(executive_ + ".tick");
     for (std::size_t i = 0; i < c_.stopwatches.size(); ++i) {
       const std::string tick = parts_.stopwatches[i] + ".tick";
       ports.push_back(tick);
@@ -293,6 +303,7 @@ class LevelWriter {
   const std::vector<Plan>& plans_;
   const Constraints& c_;
   const GenerateOptions& options_;
+  std::int64_t tick_us_;
   LevelParts parts_;
   std::string executive_, sync_;
   Scope names_;
@@ -304,7 +315,20 @@ class LevelWriter {
 
 }  // namespace
 
-std::string executive_type() {
+std::string executive_type(Executive executive) {
+  if (executive == Executive::Served) {
+    return "\n  // The input of a request, as its client wrote it: for codels.\n"
+           "  extern function request_input(string, string)\n"
+           "\n  port type Asks(string wanted)\n  port type Posts(string wanted, string input)\n  port type Told(string rqst, string rep)\n"
+           "\n  // Requests of clients: \"MODULE.SERVICE(VALUE, ...)\", one at a time. What no module takes is lost after `patience` ticks.\n"
+           "  atom type Executive(int patience)\n    data string wanted = \"\", input = \"\"\n    data int waited = 0\n"
+           "    extern port Posts request(wanted, input) remember\n"
+           "    export port Signal tick()\n    export port Asks ask(wanted)\n    port Asks lost(wanted)\n"
+           "\n    place NONE, DUE\n\n    initial to NONE\n\n"
+           "    on request from NONE to DUE eager do { request_input(wanted, input); waited = 0; }\n"
+           "    on ask from DUE to NONE\n    on lost from DUE to NONE provided (waited >= patience)\n"
+           "    on tick from NONE to NONE\n    on tick from DUE to DUE provided (waited < patience) do { waited = waited + 1; }\n  end\n";
+  }
   return "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is none; final replies.\n"
          "  extern function string executive_request()\n"
          "  extern function executive_answer(string, string, string)\n"

@@ -12,8 +12,8 @@ namespace bip::genom {
 
 /// The names that the functional level has of its own.
 [[nodiscard]] Scope level_scope();
-/// The atom through which C++ asks for services, and the functions that it calls.
-[[nodiscard]] std::string executive_type();
+/// The atom through which C++ (or a client) asks for services, and the functions that it calls.
+[[nodiscard]] std::string executive_type(Executive executive);
 void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us);
 
 }  // namespace bip::genom

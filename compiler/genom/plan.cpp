@@ -67,7 +67,7 @@ class Planner {
     p_.module = &module;
     p_.by_codel = options.lock == LockGranularity::Codel || (options.lock == LockGranularity::ByGeneration && module.generation == 3);
     p_.calls = options.flavour == Flavour::Execution;
-    p_.reports = options.has_executive;
+    p_.executive = options.executive;
     p_.type = types_.claim(type_name(module.name.text), "Module");
     p_.component = bip_name(module.name.text);
   }

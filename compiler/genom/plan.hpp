@@ -59,7 +59,7 @@ struct Plan {
   const Module* module = nullptr;
   bool by_codel = false;  // lock granularity
   bool calls = false;     // execution flavour: codels are called
-  bool reports = false;   // C++ hears of replies
+  Executive executive = Executive::Anybody;
   bool launches_outside = false;  // rules say when activities begin
   std::string type;       // of the module's compound; begins the names of its other types
   std::string component;  // in the functional level

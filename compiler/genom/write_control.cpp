@@ -146,12 +146,16 @@ void write_control(std::string& out, const Plan& plan) {
   for (const char* name : {"done", "give", "rest"}) box.signal(name);
   box.places += ", give_back, fini";
   const std::string answer = fmt::format(" do {{ if (rqst != \"\") then executive_answer(\"{}\", rqst, rep); rqst = \"\"; fi }}", m.name.text);
-  box.on("done", "laun", "give_back", plan.reports ? answer : "");
-  box.on("give", "give_back", "idle", " provided (token) do { token = false; }");
-  box.on("rest", "give_back", "idle", " provided (!token)");
+  const bool is_served = plan.executive == Executive::Served;
+  const std::string is_told = is_served ? " && rqst == \"\"" : "";
+  box.on("done", "laun", "give_back", plan.executive == Executive::Cpp ? answer : "");
+  if (is_served) box.on("told", "give_back", "give_back", " provided (rqst != \"\") do { rqst = \"\"; }");
+  box.on("give", "give_back", "idle", fmt::format(" provided (token{}) do {{ token = false; }}", is_told));
+  box.on("rest", "give_back", "idle", fmt::format(" provided (!token{})", is_told));
 
   out += fmt::format("\n  // Receives the requests to {} and answers them, one control cycle after the other (Figure 8).\n", m.name.text);
   out += fmt::format("  atom type {}()\n    data string rqst = \"\", rep = \"OK\"\n    data bool token = false\n    port Signal init()\n", plan.box_type);
+  if (is_served) out += "    port Told told(rqst, rep)\n";
   for (const auto& [type, name] : box.ports) out += fmt::format("    export port {} {}\n", type, name);
   out += fmt::format("\n    place {}\n\n    initial to off\n\n{}  end\n", box.places, box.transitions);
 

@@ -136,7 +136,7 @@ void ModuleWriter::control_cycle() {
     if (p_.service_of(k).kind == ServiceKind::Execution) replies.push_back(of_slot(k, "reply"));
   }
   wire({.name = "collect", .ports = replies, .triggers = replies.size() > 1 ? 1u : 0u});
-  wire({.name = "none", .ports = {control("none")}});
+  wire({.name = "none", .ports = {control("none")}, .exported = p_.executive != Executive::Anybody});
   if (!has_checked(p_)) return;
   const std::string state = p_.ids + ".state";
   const auto refuse = [&](const char* report, const std::string& guard) {

@@ -237,6 +237,7 @@ void ModuleWriter::exports() {
   if (p_.execution_slots > 0) write_export(out_, control("read_Abort"), "read_Abort");
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
   if (p_.launches_outside) write_export(out_, out_of("done"), "done");
+  if (p_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
   write_export(out_, out_of("give"), "give");
   for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
     if (m_.tasks[i].has_permanent() || !m_.tasks[i].reads.empty()) write_export(out_, out_of("begin_" + p_.tasks[i].component), "begin_" + p_.tasks[i].component);

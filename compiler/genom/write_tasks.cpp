@@ -206,7 +206,7 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
     write_wire(out, {.name = "fail", .ports = {"controller.fail", "activity.zombie"}, .exported = true});
     write_wire(out, {.name = "bury", .ports = {"controller.bury", "activity.bury"}, .exported = true});
   }
-  if (plan.reports) {
+  if (plan.executive == Executive::Cpp) {
     out += fmt::format("\n    connector replied(controller.reply)\n      export port Signal out\n      define [controller.reply]\n"
                        "      on controller.reply down {{ executive_reply(\"{}\", \"{}\", controller.reply.rep); }}\n", plan.module->name.text, s.name.text);
   }
@@ -218,7 +218,7 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
     write_export(out, "controller.admit", "admit");
   }
   for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat"}) write_export(out, std::string("controller.") + name, name);
-  write_export(out, plan.reports ? "replied.out" : "controller.reply", "reply");
+  write_export(out, plan.executive == Executive::Cpp ? "replied.out" : "controller.reply", "reply");
   write_export(out, "start.out", "start");
   write_export(out, "cancel.out, abort.out", "abt");
   if (p.is_stopped) write_export(out, "drop.out, halt.out", "halt");

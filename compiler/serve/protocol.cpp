@@ -2,6 +2,7 @@
 #include "compiler/serve/protocol.hpp"
 
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "bip/image_time.hpp"
 
@@ -185,8 +186,10 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     return reply.send(line_of(answer));
   }
   if (what == "subscribe" || what == "unsubscribe") {
+    std::set<std::string> ports;
     if (!texts_of(request, "interactions", names)) return refuse("`interactions` is an array of names");
-    reply.subscribe({what == "subscribe", std::move(names)});
+    if (!texts_of(request, "ports", ports)) return refuse("`ports` is an array of ends of paths");
+    reply.subscribe({what == "subscribe", std::move(names), {ports.begin(), ports.end()}});
     return reply.send(line_of(answer_to(id)));
   }
   if (what == "state") {
@@ -234,8 +237,23 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
   refuse(what.empty() ? "`do` is missing" : "`" + what + "` is not known");
 }
 
+bool Subscription::wants(const Step& step) const {
+  if (!is_on) return false;
+  if ((interactions.empty() && ports.empty()) || interactions.contains(step.interaction)) return true;
+  for (const std::string& path : step.ports) {
+    for (const std::string& end : ports) {
+      if (path.ends_with(end) && (path.size() == end.size() || path[path.size() - end.size() - 1] == '.')) return true;
+    }
+  }
+  return false;
+}
+
 std::string step_line(const Step& step, std::int64_t now) {
-  return line_of({{"note", "step"}, {"step", step.number}, {"time", now}, {"interaction", step.interaction}, {"ports", step.ports}});
+  Json line = {{"note", "step"}, {"step", step.number}, {"time", now}, {"interaction", step.interaction}, {"ports", step.ports}};
+  for (const StepValue& v : step.values) {
+    std::visit([&](const auto& value) { line["values"][step.ports[v.port]][v.name] = value; }, v.value);
+  }
+  return line_of(line);
 }
 
 std::string end_line(Outcome outcome, const std::string& text) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "compiler/serve/controller.hpp"
 
@@ -15,7 +16,10 @@ namespace bip::serve {
 /// What one client is told of without asking.
 struct Subscription {
   bool is_on = false;
-  std::set<std::string> interactions;  // empty: all
+  std::set<std::string> interactions;
+  std::vector<std::string> ports;  // ends of paths, "panel.turn"
+  /// Of these interactions, or with one of these ports; without both, all.
+  [[nodiscard]] bool wants(const Step& step) const;
 };
 
 struct Reply {

@@ -4,13 +4,16 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <asio.hpp>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <deque>
 #include <map>
+#include <mutex>
 #include <optional>
+#include <vector>
 
 #include "compiler/serve/protocol.hpp"
 
@@ -30,7 +33,7 @@ struct Client {
   std::deque<std::string> waiting;  // the first one is being written
   std::size_t waiting_bytes = 0;
   std::uint64_t dropped = 0;
-  Subscription subscription;
+  bool is_subscribed = false;
   bool reads = false, writes = false, is_closing = false, is_stdio = false;
 };
 
@@ -74,7 +77,7 @@ class Server {
     });
     controller_.on_step = [this](const Step& step, std::int64_t now) { note(step, now); };
     controller_.on_end = [this](Outcome outcome, const std::string& text) {
-      net::post(io_, [this, line = end_line(outcome, text)] { broadcast("", line); });
+      net::post(io_, [this, line = end_line(outcome, text)] { broadcast(nullptr, line); });
     };
     controller_.start();
     io_.run();
@@ -111,26 +114,34 @@ class Server {
     return client;
   }
 
+  // On the engine's thread: a step that nobody wants costs no line.
   void note(const Step& step, std::int64_t now) {
-    if (subscribers_.load(std::memory_order_relaxed) == 0) return;
+    std::vector<std::uint64_t> receivers;
+    {
+      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
+      for (const auto& [number, subscription] : subscriptions_) {
+        if (subscription.wants(step)) receivers.push_back(number);
+      }
+    }
+    if (receivers.empty()) return;
     if (notes_.fetch_add(1) >= kMaxNotes) {
       notes_.fetch_sub(1);
       lost_.fetch_add(1);
       return;
     }
-    net::post(io_, [this, name = step.interaction, line = step_line(step, now)] {
+    net::post(io_, [this, to = std::move(receivers), line = step_line(step, now)] {
       notes_.fetch_sub(1);
-      broadcast(name, line);
+      broadcast(&to, line);
     });
   }
 
-  void broadcast(const std::string& interaction, const std::string& line) {
+  // To some subscribers, or (null) to all.
+  void broadcast(const std::vector<std::uint64_t>* to, const std::string& line) {
     const std::uint64_t lost = lost_.exchange(0);
     for (auto& [number, client] : clients_) {
-      if (!client->subscription.is_on) continue;
+      if (!client->is_subscribed) continue;
       client->dropped += lost;
-      const std::set<std::string>& wanted = client->subscription.interactions;
-      if (!interaction.empty() && !wanted.empty() && !wanted.contains(interaction)) continue;
+      if (to != nullptr && std::find(to->begin(), to->end(), number) == to->end()) continue;
       if (client->waiting_bytes + line.size() > options_.max_waiting) {
         ++client->dropped;
         continue;
@@ -190,9 +201,10 @@ class Server {
     Reply reply;
     reply.send = [this, number](std::string text) { net::post(io_, [this, number, answer = std::move(text)] { send(number, answer); }); };
     reply.subscribe = [this, number](const Subscription& subscription) {
-      Client& client = *clients_.at(number);
-      subscribers_ += (subscription.is_on ? 1 : 0) - (client.subscription.is_on ? 1 : 0);
-      client.subscription = subscription;
+      clients_.at(number)->is_subscribed = subscription.is_on;
+      forget(number);
+      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
+      if (subscription.is_on) subscriptions_[number] = subscription;
     };
     reply.shut_down = [this] { ends_ = true; net::post(io_, [this] { net::post(io_, [this] { try_stop(); }); }); };
     handle_line(controller_, line, std::move(reply));
@@ -215,15 +227,19 @@ class Server {
   }
 
   void close(std::uint64_t number, Client& client) {
-    if (!client.is_closing && client.subscription.is_on) --subscribers_;
-    if (client.is_closing && client.subscription.is_on) --subscribers_;
-    client.subscription = {};
+    if (client.is_subscribed) forget(number);
+    client.is_subscribed = false;
     client.is_closing = true;
     std::error_code ignored;
     if (client.reads) client.in.cancel(ignored);
     if (client.reads || client.writes) return;
     clients_.erase(number);
     if (ends_) try_stop();
+  }
+
+  void forget(std::uint64_t number) {
+    const std::lock_guard<std::mutex> hold(subscriptions_lock_);
+    subscriptions_.erase(number);
   }
 
   // Answers that wait are written first, if their clients read them at once.
@@ -245,7 +261,9 @@ class Server {
   std::optional<net::ip::tcp::acceptor> tcp_;
   std::map<std::uint64_t, std::unique_ptr<Client>> clients_;
   std::uint64_t next_ = 0;
-  std::atomic<int> subscribers_{0}, notes_{0};
+  std::mutex subscriptions_lock_;
+  std::map<std::uint64_t, Subscription> subscriptions_;  // read on the engine's thread
+  std::atomic<int> notes_{0};
   std::atomic<std::uint64_t> lost_{0};
   bool ends_ = false;
   int patience_ = 0;

@@ -50,6 +50,17 @@ struct System::Impl {
     }
     return nullptr;
   }
+  [[nodiscard]] EventValue value_of(rt::SlotType type, rt::Slot slot) const {
+    switch (type) {
+      case rt::SlotType::Int: return slot.i;
+      case rt::SlotType::Bool: return slot.i != 0;
+      case rt::SlotType::Float: return slot.f;
+      case rt::SlotType::String: return std::string(rt::string_of(core.image(), slot));
+    }
+    std::string text;
+    rt::append_value(text, core.image(), type, slot);
+    return text;
+  }
   Outcome take(rt::EnabledSet::Position at) {
     Step step;
     if (callback) {
@@ -58,7 +69,12 @@ struct System::Impl {
       rt::append_candidate(step.interaction, core, candidate);
       core.participants(candidate, participants);
       for (const rt::Participant& p : participants) {
-        step.ports.push_back(std::string(core.image().atoms[p.atom].path) + "." + core.tables().atom_type(p.atom).ports[p.port].name);
+        const rt::Port& port = core.tables().atom_type(p.atom).ports[p.port];
+        step.ports.push_back(std::string(core.image().atoms[p.atom].path) + "." + port.name);
+        const rt::PortType& type = core.image().port_types[port.type];
+        for (rt::u32 i = 0; i < port.slots.size; ++i) {
+          step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name, value_of(type.vars[i].type, core.shown(p.atom, p.port, i))});
+        }
       }
     }
     if (!(core.is_timed() ? core.take_timed(at) : core.take(at))) return outcome = Outcome::Fault;

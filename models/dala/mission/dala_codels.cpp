@@ -1,8 +1,12 @@
-// Codels of Dala's modules over a simulated world (world.hpp), and the executive that asks for them (executive.hpp). What a
-// mission has no use for ends at once and well: the second half.
+// Codels of Dala's modules over a simulated world (world.hpp), which is written down in world.path every 25 ticks: time, place,
+// temperature, charge, metres driven, pictures, pictures sent, and how near an obstacle was. What a mission has no use for ends at once
+// and well: the second half.
 #include "dala_codels.hpp"
 
-#include "executive.hpp"
+#include <fstream>
+#include <sstream>
+
+#include "camera.hpp"
 #include "world.hpp"
 
 namespace {
@@ -16,21 +20,43 @@ World& world() {
   static World w;
   return w;
 }
-Executive& executive() {
-  static Executive e(world());
-  return e;
+// What VIAM shows in its poster.
+Image& panorama() {
+  static Image image;
+  return image;
+}
+
+// What a request came with, as numbers; `without` if there are too few.
+double input(const char* service, std::size_t k, double without) {
+  const std::vector<double>& numbers = world().arguments[service];
+  return k < numbers.size() ? numbers[k] : without;
 }
 
 }  // namespace
 
-std::string executive_request() { return executive().next(); }
-void executive_answer(const char* module, const char* service, const char* report) { executive().answer(std::string(module) + "." + service, report); }
-void executive_reply(const char* module, const char* service, const char* report) { executive().reply(std::string(module) + "." + service, report); }
+// Words are no number: NaN.
+void request_input(const char* service, const char* text) {
+  const std::string bare = service;
+  std::vector<double>& numbers = world().arguments[bare.substr(0, bare.find('('))];
+  numbers.clear();
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    char* end = nullptr;
+    const double number = std::strtod(word.c_str(), &end);
+    numbers.push_back(end != nullptr && *end == '\0' ? number : std::nan(""));
+  }
+}
 
 // ---- POM, RFLEX: where the rover is, and its wheels
 int pomPermanent() { return kOk; }
 int rflexPermanent() {
-  world().move(5 * kTick);
+  static std::ofstream path("world.path");
+  World& w = world();
+  w.now += 5 * kTick;
+  w.move(5 * kTick);
+  if (++w.cycles % 5 == 0) {
+    path << w.now << ' ' << w.x << ' ' << w.y << ' ' << w.temperature << ' ' << w.charge << ' ' << w.driven << ' ' << w.pictures << ' ' << w.sent << ' ' << w.nearest << '\n' << std::flush;
+  }
   return kOk;
 }
 int rflexTrackSpeedStartStart(int&) {
@@ -45,8 +71,7 @@ int rflexTrackSpeedStartInter(int&) {
 // By odometry alone, straight.
 int rflexGotoPositionMain(int&) {
   World& w = world();
-  const std::vector<double>& to = w.arguments["RFLEX.GotoPosition"];
-  const double dx = to.at(0) - w.x, dy = to.at(1) - w.y, far = std::hypot(dx, dy);
+  const double dx = input("RFLEX.GotoPosition", 0, w.x) - w.x, dy = input("RFLEX.GotoPosition", 1, w.y) - w.y, far = std::hypot(dx, dy);
   const double off = wrapped(std::atan2(dy, dx) - w.heading);
   w.is_tracking = far > 0.1;
   w.wanted_turn = std::clamp(2.0 * off, -1.2, 1.2);
@@ -85,12 +110,12 @@ int aspectBuildMapInter(int&) {
 }
 
 // ---- NDD: speeds from obstacles and a goal
-int nddPermanent() { return world().ndd_is_stuck ? -1 : kOk; }
+// Without a speed it cannot go on.
+int nddPermanent() { return std::isnan(world().fastest) ? -1 : kOk; }
 int nddGoToStart(int&) {
   World& w = world();
-  const std::vector<double>& to = w.arguments["NDD.GoTo"];
-  w.goal_x = to.at(0);
-  w.goal_y = to.at(1);
+  w.goal_x = input("NDD.GoTo", 0, w.x);
+  w.goal_y = input("NDD.GoTo", 1, w.y);
   w.blocked_since = -1;
   return kExec;
 }
@@ -122,7 +147,7 @@ int heatingPermanent() {
   return kOk;
 }
 int heatingHeatToStart(int&) {
-  world().heat_to = world().arguments["Heating.HeatTo"].at(0);
+  world().heat_to = input("Heating.HeatTo", 0, 0);
   world().is_heating = true;
   return kExec;
 }
@@ -144,7 +169,7 @@ int batteryAntennaStartUsingBatteryMain(int&) { return kExec; }
 
 // ---- PTU, VIAM, Hueblob: cameras
 int ptuMoveAbsoluteStart(int&) {
-  world().pan_to = world().arguments["PTU.MoveAbsolute"].at(0);
+  world().pan_to = input("PTU.MoveAbsolute", 0, 0);
   return kExec;
 }
 int ptuMoveAbsoluteMain(int&) {
@@ -153,20 +178,25 @@ int ptuMoveAbsoluteMain(int&) {
   return std::abs(w.pan_to - w.pan) > 0.001 ? kExec : kEther;
 }
 int viamAcquireStart(int&) {
-  world().busy_until = world().now + 0.8;
+  world().busy_until = world().now + 3;
   return kExec;
 }
 int viamAcquireMain(int&) { return world().now < world().busy_until ? kExec : kEnd; }
+// To the sides of the front wheels, where the PTU looks.
 int viamAcquireEnd(int&) {
+  static Image picture;
+  take(picture, world(), 640, 480, world().pan - 0.4, world().pan + 0.4);
   ++world().pictures;
   return kEther;
 }
-// A red rock within three metres, in front.
-int hueblobMonitorMain(int&) {
-  World& w = world();
-  const double dx = w.rock_x - w.x, dy = w.rock_y - w.y;
-  if (!w.is_watching && std::hypot(dx, dy) < 3 && std::abs(wrapped(std::atan2(dy, dx) - w.heading)) < 0.8) w.is_watching = w.has_seen_rock = true;
+int viamAcquireContinuousMain(int&) {
+  take(panorama(), world(), 1280, 480, -kPi, kPi);
   return kExec;
+}
+// A red rock in front.
+int hueblobMonitorMain(int&) {
+  double direction = 0;
+  return find_red(panorama(), direction) && std::abs(direction) < 0.8 ? kEnd : kExec;
 }
 
 // ---- Antenna: pictures to the orbiter, while it is there
@@ -229,7 +259,10 @@ int nddCheckParams() { return kOk; }
 int nddSetParamsMain(int&) { return kEther; }
 int nddSetDataSourceMain(int&) { return kEther; }
 int nddCheckSpeed() { return kOk; }
-int nddSetSpeedMain(int&) { return kEther; }
+int nddSetSpeedMain(int&) {
+  world().fastest = input("NDD.SetSpeed", 0, world().fastest);
+  return kEther;
+}
 int nddCheckGoal() { return kOk; }
 int heatingInitMain(int&) { return kEther; }
 int heatingCheckGoal() { return kOk; }
@@ -272,7 +305,6 @@ int viamConfigureMain(int&) { return kEther; }
 int viamCheckBank() { return kOk; }
 int viamAcquireInter(int&) { return kEther; }
 int viamAcquireContinuousStart(int&) { return kExec; }
-int viamAcquireContinuousMain(int&) { return kEnd; }
 int viamAcquireContinuousEnd(int&) { return kEther; }
 int viamAcquireContinuousInter(int&) { return kEther; }
 int viamSaveMain(int&) { return kEther; }

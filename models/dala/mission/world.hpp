@@ -37,9 +37,9 @@ struct World {
   double pan = 0, pan_to = 0;
   int pictures = 0, sent = 0;
   double busy_until = 0;                         // of the camera
-  bool is_watching = false, has_seen_rock = false;
   double rock_x = 3.0, rock_y = 1.6;
-  bool ndd_is_stuck = false;
+  double fastest = 0.5;                          // of NDD
+  long cycles = 0;                               // of the wheels
   std::vector<Disc> obstacles{{2.0, 0.1, 0.35}, {4.4, 1.2, 0.4}, {1.2, 2.2, 0.3}, {3.6, 2.6, 0.35}};
   std::vector<Window> windows{{20, 60}, {70, 400}};
   std::map<std::string, std::vector<double>> arguments;  // of requests, by service
@@ -96,7 +96,7 @@ struct World {
       return false;
     }
     wanted_turn = std::clamp(2.0 * best, -1.2, 1.2);
-    wanted_v = 0.5 * std::clamp(std::cos(best), 0.0, 1.0) * std::clamp(closest / 1.0, 0.25, 1.0) * std::clamp(to_goal / 0.6, 0.2, 1.0);
+    wanted_v = fastest * std::clamp(std::cos(best), 0.0, 1.0) * std::clamp(closest / 1.0, 0.25, 1.0) * std::clamp(to_goal / 0.6, 0.2, 1.0);
     return true;
   }
 

@@ -30,11 +30,18 @@ enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault, Stopped };
 /// What became of an event. Full: as many as may wait do; the model takes them slower than they come.
 enum class Posted : std::uint8_t { Taken, Full, NoSuchPort, BadValues };
 
+/// A variable of a port, as it was when the interaction was chosen. Of a C++ type: its text.
+struct StepValue {
+  std::uint32_t port = 0;  // row of Step::ports
+  const char* name = "";   // in the port's type; lives as long as the image
+  EventValue value;
+};
 /// An interaction that was taken.
 struct Step {
   std::uint64_t number = 0;
   std::string interaction;         // "ROOT.take0", or "ROOT.a.think" for an internal port
   std::vector<std::string> ports;  // "ROOT.p0.take", in the order of firing
+  std::vector<StepValue> values;   // by port
 };
 
 /// A namespace of its own for the linker: the compiler, which may be linked too, has a bip::System that is something else.
