@@ -37,11 +37,11 @@ struct World {
   double pan = 0, pan_to = 0;
   int pictures = 0, sent = 0;
   double busy_until = 0;                         // of the camera
-  double rock_x = 3.0, rock_y = 1.6;
+  double rock_x = 3.4, rock_y = 1.8;
   double fastest = 0.5;                          // of NDD
   long cycles = 0;                               // of the wheels
   std::vector<Disc> obstacles{{2.0, 0.1, 0.35}, {4.4, 1.2, 0.4}, {1.2, 2.2, 0.3}, {3.6, 2.6, 0.35}};
-  std::vector<Window> windows{{20, 60}, {70, 400}};
+  std::vector<Window> windows{{20, 75}, {79, 400}};
   std::map<std::string, std::vector<double>> arguments;  // of requests, by service
   double driven = 0, nearest = kRange;
 
