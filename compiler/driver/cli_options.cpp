@@ -157,7 +157,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   CLI::App* command = app.add_subcommand("verify", "prove that a model never deadlocks, or show how it does");
   command->add_option("FILE", a.file, "a .bip or .bsys file")->required()->type_name("");
   command->add_option("--property", a.property, "what is asked: deadlock (default), errors, 'never EXPR' or 'always EXPR'")->type_name("WHAT");
-  command->add_option("--timeout", a.timeout, "give up after SECONDS (default 60)")->check(is_number())->type_name("SECONDS");
+  command->add_option("--timeout", a.timeout, "give up after SECONDS of processor time (default 60)")->check(is_number())->type_name("SECONDS");
   command->add_option("--memory", a.megabytes, "of the states that a search keeps (default 2048)")->check(is_number())->type_name("MB");
   command->add_option("--certificate", a.certificate, "write the evidence of a proof to PATH")->type_name("PATH");
   command->add_flag("--partial", a.partial, "can a component wait for ever while others move")->excludes("--property")->excludes("--certificate");

@@ -4,6 +4,7 @@
 // it is told; everything else is unknown, with the reason. Ctrl-C ends it with what is known.
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/timed_models.hpp"
 #include "compiler/driver/verify_text.hpp"
@@ -28,9 +30,11 @@ bool calls_cpp(const System& system) { return !system.code.functions.empty() || 
 
 // One line on a terminal, rewritten at most ten times a second; nothing elsewhere.
 class Progress {
+  using Clock = std::chrono::steady_clock;
+
  public:
   void show(const char* phase, std::uint64_t count, const char* unit) {
-    const verify::Clock::time_point now = verify::Clock::now();
+    const Clock::time_point now = Clock::now();
     if (!is_terminal_ || now < next_) return;
     next_ = now + std::chrono::milliseconds(100);
     const double seconds = std::chrono::duration<double>(now - start_).count();
@@ -51,7 +55,7 @@ class Progress {
   bool is_terminal_ = ::isatty(STDERR_FILENO) == 1;
   bool is_shown_ = false;
   const char* phase_ = nullptr;
-  verify::Clock::time_point start_ = verify::Clock::now(), next_ = start_ + std::chrono::milliseconds(300), phase_start_ = start_;
+  Clock::time_point start_ = Clock::now(), next_ = start_ + std::chrono::milliseconds(300), phase_start_ = start_;
 };
 
 // False: the property was no good, and that has been said.
@@ -85,9 +89,9 @@ int command_verify(const VerifyArguments& arguments) {
   if (!read_question(arguments, c, question)) return kUsage;
   if (system::is_timed(*c.system)) return verify_timed(arguments, c, question.what);
 
-  const auto seconds = std::chrono::duration<double>(static_cast<double>(std::min<std::uint64_t>(arguments.timeout, 100000000)));
   verify::DecideLimits limits;
-  limits.end = verify::Clock::now() + std::chrono::duration_cast<verify::Clock::duration>(seconds);
+  limits.end = verify::seconds_from_now(static_cast<double>(std::min<std::uint64_t>(arguments.timeout, 100000000)));
+  limits.threads = processors();
   limits.megabytes = static_cast<std::size_t>(arguments.megabytes);
   limits.wants_certificate = !arguments.certificate.empty();
   const rt::InterruptGuard guard;

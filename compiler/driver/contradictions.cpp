@@ -20,7 +20,7 @@ using verify::Clock;
 class Judge {
  public:
   Judge(const rules::Reduced& reduced, const rules::Checked& checked, std::size_t rules, double seconds)
-      : reduced_(reduced), checked_(checked), rules_(rules), end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
+      : reduced_(reduced), checked_(checked), rules_(rules), end_(verify::seconds_from_now(seconds)) {}
 
   /// Is it proved that the property holds with these rules only?
   [[nodiscard]] bool holds(const std::vector<bool>& kept, const std::string& property) const {

@@ -80,7 +80,7 @@ std::string limit_text(const rt::ZoneReport& found) {
   switch (found.end) {
     case rt::ExploreEnd::Time: return "the time is over";
     case rt::ExploreEnd::Memory: return "the memory does not suffice";
-    case rt::ExploreEnd::Stopped: return "interrupted";
+    case rt::ExploreEnd::Stopped: return rt::is_interrupted() ? "interrupted" : "the time is over";
     default: return "the limit of zones is reached";
   }
 }
@@ -154,9 +154,9 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, verify::Asked
   {
     const rt::InterruptGuard guard;
     rt::ExploreOptions options;
-    options.seconds = static_cast<double>(arguments.timeout);
+    const verify::Clock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
     options.bytes = arguments.megabytes * kMega;
-    options.is_stopped = rt::is_interrupted;
+    options.is_stopped = [&] { return verify::seconds_until(end) <= 0; };
     found = rt::explore_zones(image, options);
   }
   const bool asks_errors = asked == verify::Asked::NoErrors;

@@ -40,6 +40,7 @@ std::string free_text(const Compilation& c, const verify::Question& question, co
   const std::string size = fmt::format("({}, {})", count_of(c.system->atoms.size(), "component"), count_of(c.system->connectors.size(), "connector"));
   if (d.method == verify::Method::Exhaustive) {
     text += fmt::format(": {} all {}\n", found_by_visit(question.what), count_of(d.states, "reachable state"));
+    if (d.is_only_counted) text += "note: the certificate is their number, which only another search can check\n";
   } else if (d.method == verify::Method::Invariants) {
     text += fmt::format(": proved with {} {}\n", count_of(d.proof.invariants.size(), "invariant"), size);
   } else {

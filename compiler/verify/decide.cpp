@@ -2,19 +2,31 @@
 #include "compiler/verify/decide.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "compiler/verify/find_stuck.hpp"
 #include "compiler/verify/follow.hpp"
 #include "compiler/verify/mode_signals.hpp"
 #include "compiler/verify/strengthen.hpp"
 #include "compiler/verify/tell.hpp"
+#include "runtime/explore/explore.hpp"
 
 namespace bip::verify {
 
 namespace {
 // The first search is a second's work at most: states times what is in one.
 constexpr std::uint64_t kFirstStates = 20000, kFirstValues = 4000000;
+// Once all states are known to be fine, lemmas are a shorter evidence than they are, but not at any price.
+constexpr double kLemmaSeconds = 2;
 std::string state_count(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " state" : " states"); }
+
+// Empty if the steps end in none.
+std::string fault_at(const rt::Image& image, const std::vector<std::uint64_t>& choices) {
+  rt::Core core(image);
+  bool goes_on = core.initialize();
+  for (std::size_t k = 0; k < choices.size() && goes_on; ++k) goes_on = choices[k] < core.candidate_count() && core.fire(choices[k]);
+  return goes_on ? std::string() : std::string(core.fault().what);
+}
 }  // namespace
 
 bool Decider::ready() {
@@ -70,6 +82,59 @@ Decider::Tried Decider::try_search(std::uint64_t states) {
     add_reason("the search met its limit of " + found.limit + " after " + state_count(found.states));
   }
   return Tried::Open;
+}
+
+// The explorer stores states in a tenth of the memory and visits many times as many a second. It knows deadlocks and errors only.
+Decider::Tried Decider::try_all_states() {
+  if (question_.what == Asked::State) return try_search(~std::uint64_t{0});
+  if (!limits_.may_search || is_exhausted_ || !ready()) return Tried::Open;
+  const bool asks_errors = question_.what == Asked::NoErrors;
+  std::atomic<bool> is_found{false};
+  rt::ExploreOptions options;
+  options.threads = limits_.threads;
+  // 0 would be no limit.
+  options.bytes = std::max<std::size_t>(limits_.megabytes * 1000000, 1);
+  options.tell = [&](const rt::ExploreProgress& so_far) {
+    report_("search", so_far.states, "states");
+    if ((asks_errors ? so_far.errors : so_far.deadlocks) != 0) is_found = true;
+  };
+  options.is_stopped = [&] { return is_found || is_stopped(); };
+  rt::ExploreReport all = rt::explore_states(image_, options);
+  d_.states = all.states;
+  if (!asks_errors && all.has_error && d_.fault.empty()) d_.fault = fault_at(image_, all.error);
+  if ((asks_errors ? all.has_error : all.has_deadlock) && all.are_ways_known) {
+    d_.choices = std::move(asks_errors ? all.error : all.deadlock);
+    if (reaches(image_, goal_of(question_), d_.choices)) {
+      d_.outcome = Outcome::Violated;
+      return Tried::Done;
+    }
+    d_.choices.clear();
+    add_reason("a way that was found could not be replayed");
+    return Tried::Open;
+  }
+  if (all.end == rt::ExploreEnd::Complete && !(asks_errors ? all.has_error : all.has_deadlock)) {
+    d_.outcome = Outcome::Holds;
+    d_.method = Method::Exhaustive;
+    is_exhausted_ = true;
+    return Tried::Done;
+  }
+  add_reason(std::string("the search met its limit of ") + (all.end == rt::ExploreEnd::Memory ? "memory" : "time") + " after " + state_count(all.states));
+  return Tried::Open;
+}
+
+// All states are fine: lemmas of a proof, or the states themselves.
+Decision Decider::with_evidence() {
+  d_.reason.clear();
+  if (d_.outcome == Outcome::Violated || !limits_.wants_certificate) return std::move(d_);
+  const bool is_proved = try_induction(std::min(seconds_until(limits_.end) / 2, kLemmaSeconds)) == Tried::Done;
+  if (!is_proved) {
+    StateCollector states(system_, image_);
+    const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
+    if (states.can_tell() && search(net_, image_, {}, {}, limits).end == SearchEnd::Exhausted) d_.reached = states.diagram();
+    d_.is_only_counted = d_.reached.nodes.empty();
+  }
+  d_.reason.clear();
+  return std::move(d_);
 }
 
 // Only a visit of all states decides it.
@@ -183,19 +248,10 @@ Decision Decider::decide(const Question& question, const DecideLimits& limits) {
   look_at_structure();
   if (d_.outcome != Outcome::Unknown) return std::move(d_);
   // What each engine gets of the time that is left.
-  if (try_search(std::min(kFirstStates, kFirstValues / (image_.atoms.size + image_.slot_count + 1) + 1)) == Tried::Done) {
-    if (d_.outcome == Outcome::Violated || !limits_.wants_certificate) return std::move(d_);
-    (void)try_induction(seconds_until(limits_.end));
-    d_.reason.clear();
-    return std::move(d_);
-  }
+  if (try_search(std::min(kFirstStates, kFirstValues / (image_.atoms.size + image_.slot_count + 1) + 1)) == Tried::Done) return with_evidence();
   const double left = seconds_until(limits_.end);
   if (try_induction(can_run_ ? left / 3 : left) == Tried::Done) return std::move(d_);
-  if (!is_stopped() && try_search(~std::uint64_t{0}) == Tried::Done) {
-    if (d_.outcome == Outcome::Holds && limits_.wants_certificate) (void)try_induction(seconds_until(limits_.end));
-    d_.reason.clear();
-    return std::move(d_);
-  }
+  if (!is_stopped() && try_all_states() == Tried::Done) return with_evidence();
   // The search gave up for memory: what is left of the time belongs to the proof.
   if (!is_stopped() && try_induction(seconds_until(limits_.end)) == Tried::Done) return std::move(d_);
   if (rt::is_interrupted()) d_.reason = "interrupted";

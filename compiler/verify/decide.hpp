@@ -5,6 +5,7 @@
 #include "compiler/verify/property.hpp"
 #include "compiler/verify/prove.hpp"
 #include "compiler/verify/search.hpp"
+#include "compiler/verify/state_diagram.hpp"
 
 namespace bip::verify {
 
@@ -31,6 +32,8 @@ struct Decision {
   std::vector<std::uint64_t> choices;  // Violated
   std::vector<u32> stuck;              // Violated, NobodyStuck: rows of atoms
   std::uint64_t states = 0;            // visited by the last search
+  StateDiagram reached;                // Exhaustive, with a certificate wanted: the states
+  bool is_only_counted = false;        // Exhaustive, with a certificate wanted: no such diagram could be made
   std::string fault;                   // a run-time error that a search met and that was not asked about
   std::string reason;                  // Unknown
   u32 frames = 0;
@@ -42,7 +45,8 @@ using Report = std::function<void(const char* phase, std::uint64_t count, const 
 struct DecideLimits {
   Clock::time_point end;
   std::size_t megabytes = 2048;
-  bool wants_certificate = false;  // an exhaustive search is followed by a proof
+  bool wants_certificate = false;  // an exhaustive search is followed by a proof, or keeps what it has reached
+  std::uint32_t threads = 1;       // of the visit of all states
   bool may_search = true;          // states may be visited; a way that a proof's failure gives is replayed in any case
 };
 
@@ -61,6 +65,8 @@ class Decider {
   enum class Tried : std::uint8_t { Done, Open };
   void look_at_structure();
   Tried try_search(std::uint64_t states);
+  Tried try_all_states();
+  Decision with_evidence();
   void look_for_stuck();
   Tried try_induction(double seconds);
   [[nodiscard]] bool is_stopped() const { return seconds_until(limits_.end) <= 0; }

@@ -4,20 +4,13 @@
 // Free is a proof: every reachable stable state has a candidate step. Candidate is not a deadlock, only what the
 // invariants leave open. Run-time errors end a run without being deadlocks; they are not looked at here.
 #pragma once
-#include <chrono>
 #include <functional>
 
+#include "compiler/verify/solver/clock.hpp"
 #include "compiler/verify/net.hpp"
 #include "compiler/verify/traps.hpp"
-#include "runtime/engine/interrupt.hpp"
 
 namespace bip::verify {
-
-using Clock = std::chrono::steady_clock;
-/// None are left after Ctrl-C.
-[[nodiscard]] inline double seconds_until(Clock::time_point end) {
-  return rt::is_interrupted() ? 0 : std::chrono::duration<double>(end - Clock::now()).count();
-}
 
 enum class ProofEnd : std::uint8_t {
   Free,       // proved

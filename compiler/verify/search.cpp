@@ -14,6 +14,7 @@ namespace {
 
 constexpr u32 kFar = 1u << 12;
 constexpr std::uint64_t kMaxRank = 4096;  // candidates of a state that are weighed on the walk
+constexpr std::uint64_t kStepsPerLook = 16;  // at the clock
 
 // By (class, target mode): distance of each place set to the target's, over the class's moves.
 class Distances {
@@ -192,6 +193,7 @@ class Search {
       const auto [found, is_new] = rows.try_emplace(std::move(key), static_cast<u32>(visited.size()));
       if (!is_new) return false;
       bytes += size;
+      if (limits_.visit) limits_.visit(state);
       visited.push_back({parent, choice});
       open.push({distance(state), found->second});
       states.push_back(std::move(state));
@@ -240,7 +242,7 @@ class Search {
           return;
         }
         if (visited.size() % 4096 == 0 && limits_.report) limits_.report(visited.size());
-        if (visited.size() >= limits_.states || seconds_until(limits_.end) <= 0 || bytes > limits_.megabytes * 1000000) {
+        if (visited.size() >= limits_.states || (k % kStepsPerLook == 0 && seconds_until(limits_.end) <= 0) || bytes > limits_.megabytes * 1000000) {
           result_.states = visited.size();
           result_.limit = bytes > limits_.megabytes * 1000000 ? "memory" : visited.size() >= limits_.states ? "states" : "time";
           return;

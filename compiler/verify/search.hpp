@@ -30,6 +30,7 @@ struct SearchLimits {
   std::uint64_t states = ~std::uint64_t{0};
   bool only_walk = false;  // towards the candidate, no more
   std::function<void(std::uint64_t states)> report;  // called now and then; may be empty
+  std::function<void(const rt::State&)> visit = {};  // called for each different state; may be empty
 };
 
 /// `candidate`: by atom the mode to head for; empty: none is known. The image must have its code.

@@ -34,10 +34,6 @@ struct Totals {
   std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0, failed = 0, certificates = 0;
 };
 
-verify::Clock::time_point after(double seconds) {
-  return verify::Clock::now() + std::chrono::duration_cast<verify::Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
 class Check {
  public:
   Check(const Options& options, Totals& totals) : o_(options), t_(totals) {}
@@ -81,7 +77,7 @@ class Check {
   void one(const gen::Compiled& c, const verify::Question& question, const std::string& file) {
     ++t_.questions;
     const verify::Net net = verify::build_net(*c.system);
-    const verify::SearchLimits limits{.end = after(20), .megabytes = 1000, .states = o_.states, .report = {}};
+    const verify::SearchLimits limits{.end = verify::seconds_from_now(20), .megabytes = 1000, .states = o_.states, .report = {}};
     const verify::SearchResult all = verify::search(net, c.lowered->image, verify::goal_of(question), {}, limits);
     const bool is_known = all.end != verify::SearchEnd::Limit;
     t_.too_large += is_known ? 0 : 1;
@@ -90,10 +86,10 @@ class Check {
 
     for (const bool with_search : {false, true}) {
       verify::DecideLimits decide;
-      decide.end = after(with_search ? 10 * o_.seconds : o_.seconds);
+      decide.end = verify::seconds_from_now(with_search ? 10 * o_.seconds : o_.seconds);
       decide.megabytes = 1000;
       decide.may_search = with_search;
-      decide.wants_certificate = !with_search;
+      decide.wants_certificate = !o_.out.empty() || !with_search;
       verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
       // The whole prover would visit all states of those that are known, as the test did.
       if (with_search && is_known && open_ == 0) continue;
@@ -105,7 +101,7 @@ class Check {
       const std::string asked = question.what == verify::Asked::State ? question.property.text : question.what == verify::Asked::NoErrors ? "errors" : "deadlock";
       if (is_known && says_violated != is_violated) fail(asked + (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
       if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices)) fail(asked + ": the way cannot be taken");
-      if (!says_violated && !with_search && !o_.out.empty()) write(c, question, decider, d, file);
+      if (!says_violated && !o_.out.empty()) write(c, question, decider, d, file);
     }
     open_ = 0;
   }

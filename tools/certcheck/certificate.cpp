@@ -105,6 +105,27 @@ class Reader {
       } else if (head == "range" || head == "lemma") {
         c_.facts.push_back(fact(words, head == "range", atom_rows, fail));
         c_.facts.back().text = "line " + std::to_string(number);
+      } else if (head == "node") {
+        words >> word;
+        if (word != std::to_string(c_.nodes.size())) fail("not the number of the next node");
+        c_.nodes.emplace_back();
+      } else if (head == "case") {
+        if (c_.nodes.empty()) fail("a case without node");
+        Case one;
+        words >> word;
+        one.is_end = word == "-";
+        if (!one.is_end) one.next = number_of(word, fail);
+        if (!one.is_end && one.next + 1 >= c_.nodes.size()) fail("no node before this one has that number");
+        one.parts = fact(words, false, atom_rows, fail).parts;
+        c_.nodes.back().push_back(std::move(one));
+      } else if (head == "reached") {
+        Fact fact;
+        words >> word;
+        fact.node = number_of(word, fail);
+        fact.is_reached = true;
+        fact.text = "line " + std::to_string(number);
+        if (fact.node >= c_.nodes.size()) fail("no such node");
+        c_.facts.push_back(std::move(fact));
       } else if (head == "end") {
         has_end = true;
       } else if (number != 1 && head != "root" && head != "claim" && head != "method") {
@@ -132,6 +153,13 @@ class Reader {
     return std::stoul(word);
   }
 
+  template <class Fail>
+  static std::int32_t value_of(const std::string& word, const Fail& fail) {
+    const bool is_negative = !word.empty() && word[0] == '-';
+    const auto size = static_cast<std::int64_t>(number_of(word.substr(is_negative ? 1 : 0), fail));
+    return static_cast<std::int32_t>(is_negative ? -size : size);
+  }
+
   // "ROOT.a.n 0 7", or literals "!ROOT.a@PLACE", "ROOT.a.n:3"
   template <class Fail>
   Fact fact(std::istringstream& words, bool is_range, const std::map<std::string, std::size_t>& atom_rows, const Fail& fail) {
@@ -142,8 +170,9 @@ class Reader {
       Fact::Part part;
       part.is_negated = !is_range && word[0] == '!';
       const std::string name = word.substr(part.is_negated ? 1 : 0);
-      const std::size_t at = name.find('@'), colon = name.rfind(':');
+      const std::size_t at = name.find('@'), colon = name.find_last_of(":=");
       part.is_place = !is_range && at != std::string::npos;
+      part.is_value = !is_range && !part.is_place && colon != std::string::npos && name[colon] == '=';
       const std::size_t dot = name.rfind('.', colon);
       if (!is_range && !part.is_place && colon == std::string::npos) fail("`" + word + "` is no literal");
       const auto atom = atom_rows.find(name.substr(0, part.is_place ? at : dot));
@@ -155,7 +184,8 @@ class Reader {
       part.row = static_cast<std::size_t>(std::find(names.begin(), names.end(), own) - names.begin());
       if (part.row == names.size()) fail("no `" + own + "` in `" + word + "`");
       if (!part.is_place && type.types[part.row] != "int" && type.types[part.row] != "bool" && type.types[part.row] != "string") fail("`" + own + "` cannot be followed");
-      if (!is_range && !part.is_place) part.bit = static_cast<unsigned>(number_of(name.substr(colon + 1), fail));
+      if (part.is_value) part.value = value_of(name.substr(colon + 1), fail);
+      else if (!is_range && !part.is_place) part.bit = static_cast<unsigned>(number_of(name.substr(colon + 1), fail));
       if (part.bit > 31) fail("an int has 32 bits");
       result.parts.push_back(part);
       if (is_range && !(words >> result.low >> result.high)) fail("a range has two ends");
@@ -189,9 +219,7 @@ class Reader {
       if (!row.followed[slot]) fail("a value that is not followed");
       const std::string value = word.substr(equals + 1);
       if (value == "?") continue;
-      const bool is_negative = value[0] == '-';
-      const auto size = static_cast<std::int64_t>(number_of(value.substr(is_negative ? 1 : 0), fail));
-      state.values[slot] = {true, static_cast<std::int32_t>(is_negative ? -size : size)};
+      state.values[slot] = {true, value_of(value, fail)};
     }
     if (!row.numbers.emplace(state, row.states.size()).second) fail("a mode twice");
     row.states.push_back(std::move(state));

@@ -20,23 +20,34 @@ struct Set {
   std::string text;
 };
 
-/// A range (of one part) or a lemma (one of its parts holds).
+/// A range (of one part), a lemma (one of its parts holds), or that a node of the diagram of reached states holds (no parts).
 struct Fact {
   struct Part {
     std::size_t atom = 0, row = 0;  // place or slot
     unsigned bit = 0;
     bool is_place = false, is_negated = false;
+    bool is_value = false;          // in cases: the slot has this value
+    int value = 0;
   };
-  bool is_range = false;
+  bool is_range = false, is_reached = false;
   int low = 0, high = 0;
+  std::size_t node = 0;
   std::vector<Part> parts;
   std::string text;
+};
+
+/// A node of the diagram holds where one of its cases does: all parts, and the node that it leads on to, which is a smaller row.
+struct Case {
+  std::vector<Fact::Part> parts;
+  std::size_t next = 0;
+  bool is_end = false;
 };
 
 struct Certificate {
   std::string claim;
   bool is_induction = false;
   std::vector<Fact> facts;
+  std::vector<std::vector<Case>> nodes;
   std::vector<Class> classes;
   std::vector<std::size_t> class_of;             // by atom
   std::vector<std::set<std::size_t>> reachable;  // by atom

@@ -68,19 +68,36 @@ class Induction {
   }
 
   z3::expr value(const Fact::Part& part, const State& state) { return state[part.atom].slots.at(part.row); }
+  z3::expr literal(const Fact::Part& part, const State& state, const std::string& text) {
+    z3::expr result = part.is_place ? state[part.atom].marks.at(part.row) : value(part, state);
+    if (part.is_value) result = result.is_bool() ? (part.value != 0 ? result : !result) : result == z_.bv_val(part.value, 32);
+    else if (!result.is_bool()) result = result.extract(part.bit, part.bit) == z_.bv_val(1, 1);
+    else if (!part.is_place && part.bit != 0) throw Rejected(text + ": a bool has one bit");
+    return part.is_negated ? !result : result;
+  }
+  z3::expr node_holds(std::size_t last, const State& state) {
+    std::vector<z3::expr> nodes;
+    for (std::size_t k = 0; k <= last; ++k) {
+      z3::expr_vector cases(z_);
+      for (const Case& one : c_.nodes[k]) {
+        z3::expr_vector all(z_);
+        for (const Fact::Part& part : one.parts) all.push_back(literal(part, state, "a case").simplify());
+        if (!one.is_end) all.push_back(nodes.at(one.next));
+        cases.push_back(z3::mk_and(all));
+      }
+      nodes.push_back(z3::mk_or(cases).simplify());
+    }
+    return nodes.back();
+  }
   z3::expr holds(const Fact& fact, const State& state) {
+    if (fact.is_reached) return node_holds(fact.node, state);
     if (fact.is_range) {
       const z3::expr v = value(fact.parts.at(0), state);
       if (v.is_bool()) return (fact.low <= 0 || v) && (fact.high >= 1 || !v) && s_.truth(fact.low <= 1 && fact.high >= 0);
       return (v >= z_.bv_val(fact.low, 32) && v <= z_.bv_val(fact.high, 32)).simplify();
     }
     z3::expr_vector some(z_);
-    for (const Fact::Part& part : fact.parts) {
-      z3::expr literal = part.is_place ? state[part.atom].marks.at(part.row) : value(part, state);
-      if (!literal.is_bool()) literal = literal.extract(part.bit, part.bit) == z_.bv_val(1, 1);
-      else if (!part.is_place && part.bit != 0) throw Rejected(fact.text + ": a bool has one bit");
-      some.push_back(part.is_negated ? !literal : literal);
-    }
+    for (const Fact::Part& part : fact.parts) some.push_back(literal(part, state, fact.text));
     return z3::mk_or(some).simplify();
   }
 
@@ -90,7 +107,7 @@ class Induction {
     const z3::expr taken = step.possible && !s_.state_fault();
     z3::expr_vector broken(z_);
     for (const Fact& fact : c_.facts) {
-      const bool moves = std::any_of(fact.parts.begin(), fact.parts.end(), [&](const Fact::Part& part) { return step.next.contains(part.atom); });
+      const bool moves = fact.is_reached || std::any_of(fact.parts.begin(), fact.parts.end(), [&](const Fact::Part& part) { return step.next.contains(part.atom); });
       if (moves) broken.push_back(!holds(fact, after));
     }
     demand(taken && !step.fault && z3::mk_or(broken), "a step leads out of the lemmas");

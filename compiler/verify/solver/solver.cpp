@@ -1,12 +1,11 @@
 // CaDiCaL (Biere et al.) behind Solver.
 #include "compiler/verify/solver/solver.hpp"
 
-#include <chrono>
 #include <cstdlib>
 
 #include <cadical.hpp>
 
-#include "runtime/engine/interrupt.hpp"
+#include "compiler/verify/solver/clock.hpp"
 
 namespace bip::verify {
 
@@ -14,13 +13,11 @@ namespace {
 
 class Deadline : public CaDiCaL::Terminator {
  public:
-  explicit Deadline(double seconds)
-      : at_(std::chrono::steady_clock::now() +
-            std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
-  bool terminate() override { return rt::is_interrupted() || std::chrono::steady_clock::now() >= at_; }
+  explicit Deadline(double seconds) : at_(seconds_from_now(seconds)) {}
+  bool terminate() override { return seconds_until(at_) <= 0; }
 
  private:
-  std::chrono::steady_clock::time_point at_;
+  Clock::time_point at_;
 };
 
 }  // namespace
