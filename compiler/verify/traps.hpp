@@ -38,7 +38,7 @@ class TrapFinder {
   [[nodiscard]] bool keeps_sum(const TokenInvariant& invariant);
 
  private:
-  static constexpr std::size_t kMaxGrown = 400, kMaxShrunk = 64;
+  static constexpr std::size_t kMaxGrown = 4000, kMaxShrunk = 64;
   static constexpr std::size_t kBatch = 1u << 20;
   static constexpr u32 kMaxDepth = 64;
   static constexpr std::uint64_t kImpossible = 1u << 30;
