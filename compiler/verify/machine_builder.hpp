@@ -66,7 +66,7 @@ class MachineBuilder {
   struct Tree {
     std::vector<Node> nodes;  // parents before children
     std::vector<Use> uses;    // parents before children
-    bool is_plain = true;     // neither guards nor choices
+    bool is_plain = true;     // neither guards nor merged ports with values
     bool is_too_large = false;
   };
   using Leaves = std::vector<u32>;  // nodes, sorted
@@ -81,6 +81,9 @@ class MachineBuilder {
   void add_connector(u32 slot, u32 connector);
   u32 add_use(Tree& tree, u32 connector, u32 depth);
   u32 add_binding(Tree& tree, const PortRef& ref, u32 use, bool is_trigger, u32 depth);
+  u32 bind_param(Tree& tree, const Connector& connector, u32 param, u32 use, bool is_trigger, u32 depth);
+  [[nodiscard]] bool has_free_choices(const Tree& tree) const;
+  void choose_one(const std::vector<u32>& rows, const std::vector<Signal>& available, Signal when, std::vector<Signal>& chosen);
   [[nodiscard]] bool configurations(const Tree& tree, u32 node, std::vector<Leaves>& out) const;
   [[nodiscard]] std::vector<Signal> fixed_choice(const Tree& tree, const Leaves& leaves) const;
   [[nodiscard]] std::vector<Signal> largest_choice(const Tree& tree);

@@ -211,7 +211,7 @@ void MachineBuilder::add_connector(u32 slot, u32 connector) {
     m_.unsupported = '`' + name + "` is too large";
     return;
   }
-  if (tree.is_plain) {
+  if (tree.is_plain && has_free_choices(tree)) {
     const std::vector<Signal> chosen = largest_choice(tree);
     Store store;
     const Signal candidate = is_enabled(tree, tree.uses[0].root, {}, false, chosen, store);

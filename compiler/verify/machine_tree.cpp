@@ -18,7 +18,6 @@ u32 MachineBuilder::add_binding(Tree& tree, const PortRef& ref, u32 use, bool is
     tree.nodes[row].port = tables_.instance(ref.atom.value, ref.port);
   } else if (ref.kind == PortRef::Kind::Choice) {
     tree.nodes[row].kind = Kind::Choice;
-    tree.is_plain = false;
     for (const PortRef& port : system_.choices[ref.choice].ports) {
       const u32 child = add_binding(tree, port, use, false, depth + 1);
       tree.nodes[row].children.push_back(child);
@@ -31,6 +30,45 @@ u32 MachineBuilder::add_binding(Tree& tree, const PortRef& ref, u32 use, bool is
     tree.nodes[row].children.push_back(tree.uses[below].root);
   }
   return row;
+}
+
+// The values of a merged port are those of the alternative taken: where code may see them, configurations one by one say which it is.
+u32 MachineBuilder::bind_param(Tree& tree, const Connector& connector, u32 param, u32 use, bool is_trigger, u32 depth) {
+  const u32 node = add_binding(tree, connector.ports[param], use, is_trigger, depth);
+  tree.uses[use].param_nodes[param] = node;
+  const ConnectorType& type = system_.connector_types[connector.type];
+  const bool has_values = !system_.port_types[type.params[param].type].variables.empty();
+  const bool has_code = std::any_of(type.clauses.begin(), type.clauses.end(), [](const Clause& clause) {
+    return clause.guard.is_valid() || clause.up.is_valid() || clause.down.is_valid();
+  });
+  if (tree.nodes[node].kind == Kind::Choice && has_values && has_code) tree.is_plain = false;
+  return node;
+}
+
+// Can any choice of alternatives be taken together, and is none of them a part of another one? So if no port has two leaves, and two
+// leaves of one atom are alternatives to each other.
+bool MachineBuilder::has_free_choices(const Tree& tree) const {
+  std::vector<u32> parent(tree.nodes.size(), kNoRow);
+  std::map<u32, Leaves> of_atom;
+  for (u32 row = 0; row < tree.nodes.size(); ++row) {
+    for (u32 child : tree.nodes[row].children) parent[child] = row;
+    if (tree.nodes[row].kind == Kind::Leaf) of_atom[tables_.port_atom[tree.nodes[row].port]].push_back(row);
+  }
+  const auto meet = [&](u32 a, u32 b) {
+    std::vector<u32> above;
+    for (; a != kNoRow; a = parent[a]) above.push_back(a);
+    while (std::find(above.begin(), above.end(), b) == above.end()) b = parent[b];
+    return b;
+  };
+  for (const auto& [atom, leaves] : of_atom) {
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      for (std::size_t j = i + 1; j < leaves.size(); ++j) {
+        if (tree.nodes[leaves[i]].port == tree.nodes[leaves[j]].port) return false;
+        if (tree.nodes[meet(leaves[i], leaves[j])].kind != Kind::Choice) return false;
+      }
+    }
+  }
+  return true;
 }
 
 u32 MachineBuilder::add_use(Tree& tree, u32 connector, u32 depth) {
@@ -55,17 +93,15 @@ u32 MachineBuilder::add_use(Tree& tree, u32 connector, u32 depth) {
     if (k == 0) tree.uses[use].root = made[0];
     if (define.is_leaf) {
       // A root that is a leaf counts as a group of one.
-      const u32 child = add_binding(tree, row.ports[define.param], use, false, depth);
+      const u32 child = bind_param(tree, row, define.param, use, false, depth);
       tree.nodes[made[k]].children.push_back(child);
-      tree.uses[use].param_nodes[define.param] = child;
       continue;
     }
     for (u32 child_row : define.children) {
       const DefineNode& child = type.define[child_row];
       u32 node = kNoRow;
       if (child.is_leaf) {
-        node = add_binding(tree, row.ports[child.param], use, child.trigger, depth);
-        tree.uses[use].param_nodes[child.param] = node;
+        node = bind_param(tree, row, child.param, use, child.trigger, depth);
       } else {
         node = static_cast<u32>(tree.nodes.size());
         tree.nodes.push_back({});
@@ -136,7 +172,19 @@ std::vector<Signal> MachineBuilder::fixed_choice(const Tree& tree, const Leaves&
   return chosen;
 }
 
-// Everybody that is available, from the root down.
+// Of the rows, one that is available, if `when`: an input a row but the last says whether it is this one.
+void MachineBuilder::choose_one(const std::vector<u32>& rows, const std::vector<Signal>& available, Signal when, std::vector<Signal>& chosen) {
+  std::vector<Signal> later(rows.size() + 1, kFalse);
+  for (std::size_t k = rows.size(); k-- > 0;) later[k] = c_.either(later[k + 1], available[rows[k]]);
+  Signal rest = when;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Signal wanted = later[k + 1] == kFalse ? kTrue : c_.either(c_.input(), negated(later[k + 1]));
+    chosen[rows[k]] = c_.both(c_.both(rest, available[rows[k]]), wanted);
+    rest = c_.both(rest, negated(chosen[rows[k]]));
+  }
+}
+
+// Everybody that is available, from the root down; of alternatives, any one that is.
 std::vector<Signal> MachineBuilder::largest_choice(const Tree& tree) {
   const std::size_t count = tree.nodes.size();
   std::vector<Signal> available(count, kFalse), chosen(count, kFalse);
@@ -151,14 +199,20 @@ std::vector<Signal> MachineBuilder::largest_choice(const Tree& tree) {
       here = m_.port_is_on[node.port];
       continue;
     }
-    here = node.has_trigger ? kFalse : kTrue;
+    const bool needs_one = node.has_trigger || node.kind == Kind::Choice;
+    here = needs_one ? kFalse : kTrue;
     for (u32 child : node.children) {
-      if (!node.has_trigger) here = c_.both(here, available[child]);
+      if (node.kind == Kind::Choice) here = c_.either(here, available[child]);
+      else if (!node.has_trigger) here = c_.both(here, available[child]);
       else if (tree.nodes[child].is_trigger) here = c_.either(here, available[child]);
     }
   }
   chosen[order[0]] = available[order[0]];
   for (u32 row : order) {
+    if (tree.nodes[row].kind == Kind::Choice) {
+      choose_one(tree.nodes[row].children, available, chosen[row], chosen);
+      continue;
+    }
     for (u32 child : tree.nodes[row].children) {
       chosen[child] = tree.nodes[row].has_trigger ? c_.both(chosen[row], available[child]) : chosen[row];
     }
