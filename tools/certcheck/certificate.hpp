@@ -1,46 +1,47 @@
 // A certificate's rows, with names turned into numbers.
 #pragma once
+#include <optional>
+
 #include "tools/certcheck/model.hpp"
 
 namespace certcheck {
 
+/// A marking and the values of the slots that are followed; what has none may be anything.
+struct Mode {
+  std::set<std::size_t> places;
+  std::vector<std::optional<int>> values;  // by slot
+  friend auto operator<=>(const Mode&, const Mode&) = default;
+};
 struct Class {
   std::size_t type = 0;
-  std::vector<bool> followed;
-  std::vector<LocalState> states;
-  std::map<LocalState, std::size_t> numbers;
-  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> moves;  // by port: from, to
+  std::vector<bool> followed;  // by slot
+  std::vector<Mode> modes;
+  std::map<Mode, std::size_t> numbers;
 };
-/// A trap, or states of which the weights of those that hold add up to a total (one-token: 1, of weights 1).
+/// A trap, or modes of which the weights of those that hold add up to a total (one-token: 1, of weights 1).
 struct Set {
   bool is_trap = false;
-  std::vector<std::pair<std::size_t, std::size_t>> members;  // atom, state; sorted
-  std::vector<int> weights;                                  // by member
+  std::map<std::pair<std::size_t, std::size_t>, int> weights;  // by atom and mode
   int total = 1;
   std::string text;
 };
 
-/// A range (of one part), a lemma (one of its parts holds), or that a node of the diagram of reached states holds (no parts).
-struct Fact {
-  struct Part {
-    std::size_t atom = 0, row = 0;  // place or slot
-    unsigned bit = 0;
-    bool is_place = false, is_negated = false;
-    bool is_value = false;          // in cases: the slot has this value
-    int value = 0;
-  };
-  bool is_range = false, is_reached = false;
-  int low = 0, high = 0;
-  std::size_t node = 0;
-  std::vector<Part> parts;
-  std::string text;
+/// A marked place, a bit of a slot, a slot's value, a slot between two values: or not.
+struct Literal {
+  enum { Place, Bit, Value, Range } about = Place;
+  bool is_negated = false;
+  std::size_t atom = 0, row = 0;  // place or slot
+  int low = 0, high = 0;          // Bit: its number is low; Value: both
 };
-
-/// A node of the diagram holds where one of its cases does: all parts, and the node that it leads on to, which is a smaller row.
+/// A node of a diagram holds where one of its cases does: all literals and node `next`, a smaller row (kNone: none).
 struct Case {
-  std::vector<Fact::Part> parts;
-  std::size_t next = 0;
-  bool is_end = false;
+  std::vector<Literal> literals;
+  std::size_t next = kNone;
+};
+/// One of the literals holds.
+struct Fact {
+  std::vector<Literal> literals;
+  std::string text;
 };
 
 struct Certificate {
@@ -48,8 +49,9 @@ struct Certificate {
   bool is_induction = false;
   std::vector<Fact> facts;
   std::vector<std::vector<Case>> nodes;
-  std::vector<Class> classes;
-  std::vector<std::size_t> class_of;             // by atom
+  std::size_t reached = kNone;                   // the node that always holds: all states that are reached
+  std::vector<Class> classes;                    // none: the certificate says nothing of modes
+  Rows class_of;                                 // by atom
   std::vector<std::set<std::size_t>> reachable;  // by atom
   std::vector<Set> sets;
 };

@@ -1,162 +1,210 @@
-// Connectors with those that they bind in place of their parameters, and the configurations that they have.
+// Connectors' trees: their configurations, who takes part in one, and whether guards and maximal progress allow it.
 #include <algorithm>
 
-#include "tools/certcheck/symbolic.hpp"
+#include "tools/certcheck/system.hpp"
 
 namespace certcheck {
 
 namespace {
 constexpr std::size_t kMaxConfigurations = 512;
-constexpr int kMaxDepth = 400;
-bool is(const z3::expr& e, bool value) { return value ? e.is_true() : e.is_false(); }
 // Divisions and calls.
 bool may_fault(const Tree* body) {
-  std::vector<const Tree*> todo;
-  if (body != nullptr) todo.push_back(body);
-  while (!todo.empty()) {
-    const Tree& e = *todo.back();
-    todo.pop_back();
-    if (e.head() == "div" || e.head() == "mod" || e.head() == "call") return true;
-    for (const Tree& item : e.items) todo.push_back(&item);
-  }
-  return false;
+  if (body == nullptr) return false;
+  if (body->head() == "div" || body->head() == "mod" || body->head() == "call") return true;
+  return std::any_of(body->items.begin(), body->items.end(), [](const Tree& item) { return may_fault(&item); });
 }
 }  // namespace
 
-std::size_t Symbolic::add_binding(Expanded& tree, std::size_t use, const Tree& b, bool is_trigger, int depth) {
-  if (depth > kMaxDepth) throw NotCheckable("connectors are nested too deeply");
-  const std::size_t row = tree.parts.size();
-  tree.parts.emplace_back();
-  tree.parts[row].is_trigger = is_trigger;
-  tree.parts[row].use = use;
-  if (b.head() == "atom") {
-    tree.parts[row].port = m_.first_port.at(b.items.at(1).row()) + b.items.at(2).row();
-  } else if (b.head() == "choice") {
-    tree.parts[row].kind = Kind::Any;
-    tree.is_plain = false;
-    const Tree* ports = m_.choices.at(b.items.at(1).row())->find("ports");
-    for (std::size_t k = 1; ports != nullptr && k < ports->items.size(); ++k) {
-      const std::size_t child = add_binding(tree, use, ports->items[k], false, depth + 1);
-      tree.parts[row].children.push_back(child);
-    }
-  } else {
-    tree.parts[row].is_link = true;
-    tree.parts[row].kind = Kind::All;
-    tree.parts[row].maximal = b.head() == "maximal";
-    const std::size_t inner = add_use(tree, b.items.at(1).row(), depth + 1);
-    tree.parts[row].use = inner;
-    tree.parts[row].children.push_back(tree.uses[inner].root);
+// Parents before children.
+Rows System::tree_of(std::size_t root) const {
+  Rows tree{root};
+  for (std::size_t k = 0; k < tree.size(); ++k) {
+    for (const Edge& edge : m_.nodes[tree[k]].children) tree.push_back(edge.node);
   }
-  return row;
+  if (std::set<std::size_t>(tree.begin(), tree.end()).size() != tree.size()) throw NotCheckable("a connector reaches a port in two ways");
+  std::sort(tree.rbegin(), tree.rend());
+  return tree;
 }
 
-std::size_t Symbolic::add_group(Expanded& tree, std::size_t use, const Tree& group, int depth) {
-  const std::size_t row = tree.parts.size();
-  tree.parts.emplace_back();
-  tree.parts[row].kind = Kind::All;
-  tree.parts[row].use = use;
-  tree.parts[row].is_trigger = group.head() == "trigger";
-  const Tree& ports = *m_.connectors.at(tree.uses[use].connector).ports;
-  for (std::size_t k = 1; k < group.items.size(); ++k) {
-    const Tree& item = group.items[k];
-    // (synchron PARAM) as the whole define: the group's one item is the word.
-    const bool is_leaf = !item.is_list || !item.items.at(1).is_list;
-    const std::size_t param = !is_leaf ? 0 : item.is_list ? item.items[1].row() : item.row();
-    const bool trigger = item.is_list && item.head() == "trigger";
-    const std::size_t child = is_leaf ? add_binding(tree, use, ports.items.at(1 + param), trigger, depth + 1) : add_group(tree, use, item, depth + 1);
-    if (is_leaf) tree.uses[use].params.at(param) = child;
-    tree.parts[row].children.push_back(child);
-    tree.parts[row].has_trigger = tree.parts[row].has_trigger || trigger;
-  }
-  return row;
+// The largest interaction is all that matters: no choices, no guards, no errors.
+bool System::is_plain(const Rows& tree) const {
+  return std::all_of(tree.begin(), tree.end(), [&](std::size_t row) {
+    const Node& node = m_.nodes[row];
+    if (node.kind == Kind::Any || node.connector == kNone) return node.kind != Kind::Any;
+    const std::vector<Tree>& items = m_.connectors[node.connector].type->items;
+    return std::none_of(items.begin(), items.end(), [](const Tree& item) {
+      return item.head() == "clause" && ((item.find("guard") != nullptr && item.find("guard")->items.at(1).text != "true") || may_fault(item.find("up")));
+    });
+  });
 }
 
-std::size_t Symbolic::add_use(Expanded& tree, std::size_t connector, int depth) {
-  const Connector& c = m_.connectors.at(connector);
-  const Tree& type = *m_.connector_types[c.type];
-  const std::size_t use = tree.uses.size();
-  tree.uses.push_back({connector, 0, std::vector<std::size_t>(c.ports->items.size() - 1, 0)});
-  for (const Tree& item : type.items) {
-    const bool guarded = item.head() == "clause" && item.find("guard") != nullptr && !(m_.evaluate(item.find("guard")->items.at(1), {}, {}) == Value{true, 1});
-    if (guarded || (item.head() == "clause" && may_fault(item.find("up")))) tree.is_plain = false;
-  }
-  const std::size_t root = add_group(tree, use, type.find("define")->items.at(1), depth);
-  tree.uses[use].root = root;
-  return use;
-}
-
-bool Symbolic::list(const Expanded& tree, std::size_t row, std::vector<Leaves>& out) const {
-  const Part& part = tree.parts[row];
-  if (part.kind == Kind::Port) {
+bool System::list(std::size_t row, Want want, std::vector<Leaves>& out) const {
+  const Node& node = m_.nodes[row];
+  if (node.kind == Kind::Port) {
     out.push_back({row});
     return true;
   }
-  if (part.kind == Kind::Any || part.is_link) {
-    for (std::size_t child : part.children) {
-      if (!list(tree, child, out)) return false;
-    }
-    return out.size() <= kMaxConfigurations;
-  }
-  std::vector<std::pair<Leaves, bool>> found{{{}, !part.has_trigger}};
-  for (std::size_t child : part.children) {
+  const bool is_one = node.kind == Kind::Any || (node.kind == Kind::Trigger && want == Want::Smallest);
+  std::vector<std::pair<Leaves, bool>> found{{{}, node.kind == Kind::All}};
+  for (const Edge& edge : node.children) {
+    if (is_one && node.kind == Kind::Trigger && !edge.is_trigger) continue;
     std::vector<Leaves> inner;
-    if (!list(tree, child, inner)) return false;
+    if (!list(edge.node, want, inner)) return false;
+    if (is_one) {
+      out.insert(out.end(), inner.begin(), inner.end());
+      continue;
+    }
     std::vector<std::pair<Leaves, bool>> next;
-    if (part.has_trigger) next = found;
-    for (const auto& [leaves, good] : found) {
+    if (node.kind == Kind::Trigger) next = found;
+    for (const auto& [leaves, is_good] : found) {
       for (const Leaves& more : inner) {
-        next.emplace_back(leaves, good || tree.parts[child].is_trigger);
+        next.emplace_back(leaves, is_good || edge.is_trigger);
         next.back().first.insert(more.begin(), more.end());
       }
     }
     if (next.size() > 2 * kMaxConfigurations) return false;
     found = std::move(next);
   }
-  for (const auto& [leaves, good] : found) {
-    if (good && !leaves.empty()) out.push_back(leaves);
+  for (const auto& [leaves, is_good] : found) {
+    if (!is_one && is_good && !leaves.empty()) out.push_back(leaves);
   }
   return out.size() <= kMaxConfigurations;
 }
 
-std::vector<z3::expr> Symbolic::fixed(const Expanded& tree, const Leaves& leaves) {
-  std::vector<z3::expr> chosen(tree.parts.size(), truth(false));
-  // A child has a greater row than its parent.
-  for (std::size_t row = tree.parts.size(); row-- > 0;) {
-    bool is_chosen = leaves.contains(row);
-    for (std::size_t child : tree.parts[row].children) is_chosen = is_chosen || is(chosen[child], true);
-    if (is_chosen) chosen[row] = truth(true);
+System::Chosen System::fixed(const Rows& tree, const Leaves& leaves) const {
+  Chosen chosen;
+  for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
+    const std::vector<Edge>& children = m_.nodes[*row].children;
+    chosen.emplace(*row, t_.truth(leaves.contains(*row) || std::any_of(children.begin(), children.end(), [&](const Edge& e) { return is(chosen.at(e.node), true); })));
   }
   return chosen;
 }
 
-std::vector<z3::expr> Symbolic::largest(const Expanded& tree) {
-  std::vector<z3::expr> available(tree.parts.size(), truth(false));
-  for (std::size_t row = tree.parts.size(); row-- > 0;) {
-    const Part& part = tree.parts[row];
-    if (part.kind == Kind::Port) {
-      available[row] = on_[part.port];
-      continue;
+System::Chosen System::largest(const Rows& tree, std::size_t root) const {
+  Chosen available, chosen;
+  for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
+    const Node& node = m_.nodes[*row];
+    z3::expr can = node.kind == Kind::Port ? on_[*row] : t_.truth(node.kind == Kind::All);
+    for (const Edge& edge : node.children) {
+      if (node.kind == Kind::All) can = both(can, available.at(edge.node));
+      else if (edge.is_trigger) can = either(can, available.at(edge.node));
     }
-    z3::expr_vector needed(z_);
-    for (std::size_t child : part.children) {
-      if (!part.has_trigger || tree.parts[child].is_trigger) needed.push_back(available[child]);
-    }
-    available[row] = (part.has_trigger ? z3::mk_or(needed) : z3::mk_and(needed)).simplify();
+    available.emplace(*row, can);
   }
-  std::vector<z3::expr> chosen(tree.parts.size(), truth(false));
-  const std::size_t root = tree.uses[0].root;
-  chosen[root] = available[root];
-  for (std::size_t row = root; row < tree.parts.size(); ++row) {
-    for (std::size_t child : tree.parts[row].children) {
-      chosen[child] = tree.parts[row].has_trigger ? (chosen[row] && available[child]).simplify() : chosen[row];
-    }
+  chosen.emplace(root, available.at(root));
+  for (std::size_t row : tree) {
+    for (const Edge& edge : m_.nodes[row].children) chosen.emplace(edge.node, m_.nodes[row].kind == Kind::Trigger ? both(chosen.at(row), available.at(edge.node)) : chosen.at(row));
   }
   return chosen;
 }
 
-bool Symbolic::below(const Expanded& tree, std::size_t root, std::size_t row) const {
-  if (root == row) return true;
-  return std::any_of(tree.parts[root].children.begin(), tree.parts[root].children.end(), [&](std::size_t child) { return below(tree, child, row); });
+// Of a merged port the one that takes part, or itself: none is known to.
+std::size_t System::param_node(std::size_t node, const Chosen& chosen) const {
+  if (m_.nodes[node].kind != Kind::Any) return node;
+  for (const Edge& edge : m_.nodes[node].children) {
+    if (is(chosen.at(edge.node), true)) return edge.node;
+  }
+  return node;
+}
+
+z3::expr System::clause_is(const Connector& c, const Tree& clause, const Chosen& chosen) const {
+  const Rows wanted = rows_of(clause.find("params"));
+  z3::expr here = chosen.at(c.root);
+  for (std::size_t p = 0; p < c.params.size(); ++p) {
+    const z3::expr& part = chosen.at(c.params[p].node);
+    here = both(here, std::find(wanted.begin(), wanted.end(), p) != wanted.end() ? part : no(part));
+  }
+  return here;
+}
+
+// `bind` of a connector: the variables of its ports, one after the other, then data of the compound.
+Variables System::variables(std::size_t connector, const Chosen& chosen, Store& store) {
+  struct Place {
+    enum { Nowhere, Atom, Frame } where = Nowhere;
+    std::size_t owner = 0, slot = 0;
+    std::string type;  // Nowhere
+  };
+  const Connector& c = m_.connectors[connector];
+  auto places = std::make_shared<std::vector<Place>>();
+  std::size_t param = 0;
+  for (const Tree& item : c.type->items) {
+    if (item.head() != "param") continue;
+    const std::size_t row = param_node(c.params.at(param++).node, chosen);
+    const Node& node = m_.nodes[row];
+    const std::vector<std::string>& types = m_.port_types.at(item.items.at(3).row());
+    const Rows exported = node.connector == kNone ? Rows() : rows_of(m_.connectors[node.connector].type->find("export")->find("slots"));
+    for (std::size_t v = 0; v < types.size(); ++v) {
+      if (node.kind == Kind::Any) {
+        places->push_back({Place::Nowhere, 0, 0, types[v]});
+      } else if (node.connector != kNone) {
+        places->push_back({Place::Frame, node.connector, exported.at(v), {}});
+      } else {
+        const std::size_t atom = m_.atom_of_port.at(row);
+        places->push_back({Place::Atom, atom, m_.type_of(atom).port_slots[row - m_.first_port[atom]].at(v), {}});
+      }
+    }
+  }
+  for (std::size_t k = 1; c.data != nullptr && k < c.data->items.size(); ++k) places->push_back({Place::Atom, c.data->items[k].items.at(1).row(), c.data->items[k].items.at(2).row(), {}});
+  Variables v;
+  v.self = [&store, connector](std::size_t k) { return store.frames.at({connector, k}); };
+  v.set_self = [&store, connector](std::size_t k, const z3::expr& value) { store.frames.insert_or_assign({connector, k}, value); };
+  v.bind = [this, places, &store](std::size_t k) {
+    const Place& p = places->at(k);
+    if (p.where == Place::Frame) return store.frames.at({p.owner, p.slot});
+    return p.where == Place::Nowhere ? t_.fresh(p.type) : t_.own(m_.type_of(p.owner), local_of(p.owner, store)).self(p.slot);
+  };
+  v.set_bind = [this, places, &store](std::size_t k, const z3::expr& value) {
+    const Place& p = places->at(k);
+    if (p.where == Place::Frame) store.frames.insert_or_assign({p.owner, p.slot}, value);
+    if (p.where == Place::Atom) local_of(p.owner, store).slots.at(p.slot) = value;
+  };
+  return v;
+}
+
+// Null leaves: the largest, whose ports are enabled where it is chosen.
+z3::expr System::enabled(const Rows& tree, std::size_t root, const Leaves* leaves, const Chosen& chosen, Store& store) {
+  z3::expr result = chosen.at(root);
+  for (std::size_t leaf : leaves == nullptr ? Leaves() : *leaves) result = both(result, on_[leaf]);
+  const z3::expr there = result;
+  // Inner connectors first: what they compute is read above.
+  for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
+    const std::size_t connector = m_.nodes[*row].connector;
+    if (connector == kNone || is(chosen.at(*row), false)) continue;
+    const Connector& c = m_.connectors[connector];
+    for (const Tree& item : c.type->items) {
+      if (item.head() == "slot") store.frames.insert_or_assign({connector, item.items.at(1).row()}, t_.first(item.items.at(3).text));
+    }
+    const Variables v = variables(connector, chosen, store);
+    for (const Tree& clause : c.type->items) {
+      if (clause.head() != "clause") continue;
+      const z3::expr here = clause_is(c, clause, chosen);
+      if (is(here, false)) continue;
+      z3::expr fault = t_.truth(false), holds = t_.truth(true);
+      if (const Tree* guard = clause.find("guard")) holds = t_.evaluate(guard->items.at(1), v, here, fault);
+      t_.execute(clause.find("up"), 1, v, here, fault);
+      if (!is(fault, false)) {
+        guard_fault_ = either(guard_fault_, both(there, fault));
+        holds = z3::ite(fault, t_.fresh("bool"), holds);
+      }
+      result = both(result, either(no(here), holds));
+    }
+  }
+  for (std::size_t row : leaves == nullptr ? Rows() : tree) {
+    for (const Edge& edge : m_.nodes[row].children) {
+      if (!edge.is_maximal || is(chosen.at(edge.node), false)) continue;
+      const Rows inner = tree_of(edge.node);
+      Leaves own;
+      std::copy_if(leaves->begin(), leaves->end(), std::inserter(own, own.end()), [&](std::size_t leaf) { return std::find(inner.begin(), inner.end(), leaf) != inner.end(); });
+      std::vector<Leaves> all;
+      if (!list(edge.node, Want::All, all)) throw NotCheckable("a connector has too many interactions");
+      for (const Leaves& larger : all) {
+        if (larger.size() <= own.size() || !std::includes(larger.begin(), larger.end(), own.begin(), own.end())) continue;
+        Store other;
+        result = both(result, no(enabled(inner, edge.node, &larger, fixed(inner, larger), other)));
+      }
+    }
+  }
+  return result;
 }
 
 }  // namespace certcheck

@@ -1,6 +1,5 @@
-// What the checker needs of a system: atoms' local behaviour and connectors as one graph.
+// What the checker needs of a system: atoms' types and all connectors as one graph over atoms' ports.
 #pragma once
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -9,88 +8,78 @@
 
 namespace certcheck {
 
-/// A value, or anything.
-struct Value {
-  bool is_known = false;
-  std::int32_t value = 0;
-  friend auto operator<=>(const Value&, const Value&) = default;
-};
+inline constexpr std::size_t kNone = ~std::size_t{0};
+using Rows = std::vector<std::size_t>;
 
 struct Transition {
-  bool is_internal = true;
-  std::size_t port = 0;
-  std::vector<std::size_t> from, to;
+  std::size_t port = kNone;  // kNone: internal
+  Rows from, to;
   const Tree* guard = nullptr;   // the expression
   const Tree* action = nullptr;  // (do …)
 };
 struct AtomType {
   std::string name;
-  std::vector<std::string> slots, types, places;
+  std::vector<std::string> slots, types, places, ports;
   std::vector<bool> is_param;
   std::vector<bool> exported;                       // by port
-  std::vector<std::vector<std::size_t>> port_slots;
+  std::vector<Rows> port_slots;
   std::vector<std::set<std::size_t>> written;       // by port: slots that a `down` may change
-  std::vector<bool> maybe_hidden;                   // by port: low in a priority of the atom
-  std::vector<std::size_t> initial;
+  Rows initial;
   const Tree* initial_action = nullptr;
   std::vector<Transition> transitions;
-  std::vector<std::string> ports;
   std::vector<const Tree*> priorities, invariants;
+  bool is_automaton = false;  // always exactly one place is marked
 };
 struct Atom {
   std::string path;
   std::size_t type = 0;
   std::vector<const Tree*> args;
 };
-struct LocalState {
-  std::set<std::size_t> places;
-  std::vector<Value> values;
-  friend auto operator<=>(const LocalState&, const LocalState&) = default;
-};
 
+/// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports).
 enum class Kind { Port, All, Trigger, Any };
+struct Edge {
+  std::size_t node = 0;
+  bool is_trigger = false;
+  bool is_maximal = false;  // only the largest interactions of the connector there
+};
 struct Node {
   Kind kind = Kind::Port;
-  std::vector<std::pair<std::size_t, bool>> children;  // is it a trigger?
-  std::vector<std::size_t> parents;
+  std::vector<Edge> children;
+  Rows parents;
   bool is_step = false;
-  const Tree* connector_type = nullptr;  // the root group of a connector
-  std::size_t connector = 0;
+  std::size_t connector = kNone;  // whose root group it is
 };
 struct Connector {
-  std::size_t type = 0;
-  const Tree* ports = nullptr;
+  const Tree* type = nullptr;
   const Tree* data = nullptr;
-  std::size_t root = 0;
+  std::vector<Edge> params;
+  std::size_t root = 0, compound = 0;
   std::string path;
-  std::size_t compound = 0;
 };
 
 struct Model {
   std::vector<Tree> trees;
-  std::map<std::string, std::int32_t> strings;
-  std::vector<std::size_t> port_type_sizes;
-  std::vector<std::vector<std::string>> port_type_types;
+  std::map<std::string, int> strings;
+  std::vector<std::vector<std::string>> port_types;  // the types of their variables
   std::vector<AtomType> atom_types;
-  std::vector<const Tree*> connector_types, functions, priorities;
+  std::vector<const Tree*> connector_types, functions, priorities, choices;
   std::vector<Atom> atoms;
-  std::vector<std::size_t> first_port;   // by atom, and the total: node of its port 0
-  std::vector<std::size_t> atom_of_port;
-  std::vector<const Tree*> choices;
+  Rows first_port;               // by atom, and the total: node of its port 0
+  Rows atom_of_port;
   std::vector<Connector> connectors;
-  std::vector<Node> nodes;               // children before parents
+  std::vector<Node> nodes;       // children before parents; ports first
 
-  [[nodiscard]] Value evaluate(const Tree& expr, const std::vector<Value>& self, const std::vector<Value>& bind) const;
-  void execute(const Tree* body, std::size_t first, std::vector<Value>& self) const;
-  /// Stable states after internal transitions, data outside of `followed` forgotten.
-  [[nodiscard]] std::set<LocalState> settle(const AtomType& type, const LocalState& start, const std::vector<bool>& followed) const;
-  [[nodiscard]] std::set<LocalState> initial_states(const Atom& atom, const std::vector<bool>& followed) const;
-  [[nodiscard]] std::set<LocalState> after(const AtomType& type, const LocalState& state, std::size_t port, const std::vector<bool>& followed) const;
-  /// Is a transition of the port enabled whatever is not known?
-  [[nodiscard]] bool is_sure(const AtomType& type, const LocalState& state, std::size_t port) const;
+  [[nodiscard]] const AtomType& type_of(std::size_t atom) const { return atom_types[atoms[atom].type]; }
 };
 
 /// The trees must stay where they are: the model keeps pointers into them.
 void read_model(std::string_view text, Model& model);
+
+/// Types whose values are followed; of float and extern data nothing is known.
+[[nodiscard]] inline bool is_exact(const std::string& type) { return type == "int" || type == "bool" || type == "string"; }
+
+/// The rows after a list's head; none of a null list.
+[[nodiscard]] Rows rows_of(const Tree* list);
 
 }  // namespace certcheck

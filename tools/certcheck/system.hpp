@@ -1,0 +1,73 @@
+// The system over Z3 terms: which steps it has in a state, and what each leads to. A connector without guards has one configuration,
+// the largest, as terms; of the others all are listed. Guards, maximal progress and priorities decide which are candidates.
+#pragma once
+#include <memory>
+
+#include "tools/certcheck/terms.hpp"
+
+namespace certcheck {
+
+using State = std::vector<Local>;  // by atom
+struct Step {
+  z3::expr possible;
+  Trouble trouble;
+  std::map<std::size_t, Local> next;  // of the atoms that may move
+};
+
+class System {
+ public:
+  /// The steps of `now`.
+  System(const Model& model, const Terms& terms, const State& now);
+  /// Is there a step? What has too many interactions is seen by its smallest ones. Priorities only hide what something else outdoes.
+  [[nodiscard]] z3::expr has_step();
+  /// All steps, one by one. Throws where there are too many to be listed.
+  void each_step(const std::function<void(const Step&)>& visit);
+  /// What a claim says of the state.
+  [[nodiscard]] z3::expr claim(const Tree& e);
+  /// The run has ended with an error in this state; with one in a connector's guard, too.
+  [[nodiscard]] z3::expr state_fault() const { return state_fault_; }
+  [[nodiscard]] z3::expr guard_fault() const { return guard_fault_; }
+
+ private:
+  using Leaves = std::set<std::size_t>;               // ports
+  using Chosen = std::map<std::size_t, z3::expr>;     // by node of a connector's tree: does it take part?
+  struct Store {
+    std::map<std::size_t, Local> atoms;
+    std::map<std::pair<std::size_t, std::size_t>, z3::expr> frames;  // connector, slot
+  };
+  struct Candidate {
+    std::size_t connector = 0;
+    Chosen chosen;
+    Store store;
+    z3::expr possible;
+  };
+  enum class Want { All, Smallest };
+
+  [[nodiscard]] Rows tree_of(std::size_t root) const;
+  [[nodiscard]] bool is_plain(const Rows& tree) const;
+  [[nodiscard]] bool list(std::size_t node, Want want, std::vector<Leaves>& out) const;
+  [[nodiscard]] Chosen fixed(const Rows& tree, const Leaves& leaves) const;
+  [[nodiscard]] Chosen largest(const Rows& tree, std::size_t root) const;
+  [[nodiscard]] std::size_t param_node(std::size_t node, const Chosen& chosen) const;
+  [[nodiscard]] Variables variables(std::size_t connector, const Chosen& chosen, Store& store);
+  [[nodiscard]] z3::expr clause_is(const Connector& c, const Tree& clause, const Chosen& chosen) const;
+  [[nodiscard]] z3::expr enabled(const Rows& tree, std::size_t root, const Leaves* leaves, const Chosen& chosen, Store& store);
+  /// False: there are too many.
+  bool add_candidates(std::size_t connector, Want want);
+  [[nodiscard]] z3::expr matches(const Tree& rule, const char* side, const Candidate& c) const;
+  void hide();
+  void find_candidates();
+  void fire(const Candidate& c, std::size_t connector, Store& store, Step& step);
+  Local& local_of(std::size_t atom, Store& store) { return store.atoms.try_emplace(atom, now_[atom]).first->second; }
+
+  const Model& m_;
+  const Terms& t_;
+  State now_;
+  std::vector<Offer> offers_;
+  std::vector<z3::expr> on_;  // by port
+  std::vector<Candidate> all_;
+  z3::expr state_fault_, guard_fault_;
+  bool is_complete_ = false;  // all_: all candidates, and what hides them is known
+};
+
+}  // namespace certcheck
