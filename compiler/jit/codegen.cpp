@@ -59,7 +59,8 @@ class UnitBuilder {
     if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), slot, slot_align_);
     // The address of the object.
     if (is_extern(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), slot, slot_align_);
-    llvm::Value* low = b_.CreateAlignedLoad(i32_, slot, slot_align_);
+    // All of the slot, as it is stored: loops over neighbouring slots become vectors.
+    llvm::Value* low = b_.CreateTrunc(b_.CreateAlignedLoad(b_.getInt64Ty(), slot, slot_align_), i32_);
     return type == Type::Bool ? b_.CreateICmpNE(low, b_.getInt32(0)) : low;
   }
   void store(Type type, llvm::Value* value, llvm::Value* slot) {

@@ -27,8 +27,9 @@ constexpr std::int32_t modulo(std::int32_t a, std::int32_t b, std::uint32_t site
   return remainder(a, b);
 }
 
-/// A slot with its unused bits zero.
+/// A slot with its unused bits zero. It is read and written as a whole: so loops over neighbouring slots become vectors.
 constexpr Slot int_slot(std::int32_t value) { return Slot{.bits = static_cast<std::uint32_t>(value)}; }
+constexpr std::int32_t int_in(const Slot& slot) { return static_cast<std::int32_t>(slot.bits); }
 constexpr Slot float_slot(double value) { return Slot{.f = value}; }
 
 /// An int variable in a slot. Copying the object copies the value, as assignment in the model does.
@@ -37,11 +38,11 @@ class IntVar {
   constexpr explicit IntVar(Slot& slot) : slot_(slot) {}
   IntVar(const IntVar&) = delete;
   IntVar& operator=(std::int32_t value) {
-    slot_ = int_slot(value);
+    slot_.bits = int_slot(value).bits;
     return *this;
   }
-  IntVar& operator=(const IntVar& other) { return *this = other.slot_.i; }
-  operator std::int32_t() const { return slot_.i; }
+  IntVar& operator=(const IntVar& other) { return *this = int_in(other.slot_); }
+  operator std::int32_t() const { return int_in(slot_); }
   /// For C++ functions that change their argument.
   std::int32_t& ref() { return slot_.i; }
 
