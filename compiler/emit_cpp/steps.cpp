@@ -4,6 +4,8 @@
 // loops positions are pointers that move by constants: then compilers make vectors of them.
 #include "compiler/emit_cpp/steps.hpp"
 
+#include <algorithm>
+
 namespace bip::emit_cpp {
 
 using lower::StepOp;
@@ -18,6 +20,8 @@ class ShapeWriter {
 
   void write(std::size_t number) {
     out_.line();
+    const bool has_loops = std::any_of(shape_.ops.begin(), shape_.ops.end(), [](const StepOp& op) { return op.repeats; });
+    if (has_loops) out_.line("BIP_FOR_PROCESSORS");
     out_.line("void shape_" + std::to_string(number) + "(StepState& state, [[maybe_unused]] const StepOperand* operands, [[maybe_unused]] std::uint32_t i) {");
     out_.line("  StepState s = state;");
     for (std::size_t k = 0; k < shape_.strides.size(); ++k) {

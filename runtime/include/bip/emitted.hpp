@@ -11,6 +11,14 @@
 #include "bip/image.hpp"
 #include "bip/image_time.hpp"
 
+// A function whose loops become vectors is made for newer processors, too; at the program's start the loader chooses. Sanitizers
+// are not ready that early.
+#if defined(__x86_64__) && defined(__linux__) && defined(__OPTIMIZE__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define BIP_FOR_PROCESSORS [[gnu::target_clones("avx2", "default")]]
+#else
+#define BIP_FOR_PROCESSORS
+#endif
+
 namespace bip::rt {
 
 /// Thrown by `divide` and `modulo`, caught in the function that called them.
