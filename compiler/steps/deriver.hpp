@@ -47,8 +47,8 @@ class Deriver {
   [[nodiscard]] bool link_priorities();
   [[nodiscard]] const std::vector<lower::CodeFacts>& facts() const { return facts_; }
   [[nodiscard]] u32 slots() const { return static_cast<u32>(tables_.slots.size()); }
-  /// Must every slot have a shape, if any is to have one?
-  [[nodiscard]] bool needs_all() const { return tables_.any_searched || rules_.count != 0; }
+  /// Must every slot have a shape, if any is to have one? Compiled steps do not keep the core's books of priority rules.
+  [[nodiscard]] bool needs_all() const { return rules_.count != 0; }
   enum class Found { Yes, Never, No };  // Never: it cannot fire
   /// The interaction of a slot, not folded.
   Found describe(u32 slot, Instance& out);

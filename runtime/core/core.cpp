@@ -259,7 +259,9 @@ std::vector<u32> Core::recent_slots(u64 count) const {
 
 u32 Core::listed_count(u32 connector) const {
   const u32 slot = tables_.slot_of_connector[connector];
-  return slot == kNone ? 0 : base_count(slot);
+  if (slot == kNone) return 0;
+  // Compiled steps keep the list of the enabled alone.
+  return rules_.count == 0 ? enabled_.weight(slot) : base_count(slot);
 }
 
 }  // namespace bip::rt

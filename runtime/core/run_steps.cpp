@@ -1,7 +1,9 @@
 // The short way: steps by the image's step functions (bip/steps.hpp), one after the other, drawn uniformly.
 //
-// A step costs a draw, two loads to find its run, one indirect call. Meanwhile ranks, listings and rules are not kept up to
-// date; they are brought up to date at the end, which costs as much as the system is large if it has guards or priorities.
+// A step costs a draw, two loads to find its run, one indirect call. Meanwhile ranks and rules are not kept up to date; rules
+// are brought up to date at the end, which costs as much as the system is large if it has priorities. What flat connectors with
+// guards offer the list of the enabled says; nothing else that is searched depends on an atom that a compiled step moves
+// (compiler/steps), so a slot without step function is fired by the core in between.
 #include <algorithm>
 #include <limits>
 
@@ -15,8 +17,8 @@ constexpr u32 kSlotsDiffer = kNone - 1;
 
 }  // namespace
 
-// Finds the runs. A slot without one is fired by the core; if somebody might look at guards or rules then, all slots that can
-// fire have one (derive_steps).
+// Finds the runs. A slot without one is fired by the core; if somebody might look at rules then, all slots that can fire have
+// one (derive_steps).
 void Core::link_steps() {
   const Image& image = *tables_.image;
   if (image.step_fns.size == 0 || options_.progress == MaximalProgress::Off || is_weighted_) return;
@@ -84,7 +86,7 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
   history_at_ = history_at;
   if (!sound) return done;
   enabled_.close_list(s.count);
-  for (u32 slot = 0; slot < is_direct_.size() && (tables_.any_searched || rules_.count != 0); ++slot) {
+  for (u32 slot = 0; slot < is_direct_.size() && rules_.count != 0; ++slot) {
     if (is_direct_[slot] == 0) mark_dirty(slot);
   }
   sound = settle();

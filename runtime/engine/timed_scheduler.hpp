@@ -27,6 +27,8 @@ class TimedScheduler {
   /// Once, after the initial state is known.
   void start(Core& core) const { scheduler_.start(core); }
   void fired(u32 slot) { scheduler_.fired(slot); }
+  /// The random numbers of `uniform` without time.
+  [[nodiscard]] Prng& prng() { return scheduler_.prng(); }
 
  private:
   /// What happens next if nothing comes from outside, at the instant at_: a step, a change of what is enabled, nothing more,
