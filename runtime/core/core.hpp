@@ -180,6 +180,8 @@ class Core {
   [[nodiscard]] bool is_available(u32 node) const { return values_[node] >= 0; }
   /// Candidates of the connector before priorities; 0 also if it exports a port.
   [[nodiscard]] u32 listed_count(u32 connector) const;
+  /// Of connectors whose candidates are searched.
+  [[nodiscard]] const SearchWork& search_work() const { return search_work_; }
 
  private:
   FlatGuard flat_guard(const SlotInfo& info);
@@ -293,7 +295,7 @@ class Core {
   void choose_largest(const Plan& plan, u32 root);
   void choose_bits(const Plan& plan, const u64* bits);
   void bits_of_choice(const Plan& plan, Bits& bits) const;
-  bool evaluate(const Plan& plan, u32 root, u32& failed);
+  bool evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed);
   bool run_ups(const Plan& plan);
   u32 chosen_clause(const Plan& plan, u32 use);
   bool search(const Plan& plan, u32 root, std::vector<Bits>& found);
@@ -383,6 +385,8 @@ class Core {
   std::vector<u32> node_scratch_;
   std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links and choices
   std::vector<u32> use_clause_;
+  std::vector<Evaluated> evaluated_;       // by use of the plan that is searched
+  SearchWork search_work_;
   std::vector<u32> params_;
   std::vector<std::pair<u32, u32>> use_stack_;
 };

@@ -28,6 +28,16 @@ struct Listing {
   std::vector<std::uint8_t> hidden;  // by configuration; empty: none
 };
 
+/// What a connector of a plan was evaluated for last: its sub-choice, and whether its guard held.
+struct Evaluated {
+  u64 leaves = 0;  // 0: nothing
+  bool holds = false;
+};
+/// What searches have cost so far.
+struct SearchWork {
+  u64 searches = 0, configurations = 0, connectors = 0;  // configurations looked at, connectors evaluated
+};
+
 /// The guard of a flat rendezvous, found without a look at the image.
 struct FlatGuard {
   u32 code = kNone;                // row of codes_

@@ -193,6 +193,15 @@ void link_plans(Tables& tables) {
       nodes[i].end = std::max(nodes[i].end, i + 1);
       if (nodes[i].parent != kNone) nodes[nodes[i].parent].end = std::max(nodes[nodes[i].parent].end, nodes[i].end);
     }
+    std::vector<u32> connectors;
+    for (u32 i = 0; i < plan.use_count; ++i) {
+      PlanUse& use = tables.plan_uses[plan.first_use + i];
+      connectors.push_back(use.connector);
+      if (plan.leaves > 64) continue;
+      for (u32 k = use.root; k < nodes[use.root].end; ++k) use.leaves |= nodes[k].kind == NodeKind::Leaf ? u64{1} << nodes[k].leaf : 0;
+    }
+    std::sort(connectors.begin(), connectors.end());
+    plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
     // Alternatives of one parameter are several candidates: they are listed.
     info.searched |= plan.guarded || plan.has_choice;
     tables.any_searched |= info.searched;

@@ -4,7 +4,8 @@
 // the connector's own frame). If a guard fails for a sub-choice, every configuration with the same sub-choice fails, so
 // only configurations that change it are looked at next: one step smaller, or without it where it cannot shrink. Enabled
 // ones stop the descent. With k guarded clauses this looks at O(k * ports) configurations where guards are independent;
-// exponential only where data of a hierarchy make it inherent (a bound turns that into a fault).
+// exponential only where data of a hierarchy make it inherent (a bound turns that into a fault). From one configuration to the
+// next a connector is evaluated again only if its own sub-choice is another one: in a tree those above what went.
 #include <algorithm>
 #include <set>
 
@@ -78,12 +79,25 @@ u32 Core::chosen_clause(const Plan& plan, u32 use_row) {
 }
 
 // Guards and `up`s of the choice below root, bottom up. failed: the use whose guard is false, or kNone. False: a fault.
-bool Core::evaluate(const Plan& plan, u32 root, u32& failed) {
+bool Core::evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed) {
+  // What a use computes follows from its sub-choice, and is still in its frame.
+  const bool remembers = plan.leaves <= 64 && plan.is_tree && !plan.has_choice;
+  ++search_work_.configurations;
   const u32 end = tables_.plan_nodes[plan.first_node + root].end;
   failed = kNone;
   for (u32 i = plan.use_count; i-- > 0;) {
     const PlanUse& use = tables_.plan_uses[plan.first_use + i];
     if (use.root < root || use.root >= end || chosen_[use.root] == 0) continue;
+    if (remembers) {
+      Evaluated& last = evaluated_[i];
+      if (last.leaves == (bits[0] & use.leaves)) {
+        if (last.holds) continue;
+        failed = i;
+        return true;
+      }
+      last = {bits[0] & use.leaves, true};
+    }
+    ++search_work_.connectors;
     zero_frame(use.connector);
     if (use.has_choice) bind_choices(plan, use);
     const u32 row = chosen_clause(plan, i);
@@ -96,6 +110,7 @@ bool Core::evaluate(const Plan& plan, u32 root, u32& failed) {
                                            binds_ + connector.binds);
       if (status >= 2) return fail_code(status, kNone, use.connector, nullptr);
       if (status == 0) {
+        if (remembers) evaluated_[i].holds = false;
         failed = i;
         return true;
       }
@@ -230,7 +245,7 @@ bool Core::search(const Plan& plan, u32 root, std::vector<Bits>& found) {
     if (below) continue;
     choose_bits(plan, bits.data());
     u32 failed = kNone;
-    if (!evaluate(plan, root, failed)) return false;
+    if (!evaluate(plan, root, bits, failed)) return false;
     if (failed == kNone) {
       found.push_back(bits);
       continue;
@@ -337,7 +352,7 @@ bool Core::enumerate(const Plan& plan, std::vector<Bits>& found) {
   for (const Bits& bits : choices[0]) {
     choose_bits(plan, bits.data());
     u32 failed = kNone;
-    if (!evaluate(plan, 0, failed)) return false;
+    if (!evaluate(plan, 0, bits, failed)) return false;
     if (failed == kNone) found.push_back(bits);
   }
   std::sort(found.begin(), found.end(), comes_first);
@@ -375,6 +390,9 @@ bool Core::list(u32 slot) {
   }
   const Plan& plan = tables_.plans[info.plan];
   std::vector<Bits> found;
+  ++search_work_.searches;
+  // Data have changed since.
+  evaluated_.assign(plan.use_count, {});
   if (!search_links(plan)) return false;
   const bool listed = options_.progress == MaximalProgress::Off ? enumerate(plan, found) : search(plan, 0, found);
   link_alternatives_.clear();

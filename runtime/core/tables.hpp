@@ -91,6 +91,7 @@ struct PlanUse {
   u32 link = kNone;            // node
   u32 clause = kNone;          // for all of its parameters
   bool has_choice = false;     // a parameter is bound to a merged port: where its variables are depends on the alternative
+  u64 leaves = 0;              // of its part of the plan, as bits, if the plan has at most 64
 };
 struct Plan {
   u32 connector = 0;
@@ -100,6 +101,7 @@ struct Plan {
   bool guarded = false;        // a clause in its tree has a guard, or an `up` that may fault
   bool rigid = true;           // no triggers and no choices: one configuration, everybody
   bool has_choice = false;
+  bool is_tree = true;         // no connector has two uses
 };
 
 struct Tables {

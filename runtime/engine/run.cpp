@@ -77,10 +77,15 @@ bool ends_here(const Record& record, u64 steps, u64 looks) {
 }
 
 // Of the steps alone, without the initial state.
-void print_stats(std::FILE* err, std::uint64_t steps, double seconds, double cpu_seconds) {
+void print_stats(std::FILE* err, const Core& core, std::uint64_t steps, double seconds, double cpu_seconds) {
   const double scale = steps == 0 ? 0 : 1e9 / static_cast<double>(steps);
   std::fprintf(err, "steps %llu, seconds %.6f, ns/step %.1f, CPU ns/step %.1f\n", static_cast<unsigned long long>(steps), seconds,
                seconds * scale, cpu_seconds * scale);
+  if (const SearchWork& work = core.search_work(); work.searches != 0) {
+    std::fprintf(err, "searches of maximal interactions %llu, configurations looked at %llu, connectors evaluated %llu\n",
+                 static_cast<unsigned long long>(work.searches), static_cast<unsigned long long>(work.configurations),
+                 static_cast<unsigned long long>(work.connectors));
+  }
 }
 
 // Why such a run cannot be; null: it can.
@@ -273,7 +278,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     wall.append_histogram(text);
     std::fwrite(text.data(), 1, text.size(), err);
   }
-  if (options.stats) print_stats(err, result.steps, seconds.count(), cpu_seconds);
+  if (options.stats) print_stats(err, core, result.steps, seconds.count(), cpu_seconds);
   if (options.stats && batch && batch->is_on()) {
     std::fprintf(err, "parts %u, shared slots %zu, steps beside each other %llu\n", batch->parts(), batch->shared(),
                  static_cast<unsigned long long>(batch->beside()));
