@@ -9,8 +9,8 @@ using limit::u32;
 using limit::u64;
 
 struct World {
-  explicit World(u32 size) : n(size), watt(size), mains(3 * size / 2 - 1) {
-    for (u32 i = 0; i < n; ++i) watt[i] = i % 2 + 1;
+  explicit World(u32 size) : n(size), watt(size), mains(5 * size / 2 - 3), hours(size) {
+    for (u32 i = 0; i < n; ++i) watt[i] = i % 4 + 1;
   }
   // Sets to leave out whose sum is at least `excess`, and without any of their lamps less than that.
   void leave_out(u32 from, u32 excess, u32 sum, u32 least, u64 set) {
@@ -42,14 +42,13 @@ struct World {
     found = enabled;
   }
   void apply(u64 left_out) {
-    for (u32 i = 0; i < n; ++i) {
-      if ((left_out >> i & 1) == 0) watt[i] = 3 - watt[i];
-    }
+    for (u32 i = 0; i < n; ++i) hours[i] += 1 - (left_out >> i & 1);
   }
 
   u32 n;
   std::vector<u32> watt;
   u32 mains;
+  std::vector<u64> hours;
   std::vector<u64> found;
 };
 
