@@ -29,8 +29,7 @@ class ShapeWriter {
       std::string text = cell + ".at(i)";
       if (!shape_.run_strides.empty()) {
         const std::uint32_t stride = shape_.run_strides[k];
-        const std::string base = shape_.run_bases.empty() ? cell + ".base" : std::to_string(shape_.run_bases[k]) + "u";
-        text = base + (stride == 0 ? "" : stride == 1 ? " + i" : " + " + std::to_string(stride) + "u * i");
+        text = cell + ".base" + (stride == 0 ? "" : stride == 1 ? " + i" : " + " + std::to_string(stride) + "u * i");
       }
       out_.line("  const std::uint32_t v" + std::to_string(k) + " = " + text + ";");
     }

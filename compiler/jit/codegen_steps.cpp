@@ -31,7 +31,7 @@ class ShapeBuilder {
     b_.CreateStore(field(offsetof(rt::StepState, count), i32_), count_);
     for (std::size_t k = 0; k < shape.strides.size(); ++k) {
       Value* operand = b_.CreateConstInBoundsGEP1_64(i64_, function_->getArg(1), k);
-      Value* base = shape.run_bases.empty() ? static_cast<Value*>(b_.CreateAlignedLoad(i32_, operand, llvm::Align(4))) : constant(shape.run_bases[k]);
+      Value* base = b_.CreateAlignedLoad(i32_, operand, llvm::Align(4));
       Value* stride = shape.run_strides.empty()
                           ? static_cast<Value*>(b_.CreateAlignedLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, operand, 1), llvm::Align(4)))
                           : constant(shape.run_strides[k]);

@@ -35,7 +35,6 @@ struct StepShape {
   std::vector<StepOp> ops;           // Codes, Places, Readys and Slots in this order; of Slots first all values, then the list, in order
   std::vector<std::int32_t> strides; // by operand; 0 unless its operation repeats
   std::vector<std::uint32_t> run_strides;  // by operand: what StepOperand::stride is in all runs of the shape; empty: it varies
-  std::vector<std::uint32_t> run_bases;    // by operand: what StepOperand::base is, if the shape has one run; empty: it varies
 };
 struct Steps {
   std::vector<StepShape> shapes;

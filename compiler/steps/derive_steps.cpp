@@ -1,6 +1,6 @@
 // Shapes and runs: see derive_steps.hpp. Two interactions have one shape if their folded operations are equal but for the
 // operands. If there are few, shapes whose runs have other strides are told apart too: then strides are constants in the
-// code, and of a shape with one run all operands are. A run goes on while slots come at equal distances and every operand grows by an equal stride; the borders of
+// code. A run goes on while slots come at equal distances and every operand grows by an equal stride; the borders of
 // a ring or a grid are runs of their own.
 #include "compiler/steps/derive_steps.hpp"
 
@@ -76,18 +76,6 @@ class Runs {
   std::vector<u32> bases_, strides_;
 };
 
-// Of a shape with one run where it starts is a constant, too: then compilers see which rows of a loop are neighbours and which
-// can never be the same.
-void name_bases(lower::Steps& steps) {
-  std::vector<u32> runs_of(steps.shapes.size(), 0);
-  for (const rt::StepRun& run : steps.runs) ++runs_of[run.shape];
-  for (const rt::StepRun& run : steps.runs) {
-    if (runs_of[run.shape] != 1) continue;
-    lower::StepShape& shape = steps.shapes[run.shape];
-    for (std::size_t k = 0; k < shape.strides.size(); ++k) shape.run_bases.push_back(steps.operands[run.operands + k].base);
-  }
-}
-
 // Tells shapes apart by the strides of their runs.
 void split_by_strides(lower::Steps& steps) {
   std::map<std::vector<u32>, u32> known;
@@ -108,7 +96,6 @@ void split_by_strides(lower::Steps& steps) {
   }
   for (std::size_t row = 0; row < steps.runs.size(); ++row) steps.runs[row].shape = shape_of_run[row];
   steps.shapes = std::move(shapes);
-  name_bases(steps);
 }
 
 }  // namespace
@@ -171,7 +158,7 @@ void derive_steps(lower::LoweredSystem& lowered) {
     if (found != Deriver::Found::Yes) continue;
     const auto [at, is_new] = known.try_emplace(key_of(folded, strides), static_cast<u32>(runs.size()));
     if (is_new) {
-      steps.shapes.push_back({folded.ops, strides, {}, {}});
+      steps.shapes.push_back({folded.ops, strides, {}});
       runs.emplace_back(steps, at->second);
     }
     runs[at->second].add(slot, folded.refs);
