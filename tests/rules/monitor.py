@@ -30,7 +30,7 @@ class Monitor:
         self.value = {}        # ... of the last one accepted
         self.accepted_at, self.ended_at = {}, {}
         self.now = 0
-        self.counts = {"ticks": 0, "accepted": 0, "rejected": 0, "stopped": 0}
+        self.counts = {"ticks": 0, "requests": 0, "accepted": 0, "rejected": 0, "stopped": 0}
         self.reports = set()
 
     # ---- what the rules speak of ----
@@ -78,6 +78,7 @@ class Monitor:
     def event(self, module, path, event, name):
         if path[-1] == "box" and event.startswith("read_"):
             service = f"{module}.{event[len('read_'):]}"
+            self.counts["requests"] += 1
             self.asked[service] = dict(self.parameters(name, f"{module}_read_{event[len('read_'):]}"))
         elif path[-1] == "box" and event.startswith("allow_"):
             self.decided(f"{module}.{event[len('allow_'):]}")
