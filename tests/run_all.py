@@ -63,6 +63,7 @@ def groups():
                     ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/run")])),
                     ("mission", lambda: run_script("mission", [sys.executable, str(ROOT / "models/dala/run")]))]
     yield "serve", [("serve", lambda: run_script("serve", [sys.executable, str(ROOT / "tests/serve/run")]))]
+    yield "traces", [("traces", lambda: run_script("traces", [sys.executable, str(ROOT / "tests/traces/run")]))]
     if (BUILD / "bip-fuzz").exists():
         yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]
     if (BUILD / "bipc-lsp").exists():

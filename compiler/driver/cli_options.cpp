@@ -24,7 +24,8 @@ const Names<rt::Policy> kPolicies{{"uniform", rt::Policy::Uniform}, {"first", rt
 const Names<rt::TraceFormat> kTraceFormats{
     {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}};
 const Names<rt::TraceFormat> kRecordFormats{
-    {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}, {"binary", rt::TraceFormat::Binary}};
+    {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2},
+    {"binary", rt::TraceFormat::Binary}, {"mcap", rt::TraceFormat::Mcap}, {"perfetto", rt::TraceFormat::Perfetto}};
 const Names<rt::Engine> kEngines{{"sequential", rt::Engine::Sequential}, {"threads", rt::Engine::Threads}, {"batch", rt::Engine::Batch}};
 
 const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela}, {"pnml", ExportFormat::Pnml}};
@@ -126,8 +127,8 @@ void add_run(CLI::App& app, RunArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
   add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
   command->add_option("--trace", a.run.trace_path, "write the run to PATH, as JSON lines or as --trace-format says")->type_name("PATH");
-  add_choice(*command, "--trace-format", a.run.format, kRecordFormats, "steps|json|bip2|binary",
-             "form of the steps; bip2 is the reference engine's, binary a byte or two a step for `bipc replay`");
+  add_choice(*command, "--trace-format", a.run.format, kRecordFormats, "steps|json|bip2|binary|mcap|perfetto",
+             "form of the steps; bip2 is the reference engine's, binary is for `bipc replay`, mcap for Foxglove, perfetto for ui.perfetto.dev");
   add_choice(*command, "--engine", a.run.engine, kEngines, "sequential|threads|batch",
              "threads: long actions at the same time; batch: short steps of a large system, a part a thread");
   command->add_option("--threads", a.run.threads, "of these engines (default: one a processor)")->check(CLI::Range(1, 256))->type_name("N");

@@ -197,6 +197,7 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     return ask(controller, reply, id, [names](Controller& c, Json& answer) {
       answer["time"] = c.system().now();
       answer["steps"] = c.system().steps();
+      answer["late"] = c.system().late_steps();
       answer["paused"] = c.is_paused();
       answer["ended"] = c.has_ended();
       answer["atoms"] = state_of(c, names);

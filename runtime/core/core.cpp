@@ -221,6 +221,7 @@ bool Core::restore(const State& state) {
     if (!update_ports(atom, before)) return false;
     if (now.watched != 0) touch(atom);
   }
+  if (has_async()) restart_jobs();
   return settle_anew();
 }
 

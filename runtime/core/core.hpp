@@ -65,7 +65,6 @@ class Core {
   /// The number of a candidate in canonical order. O(log slots).
   [[nodiscard]] std::uint64_t number(EnabledSet::Position at) const { return enabled_.rank(at.slot) + at.rank; }
   [[nodiscard]] Candidate candidate(EnabledSet::Position at) const;
-
   /// Is there such a candidate?
   [[nodiscard]] bool has(EnabledSet::Position at) const { return at.slot < tables_.slots.size() && at.rank < enabled_.weight(at.slot); }
   /// Takes the step. False: a fault; the state is then between two stable ones.
@@ -77,7 +76,6 @@ class Core {
     const u32* program = rows_.data() + std::size_t{at.slot} * row_words_;
     return *program != kNone ? run_program(program, at.slot) : fire(candidate(at));
   }
-
   /// Has the image step functions for this system, and is the list kept?
   [[nodiscard]] bool has_steps() const { return !run_of_.empty() && keeps_list_; }
   /// Up to `limit` steps, drawn as `drawn` does; returns how many. Asks is_stopped now and then. sound: false after a fault.
@@ -167,6 +165,17 @@ class Core {
   [[nodiscard]] const PartialState* partial() const { return partial_.get(); }
   /// Ends it, nothing being at work. False: a fault was met; fault() is the one of the earliest step.
   bool end_partial();
+  // ---- actions that run beside the others (async.cpp)
+  [[nodiscard]] bool has_async() const { return time_ != nullptr && !time_->at_work.empty(); }
+  /// Before the first step: from now on actions end when return_action says so, not with their budget. pool: null: they run then.
+  void await_returns(ActionPool* pool);
+  /// The atoms whose actions have not taken effect, in the order in which they began; what of one of them.
+  [[nodiscard]] const std::vector<u32>& working() const { return time_->working; }
+  [[nodiscard]] bool is_at_work(u32 atom) const { return has_async() && time_->at_work[atom].transition != kNone; }
+  [[nodiscard]] const AtWork& work_of(u32 atom) const { return time_->at_work[atom]; }
+  void mark_overrun(u32 atom) { time_->at_work[atom].is_overrun = true; }
+  /// The action takes effect at this instant; it is waited for. False: a fault.
+  bool return_action(u32 atom);
 
   // ---- looking at the state
   [[nodiscard]] const Slot& slot(u32 row) const { return all_[row]; }
@@ -228,13 +237,20 @@ class Core {
   bool interval_of(u32 atom, const TimeGuard& when, Interval& out);
   bool resume_interval(u32 atom, const Resume& resume, Interval& out);
   bool begin_resume(u32 atom, const LinkedTransition* fired);
-  bool resume_together(const std::vector<u32>& rows);
+  bool resume_together(std::vector<u32>& rows);
   bool look_at_time(u32 atom);
   bool look_at_invariants(u32 atom);
   [[nodiscard]] bool is_in_scope(u32 atom, const Invariant& invariant) const;
   void change_port(u32 instance, u32 transition);
   void save_time(std::vector<i64>& out) const;
   void load_time(const std::vector<i64>& in);
+
+  // async.cpp
+  [[nodiscard]] const Async* async_of(u32 atom, const LinkedTransition& transition) const;
+  bool begin_action(u32 atom, const LinkedTransition& transition, const Async& async);
+  void begin_job(u32 atom);
+  bool finish_action(u32 atom);
+  void restart_jobs();
 
   // events.cpp
   void list_event_ports();
@@ -275,12 +291,6 @@ class Core {
   void bind_choices(const Plan& plan, const PlanUse& use);
 
   // run_steps.cpp
-  struct Run {
-    StepFn fn;
-    const StepOperand* operands;
-    u32 first;
-    u64 inverse;
-  };
   void link_steps();
 
   // run_batch.cpp
@@ -350,7 +360,7 @@ class Core {
   std::map<std::tuple<CodeFn, const void*, u32>, u32> code_rows_;
   EnabledSet enabled_;
   bool keeps_list_ = false;
-  std::vector<Run> runs_;                  // the image's runs of step functions
+  std::vector<CompiledRun> runs_;                  // the image's runs of step functions
   std::vector<u32> run_of_;                // by slot: row of runs_, or kNone
   std::vector<u32> run_of_block_;          // by 64 slots: row of runs_, kNone, or kSlotsDiffer: small enough to stay at hand
   std::vector<u32> step_scratch_;

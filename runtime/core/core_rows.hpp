@@ -44,6 +44,14 @@ struct FlatGuard {
   u32 own = 0, binds = 0;
 };
 
+/// Slots from `first` on with one compiled step (run_steps.cpp).
+struct CompiledRun {
+  StepFn fn;
+  const StepOperand* operands;
+  u32 first;
+  u64 inverse;
+};
+
 // ---- programs (programs.cpp)
 struct ProgramCode {
   Code code;

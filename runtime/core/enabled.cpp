@@ -260,6 +260,9 @@ bool Core::fire_port(u32 instance) {
   const LinkedType& type = tables_.types[info.type];
   const LinkedTransition& transition = tables_.transitions[port.transition];
   const u32 before = places_[atom];
+  if (type.is_timed && !time_->at_work.empty()) {
+    if (const Async* async = async_of(atom, transition)) return begin_action(atom, transition, *async);
+  }
   if (!move(atom, transition)) return false;
   if (type.fixed) {
     const PortDelta* delta = tables_.deltas.data() + transition.delta_first;

@@ -26,6 +26,7 @@ class ExternValue {
     if (object_ != nullptr) type_->destroy(object_);
   }
   [[nodiscard]] const void* object() const { return object_; }
+  [[nodiscard]] void* object() { return object_; }
   /// Values that C++ cannot compare differ.
   friend bool operator==(const ExternValue& a, const ExternValue& b) {
     return a.type_ == b.type_ && a.type_->equal != nullptr && a.type_->equal(a.object_, b.object_);

@@ -37,7 +37,7 @@ void Core::run_part(const BatchPlan& plan, BatchPart& part, bool records) {
   for (u64 draw = 0; draw < part.draws && s.count != 0; ++draw) {
     const u32 slot = s.members[numbers.below(s.count)];
     if (is_shared[slot] != 0) continue;
-    const Run& run = runs_[run_of_[slot]];
+    const CompiledRun& run = runs_[run_of_[slot]];
     run.fn(s, run.operands, static_cast<u32>((slot - run.first) * run.inverse >> 32));
     if (records) part.fired.push_back(slot);
     ++steps;
@@ -83,7 +83,7 @@ u64 Core::run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u
   for (u64 tries = draws * kTriesPerStep; steps < draws && tries > 0 && !plan.shared.empty(); --tries) {
     const u32 slot = plan.shared[prng.below(plan.shared.size())];
     if (s.position[slot] == kAbsentSlot) continue;
-    const Run& run = runs_[run_of_[slot]];
+    const CompiledRun& run = runs_[run_of_[slot]];
     run.fn(s, run.operands, static_cast<u32>((slot - run.first) * run.inverse >> 32));
     fired.push_back(slot);
     ++steps;

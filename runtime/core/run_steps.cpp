@@ -55,7 +55,7 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
   u32 history_at = history_at_;
   const u32* const run_of = run_of_.data();
   const u32* const run_of_block = run_of_block_.data();
-  const Run* const runs = runs_.data();
+  const CompiledRun* const runs = runs_.data();
   u64 done = 0;
   u64 look = 0;
   sound = true;
@@ -68,7 +68,7 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
     u32 row = run_of_block[slot >> 6];
     if (row == kSlotsDiffer) row = run_of[slot];
     if (row != kNone) {
-      const Run& run = runs[row];
+      const CompiledRun& run = runs[row];
       history[history_at] = slot;
       history_at = (history_at + 1) % kHistory;
       run.fn(s, run.operands, static_cast<u32>((slot - run.first) * run.inverse >> 32));

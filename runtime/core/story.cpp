@@ -39,7 +39,8 @@ class Story {
     tail += ")\n";
     std::string out = "deadlock[V0001]: ";
     if (waiting_.empty() && guards_.empty()) {
-      return out + "no component offers a port: all have come to an end" + tail;
+      out += listening_.empty() ? "no component offers a port: all have come to an end" : "no component offers a port, and no event waits";
+      return out + tail + listeners();
     }
     const std::vector<u32> cycle = shortest_cycle();
     if (!cycle.empty()) {
@@ -70,7 +71,7 @@ class Story {
         out += std::string(relative(image_.atoms[cycle[i]].path)) + " -> ";
       }
       out += std::string(relative(image_.atoms[cycle[0]].path)) + '\n';
-      return out;
+      return out + listeners();
     }
     append_number(out, waiting_.size());
     out += (waiting_.size() == 1 ? " component waits in vain" : " components wait in vain") + tail;
@@ -84,7 +85,7 @@ class Story {
       append_place(out, image_.connectors[guards_[i]].loc);
       out += '\n';
     }
-    return out;
+    return out + listeners();
   }
 
  private:
@@ -225,6 +226,36 @@ class Story {
       if (offers) waiting_.push_back(atom);
       prefer_holders(atom);
     }
+    for (const EventPortRow& row : core_.event_ports()) {
+      if (takes_from_here(row.atom, row.port) && (listening_.empty() || listening_.back() != row.atom)) listening_.push_back(row.atom);
+    }
+  }
+  // Leaves a transition of the port what is marked?
+  [[nodiscard]] bool takes_from_here(u32 atom, u32 port) const {
+    for (const Transition& transition : tables_.atom_type(atom).transitions) {
+      if (transition.port != port) continue;
+      if (std::all_of(transition.from.begin(), transition.from.end(), [&](u32 place) { return core_.is_marked(atom, place); })) return true;
+    }
+    return false;
+  }
+  // Whom an event might wake: "  panel at `IDLE`  panel.bip:21   takes events at press, turn".
+  [[nodiscard]] std::string listeners() const {
+    std::string out;
+    for (std::size_t i = 0; i < listening_.size() && i < kLinesShown; ++i) {
+      const u32 atom = listening_[i];
+      out += "  ";
+      append_atom(out, atom);
+      const char* before = "   takes events at ";
+      for (const EventPortRow& row : core_.event_ports()) {
+        if (row.atom != atom || !takes_from_here(atom, row.port)) continue;
+        out += before;
+        out += tables_.atom_type(atom).ports[row.port].name;
+        before = ", ";
+      }
+      out += '\n';
+    }
+    append_rest(out, listening_.size());
+    return out;
   }
   // Of several that could release the atom, the one it met last is the one that has it.
   void prefer_holders(u32 atom) {
@@ -358,6 +389,7 @@ class Story {
   std::vector<u32> last_slots_;                 // by atom
   std::vector<u32> waiting_;                    // atoms that offer a port
   std::vector<u32> guards_;                     // connectors that only guards keep from acting
+  std::vector<u32> listening_;                  // atoms whose places let them take events from outside
 };
 
 }  // namespace

@@ -58,6 +58,16 @@ struct TimedTransition {
   MeasuredGuard when;
 };
 
+/// An atom whose action runs beside the others (async.cpp).
+struct AtWork {
+  u32 transition = kNone;     // row of Tables::transitions; kNone: it is not
+  u32 place = kNone;          // where it was before
+  i64 until = kForever;       // the end of the budget
+  u64 job = 0;                // of the pool; 0: none
+  bool is_overrun = false;    // nothing is to be said of the budget any more
+};
+
+class ActionPool;
 struct TimeState {
   i64 now = 0;
   std::vector<u32> clock_base;  // by atom, and the total
@@ -71,6 +81,10 @@ struct TimeState {
   std::vector<u32> set_clocks;  // rows of `clocks` that were set since the last restore or timed step began
   TimeHeap changes;             // by atom: the next instant at which its ports may change
   TimeHeap ends;                // by atom: the last instant that its invariants allow
+  std::vector<AtWork> at_work;  // by atom; empty: no type has such actions
+  std::vector<u32> working;     // those at work, in the order in which they began
+  bool waits_for_returns = false;  // real time, replay: somebody says when an action returns
+  ActionPool* pool = nullptr;   // where actions run; null: where they return
   i64 unit = 0;                 // the shortest of all clocks; a second without clocks
 };
 

@@ -4,6 +4,7 @@
 // at which they may change and the last one that its invariants allow; `advance` goes to an instant and looks at those atoms
 // again whose ports may have changed. Everything between atoms (connectors, priorities, maximal progress) is as without time,
 // so a dominated interaction is hidden at exactly those instants at which a dominating one is enabled.
+#include <algorithm>
 #include <cmath>
 
 #include "runtime/core/core.hpp"
@@ -40,6 +41,9 @@ void Core::build_time() {
     const AtomTime* time = image.atom_types[atom.type].time;
     if (time == nullptr) continue;
     clocks += time->clocks.size;
+    for (const TransitionTime& transition : time->transitions) {
+      if (transition.async.present && time_->at_work.empty()) time_->at_work.resize(image.atoms.size);
+    }
     for (const Clock& clock : time->clocks) {
       if (time_->unit == 0 || clock.unit < time_->unit) time_->unit = clock.unit;
     }
@@ -58,6 +62,8 @@ void Core::forget_time() {
   t.ports.assign(ports_.size(), {});
   t.queues.assign(t.event_ports.size(), {});
   t.set_clocks.clear();
+  t.at_work.assign(t.at_work.size(), {});
+  t.working.clear();
   t.changes.reset(atoms_.size());
   t.ends.reset(atoms_.size());
 }
@@ -169,8 +175,10 @@ bool Core::begin_resume(u32 atom, const LinkedTransition* fired) {
 }
 
 // The ports of one interaction go on together, at the first instant at which all may; without one, never.
-bool Core::resume_together(const std::vector<u32>& rows) {
+bool Core::resume_together(std::vector<u32>& rows) {
   i64 until = 0, last = kForever;
+  // Who is at work goes on by itself.
+  rows.erase(std::remove_if(rows.begin(), rows.end(), [this](u32 atom) { return is_at_work(atom); }), rows.end());
   for (const u32 atom : rows) {
     until = std::max(until, time_->busy_until[atom]);
     last = std::min(last, time_->may_resume_until[atom]);
@@ -187,6 +195,7 @@ bool Core::resume_together(const std::vector<u32>& rows) {
 // A timed atom's ports at this instant, and what is next.
 bool Core::look_at_time(u32 atom) {
   TimeState& t = *time_;
+  if (t.busy_until[atom] <= t.now && is_at_work(atom)) return finish_action(atom);
   const AtomInfo& state = atoms_[atom];
   const LinkedType& type = tables_.types[state.type];
   const AtomTime& time = *tables_.atom_type(atom).time;
@@ -241,7 +250,8 @@ bool Core::look_at_time(u32 atom) {
 bool Core::look_at_invariants(u32 atom) {
   const AtomType& type = tables_.atom_type(atom);
   i64 end = kForever;
-  for (u32 row = 0; row < type.invariants.size; ++row) {
+  // What bounds the time at work is the budget.
+  for (u32 row = is_at_work(atom) ? type.invariants.size : 0; row < type.invariants.size; ++row) {
     if (type.time->invariants[row].bounds.size == 0 || !is_in_scope(atom, type.invariants[row])) continue;
     Interval interval;
     if (!interval_of(atom, type.time->invariants[row], interval)) return false;
@@ -297,8 +307,8 @@ bool Core::take_timed(EnabledSet::Position at) {
   return dirty_.empty() && dirty_rules_.empty() ? true : settle();
 }
 
-// now; of each clock its value and speed; of each atom the instant until which it is busy; of each port for events how many
-// wait, and their values.
+// now; of each clock its value and speed; of each atom the instant until which it is busy; who is at work, and at what; of each
+// port for events how many wait, and their values.
 void Core::save_time(std::vector<i64>& out) const {
   out.push_back(time_->now);
   for (u32 atom = 0; atom < atoms_.size(); ++atom) {
@@ -308,6 +318,11 @@ void Core::save_time(std::vector<i64>& out) const {
     }
     out.push_back(std::max(time_->busy_until[atom], time_->now));
   }
+  for (const u32 atom : time_->working) {
+    const AtWork& work = time_->at_work[atom];
+    for (const i64 word : {i64{atom}, i64{work.transition}, i64{work.place}, work.until, i64{work.is_overrun}}) out.push_back(word);
+  }
+  if (has_async()) out.push_back(-1);
   for (const EventQueue& queue : time_->queues) {
     out.push_back(queue.count);
     for (std::size_t k = queue.first; k < queue.values.size(); ++k) out.push_back(static_cast<i64>(queue.values[k].bits));
@@ -322,6 +337,13 @@ void Core::load_time(const std::vector<i64>& in) {
     for (u32 clock = time_->clock_base[atom]; clock < time_->clock_base[atom + 1]; ++clock, next += 2) time_->clocks[clock] = {next[0], time_->now, next[1]};
     time_->busy_until[atom] = *next++;
   }
+  time_->at_work.assign(time_->at_work.size(), {});
+  time_->working.clear();
+  for (; has_async() && *next >= 0; next += 5) {
+    time_->working.push_back(static_cast<u32>(next[0]));
+    time_->at_work[time_->working.back()] = {static_cast<u32>(next[1]), static_cast<u32>(next[2]), next[3], 0, next[4] != 0};
+  }
+  if (has_async()) ++next;
   for (u32 row = 0; row < time_->queues.size(); ++row) {
     EventQueue& queue = time_->queues[row];
     queue = {static_cast<u32>(*next++), 0, {}};

@@ -4,12 +4,15 @@
 #include <algorithm>
 
 #include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/overrun.hpp"
 
 namespace bip::rt {
 
 namespace {
 // Real time: so often the engine may look at an instant whose steps do not end while an event of a later one waits.
 constexpr u32 kMaxStalls = 64;
+// Actions at work at once; others wait for a thread.
+constexpr u32 kMostThreads = 64;
 }  // namespace
 
 void EventFeed::follow(RealTime& wall) {
@@ -42,8 +45,14 @@ void EventFeed::stop() {
   inbox_.waker().wake();
 }
 
+void EventFeed::open_pool(Core& core) {
+  if (!core.has_async() || wall_ == nullptr) return;
+  pool_ = std::make_unique<ActionPool>(kMostThreads, [this](u32 atom, u64 job) { inbox_.note_return(atom, job, *wall_); });
+  core.await_returns(pool_.get());
+}
+
 bool EventFeed::read(const std::string& path, std::string& error) {
-  const bool sound = read_events(path, ports_, script_, error);
+  const bool sound = read_events(path, ports_, false, script_, error);
   for (Event& event : script_) event.look = kAnyLook;
   return sound;
 }
@@ -51,11 +60,39 @@ bool EventFeed::read(const std::string& path, std::string& error) {
 // A recorded event came after the look that its line names, whatever the instants say.
 bool EventFeed::is_due(const Event& event, i64 target) const { return event.look == kAnyLook ? event.time <= target : event.look <= looks_; }
 
+// Jobs of a state that was left are nothing.
+void EventFeed::forget_jobs(const Core& core, std::size_t first) {
+  const auto begin = arrived_.begin() + static_cast<std::ptrdiff_t>(first);
+  arrived_.erase(std::remove_if(begin, arrived_.end(), [&](const Event& e) { return e.kind != EventKind::Port && !(core.is_at_work(e.row) && core.work_of(e.row).job == e.job); }), arrived_.end());
+}
+
+// Whose budget is over, by what arrived from row `first` on and by the clock. The news comes before the return.
+void EventFeed::look_at_budgets(Core& core, std::size_t first) {
+  for (std::size_t k = first; k < arrived_.size(); ++k) {
+    if (arrived_[k].kind != EventKind::Return) continue;
+    const Event event = arrived_[k];
+    if (event.time > core.work_of(event.row).until && !core.work_of(event.row).is_overrun) {
+      arrived_.insert(arrived_.begin() + static_cast<std::ptrdiff_t>(k++), {core.work_of(event.row).until, event.row, kAnyLook, {}, EventKind::Overrun, event.job});
+    }
+    core.mark_overrun(event.row);
+  }
+  const i64 now = wall_->now();
+  for (u32 atom = next_overrun(core); atom != kNone && core.work_of(atom).until <= now; atom = next_overrun(core)) {
+    arrived_.push_back({core.work_of(atom).until, atom, kAnyLook, {}, EventKind::Overrun, core.work_of(atom).job});
+    core.mark_overrun(atom);
+  }
+}
+
 // What came from classes and threads, sorted by its instants.
 bool EventFeed::collect(Core& core, i64 until) {
+  if (pool_ != nullptr) forget_jobs(core, 0);
   const std::size_t before = arrived_.size();
   if (!sources_.empty() && !sources_.poll(core, ports_, until, arrived_)) return fail(core);
-  if (is_open_) inbox_.take(arrived_);
+  if (is_open_ || pool_ != nullptr) inbox_.take(arrived_);
+  if (pool_ != nullptr) {
+    forget_jobs(core, before);
+    look_at_budgets(core, before);
+  }
   if (arrived_.size() == before) return true;
   for (std::size_t k = before; k < arrived_.size(); ++k) arrived_[k].time = std::max(arrived_[k].time, core.now());
   std::stable_sort(arrived_.begin(), arrived_.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
@@ -81,7 +118,7 @@ void EventFeed::release(const Core& core) {
 i64 EventFeed::wait(Core& core, i64 target) {
   ++looks_;
   gave_up_ = false;
-  if (ports_.size() == 0 && wall_ == nullptr) {
+  if (ports_.size() == 0 && wall_ == nullptr && script_.empty()) {
     gave_up_ = is_interrupted();
     looks_ -= gave_up_ ? 1 : 0;
     return kForever;
@@ -97,12 +134,14 @@ i64 EventFeed::wait(Core& core, i64 target) {
     if (!arrived_.empty() && (arrived_.front().time <= target || stalls_ > kMaxStalls)) event = std::min({event, arrived_.front().time, target});
     if (event != kForever && next_ < script_.size() && script_[next_].look != kAnyLook && (script_[next_].look != looks_ || event < core.now() || event > target)) {
       failed_ = true;
-      (void)core.fail_outside(FaultCode::ReplayDiffers, "the run differs from what was recorded before the event for port `" + ports_.path(script_[next_].row) + '`');
+      const Event& next = script_[next_];
+      const std::string what = next.kind == EventKind::Port ? "the event for port `" + ports_.path(next.row) : std::string("what ended in `") + ports_.atom_path(next.row);
+      (void)core.fail_outside(FaultCode::ReplayDiffers, "the run differs from what was recorded before " + what + '`');
       return kForever;
     }
     const i64 until = event == kForever ? target : std::max(event, core.now());
     const bool comes = event != kForever;
-    const bool may_come = is_open_ || !sources_.empty();
+    const bool may_come = is_open_ || !sources_.empty() || (pool_ != nullptr && !core.working().empty());
     const bool is_over = wall_ == nullptr || wall_->has_passed(until) || (until == kForever && !may_come);
     // What is due comes before what stop() wants.
     gave_up_ = is_interrupted() || (!is_over && wants_stop_.load());
@@ -112,7 +151,8 @@ i64 EventFeed::wait(Core& core, i64 target) {
       return kForever;
     }
     if (is_over) return comes ? until : kForever;
-    waker().sleep_until(wall_->due(until));
+    const u32 late = pool_ != nullptr ? next_overrun(core) : kNone;
+    waker().sleep_until(wall_->due(late == kNone ? until : std::min(until, core.work_of(late).until)));
   }
 }
 
@@ -124,17 +164,36 @@ bool EventFeed::deliver(Core& core) {
     const Event event = std::move(arrived_.front());
     arrived_.pop_front();
     if (!deliver(core, event)) return false;
+    if (event.kind != EventKind::Port) continue;
     if (is_open_ && held_[event.row]++ == 0) active_.push_back(event.row);
     if (!sources_.delivered(core, event.row)) return fail(core);
   }
   return true;
 }
 
+// It is told, and an event comes to the port that wants to know.
+bool EventFeed::overrun(Core& core, u32 atom) {
+  if (!core.is_at_work(atom)) return core.fail_outside(FaultCode::ReplayDiffers, std::string("nothing runs in `") + ports_.atom_path(atom) + '`');
+  ++overruns_;
+  core.mark_overrun(atom);
+  if (warnings_ != nullptr) {
+    const std::string text = overrun_text(core, atom);
+    std::fprintf(warnings_, "warning[R0045]: %s\n", text.c_str());
+  }
+  const u32 port = overrun_port(core, atom);
+  return port == kNone || core.deliver(port, nullptr);
+}
+
 bool EventFeed::deliver(Core& core, const Event& event) {
   if (record_ != nullptr) {
     std::string line;
-    append_event(line, ports_, {core.now(), event.row, looks_, event.values});
+    append_event(line, ports_, {core.now(), event.row, looks_, event.values, event.kind, 0});
     std::fwrite(line.data(), 1, line.size(), record_);
+  }
+  if (event.kind == EventKind::Overrun) return overrun(core, event.row);
+  if (event.kind == EventKind::Return) {
+    if (!core.is_at_work(event.row)) return core.fail_outside(FaultCode::ReplayDiffers, std::string("nothing runs in `") + ports_.atom_path(event.row) + '`');
+    return core.return_action(event.row);
   }
   ports_.to_slots(event.row, event.values, slots_);
   return core.deliver(event.row, slots_.data());

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/core/action_pool.hpp"
 #include "runtime/engine/event_sources.hpp"
 #include "runtime/engine/inbox.hpp"
 
@@ -24,11 +25,16 @@ class EventFeed {
   /// The events of a file, and nothing else; once, before the first question. False: `error` says what is wrong.
   [[nodiscard]] bool read(const std::string& path, std::string& error);
   /// Those of a record, each after the look after which it came.
-  [[nodiscard]] bool replay(const std::string& path, std::string& error) { return read_events(path, ports_, script_, error); }
+  [[nodiscard]] bool replay(const std::string& path, std::string& error) { return read_events(path, ports_, true, script_, error); }
   /// Makes the objects of the model's classes. False: a fault.
   [[nodiscard]] bool open_sources(Core& core);
   /// Threads may post from now on: in real time their events are waited for, however long.
   void open_inbox();
+  /// Real time, after follow: actions that run beside the others (`@async`) have threads, and are waited for.
+  void open_pool(Core& core);
+  /// Where it is told that one has used up its budget; null: nowhere.
+  void warn(std::FILE* file) { warnings_ = file; }
+  [[nodiscard]] u64 overruns() const { return overruns_; }
   /// From now on waiting sleeps.
   void follow(RealTime& wall);
   /// Each event that is delivered is written as a line; the file stays the caller's.
@@ -58,6 +64,9 @@ class EventFeed {
   [[nodiscard]] bool is_due(const Event& event, i64 target) const;
   bool collect(Core& core, i64 until);
   bool deliver(Core& core, const Event& event);
+  bool overrun(Core& core, u32 atom);
+  void forget_jobs(const Core& core, std::size_t first);
+  void look_at_budgets(Core& core, std::size_t first);
   void release(const Core& core);
   bool fail(Core& core);
 
@@ -78,6 +87,9 @@ class EventFeed {
   bool gave_up_ = false;
   std::atomic<bool> wants_stop_{false};
   std::vector<Slot> slots_;
+  std::FILE* warnings_ = nullptr;
+  u64 overruns_ = 0;
+  std::unique_ptr<ActionPool> pool_;  // the last: its threads reach the rest
 };
 
 }  // namespace bip::rt

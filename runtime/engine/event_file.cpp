@@ -79,7 +79,7 @@ void read_values(JsonLine& json, const EventPorts& ports, Event& event) {
 }
 
 // False: it is the first or the last line of a record.
-bool read_event(JsonLine& json, const EventPorts& ports, Event& event) {
+bool read_event(JsonLine& json, const EventPorts& ports, bool is_record, Event& event) {
   bool has_time = false, has_port = false, has_values = false;
   for (bool more = json.open('{'); more; more = json.next('}')) {
     const std::string key = json.string();
@@ -96,8 +96,14 @@ bool read_event(JsonLine& json, const EventPorts& ports, Event& event) {
       event.row = ports.find(path);
       has_port = event.row != kNone;
       if (!has_port) json.fail("there is no port `" + path + "` for events from outside");
+    } else if (is_record && (key == "return" || key == "overrun")) {
+      const std::string path = json.string();
+      event.kind = key == "return" ? EventKind::Return : EventKind::Overrun;
+      event.row = ports.find_atom(path);
+      has_port = event.row != kNone;
+      if (!has_port) json.fail("there is no component `" + path + "` with actions that run beside the others");
     } else if (key == "values") {
-      if (!has_port) json.fail("`values` comes before `port`");
+      if (!has_port || event.kind != EventKind::Port) json.fail("`values` comes before `port`");
       else read_values(json, ports, event);
       has_values = true;
     } else {
@@ -106,7 +112,7 @@ bool read_event(JsonLine& json, const EventPorts& ports, Event& event) {
   }
   if (!has_time) json.fail("`time` is missing");
   if (!has_port) json.fail("`port` is missing");
-  if (!json.at_end()) return true;
+  if (!json.at_end() || event.kind != EventKind::Port) return true;
   if (std::string problem = ports.check(event.row, event.values); !problem.empty()) json.fail(has_values ? problem : problem + ": `values` is missing");
   return true;
 }
@@ -179,6 +185,7 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
     else if (key == "seed") out.seed = static_cast<u64>(json.integer());
     else if (key == "policy") out.policy = word_of(json, {Policy::Uniform, Policy::First, Policy::Fair});
     else if (key == "asap") out.asap = json.boolean();
+    else if (key == "returns") out.tells_returns = json.boolean();
     else if (key == "maximal_progress") out.maximal_progress = json.boolean();
     else if (key == "end") out.has_end = true, out.end = word_of(json, {End::Limit, End::Deadlock, End::Fault, End::Interrupted});
     else if (key == "steps") out.steps = static_cast<u64>(json.integer());
@@ -209,7 +216,7 @@ void append_record_head(std::string& out, const Record& record) {
   out += R"(,"seed":)";
   append_number(out, record.seed);
   out += std::string(R"(,"policy":")") + name_of(record.policy) + R"(","asap":)" + (record.asap ? "true" : "false");
-  out += std::string(R"(,"maximal_progress":)") + (record.maximal_progress ? "true" : "false") + "}\n";
+  out += std::string(R"(,"maximal_progress":)") + (record.maximal_progress ? "true" : "false") + (record.tells_returns ? ",\"returns\":true}\n" : "}\n");
 }
 
 void append_record_end(std::string& out, const Record& record) {
@@ -220,10 +227,10 @@ void append_record_end(std::string& out, const Record& record) {
   out += "}\n";
 }
 
-bool read_events(const std::string& path, const EventPorts& ports, std::vector<Event>& out, std::string& error) {
+bool read_events(const std::string& path, const EventPorts& ports, bool is_record, std::vector<Event>& out, std::string& error) {
   return read_lines(path, error, [&](JsonLine& json, std::size_t) {
     Event event;
-    if (!read_event(json, ports, event)) return;
+    if (!read_event(json, ports, is_record, event)) return;
     if (json.ok() && !out.empty() && event.time < out.back().time) json.fail("events come in the order of their time");
     out.push_back(std::move(event));
   });
@@ -235,6 +242,12 @@ void append_event(std::string& out, const EventPorts& ports, const Event& event)
   if (event.look != kAnyLook) {
     out += R"(,"look":)";
     append_number(out, event.look);
+  }
+  if (event.kind != EventKind::Port) {
+    out += event.kind == EventKind::Return ? R"(,"return":)" : R"(,"overrun":)";
+    append_quoted(out, ports.atom_path(event.row));
+    out += "}\n";
+    return;
   }
   out += R"(,"port":)";
   append_quoted(out, ports.path(event.row).c_str());

@@ -10,12 +10,16 @@
 namespace bip::rt {
 
 inline constexpr u64 kAnyLook = ~u64{0};
-/// An event for a row of EventPorts.
+/// Return, Overrun: the action of an atom that runs beside the others (`@async`) has ended; its budget has.
+enum class EventKind : std::uint8_t { Port, Return, Overrun };
+/// An event for a row of EventPorts, or of an atom.
 struct Event {
   i64 time = 0;
-  u32 row = 0;
+  u32 row = 0;             // of the ports; Return, Overrun: the atom
   u64 look = kAnyLook;  // replay: how often the engine had looked for its next step when it came
   std::vector<EventValue> values;
+  EventKind kind = EventKind::Port;
+  u64 job = 0;             // Return: its number in the pool
 };
 
 /// What the first and the last line of a record say of the run: replay needs it.
@@ -25,6 +29,7 @@ struct Record {
   u64 seed = 0;
   Policy policy = Policy::Uniform;
   bool asap = false, maximal_progress = true;
+  bool tells_returns = false;  // of actions that run beside the others
   End end = End::Limit;
   u64 steps = 0, looks = 0;
 };
@@ -33,8 +38,8 @@ struct Record {
 void append_record_head(std::string& out, const Record& record);
 void append_record_end(std::string& out, const Record& record);
 
-/// All events of the file. False: `error` says in which line what is wrong.
-[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, std::vector<Event>& out, std::string& error);
+/// All events of the file; only records tell of actions. False: `error` says in which line what is wrong.
+[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, bool is_record, std::vector<Event>& out, std::string& error);
 /// A line with its newline.
 void append_event(std::string& out, const EventPorts& ports, const Event& event);
 

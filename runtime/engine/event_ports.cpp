@@ -48,6 +48,17 @@ u32 EventPorts::find(std::string_view text) const {
   return at != by_path_.end() && path(*at) == wanted ? *at : kNone;
 }
 
+u32 EventPorts::find_atom(std::string_view text) const {
+  for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+    const AtomTime* time = image_.atom_types[image_.atoms[atom].type].time;
+    if (time == nullptr || text != image_.atoms[atom].path) continue;
+    for (const TransitionTime& transition : time->transitions) {
+      if (transition.async.present) return atom;
+    }
+  }
+  return kNone;
+}
+
 const Span<Var>& EventPorts::vars(u32 row) const {
   const AtomType& type = image_.atom_types[image_.atoms[rows_[row].atom].type];
   return image_.port_types[type.ports[rows_[row].port].type].vars;

@@ -9,10 +9,18 @@ bool Inbox::post(u32 row, std::vector<EventValue> values, const RealTime* wall) 
     if (waiting_[row] >= capacity_) return false;
     ++waiting_[row];
     // Under the lock: events are in the order of their instants.
-    events_.push_back({wall == nullptr ? 0 : wall->now(), row, kAnyLook, std::move(values)});
+    events_.push_back({wall == nullptr ? 0 : wall->now(), row, kAnyLook, std::move(values), EventKind::Port, 0});
   }
   waker_.wake();
   return true;
+}
+
+void Inbox::note_return(u32 atom, u64 job, const RealTime& wall) {
+  {
+    const std::lock_guard<std::mutex> hold(lock_);
+    events_.push_back({wall.now(), atom, kAnyLook, {}, EventKind::Return, job});
+  }
+  waker_.wake();
 }
 
 void Inbox::take(std::deque<Event>& out) {

@@ -1,4 +1,4 @@
-// Events on their way from other threads to the engine, with a bound on what waits for each port, so that nobody who posts faster
+// Events, and what tells that actions have ended, on their way from other threads to the engine, with a bound on what waits for each port, so that nobody who posts faster
 // than the model takes fills the memory. A full queue is told to who posts; nothing that was taken in is lost.
 //
 // Any thread posts, one thread takes. Cost of a post: a lock held for a move, and a system call if the engine sleeps.
@@ -19,6 +19,8 @@ class Inbox {
   /// False: `capacity` events for the port wait here or in the core. The event's instant is that of `wall`, else that at which
   /// it is taken.
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values, const RealTime* wall);
+  /// A job of the atom has ended, now.
+  void note_return(u32 atom, u64 job, const RealTime& wall);
   /// Moves all that came to the end of `out`, in their order.
   void take(std::deque<Event>& out);
   /// Starts the clock anew at an instant, which becomes that of all events that are here.

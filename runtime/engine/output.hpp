@@ -7,6 +7,8 @@
 #include <string>
 
 #include "bip/run.hpp"
+#include "runtime/trace/mcap.hpp"
+#include "runtime/trace/perfetto.hpp"
 #include "runtime/trace/recorded.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -71,6 +73,9 @@ class Output {
     if (to_trace_) write(trace_.text);
   }
   void append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k);
+  void begin_trace(const Image& image);
+  void append_trace_step(std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k);
+  void append_trace_end(const Core& core, End how, std::uint64_t number);
   void tell_end(const Core& core, End how, std::uint64_t number);
   void drain(bool is_timed);
 
@@ -83,6 +88,8 @@ class Output {
   StepWriter steps_{};
   Bip2Writer bip2_{};
   JsonWriter json_{};
+  McapWriter mcap_{};
+  PerfettoWriter perfetto_{};
 };
 
 }  // namespace bip::rt

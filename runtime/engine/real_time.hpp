@@ -27,6 +27,8 @@ class RealTime {
   i64 note_late(i64 instant);
   /// What `late` ns of the wall clock are in the model's time.
   [[nodiscard]] i64 in_model(i64 late) const { return static_cast<i64>(static_cast<double>(late) * speed_); }
+  /// A step that was possible until `last` starts at `actual`: by more than a millisecond of the wall clock?
+  [[nodiscard]] bool is_too_late(i64 actual, i64 last) const { return last < actual && actual - last > in_model(1'000'000); }
   /// Median, largest, and a line for each power of two of microseconds that occurred.
   void append_histogram(std::string& out) const;
 

@@ -34,8 +34,6 @@ extern "C" void bip_on_interrupt(int) {
   if (Waker* const waker = interrupt_wakes.load()) waker->wake();
 }
 
-// Real time: a wake-up later than this is late.
-constexpr i64 kTolerance = 1'000'000;
 
 // A file to write, or null after a report.
 std::FILE* open_file(const std::string& path, std::FILE* err) {
@@ -97,6 +95,10 @@ const char* refusal(const Image& image, const RunOptions& options) {
     if (options.engine == Engine::Threads && options.format == TraceFormat::Bip2) return "--trace-format=bip2 needs the sequential engine: it lists what each state offers";
   }
   if (options.format == TraceFormat::Binary && has_time(image)) return "--trace-format=binary does not record models with time";
+  if (options.format == TraceFormat::Mcap || options.format == TraceFormat::Perfetto) {
+    if (options.trace_path.empty()) return "--trace-format=mcap and perfetto need --trace: they are no text for standard output";
+    if (options.engine != Engine::Sequential) return "--trace-format=mcap and perfetto need the sequential engine";
+  }
   return nullptr;
 }
 
@@ -161,7 +163,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   }
   if (record_file != nullptr) {
     std::string text;
-    append_record_head(text, {false, image.name, seed, options.policy, options.asap, options.maximal_progress});
+    append_record_head(text, {false, image.name, seed, options.policy, options.asap, options.maximal_progress, options.speed > 0 && core.has_async()});
     std::fwrite(text.data(), 1, text.size(), record_file);
     feed.record(record_file);
   }
@@ -176,6 +178,9 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   const bool sleeps = core.is_timed() && options.speed > 0;
   wall.start(core.now());
   if (sleeps) feed.follow(wall);
+  if (sleeps) feed.open_pool(core);
+  if (record.tells_returns) core.await_returns(nullptr);
+  feed.warn(err);
   // Their threads may ask for the time.
   if (sound && !is_replay && options.events_path.empty()) sound = feed.open_sources(core);
   const bool is_compiled = (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
@@ -228,7 +233,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       }
       if (sleeps) {
         const i64 late = wall.in_model(wall.note_late(core.now()));
-        if (core.now() + late > timed.latest() + wall.in_model(kTolerance)) {
+        if (wall.is_too_late(core.now() + late, timed.latest())) {
           (void)core.fail_late(core.candidate(at), timed.latest(), core.now() + late);
           if (!options.relaxed) {
             sound = false;
@@ -264,7 +269,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   if (result.end == End::Interrupted && interrupted != 0) result.exit_code = 128 + SIGINT;
   if (record_file != nullptr) {
     std::string text;
-    append_record_end(text, {true, "", 0, options.policy, false, true, result.end, result.steps, feed.looks()});
+    append_record_end(text, {true, "", 0, options.policy, false, true, false, result.end, result.steps, feed.looks()});
     std::fwrite(text.data(), 1, text.size(), record_file);
   }
   const bool is_trace_written = close_file(file, options.trace_path, err);
@@ -276,6 +281,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   if (options.stats && sleeps) {
     std::string text;
     wall.append_histogram(text);
+    if (core.has_async()) text += "budgets overrun: " + std::to_string(feed.overruns()) + '\n';
     std::fwrite(text.data(), 1, text.size(), err);
   }
   if (options.stats) print_stats(err, core, result.steps, seconds.count(), cpu_seconds);

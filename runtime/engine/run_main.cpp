@@ -29,8 +29,8 @@ constexpr const char* kHelp =
     "  --interactive               choose each step by its number, read from standard input\n"
     "  --explore                   count all reachable states, deadlocks and errors (at most --limit states)\n"
     "  --first-enabled             --policy first\n"
-    "  --trace FILE                write the trace, JSON lines (bip2 with --trace-format bip2)\n"
-    "  --trace-format F            steps (default), json, bip2 or binary\n"
+    "  --trace FILE                write the trace, JSON lines or as --trace-format says\n"
+    "  --trace-format F            steps (default), json, bip2, binary, mcap (Foxglove) or perfetto\n"
     "  --engine E                  sequential (default), threads (long actions) or batch (large systems)\n"
     "  --threads N                 of these engines (default: one a processor)\n"
     "  --disable-maximal-progress  smaller interactions are candidates too\n"
@@ -64,6 +64,8 @@ bool parse_format(const char* text, TraceFormat& format) {
   else if (std::strcmp(text, "json") == 0) format = TraceFormat::Json;
   else if (std::strcmp(text, "bip2") == 0) format = TraceFormat::Bip2;
   else if (std::strcmp(text, "binary") == 0) format = TraceFormat::Binary;
+  else if (std::strcmp(text, "mcap") == 0) format = TraceFormat::Mcap;
+  else if (std::strcmp(text, "perfetto") == 0) format = TraceFormat::Perfetto;
   else return false;
   return true;
 }

@@ -18,6 +18,8 @@ struct System::Impl {
         feed(core, options.event_capacity),
         scheduler(options.policy, options.asap, options.seed),
         wall(options.speed > 0 ? options.speed : 1),
+        is_real(options.speed > 0),
+        relaxed(options.relaxed),
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
     std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
@@ -28,6 +30,7 @@ struct System::Impl {
     if (outcome == Outcome::Stepped) scheduler.start(core);
     feed.open_inbox();
     if (options.speed > 0) feed.follow(wall);
+    if (options.speed > 0) feed.open_pool(core);
     wall.start(core.now());
     if (outcome == Outcome::Stepped && !feed.open_sources(core)) outcome = Outcome::Fault;
   }
@@ -97,10 +100,21 @@ struct System::Impl {
     return done;
   }
 
+  // In real time, before the scheduler's choice is taken. False: a timing violation.
+  bool is_in_time() {
+    if (!is_real || !core.is_timed()) return true;
+    const rt::i64 actual = core.now() + wall.in_model(wall.note_late(core.now()));
+    if (!wall.is_too_late(actual, scheduler.latest())) return true;
+    ++late;
+    return relaxed || core.fail_late(core.candidate(scheduler.choice()), scheduler.latest(), actual);
+  }
+
   rt::Core core;
   rt::EventFeed feed;
   rt::TimedScheduler scheduler;
   rt::RealTime wall;
+  bool is_real, relaxed;
+  std::uint64_t late = 0;
   std::uint64_t seed;
   std::uint64_t steps = 0;
   Outcome outcome = Outcome::Stepped;
@@ -140,7 +154,7 @@ Outcome System::step() {
       case rt::Due::Stopped: return impl_->outcome = Outcome::Stopped;
       case rt::Due::Deadlock: return impl_->outcome = Outcome::Deadlock;
       case rt::Due::Fault: return impl_->outcome = Outcome::Fault;
-      case rt::Due::Step: return impl_->take(impl_->scheduler.choice());
+      case rt::Due::Step: return impl_->is_in_time() ? impl_->take(impl_->scheduler.choice()) : impl_->outcome = Outcome::Fault;
     }
   }
 }
@@ -159,6 +173,9 @@ Posted System::post(std::uint32_t event_port, std::vector<EventValue> values) {
 void System::stop() { impl_->feed.stop(); }
 void System::go_on() { impl_->feed.go_on(); }
 void System::restart_clock() { impl_->feed.restart(impl_->wall, impl_->core.now()); }
+
+std::uint64_t System::overruns() const { return impl_->feed.overruns(); }
+std::uint64_t System::late_steps() const { return impl_->late; }
 
 std::int64_t System::now() const { return impl_->core.now(); }
 

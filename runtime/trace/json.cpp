@@ -18,6 +18,25 @@ void append_json_value(std::string& out, const Image& image, SlotType type, Slot
 
 }  // namespace
 
+void append_json_values(std::string& out, const Core& core, u32 atom, u32 port) {
+  const Image& image = core.image();
+  const Port& declared = image.atom_types[image.atoms[atom].type].ports[port];
+  const PortType& type = image.port_types[declared.type];
+  out += '{';
+  for (u32 i = 0; i < declared.slots.size; ++i) {
+    if (i != 0) out += ',';
+    append_quoted(out, type.vars[i].name);
+    out += ':';
+    append_json_value(out, image, type.vars[i].type, core.shown(atom, port, i));
+  }
+  out += '}';
+}
+
+i64 instant_of_step(const Core& core, std::uint64_t number) {
+  constexpr std::uint64_t kStep = 1'000'000, kMost = static_cast<std::uint64_t>(kForever) / kStep;
+  return core.is_timed() ? core.now() : static_cast<i64>(std::min(number, kMost) * kStep);
+}
+
 void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy, Engine engine) {
   out += R"({"format":"bipc-trace","version":1,"model":)";
   append_quoted(out, image.name);
@@ -63,15 +82,8 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
     name += port.name;
     append_quoted(out, name.c_str());
     if (port.slots.size != 0) {
-      const PortType& type = image.port_types[port.type];
-      out += R"(,"values":{)";
-      for (u32 i = 0; i < port.slots.size; ++i) {
-        if (i != 0) out += ',';
-        append_quoted(out, type.vars[i].name);
-        out += ':';
-        append_json_value(out, image, type.vars[i].type, core.shown(participant.atom, participant.port, i));
-      }
-      out += '}';
+      out += R"(,"values":)";
+      append_json_values(out, core, participant.atom, participant.port);
     }
     out += '}';
   }

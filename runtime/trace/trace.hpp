@@ -18,6 +18,10 @@ inline constexpr std::uint64_t kNoChoice = ~std::uint64_t{0};
 
 /// The candidate's name: the connector's path, or atom.port.
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate);
+/// `{"v":1}`: what a port shows.
+void append_json_values(std::string& out, const Core& core, u32 atom, u32 port);
+/// Where a step stands on a time line, in ns: its instant; without time a millisecond a step.
+[[nodiscard]] i64 instant_of_step(const Core& core, std::uint64_t number);
 
 /// All writers take the state before the step.
 class StepWriter {

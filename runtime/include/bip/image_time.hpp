@@ -32,10 +32,17 @@ struct Resume {
   std::uint32_t guard;         // row of Image::codes or kNone
   TimeGuard when;
 };
+/// The action runs beside the others; the atom is busy until it returns.
+struct Async {
+  bool present = false;
+  std::int64_t budget = -1;    // ticks; -1: none
+  std::uint32_t overrun = kNone;  // a port for events, without variables
+};
 struct TransitionTime {
   TimeGuard when;
   Urgency urgency;
   Resume resume;
+  Async async = {};
 };
 enum class EventPolicy : std::uint8_t { Remember, Ignore, Error };
 /// A port whose transitions wait for an event from outside.

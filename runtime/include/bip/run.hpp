@@ -9,7 +9,7 @@
 namespace bip::rt {
 
 enum class Policy : std::uint8_t { Uniform, First, Fair };
-enum class TraceFormat : std::uint8_t { Steps, Json, Bip2, Binary };
+enum class TraceFormat : std::uint8_t { Steps, Json, Bip2, Binary, Mcap, Perfetto };
 /// Sequential: one step after the other. Threads: atoms' transitions on several threads, steps that do not conflict overlap.
 /// Batch: many steps between two meetings of the threads. All three make runs of the same semantics.
 enum class Engine : std::uint8_t { Sequential, Threads, Batch };
@@ -37,8 +37,8 @@ struct RunOptions {
   bool interactive = false;        // the candidates are listed and a number is read for each step
   std::FILE* input = nullptr;      // interactive: where from; null: standard input
   bool explore = false;            // no run: all reachable states, at most `limit`
-  TraceFormat format = TraceFormat::Steps;  // of standard output; Binary: there as Steps
-  std::string trace_path;          // JSON lines, or as `format` says if it is Bip2 or Binary; empty: none
+  TraceFormat format = TraceFormat::Steps;  // of standard output; Binary, Mcap, Perfetto: there as Steps
+  std::string trace_path;          // JSON lines, or as `format` says if it is none of Steps and Json; empty: none
 };
 
 enum class End : std::uint8_t { Limit, Deadlock, Fault, Interrupted };
