@@ -67,8 +67,11 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line("}  // namespace " + options.namespace_name);
   if (options.with_main) {
     out.line();
+    out.line("// A program around the model has a main of its own.");
+    out.line("#ifndef BIP_NO_MAIN");
     out.line("int main(int argc, char** argv) { return bip::rt::run_main(" + options.namespace_name +
              "::image(), argc, argv); }");
+    out.line("#endif");
   }
   return out.take();
 }

@@ -33,7 +33,8 @@ std::string TableWriter::atom_time(const std::string& name, const rt::AtomTime* 
   const std::string clocks = table("Clock", name + "_clocks", rows);
   rows.clear();
   for (const rt::TransitionTime& t : time->transitions) {
-    rows.push_back(braces({time_guard(name, t.when), kUrgencies[static_cast<int>(t.urgency)], resume(name, t.resume)}));
+    rows.push_back(braces({time_guard(name, t.when), kUrgencies[static_cast<int>(t.urgency)], resume(name, t.resume),
+                           braces({bool_text(t.async.present), std::to_string(t.async.budget), row_text(t.async.overrun)})}));
   }
   const std::string transitions = table("TransitionTime", name + "_transition_times", rows);
   rows.clear();

@@ -70,7 +70,7 @@ class Automaton {
     const bool is_internal = row.port == Transition::kInternal;
     const char* urgency = row.urgency == Urgency::Lazy ? "" : name_of(row.urgency);
     const std::string label = lines_of({is_internal ? "internal" : type_.ports[row.port].name, shortened(in_brackets(condition_of(code_, type_, row.guard, row.when))),
-                                        urgency, shortened(text_of(code_, row.action, names_)), resume(row.resume)});
+                                        urgency, shortened(text_of(code_, row.action, names_)), row.async.present ? "async" : "", resume(row.resume)});
     const char* style = is_internal ? ", style=dashed" : "";
     if (row.from.size() == 1 && row.to.size() == 1) {
       edge(place(row.from[0]), place(row.to[0]), label, style);

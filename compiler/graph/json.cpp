@@ -99,6 +99,11 @@ class Writer {
     if (row.urgency != Urgency::Lazy) out["urgency"] = name_of(row.urgency);
     put(out, "do", text_of(s_.code, row.action, self));
     put_resume(out, type, row.resume);
+    if (row.async.present) {
+      out["async"] = Json::object();
+      if (row.async.budget >= 0) out["async"]["budget_ns"] = row.async.budget;
+      if (row.async.overrun != Async::kNone) out["async"]["overrun"] = type.ports[row.async.overrun].name;
+    }
     put_place(out, row.loc);
     return out;
   }

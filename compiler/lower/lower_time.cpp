@@ -12,7 +12,7 @@ bool has_time(const AtomType& type) {
     if (port.external) return true;
   }
   for (const Transition& t : type.transitions) {
-    if (t.urgency != Urgency::Lazy || t.resume.present) return true;
+    if (t.urgency != Urgency::Lazy || t.resume.present || t.async.present) return true;
   }
   return false;
 }
@@ -47,7 +47,8 @@ const rt::AtomTime* lower_time(Lowering& l, std::uint32_t row, const AtomType& t
   std::vector<rt::TransitionTime> transitions;
   for (const Transition& t : type.transitions) {
     const std::string name = transition_name(type, t);
-    transitions.push_back({time.when(t.when, name), static_cast<rt::Urgency>(t.urgency), time.resume(t.resume, name)});
+    transitions.push_back({time.when(t.when, name), static_cast<rt::Urgency>(t.urgency), time.resume(t.resume, name),
+                           {t.async.present, t.async.budget, t.async.overrun == Async::kNone ? rt::kNone : t.async.overrun}});
   }
   to.transitions = l.pools.list(transitions);
   std::vector<rt::TimeGuard> invariants;

@@ -263,6 +263,7 @@ struct AtomBuilder {
     row.when = std::move(parts.when);
     row.action = code.block(t.action.stmts);
     row.resume = time.resume(t.resumes, t.resume, t.range);
+    row.async = build_async(b, t, out);
     out.transitions.push_back(std::move(row));
   }
 

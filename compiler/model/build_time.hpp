@@ -41,6 +41,9 @@ class TimeBuilder {
   std::vector<std::uint32_t> limit_slots_;  // hidden slots for limits, shared by all conditions
 };
 
+/// What `@async` says, all ports of `atom` being there.
+[[nodiscard]] Async build_async(Builder& b, const syntax::Transition& t, const AtomType& atom);
+
 /// True if constants alone say that the two never hold together.
 [[nodiscard]] bool are_disjoint(const TimeGuard& a, const TimeGuard& b);
 

@@ -70,6 +70,10 @@ struct Dumper {
     if (guard.measure.is_valid()) text += fmt::format(" measured by {{{}}}", stmts(guard.measure));
     return text;
   }
+  static std::string async(const AtomType& t, const Async& a) {
+    const std::string budget = a.budget < 0 ? "" : fmt::format(" budget {}ns", a.budget);
+    return " async" + budget + (a.overrun == Async::kNone ? "" : " overrun " + t.ports[a.overrun].name);
+  }
   std::string resume(const AtomType& t, const Resume& r) const {
     return r.present ? fmt::format(" resume {}{}", expr(r.guard), when(t, r.when)) : "";
   }
@@ -96,7 +100,7 @@ struct Dumper {
     for (const Transition& x : t.transitions) {
       const std::string urgency = x.urgency == Urgency::Lazy ? "" : fmt::format(" {}", name_of(x.urgency));
       line("  on {} from {} to {} provided {}{}{} do {{{}}}{}", x.port == Transition::kInternal ? "(internal)" : t.ports[x.port].name, places(t, x.from), places(t, x.to), expr(x.guard), when(t, x.when), urgency, stmts(x.action),
-           resume(t, x.resume));
+           resume(t, x.resume) + (x.async.present ? async(t, x.async) : ""));
     }
     const auto side = [&](std::uint32_t p) { return p == AtomPriority::kAnyPort ? std::string("*") : t.ports[p].name; };
     for (const AtomPriority& p : t.priorities) line("  priority {} {} < {} provided {}", p.name, side(p.low), side(p.high), expr(p.guard));

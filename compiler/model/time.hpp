@@ -1,4 +1,4 @@
-// Time in atom types: clocks, bounds of guards on them, urgency, `resume`, events from outside (LANGUAGE.md §5).
+// Time in atom types: clocks, bounds of guards on them, urgency, `resume`, `@async`, events from outside (LANGUAGE.md §5).
 //
 // Executors of code know nothing of clocks. A clock owns three hidden slots of its atom, and an assignment to it is two
 // stores: the value, in the clock's unit, and that there is one; whoever ran the action looks there and zeroes them again.
@@ -51,6 +51,13 @@ struct Resume {
   ExprId guard{};               // invalid: true
   TimeGuard when{};
   Loc loc{};
+};
+/// `@async`: the action runs beside the others, and the atom is busy until it returns.
+struct Async {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  bool present = false;
+  std::int64_t budget = -1;         // ticks that it may take; -1: none is given
+  std::uint32_t overrun = kNone;    // a port for events, without variables: gets one when the budget is over
 };
 /// Do the ports of an interaction resume together?
 enum class ResumeMode : std::uint8_t { Async, Sync };

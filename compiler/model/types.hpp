@@ -59,6 +59,7 @@ struct Transition {
   TimeGuard when{};
   Urgency urgency = Urgency::Lazy;
   Resume resume{};
+  Async async{};
 };
 /// low < high provided guard: low is hidden while high is enabled (closed transitively through rules whose guards hold).
 struct AtomPriority {

@@ -57,6 +57,7 @@ class RowParser {
   Clock clock(List& list, const AtomType& type);
   TimeGuard when(List& list, const AtomType& type, const CodeScope& scope);
   Resume resume(List& list, const AtomType& type, const CodeScope& scope);
+  Async async(List& list, const AtomType& type);
   void event(List& list, Port& port);
   Transition transition(List& list, const AtomType& type, const CodeScope& scope);
   AtomPriority atom_priority(List& list, const AtomType& type, const CodeScope& scope);

@@ -1,4 +1,4 @@
-// Clocks, bounds, `resume` and events of .bsys: see parse_bsys_rows.hpp.
+// Clocks, bounds, `resume`, `async` and events of .bsys: see parse_bsys_rows.hpp.
 #include <charconv>
 
 #include "compiler/system/parse_bsys_rows.hpp"
@@ -74,6 +74,20 @@ Resume RowParser::resume(List& list, const AtomType& type, const CodeScope& scop
   row.when = when(*one, type, scope);
   r_.close(*one);
   row.loc = one->loc;
+  return row;
+}
+
+Async RowParser::async(List& list, const AtomType& type) {
+  Async row;
+  std::optional<List> one = r_.sub(list, "async");
+  if (!one) return row;
+  row.present = true;
+  if (r_.more(*one)) row.budget = ticks(r_, tree_, *one);
+  if (std::optional<List> port = r_.sub(*one, "overrun")) {
+    row.overrun = r_.ref(*port, type.ports.size(), "port", [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
+    r_.close(*port);
+  }
+  r_.close(*one);
   return row;
 }
 

@@ -85,6 +85,7 @@ Transition RowParser::transition(List& list, const AtomType& type, const CodeSco
   row.guard = guard(list, scope);
   row.when = when(list, type, scope);
   row.urgency = r_.flag(list, "eager") ? Urgency::Eager : r_.flag(list, "delayable") ? Urgency::Delayable : Urgency::Lazy;
+  row.async = async(list, type);
   row.action = body(list, "do", scope);
   row.resume = resume(list, type, scope);
   r_.close(list);

@@ -240,6 +240,16 @@ class Printer {
     guard(row.guard, scope);
     put_when(out_, s_.code, type, row.when, scope);
     if (row.urgency != Urgency::Lazy) fmt::format_to(std::back_inserter(out_), " {}", name_of(row.urgency));
+    if (row.async.present) {
+      out_ += " (async";
+      if (row.async.budget >= 0) fmt::format_to(std::back_inserter(out_), " {}ns", row.async.budget);
+      if (row.async.overrun != Async::kNone) {
+        out_ += " (overrun";
+        ref(row.async.overrun, type.ports[row.async.overrun].name);
+        out_ += ')';
+      }
+      out_ += ')';
+    }
     body(" (do", row.action, scope);
     put_resume(out_, s_.code, type, row.resume, scope);
     close(row.loc);

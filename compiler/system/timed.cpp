@@ -55,6 +55,7 @@ std::string first_timed(const System& system) {
     if (!type.clocks.empty()) return told(system, type, fmt::format("clock `{}`", type.clocks[0].name), type.clocks[0].loc);
     for (const Transition& t : type.transitions) {
       if (t.urgency != Urgency::Lazy) return told(system, type, fmt::format("a transition that is {}", name_of(t.urgency)), t.loc);
+      if (t.async.present) return told(system, type, "an action that runs beside the others (`@async`)", t.loc);
       if (t.resume.present) return told(system, type, "a transition with `resume`", t.loc);
     }
     if (type.initial_resume.present) return told(system, type, "`resume` at its start", type.initial_resume.loc);

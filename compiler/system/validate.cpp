@@ -78,8 +78,14 @@ void check_time(const AtomType& type, Problems& problems) {
   for (const Transition& row : type.transitions) {
     check_when(type, row.when, problems);
     check_when(type, row.resume.when, problems);
-    const bool is_timed = !row.when.empty() || row.urgency != Urgency::Lazy || row.resume.present;
+    const bool is_timed = !row.when.empty() || row.urgency != Urgency::Lazy || row.resume.present || row.async.present;
     problems.expect(row.port != Transition::kInternal || !is_timed, "an internal transition has to do with time");
+    const Async& async = row.async;
+    problems.expect(async.present ? async.budget == -1 || (async.budget > 0 && async.budget <= kMaxTicks) : async.budget == -1 && async.overrun == Async::kNone,
+                    "a budget is no time");
+    if (async.overrun == Async::kNone) continue;
+    problems.expect(async.budget > 0 && async.overrun < type.ports.size() && type.ports[async.overrun].external && type.ports[async.overrun].slots.empty(),
+                    "an overrun has no budget, or its port is not for events without variables");
   }
 }
 

@@ -59,24 +59,7 @@ bool ZoneSearch::begin() {
   node_bytes_ = 0;
   deadlock_ = time_lock_ = error_ = {};
   report_ = {};
-  if (image_.extern_types.size != 0) {
-    report_.inexact = std::string("the model has variables of the C++ type `") + image_.extern_types[0].name + "`";
-    return false;
-  }
-  for (const Atom& atom : image_.atoms) {
-    const AtomType& type = image_.atom_types[atom.type];
-    for (u32 row = 0; type.time != nullptr && row < type.transitions.size; ++row) {
-      if (!type.time->transitions[row].async.present) continue;
-      const Transition& transition = type.transitions[row];
-      report_.inexact = "what port `" + std::string(type.ports[transition.port].name) + "` of `" + atom.path + "` does (" + image_.files[transition.loc.file] + ":" +
-                        std::to_string(transition.loc.line) + ") runs beside the others (`@async`)";
-      return false;
-    }
-    if (type.time == nullptr || type.time->events.size == 0) continue;
-    const Port& port = type.ports[type.time->events[0].port];
-    report_.inexact = "port `" + std::string(port.name) + "` of `" + atom.path + "` (" + image_.files[port.loc.file] + ":" + std::to_string(port.loc.line) + ") waits for events from outside";
-    return false;
-  }
+  if (report_.inexact = what_zones_cannot_follow(image_); !report_.inexact.empty()) return false;
   if (!core_.initialize()) {
     report_.errors = 1;
     report_.has_error = true;

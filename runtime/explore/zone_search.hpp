@@ -76,6 +76,8 @@ class ZoneSearch {
   ZoneReport report_;
 };
 
+/// Empty, or what of the model has no exact zones, with its place (unfollowed.cpp).
+[[nodiscard]] std::string what_zones_cannot_follow(const Image& image);
 /// The parts of the zone in each of which every bound is true or false throughout.
 [[nodiscard]] std::vector<Zone> cut(const Zone& zone, const Bounds& bounds);
 /// Keeps the points that agree with `part` (a cell of them) on every bound. False: there are none.

@@ -53,8 +53,23 @@ struct Port {
   std::vector<std::string> vars;
   bool exported = true;
   std::string merged;  // not empty: exported under this name only, together with the others of it
+  std::string event;   // not empty: for events from outside; remember, ignore, error
   /// What connectors call it.
   [[nodiscard]] const std::string& outside() const { return merged.empty() ? name : merged; }
+};
+/// A clock; `unit` as BIP2 names it.
+struct Clock {
+  std::string name, unit;
+};
+/// clock [- minus] op limit, in the clock's unit; the limit is a variable if it has a name.
+struct ClockBound {
+  std::string clock, minus, op, limit_name;
+  int limit = 0;
+};
+struct ClockSet {
+  std::string clock;
+  int value = 0;
+  bool is_speed = false;
 };
 struct AtomRule {
   std::string name, low, high;  // a port or "*"
@@ -64,12 +79,20 @@ struct Invariant {
   std::string name, scope;  // "", "at", "from"
   std::vector<std::string> places;
   Expr condition;
+  std::vector<ClockBound> when;  // not empty: instead of the condition
 };
 struct Transition {
   std::string port;  // empty: internal
   std::vector<std::string> from, to;
   std::optional<Expr> guard;
   Body action;
+  std::vector<ClockBound> when;
+  std::string urgency;           // empty: lazy
+  std::vector<ClockSet> sets;    // after the action
+  bool resumes = false;
+  std::vector<ClockBound> resume;
+  bool is_async = false;
+  int budget = 0;                // ms; 0: none
 };
 struct AtomType {
   std::string name;
@@ -80,6 +103,7 @@ struct AtomType {
   std::vector<Transition> transitions;
   std::vector<AtomRule> rules;
   std::vector<Invariant> invariants;
+  std::vector<Clock> clocks;
   bool paper = false;  // printed in the paper's notation
 };
 

@@ -102,6 +102,8 @@ struct Interface {
 /// Adds a compound type (and the connector types it needs) to the model.
 void make_compound(Prng& random, const Style& style, Description& model, std::map<std::string, Interface>& interfaces,
                    const std::string& name, bool is_root);
+/// Gives a finished model time: clocks, bounds, urgency, invariants, `resume`, `@async`, ports for events.
+void make_time(Prng& random, Description& model);
 /// Adds priority rules without cycles.
 void make_priorities(Prng& random, const Style& style, const Description& model, CompoundType& compound);
 

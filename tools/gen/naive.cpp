@@ -49,6 +49,9 @@ void NaiveEngine::initialise(std::size_t atom) {
     target = converted(evaluate(*var.init, gen::lookup_in(state.vars), code), target.type);
   }
   state.marking.insert(type.initial.begin(), type.initial.end());
+  for (const Clock& clock : type.clocks) {
+    state.clocks[clock.name].unit = clock.unit == "microsecond" ? 1'000 : clock.unit == "millisecond" ? 1'000'000 : 1'000'000'000;
+  }
   execute(type.initial_action, gen::lookup_in(state.vars), code);
   if (code.fault || !invariants_hold(state, type)) return trouble(Trouble::Sure);
   settle(atom);
@@ -68,7 +71,11 @@ void NaiveEngine::settle(std::size_t atom) {
 
 void NaiveEngine::find_enabled(AtomState& state, const AtomType& type) {
   state.enabled.clear();
+  if (state.at_work != nullptr || state.busy_until > now_) return;
   for (const Transition& t : type.transitions) {
+    const Port* port = find_named(type.ports, t.port);
+    if (port != nullptr && !port->event.empty() && state.events[t.port].empty()) continue;
+    if (!holds_at(state, t.when, now_)) continue;
     bool marked = std::all_of(t.from.begin(), t.from.end(), [&](const std::string& p) { return state.marking.contains(p); });
     if (!marked) continue;
     Place code{.is_const = true};
@@ -84,6 +91,7 @@ void NaiveEngine::find_enabled(AtomState& state, const AtomType& type) {
 
 bool NaiveEngine::invariants_hold(AtomState& state, const AtomType& type) {
   for (const Invariant& i : type.invariants) {
+    if (!i.when.empty()) continue;
     std::set<std::string> places(i.places.begin(), i.places.end());
     bool concerns = i.scope == "at" ? places == state.marking : std::includes(state.marking.begin(), state.marking.end(), places.begin(), places.end());
     Place code{.is_const = true};
@@ -129,10 +137,16 @@ void NaiveEngine::fire_transition(std::size_t atom, const std::string& port) {
   const Transition& t = *state.enabled.at(port);
   for (const std::string& place : t.from) state.marking.erase(place);
   for (const std::string& place : t.to) state.marking.insert(place);
-  Place code;
-  execute(t.action, gen::lookup_in(state.vars), code);
-  if (code.fault || !invariants_hold(state, *world_.atoms[atom].type)) return trouble(Trouble::Sure);
-  settle(atom);
+  if (auto waiting = state.events.find(port); waiting != state.events.end() && !waiting->second.empty()) {
+    const Port& declared = *find_named(world_.atoms[atom].type->ports, port);
+    for (std::size_t v = 0; v < declared.vars.size(); ++v) state.vars[declared.vars[v]] = waiting->second.front()[v];
+    waiting->second.pop_front();
+  }
+  if (!port.empty()) state.busy_until = 0;
+  if (t.budget == 0) return finish(atom, t);
+  state.at_work = &t;
+  state.returns = now_ + std::int64_t{t.budget} * 1'000'000;
+  state.enabled.clear();
 }
 
 Lookup NaiveEngine::lookup_in(Choice& choice) {
@@ -217,7 +231,10 @@ std::vector<Choice> NaiveEngine::choices_of(int connector) {
   return result;
 }
 
-void NaiveEngine::fire(Choice choice) { fire_part(choice); }
+void NaiveEngine::fire(Choice choice) {
+  fire_part(choice);
+  if (trouble_ == Trouble::None) refuse_events();
+}
 
 /// An atom fires at once; a connector runs its `down`, then its ports in the order of its parameters.
 void NaiveEngine::fire_part(Choice& choice) {

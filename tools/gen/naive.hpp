@@ -2,6 +2,8 @@
 // state, priorities are a search through the relation, values are copied. It shares no code with the compiler or the
 // runtime.
 #pragma once
+#include <deque>
+
 #include "tools/gen/naive_world.hpp"
 
 namespace bip::gen {
@@ -35,11 +37,34 @@ class NaiveEngine {
   /// `ROOT.c: ROOT.a.p ROOT.b.q` with the leaves sorted; `ROOT.a.p` for an internal port.
   [[nodiscard]] std::string key_of(const Choice& choice) const;
 
+  struct ClockValue {
+    std::int64_t value = 0, since = 0;  // ns
+    std::int64_t speed = 1, unit = 1'000'000'000;
+  };
   struct AtomState {
     std::set<std::string> marking;
     Values vars;  // parameters too
     std::map<std::string, const Transition*> enabled;
+    std::map<std::string, ClockValue> clocks;
+    std::int64_t busy_until = 0;
+    const Transition* at_work = nullptr;  // its action has not taken effect
+    std::int64_t returns = 0;             // when it does
+    std::map<std::string, std::deque<std::vector<Value>>> events;  // that wait, by port
   };
+  // ---- time (naive_time.cpp): LANGUAGE.md §5, conditions asked at instants, never as intervals
+  static constexpr std::int64_t kForever = INT64_MAX;
+  [[nodiscard]] std::int64_t now() const { return now_; }
+  void advance(std::int64_t to);
+  void deliver(std::size_t atom, const std::string& port, std::vector<Value> values);
+  /// The instants after now at which a bound, an atom that is busy or an action at work may make a difference: between two of them
+  /// nothing changes.
+  [[nodiscard]] std::set<std::int64_t> turning_points() const;
+  /// Of each atom the ports that are enabled at the instant if nothing happens before.
+  [[nodiscard]] std::vector<std::set<std::string>> enabled_at(std::int64_t instant);
+  /// The last instant to which time may pass; ends: of each choice the last instant at which it is possible without a gap.
+  [[nodiscard]] std::int64_t limit(const std::vector<Choice>& choices, std::vector<std::int64_t>& ends);
+  [[nodiscard]] std::int64_t clock_value(std::size_t atom, const std::string& clock) const { return value_at(states_[atom].clocks.at(clock), now_); }
+
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const std::vector<AtomState>& states() const { return states_; }
 
@@ -53,6 +78,13 @@ class NaiveEngine {
   [[nodiscard]] std::vector<Choice> options_of(const WorldPort& port);
   void hide_dominated(AtomState& state, const AtomType& type);
   [[nodiscard]] bool invariants_hold(AtomState& state, const AtomType& type);
+  static std::int64_t value_at(const ClockValue& clock, std::int64_t instant) { return clock.value + clock.speed * (instant - clock.since); }
+  [[nodiscard]] static bool holds_at(const AtomState& state, const std::vector<ClockBound>& when, std::int64_t instant);
+  [[nodiscard]] bool invariants_hold_at(std::int64_t instant) const;
+  void set_clocks(AtomState& state, const Transition& t);
+  void finish(std::size_t atom, const Transition& t);
+  void begin_resume(std::size_t atom, const Transition& t);
+  void refuse_events();
   void complete(Choice choice, std::vector<Choice>& result);
   [[nodiscard]] Lookup lookup_in(Choice& choice);
   void fire_part(Choice& choice);
@@ -66,6 +98,7 @@ class NaiveEngine {
   std::vector<Node> nodes_;  // of all connectors that export no port
   bool too_large_ = false;
   int depth_ = 0;  // internal transitions in a row
+  std::int64_t now_ = 0;
   Trouble trouble_ = Trouble::None;
 };
 

@@ -19,27 +19,61 @@ std::string data_line(const Var& var) {
   return text + "\n";
 }
 
+std::string text_of(const std::vector<ClockBound>& when) {
+  std::vector<std::string> parts;
+  for (const ClockBound& b : when) {
+    const std::string left = b.clock + (b.minus.empty() ? "" : " - " + b.minus);
+    parts.push_back(left + " " + b.op + " " + (b.limit_name.empty() ? std::to_string(b.limit) : b.limit_name));
+  }
+  return join(parts, " && ");
+}
+std::string condition(const std::optional<Expr>& guard, const std::vector<ClockBound>& when) {
+  if (!guard && when.empty()) return "";
+  std::string text = guard ? code(*guard) : "";
+  if (guard && !when.empty()) text = "(" + text + ") && ";
+  return " provided (" + text + text_of(when) + ")";
+}
+// What the action does, then what it sets clocks to.
+std::string action(const Transition& t) {
+  if (t.action.empty() && t.sets.empty()) return "";
+  std::string text = t.action.empty() ? "{ " : code(t.action);
+  if (t.sets.empty()) return " do " + text;
+  if (!t.action.empty()) text.resize(text.rfind('}'));
+  for (const ClockSet& s : t.sets) text += s.clock + (s.is_speed ? "' = " : " = ") + std::to_string(s.value) + (s.is_speed ? ".0; " : "; ");
+  return " do " + text + "}";
+}
+// What is written after `do`, and before the transition.
+std::string resume(const Transition& t) {
+  if (!t.resumes) return "";
+  return t.resume.empty() ? " resume" : " resume (" + text_of(t.resume) + ")";
+}
+std::string async(const Transition& t) {
+  if (!t.is_async) return "";
+  return t.budget == 0 ? "    @async\n" : "    @async(budget=\"" + std::to_string(t.budget) + "ms\")\n";
+}
+
 std::string print(const AtomType& atom) {
   std::string text = "  atom type " + atom.name + "(" + typed(atom.params) + ")\n";
   for (const Var& var : atom.data) text += data_line(var);
   for (std::size_t k = 0; k < atom.ports.size(); ++k) {
     const Port& port = atom.ports[k];
-    text += std::string("    ") + (port.exported ? "export " : "") + "port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")";
+    text += std::string("    ") + (port.exported ? "export " : port.event.empty() ? "" : "extern ") + "port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")";
     // Merged ports are neighbours.
     for (; !port.merged.empty() && k + 1 < atom.ports.size() && atom.ports[k + 1].merged == port.merged; ++k) {
       text += ", " + atom.ports[k + 1].name + "(" + join(atom.ports[k + 1].vars, ", ") + ")";
     }
+    text += port.event.empty() ? "" : " " + port.event;
     text += port.merged.empty() ? "\n" : " as " + port.merged + "\n";
   }
+  for (const Clock& clock : atom.clocks) text += "    clock " + clock.name + " unit " + clock.unit + "\n";
   text += "    place " + join(atom.places, ", ") + "\n    initial to " + join(atom.initial, ", ");
   if (!atom.initial_action.empty()) text += " do " + code(atom.initial_action);
   text += "\n";
   for (const Transition& t : atom.transitions) {
+    text += async(t);
     text += t.port.empty() ? "    internal" : "    on " + t.port;
     text += " from " + join(t.from, ", ") + " to " + join(t.to, ", ");
-    if (t.guard) text += " provided (" + code(*t.guard) + ")";
-    if (!t.action.empty()) text += " do " + code(t.action);
-    text += "\n";
+    text += condition(t.guard, t.when) + (t.urgency.empty() ? "" : " " + t.urgency) + action(t) + resume(t) + "\n";
   }
   for (const AtomRule& rule : atom.rules) {
     text += "    priority " + rule.name + " " + rule.low + " < " + rule.high;
@@ -48,7 +82,7 @@ std::string print(const AtomType& atom) {
   }
   for (const Invariant& i : atom.invariants) {
     text += "    invariant " + i.name + (i.scope.empty() ? "" : " " + i.scope + " " + join(i.places, ", "));
-    text += " provided (" + code(i.condition) + ")\n";
+    text += i.when.empty() ? " provided (" + code(i.condition) + ")\n" : condition({}, i.when) + "\n";
   }
   return text + "  end\n";
 }

@@ -91,6 +91,13 @@ class Editor {
     remove_one(type.invariants);
     remove_one(type.transitions);
     remove_one(type.ports);
+    for (Transition& t : type.transitions) {
+      remove_one(t.when);
+      remove_one(t.sets);
+      if (!t.urgency.empty() && here()) t.urgency.clear();
+      if (t.resumes && here()) t.resumes = false;
+      if (t.is_async && here()) t.is_async = false, t.budget = 0;
+    }
     for (AtomRule& r : type.rules) drop(r.guard);
     for (Transition& t : type.transitions) {
       drop(t.guard);

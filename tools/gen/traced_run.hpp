@@ -95,8 +95,50 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   return text + "\n";
 }
 
+/// A file in memory.
+inline int memory_file(const std::string& text) {
+  const int file = memfd_create("bip-gen", 0);
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t n = write(file, text.data() + done, text.size() - done);
+    if (n <= 0) break;
+    done += static_cast<std::size_t>(n);
+  }
+  return file;
+}
+inline std::string path_of(int file) { return "/proc/self/fd/" + std::to_string(file); }
+inline std::string text_of(int file) {
+  std::string text;
+  char buffer[4096];
+  lseek(file, 0, SEEK_SET);
+  for (ssize_t n; (n = read(file, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(n));
+  return text;
+}
+
+/// Some events for the image's ports, by the seed; empty without such ports.
+inline std::string events_text(const rt::Image& image, std::uint64_t seed) {
+  const rt::Core core(image);
+  std::string text;
+  std::uint64_t state = seed, time = 0;
+  const auto draw = [&](std::uint64_t n) { return ((state = state * 6364136223846793005u + 1442695040888963407u) >> 33) % n; };
+  for (int k = 0; k < 12 && !core.event_ports().empty(); ++k) {
+    const rt::EventPortRow& row = core.event_ports()[draw(core.event_ports().size())];
+    const rt::AtomType& type = image.atom_types[image.atoms[row.atom].type];
+    time += draw(3) == 0 ? 0 : draw(9) * 500'000;
+    text += "{\"time\":" + std::to_string(time) + ",\"port\":\"" + image.atoms[row.atom].path + "." + type.ports[row.port].name + "\",\"values\":[";
+    const rt::Span<rt::Var>& vars = image.port_types[type.ports[row.port].type].vars;
+    for (std::uint32_t v = 0; v < vars.size; ++v) {
+      const std::string number = std::to_string(draw(12));
+      text += v == 0 ? "" : ",";
+      text += vars[v].type == rt::SlotType::Bool ? (number.size() > 1 ? "true" : "false") : vars[v].type == rt::SlotType::String ? "\"\"" : number;
+    }
+    text += "]}\n";
+  }
+  return text;
+}
+
 inline std::string traced_run(const rt::Image& image, const RunSpec& spec) {
-  if (spec.silent) return silent_run(image, spec);
+  const bool is_timed = rt::has_time(image);
+  if (spec.silent && !is_timed) return silent_run(image, spec);
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* out = open_memstream(&text, &size);
@@ -110,20 +152,35 @@ inline std::string traced_run(const rt::Image& image, const RunSpec& spec) {
   options.policy = spec.policy;
   options.format = spec.format;
   options.maximal_progress = spec.maximal_progress;
-  int json = -1;
-  if (spec.format == rt::TraceFormat::Steps) {
-    json = memfd_create("trace", 0);
-    options.trace_path = "/proc/self/fd/" + std::to_string(json);
-  }
+  options.asap = spec.silent;
+  const int json = spec.format == rt::TraceFormat::Steps ? memory_file("") : -1;
+  if (json >= 0) options.trace_path = path_of(json);
+  const std::string events = is_timed ? events_text(image, spec.seed) : "";
+  const int given = events.empty() ? -1 : memory_file(events);
+  const int record = events.empty() || json < 0 ? -1 : memory_file("");
+  if (given >= 0) options.events_path = path_of(given);
+  if (record >= 0) options.record_path = path_of(record);
   rt::RunResult result = rt::run(image, options, out, out);
   std::fclose(out);
   std::string all(text, size);
   std::free(text);
-  if (json >= 0) {
-    char buffer[4096];
-    lseek(json, 0, SEEK_SET);
-    for (ssize_t n; (n = read(json, buffer, sizeof buffer)) > 0;) all.append(buffer, static_cast<std::size_t>(n));
-    close(json);
+  std::string trace;
+  if (json >= 0) all += trace = text_of(json);
+  if (record >= 0) {
+    // The same run again from its record.
+    const int again = memory_file("");
+    rt::RunOptions replay;
+    replay.replay_path = path_of(record);
+    replay.trace_path = path_of(again);
+    replay.silent = true;
+    std::FILE* const nowhere = std::fopen("/dev/null", "w");
+    (void)rt::run(image, replay, nowhere, nowhere);
+    std::fclose(nowhere);
+    if (text_of(again) != trace) all += "the record gives another run: " + text_of(record) + text_of(again);
+    close(again);
+  }
+  for (const int file : {json, given, record}) {
+    if (file >= 0) close(file);
   }
   return all + "end " + std::to_string(static_cast<int>(result.end)) + " steps " + std::to_string(result.steps) + " exit " +
          std::to_string(result.exit_code) + "\n";
