@@ -19,7 +19,6 @@ int command_serve(const ServeArguments& arguments) {
   options.policy = arguments.policy;
   options.asap = arguments.asap;
   options.speed = arguments.speed;
-  options.relaxed = true;
   serve::Controller controller(c.lowered->image, options, arguments.paused);
   serve::ServerOptions server;
   server.uses_stdio = arguments.socket.empty() && !arguments.has_port;

@@ -19,7 +19,7 @@ struct System::Impl {
         scheduler(options.policy, options.asap, options.seed),
         wall(options.speed > 0 ? options.speed : 1),
         is_real(options.speed > 0),
-        relaxed(options.relaxed),
+        is_strict(options.strict),
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
     std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
@@ -106,14 +106,14 @@ struct System::Impl {
     const rt::i64 actual = core.now() + wall.in_model(wall.note_late(core.now()));
     if (!wall.is_too_late(actual, scheduler.latest())) return true;
     ++late;
-    return relaxed || core.fail_late(core.candidate(scheduler.choice()), scheduler.latest(), actual);
+    return !is_strict || core.fail_late(core.candidate(scheduler.choice()), scheduler.latest(), actual);
   }
 
   rt::Core core;
   rt::EventFeed feed;
   rt::TimedScheduler scheduler;
   rt::RealTime wall;
-  bool is_real, relaxed;
+  bool is_real, is_strict;
   std::uint64_t late = 0;
   std::uint64_t seed;
   std::uint64_t steps = 0;

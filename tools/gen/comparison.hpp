@@ -82,6 +82,8 @@ class Comparison {
       if (core_.is_marked(row, p) != state.marking.contains(type.places[p])) return path + ": place " + type.places[p];
     }
     for (std::uint32_t v = 0; v < type.slots.size; ++v) {
+      // Hidden ones, which clocks own.
+      if (!state.vars.contains(type.slots[v].name)) continue;
       rt::Slot slot = core_.slot(atom.slot_base + v);
       const Value& value = state.vars.at(type.slots[v].name);
       if (is_equal(image_, slot, value)) continue;

@@ -89,9 +89,21 @@ void forget_places(System& system) {
     type.loc = {};
     for (Slot& s : type.slots) s.loc = {};
     for (Port& p : type.ports) p.loc = {};
-    for (Transition& t : type.transitions) t.loc = {};
+    const auto forget_bounds = [](TimeGuard& when) {
+      for (Bound& b : when.bounds) b.loc = {};
+    };
+    for (Transition& t : type.transitions) {
+      t.loc = t.resume.loc = {};
+      forget_bounds(t.when);
+      forget_bounds(t.resume.when);
+    }
+    for (Clock& c : type.clocks) c.loc = {};
+    type.initial_resume.loc = {};
     for (AtomPriority& p : type.priorities) p.loc = {};
-    for (Invariant& i : type.invariants) i.loc = {};
+    for (Invariant& i : type.invariants) {
+      i.loc = {};
+      forget_bounds(i.when);
+    }
     for (MergedPort& m : type.merged) m.loc = {};
   }
   for (ConnectorType& type : system.connector_types) {

@@ -63,6 +63,8 @@ inline std::string engine_run(const rt::Image& image, rt::RunOptions options, En
 
 /// `runs` runs of each engine: policies, maximal progress and delays in turn.
 inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::uint64_t runs, std::uint64_t steps, EngineCounts& counts) {
+  // They do not run models with time.
+  if (rt::has_time(image)) return "";
   const bool has_parts = comes_apart(image);
   for (std::uint64_t k = 0; k < runs; ++k) {
     rt::RunOptions options;

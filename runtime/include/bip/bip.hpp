@@ -24,8 +24,9 @@ struct SystemOptions {
   bool asap = false;  // models with time: each step as soon as it is possible
   // Model seconds a second: step() sleeps until its step is due, and waits for events if there is none. 0: logical time.
   double speed = 0;
-  // With `speed`: a step that starts too late is counted and no fault.
-  bool relaxed = false;
+  // With `speed`: a step that starts later than its guard allows is a fault, R0022. Without it is only counted: under a flood of events
+  // the model is always behind.
+  bool strict = false;
   std::uint32_t event_capacity = 65536;  // events that may wait for a port
 };
 enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault, Stopped };
@@ -79,7 +80,7 @@ class System {
   /// With `speed`: now is the model's instant, as after a pause. Events that wait come now.
   void restart_clock();
 
-  /// With `relaxed`: steps that started later than their guards allow.
+  /// With `speed`: steps that started later than their guards allow.
   [[nodiscard]] std::uint64_t late_steps() const;
   /// With `speed`: actions that run beside the others (`@async`) and used up their budgets.
   [[nodiscard]] std::uint64_t overruns() const;
