@@ -87,7 +87,7 @@ int command_verify(const VerifyArguments& arguments) {
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
   verify::Question question;
   if (!read_question(arguments, c, question)) return kUsage;
-  if (system::is_timed(*c.system)) return verify_timed(arguments, c, question.what);
+  if (system::is_timed(*c.system)) return verify_timed(arguments, c, question);
 
   verify::DecideLimits limits;
   limits.end = verify::seconds_from_now(static_cast<double>(std::min<std::uint64_t>(arguments.timeout, 100000000)));

@@ -1,6 +1,7 @@
 // See timed_models.hpp. What is told has been taken by a core; what could not be followed exactly is named and gives no verdict.
 #include "compiler/driver/timed_models.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/system/timed.hpp"
 #include "runtime/engine/interrupt.hpp"
+#include "compiler/verify/tell.hpp"
 #include "runtime/explore/tell.hpp"
 
 namespace bip::driver {
@@ -86,14 +88,29 @@ std::string limit_text(const rt::ZoneReport& found) {
 }
 
 // What has no answer yet is said. False: it was.
-bool is_answerable(const VerifyArguments& a, Compilation& c, verify::Asked asked) {
+bool is_answerable(const VerifyArguments& a, Compilation& c, const verify::Question& question) {
   const char* refused = nullptr;
-  if (asked == verify::Asked::State) refused = "a property of states of a model with time";
-  else if (asked != verify::Asked::DeadlockFreedom && asked != verify::Asked::NoErrors) refused = "`--partial` for a model with time";
+  const std::vector<verify::PropertyNode>& nodes = question.property.nodes;
+  // A location's candidates are those of an instant.
+  const bool asks_can = std::any_of(nodes.begin(), nodes.end(), [](const verify::PropertyNode& node) {
+    return node.kind == verify::PropertyKind::CanConnector || node.kind == verify::PropertyKind::CanPort;
+  });
+  if (asks_can) refused = "a property with `can` for a model with time";
+  else if (question.what == verify::Asked::NobodyStuck) refused = "`--partial` for a model with time";
   else if (!a.certificate.empty()) refused = "a certificate for a model with time";
   else if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty()) refused = "a proof about a model with time that calls C++";
   if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
   return refused == nullptr;
+}
+
+// What is there at the end of the way.
+std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedWay& way) {
+  rt::Core core(image);
+  bool is_sound = core.initialize();
+  for (const rt::TimedStep& step : way.steps) {
+    is_sound = is_sound && rt::let_time_pass(core, step.at) && step.choice < core.candidate_count() && core.take_timed(core.position(step.choice));
+  }
+  return is_sound && rt::let_time_pass(core, way.end) ? verify::broken_state(core, property, way.steps.size()) : std::string();
 }
 
 }  // namespace
@@ -145,11 +162,12 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
   return exit_code_of(found);
 }
 
-int verify_timed(const VerifyArguments& arguments, Compilation& c, verify::Asked asked) {
+int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question) {
   Executor executor;
-  const bool may_start = is_answerable(arguments, c, asked) && executor.prepare(c, arguments.backend, Optimisation::Auto);
+  const bool may_start = is_answerable(arguments, c, question) && executor.prepare(c, arguments.backend, Optimisation::Auto);
   if (const int code = report(c); code != 0 || !may_start) return code;
   const rt::Image& image = c.lowered->image;
+  const bool asks_state = question.what == verify::Asked::State;
   rt::ZoneReport found;
   {
     const rt::InterruptGuard guard;
@@ -157,29 +175,32 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, verify::Asked
     const verify::Clock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
     options.bytes = arguments.megabytes * kMega;
     options.is_stopped = [&] { return verify::seconds_until(end) <= 0; };
+    if (asks_state) options.is_broken = [&question](const rt::Core& core) { return verify::is_broken(question.property, core); };
     found = rt::explore_zones(image, options);
   }
-  const bool asks_errors = asked == verify::Asked::NoErrors;
-  const bool is_violated = asks_errors ? found.has_error : found.has_deadlock || found.has_time_lock;
+  const bool asks_errors = question.what == verify::Asked::NoErrors;
+  const bool is_violated = asks_errors ? found.has_error : asks_state ? found.has_broken : found.has_deadlock || found.has_time_lock;
   const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   if (asks_errors) json["property"] = "errors";
+  if (asks_state) json["property"] = question.property.text;
   json["zones"] = found.zones;
   std::string text;
   int exit_code = kUnknown;
   if (is_violated && found.are_ways_known) {
-    const Found first = asks_errors ? Found{rt::WayEnd::Error, &found.error} : first_of(found);
-    const rt::ToldWay told = rt::tell_way(image, rt::MaximalProgress::On, first.end, *first.way, kStepsShown);
-    json["verdict"] = first.end == rt::WayEnd::Error ? "error" : first.end == rt::WayEnd::TimeLock ? "time lock" : "deadlock";
+    const Found first = asks_errors ? Found{rt::WayEnd::Error, &found.error} : asks_state ? Found{rt::WayEnd::State, &found.broken} : first_of(found);
+    rt::ToldWay told = rt::tell_way(image, rt::MaximalProgress::On, first.end, *first.way, kStepsShown);
+    if (asks_state) told.steps += broken_text(image, question.property, *first.way);
+    json["verdict"] = asks_state ? "violated" : first.end == rt::WayEnd::Error ? "error" : first.end == rt::WayEnd::TimeLock ? "time lock" : "deadlock";
     json["steps"] = first.way->steps.size();
     text = told.steps + told.error;
     exit_code = kViolated;
   } else if (is_complete && !is_violated) {
-    const std::string name = asks_errors ? "error-free" : "deadlock-free";
+    const std::string name = asks_errors ? "error-free" : asks_state ? "holds" : "deadlock-free";
     json["verdict"] = name;
     json["method"] = "exhaustive";
-    text = name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
+    text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size) : name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
     if (found.has_error) text += "note: a run-time error can occur\n";
     exit_code = kOk;
   } else {

@@ -9,7 +9,7 @@ namespace bip::driver {
 /// The image has its code. Returns the exit code.
 [[nodiscard]] int explore_timed(const ExploreArguments& arguments, Compilation& c);
 
-/// Deadlock and time lock, or run-time errors, decided by all zones, and told. Returns the exit code.
-[[nodiscard]] int verify_timed(const VerifyArguments& arguments, Compilation& c, verify::Asked asked);
+/// Deadlock and time lock, run-time errors, or a property of places and data, decided by all zones, and told. Returns the exit code.
+[[nodiscard]] int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question);
 
 }  // namespace bip::driver

@@ -24,7 +24,7 @@ inline constexpr u64 kStatesPerDot = 1000;
 /// `explored: 20 zones of 7 locations, 31 steps, 0 deadlocks, 1 time lock, 0 errors`
 [[nodiscard]] std::string summary_line(const ZoneReport& report);
 
-enum class WayEnd : std::uint8_t { Deadlock, Error, TimeLock };
+enum class WayEnd : std::uint8_t { Deadlock, Error, TimeLock, State };
 struct ToldWay {
   std::string names;   // of the candidates taken, "ROOT.a, ROOT.b"
   std::string steps;   // a line a step; Deadlock: then who waits for whom

@@ -57,7 +57,7 @@ bool ZoneSearch::begin() {
   locations_.clear();
   next_ = 0;
   node_bytes_ = 0;
-  deadlock_ = time_lock_ = error_ = {};
+  deadlock_ = time_lock_ = error_ = broken_ = {};
   report_ = {};
   if (report_.inexact = what_zones_cannot_follow(image_); !report_.inexact.empty()) return false;
   if (!core_.initialize()) {
@@ -151,7 +151,7 @@ void ZoneSearch::insert(ZoneNode&& node) {
 void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 slot, u32 config) {
   if (!is_node_faulty_) ++report_.errors;
   is_node_faulty_ = report_.has_error = true;
-  if (error_.node == kNone) error_ = {node, point, true, is_step, slot, config, false};
+  if (error_.node == kNone) error_ = {node, point, true, is_step, slot, config, false, false};
 }
 
 // Takes a candidate from a cell of the node. False: the search has to end.
@@ -303,7 +303,7 @@ void ZoneSearch::judge(u32 node, const std::vector<Zone>& rest) {
   bool has_deadlock = false, has_lock = false;
   const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far) {
     has = true;
-    if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far};
+    if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far, false};
   };
   const bool is_inside_now = is_inside(at, nodes_[node].zone);
   for (const Zone& part : rest) {
@@ -323,6 +323,10 @@ void ZoneSearch::judge(u32 node, const std::vector<Zone>& rest) {
 
 void ZoneSearch::expand(u32 node) {
   is_node_faulty_ = false;
+  if (const std::vector<i64> point = nodes_[node].zone.least_point(); options_.is_broken && enter_core(locations_[nodes_[node].location], point) && options_.is_broken(core_)) {
+    broken_ = {node, point, false, false, 0, 0, false, true};
+    return;
+  }
   if (nodes_[node].is_waking) {
     go_on(node);
     return;
@@ -338,7 +342,7 @@ void ZoneSearch::expand(u32 node) {
 }
 
 bool ZoneSearch::is_over() {
-  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty()) return true;
+  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty() || broken_.node != kNone) return true;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   report_.bytes = node_bytes_ + locations_.bytes();
   if (options_.is_stopped && options_.is_stopped()) report_.end = ExploreEnd::Stopped;
@@ -377,6 +381,8 @@ ZoneReport ZoneSearch::run() {
   if (report_.has_deadlock) find_way(deadlock_, report_.deadlock);
   if (report_.has_time_lock) find_way(time_lock_, report_.time_lock);
   if (error_.node != kNone) find_way(error_, report_.error);
+  report_.has_broken = broken_.node != kNone;
+  if (report_.has_broken) find_way(broken_, report_.broken);
   return std::move(report_);
 }
 

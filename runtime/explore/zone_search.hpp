@@ -39,6 +39,7 @@ class ZoneSearch {
     bool is_error = false, is_step = false;  // is_step: in a step of this slot
     u32 slot = 0, config = 0;
     bool is_far = false;            // deadlock: however long time passes
+    bool is_state = false;          // it is enough to be there
   };
   // zone_search.cpp
   bool begin();
@@ -70,7 +71,7 @@ class ZoneSearch {
   std::deque<ZoneNode> nodes_;
   u32 next_ = 0;                    // the first that was not expanded
   std::size_t node_bytes_ = 0;
-  Target deadlock_, time_lock_, error_;
+  Target deadlock_, time_lock_, error_, broken_;
   bool is_node_faulty_ = false;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   ZoneReport report_;

@@ -28,7 +28,8 @@ struct ZoneReport {
   u64 deadlocks = 0, time_locks = 0, errors = 0;  // zones with such a point; with a step that ends in a run-time error
   u32 depth = 0;
   bool has_deadlock = false, has_time_lock = false, has_error = false;
-  TimedWay deadlock, time_lock, error;
+  bool has_broken = false;        // options.is_broken was true somewhere: the exploration ended there
+  TimedWay deadlock, time_lock, error, broken;
   bool are_ways_known = true;     // false: a way could not be taken by the core
   std::size_t bytes = 0;
   double seconds = 0;
