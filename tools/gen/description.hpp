@@ -214,8 +214,8 @@ const T* find_named(const std::vector<T>& items, const std::string& name) {
   return nullptr;
 }
 
-/// A random model of the seed. Plain: without merged ports, priorities of atoms and invariants.
-enum class Features : std::uint8_t { All, Plain };
+/// A random model of the seed. Timed: many of them have time, too. Plain: without merged ports, priorities of atoms and invariants.
+enum class Features : std::uint8_t { All, Timed, Plain };
 [[nodiscard]] Description generate(std::uint64_t seed, Features features = Features::All);
 
 /// Every interaction that `define` gives, as sorted sets of parameters, each once; straight from LANGUAGE.md §4.

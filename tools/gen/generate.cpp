@@ -60,7 +60,7 @@ Description generate(std::uint64_t seed, Features features) {
   make_compound(random, style, model, interfaces, "Root", true);
   // As for `regular`.
   Prng of_time(seed ^ 0x74696d65u);
-  if (features == Features::All && of_time.percent(30)) make_time(of_time, model);
+  if (features == Features::Timed && of_time.percent(30)) make_time(of_time, model);
   return model;
 }
 
