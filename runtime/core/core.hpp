@@ -220,7 +220,6 @@ class Core {
   void crossed(u32 node, bool on);
   void touch(u32 atom);
   void mark_dirty(u32 slot);
-
   // partial.cpp
   bool begin_port(u32 instance);
   bool settle_partial();
@@ -244,14 +243,12 @@ class Core {
   void change_port(u32 instance, u32 transition);
   void save_time(std::vector<i64>& out) const;
   void load_time(const std::vector<i64>& in);
-
   // async.cpp
   [[nodiscard]] const Async* async_of(u32 atom, const LinkedTransition& transition) const;
   bool begin_action(u32 atom, const LinkedTransition& transition, const Async& async);
   void begin_job(u32 atom);
   bool finish_action(u32 atom);
   void restart_jobs();
-
   // events.cpp
   void list_event_ports();
   [[nodiscard]] u32 event_row(u32 instance) const { return time_->event_row.empty() ? kNone : time_->event_row[instance]; }
@@ -263,7 +260,6 @@ class Core {
   bool refuse_events(u32 atom, const u32* transition_of_port);
   bool fail_event(u32 row);
   bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);
-
   // atom_priorities.cpp
   bool hide_ports(u32 atom, u32* transition_of_port);
 
