@@ -163,15 +163,15 @@ void MachineBuilder::fire_use(const Tree& tree, u32 row, const std::vector<Signa
   for (std::size_t k = 0; k < type.clauses.size(); ++k) {
     code_.execute(type.clauses[k].down, variables_of(tree, use, chosen, store), clauses[row][k], fault);
   }
+  // Of a merged port each alternative, where it is the one.
+  std::vector<u32> parts;
   for (u32 node : use.param_nodes) {
-    if (node == kNoRow || chosen[node] == kFalse) continue;
-    if (tree.nodes[node].kind == Kind::Choice) {
-      u32 alternative = node;
-      for (u32 child : tree.nodes[node].children) {
-        if (chosen[child] == kTrue) alternative = child;
-      }
-      node = alternative;
-    }
+    if (node == kNoRow) continue;
+    if (tree.nodes[node].kind == Kind::Choice) parts.insert(parts.end(), tree.nodes[node].children.begin(), tree.nodes[node].children.end());
+    else parts.push_back(node);
+  }
+  for (u32 node : parts) {
+    if (chosen[node] == kFalse) continue;
     if (tree.nodes[node].kind == Kind::Link) {
       fire_use(tree, tree.nodes[node].use, chosen, store, clauses, step, fault, lost);
     } else if (tree.nodes[node].kind == Kind::Leaf) {

@@ -26,16 +26,30 @@ Rows System::tree_of(std::size_t root) const {
   return tree;
 }
 
-// The largest interaction is all that matters: no choices, no guards, no errors.
+// The largest interactions are all that matter: no guards, no errors, and choices only of an atom's ports, which no other part of the
+// connector has and no code looks at.
 bool System::is_plain(const Rows& tree) const {
-  return std::all_of(tree.begin(), tree.end(), [&](std::size_t row) {
+  std::map<std::size_t, std::size_t> user;  // by atom: the node above its ports
+  for (std::size_t row : tree) {
     const Node& node = m_.nodes[row];
-    if (node.kind == Kind::Any || node.connector == kNone) return node.kind != Kind::Any;
-    const std::vector<Tree>& items = m_.connectors[node.connector].type->items;
-    return std::none_of(items.begin(), items.end(), [](const Tree& item) {
-      return item.head() == "clause" && ((item.find("guard") != nullptr && item.find("guard")->items.at(1).text != "true") || may_fault(item.find("up")));
-    });
-  });
+    const bool is_choice = node.kind == Kind::Any;
+    for (const Edge& edge : node.children) {
+      if (m_.nodes[edge.node].kind != Kind::Port && is_choice) return false;
+      if (m_.nodes[edge.node].kind == Kind::Port && user.emplace(m_.atom_of_port[edge.node], row).first->second != row && (is_choice || has_choice(tree))) return false;
+    }
+    if (node.connector == kNone) continue;
+    const Connector& c = m_.connectors[node.connector];
+    const bool chooses = std::any_of(c.params.begin(), c.params.end(), [&](const Edge& edge) { return m_.nodes[edge.node].kind == Kind::Any; });
+    for (const Tree& item : c.type->items) {
+      if (item.head() != "clause") continue;
+      if ((item.find("guard") != nullptr && item.find("guard")->items.at(1).text != "true") || may_fault(item.find("up"))) return false;
+      if (chooses && (item.find("up") != nullptr || item.find("down") != nullptr)) return false;
+    }
+  }
+  return true;
+}
+bool System::has_choice(const Rows& tree) const {
+  return std::any_of(tree.begin(), tree.end(), [&](std::size_t row) { return m_.nodes[row].kind == Kind::Any; });
 }
 
 bool System::list(std::size_t row, Want want, std::vector<Leaves>& out) const {
@@ -87,12 +101,21 @@ System::Chosen System::largest(const Rows& tree, std::size_t root) const {
     z3::expr can = node.kind == Kind::Port ? on_[*row] : t_.truth(node.kind == Kind::All);
     for (const Edge& edge : node.children) {
       if (node.kind == Kind::All) can = both(can, available.at(edge.node));
-      else if (edge.is_trigger) can = either(can, available.at(edge.node));
+      else if (edge.is_trigger || node.kind == Kind::Any) can = either(can, available.at(edge.node));
     }
     available.emplace(*row, can);
   }
   chosen.emplace(root, available.at(root));
   for (std::size_t row : tree) {
+    // Of those that can, any one: the first that is liked, or the last.
+    z3::expr open = chosen.at(row);
+    for (auto edge = m_.nodes[row].children.begin(); m_.nodes[row].kind == Kind::Any && edge != m_.nodes[row].children.end(); ++edge) {
+      z3::expr others = t_.truth(false);
+      for (auto other = edge + 1; other != m_.nodes[row].children.end(); ++other) others = either(others, available.at(other->node));
+      const z3::expr one = both(open, both(available.at(edge->node), either(no(others), t_.fresh("bool"))));
+      chosen.insert_or_assign(edge->node, one);
+      open = both(open, no(one));
+    }
     for (const Edge& edge : m_.nodes[row].children) chosen.emplace(edge.node, m_.nodes[row].kind == Kind::Trigger ? both(chosen.at(row), available.at(edge.node)) : chosen.at(row));
   }
   return chosen;

@@ -2,6 +2,7 @@
 #include "tools/certcheck/system.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 
 namespace certcheck {
@@ -129,8 +130,12 @@ void System::fire(const Candidate& candidate, std::size_t connector, Store& stor
   for (const Tree& clause : c.type->items) {
     if (clause.head() == "clause") t_.execute(clause.find("down"), 1, variables(connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.trouble.fault);
   }
+  Rows parts;
   for (const Edge& edge : c.params) {
-    const std::size_t row = param_node(edge.node, candidate.chosen);
+    if (m_.nodes[edge.node].kind != Kind::Any) parts.push_back(edge.node);
+    else std::transform(m_.nodes[edge.node].children.begin(), m_.nodes[edge.node].children.end(), std::back_inserter(parts), [](const Edge& one) { return one.node; });
+  }
+  for (std::size_t row : parts) {
     const z3::expr& when = candidate.chosen.at(row);
     if (is(when, false)) continue;
     if (m_.nodes[row].connector != kNone) {

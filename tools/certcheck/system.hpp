@@ -45,6 +45,7 @@ class System {
 
   [[nodiscard]] Rows tree_of(std::size_t root) const;
   [[nodiscard]] bool is_plain(const Rows& tree) const;
+  [[nodiscard]] bool has_choice(const Rows& tree) const;
   [[nodiscard]] bool list(std::size_t node, Want want, std::vector<Leaves>& out) const;
   [[nodiscard]] Chosen fixed(const Rows& tree, const Leaves& leaves) const;
   [[nodiscard]] Chosen largest(const Rows& tree, std::size_t root) const;
