@@ -89,7 +89,21 @@ class ShapeBuilder {
   Value* cell(Value* array, Value* row) { return b_.CreateInBoundsGEP(i32_, array, b_.CreateZExt(row, i64_)); }
   Value* data(const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(i64_, all_, index(op, k, t)); }
 
-  void count_up(Value* count, const std::function<void(Value*)>& body) {
+  // Vectors of rows that are no neighbours would be gathered and scattered, which costs more than it saves.
+  [[nodiscard]] bool has_neighbours(const StepOp& op) const {
+    for (std::uint32_t k = 0; k < refs(op); ++k) {
+      if (stride(op, k) != 0 && stride(op, k) != 1) return false;
+    }
+    return true;
+  }
+  void keep_scalar(llvm::Instruction* branch) {
+    llvm::LLVMContext& context = b_.getContext();
+    llvm::Metadata* off[] = {llvm::MDString::get(context, "llvm.loop.vectorize.enable"), llvm::ConstantAsMetadata::get(b_.getFalse())};
+    llvm::MDNode* loop = llvm::MDNode::getDistinct(context, {nullptr, llvm::MDNode::get(context, off)});
+    loop->replaceOperandWith(0, loop);
+    branch->setMetadata(llvm::LLVMContext::MD_loop, loop);
+  }
+  llvm::Instruction* count_up(Value* count, const std::function<void(Value*)>& body) {
     llvm::BasicBlock* before = b_.GetInsertBlock();
     llvm::BasicBlock* inside = new_block("loop");
     llvm::BasicBlock* after = new_block("after");
@@ -100,12 +114,14 @@ class ShapeBuilder {
     body(t);
     Value* next = b_.CreateNUWAdd(t, llvm::ConstantInt::get(i64_, 1));
     t->addIncoming(next, b_.GetInsertBlock());
-    b_.CreateCondBr(b_.CreateICmpULT(next, count), inside, after);
+    llvm::Instruction* branch = b_.CreateCondBr(b_.CreateICmpULT(next, count), inside, after);
     b_.SetInsertPoint(after);
+    return branch;
   }
   void loop(const StepOp& op, const std::function<void(Value*)>& body) {
-    if (op.repeats) count_up(b_.CreateZExt(operands_[op.first_ref], i64_), body);
-    else body(nullptr);
+    if (!op.repeats) return body(nullptr);
+    llvm::Instruction* branch = count_up(b_.CreateZExt(operands_[op.first_ref], i64_), body);
+    if (!has_neighbours(op)) keep_scalar(branch);
   }
 
   // ---- units
