@@ -145,6 +145,7 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_flag("--debug", a.run.debug, "print every state's possible steps");
   command->add_flag("--interactive", a.run.interactive, "choose each step by its number, read from standard input");
   command->add_flag("--explore", a.run.explore, "count all reachable states, deadlocks and errors; --limit is of states");
+  add_code_options(*command, a);
   command->add_flag_callback("--first-enabled", [&a] { a.run.policy = rt::Policy::First; }, "--policy first");
   command->add_flag_callback("--disable-maximal-progress", [&a] { a.run.maximal_progress = false; },
                              "smaller interactions may run although a larger one could");

@@ -29,4 +29,7 @@ struct Arguments {
 /// Adds all commands to `app`, in the order of the help.
 void add_commands(CLI::App& app, Arguments& arguments);
 
+/// Of `run`: options about the code that it makes and how it is watched. After --explore.
+void add_code_options(CLI::App& command, RunArguments& arguments);
+
 }  // namespace bip::driver

@@ -9,6 +9,8 @@
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/profile_text.hpp"
 #include "compiler/driver/report.hpp"
 
 namespace bip::driver {
@@ -38,6 +40,24 @@ int run_folder(const RunArguments& arguments) {
   return kUsage;
 }
 
+int run_profiled(Compilation& c, const RunArguments& arguments) {
+  rt::Profile profile(c.lowered->codes);
+  rt::RunOptions options = arguments.run;
+  options.profile = &profile;
+  const rt::RunResult result = rt::run(c.lowered->image, options, stdout, stderr);
+  if (result.exit_code == 2) return result.exit_code;
+  if (arguments.profile) {
+    const std::string text = profile_text(*c.lowered, profile, result.steps);
+    std::fwrite(text.data(), 1, text.size(), stderr);
+  }
+  if (arguments.profile_path.empty()) return result.exit_code;
+  if (const Result<bool> written = write_file(arguments.profile_path, profile_json(*c.lowered, profile, result.steps)); !written) {
+    std::fprintf(stderr, "error: cannot write `%s`: %s\n", arguments.profile_path.c_str(), written.error().c_str());
+    return kUsage;
+  }
+  return result.exit_code;
+}
+
 }  // namespace
 
 int command_run(const RunArguments& arguments) {
@@ -48,9 +68,12 @@ int command_run(const RunArguments& arguments) {
     return report(c);
   }
   Executor executor;
-  const bool ready = compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, arguments.optimisation);
+  const bool profiles = arguments.profile || !arguments.profile_path.empty();
+  bool ready = compile(c, arguments.file, Stage::Image);
+  if (ready) c.lowered->calls_rows = profiles;
+  ready = ready && executor.prepare(c, arguments.backend, arguments.optimisation);
   if (const int code = report(c); code != 0 || !ready) return code;
-  return rt::run(c.lowered->image, arguments.run, stdout, stderr).exit_code;
+  return profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, arguments.run, stdout, stderr).exit_code;
 }
 
 }  // namespace bip::driver

@@ -39,6 +39,8 @@ struct RunArguments {
   Backend backend = Backend::Auto;
   Optimisation optimisation = Optimisation::Auto;
   rt::RunOptions run;
+  bool profile = false;              // a table of where the time went follows
+  std::string profile_path;          // the same as JSON; empty: none
 };
 /// A model that clients talk to.
 struct ServeArguments {

@@ -12,7 +12,8 @@ namespace bip::jit {
 
 /// C++ functions and data of the process, declared by name; a number follows: row of functions, of extern types, of
 /// expressions (the slot of a call's extern result).
-inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kTemporaryName = "bip_temporary_", kOutsideName = "bip_outside";
+inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kTemporaryName = "bip_temporary_", kOutsideName = "bip_outside",
+                         kCodesName = "bip_codes";
 
 /// A module with the functions of units [first, first + count), named as the units, each a rt::CodeFn.
 /// Promises: `nounwind`, calls of nothing but C++ functions, no fast-math, int arithmetic that wraps.

@@ -133,6 +133,16 @@ class ShapeBuilder {
     if (!function->hasFnAttribute(llvm::Attribute::OptimizeNone)) function->addFnAttr(llvm::Attribute::AlwaysInline);
     return function;
   }
+  // By its row of codes, whoever is there when the step is taken.
+  Value* call_row(std::uint32_t row, Value* self, Value* all, Value* bind) {
+    Value* code = b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), module_.getOrInsertGlobal(kCodesName, b_.getInt8Ty()), std::uint64_t{row} * sizeof(rt::Code));
+    Value* fn = b_.CreateLoad(b_.getPtrTy(), code);
+    Value* context = b_.CreateLoad(b_.getPtrTy(), b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), code, offsetof(rt::Code, context)));
+    auto* type = llvm::FunctionType::get(i32_, {b_.getPtrTy(), b_.getPtrTy(), b_.getPtrTy(), b_.getPtrTy()}, false);
+    llvm::CallInst* result = b_.CreateCall(type, fn, {context, self, all, bind});
+    result->setDoesNotThrow();
+    return result;
+  }
   // A call with self at ref k; rows of bound variables in an array, or, if all move alike in a loop, `all` moves instead.
   Value* call(const StepOp& op, std::uint32_t k, Value* t) {
     const std::vector<std::uint32_t>& binds = lowered_.steps.binds[op.unit];
@@ -150,6 +160,7 @@ class ShapeBuilder {
         all = b_.CreateInBoundsGEP(i64_, all_, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
       }
     }
+    if (lowered_.calls_rows) return call_row(op.unit, data(op, k, t), all, bind);
     return b_.CreateCall(unit(op.unit), {llvm::ConstantPointerNull::get(b_.getPtrTy()), data(op, k, t), all, bind});
   }
   void zero(const StepOp& op, std::uint32_t k, Value* t) {

@@ -31,8 +31,8 @@ struct Jit::Impl {
       symbols[engine->mangleAndIntern(name)] = {llvm::orc::ExecutorAddr::fromPtr(address), llvm::JITSymbolFlags::Exported};
     };
     const auto number = [](std::size_t k) { return std::to_string(k); };
-    if (lowered.image.outside == nullptr) return llvm::Error::success();
-    add(kOutsideName, &lowered.outside);
+    add(kCodesName, lowered.codes.data());
+    if (lowered.image.outside != nullptr) add(kOutsideName, &lowered.outside);
     for (std::size_t k = 0; k < lowered.functions.size(); ++k) add(kFunctionName + number(k), reinterpret_cast<const void*>(lowered.functions[k]));
     for (std::size_t k = 0; k < lowered.extern_types.size(); ++k) add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.extern_types[k].copy));
     for (std::size_t k = 0; k < lowered.temporaries.size(); ++k) {

@@ -11,7 +11,7 @@ namespace bip::jit {
 
 /// Changes whenever a type that crosses changes; the sizes catch a forgotten change.
 constexpr std::uint64_t kPluginAbi =
-    (std::uint64_t{1} << 48) + (sizeof(lower::LoweredSystem) << 24) + (sizeof(System) << 8) + sizeof(Expr);
+    (std::uint64_t{2} << 48) + (sizeof(lower::LoweredSystem) << 24) + (sizeof(System) << 8) + sizeof(Expr);
 
 enum class EmitKind : std::uint8_t { Llvm, Asm };
 

@@ -43,6 +43,8 @@ struct LoweredSystem {
   // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.
   Steps steps;
   std::vector<rt::StepFn> step_fns;
+  // Step functions call their pieces by the rows of `codes`, as somebody stands between (rt::Profile); else they are inlined.
+  bool calls_rows = false;
   struct Pools;
   std::unique_ptr<Pools, void (*)(Pools*)> pools{nullptr, nullptr};  // owner of all arrays behind `image`
 };

@@ -29,6 +29,7 @@ namespace bip::rt {
 struct BatchPlan;
 struct BatchPart;
 class Team;
+class Profile;
 
 /// Has an atom to do with time?
 [[nodiscard]] bool has_time(const Image& image);
@@ -79,7 +80,7 @@ class Core {
   /// Has the image step functions for this system, and is the list kept?
   [[nodiscard]] bool has_steps() const { return !run_of_.empty() && keeps_list_; }
   /// Up to `limit` steps, drawn as `drawn` does; returns how many. Asks is_stopped now and then. sound: false after a fault.
-  u64 run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound);
+  u64 run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr);
   /// Has every slot a step function?
   [[nodiscard]] bool can_batch() const;
   /// The same on the team's threads, in epochs (batch.hpp), while there is enough to do for all; run_steps must follow.
@@ -287,6 +288,8 @@ class Core {
   void bind_choices(const Plan& plan, const PlanUse& use);
 
   // run_steps.cpp
+  template <class Watch>
+  u64 run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
   void link_steps();
 
   // run_batch.cpp

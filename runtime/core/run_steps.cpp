@@ -8,12 +8,18 @@
 #include <limits>
 
 #include "runtime/core/core.hpp"
+#include "runtime/core/profile.hpp"
 
 namespace bip::rt {
 
 namespace {
 
 constexpr u32 kSlotsDiffer = kNone - 1;
+
+struct Unwatched {
+  void begin_step() const {}
+  void end_step(u32) const {}
+};
 
 }  // namespace
 
@@ -45,7 +51,8 @@ void Core::link_steps() {
   step_scratch_.assign(std::size_t{most} + 1, 0);
 }
 
-u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
+template <class Watch>
+u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch) {
   constexpr u64 kBetweenLooks = 4096;
   EnabledSet::List list = enabled_.open_list();
   StepState s{all_.data(), places_.data(), values_.data(), list.members, list.position, step_scratch_.data(), *list.count};
@@ -67,6 +74,7 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
     const u32 slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
     u32 row = run_of_block[slot >> 6];
     if (row == kSlotsDiffer) row = run_of[slot];
+    watch.begin_step();
     if (row != kNone) {
       const CompiledRun& run = runs[row];
       history[history_at] = slot;
@@ -80,6 +88,7 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
       if (!sound) break;
       s.count = *list.count;
     }
+    watch.end_step(slot);
     ++done;
   }
   prng = numbers;
@@ -91,6 +100,11 @@ u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound) {
   }
   sound = settle();
   return done;
+}
+
+u64 Core::run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile) {
+  Unwatched nobody;
+  return profile == nullptr ? run_watched_steps(prng, limit, is_stopped, sound, nobody) : run_watched_steps(prng, limit, is_stopped, sound, *profile);
 }
 
 }  // namespace bip::rt

@@ -14,6 +14,7 @@
 #include <ctime>
 #include <memory>
 
+#include "runtime/core/profile.hpp"
 #include "runtime/engine/ask.hpp"
 #include "runtime/engine/batch.hpp"
 #include "runtime/engine/interrupt.hpp"
@@ -91,6 +92,7 @@ const char* refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
     if (has_time(image)) return "an engine with several threads does not run models with time";
     if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
+    if (options.profile != nullptr) return "--profile needs the sequential engine";
     if (!options.record_path.empty() || !options.replay_path.empty()) return "--record and --replay need the sequential engine";
     if (options.engine == Engine::Threads && options.format == TraceFormat::Bip2) return "--trace-format=bip2 needs the sequential engine: it lists what each state offers";
   }
@@ -184,6 +186,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   // Their threads may ask for the time.
   if (sound && !is_replay && options.events_path.empty()) sound = feed.open_sources(core);
   const bool is_compiled = (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
+  if (sound && options.profile != nullptr) options.profile->start(core.tables());
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
   if (sound && options.engine == Engine::Threads) {
@@ -214,7 +217,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       continue;
     } else if (is_compiled) {
       const u64 most = options.limit - result.steps;
-      const u64 done = core.run_steps(scheduler.prng(), writes ? std::min<u64>(most, Core::kHistory) : most, is_interrupted, sound);
+      const u64 done = core.run_steps(scheduler.prng(), writes ? std::min<u64>(most, Core::kHistory) : most, is_interrupted, sound, options.profile);
       result.steps += done;
       if (writes) output.record(core.recent_slots(done + (sound ? 0 : 1)));
       continue;
@@ -243,6 +246,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
         }
       }
       if (writes) output.step(core, at, result.steps, core.number(at));
+      if (options.profile != nullptr) options.profile->begin_step();
       if (core.is_timed()) {
         sound = core.take_timed(at);
         timed.fired(at.slot);
@@ -250,12 +254,15 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
         sound = core.take(at);
         scheduler.fired(at.slot);
       }
-      if (sound) ++result.steps;
+      if (!sound) continue;
+      if (options.profile != nullptr) options.profile->end_step(at.slot);
+      ++result.steps;
       continue;
     }
     break;
   }
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started;
+  if (options.profile != nullptr) options.profile->finish(seconds.count());
   const double cpu_seconds = static_cast<double>(std::clock() - cpu_started) / CLOCKS_PER_SEC;
 
   output.end(core, result.end, result.steps);

@@ -8,6 +8,8 @@
 
 namespace bip::rt {
 
+class Profile;
+
 enum class Policy : std::uint8_t { Uniform, First, Fair };
 enum class TraceFormat : std::uint8_t { Steps, Json, Bip2, Binary, Mcap, Perfetto };
 /// Sequential: one step after the other. Threads: atoms' transitions on several threads, steps that do not conflict overlap.
@@ -33,6 +35,7 @@ struct RunOptions {
   std::string replay_path;         // such a record: repeats the run in logical time, its seed and policy too
   bool silent = false;             // no step lines; the seed and the end are still told
   bool stats = false;              // steps, seconds, ns/step at the end
+  Profile* profile = nullptr;      // measures the steps (runtime/core/profile.hpp)
   bool debug = false;              // every state's candidates
   bool interactive = false;        // the candidates are listed and a number is read for each step
   std::FILE* input = nullptr;      // interactive: where from; null: standard input

@@ -1,0 +1,17 @@
+// A run's profile (runtime/core/profile.hpp) in the model's own words: as tables for a person, or as JSON.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "compiler/lower/lower.hpp"
+#include "runtime/core/profile.hpp"
+
+namespace bip::driver {
+
+/// Interactions, types and pieces of code, each sorted by its share of the run; the first few of each.
+[[nodiscard]] std::string profile_text(const lower::LoweredSystem& lowered, const rt::Profile& profile, std::uint64_t steps);
+
+/// One object with all rows, a line.
+[[nodiscard]] std::string profile_json(const lower::LoweredSystem& lowered, const rt::Profile& profile, std::uint64_t steps);
+
+}  // namespace bip::driver
