@@ -64,6 +64,7 @@ def groups():
                     ("mission", lambda: run_script("mission", [sys.executable, str(ROOT / "models/dala/run")]))]
     yield "serve", [("serve", lambda: run_script("serve", [sys.executable, str(ROOT / "tests/serve/run")]))]
     yield "traces", [("traces", lambda: run_script("traces", [sys.executable, str(ROOT / "tests/traces/run")]))]
+    yield "debuggers", [("debuggers", lambda: run_script("debuggers", [sys.executable, str(ROOT / "tests/debuggers/run")]))]
     if (BUILD / "bip-fuzz").exists():
         yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]
     if (BUILD / "bipc-lsp").exists():
@@ -81,6 +82,8 @@ def groups():
 
 def main():
     LOGS.mkdir(parents=True, exist_ok=True)
+    # The user's own cache is none of ours.
+    os.environ["XDG_CACHE_HOME"] = str(BUILD / "tests-cache")
     wanted = sys.argv[1:]
     unknown = set(wanted) - {name for name, _ in groups()}
     if unknown:

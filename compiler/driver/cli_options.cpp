@@ -94,19 +94,6 @@ void add_compile(CLI::App& app, CompileOptions& options) {
   add_diagnostics(app, options);
 }
 
-void add_optimisation(CLI::App& app, Optimisation& level, bool with_o1, const std::string& help) {
-  const std::string shown = with_o1 ? "0|1|2" : "0|2";
-  app.add_option_function<std::string>(
-         "-O", [&level](const std::string& text) { level = text == "0" ? Optimisation::O0 : text == "1" ? Optimisation::O1 : Optimisation::O2; },
-         help)
-      ->check(CLI::Validator(
-          [shown, with_o1](std::string& text) {
-            return text == "0" || text == "2" || (with_o1 && text == "1") ? "" : not_one_of(text, shown);
-          },
-          ""))
-      ->type_name(shown);
-}
-
 void add_check(CLI::App& app, CheckArguments& a) {
   CLI::App* command = app.add_subcommand("check", "report all errors and warnings of models, nothing else");
   command->add_option("FILE", a.files, ".bip or .bsys files")->required()->type_name("");
@@ -125,6 +112,7 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_option("--limit", a.run.limit, "stop after N steps")->check(is_number())->type_name("N");
   add_choice(*command, "--policy", a.run.policy, kPolicies, "uniform|first|fair", "which of the possible steps is taken");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
+  add_cache_options(*command, a.compile.cache);
   add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
   command->add_option("--trace", a.run.trace_path, "write the run to PATH, as JSON lines or as --trace-format says")->type_name("PATH");
   add_choice(*command, "--trace-format", a.run.format, kRecordFormats, "steps|json|bip2|binary|mcap|perfetto",
@@ -166,6 +154,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command->add_flag("--why", a.why, "print the invariants of a proof");
   command->add_flag("--json", a.json, "the verdict as JSON");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes code when states are searched");
+  add_cache_options(*command, a.compile.cache);
   add_compile(*command, a.compile);
   command->footer(
       "EXPR is about stable states: a@PLACE, a.data, can connector, can a.port, with the operators of guards.\n"
@@ -192,6 +181,7 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
   command->add_flag("--stats", a.stats, "states a second, bytes a state, depth at the end");
   command->add_flag("--trust-cpp", a.trusts_cpp, "C++ functions of the model depend on nothing but their arguments");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
+  add_cache_options(*command, a.compile.cache);
   add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
   command->add_flag_callback("--disable-maximal-progress", [&a] { a.explore.progress = rt::MaximalProgress::Off; },
                              "smaller interactions may run although a larger one could");
@@ -214,6 +204,7 @@ void add_serve(CLI::App& app, ServeArguments& a) {
   command->add_option("--seed", a.seed, "of the random choices (default 0)")->check(is_number())->type_name("N");
   add_choice(*command, "--policy", a.policy, kPolicies, "uniform|first|fair", "which of the possible steps is taken");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
+  add_cache_options(*command, a.compile.cache);
   command->add_flag("--asap", a.asap, "each step as soon as it is possible");
   command->add_option("--speed", a.speed, "F seconds of the model a second (default 1)")->check(CLI::Range(1e-6, 1e6))->type_name("F");
   add_compile(*command, a.compile);

@@ -71,8 +71,9 @@ int command_run(const RunArguments& arguments) {
   const bool profiles = arguments.profile || !arguments.profile_path.empty();
   bool ready = compile(c, arguments.file, Stage::Image);
   if (ready) c.lowered->calls_rows = profiles;
-  ready = ready && executor.prepare(c, arguments.backend, arguments.optimisation);
+  ready = ready && executor.prepare(c, arguments.backend, arguments.optimisation, arguments.for_debuggers ? ForDebuggers::Yes : ForDebuggers::No);
   if (const int code = report(c); code != 0 || !ready) return code;
+  if (arguments.run.stats) std::fputs(executor.summary().c_str(), stderr);
   return profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, arguments.run, stdout, stderr).exit_code;
 }
 

@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/compiler_errors.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/lower/event_classes.hpp"
@@ -90,17 +90,8 @@ void add_headers(Hash& hash, const fs::path& folder) {
   }
 }
 
-fs::path cache_folder() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  const char* home = std::getenv("HOME");
-  std::error_code error;
-  if (cache != nullptr && *cache != '\0') return fs::path(cache) / "bipc";
-  if (home != nullptr && *home != '\0') return fs::path(home) / ".cache" / "bipc";
-  return fs::temp_directory_path(error) / fmt::format("bipc-cache-{}", ::getuid());
-}
-
-// The shared object's path, compiled if the cache has none; empty after a report.
-std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp) {
+// The shared object's path, compiled if the cache has none; empty after a report. Without a cache it is in `work`.
+std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp, const TemporaryDirectory& work) {
   const RuntimeLocation runtime = find_runtime();
   if (runtime.directory.empty()) {
     std::string tried;
@@ -137,18 +128,18 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp) {
       hash.add(text_of(file));
     }
   }
-  const fs::path folder = cache_folder();
+  const fs::path kept = cache_folder(c.options.cache);
+  const fs::path folder = kept.empty() ? fs::path(work.path()) : kept;
   const fs::path object = folder / (hash.text() + ".so");
   std::error_code error;
-  if (fs::exists(object, error)) return object.string();
-  fs::create_directories(folder, error);
-  const Result<TemporaryDirectory> work = TemporaryDirectory::make();
-  if (!work) {
-    c.diags.report(Diag::kB5012, {}, "cannot be compiled: " + work.error());
-    return {};
+  if (fs::exists(object, error)) {
+    // What is used stays when the folder becomes too large.
+    fs::last_write_time(object, fs::file_time_type::clock::now(), error);
+    return object.string();
   }
-  const std::string source = (*work).path() + "/shim.cpp";
-  const std::string said = (*work).path() + "/said";
+  fs::create_directories(folder, error);
+  const std::string source = work.path() + "/shim.cpp";
+  const std::string said = work.path() + "/said";
   const fs::path fresh = folder / fmt::format("{}.{}", hash.text(), ::getpid());
   if (const auto written = write_file(source, shim); !written) {
     c.diags.report(Diag::kB5004, {}, source, written.error());
@@ -209,7 +200,12 @@ bool load_cpp_side(Compilation& c) {
   if (!has_cpp_side(c)) return true;
   emit_cpp::CppBuild cpp;
   if (!find_cpp_side(c, cpp)) return false;
-  const std::string path = shared_object(c, cpp);
+  const Result<TemporaryDirectory> work = TemporaryDirectory::make();
+  if (!work) {
+    c.diags.report(Diag::kB5012, {}, "cannot be compiled: " + work.error());
+    return false;
+  }
+  const std::string path = shared_object(c, cpp, *work);
   if (path.empty()) return false;
   // Stays for the life of the process: objects of its types may outlive everything here.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -3,8 +3,13 @@
 // Without a wish the JIT is taken if it is there. A system without any code needs neither: then libLLVM stays unloaded.
 #include "compiler/driver/executor.hpp"
 
+#include <fmt/format.h>
+
+#include <chrono>
+
 #include "bip/outside.hpp"
 #include "compiler/base/assert.hpp"
+#include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/cpp_side.hpp"
 #include "compiler/steps/derive_steps.hpp"
 
@@ -27,7 +32,7 @@ Executor::~Executor() {
   }
 }
 
-bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation) {
+bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers) {
   const StageScope doing("preparing the code of", c.path);
   if (!load_cpp_side(c)) return false;
   lowered_ = c.lowered.get();
@@ -37,12 +42,17 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
       const jit::OptLevel level = opt_level(*c.lowered, optimisation);
       // Code that is not optimised would make them no faster than the core.
       if (level != jit::OptLevel::O0) steps::derive_steps(*c.lowered);
-      Result<JitCode> code = (*plugin).compile(*c.lowered, level);
+      const auto started = std::chrono::steady_clock::now();
+      const CacheOptions& cache = c.options.cache;
+      Result<JitCode> code = (*plugin).compile(*c.lowered, {.level = level, .cache_folder = cache_folder(cache).string(), .cache_bytes = cache.megabytes << 20,
+                                                            .version = BIPC_VERSION, .for_debuggers = for_debuggers == ForDebuggers::Yes}, made_);
       if (!code) {
         c.diags.report(Diag::kB5007, {}, "jit", code.error());
         return false;
       }
       jit_ = std::move(*code);
+      jit::install(*c.lowered, made_);
+      seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
       return true;
     }
     if (backend == Backend::Jit) {
@@ -52,6 +62,13 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
   }
   interpreter_ = std::make_unique<interp::Interpreter>(*c.lowered);
   return true;
+}
+
+std::string Executor::summary() const {
+  if (!jit_) return {};
+  std::string text = fmt::format("code: {} module{}, {} from the cache, {:.6f} s\n", made_.modules, made_.modules == 1 ? "" : "s", made_.from_cache, seconds_);
+  for (const std::string& file : made_.broken_files) text += fmt::format("note: `{}` was broken and is made anew\n", file);
+  return text;
 }
 
 }  // namespace bip::driver

@@ -49,9 +49,9 @@ Result<JitPlugin> load_jit() {
   return plugin;
 }
 
-Result<JitCode> JitPlugin::compile(lower::LoweredSystem& lowered, jit::OptLevel level) const {
+Result<JitCode> JitPlugin::compile(const lower::LoweredSystem& lowered, const jit::JitOptions& options, jit::MadeCode& made) const {
   std::string error;
-  JitCode code(compile_(&lowered, level, &error), JitDeleter{destroy_});
+  JitCode code(compile_(&lowered, &options, &made, &error), JitDeleter{destroy_});
   if (!code) return Failure{std::move(error)};
   return code;
 }

@@ -20,8 +20,8 @@ using JitCode = std::unique_ptr<jit::Jit, JitDeleter>;
 /// The loaded plug-in: a handle of functions, cheap to copy.
 class JitPlugin {
  public:
-  /// Compiles all units and fills lowered.codes.
-  [[nodiscard]] Result<JitCode> compile(lower::LoweredSystem& lowered, jit::OptLevel level) const;
+  /// Compiles all units and steps.
+  [[nodiscard]] Result<JitCode> compile(const lower::LoweredSystem& lowered, const jit::JitOptions& options, jit::MadeCode& made) const;
   [[nodiscard]] Result<std::string> emit_llvm(const lower::LoweredSystem& lowered, jit::OptLevel level) const;
   [[nodiscard]] Result<std::string> emit_asm(const lower::LoweredSystem& lowered, jit::OptLevel level) const;
 

@@ -19,6 +19,12 @@ enum class Backend : std::uint8_t { Auto, Jit, Interp };
 /// Auto: -O2 for at most kMaxUnitsForO2 pieces of code, else -O0, so that a run starts within about 0.1 s either way.
 enum class Optimisation : std::uint8_t { Auto, O0, O1, O2 };
 
+/// Machine code that is kept for the next time.
+struct CacheOptions {
+  bool is_off = false;
+  std::string folder;                // empty: the user's cache folder
+  std::uint64_t megabytes = 256;     // at most so much is kept
+};
 /// Of every command that compiles.
 struct CompileOptions {
   std::string root;  // "Ring(10)"; empty: the one parameterless compound nobody instantiates
@@ -31,6 +37,7 @@ struct CompileOptions {
   bool explain = false;              // the page of the first error follows
   EmitKind emit = EmitKind::None;
   bool time_passes = false;
+  CacheOptions cache;
   bool verify_each = false;
 };
 struct RunArguments {
@@ -39,6 +46,7 @@ struct RunArguments {
   Backend backend = Backend::Auto;
   Optimisation optimisation = Optimisation::Auto;
   rt::RunOptions run;
+  bool for_debuggers = false;        // gdb and perf see machine code and its lines
   bool profile = false;              // a table of where the time went follows
   std::string profile_path;          // the same as JSON; empty: none
 };

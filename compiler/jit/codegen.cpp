@@ -9,21 +9,29 @@
 #include <llvm/IR/IRBuilder.h>
 
 #include <limits>
+#include <optional>
+
+#include "compiler/jit/debug_info.hpp"
 
 namespace bip::jit {
 namespace {
 
 class UnitBuilder {
  public:
-  UnitBuilder(llvm::Function* function, const lower::LoweredSystem& lowered)
+  UnitBuilder(llvm::Function* function, const lower::LoweredSystem& lowered, DebugInfo* debug)
       : code_(lowered.system->code), sites_(lowered.site_of_expr), function_(function),
-        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)), i32_(b_.getInt32Ty()) {
+        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)), i32_(b_.getInt32Ty()), debug_(debug) {
     self_ = function->getArg(1);
     all_ = function->getArg(2);
     bind_ = function->getArg(3);
   }
 
+  /// What follows is from there.
+  void place(Loc loc) {
+    if (debug_ != nullptr && loc.line != 0) b_.SetCurrentDebugLocation(debug_->at(*function_, loc));
+  }
   void guard(ExprId id) {
+    place(code_.exprs[id].loc);
     b_.CreateRet(b_.CreateZExt(expr(id), i32_));
     limit_passes();
   }
@@ -217,6 +225,7 @@ class UnitBuilder {
   void body(StmtId first) {
     for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
       const Stmt& s = code_.stmts[id];
+      place(s.loc);
       llvm::Value* value = expr(s.value);
       switch (s.op) {
         case StmtOp::StoreSelf: assign(s.type, value, self_slot(s.index)); break;
@@ -245,6 +254,7 @@ class UnitBuilder {
   llvm::Function* function_;
   llvm::IRBuilder<> b_;
   llvm::Type* i32_;
+  DebugInfo* debug_;
   llvm::Value* self_ = nullptr;
   llvm::Value* all_ = nullptr;
   llvm::Value* bind_ = nullptr;
@@ -268,19 +278,24 @@ llvm::Function* declare(llvm::Module& module, const std::string& name) {
 
 }  // namespace
 
-llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row, const std::string& name) {
+llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row, const std::string& name, DebugInfo* debug) {
   const lower::CodeUnit& unit = lowered.units[row];
   llvm::Function* function = declare(module, name);
-  UnitBuilder builder(function, lowered);
+  if (debug != nullptr) debug->enter(*function, lowered.units[row].name, lowered.units[row].loc);
+  UnitBuilder builder(function, lowered, debug);
+  builder.place(lowered.units[row].loc);
   if (unit.kind == lower::CodeKind::Guard) builder.guard(unit.expr);
   else builder.action(unit.body);
   return function;
 }
 
 std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
-                                           std::size_t first, std::size_t count) {
+                                           std::size_t first, std::size_t count, Lines lines) {
   auto module = std::make_unique<llvm::Module>("units_" + std::to_string(first), context);
-  for (std::size_t k = first; k < first + count; ++k) (void)build_unit(*module, lowered, k, lowered.units[k].name);
+  std::optional<DebugInfo> debug;
+  if (lines == Lines::Yes) debug.emplace(*module, lowered.image);
+  for (std::size_t k = first; k < first + count; ++k) (void)build_unit(*module, lowered, k, lowered.units[k].name, debug ? &*debug : nullptr);
+  if (debug) debug->finish();
   return module;
 }
 

@@ -10,6 +10,8 @@
 
 namespace bip::jit {
 
+class DebugInfo;
+
 /// C++ functions and data of the process, declared by name; a number follows: row of functions, of extern types, of
 /// expressions (the slot of a call's extern result).
 inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kTemporaryName = "bip_temporary_", kOutsideName = "bip_outside",
@@ -17,14 +19,17 @@ inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", k
 
 /// A module with the functions of units [first, first + count), named as the units, each a rt::CodeFn.
 /// Promises: `nounwind`, calls of nothing but C++ functions, no fast-math, int arithmetic that wraps.
+/// With lines for debuggers, if there are to be any.
+enum class Lines : std::uint8_t { No, Yes };
 [[nodiscard]] std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
-                                                         std::size_t first, std::size_t count);
+                                                         std::size_t first, std::size_t count, Lines lines = Lines::No);
 
 /// One unit as a function of the module, called `name`.
-llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t unit, const std::string& name);
+llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t unit, const std::string& name,
+                           DebugInfo* debug);
 
 /// A module with a rt::StepFn for each shape of lowered.steps, named step_name(shape).
-[[nodiscard]] std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered);
+[[nodiscard]] std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered, Lines lines = Lines::No);
 [[nodiscard]] std::string step_name(std::size_t shape);
 
 }  // namespace bip::jit

@@ -6,8 +6,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 
 #include "compiler/jit/codegen.hpp"
+#include "compiler/jit/debug_info.hpp"
 
 namespace bip::jit {
 namespace {
@@ -18,9 +20,13 @@ using llvm::Value;
 
 class ShapeBuilder {
  public:
-  ShapeBuilder(llvm::Module& module, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const std::string& name)
+  ShapeBuilder(llvm::Module& module, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const std::string& name, const Place& place, DebugInfo* debug)
       : module_(module), lowered_(lowered), shape_(shape), function_(declare(module, name)),
-        b_(llvm::BasicBlock::Create(module.getContext(), "entry", function_)), i32_(b_.getInt32Ty()), i64_(b_.getInt64Ty()) {
+        b_(llvm::BasicBlock::Create(module.getContext(), "entry", function_)), i32_(b_.getInt32Ty()), i64_(b_.getInt64Ty()), debug_(debug) {
+    if (debug_ != nullptr) {
+      debug_->enter(*function_, place.name, place.loc);
+      b_.SetCurrentDebugLocation(debug_->at(*function_, place.loc));
+    }
     all_ = field(offsetof(rt::StepState, all), b_.getPtrTy());
     places_ = field(offsetof(rt::StepState, places), b_.getPtrTy());
     values_ = field(offsetof(rt::StepState, values), b_.getPtrTy());
@@ -128,7 +134,7 @@ class ShapeBuilder {
   llvm::Function* unit(std::uint32_t row) {
     const std::string name = "inline." + lowered_.units[row].name;
     if (llvm::Function* known = module_.getFunction(name)) return known;
-    llvm::Function* function = build_unit(module_, lowered_, row, name);
+    llvm::Function* function = build_unit(module_, lowered_, row, name, debug_);
     function->setLinkage(llvm::Function::InternalLinkage);
     if (!function->hasFnAttribute(llvm::Attribute::OptimizeNone)) function->addFnAttr(llvm::Attribute::AlwaysInline);
     return function;
@@ -253,6 +259,7 @@ class ShapeBuilder {
   llvm::IRBuilder<> b_;
   llvm::Type* i32_;
   llvm::Type* i64_;
+  DebugInfo* debug_;
   Value *all_ = nullptr, *places_ = nullptr, *values_ = nullptr, *members_ = nullptr, *position_ = nullptr, *scratch_ = nullptr;
   Value* count_ = nullptr;
   std::vector<Value*> operands_;
@@ -262,10 +269,17 @@ class ShapeBuilder {
 
 std::string step_name(std::size_t shape) { return "bip_shape_" + std::to_string(shape); }
 
-std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered) {
+std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered, Lines lines) {
   auto module = std::make_unique<llvm::Module>("steps", context);
+  std::optional<DebugInfo> debug;
+  if (lines == Lines::Yes) debug.emplace(*module, lowered.image);
+  const std::vector<Place> places = debug ? shape_places(lowered) : std::vector<Place>(lowered.steps.shapes.size());
   std::size_t number = 0;
-  for (const lower::StepShape& shape : lowered.steps.shapes) ShapeBuilder(*module, lowered, shape, step_name(number++)).build();
+  for (const lower::StepShape& shape : lowered.steps.shapes) {
+    ShapeBuilder(*module, lowered, shape, step_name(number), places[number], debug ? &*debug : nullptr).build();
+    ++number;
+  }
+  if (debug) debug->finish();
   return module;
 }
 

@@ -2,29 +2,55 @@
 //
 // Units go in modules of kUnitsPerModule (one a module costs six times as much, all in one makes passes and linking
 // slow to start), each compiled and looked up before the next is built, so that memory stays that of one module plus the
-// code. A module has a context of its own: what a pass interns dies with it.
+// code. A module has a context of its own: what a pass interns dies with it. A module's object is looked for in the cache by
+// the hash of its IR as built, of the machine and of this library: only what nobody has compiled before runs passes.
 #include "compiler/jit/jit.hpp"
 
+#include <dlfcn.h>
+#include <llvm/Bitcode/BitcodeWriter.h>
+#include <llvm/Config/llvm-config.h>
+#include <llvm/ExecutionEngine/Orc/CompileUtils.h>
 #include <llvm/ExecutionEngine/Orc/LLJIT.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "compiler/jit/codegen.hpp"
+#include "compiler/jit/debug_info.hpp"
+#include "compiler/jit/object_cache.hpp"
 #include "compiler/jit/target.hpp"
+#include "compiler/jit/watchers.hpp"
 
 namespace bip::jit {
 namespace {
 
 constexpr std::size_t kUnitsPerModule = 256;
 
-}  // namespace
+// The library that holds this function, as built: another build's passes may be others.
+std::string own_build() {
+  Dl_info info{};
+  struct stat file {};
+  if (::dladdr(reinterpret_cast<const void*>(&own_build), &info) == 0 || ::stat(info.dli_fname, &file) != 0) return {};
+  return std::to_string(file.st_size) + "." + std::to_string(file.st_mtim.tv_sec) + "." + std::to_string(file.st_mtim.tv_nsec);
+}
 
-struct Jit::Impl {
+llvm::Error stopped() { return llvm::createStringError(llvm::inconvertibleErrorCode(), "stopped"); }
+
+// One compilation, module by module. Its product is the engine, which owns the code.
+struct Compiler {
+  Compiler(const lower::LoweredSystem& l, const JitOptions& o, MadeCode& m) : lowered(l), options(o), made(m), cache(o.cache_folder, o.cache_bytes) {}
+
+  const lower::LoweredSystem& lowered;
+  const JitOptions& options;
+  MadeCode& made;
+  ObjectCache cache;
   std::unique_ptr<llvm::orc::LLJIT> engine;
   std::unique_ptr<llvm::TargetMachine> machine;
+  std::string origin;  // what all objects depend on
 
   /// Gives the C++ side of the system its names.
-  llvm::Error add_outside(lower::LoweredSystem& lowered) {
+  llvm::Error add_outside() {
     llvm::orc::SymbolMap symbols;
     const auto add = [&](const std::string& name, const void* address) {
       if (address == nullptr) return;
@@ -41,15 +67,50 @@ struct Jit::Impl {
     return engine->getMainJITDylib().define(llvm::orc::absoluteSymbols(std::move(symbols)));
   }
 
+  /// gdb and perf: names and lines of all functions.
+  llvm::Error add_watchers() {
+    std::map<std::string, std::string> labels;
+    const auto add = [&](const std::string& symbol, const Place& place) {
+      const auto& files = lowered.image.files;
+      const std::string file = place.loc.file < files.size ? files[place.loc.file] : "";
+      labels[symbol] = place.name + " [" + file + ":" + std::to_string(place.loc.line) + "]";
+    };
+    for (std::size_t k = 0; k < lowered.units.size(); ++k) add(lowered.units[k].name, unit_place(lowered, k));
+    const std::vector<Place> places = shape_places(lowered);
+    for (std::size_t k = 0; k < places.size(); ++k) add(step_name(k), places[k]);
+    return let_watch(*engine, std::move(labels));
+  }
+
+  std::string name_of(const llvm::Module& module) const {
+    llvm::SmallVector<char, 0> bitcode;
+    llvm::raw_svector_ostream stream(bitcode);
+    llvm::WriteBitcodeToFile(module, stream);
+    return content_hash({origin, {bitcode.data(), bitcode.size()}});
+  }
+
+  llvm::Expected<std::unique_ptr<llvm::MemoryBuffer>> object_of(llvm::Module& module) {
+    const std::string name = cache.is_on() ? name_of(module) : std::string();
+    if (cache.is_on()) {
+      if (const std::optional<std::string> bytes = cache.load(name)) {
+        ++made.from_cache;
+        return llvm::MemoryBuffer::getMemBufferCopy(*bytes, module.getName());
+      }
+    }
+    optimize(module, *machine, options.level);
+    llvm::orc::SimpleCompiler compiler(*machine);
+    auto object = compiler(module);
+    if (object) cache.store(name, {(*object)->getBufferStart(), (*object)->getBufferSize()});
+    return object;
+  }
+
   /// Compiles a module and looks its functions up, all names at once: one trip through the session.
-  llvm::Expected<std::vector<llvm::orc::ExecutorAddr>> add_module(std::unique_ptr<llvm::LLVMContext> context, std::unique_ptr<llvm::Module> module,
-                                                                   OptLevel level, const std::vector<std::string>& functions) {
+  llvm::Expected<std::vector<llvm::orc::ExecutorAddr>> add_module(std::unique_ptr<llvm::Module> module, const std::vector<std::string>& functions) {
     module->setDataLayout(engine->getDataLayout());
     module->setTargetTriple(engine->getTargetTriple().str());
-    optimize(*module, *machine, level);
-    if (llvm::Error error =
-            engine->addIRModule(llvm::orc::ThreadSafeModule(std::move(module), std::move(context))))
-      return error;
+    ++made.modules;
+    auto object = object_of(*module);
+    if (!object) return object.takeError();
+    if (llvm::Error error = engine->addObjectFile(std::move(*object))) return error;
     llvm::orc::ExecutionSession& session = engine->getExecutionSession();
     std::vector<llvm::orc::SymbolStringPtr> names;
     llvm::orc::SymbolLookupSet wanted;
@@ -64,57 +125,82 @@ struct Jit::Impl {
     return addresses;
   }
 
-  llvm::Error add_units(lower::LoweredSystem& lowered, OptLevel level, std::size_t first, std::size_t count) {
-    auto context = std::make_unique<llvm::LLVMContext>();
-    std::unique_ptr<llvm::Module> module = build_module(*context, lowered, first, count);
+  [[nodiscard]] Lines lines() const { return options.for_debuggers ? Lines::Yes : Lines::No; }
+
+  llvm::Error add_units(std::size_t first, std::size_t count) {
+    llvm::LLVMContext context;
+    std::unique_ptr<llvm::Module> module = build_module(context, lowered, first, count, lines());
     std::vector<std::string> names;
     for (std::size_t k = 0; k < count; ++k) names.push_back(lowered.units[first + k].name);
-    auto found = add_module(std::move(context), std::move(module), level, names);
+    auto found = add_module(std::move(module), names);
     if (!found) return found.takeError();
-    for (std::size_t k = 0; k < count; ++k) lowered.codes[first + k] = {.fn = (*found)[k].toPtr<rt::CodeFn>(), .context = nullptr};
+    for (const llvm::orc::ExecutorAddr& address : *found) made.codes.push_back({.fn = address.toPtr<rt::CodeFn>(), .context = nullptr});
     return llvm::Error::success();
   }
 
-  llvm::Error add_steps(lower::LoweredSystem& lowered, OptLevel level) {
-    lowered.step_fns.clear();
-    if (!lowered.steps.shapes.empty()) {
-      auto context = std::make_unique<llvm::LLVMContext>();
-      std::unique_ptr<llvm::Module> module = build_steps(*context, lowered);
-      std::vector<std::string> names;
-      for (std::size_t k = 0; k < lowered.steps.shapes.size(); ++k) names.push_back(step_name(k));
-      auto found = add_module(std::move(context), std::move(module), level, names);
-      if (!found) return found.takeError();
-      for (const llvm::orc::ExecutorAddr& address : *found) lowered.step_fns.push_back(address.toPtr<rt::StepFn>());
-    }
-    lowered.image.step_fns = {lowered.step_fns.data(), static_cast<std::uint32_t>(lowered.step_fns.size())};
+  llvm::Error add_steps() {
+    if (lowered.steps.shapes.empty()) return llvm::Error::success();
+    llvm::LLVMContext context;
+    std::unique_ptr<llvm::Module> module = build_steps(context, lowered, lines());
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < lowered.steps.shapes.size(); ++k) names.push_back(step_name(k));
+    auto found = add_module(std::move(module), names);
+    if (!found) return found.takeError();
+    for (const llvm::orc::ExecutorAddr& address : *found) made.step_fns.push_back(address.toPtr<rt::StepFn>());
     return llvm::Error::success();
   }
+
+  [[nodiscard]] bool goes_on() const { return !options.goes_on || options.goes_on(); }
+};
+
+}  // namespace
+
+struct Jit::Impl {
+  std::unique_ptr<llvm::orc::LLJIT> engine;
 };
 
 Jit::Jit() : impl_(std::make_unique<Impl>()) {}
 Jit::~Jit() = default;
 
-Result<std::unique_ptr<Jit>> Jit::compile(lower::LoweredSystem& lowered, OptLevel level) {
-  Result<llvm::orc::JITTargetMachineBuilder> target = host_target(level);
+Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, const JitOptions& options, MadeCode& made) {
+  Result<llvm::orc::JITTargetMachineBuilder> target = host_target(options.level);
   if (!target) return Failure{target.error()};
-  std::unique_ptr<Jit> jit(new Jit());
+  // As the linker wants it.
+  (*target).setRelocationModel(llvm::Reloc::PIC_);
+  (*target).setCodeModel(llvm::CodeModel::Small);
+  Compiler compiler(lowered, options, made);
   Result<std::unique_ptr<llvm::TargetMachine>> machine = make_machine(*target);
   if (!machine) return Failure{machine.error()};
-  jit->impl_->machine = std::move(*machine);
+  compiler.machine = std::move(*machine);
+  compiler.origin = content_hash({options.version, own_build(), LLVM_VERSION_STRING, options.level == OptLevel::O0 ? "0" : "2",
+                              compiler.machine->getTargetTriple().str(), compiler.machine->getTargetCPU(), compiler.machine->getTargetFeatureString()});
   // Our code has no initialisers, no thread-locals and calls only what add_outside names: no platform, no look into the process.
   auto engine = llvm::orc::LLJITBuilder()
                     .setJITTargetMachineBuilder(std::move(*target))
                     .setPlatformSetUp(llvm::orc::setUpInactivePlatform)
                     .create();
   if (!engine) return Failure{"the JIT does not start: " + text_of(engine.takeError())};
-  jit->impl_->engine = std::move(*engine);
-  if (llvm::Error error = jit->impl_->add_outside(lowered)) return Failure{"the JIT does not take the C++ functions: " + text_of(std::move(error))};
+  compiler.engine = std::move(*engine);
+  if (llvm::Error error = compiler.add_outside()) return Failure{"the JIT does not take the C++ functions: " + text_of(std::move(error))};
+  if (options.for_debuggers) {
+    if (llvm::Error error = compiler.add_watchers()) return Failure{"the JIT cannot be watched: " + text_of(std::move(error))};
+  }
   for (std::size_t first = 0; first < lowered.units.size(); first += kUnitsPerModule) {
     const std::size_t count = std::min(kUnitsPerModule, lowered.units.size() - first);
-    if (llvm::Error error = jit->impl_->add_units(lowered, level, first, count))
+    if (llvm::Error error = compiler.goes_on() ? compiler.add_units(first, count) : stopped())
       return Failure{"the JIT fails on `" + lowered.units[first].name + "` and those after it: " + text_of(std::move(error))};
   }
-  if (llvm::Error error = jit->impl_->add_steps(lowered, level)) return Failure{"the JIT fails on whole steps: " + text_of(std::move(error))};
+  if (llvm::Error error = compiler.goes_on() ? compiler.add_steps() : stopped()) return Failure{"the JIT fails on whole steps: " + text_of(std::move(error))};
+  made.broken_files = compiler.cache.broken();
+  std::unique_ptr<Jit> jit(new Jit());
+  jit->impl_->engine = std::move(compiler.engine);
+  return jit;
+}
+
+Result<std::unique_ptr<Jit>> Jit::compile(lower::LoweredSystem& lowered, OptLevel level) {
+  MadeCode made;
+  Result<std::unique_ptr<Jit>> jit = compile(lowered, {.level = level}, made);
+  if (jit) install(lowered, made);
   return jit;
 }
 

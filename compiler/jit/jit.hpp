@@ -1,7 +1,9 @@
 // Native code for guards, actions and transfers with LLVM ORC. The only folder that knows LLVM.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "compiler/base/result.hpp"
 #include "compiler/lower/lower.hpp"
@@ -10,10 +12,35 @@ namespace bip::jit {
 
 enum class OptLevel : std::uint8_t { O0, O2 };
 
+struct JitOptions {
+  OptLevel level = OptLevel::O2;
+  std::string cache_folder = {};                   // where machine code is kept for the next time; empty: nowhere
+  std::uint64_t cache_bytes = std::uint64_t{256} << 20;  // at most so much of it
+  std::string version = {};                        // of the program: its code is not another's
+  bool for_debuggers = false;                      // gdb and perf see the code and its lines in the model
+  std::function<bool()> goes_on = {};              // asked before each module; false: the compilation fails
+};
+
+/// What a compilation makes: a row a unit, a function a shape.
+struct MadeCode {
+  std::vector<rt::Code> codes;
+  std::vector<rt::StepFn> step_fns;
+  std::size_t modules = 0, from_cache = 0;
+  std::vector<std::string> broken_files;           // of the cache; made anew
+};
+/// From now on the image runs this code, which must live as long. Between steps only; a Core that is linked already must be told.
+inline void install(lower::LoweredSystem& lowered, const MadeCode& made) {
+  for (std::size_t k = 0; k < made.codes.size(); ++k) lowered.codes[k] = made.codes[k];
+  lowered.step_fns = made.step_fns;
+  lowered.image.step_fns = {lowered.step_fns.data(), static_cast<std::uint32_t>(lowered.step_fns.size())};
+}
+
 /// Owns the machine code; keep alive as long as the image runs.
 class Jit {
  public:
-  /// Compiles all units and fills lowered.codes; a function for each shape of lowered.steps, if there are any.
+  /// Compiles all units; a function for each shape of lowered.steps, if there are any. Reads only, but for `made`.
+  static Result<std::unique_ptr<Jit>> compile(const lower::LoweredSystem& lowered, const JitOptions& options, MadeCode& made);
+  /// The same, installed.
   static Result<std::unique_ptr<Jit>> compile(lower::LoweredSystem& lowered, OptLevel level);
   ~Jit();
 

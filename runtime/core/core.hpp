@@ -29,7 +29,6 @@ namespace bip::rt {
 struct BatchPlan;
 struct BatchPart;
 class Team;
-class Profile;
 
 /// Has an atom to do with time?
 [[nodiscard]] bool has_time(const Image& image);
@@ -93,8 +92,7 @@ class Core {
 
   /// The atom ports that take part, in the order in which they fire.
   void participants(const Candidate& candidate, std::vector<Participant>& out);
-  /// The ports of the connector itself; exported ports of connectors below as such. Runs `up`, so that the values of those
-  /// are the ones that this candidate offers.
+  /// The ports of the connector itself; exported ports of connectors below as such, with this candidate's values: runs `up`.
   void direct_participants(const Candidate& candidate, std::vector<Participant>& out);
 
   [[nodiscard]] State snapshot() const;
@@ -288,8 +286,7 @@ class Core {
   void bind_choices(const Plan& plan, const PlanUse& use);
 
   // run_steps.cpp
-  template <class Watch>
-  u64 run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
+  template <class Watch> u64 run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
   void link_steps();
 
   // run_batch.cpp

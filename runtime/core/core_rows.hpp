@@ -7,6 +7,8 @@
 
 namespace bip::rt {
 
+class Profile;
+
 struct AtomInfo {
   u32 port_base = 0, slot_base = 0;
   u32 type = 0;

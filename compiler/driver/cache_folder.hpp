@@ -1,0 +1,13 @@
+// Where machine code is kept between runs: what the JIT made of a model's code, and the compiled C++ of models that call it.
+#pragma once
+#include <filesystem>
+
+#include "compiler/driver/options.hpp"
+
+namespace bip::driver {
+
+/// The folder that was asked for, else $XDG_CACHE_HOME/bipc, ~/.cache/bipc, or one of the user's in the folder for temporary
+/// files. It need not exist. Empty if nothing is to be kept.
+[[nodiscard]] std::filesystem::path cache_folder(const CacheOptions& options);
+
+}  // namespace bip::driver
