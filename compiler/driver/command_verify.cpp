@@ -94,6 +94,7 @@ int command_verify(const VerifyArguments& arguments) {
   limits.threads = processors();
   limits.megabytes = static_cast<std::size_t>(arguments.megabytes);
   limits.wants_certificate = !arguments.certificate.empty();
+  limits.wants_few = limits.wants_certificate || arguments.why;
   const rt::InterruptGuard guard;
   Executor executor;
   bool is_ready = true;

@@ -56,7 +56,9 @@ void Decider::look_at_structure() {
     d_.choices = std::move(found.choices);
     return true;
   });
-  if (d_.proof.end == ProofEnd::Free) d_.outcome = Outcome::Holds;
+  if (d_.proof.end != ProofEnd::Free) return;
+  d_.outcome = Outcome::Holds;
+  if (limits_.wants_few) keep_needed(net_, limits_.end, d_.proof);
 }
 
 Decider::Tried Decider::try_search(std::uint64_t states) {
@@ -194,6 +196,7 @@ Decider::Tried Decider::try_induction(double seconds) {
     report_("invariants", d_.proof.invariants.size(), "found");
     is_strengthened_ = true;
     if (strengthen(net_, *machine_, image_, problem.bad, problem.end, d_.proof)) {
+      if (limits_.wants_few) keep_needed(net_, *machine_, image_, problem.bad, limits_.end, d_.proof);
       d_.outcome = Outcome::Holds;
       d_.method = Method::Induction;
       return Tried::Done;

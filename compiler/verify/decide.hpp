@@ -45,6 +45,7 @@ using Report = std::function<void(const char* phase, std::uint64_t count, const 
 struct DecideLimits {
   Clock::time_point end;
   std::size_t megabytes = 2048;
+  bool wants_few = false;          // of a proof's invariants only those that it needs
   bool wants_certificate = false;  // an exhaustive search is followed by a proof, or keeps what it has reached
   std::uint32_t threads = 1;       // of the visit of all states
   bool may_search = true;          // states may be visited; a way that a proof's failure gives is replayed in any case

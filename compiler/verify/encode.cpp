@@ -211,7 +211,7 @@ void Encoding::add_step(const Lacking& lacking) {
   else if (lacking.kind == Lacking::Kind::Never) solver_.add(std::span<const Lit>{});
 }
 
-bool Encoding::add(const TokenInvariant& invariant) {
+bool Encoding::add(const TokenInvariant& invariant, Lit on) {
   if (invariant.kind == InvariantKind::Sum) {
     WeightedSum sum;
     if (!build_weighted_sum(net_, invariant, is_reachable_, sum)) return false;
@@ -222,6 +222,7 @@ bool Encoding::add(const TokenInvariant& invariant) {
   for (u32 mode : invariant.modes) {
     if (marked_[mode] != 0) modes.push_back(marked_[mode]);
   }
+  if (on != 0) modes.push_back(-on);
   solver_.add(modes);
   if (invariant.kind == InvariantKind::OneToken) add_at_most_one(solver_, modes);
   return true;

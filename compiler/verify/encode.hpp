@@ -5,6 +5,7 @@
 // port counts as enabled only in modes in which it is surely enabled, a guarded interaction only where the guard is true
 // for the values of the modes. So every deadlock is a model of the clauses, and models may be spurious.
 #pragma once
+#include "compiler/verify/needed.hpp"
 #include "compiler/verify/solver/solver.hpp"
 #include "compiler/verify/traps.hpp"
 
@@ -14,8 +15,13 @@ class Encoding {
  public:
   Encoding(const Net& net, const Spread& reachable);
 
-  /// False: it is a sum too large for clauses.
-  bool add(const TokenInvariant& invariant);
+  /// False: it is a sum too large for clauses. A trap given a switch counts only where keep_needed() assumes it.
+  bool add(const TokenInvariant& invariant, Lit on = 0);
+  [[nodiscard]] Lit new_switch() { return solver_.new_variable(); }
+  /// Which traps does the contradiction need? False: there is none in the time.
+  bool keep_needed(std::vector<TokenInvariant>& invariants, const std::vector<Lit>& on, double seconds) {
+    return keep_switched_on(solver_, invariants, on, seconds);
+  }
   [[nodiscard]] Answer solve(double seconds) { return solver_.solve(seconds); }
   /// By mode: 1 if marked in the model.
   [[nodiscard]] std::vector<std::uint8_t> marked() const;

@@ -79,4 +79,17 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
   }
 }
 
+void keep_needed(const Net& net, Clock::time_point end, Proof& proof) {
+  Proof again;
+  Spread reachable(net, Direction::Forward, nullptr);
+  spread_from_initial(net, reachable, again);
+  Encoding encoding(net, reachable);
+  std::vector<Lit> on;
+  for (const TokenInvariant& invariant : proof.invariants) {
+    on.push_back(invariant.kind == InvariantKind::Trap ? encoding.new_switch() : 0);
+    (void)encoding.add(invariant, on.back());
+  }
+  (void)encoding.keep_needed(proof.invariants, on, seconds_until(end));
+}
+
 }  // namespace bip::verify

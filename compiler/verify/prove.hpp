@@ -35,5 +35,7 @@ void spread_from_initial(const Net& net, Spread& reachable, Proof& proof);
 /// Nothing but that.
 [[nodiscard]] Proof find_reachable_modes(const Net& net);
 [[nodiscard]] Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at = {});
+/// Leaves of a proof that is Free the invariants that it needs.
+void keep_needed(const Net& net, Clock::time_point end, Proof& proof);
 
 }  // namespace bip::verify

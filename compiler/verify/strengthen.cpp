@@ -4,6 +4,7 @@
 #include "compiler/verify/cnf.hpp"
 #include "compiler/verify/linear.hpp"
 #include "compiler/verify/mode_signals.hpp"
+#include "compiler/verify/needed.hpp"
 #include "compiler/verify/one_token.hpp"
 #include "compiler/verify/weighted_sum.hpp"
 
@@ -11,49 +12,66 @@ namespace bip::verify {
 
 namespace {
 constexpr std::size_t kOneTokenBatch = 16;
-}
 
-bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof) {
-  if (bad == kFalse) return true;
-  const ModeSignals all = mode_signals(net, proof, machine, image);
-  const std::vector<Signal>& modes = all.modes;
-  Solver solver;
-  Cnf cnf(machine.circuit, solver);
-  const auto add = [&](const std::vector<Signal>& clause) {
+// "Bad, and what is known", which invariants are added to.
+struct Contradiction {
+  Contradiction(const Net& net_, Machine& machine_, const rt::Image& image, Signal bad, const Proof& proof)
+      : net(net_), machine(machine_), reachable(proof.reachable), known(mode_signals(net_, proof, machine_, image)), cnf(machine_.circuit, solver) {
+    for (const std::vector<Signal>& clause : known.clauses) add(clause);
+    for (Signal inside : machine.in_range) add({inside});
+    for (const std::vector<u32>& group : machine.exactly_one) {
+      std::vector<Lit> places;
+      for (u32 row : group) places.push_back(cnf.literal(machine.bits[row].now));
+      solver.add(places);
+      add_at_most_one(solver, places);
+    }
+    add({bad});
+  }
+  void add(const std::vector<Signal>& clause) {
     std::vector<Lit> literals;
     for (Signal s : clause) literals.push_back(cnf.literal(s));
     solver.add(literals);
-  };
-  for (const std::vector<Signal>& clause : all.clauses) add(clause);
-  for (Signal inside : machine.in_range) add({inside});
-  for (const std::vector<u32>& group : machine.exactly_one) {
-    std::vector<Lit> places;
-    for (u32 row : group) places.push_back(cnf.literal(machine.bits[row].now));
-    solver.add(places);
-    add_at_most_one(solver, places);
   }
-  add({bad});
-
-  const auto add_token = [&](const TokenInvariant& invariant) {
+  bool add(const TokenInvariant& invariant, Lit on = 0) {
     if (invariant.kind == InvariantKind::Sum) {
       WeightedSum sum;
-      if (!build_weighted_sum(net, invariant, proof.reachable, sum)) return false;
-      add({weighted_sum_signal(sum, modes, machine.circuit)});
+      if (!build_weighted_sum(net, invariant, reachable, sum)) return false;
+      add({weighted_sum_signal(sum, known.modes, machine.circuit)});
       return true;
     }
     std::vector<Lit> literals;
     for (u32 mode : invariant.modes) {
-      if (modes[mode] != kFalse) literals.push_back(cnf.literal(modes[mode]));
+      if (known.modes[mode] != kFalse) literals.push_back(cnf.literal(known.modes[mode]));
     }
+    if (on != 0) literals.push_back(-on);
     solver.add(literals);
     if (invariant.kind == InvariantKind::OneToken) add_at_most_one(solver, literals);
     return true;
-  };
-  for (const TokenInvariant& invariant : proof.invariants) (void)add_token(invariant);
+  }
+  [[nodiscard]] std::vector<std::uint8_t> marked() {
+    std::vector<std::uint8_t> result;
+    for (Signal mode : known.modes) result.push_back(mode != kFalse && solver.is_true(cnf.literal(mode)) ? 1 : 0);
+    return result;
+  }
+
+  const Net& net;
+  Machine& machine;
+  const std::vector<std::uint8_t>& reachable;
+  ModeSignals known;
+  Solver solver;
+  Cnf cnf;
+};
+
+}  // namespace
+
+bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof) {
+  if (bad == kFalse) return true;
+  Contradiction question(net, machine, image, bad, proof);
+  for (const TokenInvariant& invariant : proof.invariants) (void)question.add(invariant);
   const auto add_all = [&](std::vector<TokenInvariant> found) {
     std::size_t added = 0;
     for (TokenInvariant& invariant : found) {
-      if (!add_token(invariant)) continue;
+      if (!question.add(invariant)) continue;
       proof.invariants.push_back(std::move(invariant));
       ++added;
     }
@@ -67,11 +85,10 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
   LinearFinder sums(net, reachable);
   OneTokenFinder one_tokens(net, reachable);
   while (true) {
-    const Answer answer = solver.solve(seconds_until(end));
+    const Answer answer = question.solver.solve(seconds_until(end));
     if (answer != Answer::Satisfiable) return answer == Answer::Unsatisfiable;
     ++proof.candidates;
-    std::vector<std::uint8_t> marked(net.mode_count(), 0);
-    for (u32 mode = 0; mode < net.mode_count(); ++mode) marked[mode] = modes[mode] != kFalse && solver.is_true(cnf.literal(modes[mode])) ? 1 : 0;
+    const std::vector<std::uint8_t> marked = question.marked();
     std::size_t added = add_all(traps.find(marked));
     if (added == 0) {
       added = add_all(sums.find(traps, marked));
@@ -79,6 +96,16 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
     }
     if (added == 0) return false;
   }
+}
+
+void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof) {
+  Contradiction question(net, machine, image, bad, proof);
+  std::vector<Lit> on;
+  for (const TokenInvariant& invariant : proof.invariants) {
+    on.push_back(invariant.kind == InvariantKind::Trap ? question.solver.new_variable() : 0);
+    (void)question.add(invariant, on.back());
+  }
+  (void)keep_switched_on(question.solver, proof.invariants, on, seconds_until(end));
 }
 
 }  // namespace bip::verify
