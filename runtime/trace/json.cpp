@@ -1,4 +1,4 @@
-// The trace file: JSON lines, version 1. Byte-identical for the same model, seed and policy. See trace.hpp.
+// The trace file: JSON lines, version 1. Byte-identical for the same model, seed and policy. See trace.hpp. Names are quoted once.
 #include <cmath>
 
 #include "runtime/core/text.hpp"
@@ -52,7 +52,6 @@ void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed,
 }
 
 void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
-  const Image& image = core.image();
   out += R"({"step":)";
   append_number(out, number);
   if (core.is_timed()) {
@@ -65,29 +64,58 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
     out += R"(,"candidates":)";
     append_number(out, core.candidate_count());
   }
-  out += R"(,"interaction":)";
-  std::string name;
-  append_candidate(name, core, candidate);
-  append_quoted(out, name.c_str());
-  out += R"(,"ports":[)";
+  if (slots_.empty()) slots_.resize(core.tables().slots.size());
+  std::string& slot = slots_[candidate.slot];
+  if (slot.empty()) {
+    std::string name;
+    append_candidate(name, core, candidate);
+    slot = R"(,"interaction":)";
+    append_quoted(slot, name.c_str());
+    slot += R"(,"ports":[)";
+  }
+  out += slot;
   core.participants(candidate, participants_);
   bool first = true;
   for (const Participant& participant : participants_) {
-    const Atom& atom = image.atoms[participant.atom];
-    const Port& port = image.atom_types[atom.type].ports[participant.port];
-    out += first ? R"({"port":)" : R"(,{"port":)";
+    if (!first) out += ',';
     first = false;
-    name = atom.path;
-    name += '.';
-    name += port.name;
-    append_quoted(out, name.c_str());
-    if (port.slots.size != 0) {
-      out += R"(,"values":)";
-      append_json_values(out, core, participant.atom, participant.port);
-    }
-    out += '}';
+    append_port(out, core, participant);
   }
   out += "]}\n";
+}
+
+void JsonWriter::append_port(std::string& out, const Core& core, const Participant& participant) {
+  const Image& image = core.image();
+  const Tables& tables = core.tables();
+  const Port& port = tables.atom_type(participant.atom).ports[participant.port];
+  if (ports_.empty()) {
+    ports_.resize(tables.port_atom.size());
+    for (const PortType& type : image.port_types) {
+      first_variable_.push_back(static_cast<u32>(variables_.size()));
+      for (const Var& variable : type.vars) {
+        append_quoted(variables_.emplace_back(), variable.name);
+        variables_.back() += ':';
+      }
+    }
+  }
+  std::string& text = ports_[tables.instance(participant.atom, participant.port)];
+  if (text.empty()) {
+    std::string name = image.atoms[participant.atom].path;
+    name += '.';
+    name += port.name;
+    text = R"({"port":)";
+    append_quoted(text, name.c_str());
+    text += port.slots.size == 0 ? "}" : R"(,"values":{)";
+  }
+  out += text;
+  if (port.slots.size == 0) return;
+  const PortType& type = image.port_types[port.type];
+  for (u32 i = 0; i < port.slots.size; ++i) {
+    if (i != 0) out += ',';
+    out += variables_[first_variable_[port.type] + i];
+    append_json_value(out, image, type.vars[i].type, core.shown(participant.atom, participant.port, i));
+  }
+  out += "}}";
 }
 
 void JsonWriter::end(std::string& out, const Core& core, End end, std::uint64_t steps) {

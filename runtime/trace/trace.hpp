@@ -73,7 +73,13 @@ class JsonWriter {
   void end(std::string& out, const Core& core, End end, std::uint64_t steps);
 
  private:
+  void append_port(std::string& out, const Core& core, const Participant& participant);
   std::vector<Participant> participants_;
+  // Text that comes again, made when it comes first: a writer is for one image.
+  std::vector<std::string> slots_;       // by slot: its name and what is around it
+  std::vector<std::string> ports_;       // by port instance
+  std::vector<std::string> variables_;   // by first_variable_ of a port type + variable: the quoted name and a colon
+  std::vector<u32> first_variable_;
 };
 
 }  // namespace bip::rt
