@@ -59,7 +59,7 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
       names, files, static_cast<double>(tick_us) / 1000.0,
       options.flavour == Flavour::Execution ? "codels are the C++ functions of their names" : "codels answer freely",
       options.flavour == Flavour::Execution ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp\")\n", options.package) : "", options.package,
-      options.constraints.rows.empty() ? "" : "  use genom.rules\n");
+      options.constraints.rows.empty() && options.constraints.parameters.empty() ? "" : "  use genom.rules\n");
 }
 
 void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {

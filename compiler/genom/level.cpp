@@ -60,7 +60,8 @@ class LevelWriter {
 
   // What rules remember.
   void parts() {
-    if (c_.rows.empty()) return;
+    // Parameters come with requests although no rule asks for them.
+    if (c_.rows.empty() && c_.parameters.empty()) return;
     out_ += "\n    // What the rules remember.\n";
     const auto component = [&](const std::string& wanted, const std::string& type, const std::string& arguments) {
       const std::string name = names_.claim(wanted, "part");
