@@ -21,22 +21,72 @@ Rows System::tree_of(std::size_t root) const {
   for (std::size_t k = 0; k < tree.size(); ++k) {
     for (const Edge& edge : m_.nodes[tree[k]].children) tree.push_back(edge.node);
   }
-  if (std::set<std::size_t>(tree.begin(), tree.end()).size() != tree.size()) throw NotCheckable("a connector reaches a port in two ways");
   std::sort(tree.rbegin(), tree.rend());
+  tree.erase(std::unique(tree.begin(), tree.end()), tree.end());
   return tree;
 }
 
-// The largest interactions are all that matter: no guards, no errors, and choices only of an atom's ports, which no other part of the
-// connector has and no code looks at.
+bool System::is_shared(const Rows& tree) const {
+  std::set<std::size_t> seen;
+  for (std::size_t row : tree) {
+    for (const Edge& edge : m_.nodes[row].children) {
+      if (!seen.insert(edge.node).second) return true;
+    }
+  }
+  return false;
+}
+
+// Any choice of alternatives fits: two ports of an atom, or one port in two places, are in alternatives to each other; and where those
+// share ports, they are rendezvous of which none is a part of another.
+bool System::has_free_choices(const Rows& tree) const {
+  std::map<std::size_t, std::size_t> parent;  // of all but ports
+  std::map<std::size_t, std::vector<std::pair<std::size_t, std::size_t>>> ports;  // by atom: port, node above
+  for (std::size_t row : tree) {
+    for (const Edge& edge : m_.nodes[row].children) {
+      if (m_.nodes[edge.node].kind == Kind::Port) ports[m_.atom_of_port[edge.node]].emplace_back(edge.node, row);
+      else if (!parent.emplace(edge.node, row).second) return false;
+    }
+  }
+  const auto meet = [&](std::size_t one, std::size_t other) {
+    Rows above{one};
+    for (auto up = parent.find(one); up != parent.end(); up = parent.find(up->second)) above.push_back(up->second);
+    while (std::find(above.begin(), above.end(), other) == above.end()) other = parent.at(other);
+    return other;
+  };
+  std::set<std::size_t> sharing;
+  for (const auto& [atom, uses] : ports) {
+    for (std::size_t k = 1; k < uses.size(); ++k) {
+      for (std::size_t j = 0; j < k; ++j) {
+        const std::size_t above = meet(uses[j].second, uses[k].second);
+        const bool is_same = uses[j].first == uses[k].first;
+        if (m_.nodes[above].kind != Kind::Any && (is_same || has_choice(tree))) return false;
+        if (is_same) sharing.insert(above);
+      }
+    }
+  }
+  for (std::size_t row : sharing) {
+    std::vector<std::set<std::size_t>> parts;
+    for (const Edge& edge : m_.nodes[row].children) {
+      parts.emplace_back();
+      for (std::size_t below : tree_of(edge.node)) {
+        if (m_.nodes[below].kind == Kind::Port) parts.back().insert(below);
+        else if (m_.nodes[below].kind != Kind::All) return false;
+      }
+    }
+    for (const auto& one : parts) {
+      for (const auto& other : parts) {
+        if (one.size() < other.size() && std::includes(other.begin(), other.end(), one.begin(), one.end())) return false;
+      }
+    }
+  }
+  return true;
+}
+
+// The largest interactions are all that matter: no guards, no errors, and free choices at which no code looks.
 bool System::is_plain(const Rows& tree) const {
-  std::map<std::size_t, std::size_t> user;  // by atom: the node above its ports
+  if (!has_free_choices(tree)) return false;
   for (std::size_t row : tree) {
     const Node& node = m_.nodes[row];
-    const bool is_choice = node.kind == Kind::Any;
-    for (const Edge& edge : node.children) {
-      if (m_.nodes[edge.node].kind != Kind::Port && is_choice) return false;
-      if (m_.nodes[edge.node].kind == Kind::Port && user.emplace(m_.atom_of_port[edge.node], row).first->second != row && (is_choice || has_choice(tree))) return false;
-    }
     if (node.connector == kNone) continue;
     const Connector& c = m_.connectors[node.connector];
     const bool chooses = std::any_of(c.params.begin(), c.params.end(), [&](const Edge& edge) { return m_.nodes[edge.node].kind == Kind::Any; });
@@ -89,7 +139,11 @@ System::Chosen System::fixed(const Rows& tree, const Leaves& leaves) const {
   Chosen chosen;
   for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
     const std::vector<Edge>& children = m_.nodes[*row].children;
-    chosen.emplace(*row, t_.truth(leaves.contains(*row) || std::any_of(children.begin(), children.end(), [&](const Edge& e) { return is(chosen.at(e.node), true); })));
+    const auto takes_part = [&](const Edge& e) { return is(chosen.at(e.node), true); };
+    // Of a rendezvous all or none; where it is one of several with the same port, all say that it is this one.
+    const bool is_all = m_.nodes[*row].kind == Kind::All && std::all_of(children.begin(), children.end(), takes_part);
+    const bool is_some = m_.nodes[*row].kind != Kind::All && std::any_of(children.begin(), children.end(), takes_part);
+    chosen.emplace(*row, t_.truth(leaves.contains(*row) || is_all || is_some));
   }
   return chosen;
 }
@@ -107,16 +161,20 @@ System::Chosen System::largest(const Rows& tree, std::size_t root) const {
   }
   chosen.emplace(root, available.at(root));
   for (std::size_t row : tree) {
-    // Of those that can, any one: the first that is liked, or the last.
+    // Of alternatives that can, any one: the first that is liked, or the last.
     z3::expr open = chosen.at(row);
-    for (auto edge = m_.nodes[row].children.begin(); m_.nodes[row].kind == Kind::Any && edge != m_.nodes[row].children.end(); ++edge) {
-      z3::expr others = t_.truth(false);
-      for (auto other = edge + 1; other != m_.nodes[row].children.end(); ++other) others = either(others, available.at(other->node));
-      const z3::expr one = both(open, both(available.at(edge->node), either(no(others), t_.fresh("bool"))));
-      chosen.insert_or_assign(edge->node, one);
-      open = both(open, no(one));
+    const std::vector<Edge>& children = m_.nodes[row].children;
+    for (auto edge = children.begin(); edge != children.end(); ++edge) {
+      z3::expr here = m_.nodes[row].kind == Kind::Trigger ? both(open, available.at(edge->node)) : open;
+      if (m_.nodes[row].kind == Kind::Any) {
+        z3::expr others = t_.truth(false);
+        for (auto other = edge + 1; other != children.end(); ++other) others = either(others, available.at(other->node));
+        here = both(open, both(available.at(edge->node), either(no(others), t_.fresh("bool"))));
+        open = both(open, no(here));
+      }
+      const auto [at, is_new] = chosen.emplace(edge->node, here);
+      if (!is_new) at->second = either(at->second, here);
     }
-    for (const Edge& edge : m_.nodes[row].children) chosen.emplace(edge.node, m_.nodes[row].kind == Kind::Trigger ? both(chosen.at(row), available.at(edge.node)) : chosen.at(row));
   }
   return chosen;
 }

@@ -24,6 +24,7 @@ bool System::add_candidates(std::size_t connector, Want want) {
     all_.push_back(std::move(c));
     return true;
   }
+  if (is_shared(tree) && !has_free_choices(tree)) throw NotCheckable("`" + std::string(m_.connectors[connector].path) + "` reaches a port in two ways");
   std::vector<Leaves> all;
   if (!list(root, want, all)) return false;
   std::vector<z3::expr> on;
@@ -136,7 +137,8 @@ void System::fire(const Candidate& candidate, std::size_t connector, Store& stor
     else std::transform(m_.nodes[edge.node].children.begin(), m_.nodes[edge.node].children.end(), std::back_inserter(parts), [](const Edge& one) { return one.node; });
   }
   for (std::size_t row : parts) {
-    const z3::expr& when = candidate.chosen.at(row);
+    // A port may be chosen below another alternative.
+    const z3::expr when = both(candidate.chosen.at(c.root), candidate.chosen.at(row));
     if (is(when, false)) continue;
     if (m_.nodes[row].connector != kNone) {
       fire(candidate, m_.nodes[row].connector, store, step);

@@ -45,6 +45,8 @@ class System {
 
   [[nodiscard]] Rows tree_of(std::size_t root) const;
   [[nodiscard]] bool is_plain(const Rows& tree) const;
+  [[nodiscard]] bool is_shared(const Rows& tree) const;
+  [[nodiscard]] bool has_free_choices(const Rows& tree) const;
   [[nodiscard]] bool has_choice(const Rows& tree) const;
   [[nodiscard]] bool list(std::size_t node, Want want, std::vector<Leaves>& out) const;
   [[nodiscard]] Chosen fixed(const Rows& tree, const Leaves& leaves) const;
