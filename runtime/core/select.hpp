@@ -58,10 +58,22 @@ class EnabledSet {
     listed_ = true;
     ranked_ = !weights_.empty();
   }
+  /// In the order that it had before. What that lacks came since it was up to date, what it has too much went.
   void list(const std::vector<std::uint32_t>& order, std::uint32_t slots) {
     list(slots);
+    std::vector<std::uint8_t> differs(slots, 0);
+    for (std::uint32_t i = 0; i < listed_count_; ++i) {
+      differs[members_[i]] = 1;
+      position_[members_[i]] = kAbsent;
+    }
     listed_count_ = 0;
-    for (const std::uint32_t slot : order) append(slot);
+    for (const std::uint32_t slot : order) {
+      append(slot);
+      differs[slot] ^= 1;
+    }
+    for (std::uint32_t slot = 0; slot < slots; ++slot) {
+      if (differs[slot] != 0) note(slot);
+    }
   }
   /// Back to ranks alone.
   void unlist() {

@@ -137,6 +137,28 @@ TEST_CASE("the k-th one of a word, with and without the instruction") {
   }
 }
 
+TEST_CASE("a list that is put back knows what came and went since it was up to date") {
+  EnabledSet set;
+  set.reset(8, false);
+  for (const u32 slot : {1u, 2u, 5u}) set.insert(slot);
+  set.list(8);
+  set.erase(2);
+  set.insert(7);
+  const std::vector<u32> order{1, 2, 5};
+  set.unlist();
+  set.list(order, 8);
+  CHECK(set.weight(2) == 0);
+  CHECK(set.weight(7) == 1);
+  set.settle_list();
+  REQUIRE(set.listed_count() == 3);
+  CHECK(set.listed(0) == 1);
+  CHECK(set.listed(1) == 5);
+  CHECK(set.listed(2) == 7);
+  set.erase(7);
+  set.settle_list();
+  CHECK(set.listed_count() == 2);
+}
+
 TEST_CASE("members of a word come and go together") {
   EnabledSet set;
   set.reset(200, false);
