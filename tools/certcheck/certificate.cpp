@@ -35,10 +35,27 @@ class Reader {
     if (!c_.is_induction && !c_.facts.empty()) throw Rejected("invariants are of modes");
     const bool has_modes = !c_.is_induction || !c_.classes.empty() || !c_.sets.empty();
     if (has_modes && std::count(c_.class_of.begin(), c_.class_of.end(), kNone) != 0) throw Rejected("a component has no row");
+    if (has_modes) split_classes();
     return std::move(c_);
   }
 
  private:
+  // Modes may overlap: which one a move meets is judged for components that can be in the same ones, so each such group is a class.
+  void split_classes() {
+    std::map<std::pair<std::size_t, std::set<std::size_t>>, std::size_t> rows;
+    const std::size_t count = c_.classes.size();
+    std::vector<bool> is_taken(count, false);
+    for (std::size_t atom = 0; atom < c_.class_of.size(); ++atom) {
+      const std::size_t old = c_.class_of[atom];
+      const auto [at, is_new] = rows.try_emplace({old, c_.reachable[atom]}, old);
+      if (is_new && is_taken.at(old)) {
+        at->second = c_.classes.size();
+        c_.classes.push_back(Class(c_.classes[old]));
+      }
+      is_taken[old] = true;
+      c_.class_of[atom] = at->second;
+    }
+  }
   [[noreturn]] void fail(const std::string& why) const { throw Rejected("line " + std::to_string(line_) + ": " + why); }
   const std::string& word(std::size_t k) const {
     if (k >= words_.size()) fail("a word is missing");
