@@ -22,16 +22,11 @@ std::string read_file(const std::string& path) {
   return all.str();
 }
 
-std::string engines_program(const std::vector<EmittedCase>& cases, const CheckOptions& options) {
+/// All models, then `run_all` for each of them.
+std::string whole_program(const std::vector<EmittedCase>& cases, const std::string& run_all) {
   std::string text;
   for (const EmittedCase& c : cases) text += c.source + "\n";
-  text += "#include \"tools/gen/engine_runs.hpp\"\n"
-          "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
-          "  bip::gen::EngineCounts n;\n"
-          "  std::string t = bip::gen::engine_runs(image, seed, " + std::to_string(options.engine_runs) + ", " + std::to_string(options.steps) + ", n);\n"
-          "  if (t.empty()) t = std::to_string(n.runs) + \" \" + std::to_string(n.steps) + \" \" + std::to_string(n.in_parts);\n"
-          "  std::printf(\"%zu\\n\", t.size());\n  std::fwrite(t.data(), 1, t.size(), stdout);\n  std::fflush(stdout);\n}\n"
-          "int main() {\n";
+  text += run_all + "int main() {\n";
   for (const EmittedCase& c : cases) {
     std::string seed = std::to_string(c.seed);
     text += "  run_all(m" + seed + "::image(), " + seed + "u);\n";
@@ -39,20 +34,21 @@ std::string engines_program(const std::vector<EmittedCase>& cases, const CheckOp
   return text + "}\n";
 }
 
+std::string engines_program(const std::vector<EmittedCase>& cases, const CheckOptions& options) {
+  return whole_program(cases, "#include \"tools/gen/engine_runs.hpp\"\n"
+          "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
+          "  bip::gen::EngineCounts n;\n"
+          "  std::string t = bip::gen::engine_runs(image, seed, " + std::to_string(options.engine_runs) + ", " + std::to_string(options.steps) + ", n);\n"
+          "  if (t.empty()) t = std::to_string(n.runs) + \" \" + std::to_string(n.steps) + \" \" + std::to_string(n.in_parts);\n"
+          "  std::printf(\"%zu\\n\", t.size());\n  std::fwrite(t.data(), 1, t.size(), stdout);\n  std::fflush(stdout);\n}\n");
+}
+
 std::string program(const std::vector<EmittedCase>& cases, std::uint64_t steps) {
-  std::string text;
-  for (const EmittedCase& c : cases) text += c.source + "\n";
-  text += "#include \"tools/gen/traced_run.hpp\"\n"
+  return whole_program(cases, "#include \"tools/gen/traced_run.hpp\"\n"
           "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
           "  for (int k = 0; k < bip::gen::kRunSpecs; ++k) {\n"
           "    std::string t = bip::gen::traced_run(image, bip::gen::run_spec(k, seed, " + std::to_string(steps) + "));\n"
-          "    std::printf(\"%zu\\n\", t.size());\n    std::fwrite(t.data(), 1, t.size(), stdout);\n  }\n}\n"
-          "int main() {\n";
-  for (const EmittedCase& c : cases) {
-    std::string seed = std::to_string(c.seed);
-    text += "  run_all(m" + seed + "::image(), " + seed + "u);\n";
-  }
-  return text + "}\n";
+          "    std::printf(\"%zu\\n\", t.size());\n    std::fwrite(t.data(), 1, t.size(), stdout);\n  }\n}\n");
 }
 
 /// The next "<length>\n<bytes>" record.
