@@ -118,6 +118,13 @@ void JsonWriter::append_port(std::string& out, const Core& core, const Participa
   out += "}}";
 }
 
+void append_json_fault(std::string& out, const Core& core) {
+  out += R"(,"code":")";
+  out += name_of(core.fault().code);
+  out += R"(","message":)";
+  append_quoted(out, core.fault().what.c_str());
+}
+
 void JsonWriter::end(std::string& out, const Core& core, End end, std::uint64_t steps) {
   out += R"({"end":")";
   out += name_of(end);
@@ -127,12 +134,7 @@ void JsonWriter::end(std::string& out, const Core& core, End end, std::uint64_t 
     out += R"(,"time":)";
     append_number(out, static_cast<u64>(core.now()));
   }
-  if (end == End::Fault) {
-    out += R"(,"code":")";
-    out += name_of(core.fault().code);
-    out += R"(","message":)";
-    append_quoted(out, core.fault().what.c_str());
-  }
+  if (end == End::Fault) append_json_fault(out, core);
   out += "}\n";
 }
 

@@ -318,12 +318,7 @@ void McapWriter::end(std::string& out, const Core& core, End end, std::uint64_t 
   json_ += name_of(end);
   json_ += R"(","steps":)";
   append_number(json_, steps);
-  if (end == End::Fault) {
-    json_ += R"(,"code":")";
-    json_ += name_of(core.fault().code);
-    json_ += R"(","message":)";
-    append_quoted(json_, core.fault().what.c_str());
-  }
+  if (end == End::Fault) append_json_fault(json_, core);
   json_ += '}';
   message(open_channel("/end", Schema::End, {}), instant_of_step(core, steps), json_);
   close_chunk(out);

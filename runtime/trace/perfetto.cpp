@@ -104,12 +104,7 @@ void PerfettoWriter::end(std::string& out, const Core& core, End end, std::uint6
   out += name_of(end);
   out += R"(","args":{"steps":)";
   append_number(out, steps);
-  if (end == End::Fault) {
-    out += R"(,"code":")";
-    out += name_of(core.fault().code);
-    out += R"(","message":)";
-    append_quoted(out, core.fault().what.c_str());
-  }
+  if (end == End::Fault) append_json_fault(out, core);
   out += "}}\n]}\n";
 }
 

@@ -20,6 +20,8 @@ inline constexpr std::uint64_t kNoChoice = ~std::uint64_t{0};
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate);
 /// `{"v":1}`: what a port shows.
 void append_json_values(std::string& out, const Core& core, u32 atom, u32 port);
+/// A fault's members at the end of an object: its code and message.
+void append_json_fault(std::string& out, const Core& core);
 /// Where a step stands on a time line, in ns: its instant; without time a millisecond a step.
 [[nodiscard]] i64 instant_of_step(const Core& core, std::uint64_t number);
 
