@@ -26,6 +26,8 @@ const Names<rt::TraceFormat> kTraceFormats{
 const Names<rt::TraceFormat> kRecordFormats{
     {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2},
     {"binary", rt::TraceFormat::Binary}, {"mcap", rt::TraceFormat::Mcap}, {"perfetto", rt::TraceFormat::Perfetto}};
+const Names<rt::TraceFormat> kServedFormats{
+    {"json", rt::TraceFormat::Json}, {"mcap", rt::TraceFormat::Mcap}, {"perfetto", rt::TraceFormat::Perfetto}};
 const Names<rt::Engine> kEngines{{"sequential", rt::Engine::Sequential}, {"threads", rt::Engine::Threads}, {"batch", rt::Engine::Batch}};
 
 const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela}, {"pnml", ExportFormat::Pnml}};
@@ -207,6 +209,8 @@ void add_serve(CLI::App& app, ServeArguments& a) {
   add_cache_options(*command, a.compile.cache);
   command->add_flag("--asap", a.asap, "each step as soon as it is possible");
   command->add_option("--speed", a.speed, "F seconds of the model a second (default 1)")->check(CLI::Range(1e-6, 1e6))->type_name("F");
+  command->add_option("--trace", a.trace_path, "write the steps to PATH; the file is complete when the process has ended")->type_name("PATH");
+  add_choice(*command, "--trace-format", a.trace_format, kServedFormats, "json|mcap|perfetto", "form of the trace; mcap for Foxglove, perfetto for ui.perfetto.dev");
   add_compile(*command, a.compile);
   command->footer(
       "Requests and answers are lines of JSON, see compiler/docs/serve.md; tools/serve_client.py speaks them.\n"

@@ -20,6 +20,10 @@ int command_serve(const ServeArguments& arguments) {
   options.asap = arguments.asap;
   options.speed = arguments.speed;
   serve::Controller controller(c.lowered->image, options, arguments.paused);
+  if (!arguments.trace_path.empty() && !controller.trace(arguments.trace_path, arguments.trace_format)) {
+    std::fprintf(stderr, "error: cannot write `%s`\n", arguments.trace_path.c_str());
+    return kUsage;
+  }
   serve::ServerOptions server;
   server.uses_stdio = arguments.socket.empty() && !arguments.has_port;
   server.socket_path = arguments.socket;
@@ -27,6 +31,10 @@ int command_serve(const ServeArguments& arguments) {
   server.tcp_port = arguments.port;
   if (std::string error; !serve::serve(controller, server, error)) {
     std::fprintf(stderr, "error: %s\n", error.c_str());
+    return kUsage;
+  }
+  if (!controller.end_trace()) {
+    std::fprintf(stderr, "error: not all of `%s` could be written\n", arguments.trace_path.c_str());
     return kUsage;
   }
   return kOk;

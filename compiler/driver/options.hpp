@@ -60,6 +60,8 @@ struct ServeArguments {
   bool asap = false;
   bool paused = false;
   double speed = 1;
+  std::string trace_path;  // empty: none
+  rt::TraceFormat trace_format = rt::TraceFormat::Json;
   std::string socket;      // empty: standard input, unless has_port
   bool has_port = false;
   std::uint16_t port = 0;

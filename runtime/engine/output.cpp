@@ -18,36 +18,9 @@ void Output::begin(const Image& image) {
     if (options_.silent) steps_.begin(out_.text, seed_, options_.policy);
   } else {
     steps_.begin(out_.text, seed_, options_.policy);
-    if (to_trace_) begin_trace(image);
+    if (to_trace_) told_.begin(trace_.text, image);
   }
   out_.flush();
-}
-
-void Output::begin_trace(const Image& image) {
-  switch (options_.format) {
-    case TraceFormat::Binary: return append_recorded_begin(trace_.text, {image.name, seed_, options_.policy, options_.engine, options_.maximal_progress});
-    case TraceFormat::Mcap: return mcap_.begin(trace_.text, image, seed_, options_.policy);
-    case TraceFormat::Perfetto: return perfetto_.begin(trace_.text, image, seed_, options_.policy);
-    default: return json_.begin(trace_.text, image, seed_, options_.policy, options_.engine);
-  }
-}
-
-void Output::append_trace_step(std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k) {
-  switch (options_.format) {
-    case TraceFormat::Binary: return append_recorded_step(trace, at);
-    case TraceFormat::Mcap: return mcap_.step(trace, core, core.candidate(at), number);
-    case TraceFormat::Perfetto: return perfetto_.step(trace, core, core.candidate(at), number);
-    default: return json_.step(trace, core, core.candidate(at), number, k);
-  }
-}
-
-void Output::append_trace_end(const Core& core, End how, std::uint64_t number) {
-  switch (options_.format) {
-    case TraceFormat::Binary: return append_recorded_end(trace_.text, core, how, number);
-    case TraceFormat::Mcap: return mcap_.end(trace_.text, core, how, number);
-    case TraceFormat::Perfetto: return perfetto_.end(trace_.text, core, how, number);
-    default: return json_.end(trace_.text, core, how, number);
-  }
 }
 
 void Output::foresee(Core& core) {
@@ -83,7 +56,7 @@ void Output::append_step(std::string& out, std::string& trace, Core& core, Enabl
     if (options_.debug && !options_.interactive) steps_.state(out, core);
     if (!options_.silent) steps_.step(out, core, candidate, number);
   }
-  if (to_trace_) append_trace_step(trace, core, at, number, k);
+  if (to_trace_) told_.step(trace, core, at, number, k);
 }
 
 void Output::drain(bool is_timed) {
@@ -120,7 +93,7 @@ void Output::end(const Core& core, End how, std::uint64_t number) {
       bip2_.end(text, core, how, number);
     });
   } else if (to_trace_) {
-    append_trace_end(core, how, number);
+    told_.end(trace_.text, core, how, number);
   }
   if (!bip2_format() || options_.silent) tell_end(core, how, number);
   out_.flush();

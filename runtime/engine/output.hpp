@@ -7,10 +7,7 @@
 #include <string>
 
 #include "bip/run.hpp"
-#include "runtime/trace/mcap.hpp"
-#include "runtime/trace/perfetto.hpp"
-#include "runtime/trace/recorded.hpp"
-#include "runtime/trace/trace.hpp"
+#include "runtime/engine/trace_text.hpp"
 
 namespace bip::rt {
 
@@ -42,7 +39,7 @@ class Output {
  public:
   /// trace: null if none is written.
   Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, std::FILE* trace, const Image& image)
-      : options_(options), seed_(seed), out_(out), trace_(trace), to_trace_(trace != nullptr), image_calls_cpp_(image.outside != nullptr) {}
+      : options_(options), seed_(seed), out_(out), trace_(trace), to_trace_(trace != nullptr), image_calls_cpp_(image.outside != nullptr), told_(options, seed) {}
 
   [[nodiscard]] bool writes_steps() const { return !options_.silent || options_.debug || to_trace_; }
   [[nodiscard]] bool bip2_format() const { return options_.format == TraceFormat::Bip2; }
@@ -73,9 +70,6 @@ class Output {
     if (to_trace_) write(trace_.text);
   }
   void append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k);
-  void begin_trace(const Image& image);
-  void append_trace_step(std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k);
-  void append_trace_end(const Core& core, End how, std::uint64_t number);
   void tell_end(const Core& core, End how, std::uint64_t number);
   void drain(bool is_timed);
 
@@ -88,8 +82,7 @@ class Output {
   StepWriter steps_{};
   Bip2Writer bip2_{};
   JsonWriter json_{};
-  McapWriter mcap_{};
-  PerfettoWriter perfetto_{};
+  TraceText told_;
 };
 
 }  // namespace bip::rt

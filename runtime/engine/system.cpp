@@ -2,15 +2,40 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "bip/bip.hpp"
 #include "bip/outside.hpp"
 #include "runtime/core/story.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip {
+
+namespace {
+
+/// A trace on its way to its file.
+struct Trace {
+  Trace(std::FILE* opened, const rt::RunOptions& given) : options(given), text(options, options.seed), file(opened), sink(opened) {}
+  Trace(const Trace&) = delete;
+  Trace& operator=(const Trace&) = delete;
+  ~Trace() { (void)close(); }
+  bool close() {
+    if (file == nullptr) return true;
+    sink.flush();
+    const bool is_sound = std::ferror(file) == 0;
+    return std::fclose(std::exchange(file, nullptr)) == 0 && is_sound;
+  }
+  static constexpr std::size_t kPiece = 1 << 16;
+  rt::RunOptions options;
+  rt::TraceText text;
+  std::FILE* file;
+  rt::Sink sink;
+};
+
+}  // namespace
 
 struct System::Impl {
   Impl(const rt::Image& image, const SystemOptions& options)
@@ -20,6 +45,7 @@ struct System::Impl {
         wall(options.speed > 0 ? options.speed : 1),
         is_real(options.speed > 0),
         is_strict(options.strict),
+        policy(options.policy),
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
     std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
@@ -80,6 +106,10 @@ struct System::Impl {
         }
       }
     }
+    if (trace) {
+      trace->text.step(trace->sink.text, core, at, steps, core.number(at));
+      trace->sink.drain(Trace::kPiece);
+    }
     if (!(core.is_timed() ? core.take_timed(at) : core.take(at))) return outcome = Outcome::Fault;
     scheduler.fired(at.slot);
     ++steps;
@@ -90,7 +120,7 @@ struct System::Impl {
   // Compiled steps; the same ones as step by step. What precedes and follows them is worth it for many.
   static constexpr std::uint64_t kManySteps = 256;
   [[nodiscard]] bool can_run_compiled(std::uint64_t n) const {
-    return n >= kManySteps && !callback && outcome != Outcome::Fault && !core.is_timed() && core.has_steps();
+    return n >= kManySteps && !callback && !trace && outcome != Outcome::Fault && !core.is_timed() && core.has_steps();
   }
   std::uint64_t run_compiled(std::uint64_t n) {
     bool sound = true;
@@ -115,8 +145,10 @@ struct System::Impl {
   rt::RealTime wall;
   bool is_real, is_strict;
   std::uint64_t late = 0;
+  rt::Policy policy;
   std::uint64_t seed;
   std::uint64_t steps = 0;
+  std::unique_ptr<Trace> trace;
   Outcome outcome = Outcome::Stepped;
   std::function<void(const Step&)> callback;
   std::vector<rt::u32> by_path;
@@ -200,6 +232,27 @@ Outcome System::fire(std::uint64_t k) {
 }
 
 void System::on_step(std::function<void(const Step&)> callback) { impl_->callback = std::move(callback); }
+
+bool System::trace(const std::string& path, rt::TraceFormat format) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return false;
+  rt::RunOptions options;
+  options.format = format;
+  options.seed = impl_->seed;
+  options.policy = impl_->policy;
+  impl_->trace = std::make_unique<Trace>(file, options);
+  impl_->trace->text.begin(impl_->trace->sink.text, impl_->core.image());
+  return true;
+}
+
+bool System::end_trace() {
+  if (!impl_->trace) return true;
+  const rt::End how = impl_->outcome == Outcome::Deadlock ? rt::End::Deadlock : impl_->outcome == Outcome::Fault ? rt::End::Fault : rt::End::Interrupted;
+  impl_->trace->text.end(impl_->trace->sink.text, impl_->core, how, impl_->steps);
+  const bool is_written = impl_->trace->close();
+  impl_->trace.reset();
+  return is_written;
+}
 
 std::string System::place(const std::string& atom_path) const {
   const rt::u32 atom = impl_->find_atom(atom_path);

@@ -137,8 +137,10 @@ void McapWriter::begin(std::string& out, const Image& image, std::uint64_t seed,
 
 void McapWriter::message(u32 channel, i64 instant, std::string_view json) {
   const auto time = static_cast<u64>(instant);
-  if (messages_++ == 0) first_ = time;
-  last_ = time;
+  // A model that was taken back to a snapshot is earlier again.
+  first_ = messages_ == 0 ? time : std::min(first_, time);
+  last_ = messages_ == 0 ? time : std::max(last_, time);
+  ++messages_;
   Channel& row = channels_[channel];
   row.index.emplace_back(time, open_.size());
   record(open_, kMessage, [&] {
@@ -235,7 +237,7 @@ void McapWriter::close_chunk(std::string& out) {
 
 void McapWriter::append_statistics(std::string& out) const {
   record(out, kStatistics, [&] {
-    u64 total = 0;
+    u64 total = 0, first = chunks_.front().first, last = 0;
     for (const Channel& channel : channels_) total += channel.messages;
     add(out, total);
     add(out, static_cast<std::uint16_t>(std::size(kSchemas)));
@@ -243,8 +245,12 @@ void McapWriter::append_statistics(std::string& out) const {
     add(out, u32{0});
     add(out, u32{0});
     add(out, static_cast<u32>(chunks_.size()));
-    add(out, chunks_.front().first);
-    add(out, chunks_.back().last);
+    for (const Chunk& chunk : chunks_) {
+      first = std::min(first, chunk.first);
+      last = std::max(last, chunk.last);
+    }
+    add(out, first);
+    add(out, last);
     counted_bytes(out, [&] {
       for (u32 row = 0; row < channels_.size(); ++row) {
         add(out, static_cast<std::uint16_t>(row + 1));

@@ -141,7 +141,8 @@ class Mcap:
             elif opcode == STATISTICS:
                 counts = [f.number(n) for n in (8, 2, 4, 4, 4, 4, 8, 8)]
                 assert counts[:6] == [len(self.messages), len(self.schemas), len(self.channels), 0, 0, len(self.chunks)], counts
-                assert counts[6:] == [self.messages[0][1], self.messages[-1][1]]
+                instants = [instant for _, instant, _ in self.messages]
+                assert counts[6:] == [min(instants), max(instants)]
                 by_channel = {}
                 for topic, _, _ in self.messages:
                     by_channel[topic] = by_channel.get(topic, 0) + 1

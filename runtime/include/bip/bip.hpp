@@ -98,6 +98,11 @@ class System {
   /// Called after each step.
   void on_step(std::function<void(const Step&)> callback);
 
+  /// Writes the steps from now on to a file, as --trace does: Json, Mcap or Perfetto. False: it cannot be opened.
+  bool trace(const std::string& path, rt::TraceFormat format);
+  /// Ends the file, which is not complete before. False: not all of it could be written.
+  bool end_trace();
+
   /// The place(s) of an atom, "A" or "A, B"; empty if there is no such atom. "ROOT.a".
   [[nodiscard]] std::string place(const std::string& atom_path) const;
   /// A variable by path, "ROOT.a.x". False: no such variable, or of another type.
