@@ -23,6 +23,19 @@ bool has_own_program(const std::string& folder) {
   return fs::is_directory(folder, error) && ::access((fs::path(folder) / "run").c_str(), X_OK) == 0;
 }
 
+// Of a trace, as a folder's program takes it; what that does not write it refuses.
+const char* format_name(rt::TraceFormat format) {
+  switch (format) {
+    case rt::TraceFormat::Mcap: return "mcap";
+    case rt::TraceFormat::Perfetto: return "perfetto";
+    case rt::TraceFormat::Bip2: return "bip2";
+    case rt::TraceFormat::Binary: return "binary";
+    case rt::TraceFormat::Steps:
+    case rt::TraceFormat::Json: break;
+  }
+  return "json";
+}
+
 // Comes back only if the program cannot be started.
 int run_folder(const RunArguments& arguments) {
   std::error_code error;
@@ -32,6 +45,7 @@ int run_folder(const RunArguments& arguments) {
   std::vector<std::string> words{program};
   if (arguments.run.has_seed) words.insert(words.end(), {"--seed", std::to_string(arguments.run.seed)});
   if (arguments.run.speed > 0) words.insert(words.end(), {"--speed", std::to_string(arguments.run.speed)});
+  if (!arguments.run.trace_path.empty()) words.insert(words.end(), {"--trace", arguments.run.trace_path, "--trace-format", format_name(arguments.run.format)});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
