@@ -115,7 +115,7 @@ void add_run(CLI::App& app, RunArguments& a) {
   add_choice(*command, "--policy", a.run.policy, kPolicies, "uniform|first|fair", "which of the possible steps is taken");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes guards, actions and transfers");
   add_cache_options(*command, a.compile.cache);
-  add_optimisation(*command, a.optimisation, false, "JIT optimisation; by itself -O2 up to 32 pieces of code, else -O0");
+  add_optimisation(*command, a.optimisation, false, "JIT optimisation before the first step; by itself a run begins interpreted and gets -O2 while it runs");
   command->add_option("--trace", a.run.trace_path, "write the run to PATH, as JSON lines or as --trace-format says")->type_name("PATH");
   add_choice(*command, "--trace-format", a.run.format, kRecordFormats, "steps|json|bip2|binary|mcap|perfetto",
              "form of the steps; bip2 is the reference engine's, binary is for `bipc replay`, mcap for Foxglove, perfetto for ui.perfetto.dev");

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/cpp_side.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
@@ -72,6 +73,13 @@ int run_profiled(Compilation& c, const RunArguments& arguments) {
   return result.exit_code;
 }
 
+// Unless somebody wants a certain kind of code, or a second thread would disturb: an engine that has several, the clock on the wall,
+// the model's C++ (which may call rand() or end the process).
+bool begins_interpreted(const Compilation& c, const RunArguments& a) {
+  return a.backend == Backend::Auto && a.optimisation == Optimisation::Auto && !a.for_debuggers && a.run.engine == rt::Engine::Sequential &&
+         !(a.run.speed > 0) && !a.run.explore && !a.run.interactive && !has_cpp_side(c);
+}
+
 }  // namespace
 
 int command_run(const RunArguments& arguments) {
@@ -85,10 +93,15 @@ int command_run(const RunArguments& arguments) {
   const bool profiles = arguments.profile || !arguments.profile_path.empty();
   bool ready = compile(c, arguments.file, Stage::Image);
   if (ready) c.lowered->calls_rows = profiles;
-  ready = ready && executor.prepare(c, arguments.backend, arguments.optimisation, arguments.for_debuggers ? ForDebuggers::Yes : ForDebuggers::No);
+  const bool tiered = ready && !profiles && begins_interpreted(c, arguments);
+  ready = ready && (tiered ? executor.prepare_tiered(c)
+                           : executor.prepare(c, arguments.backend, arguments.optimisation, arguments.for_debuggers ? ForDebuggers::Yes : ForDebuggers::No));
   if (const int code = report(c); code != 0 || !ready) return code;
-  if (arguments.run.stats) std::fputs(executor.summary().c_str(), stderr);
-  return profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, arguments.run, stdout, stderr).exit_code;
+  rt::RunOptions options = arguments.run;
+  options.new_code = executor.new_code();
+  const int code = profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, options, stdout, stderr).exit_code;
+  if (options.stats) std::fputs(executor.summary().c_str(), stderr);
+  return code;
 }
 
 }  // namespace bip::driver

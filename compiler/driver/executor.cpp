@@ -23,6 +23,7 @@ jit::OptLevel opt_level(const lower::LoweredSystem& lowered, Optimisation optimi
 }
 
 Executor::~Executor() {
+  tiers_.reset();
   if (lowered_ == nullptr) return;
   const CodeTable& code = lowered_->system->code;
   for (std::size_t row = 0; row < lowered_->temporaries.size(); ++row) {
@@ -31,6 +32,22 @@ Executor::~Executor() {
     lowered_->extern_types[extern_row(type)].destroy(&rt::object_in<char>(lowered_->temporaries[row]));
   }
 }
+
+namespace {
+
+// Most runs are shorter than loading libLLVM takes.
+constexpr unsigned kPatienceMs = 20;
+
+jit::JitOptions jit_options(const CacheOptions& cache, jit::OptLevel level) {
+  jit::JitOptions options;
+  options.level = level;
+  options.cache_folder = cache_folder(cache).string();
+  options.cache_bytes = cache.megabytes << 20;
+  options.version = BIPC_VERSION;
+  return options;
+}
+
+}  // namespace
 
 bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers) {
   const StageScope doing("preparing the code of", c.path);
@@ -43,9 +60,9 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
       // Code that is not optimised would make them no faster than the core.
       if (level != jit::OptLevel::O0) steps::derive_steps(*c.lowered);
       const auto started = std::chrono::steady_clock::now();
-      const CacheOptions& cache = c.options.cache;
-      Result<JitCode> code = (*plugin).compile(*c.lowered, {.level = level, .cache_folder = cache_folder(cache).string(), .cache_bytes = cache.megabytes << 20,
-                                                            .version = BIPC_VERSION, .for_debuggers = for_debuggers == ForDebuggers::Yes}, made_);
+      jit::JitOptions options = jit_options(c.options.cache, level);
+      options.for_debuggers = for_debuggers == ForDebuggers::Yes;
+      Result<JitCode> code = (*plugin).compile(*c.lowered, options, made_);
       if (!code) {
         c.diags.report(Diag::kB5007, {}, "jit", code.error());
         return false;
@@ -64,7 +81,14 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
   return true;
 }
 
-std::string Executor::summary() const {
+bool Executor::prepare_tiered(Compilation& c) {
+  if (!prepare(c, Backend::Interp, Optimisation::Auto)) return false;
+  tiers_ = std::make_unique<Tiers>(*c.lowered, jit_options(c.options.cache, jit::OptLevel::O2), kPatienceMs);
+  return true;
+}
+
+std::string Executor::summary() {
+  if (tiers_) return tiers_->summary();
   if (!jit_) return {};
   std::string text = fmt::format("code: {} module{}, {} from the cache, {:.6f} s\n", made_.modules, made_.modules == 1 ? "" : "s", made_.from_cache, seconds_);
   for (const std::string& file : made_.broken_files) text += fmt::format("note: `{}` was broken and is made anew\n", file);

@@ -4,6 +4,7 @@
 
 #include "compiler/driver/jit_loader.hpp"
 #include "compiler/driver/pipeline.hpp"
+#include "compiler/driver/tiers.hpp"
 #include "compiler/interp/interp.hpp"
 
 namespace bip::driver {
@@ -25,8 +26,12 @@ class Executor {
   ~Executor();
   /// False if the back end failed; c.diags says why.
   [[nodiscard]] bool prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers = ForDebuggers::No);
-  /// What the JIT made, and how long that took; nothing if there was none.
-  [[nodiscard]] std::string summary() const;
+  /// The interpreter at once; machine code follows from another thread while the image runs.
+  [[nodiscard]] bool prepare_tiered(Compilation& c);
+  /// Of a run that was prepared so; else null.
+  [[nodiscard]] rt::NewCode* new_code() { return tiers_ ? &tiers_->new_code() : nullptr; }
+  /// After the run: what the JIT made, and how long that took; nothing if there was none.
+  [[nodiscard]] std::string summary();
 
  private:
   lower::LoweredSystem* lowered_ = nullptr;  // its temporaries are objects that C++ made
@@ -34,6 +39,7 @@ class Executor {
   JitCode jit_;
   jit::MadeCode made_;
   double seconds_ = 0;
+  std::unique_ptr<Tiers> tiers_;  // its thread ends before the rest goes
 };
 
 }  // namespace bip::driver

@@ -16,7 +16,8 @@ enum class EmitKind : std::uint8_t { None, Tokens, Syntax, Model, System, Llvm, 
 
 enum class ColorChoice : std::uint8_t { Auto, Always, Never };
 enum class Backend : std::uint8_t { Auto, Jit, Interp };
-/// Auto: -O2 for at most kMaxUnitsForO2 pieces of code, else -O0, so that a run starts within about 0.1 s either way.
+/// Auto: `run` begins interpreted and goes on at -O2 (tiers.hpp). Elsewhere -O2 for at most kMaxUnitsForO2 pieces of code, else -O0, so
+/// that the start takes about 0.1 s either way.
 enum class Optimisation : std::uint8_t { Auto, O0, O1, O2 };
 
 /// Machine code that is kept for the next time.

@@ -1,10 +1,8 @@
-// The core: the only meaning of *enabled* and *fire* (compiler/docs/semantics.md). Engines, explorer, debugger and
-// replays all drive it: initialize, look at the candidates, fire one, look again.
+// The core: the only meaning of *enabled* and *fire* (compiler/docs/semantics.md). Engines, explorer, debugger and replays all drive it:
+// initialize, look at the candidates, fire one, look again. Faults (R codes) stop it: initialize and fire return false, fault() tells why.
 //
-// Needs an image with code in it, which must outlive it. After a step only the atoms that moved look at their
-// transitions, only connectors that watch what changed are looked at again: the cost of a step is proportional to what
-// the step touched. No allocation in steady state unless a guarded connector is searched.
-// Faults (R codes) stop it: initialize and fire return false, fault() tells why.
+// Needs an image with code in it, which must outlive it. After a step only the atoms that moved look at their transitions, only connectors that watch
+// what changed are looked at again: its cost is proportional to what it touched. No allocation in steady state unless a guarded connector is searched.
 #pragma once
 #include <functional>
 #include <map>
@@ -78,6 +76,8 @@ class Core {
   }
   /// Has the image step functions for this system, and is the list kept?
   [[nodiscard]] bool has_steps() const { return !run_of_.empty() && keeps_list_; }
+  /// The image has other code now, which means the same, or compiled steps that it had not. `before`: its rows as they were.
+  void take_new_code(const std::vector<Code>& before);
   /// Up to `limit` steps, drawn as `drawn` does; returns how many. Asks is_stopped now and then. sound: false after a fault.
   u64 run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr);
   /// Has every slot a step function?

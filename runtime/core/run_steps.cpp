@@ -27,6 +27,9 @@ struct Unwatched {
 // one (derive_steps).
 void Core::link_steps() {
   const Image& image = *tables_.image;
+  runs_.clear();
+  run_of_.clear();
+  run_of_block_.clear();
   if (image.step_fns.size == 0 || options_.progress == MaximalProgress::Off || is_weighted_) return;
   run_of_.assign(tables_.slots.size(), kNone);
   u32 most = 0;

@@ -18,6 +18,7 @@
 #include "runtime/engine/ask.hpp"
 #include "runtime/engine/batch.hpp"
 #include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/new_code.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/scheduler.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
@@ -185,7 +186,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   feed.warn(err);
   // Their threads may ask for the time.
   if (sound && !is_replay && options.events_path.empty()) sound = feed.open_sources(core);
-  const bool is_compiled = (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps();
+  const auto can_be_compiled = [&] { return (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps(); };
+  bool is_compiled = can_be_compiled();
   if (sound && options.profile != nullptr) options.profile->start(core.tables());
   const auto started = std::chrono::steady_clock::now();
   const std::clock_t cpu_started = std::clock();
@@ -204,6 +206,11 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       result.end = End::Limit;
     } else if (ends_here(record, result.steps, feed.looks())) {
       result.end = record.end;
+    } else if (options.new_code != nullptr && options.new_code->is_ready.load(std::memory_order_acquire)) {
+      core.take_new_code(options.new_code->install());
+      options.new_code = nullptr;
+      is_compiled = can_be_compiled();
+      continue;
     } else if (output.foresee(core); (due = core.is_timed() ? timed.wait(core, feed) : Due::Step) == Due::Fault) {
       result.end = End::Fault;
     } else if (due == Due::Event) {

@@ -9,6 +9,7 @@
 namespace bip::rt {
 
 class Profile;
+struct NewCode;
 
 enum class Policy : std::uint8_t { Uniform, First, Fair };
 enum class TraceFormat : std::uint8_t { Steps, Json, Bip2, Binary, Mcap, Perfetto };
@@ -35,6 +36,7 @@ struct RunOptions {
   std::string replay_path;         // such a record: repeats the run in logical time, its seed and policy too
   bool silent = false;             // no step lines; the seed and the end are still told
   bool stats = false;              // steps, seconds, ns/step at the end
+  NewCode* new_code = nullptr;     // the image's code is replaced when it is ready (runtime/engine/new_code.hpp)
   Profile* profile = nullptr;      // measures the steps (runtime/core/profile.hpp)
   bool debug = false;              // every state's candidates
   bool interactive = false;        // the candidates are listed and a number is read for each step

@@ -1,0 +1,74 @@
+// See tiers.hpp. The thread reads the lowered system and writes the description of steps, which nobody reads before there are
+// functions for them; codes and functions change on the engine's thread alone.
+#include "compiler/driver/tiers.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "compiler/steps/derive_steps.hpp"
+
+namespace bip::driver {
+
+Tiers::Tiers(lower::LoweredSystem& lowered, jit::JitOptions options, unsigned patience_ms) : lowered_(lowered), options_(std::move(options)) {
+  options_.goes_on = [this] {
+    const std::lock_guard guard(mutex_);
+    return !is_stopped_;
+  };
+  new_code_.install = [this] { return install(); };
+  thread_ = std::thread([this, patience_ms] { work(patience_ms); });
+}
+
+Tiers::~Tiers() {
+  {
+    const std::lock_guard guard(mutex_);
+    is_stopped_ = true;
+  }
+  stop_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Tiers::work(unsigned patience_ms) {
+  {
+    std::unique_lock lock(mutex_);
+    if (stop_.wait_for(lock, std::chrono::milliseconds(patience_ms), [this] { return is_stopped_; })) return;
+  }
+  const auto started = std::chrono::steady_clock::now();
+  const Result<JitPlugin> plugin = load_jit();
+  if (!plugin) {
+    problem_ = plugin.error();
+    return;
+  }
+  steps::derive_steps(lowered_);
+  Result<JitCode> code = (*plugin).compile(lowered_, options_, made_);
+  seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  if (!code) {
+    problem_ = code.error();
+    return;
+  }
+  code_ = std::move(*code);
+  new_code_.is_ready.store(true, std::memory_order_release);
+}
+
+std::vector<rt::Code> Tiers::install() {
+  std::vector<rt::Code> before = lowered_.codes;
+  jit::install(lowered_, made_);
+  is_installed_ = true;
+  return before;
+}
+
+std::string Tiers::summary() {
+  {
+    const std::lock_guard guard(mutex_);
+    is_stopped_ = true;
+  }
+  stop_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  if (!is_installed_) return "code: interpreted" + (problem_.empty() || problem_.ends_with("stopped") ? "" : ": " + problem_) + "\n";
+  std::string text = fmt::format("code: interpreted, then {} module{}, {} from the cache, after {:.6f} s\n", made_.modules,
+                                 made_.modules == 1 ? "" : "s", made_.from_cache, seconds_);
+  for (const std::string& file : made_.broken_files) text += fmt::format("note: `{}` was broken and is made anew\n", file);
+  return text;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,49 @@
+// A run that begins interpreted, at once, and goes on with machine code when that is ready.
+//
+// A thread waits a little, since most runs are short and then need no compiler at all; loads the JIT, compiles everything at
+// -O2 with whole steps (or finds it in the cache) and tells the engine. The trace is the same whenever that happens.
+#pragma once
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "compiler/driver/jit_loader.hpp"
+#include "compiler/lower/lower.hpp"
+#include "runtime/engine/new_code.hpp"
+
+namespace bip::driver {
+
+class Tiers {
+ public:
+  /// `lowered` has code already and must outlive this; nobody else may change it. options.goes_on is ours.
+  Tiers(lower::LoweredSystem& lowered, jit::JitOptions options, unsigned patience_ms);
+  /// Ends the compilation after the module at hand. After the run.
+  ~Tiers();
+  Tiers(const Tiers&) = delete;
+  Tiers& operator=(const Tiers&) = delete;
+
+  /// For RunOptions.
+  [[nodiscard]] rt::NewCode& new_code() { return new_code_; }
+  /// After the run: what became of it, a line.
+  [[nodiscard]] std::string summary();
+
+ private:
+  void work(unsigned patience_ms);
+  std::vector<rt::Code> install();
+
+  lower::LoweredSystem& lowered_;
+  jit::JitOptions options_;
+  rt::NewCode new_code_;
+  jit::MadeCode made_;
+  JitCode code_;
+  std::string problem_;
+  double seconds_ = 0;
+  bool is_installed_ = false;
+  std::mutex mutex_;
+  std::condition_variable stop_;
+  bool is_stopped_ = false;
+  std::thread thread_;  // last: it starts when all else is there
+};
+
+}  // namespace bip::driver
