@@ -152,6 +152,20 @@ bool count_of(const Json& request, const char* key, std::uint64_t without, std::
   return true;
 }
 
+// No request is as deep as this; what is copied and written level by level must not come at the end of the stack.
+constexpr int kMaxDepth = 16;
+bool is_too_deep(const std::string& line) {
+  int depth = 0;
+  bool in_text = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    if (in_text && line[k] == '\\') ++k;
+    else if (line[k] == '"') in_text = !in_text;
+    else if (!in_text && (line[k] == '[' || line[k] == '{') && ++depth > kMaxDepth) return true;
+    else if (!in_text && (line[k] == ']' || line[k] == '}')) --depth;
+  }
+  return false;
+}
+
 // What is done between two steps, and answered then.
 void ask(Controller& controller, const Reply& reply, const Json& id, std::function<std::string(Controller&, Json&)> work) {
   controller.ask([send = reply.send, id, work = std::move(work)](Controller& c) {
@@ -164,6 +178,7 @@ void ask(Controller& controller, const Reply& reply, const Json& id, std::functi
 }  // namespace
 
 void handle_line(Controller& controller, const std::string& line, Reply reply) {
+  if (is_too_deep(line)) return reply.send(refusal_of(Json(), "a line has no more than " + std::to_string(kMaxDepth) + " arrays and objects in one another"));
   const Json request = Json::parse(line, nullptr, false);
   if (!request.is_object()) return reply.send(refusal_of(Json(), "a line is an object of JSON"));
   const Json id = request.value("id", Json());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <asio.hpp>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <deque>
@@ -23,6 +24,10 @@ namespace {
 
 namespace net = asio;
 using Stream = net::posix::stream_descriptor;
+// Requests of one client that the engine has not answered; its lines are read again when some are.
+constexpr std::size_t kMaxAsked = 256;
+// When no more connections can be opened: until one may have ended.
+constexpr std::chrono::milliseconds kBreath{50};
 // Notes on their way from the engine to the clients; what comes faster is dropped.
 constexpr int kMaxNotes = 10000;
 
@@ -32,9 +37,10 @@ struct Client {
   std::string received;
   std::deque<std::string> waiting;  // the first one is being written
   std::size_t waiting_bytes = 0;
+  std::size_t asked = 0;            // requests without an answer so far
   std::uint64_t dropped = 0;
   bool is_subscribed = false;
-  bool reads = false, writes = false, is_closing = false, is_stdio = false;
+  bool reads = false, writes = false, has_finished = false, is_closing = false, is_stdio = false;
 };
 
 class Server {
@@ -96,10 +102,17 @@ class Server {
   void accept(Acceptor& acceptor) {
     acceptor.async_accept([this, &acceptor](const std::error_code& failed, auto socket) {
       if (failed == net::error::operation_aborted) return;
-      if (!failed && clients_.size() < options_.max_clients) {
+      if (failed) {
+        // Too many open files, as a rule: to ask again at once would be all that this thread does.
+        auto breath = std::make_unique<net::steady_timer>(io_, kBreath);
+        breath->async_wait([this, &acceptor, held = std::move(breath)](const std::error_code&) { accept(acceptor); });
+        return;
+      }
+      if (clients_.size() < options_.max_clients) {
         std::error_code ignored;
         const int file = socket.release(ignored);
-        add(file, ::dup(file));
+        if (const int copy = ::dup(file); copy >= 0) add(file, copy);
+        else ::close(file);
       }
       accept(acceptor);
     });
@@ -173,7 +186,7 @@ class Server {
       if (!client.waiting.empty()) return write(number, client);
       // Its answers are read: so are its lines again.
       if (client.is_closing) close(number, client);
-      else if (!client.reads) read(number);
+      else read_on(number, client);
     });
   }
 
@@ -193,13 +206,27 @@ class Server {
       client.received.erase(0, size);
       if (line.find_first_not_of(" \t\r") != std::string::npos) handle(number, line);
       if (!clients_.contains(number) || client.is_closing) return;
-      if (client.waiting_bytes < options_.max_waiting) read(number);
+      read_on(number, client);
     });
+  }
+
+  // The next line, unless the client has not read the answers to many, or many are still to be answered.
+  void read_on(std::uint64_t number, const Client& client) {
+    if (!client.reads && !client.has_finished && !client.is_closing && client.waiting_bytes < options_.max_waiting && client.asked < kMaxAsked) read(number);
+  }
+
+  void answer(std::uint64_t number, std::string text) {
+    const auto found = clients_.find(number);
+    if (found == clients_.end()) return;
+    --found->second->asked;
+    send(number, std::move(text));
+    read_on(number, *found->second);
   }
 
   void handle(std::uint64_t number, const std::string& line) {
     Reply reply;
-    reply.send = [this, number](std::string text) { net::post(io_, [this, number, answer = std::move(text)] { send(number, answer); }); };
+    ++clients_.at(number)->asked;
+    reply.send = [this, number](std::string text) { net::post(io_, [this, number, said = std::move(text)] { answer(number, said); }); };
     reply.subscribe = [this, number](const Subscription& subscription) {
       clients_.at(number)->is_subscribed = subscription.is_on;
       forget(number);
@@ -212,6 +239,7 @@ class Server {
 
   // No more is read; what waits is still written. The engine is asked once more, so that answers on their way come first.
   void finish(std::uint64_t number, Client& client) {
+    client.has_finished = true;
     const bool ends_all = client.is_stdio && !local_ && !tcp_;
     controller_.ask([this, number, ends_all](Controller&) {
       net::post(io_, [this, number, ends_all] {
@@ -223,7 +251,6 @@ class Server {
         if (ends_) try_stop();
       });
     });
-    (void)client;
   }
 
   void close(std::uint64_t number, Client& client) {

@@ -225,7 +225,7 @@ class Core {
   void note_fault(u64 step, u32 order);
   [[nodiscard]] u64 last_step_of(u32 slot) const;
 
-  // timed.cpp, measured.cpp, time_faults.cpp
+  // timed.cpp, timed_ports.cpp, measured.cpp, time_faults.cpp
   void build_time();
   void forget_time();
   void start_clocks(u32 atom);
@@ -238,6 +238,8 @@ class Core {
   bool resume_together(std::vector<u32>& rows);
   bool look_at_time(u32 atom);
   bool look_at_invariants(u32 atom);
+  void enable_coming(u32 atom);
+  bool begin_timed(u32 instance);
   [[nodiscard]] bool is_in_scope(u32 atom, const Invariant& invariant) const;
   void change_port(u32 instance, u32 transition);
   void save_time(std::vector<i64>& out) const;
@@ -388,12 +390,10 @@ class Core {
   std::vector<u32> rule_in_, rule_order_;  // by port of the atom at hand
   std::vector<std::pair<u32, bool>> crossings_;
   std::vector<std::uint8_t> available_, chosen_;  // by plan node
-  std::vector<u32> node_scratch_;
+  std::vector<u32> node_scratch_, use_clause_, params_;
   std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links and choices
-  std::vector<u32> use_clause_;
   std::vector<Evaluated> evaluated_;       // by use of the plan that is searched
   SearchWork search_work_;
-  std::vector<u32> params_;
   std::vector<std::pair<u32, u32>> use_stack_;
 };
 

@@ -42,12 +42,14 @@ inline i64 after(i64 now, Int128 ticks) {
   const Int128 at = static_cast<Int128>(now) + (ticks < 0 ? Int128{0} : ticks);
   return at >= kForever ? kForever : static_cast<i64>(at);
 }
+/// The first t, a number of ticks, with speed * t >= missing << 32. Nearly all clocks run at speed 1, and a division of 128 bits is a call.
+inline Int128 ticks_for(Int128 missing, i64 speed) { return speed == kUnitSpeed ? missing : -floor_div(-(missing << 32), speed); }
 /// value + floor(speed * t) >= limit, from now on.
 inline Interval at_least(i64 now, Int128 missing, i64 speed) {
   if (speed == 0 || (missing <= 0 && speed > 0)) return missing <= 0 ? Interval{now, kForever, false, false} : Interval::none();
   // speed * t >= missing
   if (speed > 0) {
-    const i64 low = after(now, -floor_div(-(missing << 32), speed));
+    const i64 low = after(now, ticks_for(missing, speed));
     return low == kForever ? Interval::none() : Interval{low, kForever, false, false};
   }
   if (missing > 0) return Interval::none();
@@ -59,7 +61,7 @@ inline Interval at_most(i64 now, Int128 missing, i64 speed) {
   if (speed == 0) return beyond > 0 ? Interval{now, kForever, false, false} : Interval::none();
   if (speed > 0) {
     if (beyond <= 0) return Interval::none();
-    const i64 end = after(now, -floor_div(-(beyond << 32), speed));
+    const i64 end = after(now, ticks_for(beyond, speed));
     return {now, end == kForever ? kForever : end - 1, false, false};
   }
   if (beyond > 0) return {now, kForever, false, false};

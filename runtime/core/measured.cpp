@@ -82,16 +82,4 @@ bool Core::measured_resume(u32 atom, u32 row, MeasuredGuard& out) {
   return true;
 }
 
-i64 Core::wait_limit(std::vector<i64>& ends) {
-  i64 last = last_instant();
-  ends.clear();
-  for (u64 k = 0; k < candidate_count(); ++k) {
-    const CandidateTime time = time_of(candidate(k));
-    ends.push_back(time.interval.high);
-    if (time.urgency == Urgency::Eager) last = now();
-    else if (time.urgency == Urgency::Delayable) last = std::min(last, time.interval.high);
-  }
-  return std::max(last, now());
-}
-
 }  // namespace bip::rt

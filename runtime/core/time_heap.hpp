@@ -1,7 +1,8 @@
-// What happens next: a key (an instant) for each of n rows, and the row with the smallest one. A binary heap that knows where
-// each row is, so that a new key costs O(log n); rows whose key is kForever are not in it. Equal keys: the smaller row first.
+// What happens next: a key (an instant) for each of n rows, and the row with the smallest one. A heap that knows where each row
+// is, so that a new key costs O(log n); rows whose key is kForever are not in it. Equal keys: the smaller row first. Each entry
+// has four below it, and keys lie in the entries: half the levels of a binary heap, and a level is a cache line or two.
 #pragma once
-#include <utility>
+#include <algorithm>
 #include <vector>
 
 #include "runtime/core/interval.hpp"
@@ -11,66 +12,66 @@ namespace bip::rt {
 class TimeHeap {
  public:
   void reset(std::size_t rows) {
-    keys_.assign(rows, kForever);
     places_.assign(rows, kNone);
     heap_.clear();
   }
   [[nodiscard]] bool empty() const { return heap_.empty(); }
   /// kForever if there is none.
-  [[nodiscard]] i64 first_key() const { return heap_.empty() ? kForever : keys_[heap_.front()]; }
-  [[nodiscard]] std::uint32_t first_row() const { return heap_.front(); }
-  [[nodiscard]] i64 key(std::uint32_t row) const { return keys_[row]; }
+  [[nodiscard]] i64 first_key() const { return heap_.empty() ? kForever : heap_.front().key; }
+  [[nodiscard]] std::uint32_t first_row() const { return heap_.front().row; }
+  [[nodiscard]] i64 key(std::uint32_t row) const { return places_[row] == kNone ? kForever : heap_[places_[row]].key; }
 
   void set(std::uint32_t row, i64 key) {
-    const i64 before = keys_[row];
-    if (before == key) return;
-    keys_[row] = key;
-    if (before == kForever) {
-      places_[row] = static_cast<std::uint32_t>(heap_.size());
-      heap_.push_back(row);
-      rise(places_[row]);
+    const std::uint32_t place = places_[row];
+    if (place == kNone) {
+      if (key == kForever) return;
+      heap_.push_back({key, row});
+      rise(static_cast<std::uint32_t>(heap_.size()) - 1, {key, row});
     } else if (key == kForever) {
-      const std::uint32_t hole = places_[row];
-      places_[row] = kNone;
-      const std::uint32_t last = heap_.back();
+      const Entry last = heap_.back();
       heap_.pop_back();
-      if (last == row) return;
-      put(hole, last);
-      rise(hole);
-      sink(places_[last]);
-    } else if (key < before) {
-      rise(places_[row]);
-    } else {
-      sink(places_[row]);
+      places_[row] = kNone;
+      if (last.row != row) settle(place, last);
+    } else if (key != heap_[place].key) {
+      settle(place, {key, row});
     }
   }
 
  private:
-  [[nodiscard]] bool is_before(std::uint32_t a, std::uint32_t b) const { return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : a < b; }
-  void put(std::uint32_t place, std::uint32_t row) {
-    heap_[place] = row;
-    places_[row] = place;
+  static constexpr std::uint32_t kFan = 4;
+  struct Entry {
+    i64 key;
+    std::uint32_t row;
+    [[nodiscard]] bool is_before(const Entry& other) const { return key != other.key ? key < other.key : row < other.row; }
+  };
+  void put(std::uint32_t place, Entry entry) {
+    heap_[place] = entry;
+    places_[entry.row] = place;
   }
-  void rise(std::uint32_t place) {
-    const std::uint32_t row = heap_[place];
-    for (; place != 0 && is_before(row, heap_[(place - 1) / 2]); place = (place - 1) / 2) put(place, heap_[(place - 1) / 2]);
-    put(place, row);
+  // The entry, wherever it belongs; `place` is free.
+  void settle(std::uint32_t place, Entry entry) {
+    if (place != 0 && entry.is_before(heap_[(place - 1) / kFan])) rise(place, entry);
+    else sink(place, entry);
   }
-  void sink(std::uint32_t place) {
-    const std::uint32_t row = heap_[place];
+  void rise(std::uint32_t place, Entry entry) {
+    for (; place != 0 && entry.is_before(heap_[(place - 1) / kFan]); place = (place - 1) / kFan) put(place, heap_[(place - 1) / kFan]);
+    put(place, entry);
+  }
+  void sink(std::uint32_t place, Entry entry) {
     const auto size = static_cast<std::uint32_t>(heap_.size());
-    for (std::uint32_t child = 2 * place + 1; child < size; child = 2 * place + 1) {
-      if (child + 1 < size && is_before(heap_[child + 1], heap_[child])) ++child;
-      if (!is_before(heap_[child], row)) break;
-      put(place, heap_[child]);
-      place = child;
+    for (std::uint32_t child = kFan * place + 1; child < size; child = kFan * place + 1) {
+      const std::uint32_t end = std::min(child + kFan, size);
+      std::uint32_t first = child;
+      for (++child; child < end; ++child) first = heap_[child].is_before(heap_[first]) ? child : first;
+      if (!heap_[first].is_before(entry)) break;
+      put(place, heap_[first]);
+      place = first;
     }
-    put(place, row);
+    put(place, entry);
   }
 
-  std::vector<i64> keys_;               // by row
-  std::vector<std::uint32_t> places_;   // by row, in heap_
-  std::vector<std::uint32_t> heap_;
+  std::vector<std::uint32_t> places_;   // by row, in heap_; kNone: not in it
+  std::vector<Entry> heap_;
 };
 
 }  // namespace bip::rt

@@ -20,6 +20,20 @@ struct PortTime {
   u32 other = kNone;          // a second enabled transition: to fire the port is a fault
 };
 
+/// What is known of a type of atoms before the first step.
+struct TypeTime {
+  const AtomTime* time = nullptr;  // null: it has nothing to do with time
+  bool has_resume = false;
+  bool has_limits = false;    // invariants that bound clocks
+  bool is_foreseeable = false;  // while clocks run at speed 1 what an atom offers later follows from what it was when it last moved
+};
+/// The next change of an atom's ports, if it is no more than that one port, the only one then, becomes enabled.
+struct Coming {
+  u32 transition = kNone;     // row of Tables::transitions; kNone: it is something else
+  Urgency urgency = Urgency::Lazy;
+  Interval interval{};
+};
+
 /// A step that may be taken now: around now the instants at which it may be, and how long time may wait for it.
 struct CandidateTime {
   Interval interval{};
@@ -74,7 +88,9 @@ struct TimeState {
   std::vector<ClockState> clocks;
   std::vector<i64> busy_until;  // by atom; > now: no port is enabled before then
   std::vector<i64> may_resume_until;  // by atom: the last instant of what its `resume` waited for
+  std::vector<TypeTime> types;  // by type of atoms
   std::vector<PortTime> ports;  // by port instance
+  std::vector<Coming> coming;   // by atom, at the instant that `changes` says
   std::vector<EventPortRow> event_ports;
   std::vector<u32> event_row;   // by port instance: row of event_ports, or kNone; empty if there are none
   std::vector<EventQueue> queues;  // by row of event_ports

@@ -17,9 +17,41 @@ namespace {
 bool to_ticks(double value, i64 unit, i64& ticks) {
   const double exact = value * static_cast<double>(unit);
   if (!(std::fabs(exact) <= static_cast<double>(kMaxTicks))) return false;
-  const bool is_whole = std::fabs(value) <= 9007199254740992.0 && value == std::floor(value);
-  ticks = is_whole ? static_cast<i64>(value) * unit : static_cast<i64>(std::llround(exact));
+  // The range first: beyond it the conversion is undefined. Truncated by hand, for std::floor may be a call.
+  if (std::fabs(value) <= 9007199254740992.0) {
+    const auto whole = static_cast<i64>(value);
+    if (static_cast<double>(whole) == value) {
+      ticks = whole * unit;
+      return true;
+    }
+  }
+  ticks = static_cast<i64>(std::llround(exact));
   return true;
+}
+
+// May what it offers later be said now? Not if C++ is asked: it may answer otherwise next time.
+bool is_foreseeable(const AtomType& type, const Image& image) {
+  if (type.time->events.size != 0 || type.priorities.size != 0) return false;
+  const auto is_simple = [&](const TimeGuard& when) {
+    if (image.outside != nullptr && when.measure != kNone) return false;
+    return std::all_of(when.bounds.begin(), when.bounds.end(), [](const Bound& bound) { return bound.minus == kNone; });
+  };
+  for (u32 row = 0; row < type.transitions.size; ++row) {
+    if (image.outside != nullptr && type.transitions[row].guard != kNone) return false;
+    if (!is_simple(type.time->transitions[row].when)) return false;
+  }
+  return std::all_of(type.time->invariants.begin(), type.time->invariants.end(), is_simple);
+}
+
+TypeTime time_of_type(const AtomType& type, const Image& image) {
+  TypeTime out;
+  out.time = type.time;
+  if (type.time == nullptr) return out;
+  out.has_resume = type.time->initial.present;
+  for (const TransitionTime& transition : type.time->transitions) out.has_resume |= transition.resume.present;
+  for (const TimeGuard& invariant : type.time->invariants) out.has_limits |= invariant.bounds.size != 0;
+  out.is_foreseeable = is_foreseeable(type, image);
+  return out;
 }
 
 }  // namespace
@@ -51,6 +83,7 @@ void Core::build_time() {
   time_->clock_base.push_back(clocks);
   if (time_->unit == 0) time_->unit = 1'000'000'000;
   list_event_ports();
+  for (const AtomType& type : image.atom_types) time_->types.push_back(time_of_type(type, image));
 }
 
 void Core::forget_time() {
@@ -60,6 +93,7 @@ void Core::forget_time() {
   t.busy_until.assign(atoms_.size(), 0);
   t.may_resume_until.assign(atoms_.size(), kForever);
   t.ports.assign(ports_.size(), {});
+  t.coming.assign(atoms_.size(), {});
   t.queues.assign(t.event_ports.size(), {});
   t.set_clocks.clear();
   t.at_work.assign(t.at_work.size(), {});
@@ -91,7 +125,8 @@ bool Core::read_clocks(u32 atom, const Transition* fired) {
     const Clock& clock = time->clocks[row];
     ClockState& state = time_->clocks[time_->clock_base[atom] + row];
     const double speed = self[clock.slot + 2].f;
-    if (speed != static_cast<double>(state.speed) / static_cast<double>(kUnitSpeed)) {
+    const bool is_as_ever = speed == 1.0 && state.speed == kUnitSpeed;
+    if (!is_as_ever && speed != static_cast<double>(state.speed) / static_cast<double>(kUnitSpeed)) {
       if (!(speed >= 0 && speed <= static_cast<double>(kMaxSpeed / kUnitSpeed))) return fail_clock(atom, clock, fired, "speed", speed);
       const Int128 value = clock_value(atom, row);
       if (value > kMaxTicks) return fail_clock(atom, clock, fired, "value", static_cast<double>(value) / static_cast<double>(clock.unit));
@@ -160,10 +195,11 @@ bool Core::resume_interval(u32 atom, const Resume& resume, Interval& out) {
 
 // After a step of the atom, internal transitions included: how long is it busy? fired: null for `initial`.
 bool Core::begin_resume(u32 atom, const LinkedTransition* fired) {
-  const AtomTime* time = tables_.atom_type(atom).time;
   time_->busy_until[atom] = 0;
   time_->may_resume_until[atom] = kForever;
-  if (time == nullptr) return true;
+  const TypeTime& type = time_->types[atoms_[atom].type];
+  if (!type.has_resume) return true;
+  const AtomTime* time = type.time;
   const u32 first = tables_.types[atoms_[atom].type].first_transition;
   const Resume& resume = fired == nullptr ? time->initial : time->transitions[static_cast<u32>(fired - tables_.transitions.data()) - first].resume;
   if (!resume.present) return true;
@@ -190,121 +226,6 @@ bool Core::resume_together(std::vector<u32>& rows) {
     if (!look_at_time(atom)) return false;
   }
   return true;
-}
-
-// A timed atom's ports at this instant, and what is next.
-bool Core::look_at_time(u32 atom) {
-  TimeState& t = *time_;
-  if (t.busy_until[atom] <= t.now && is_at_work(atom)) return finish_action(atom);
-  const AtomInfo& state = atoms_[atom];
-  const LinkedType& type = tables_.types[state.type];
-  const AtomTime& time = *tables_.atom_type(atom).time;
-  const u32 ports = tables_.port_base[atom + 1] - state.port_base;
-  u32* now = port_scratch_.data();
-  for (u32 port = 0; port < ports; ++port) now[port] = kNone;
-  i64 next = kForever;
-  const auto look = [&](u32 row) {
-    const LinkedTransition& transition = tables_.transitions[row];
-    const TransitionTime& timing = time.transitions[row - type.first_transition];
-    bool is_enabled = false;
-    if (!is_enabled_from(atom, transition, is_enabled)) return false;
-    Interval interval;
-    if (!is_enabled || is_without_event(state.port_base + transition.port)) return true;
-    if (!interval_of(atom, timing.when, interval)) return false;
-    if (interval.empty()) return true;
-    if (interval.low > t.now) {
-      next = std::min(next, interval.low);
-      return true;
-    }
-    if (interval.high != kForever) next = std::min(next, interval.high + 1);
-    PortTime& port = t.ports[state.port_base + transition.port];
-    if (now[transition.port] != kNone) {
-      port.other = row;
-      port.interval.meet(interval);
-      port.urgency = std::max(port.urgency, timing.urgency);
-      return true;
-    }
-    now[transition.port] = row;
-    port = {interval, timing.urgency, kNone};
-    return true;
-  };
-  if (t.busy_until[atom] > t.now) {
-    next = t.busy_until[atom];
-  } else if (type.mark_words == 0) {
-    for (u32 row : tables_.place_transitions[type.first_place + places_[atom]]) {
-      if (!look(row)) return false;
-    }
-  } else {
-    for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
-      if (tables_.transitions[row].port != kNone && !look(row)) return false;
-    }
-  }
-  if (!refuse_events(atom, now)) return false;
-  if (type.has_priorities && !hide_ports(atom, now)) return false;
-  for (u32 port = 0; port < ports; ++port) change_port(state.port_base + port, now[port]);
-  t.changes.set(atom, next);
-  return look_at_invariants(atom);
-}
-
-// The last instant that the invariants of the atom's places allow: no time passes where one does not hold.
-bool Core::look_at_invariants(u32 atom) {
-  const AtomType& type = tables_.atom_type(atom);
-  i64 end = kForever;
-  // What bounds the time at work is the budget.
-  for (u32 row = is_at_work(atom) ? type.invariants.size : 0; row < type.invariants.size; ++row) {
-    if (type.time->invariants[row].bounds.size == 0 || !is_in_scope(atom, type.invariants[row])) continue;
-    Interval interval;
-    if (!interval_of(atom, type.time->invariants[row], interval)) return false;
-    end = std::min(end, interval.has(time_->now) ? interval.high : time_->now);
-  }
-  time_->ends.set(atom, end);
-  return true;
-}
-
-bool Core::advance(i64 to) {
-  TimeState& t = *time_;
-  t.now = to;
-  while (t.changes.first_key() <= to) {
-    if (!look_at_time(t.changes.first_row())) return false;
-  }
-  return dirty_.empty() && dirty_rules_.empty() ? true : settle();
-}
-
-i64 Core::next_change() const { return time_->changes.first_key(); }
-i64 Core::last_instant() const { return time_->ends.first_key(); }
-i64 Core::time_unit() const { return time_->unit; }
-
-CandidateTime Core::time_of(const Candidate& candidate) {
-  CandidateTime out{{time_->now, kForever, false, false}, Urgency::Lazy};
-  participants(candidate, participant_scratch_);
-  for (const Participant& participant : participant_scratch_) {
-    if (tables_.atom_type(participant.atom).time == nullptr) continue;
-    const PortTime& port = time_->ports[tables_.instance(participant.atom, participant.port)];
-    out.interval.meet(port.interval);
-    out.urgency = std::max(out.urgency, port.urgency);
-  }
-  return out;
-}
-
-bool Core::take_timed(EnabledSet::Position at) {
-  time_->set_clocks.clear();
-  const Candidate chosen = candidate(at);
-  participants(chosen, participant_scratch_);
-  const bool is_sync = chosen.connector != kNone && tables_.connector_type(chosen.connector).resume_sync;
-  std::vector<u32> together;
-  for (const Participant& participant : participant_scratch_) {
-    if (tables_.atom_type(participant.atom).time == nullptr) continue;
-    if (is_sync) together.push_back(participant.atom);
-    const u32 instance = tables_.instance(participant.atom, participant.port);
-    if (const u32 other = time_->ports[instance].other; other != kNone) {
-      return fail(FaultCode::TwoTransitions, participant.atom, tables_.transitions[ports_[instance].transition].source, tables_.transitions[other].source);
-    }
-    take_event(instance);
-  }
-  if (!fire(chosen)) return false;
-  if (together.size() < 2) return true;
-  if (!resume_together(together)) return false;
-  return dirty_.empty() && dirty_rules_.empty() ? true : settle();
 }
 
 // now; of each clock its value and speed; of each atom the instant until which it is busy; who is at work, and at what; of each

@@ -11,6 +11,8 @@ namespace bip::rt {
 namespace {
 // Real time: so often the engine may look at an instant whose steps do not end while an event of a later one waits.
 constexpr u32 kMaxStalls = 64;
+// A full queue of posted events is told to have room again so many times while the model takes it.
+constexpr u32 kReleases = 64;
 // Actions at work at once; others wait for a thread.
 constexpr u32 kMostThreads = 64;
 }  // namespace
@@ -94,8 +96,14 @@ bool EventFeed::collect(Core& core, i64 until) {
     look_at_budgets(core, before);
   }
   if (arrived_.size() == before) return true;
-  for (std::size_t k = before; k < arrived_.size(); ++k) arrived_[k].time = std::max(arrived_[k].time, core.now());
-  std::stable_sort(arrived_.begin(), arrived_.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
+  const auto is_earlier = [](const Event& a, const Event& b) { return a.time < b.time; };
+  bool is_sorted = true;
+  for (std::size_t k = before; k < arrived_.size(); ++k) {
+    arrived_[k].time = std::max(arrived_[k].time, core.now());
+    is_sorted = is_sorted && (k == 0 || !is_earlier(arrived_[k], arrived_[k - 1]));
+  }
+  // Threads' events are; sorting thousands that wait for each that comes is not for free.
+  if (!is_sorted) std::stable_sort(arrived_.begin(), arrived_.end(), is_earlier);
   return true;
 }
 
@@ -104,6 +112,11 @@ void EventFeed::release(const Core& core) {
   for (std::size_t k = 0; k < active_.size();) {
     const u32 row = active_[k];
     const u32 waiting = core.waiting_events(row);
+    // Not for each one: that is a lock that those who post want, too.
+    if (waiting != 0 && held_[row] - waiting < inbox_.capacity() / kReleases) {
+      ++k;
+      continue;
+    }
     if (waiting < held_[row]) inbox_.release(row, held_[row] - waiting);
     held_[row] = waiting;
     if (waiting != 0) {
@@ -126,8 +139,10 @@ i64 EventFeed::wait(Core& core, i64 target) {
   release(core);
   engine_.instant.store(core.now(), std::memory_order_relaxed);
   stalls_ = target == core.now() && !arrived_.empty() ? stalls_ + 1 : 0;
+  // A first look without a word to who posts: he would wake us, and most looks find something.
+  bool is_prepared = false;
   while (true) {
-    if (wall_ != nullptr) waker().prepare();
+    if (is_prepared) waker().prepare();
     if (!collect(core, target)) return kForever;
     i64 event = kForever;
     if (next_ < script_.size() && is_due(script_[next_], target)) event = script_[next_].time;
@@ -145,12 +160,16 @@ i64 EventFeed::wait(Core& core, i64 target) {
     const bool is_over = wall_ == nullptr || wall_->has_passed(until) || (until == kForever && !may_come);
     // What is due comes before what stop() wants.
     gave_up_ = is_interrupted() || (!is_over && wants_stop_.load());
-    if (wall_ != nullptr && (is_over || gave_up_)) waker().stay_awake();
+    if (is_prepared && (is_over || gave_up_)) waker().stay_awake();
     if (gave_up_) {
       --looks_;
       return kForever;
     }
     if (is_over) return comes ? until : kForever;
+    if (!is_prepared) {
+      is_prepared = true;
+      continue;
+    }
     const u32 late = pool_ != nullptr ? next_overrun(core) : kNone;
     waker().sleep_until(wall_->due(late == kNone ? until : std::min(until, core.work_of(late).until)));
   }

@@ -3,13 +3,19 @@
 
 namespace bip::rt {
 
+// Under the lock: events are in the order of their instants.
+void Inbox::add(Event event) {
+  events_.push_back(std::move(event));
+  // Before the waker is asked whether somebody sleeps, in the one order of all such accesses.
+  if (!has_events_.load(std::memory_order_relaxed)) has_events_.store(true, std::memory_order_seq_cst);
+}
+
 bool Inbox::post(u32 row, std::vector<EventValue> values, const RealTime* wall) {
   {
     const std::lock_guard<std::mutex> hold(lock_);
     if (waiting_[row] >= capacity_) return false;
     ++waiting_[row];
-    // Under the lock: events are in the order of their instants.
-    events_.push_back({wall == nullptr ? 0 : wall->now(), row, kAnyLook, std::move(values), EventKind::Port, 0});
+    add({wall == nullptr ? 0 : wall->now(), row, kAnyLook, std::move(values), EventKind::Port, 0});
   }
   waker_.wake();
   return true;
@@ -18,15 +24,17 @@ bool Inbox::post(u32 row, std::vector<EventValue> values, const RealTime* wall) 
 void Inbox::note_return(u32 atom, u64 job, const RealTime& wall) {
   {
     const std::lock_guard<std::mutex> hold(lock_);
-    events_.push_back({wall.now(), atom, kAnyLook, {}, EventKind::Return, job});
+    add({wall.now(), atom, kAnyLook, {}, EventKind::Return, job});
   }
   waker_.wake();
 }
 
 void Inbox::take(std::deque<Event>& out) {
+  if (!has_events_.load(std::memory_order_seq_cst)) return;
   {
     const std::lock_guard<std::mutex> hold(lock_);
     taken_.swap(events_);
+    has_events_.store(false, std::memory_order_relaxed);
   }
   for (Event& event : taken_) out.push_back(std::move(event));
   taken_.clear();

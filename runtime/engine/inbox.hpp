@@ -1,8 +1,11 @@
-// Events, and what tells that actions have ended, on their way from other threads to the engine, with a bound on what waits for each port, so that nobody who posts faster
-// than the model takes fills the memory. A full queue is told to who posts; nothing that was taken in is lost.
+// Events, and what tells that actions have ended, on their way from other threads to the engine, with a bound on what waits for each
+// port, so that nobody who posts faster than the model takes fills the memory. A full queue is told to who posts; nothing that was
+// taken in is lost.
 //
-// Any thread posts, one thread takes. Cost of a post: a lock held for a move, and a system call if the engine sleeps.
+// Any thread posts, one thread takes. Cost of a post: a lock held for a move, and a system call if the engine sleeps; of a look that
+// finds nothing: a load.
 #pragma once
+#include <atomic>
 #include <deque>
 #include <mutex>
 
@@ -21,17 +24,21 @@ class Inbox {
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values, const RealTime* wall);
   /// A job of the atom has ended, now.
   void note_return(u32 atom, u64 job, const RealTime& wall);
-  /// Moves all that came to the end of `out`, in their order.
+  /// Moves all that came to the end of `out`, in their order. A post that is not seen wakes who has prepared to sleep.
   void take(std::deque<Event>& out);
   /// Starts the clock anew at an instant, which becomes that of all events that are here.
   void restart(RealTime& wall, i64 now);
   /// `count` events of the port left the core.
   void release(u32 row, u32 count);
   [[nodiscard]] Waker& waker() { return waker_; }
+  [[nodiscard]] u32 capacity() const { return capacity_; }
 
  private:
+  void add(Event event);
+
   u32 capacity_;
   std::mutex lock_;
+  std::atomic<bool> has_events_{false};  // written under the lock
   std::vector<Event> events_;
   std::vector<u32> waiting_;  // by row
   std::vector<Event> taken_;  // the engine's; its memory is used again

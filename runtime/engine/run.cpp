@@ -243,8 +243,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       }
       if (sleeps) {
         const i64 late = wall.in_model(wall.note_late(core.now()));
-        if (wall.is_too_late(core.now() + late, timed.latest())) {
-          (void)core.fail_late(core.candidate(at), timed.latest(), core.now() + late);
+        if (wall.is_too_late(core.now() + late, timed.latest(core))) {
+          (void)core.fail_late(core.candidate(at), timed.latest(core), core.now() + late);
           if (!options.relaxed) {
             sound = false;
             continue;

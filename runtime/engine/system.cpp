@@ -134,9 +134,9 @@ struct System::Impl {
   bool is_in_time() {
     if (!is_real || !core.is_timed()) return true;
     const rt::i64 actual = core.now() + wall.in_model(wall.note_late(core.now()));
-    if (!wall.is_too_late(actual, scheduler.latest())) return true;
+    if (!wall.is_too_late(actual, scheduler.latest(core))) return true;
     ++late;
-    return !is_strict || core.fail_late(core.candidate(scheduler.choice()), scheduler.latest(), actual);
+    return !is_strict || core.fail_late(core.candidate(scheduler.choice()), scheduler.latest(core), actual);
   }
 
   rt::Core core;

@@ -1,4 +1,5 @@
-// See timed_scheduler.hpp. Cost of a state: the candidates and their participants, O(log atoms) an instant that is passed.
+// See timed_scheduler.hpp. Cost of a state: O(log atoms) an instant that is passed; if instants are planned, the candidates and their
+// participants.
 #include "runtime/engine/timed_scheduler.hpp"
 
 namespace bip::rt {
@@ -35,19 +36,22 @@ bool TimedScheduler::plan(Core& core, i64 last) {
     // Of those that plan the same instant each is as likely.
     if (ties != 1 && prng_.below(ties) != 0) continue;
     choice_ = core.position(k);
-    latest_ = std::min(ends_[k], last);
   }
   return at_ < core.next_change();
 }
 
-TimedScheduler::Next TimedScheduler::look(Core& core) {
+i64 TimedScheduler::latest(Core& core) {
   const i64 last = core.wait_limit(ends_);
+  return std::min(ends_[core.number(choice_)], last);
+}
+
+TimedScheduler::Next TimedScheduler::look(Core& core) {
   at_ = core.now();
-  if (!ends_.empty() && !plans_) {
+  if (!plans_ && core.candidate_count() != 0) {
     choice_ = scheduler_.choose(core);
-    latest_ = std::min(ends_[core.number(choice_)], last);
     return Next::Step;
   }
+  const i64 last = core.wait_limit(ends_);
   if (!ends_.empty() && plan(core, last)) return Next::Step;
   const i64 next = core.next_change();
   at_ = std::min(next, last);

@@ -22,8 +22,8 @@ class TimedScheduler {
   /// Lets time pass until a step is due; choice() is it. Without time one is due at once. Deadlock: there never will be one.
   Due wait(Core& core, EventFeed& feed);
   [[nodiscard]] EnabledSet::Position choice() const { return choice_; }
-  /// The last instant at which it may be taken.
-  [[nodiscard]] i64 latest() const { return latest_; }
+  /// The last instant at which it may be taken, before it is. O(candidates).
+  [[nodiscard]] i64 latest(Core& core);
   /// Once, after the initial state is known.
   void start(Core& core) const { scheduler_.start(core); }
   void fired(u32 slot) { scheduler_.fired(slot); }
@@ -42,7 +42,7 @@ class TimedScheduler {
   bool plans_;
   Prng prng_;            // of instants; which candidate is the scheduler's
   EnabledSet::Position choice_{};
-  i64 at_ = 0, latest_ = 0;
+  i64 at_ = 0;
   std::vector<i64> ends_;  // by candidate: the last instant of its interval
 };
 

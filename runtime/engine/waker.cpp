@@ -28,7 +28,8 @@ Waker::~Waker() {
 }
 
 void Waker::wake() noexcept {
-  if (!sleeps_.exchange(false, std::memory_order_seq_cst)) return;
+  // Who posts for all he is worth finds nobody asleep, and writes to nothing that others read.
+  if (!sleeps_.load(std::memory_order_seq_cst) || !sleeps_.exchange(false, std::memory_order_seq_cst)) return;
   const int before = errno;
   const std::uint64_t one = 1;
   // It fails only if it is full, and then the sleeper wakes anyway.
