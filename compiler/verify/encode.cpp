@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxCombinations = 4096;
 }  // namespace
 
-Encoding::Encoding(const Net& net, const Spread& reachable) : net_(net), reachable_(reachable) {
+Encoding::Encoding(const Net& net, const Spread& reachable) : net_(net), reachable_(reachable), guards_(net.system->code, solver_) {
   add_atoms();
   lacking_.resize(net.nodes.size());
   for (u32 row = 0; row < net.nodes.size(); ++row) {
@@ -52,20 +52,36 @@ void Encoding::add_atoms() {
 
 Encoding::Lacking Encoding::port(u32 row) {
   const u32 atom = net_.atom_of_port[row];
-  const u32 base = net_.mode_base[atom];
-  const std::vector<std::uint8_t>& is_sure = net_.class_at(atom).is_sure[row - net_.port_base[atom]];
+  const u32 base = net_.mode_base[atom], port = row - net_.port_base[atom];
+  const ModeClass& of_atom = net_.class_at(atom);
+  const AtomType& type = net_.system->atom_types[of_atom.type];
+  const std::vector<std::uint8_t>& is_sure = of_atom.is_sure[port];
+  const auto locate = [&](const Expr& e) { return std::optional(GuardLiterals::Place{atom, e.index}); };
   std::vector<Lit> sure;
+  std::vector<std::pair<Lit, Lit>> guarded;  // in this mode, with this guard
   bool ever_unsure = false;
   for (u32 mode = 0; mode < is_sure.size(); ++mode) {
     if (!reachable_.is_on(base + mode)) continue;
-    if (is_sure[mode] != 0) sure.push_back(marked_[base + mode]);
-    else ever_unsure = true;
+    if (is_sure[mode] != 0) {
+      sure.push_back(marked_[base + mode]);
+      continue;
+    }
+    ever_unsure = true;
+    // Inside an atom with priorities a port whose guard is true may be hidden.
+    for (const Transition& t : type.transitions) {
+      const std::vector<u32>& places = of_atom.modes[mode].places;
+      if (t.port != port || !type.priorities.empty() || !t.guard.is_valid()) continue;
+      if (!std::all_of(t.from.begin(), t.from.end(), [&](u32 place) { return std::binary_search(places.begin(), places.end(), place); })) continue;
+      if (evaluate(net_.system->code, t.guard, of_atom.modes[mode].values, {}).is_known) continue;
+      if (const std::optional<Lit> guard = guards_.literal(t.guard, locate)) guarded.emplace_back(marked_[base + mode], *guard);
+    }
   }
-  if (sure.empty()) return {Lacking::Kind::Always, 0};
+  if (sure.empty() && guarded.empty()) return {Lacking::Kind::Always, 0};
   if (!ever_unsure) return {Lacking::Kind::Never, 0};
-  if (sure.size() == 1) return {Lacking::Kind::Literal, -sure[0]};
+  if (sure.size() == 1 && guarded.empty()) return {Lacking::Kind::Literal, -sure[0]};
   const Lit lacking = solver_.new_variable();
   for (Lit literal : sure) solver_.add({-lacking, -literal});
+  for (const auto& [mode, guard] : guarded) solver_.add({-lacking, -mode, -guard});
   return {Lacking::Kind::Literal, lacking};
 }
 
@@ -107,8 +123,10 @@ Encoding::Lacking Encoding::group(u32 row) {
   return net_.nodes[row].kind == NodeKind::All ? all_of(children) : any_of(children);
 }
 
-// A connector with guards: sure are only its interactions of one trigger alone whose clause has no guard.
+// A connector with guards: a rendezvous of atoms with its guard's literal; else sure are only its interactions of one trigger alone
+// whose clause has no guard.
 Encoding::Lacking Encoding::guarded(u32 row) {
+  if (is_guarded_rendezvous(row)) return rendezvous(row);
   const System& system = *net_.system;
   const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
   const ConnectorType& type = system.connector_types[connector.type];
@@ -126,26 +144,22 @@ Encoding::Lacking Encoding::guarded(u32 row) {
   return any_of(children);
 }
 
-// A rendezvous of atoms' ports whose guard reads followed data: for each combination of the modes that it reads in which
-// the guard is true, somebody else must lack something.
-void Encoding::add_guarded_rendezvous(u32 row) {
+bool Encoding::is_guarded_rendezvous(u32 row) const {
+  const Connector& connector = net_.system->connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
+  const ConnectorType& type = net_.system->connector_types[connector.type];
+  if (net_.nodes[row].kind != NodeKind::All || type.clauses.size() != 1 || type.clauses[0].params.size() != type.params.size()) return false;
+  if (std::any_of(connector.ports.begin(), connector.ports.end(), [](const PortRef& ref) { return ref.kind != PortRef::Kind::Atom; })) return false;
+  return std::all_of(type.define.begin(), type.define.end(), [&](const DefineNode& node) {
+    return std::none_of(node.children.begin(), node.children.end(), [&](u32 child) { return type.define[child].trigger; });
+  });
+}
+
+// Which slot of which atom each Bind variable of a rendezvous of atoms is.
+std::vector<GuardLiterals::Place> Encoding::sources_of(u32 row) const {
   const System& system = *net_.system;
   const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
   const ConnectorType& type = system.connector_types[connector.type];
-  if (net_.nodes[row].kind != NodeKind::All || type.clauses.size() != 1 || type.clauses[0].params.size() != type.params.size()) return;
-  for (const PortRef& ref : connector.ports) {
-    if (ref.kind != PortRef::Kind::Atom) return;
-  }
-  for (const DefineNode& node : type.define) {
-    for (u32 child : node.children) {
-      if (type.define[child].trigger) return;
-    }
-  }
-  // Which slot of which atom each Bind variable is.
-  struct Source {
-    u32 atom = 0, slot = 0;
-  };
-  std::vector<Source> sources;
+  std::vector<GuardLiterals::Place> sources;
   for (std::size_t p = 0; p < type.params.size(); ++p) {
     const PortRef& ref = connector.ports[p];
     const Port& atom_port = system.atom_types[system.atoms[ref.atom].type].ports[ref.port];
@@ -154,6 +168,37 @@ void Encoding::add_guarded_rendezvous(u32 row) {
   }
   sources.resize(type.bind_count(system.port_types) - type.data_reads.size());
   for (const DataRef& ref : connector.data) sources.push_back({ref.atom.value, ref.slot});
+  return sources;
+}
+
+// Available if everybody is and the guard is true; an `up` might change what the guard reads.
+Encoding::Lacking Encoding::rendezvous(u32 row) {
+  const System& system = *net_.system;
+  const ConnectorType& type = system.connector_types[system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})].type];
+  if (type.clauses[0].up.is_valid()) return {};
+  const std::vector<GuardLiterals::Place> sources = sources_of(row);
+  const std::optional<Lit> guard = guards_.literal(type.clauses[0].guard, [&](const Expr& e) {
+    return e.op == Op::LoadBind && e.index < sources.size() ? std::optional(sources[e.index]) : std::nullopt;
+  });
+  if (!guard) return {};
+  std::vector<u32> children;
+  for (const Edge& child : net_.children(row)) children.push_back(child.node);
+  const Lacking below = all_of(children);
+  if (below.kind == Lacking::Kind::Always) return below;
+  if (below.kind == Lacking::Kind::Never) return {Lacking::Kind::Literal, -*guard};
+  const Lit lacking = solver_.new_variable();
+  solver_.add({-lacking, below.literal, -*guard});
+  return {Lacking::Kind::Literal, lacking};
+}
+
+// A guarded rendezvous whose guard reads followed data: for each combination of the modes that it reads in which the guard is
+// true, somebody else must lack something.
+void Encoding::add_guarded_rendezvous(u32 row) {
+  if (!is_guarded_rendezvous(row)) return;
+  const System& system = *net_.system;
+  const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
+  const ConnectorType& type = system.connector_types[connector.type];
+  const std::vector<GuardLiterals::Place> sources = sources_of(row);
   std::vector<u32> atoms;
   for_each_expr(system.code, type.clauses[0].guard, [&](const Expr& e) {
     if (e.op != Op::LoadBind || e.index >= sources.size()) return;
@@ -189,7 +234,7 @@ void Encoding::add_guarded_rendezvous(u32 row) {
       rest /= modes.size();
     }
     std::vector<AbstractValue> bind;
-    for (const Source& source : sources) {
+    for (const GuardLiterals::Place& source : sources) {
       const auto at = std::find(atoms.begin(), atoms.end(), source.atom);
       if (at == atoms.end()) {
         bind.emplace_back();

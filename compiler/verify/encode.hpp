@@ -1,10 +1,12 @@
 // The question as clauses: exactly one reachable mode an atom; no connector and no internal port has a step for sure; the
 // invariants found so far.
 //
-// One variable a reachable mode, one auxiliary variable a group of a connector's tree. What data decides is not known: a
-// port counts as enabled only in modes in which it is surely enabled, a guarded interaction only where the guard is true
-// for the values of the modes. So every deadlock is a model of the clauses, and models may be spurious.
+// One variable a reachable mode, one auxiliary variable a group of a connector's tree. What data decides is known only where
+// the values of the modes decide it, or guards together (guard_literals.hpp): a port counts as enabled only in modes in which it
+// surely is, or with its guard's literal; so does a guarded interaction. So every deadlock is a model of the clauses, and models
+// may be spurious.
 #pragma once
+#include "compiler/verify/guard_literals.hpp"
 #include "compiler/verify/needed.hpp"
 #include "compiler/verify/solver/solver.hpp"
 #include "compiler/verify/traps.hpp"
@@ -38,12 +40,16 @@ class Encoding {
   [[nodiscard]] Lacking all_of(const std::vector<u32>& children);
   [[nodiscard]] Lacking any_of(const std::vector<u32>& children);
   [[nodiscard]] Lacking guarded(u32 row);
+  [[nodiscard]] bool is_guarded_rendezvous(u32 row) const;
+  [[nodiscard]] std::vector<GuardLiterals::Place> sources_of(u32 row) const;
+  [[nodiscard]] Lacking rendezvous(u32 row);
   void add_guarded_rendezvous(u32 row);
   void add_step(const Lacking& lacking);
 
   const Net& net_;
   const Spread& reachable_;
   Solver solver_;
+  GuardLiterals guards_;
   std::vector<Lit> marked_;       // by mode; 0: not reachable
   std::vector<std::uint8_t> is_reachable_;  // by mode
   std::vector<Lacking> lacking_;  // by node
