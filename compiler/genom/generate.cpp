@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kOwnTypes[] = {"Signal", "Report", "Status", "Age", "ControlState", "MasterTimer", "Timer", "WakeUp", "IdsLock", "Semaphore",
                                      "Poster", "ServiceController", "ControlService", "TaskController", "Permanent", "ControlIds", "FunctionalLevel", "Answer",
                                      "Running", "Elapsed", "Number", "Text", "Order", "Stopwatch", "NumberParameter", "TextParameter", "Pair", "Recovery", "Asks", "Executive", "MasterClock",
-                                     "Posts", "Told"};
+                                     "Posts", "Told", "Outcome", "Countdown", "CodelWatch"};
 
 // The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
@@ -45,6 +45,8 @@ std::int64_t oldest_for(const Condition& c, const GenerateOptions& options, std:
   return oldest;
 }
 
+bool any_async(const std::vector<Module>& modules) { return std::any_of(modules.begin(), modules.end(), [](const Module& m) { return m.has_async(); }); }
+
 std::string header(const std::vector<Module>& modules, const GenerateOptions& options, std::int64_t tick_us) {
   std::string files;
   for (const std::string& source : options.sources) files += (files.empty() ? "" : ", ") + source;
@@ -59,7 +61,8 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
       names, files, static_cast<double>(tick_us) / 1000.0,
       options.flavour == Flavour::Execution ? "codels are the C++ functions of their names" : "codels answer freely",
       options.flavour == Flavour::Execution ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp\")\n", options.package) : "", options.package,
-      options.constraints.rows.empty() && options.constraints.parameters.empty() ? "" : "  use genom.rules\n");
+      (any_async(modules) ? std::string("  use genom.codels\n") : std::string()) +
+          (options.constraints.rows.empty() && options.constraints.parameters.empty() ? "" : "  use genom.rules\n"));
 }
 
 void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
@@ -68,7 +71,8 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
     const Service& s = m.services[i];
     if (s.kind != ServiceKind::Execution) continue;
     write_activity(out, plan, s.activity, plan.services[i].activity, &s, fmt::format("The activity of {}: its codels, one after the other.", s.name.text));
-    write_service(out, plan, i);
+    if (plan.services[i].activity.has_async) write_work(out, plan, i);
+    write_service(out, plan, i, tick_us);
   }
   for (std::size_t i = 0; i < m.tasks.size(); ++i) {
     const Task& t = m.tasks[i];

@@ -29,7 +29,7 @@ class LevelWriter {
     }
     sync_ = names_.claim("InterModuleSync", "event");
     out_ += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n";
-    out_ += is_served() ? fmt::format("    component MasterClock masterTimer({})\n", tick_us_) : "    component MasterTimer masterTimer()\n";
+    out_ += is_clocked() ? fmt::format("    component MasterClock masterTimer({})\n", tick_us_) : "    component MasterTimer masterTimer()\n";
     if (options_.executive != Executive::Anybody) {
       executive_ = names_.claim("executive", "part");
       out_ += fmt::format("    component Executive {}({})\n", executive_, is_served() ? std::to_string(100 + 2 * options_.control_period) : "");
@@ -50,6 +50,10 @@ class LevelWriter {
     return w.name;
   }
   [[nodiscard]] bool is_served() const { return options_.executive == Executive::Served; }
+  // What a codel takes of time needs a clock beside it.
+  [[nodiscard]] bool is_clocked() const {
+    return is_served() || (options_.flavour == Flavour::Execution && std::any_of(plans_.begin(), plans_.end(), [](const Plan& p) { return p.module->has_async(); }));
+  }
   [[nodiscard]] const Plan& plan(ServiceRef s) const { return plans_[s.module]; }
   [[nodiscard]] std::string name_of(ServiceRef s) const { return plan(s).component + "_" + plan(s).services[s.service].id; }
   [[nodiscard]] std::vector<std::string> of_slots(ServiceRef s, const char* port) const {

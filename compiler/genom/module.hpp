@@ -40,6 +40,8 @@ struct DataUse {
 struct Codel {
   Name name;
   std::vector<DataUse> uses;
+  bool is_async = false;       // runs beside its task, which goes on meanwhile
+  std::int64_t budget_us = 0;  // then it is given up; 0: never
 };
 
 /// One state of an activity. Without a codel it passes on as its default says; that costs its turn all the same.
@@ -108,6 +110,14 @@ struct Module {
   [[nodiscard]] bool has_init() const {
     for (const Service& s : services) {
       if (s.is_init) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] bool has_async() const {
+    for (const Service& s : services) {
+      for (const State& state : s.activity.states) {
+        if (state.codel.is_async) return true;
+      }
     }
     return false;
   }

@@ -47,6 +47,7 @@ class ModuleWriter {
   void permanent(std::size_t task);
   void turns_of_permanent(std::size_t task);
   void turns(std::size_t task, std::size_t slot);
+  void beside(std::size_t task, std::size_t slot);
   void ends(std::size_t task, std::size_t slot);
   void time();
   void priorities();

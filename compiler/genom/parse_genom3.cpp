@@ -203,7 +203,12 @@ class Parser {
       tokens.pop_back();
     }
     // Seconds may be a fraction.
-    if (tokens.size() == 1 && tokens.front().text.find('.') != std::string_view::npos) return fraction(tokens.front(), unit, into);
+    if (tokens.size() == 1 && tokens.front().text.find('.') != std::string_view::npos) {
+      const std::optional<std::int64_t> us = v3::scaled(tokens.front().text, unit);
+      if (!us) diags_.report(Diag::kB6000, range, "a time", describe(tokens.front()));
+      into = us.value_or(0);
+      return us.has_value();
+    }
     const std::optional<std::int64_t> value = constant_value(with_constants(tokens));
     if (!value) {
       diags_.report(Diag::kB6000, range, "a time", tokens.empty() ? describe(in_.peek()) : describe(tokens.front()));
@@ -217,29 +222,10 @@ class Parser {
     return true;
   }
 
-  // 0.005 s -> 5000 us, digit by digit: no rounding of binary fractions.
-  bool fraction(const Token& token, std::int64_t unit, std::int64_t& into) {
-    std::int64_t value = 0;
-    std::int64_t scale = 0;
-    for (const char c : token.text) {
-      if (c == '.' && scale == 0) {
-        scale = 1;
-      } else if (c >= '0' && c <= '9' && value < 1'000'000'000 && scale < 1'000'000'000) {
-        value = value * 10 + (c - '0');
-        scale *= 10;
-      } else {
-        diags_.report(Diag::kB6000, token.range, "a time", describe(token));
-        return false;
-      }
-    }
-    into = value * unit / (scale == 0 ? 1 : scale);
-    return true;
-  }
-
   bool codel(std::vector<ParsedCodel>& codels) {
-    in_.accept("async");
-    in_.take();
     ParsedCodel parsed;
+    parsed.codel.is_async = in_.accept("async");
+    in_.take();
     if (!v3::parse_codel(in_, parsed)) return false;
     codels.push_back(std::move(parsed));
     return in_.expect(";");

@@ -47,6 +47,24 @@ bool parse_use(Cursor& in, DataUse& into) {
   return true;
 }
 
+// A dialect, after `wcet`: 10 ms. What a codel may take; an `async` one is given up then.
+bool parse_wcet(Cursor& in, Codel& into) {
+  const Token number = in.peek();
+  if (number.kind != TokenKind::Number) {
+    in.unexpected("a time");
+    return false;
+  }
+  in.take();
+  std::int64_t unit = 1'000'000;
+  if (in.accept("ms")) unit = 1000;
+  else if (in.accept("us")) unit = 1;
+  else if (!in.accept("s")) in.accept("sec");
+  const std::optional<std::int64_t> us = scaled(number.text, unit);
+  if (!us) in.diags().report(Diag::kB6000, number.range, "a time", describe(number));
+  into.budget_us = us.value_or(0);
+  return us.has_value();
+}
+
 std::size_t find_state(const Activity& activity, std::string_view name) {
   for (std::size_t i = 0; i < activity.states.size(); ++i) {
     if (activity.states[i].name.text == name) return i;
@@ -82,6 +100,22 @@ bool parse_call(Cursor& in, Codel& into) {
   return in.expect(")");
 }
 
+std::optional<std::int64_t> scaled(std::string_view number, std::int64_t unit) {
+  std::int64_t value = 0;
+  std::int64_t scale = 0;
+  for (const char c : number) {
+    if (c == '.' && scale == 0) {
+      scale = 1;
+    } else if (c >= '0' && c <= '9' && value < 1'000'000'000 && scale < 1'000'000'000) {
+      value = value * 10 + (c - '0');
+      scale *= 10;
+    } else {
+      return std::nullopt;
+    }
+  }
+  return value * unit / (scale == 0 ? 1 : scale);
+}
+
 bool parse_codel(Cursor& in, ParsedCodel& into) {
   if (in.accept("<")) {
     if (!in.names(into.states, "a state") || !in.expect(">")) return false;
@@ -94,11 +128,7 @@ bool parse_codel(Cursor& in, ParsedCodel& into) {
       into.yields.push_back(std::move(y));
     } while (in.accept(","));
   }
-  // A dialect: `wcet 10 ms`.
-  if (in.accept("wcet")) {
-    while (!in.at_end() && !in.at(";") && !in.at("}")) in.take();
-  }
-  return true;
+  return !in.accept("wcet") || parse_wcet(in, into.codel);
 }
 
 bool parse_parameters(Cursor& in, bool is_attribute, std::set<std::string>& locals, std::vector<DataUse>& uses) {

@@ -27,6 +27,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
   for (const char* own : {"ETHER", "SLEEP", "ZOMBIE"}) scope.claim(own, "");
   for (const State& s : activity.states) a.places.push_back(scope.claim(upper(s.name.text), "state"));
   a.used.assign(activity.states.size(), false);
+  a.async.assign(activity.states.size(), false);
   std::vector<std::size_t> todo{activity.start};
   if (can_be_stopped) todo.push_back(activity.stop);
   while (!todo.empty()) {
@@ -36,6 +37,8 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
     a.used[here] = true;
     const State& state = activity.states[here];
     const bool is_stop = can_be_stopped && here == activity.stop;
+    a.async[here] = can_be_stopped && state.codel.is_async;
+    a.has_async = a.has_async || a.async[here];
     bool ends = false;
     for (const Yield& y : state.yields) {
       if (y.next == Next::State || y.next == Next::Pause) todo.push_back(y.state);
@@ -97,6 +100,7 @@ class Planner {
       plan.type = types_.claim(p_.type + type_name(s.name.text), "Service");
       plan.activity = plan_activity(s.activity, true, s.reports, m_.generation);
       plan.activity.type = types_.claim(plan.type + "Activity", "Atom");
+      if (plan.activity.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     }
     for (std::size_t k = 0; k < s.instances; ++k) {
       plan.slots.push_back(p_.slots.size());
@@ -182,6 +186,8 @@ bool Plan::may_suspend(std::size_t task) const {
 }
 
 std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {
+  // It has no data but its own (resolve.cpp, B6024).
+  if (codel.is_async) return {};
   if (module.generation == 3) return codel.uses;
   return codel.name.is_set() ? std::vector<DataUse>{{"ids", true}} : std::vector<DataUse>{};
 }

@@ -15,6 +15,8 @@ struct ActivityPlan {
   std::string type;          // of the atom
   std::vector<std::string> places;  // by state
   std::vector<bool> used;           // by state
+  std::vector<bool> async;          // by state: used, and its codel runs beside the task
+  bool has_async = false;
   bool has_sleep = false, has_zombie = false, has_bad = false;
   bool goes_on = false;      // yields a state
   bool pauses = false;       // GenoM 3: yields a state of the next cycle
@@ -37,6 +39,7 @@ struct Slot {
 struct ServicePlan {
   std::string id;                  // in names of ports and connectors
   std::string type;                // of the compound; ControlService is one for all
+  std::string work_type;           // of the atom that runs codels beside the task, if there are such
   ActivityPlan activity;
   std::vector<std::size_t> slots;  // indices of Plan::slots; of a control service one
   bool is_decided = false;         // rules say whether it is accepted
@@ -84,7 +87,11 @@ struct Plan {
 
 /// The atom of a service's or (GenoM 3) a task's codels. `has_reports`: it is a service's.
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment);
-void write_service(std::string& out, const Plan& plan, std::size_t service);
+void write_service(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
+/// The atom in which codels run beside the task, and what binds it to activity and controller, inside the service's compound.
+void write_work(std::string& out, const Plan& plan, std::size_t service);
+void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
+void write_work_exports(std::string& out, const ServicePlan& p);
 void write_scheduler(std::string& out, const Plan& plan, std::size_t task);
 void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64_t tick_us);
 /// A lock for so many threads: many readers or one writer.

@@ -1,6 +1,8 @@
 // Linear searches: a module has tens of names.
 #include "compiler/genom/resolve.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "compiler/genom/names.hpp"
@@ -42,6 +44,7 @@ class Resolver {
       if (p.task.is_set()) p.task_index = task(p.task);
     }
     for (SideLine& line : side_) apply(line);
+    check_async();
     if (flavour_ == Flavour::Execution) free_answers();
     for (Service& s : m_.services) {
       for (State& state : s.activity.states) states_of(s.activity, state);
@@ -136,6 +139,8 @@ class Resolver {
   void apply(SideLine& line) {
     if (line.kind == "codel") {
       codel_yields(line);
+    } else if (line.kind == "async") {
+      codel_async(line);
     } else if (line.kind == "trigger") {
       for (Service& s : m_.services) {
         if (!is_about(line.subject, s.name.text)) continue;
@@ -174,6 +179,95 @@ class Resolver {
         if (flavour_ == Flavour::Verification) narrow(state, line);
       }
     }
+  }
+
+  // Beside its task run codels of activities: of others somebody waits for the answer.
+  void codel_async(SideLine& line) {
+    std::int64_t budget = 0;
+    if (!line.words.empty() && !read_time(line.words, budget)) {
+      line.used = true;
+      diags_.report(Diag::kB6022, line.words[0].range, fmt::format("`{}` is no length of time", line.words[0].text)).help("a number with `us`, `ms` or `s`: `20 ms`");
+      return;
+    }
+    for (Service& s : m_.services) {
+      for (State& state : s.activity.states) {
+        if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) continue;
+        state.codel.is_async = true;
+        state.codel.budget_us = budget;
+        line.used = true;
+      }
+      const bool is_control = std::any_of(s.body.begin(), s.body.end(), [&](const Codel& c) { return is_about(line.subject, c.name.text); });
+      if (is_control || is_about(line.subject, s.validate.name.text)) waited_for(line);
+    }
+    for (const Task& t : m_.tasks) {
+      if (is_about(line.subject, t.permanent.text)) waited_for(line);
+    }
+  }
+
+  void waited_for(SideLine& line) {
+    diags_.report(Diag::kB6024, line.subject.range, line.subject.text, "which only codels of activities can be");
+    line.used = true;
+  }
+
+  // "20ms", or "20", "ms".
+  static bool read_time(const std::vector<Name>& words, std::int64_t& us) {
+    std::string text;
+    for (const Name& w : words) text += w.text;
+    std::size_t digits = 0;
+    while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && us < 1'000'000'000) us = us * 10 + (text[digits++] - '0');
+    const std::string unit = text.substr(digits);
+    if (digits == 0 || us == 0 || (unit != "us" && unit != "ms" && unit != "s")) return false;
+    us *= unit == "s" ? 1'000'000 : unit == "ms" ? 1000 : 1;
+    return us <= 1'000'000'000'000;
+  }
+
+  struct Use {
+    const Codel* codel;
+    const DataUse* use;
+    std::size_t owner;  // a service, then the tasks, then the control task
+  };
+
+  // GenoM 3: what an `async` codel touches nobody else touches, for it holds no lock. (Of GenoM 2 nothing is known about data.)
+  void check_async() {
+    std::vector<Use> uses;
+    const auto add = [&](const Codel& codel, std::size_t owner) {
+      for (const DataUse& use : codel.uses) uses.push_back({&codel, &use, owner});
+    };
+    for (std::size_t i = 0; i < m_.services.size(); ++i) {
+      // A control service, and what looks at parameters, belong to the control task.
+      add(m_.services[i].validate, m_.services.size() + m_.tasks.size());
+      for (const Codel& c : m_.services[i].body) add(c, m_.services.size() + m_.tasks.size());
+      for (const State& state : m_.services[i].activity.states) add(state.codel, i);
+    }
+    for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
+      const std::vector<State>& states = m_.tasks[i].activity.states;
+      for (const State& state : states) {
+        add(state.codel, m_.services.size() + i);
+        if (state.codel.is_async && is_first(states, state)) diags_.report(Diag::kB6024, state.codel.name.range, state.codel.name.text, "which only codels of activities can be");
+      }
+    }
+    for (std::size_t i = 0; i < m_.services.size(); ++i) {
+      for (const State& state : m_.services[i].activity.states) {
+        if (state.codel.is_async && is_first(m_.services[i].activity.states, state)) check_shares(state.codel, i, uses);
+      }
+    }
+  }
+
+  void check_shares(const Codel& codel, std::size_t owner, const std::vector<Use>& uses) {
+    for (const DataUse& use : codel.uses) {
+      const auto other = std::find_if(uses.begin(), uses.end(), [&](const Use& u) { return u.owner != owner && u.use->data == use.data && (use.writes || u.use->writes); });
+      if (other == uses.end()) continue;
+      const bool is_codel = other->codel->name.is_set();
+      auto d = diags_.report(Diag::kB6024, codel.name.range, codel.name.text,
+                             fmt::format("and shares `{}` with {}", use.data.substr(use.data.find('_') + 1), is_codel ? "codel `" + other->codel->name.text + "`" : "an attribute"));
+      if (is_codel) d.label(other->codel->name.range, "here");
+      return;
+    }
+  }
+
+  // One codel may serve several states.
+  static bool is_first(const std::vector<State>& states, const State& state) {
+    return &*std::find_if(states.begin(), states.end(), [&](const State& s) { return s.codel.name.range.begin == state.codel.name.range.begin; }) == &state;
   }
 
   // Only what the state permits, in its order; OTHER comes on top.
@@ -227,10 +321,14 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
     begin = end + 1;
     if (words.empty()) continue;
     const std::string& kind = words[0].text;
+    if (kind == "codel" && words.size() >= 3 && words[2].text == "async") {
+      lines.push_back({"async", words[1], {words.begin() + 3, words.end()}, false});
+      continue;
+    }
     const std::string verb = kind == "codel" ? "yields" : kind == "trigger" ? "waits" : kind == "task" ? "reads" : "";
     if (verb.empty() || words.size() < 3 || words[2].text != verb || (verb != "waits") != (words.size() > 3)) {
       diags.report(Diag::kB6022, words[0].range, "this is no line of a side file")
-          .help("`codel NAME yields A B`, `trigger SERVICE waits` or `task TASK reads MODULE.POSTER`");
+          .help("`codel NAME yields A B`, `codel NAME async 20 ms`, `trigger SERVICE waits` or `task TASK reads MODULE.POSTER`");
       continue;
     }
     lines.push_back({kind, words[1], {words.begin() + 3, words.end()}, false});
@@ -240,7 +338,7 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
 
 void report_unused(const std::vector<SideLine>& side, Diagnostics& diags) {
   for (const SideLine& line : side) {
-    if (!line.used) diags.report(Diag::kB6022, line.subject.range, fmt::format("there is no {} `{}` in what is translated", line.kind == "trigger" ? "service" : line.kind, line.subject.text));
+    if (!line.used) diags.report(Diag::kB6022, line.subject.range, fmt::format("there is no {} `{}` in what is translated", line.kind == "trigger" ? "service" : line.kind == "async" ? "codel" : line.kind, line.subject.text));
   }
 }
 

@@ -3,6 +3,7 @@
 // Side file, a line each, `#` begins a comment; `Module.Name` where two modules have the name:
 //   codel NAME yields A B …      what a codel of a GenoM 2 module really returns: states, or OK and ERROR of control and
 //                                permanent codels; OTHER is an answer that its state does not permit
+//   codel NAME async [TIME]      it runs beside its task; when TIME is over it is given up
 //   trigger SERVICE waits        a constraint may make the trigger of SERVICE wait
 //   task TASK reads MODULE.POSTER …
 #pragma once
@@ -15,7 +16,7 @@
 namespace bip::genom {
 
 struct SideLine {
-  std::string kind;  // "codel", "trigger", "task"
+  std::string kind;  // "codel", "async", "trigger", "task"
   Name subject;
   std::vector<Name> words;
   bool used = false;

@@ -2,7 +2,9 @@
 //
 //   STATE        waits for its turn            STATE_RUNS    the codel runs
 //   STATE_PAUSED waits for the next cycle (3)  STATE_ENDS    it ran, its locks are given back (codel granularity)
+//   LOST         given up while its codel ran beside the task; until that comes back
 //
+// A codel that runs beside the task does so in another atom (write_work.cpp); this one waits in STATE_RUNS and can be told to stop.
 // What a codel answers is free: one port an answer, merged by what the rest of the module makes of it.
 #include <fmt/format.h>
 
@@ -37,13 +39,16 @@ class Writer {
 
  private:
   [[nodiscard]] bool stoppable() const { return service_ != nullptr; }
-  [[nodiscard]] std::string ended(std::size_t i) const { return places_[i] + (plan_.by_codel ? "_ENDS" : "_RUNS"); }
+  [[nodiscard]] std::string ended(std::size_t i) const { return places_[i] + (leaves(i) ? "_ENDS" : "_RUNS"); }
+  // Is what happens between its turn and its answer seen by others?
+  [[nodiscard]] bool leaves(std::size_t i) const { return plan_.by_codel || a_.async[i]; }
+  [[nodiscard]] bool remembers() const { return stoppable() && (plan_.by_codel || a_.has_async); }
 
   void data() {
     if (a_.ends_not_ok) {
       for (const Name& r : service_->reports) out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r.text), r.text);
     }
-    if (stoppable() && plan_.by_codel) out_ += "    data bool stopping = false\n";
+    if (remembers()) out_ += "    data bool stopping = false\n";
     if (plan_.calls) out_ += "    data int next = 0, report = 0\n";
   }
 
@@ -75,7 +80,11 @@ class Writer {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!a_.used[i]) continue;
       port("run_" + places_[i]);
-      if (plan_.by_codel) port("done_" + places_[i]);
+      if (a_.async[i]) out_ += fmt::format("    export port {} back_{}({})\n", plan_.calls ? "Outcome" : "Signal", places_[i], plan_.calls ? "next, report" : "");
+      else if (plan_.by_codel) port("done_" + places_[i]);
+    }
+    if (a_.has_async) {
+      for (const char* name : {"wait", "lost", "found"}) port(name);
     }
     if (is_3_ && (stoppable() || a_.pauses)) port("resume");
     merged(a_.to, "Signal", a_.went_on());
@@ -96,11 +105,12 @@ class Writer {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!a_.used[i]) continue;
       list += (list.empty() ? "" : ", ") + places_[i] + ", " + places_[i] + "_RUNS";
-      if (plan_.by_codel) list += ", " + places_[i] + "_ENDS";
+      if (leaves(i)) list += ", " + places_[i] + "_ENDS";
       if (has_paused(i)) list += ", " + places_[i] + "_PAUSED";
     }
     if (a_.has_sleep) list += ", SLEEP";
     if (a_.has_zombie) list += ", ZOMBIE";
+    if (a_.has_async) list += ", LOST";
     out_ += "\n    place " + list + "\n";
   }
 
@@ -121,13 +131,13 @@ class Writer {
       if (!a_.used[i]) continue;
       on("abt", places_[i], stop);
       if (has_paused(i)) on("abt", places_[i] + "_PAUSED", stop + "_PAUSED");
-      if (!plan_.by_codel) continue;
+      if (!leaves(i)) continue;
       const std::string remember = i == activity_.stop ? "" : "stopping = true";
       on("abt", places_[i] + "_RUNS", places_[i] + "_RUNS", remember);
       on("abt", places_[i] + "_ENDS", places_[i] + "_ENDS", remember);
     }
     if (a_.has_sleep) on("abt", "SLEEP", stop);
-    if (!plan_.by_codel) return;
+    if (!remembers()) return;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!a_.used[i] || i == activity_.stop) continue;
       if (may_follow(i, Next::State)) out_ += fmt::format("    internal from {} to {} provided (stopping) do {{ stopping = false; }}\n", places_[i], stop);
@@ -152,9 +162,12 @@ class Writer {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!a_.used[i]) continue;
       const Codel& codel = activity_.states[i].codel;
-      const bool calls = plan_.calls && codel.name.is_set();
+      const bool calls = plan_.calls && codel.name.is_set() && !a_.async[i];
       on("run_" + places_[i], places_[i], places_[i] + "_RUNS", calls ? fmt::format("report = 0; next = {}(report)", bip_name(codel.name.text)) : "");
-      if (plan_.by_codel) on("done_" + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
+      if (leaves(i)) on((a_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
+      if (!a_.async[i]) continue;
+      on("wait", places_[i] + "_RUNS", places_[i] + "_RUNS");
+      on("lost", places_[i] + "_RUNS", "LOST", "stopping = false");
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (a_.used[i] && has_paused(i)) on("resume", places_[i] + "_PAUSED", places_[i]);
@@ -163,7 +176,7 @@ class Writer {
 
   void answers() {
     // An end makes up for an abort that came while the last codel ran.
-    const std::string forget = stoppable() && plan_.by_codel ? "stopping = false" : "";
+    const std::string forget = remembers() ? "stopping = false" : "";
     for (std::size_t i = 0; i < activity_.states.size(); ++i) {
       if (!a_.used[i]) continue;
       const State& s = activity_.states[i];
@@ -214,6 +227,10 @@ class Writer {
       if (a_.used[i] && has_paused(i)) on("rest", places_[i] + "_PAUSED", places_[i] + "_PAUSED");
     }
     if (a_.has_sleep) on("rest", "SLEEP", "SLEEP");
+    if (a_.has_async) {
+      on("rest", "LOST", "LOST");
+      on("found", "LOST", "ETHER");
+    }
     if (a_.has_zombie) {
       on("rest", "ZOMBIE", "ZOMBIE");
       on("bury", "ZOMBIE", "ETHER");

@@ -126,6 +126,13 @@ void ModuleWriter::turns(std::size_t i, std::size_t slot) {
     const State& state = activity.states[s];
     // The same codel may serve several states.
     const std::string label = fmt::format("{}_{}_{}", name, a.places[s], codel_label(state));
+    if (a.async[s]) {
+      wire({.name = label, .ports = {of_task(i, "sent_" + name), of_slot(slot, "run_" + a.places[s])}});
+      std::vector<std::string> back{of_task(i, "back_" + name), of_slot(slot, "back_" + a.places[s])};
+      add_ports(back, state.codel);
+      wire({.name = "back_" + label, .ports = back});
+      continue;
+    }
     std::vector<std::string> run{of_task(i, "step_" + name), of_slot(slot, "run_" + a.places[s])};
     add_locks(run, {&state.codel}, 1 + i, "take");
     add_ports(run, state.codel);
@@ -136,6 +143,24 @@ void ModuleWriter::turns(std::size_t i, std::size_t slot) {
     wire({.name = "done_" + label, .ports = done});
   }
   wire({.name = "skip_" + name, .ports = {of_task(i, "skip_" + name), of_slot(slot, "rest")}});
+  if (a.has_async) beside(i, slot);
+}
+
+// A codel runs beside the task: it is waited for; it comes back, which wakes a task without a period; or it is given up, and comes back too late.
+void ModuleWriter::beside(std::size_t i, std::size_t slot) {
+  const std::string& name = p_.slots[slot].component;
+  wire({.name = "wait_" + name, .ports = {of_task(i, "skip_" + name), of_slot(slot, "wait")}});
+  std::vector<std::string> returned{of_slot(slot, "returned")};
+  if (m_.tasks[i].period_us == 0) returned.push_back(of_task(i, "wake"));
+  std::vector<std::string> lost{of_slot(slot, "lost"), of_task(i, "remove")};
+  std::vector<std::string> found{of_slot(slot, "found")};
+  if (p_.has_checks()) {
+    lost.push_back(p_.ids + ".add_zombie");
+    found.push_back(p_.ids + ".remove_zombie");
+  }
+  wire({.name = "returned_" + name, .ports = returned});
+  wire({.name = "lost_" + name, .ports = lost});
+  wire({.name = "found_" + name, .ports = found});
 }
 
 // GenoM 3: a codel writes the ports out that it names.
@@ -183,6 +208,9 @@ void ModuleWriter::time() {
     if (m_.tasks[i].period_us > 0) ticks.push_back(of_task(i, "tick"));
   }
   if (!p_.poster_timer.empty()) ticks.push_back(p_.poster_timer + ".tick");
+  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+    if (p_.services[p_.slots[k].service].activity.has_async) ticks.push_back(of_slot(k, "watch_tick"));
+  }
   const std::size_t triggers = ticks.size();
   ticks.push_back(control("tick"));
   wire({.name = "ModuleSync", .ports = ticks, .triggers = triggers, .exported = true});

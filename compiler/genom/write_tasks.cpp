@@ -38,6 +38,10 @@ void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const
     port(out, "step_" + turns[i]);
     if (a.rests) port(out, "skip_" + turns[i]);
     if (plan.by_codel) port(out, "done_" + turns[i]);
+    if (a.has_async) {
+      port(out, "sent_" + turns[i]);
+      port(out, "back_" + turns[i]);
+    }
     port(out, "ran_" + turns[i]);
     if (plan.module->generation == 3 && a.goes_on) port(out, "more_" + turns[i]);
   }
@@ -87,6 +91,8 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
     const std::string last = (plan.by_codel ? "end_" : "run_") + turn;
     out += fmt::format("\n    on step_{0} from at_{0} to run_{0}\n", turn);
     if (a.rests) out += fmt::format("    on skip_{0} from at_{0} to {1}\n", turn, next);
+    // A codel that runs beside the task: its turn is over at once, and its answer is heard at a later one.
+    if (a.has_async) out += fmt::format("    on sent_{0} from at_{0} to {1}\n    on back_{0} from at_{0} to {2}\n", turn, next, last);
     if (plan.by_codel) out += fmt::format("    on done_{0} from run_{0} to end_{0}\n", turn);
     out += fmt::format("    on ran_{} from {} to {}\n", turn, last, next);
     if (is_3 && a.goes_on) out += fmt::format("    on more_{} from {} to {} do {{ more = true; }}\n", turn, last, next);
@@ -149,6 +155,10 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
     const std::string& turn = turns[i];
     write_export(out, "scheduler.step_" + turn, "step_" + turn);
     if (a.rests) write_export(out, "scheduler.skip_" + turn, "skip_" + turn);
+    if (a.has_async) {
+      write_export(out, "scheduler.sent_" + turn, "sent_" + turn);
+      write_export(out, "scheduler.back_" + turn, "back_" + turn);
+    }
     if (plan.by_codel) write_export(out, "scheduler.done_" + turn, "done_" + turn);
     write_export(out, "scheduler.ran_" + turn, "ran_" + turn);
     if (plan.module->generation == 3 && a.goes_on) write_export(out, "scheduler.more_" + turn, "more_" + turn);
@@ -180,13 +190,14 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   out += "  end\n";
 }
 
-void write_service(std::string& out, const Plan& plan, std::size_t service) {
+void write_service(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us) {
   const Service& s = plan.module->services[service];
   const ServicePlan& p = plan.services[service];
   const ActivityPlan& a = p.activity;
   out += fmt::format("\n  // Execution service {}.\n  compound type {}()\n", s.name.text, p.type);
   out += "    @SuppressWarning(unboundcomponentport)\n    component ServiceController controller()\n";
   out += fmt::format("    component {} activity()\n", a.type);
+  if (a.has_async) out += fmt::format("    component {} work()\n    component CodelWatch watch()\n", p.work_type);
   const std::string interrupted = plan.module->generation == 2 ? "ACTIVITY_INTERRUPTED" : "interrupted";
   write_wire(out, {.name = "start", .ports = {"controller.start", "activity.start"}, .exported = true});
   write_wire(out, {.name = "cancel", .ports = {"controller.cancel"}, .exported = true, .report_to = "controller.cancel", .report = interrupted});
@@ -206,6 +217,7 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
     write_wire(out, {.name = "fail", .ports = {"controller.fail", "activity.zombie"}, .exported = true});
     write_wire(out, {.name = "bury", .ports = {"controller.bury", "activity.bury"}, .exported = true});
   }
+  if (a.has_async) write_work_wires(out, plan, service, tick_us);
   if (plan.executive == Executive::Cpp) {
     out += fmt::format("\n    connector replied(controller.reply)\n      export port Signal out\n      define [controller.reply]\n"
                        "      on controller.reply down {{ executive_reply(\"{}\", \"{}\", controller.reply.rep); }}\n", plan.module->name.text, s.name.text);
@@ -232,9 +244,11 @@ void write_service(std::string& out, const Plan& plan, std::size_t service) {
   for (std::size_t i = 0; i < s.activity.states.size(); ++i) {
     if (!a.used[i]) continue;
     const std::string& place = a.places[i];
+    if (a.async[i]) continue;
     write_export(out, "activity.run_" + place, "run_" + place);
     if (plan.by_codel) write_export(out, "activity.done_" + place, "done_" + place);
   }
+  if (a.has_async) write_work_exports(out, p);
   if (a.goes_on) write_export(out, "activity." + a.went_on(), "went_on");
   if (a.pauses) write_export(out, "activity." + a.paused(), "paused");
   if (plan.module->generation == 3) write_export(out, "activity.resume", "resume");

@@ -3,8 +3,11 @@
 // and well: the second half.
 #include "dala_codels.hpp"
 
+#include <atomic>
+#include <chrono>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "camera.hpp"
 #include "world.hpp"
@@ -26,6 +29,12 @@ Image& panorama() {
   return image;
 }
 
+// Requests for Stereo.SetSource so far: read by a codel that runs beside the engine.
+std::atomic<int>& sources_set() {
+  static std::atomic<int> count{0};
+  return count;
+}
+
 // What a request came with, as numbers; `without` if there are too few.
 double input(const char* service, std::size_t k, double without) {
   const std::vector<double>& numbers = world().arguments[service];
@@ -39,6 +48,7 @@ void request_input(const char* service, const char* text) {
   const std::string bare = service;
   std::vector<double>& numbers = world().arguments[bare.substr(0, bare.find('('))];
   numbers.clear();
+  if (bare == "Stereo.SetSource") ++sources_set();
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     char* end = nullptr;
@@ -350,8 +360,19 @@ int dtmSetSource() { return kOk; }
 int dtmPermanent() { return kOk; }
 int stereoInitMain(int&) { return kEther; }
 int stereoCheckPair() { return kOk; }
-int stereoCorrelateStart(int&) { return kExec; }
-int stereoCorrelateMain(int&) { return kEnd; }
+namespace {
+std::atomic<bool> is_stuck{false};
+}
+int stereoCorrelateStart(int&) {
+  is_stuck = std::isnan(input("Stereo.Correlate", 0, 0));
+  return kExec;
+}
+// Beside everything else (async.yields). Asked for with a word it waits for an image that never comes, until it gets another source.
+int stereoCorrelateMain(int&) {
+  const int before = sources_set();
+  for (int k = 0; k < 4000 && is_stuck && sources_set() == before; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return kEnd;
+}
 int stereoCorrelateEnd(int&) { return kEther; }
 int stereoCorrelateInter(int&) { return kEther; }
 int stereoCorrelateContinuousStart(int&) { return kExec; }
