@@ -71,6 +71,12 @@ std::vector<Function> functions_of(const std::vector<Module>& modules) {
   return all;
 }
 
+const char* cpp_type(const ValueRow& v) { return v.type == ValueType::Int ? "int" : v.type == ValueType::Float ? "double" : "std::string"; }
+
+bool has_text_values(const GenerateOptions& options) {
+  return std::any_of(options.constraints.values.begin(), options.constraints.values.end(), [](const ValueRow& v) { return v.type == ValueType::Text; });
+}
+
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& p : parts) text += (text.empty() ? "" : ", ") + p;
@@ -79,8 +85,16 @@ std::string joined(const std::vector<std::string>& parts) {
 
 }  // namespace
 
-std::string codel_prototypes(const std::vector<Module>& modules) {
+std::string value_function(const Module& module, const ValueRow& value) {
+  return bip_name(fmt::format("{}_{}_{}", module.name.text, module.posters[value.poster.poster].name.text, value.name));
+}
+std::string value_function(const std::vector<Module>& modules, const ValueRow& value) { return value_function(modules[value.poster.module], value); }
+
+std::string codel_prototypes(const std::vector<Module>& modules, const Constraints& constraints) {
   std::string out = "\n";
+  for (const ValueRow& v : constraints.values) {
+    out += fmt::format("  extern function {} {}()\n", v.type == ValueType::Int ? "int" : v.type == ValueType::Float ? "float" : "string", value_function(modules, v));
+  }
   for (const Function& f : functions_of(modules)) out += fmt::format("  extern function int {}({})\n", f.name, f.has_report ? "int" : "");
   return out;
 }
@@ -98,6 +112,8 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
            "void executive_answer(const char* module, const char* service, const char* report);\n"
            "void executive_reply(const char* module, const char* service, const char* report);\n";
   }
+  if (!options.constraints.values.empty()) out += fmt::format("\n// ---- What posters hold, asked for when they are written\n{}", has_text_values(options) && options.executive != Executive::Cpp ? "#include <string>\n\n" : "");
+  for (const ValueRow& v : options.constraints.values) out += fmt::format("{} {}();\n", cpp_type(v), value_function(modules, v));
   std::string module;
   for (const Function& f : functions_of(modules)) {
     if (f.module != module) out += fmt::format("\n// ---- {}\n", f.module);
@@ -115,6 +131,7 @@ std::string codel_source(const std::vector<Module>& modules, const GenerateOptio
            "void executive_answer(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n"
            "void executive_reply(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n";
   }
+  for (const ValueRow& v : options.constraints.values) out += fmt::format("\n{} {}() {{ return {}; }}\n", cpp_type(v), value_function(modules, v), v.values.front());
   for (const Function& f : functions_of(modules)) {
     out += fmt::format("\n// {}: {}\nint {}({}) {{ return {}; }}\n", f.says, joined(f.answers), f.name, f.has_report ? "int& /*report*/" : "", f.first);
   }

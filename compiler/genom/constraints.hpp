@@ -15,6 +15,7 @@ struct ServiceRef {
 };
 struct PosterRef {
   std::size_t module = 0, poster = 0;
+  auto operator<=>(const PosterRef&) const = default;
 };
 
 /// A length of time: ticks, else microseconds.
@@ -34,6 +35,8 @@ enum class ConditionKind : std::uint8_t {
   Fresh,     // `poster` is not older than `span`
   Age,       // its PosterAge
   Below,     // stopwatch `row` shows less than its limit
+  Recent,    // success `row`: its service has ended with OK, and that still counts
+  Held,      // value `row` of a poster
   Ordered,   // pair `row`: the first service was accepted, and the second after it
   Not,       // one operand
   Operator   // `text`, two operands
@@ -41,7 +44,7 @@ enum class ConditionKind : std::uint8_t {
 struct Condition {
   ConditionKind kind = ConditionKind::Number;
   std::int64_t number = 0;
-  std::string text;
+  std::string text;  // of a text; a fraction's digits; an operator's sign
   ServiceRef service;
   PosterRef poster;
   Span span;
@@ -84,11 +87,30 @@ struct PairRow {
   ServiceRef first, second;
 };
 
+/// Has `service` ended with OK since `since` was last accepted, and not longer ago than `within`?
+struct SuccessRow {
+  ServiceRef service;
+  std::optional<ServiceRef> since;
+  std::optional<Span> within;
+};
+/// What a poster holds: one of `values` (as BIP writes them) if codels answer freely, else what a C++ function says when it is written.
+enum class ValueType : std::uint8_t { Int, Float, Text };
+struct ValueRow {
+  PosterRef poster;
+  std::string name;
+  ValueType type = ValueType::Int;
+  std::vector<std::string> values;
+};
+
 struct Constraints {
   std::vector<Constraint> rows;
   std::vector<ParameterRow> parameters;
   std::vector<StopwatchRow> stopwatches;
   std::vector<PairRow> pairs;
+  std::vector<SuccessRow> successes;
+  std::vector<ValueRow> values;
+  /// Is there anything that the level has to remember, or do?
+  [[nodiscard]] bool has_parts() const { return !(rows.empty() && parameters.empty() && stopwatches.empty() && pairs.empty() && successes.empty()); }
 };
 
 }  // namespace bip::genom

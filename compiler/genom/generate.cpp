@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kOwnTypes[] = {"Signal", "Report", "Status", "Age", "ControlState", "MasterTimer", "Timer", "WakeUp", "IdsLock", "Semaphore",
                                      "Poster", "ServiceController", "ControlService", "TaskController", "Permanent", "ControlIds", "FunctionalLevel", "Answer",
                                      "Running", "Elapsed", "Number", "Text", "Order", "Stopwatch", "NumberParameter", "TextParameter", "Pair", "Recovery", "Asks", "Executive", "MasterClock",
-                                     "Posts", "Told", "Outcome", "Countdown", "CodelWatch"};
+                                     "Posts", "Told", "Outcome", "Countdown", "CodelWatch", "Counts", "Success"};
 
 // The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
@@ -62,7 +62,7 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
       options.flavour == Flavour::Execution ? "codels are the C++ functions of their names" : "codels answer freely",
       options.flavour == Flavour::Execution ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp\")\n", options.package) : "", options.package,
       (any_async(modules) ? std::string("  use genom.codels\n") : std::string()) +
-          (options.constraints.rows.empty() && options.constraints.parameters.empty() ? "" : "  use genom.rules\n"));
+          (options.constraints.has_parts() ? "  use genom.rules\n" : ""));
 }
 
 void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
@@ -90,7 +90,7 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
   GenerateOptions options = given;
   for (const Constraint& c : options.constraints.rows) options.oldest = std::max(options.oldest, oldest_for(c.condition, options, tick_us));
   std::string out = header(modules, options, tick_us);
-  if (options.flavour == Flavour::Execution) out += codel_prototypes(modules);
+  if (options.flavour == Flavour::Execution) out += codel_prototypes(modules, options.constraints);
   if (options.executive != Executive::Anybody) out += executive_type(options.executive);
   std::vector<Plan> plans;
   Scope types;
@@ -105,6 +105,9 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
   for (const std::size_t size : lock_sizes) write_data_lock(out, size);
   for (const Plan& p : plans) {
     write_types(out, p, tick_us);
+    for (std::size_t k = 0; k < p.posters.size(); ++k) {
+      if (!p.poster_types[k].values.empty()) write_poster(out, p, k);
+    }
     write_module(out, p, options);
   }
   write_level(out, plans, options, tick_us);

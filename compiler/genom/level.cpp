@@ -64,8 +64,8 @@ class LevelWriter {
 
   // What rules remember.
   void parts() {
-    // Parameters come with requests although no rule asks for them.
-    if (c_.rows.empty() && c_.parameters.empty()) return;
+    // Parameters come with requests although no rule asks for them; what is remembered stays where a rule is left out (--prove).
+    if (!c_.has_parts()) return;
     out_ += "\n    // What the rules remember.\n";
     const auto component = [&](const std::string& wanted, const std::string& type, const std::string& arguments) {
       const std::string name = names_.claim(wanted, "part");
@@ -79,6 +79,10 @@ class LevelWriter {
       const std::int64_t limit = conditions_.ticks(w.limit);
       parts_.stopwatches.push_back(component(name_of(w.service) + (w.counts_active ? "_takes" : "_since"), "Stopwatch",
                                              fmt::format("{}, {}, {}", limit, w.counts_active, w.counts_active ? 0 : limit)));
+    }
+    for (const SuccessRow& s : c_.successes) {
+      const std::int64_t limit = s.within ? conditions_.ticks(*s.within) : 0;
+      parts_.successes.push_back(component(name_of(s.service) + "_succeeded", "Success", std::to_string(limit)));
     }
     for (const PairRow& p : c_.pairs) parts_.pairs.push_back(component(fmt::format("{}_then_{}", name_of(p.first), name_of(p.second)), "Pair", ""));
     std::map<std::string, std::string> known;
@@ -139,9 +143,27 @@ class LevelWriter {
       if (c_.pairs[i].first == s) trig.push_back(parts_.pairs[i] + ".first");
       if (c_.pairs[i].second == s && c_.pairs[i].first != s) trig.push_back(parts_.pairs[i] + ".second");
     }
+    for (std::size_t i = 0; i < c_.successes.size(); ++i) {
+      if (c_.successes[i].since == s) trig.push_back(parts_.successes[i] + ".forget");
+    }
     wire({.name = plan(s).component + "_trig_" + id, .ports = trig});
+    if (plan(s).services[s.service].is_heard) successes(s);
     for (std::size_t row = 0; row < c_.rows.size(); ++row) {
       if (c_.rows[row].kind == ConstraintKind::Keep && c_.rows[row].subject == s) stop(row);
+    }
+  }
+
+  // Whoever counts from its last success hears of it.
+  void successes(ServiceRef s) {
+    if (plan(s).module->services[s.service].kind == ServiceKind::Execution && !plan(s).services[s.service].activity.ends) return;
+    for (const std::string& fin : of_slots(s, "fin")) {
+      std::vector<std::string> ports{fin};
+      for (std::size_t i = 0; i < c_.successes.size(); ++i) {
+        if (c_.successes[i].service == s) ports.push_back(parts_.successes[i] + ".ended");
+      }
+      std::string name = fin;
+      name.replace(name.find(".fin_"), 5, "_fin_");
+      wire({.name = name, .ports = ports});
     }
   }
 
@@ -300,6 +322,9 @@ class LevelWriter {
         active += (active.empty() ? "" : " || ") + stat + ".active";
       }
       action += fmt::format("{}{}.running <- {}", action.empty() ? "" : "; ", tick, active);
+    }
+    for (std::size_t i = 0; i < c_.successes.size(); ++i) {
+      if (c_.successes[i].within) ports.push_back(parts_.successes[i] + ".tick");
     }
     write_wire(out_, {.name = sync_, .ports = ports, .action = action});
   }

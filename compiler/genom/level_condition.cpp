@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "compiler/genom/names.hpp"
+
 namespace bip::genom {
 
 void add_port(std::vector<std::string>& ports, const std::string& port) {
@@ -24,6 +26,17 @@ std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_
   return (span.is_ticks ? span.value : span.value / tick_us) / options.poster_period;
 }
 
+std::string ten_thousandths(const std::string& fraction) {
+  const std::size_t dot = std::min(fraction.find('.'), fraction.size());
+  std::int64_t value = 0;
+  for (std::size_t i = 0, digits = 0; digits < dot + 4; ++i) {
+    if (i == dot) continue;
+    value = value * 10 + (i < fraction.size() ? fraction[i] - '0' : 0);
+    ++digits;
+  }
+  return std::to_string(value);
+}
+
 std::string ConditionWriter::any_of(ServiceRef s, const char* what, const char* sign, std::vector<std::string>& ports) const {
   std::string out;
   const std::vector<std::string> all = stats(s);
@@ -40,14 +53,15 @@ std::string ConditionWriter::read(const std::string& part, const char* what, std
 }
 
 std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& ports) const {
-  const auto poster_age = [&] {
-    const Plan& p = plans_[c.poster.module];
-    const std::string port = fmt::format("{}.read_{}", p.component, p.posters[c.poster.poster]);
+  const auto of_poster = [&](PosterRef poster, const std::string& what) {
+    const Plan& p = plans_[poster.module];
+    const std::string port = fmt::format("{}.read_{}", p.component, p.posters[poster.poster]);
     add_port(ports, port);
-    return port + ".PosterAge";
+    return port + "." + what;
   };
+  const auto poster_age = [&] { return of_poster(c.poster, "PosterAge"); };
   switch (c.kind) {
-    case ConditionKind::Number: return std::to_string(c.number);
+    case ConditionKind::Number: return c.text.empty() ? std::to_string(c.number) : options_.flavour == Flavour::Execution ? c.text : ten_thousandths(c.text);
     case ConditionKind::Text: return "\"" + c.text + "\"";
     case ConditionKind::Active: return any_of(c.service, "active", "||", ports);
     case ConditionKind::Done: return any_of(c.service, "done", "||", ports);
@@ -64,10 +78,12 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
     case ConditionKind::Fresh: return fmt::format("{} <= {}", poster_age(), steps_of_age(c.span, options_, tick_us_));
     case ConditionKind::Age: return poster_age();
     case ConditionKind::Below: return fmt::format("{} < {}", read(parts_.stopwatches[c.row], "t", ports), ticks(options_.constraints.stopwatches[c.row].limit));
+    case ConditionKind::Recent: return read(parts_.successes[c.row], "counts", ports);
+    case ConditionKind::Held: return of_poster(options_.constraints.values[c.row].poster, bip_name(options_.constraints.values[c.row].name));
     case ConditionKind::Ordered: return read(parts_.pairs[c.row], "ordered", ports);
     case ConditionKind::Not: {
       const Condition& of = c.operands[0];
-      const bool is_bare = of.kind == ConditionKind::Ordered || of.kind == ConditionKind::Active || of.kind == ConditionKind::Done || of.kind == ConditionKind::Not;
+      const bool is_bare = of.kind == ConditionKind::Ordered || of.kind == ConditionKind::Recent || of.kind == ConditionKind::Active || of.kind == ConditionKind::Done || of.kind == ConditionKind::Not;
       return is_bare ? "!" + text(of, ports) : "!(" + text(of, ports) + ")";
     }
     case ConditionKind::Operator: break;

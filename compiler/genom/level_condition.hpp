@@ -10,7 +10,7 @@ namespace bip::genom {
 
 /// Names of the parts that rules need, by row of Constraints.
 struct LevelParts {
-  std::vector<std::string> parameters, stopwatches, pairs, recoveries;
+  std::vector<std::string> parameters, stopwatches, pairs, successes, recoveries;
 };
 
 class ConditionWriter {
@@ -37,6 +37,8 @@ class ConditionWriter {
 
 /// In steps of PosterAge: the oldest that is within `span`.
 [[nodiscard]] std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_t tick_us);
+/// A fraction, digits with at most four behind the dot, as a whole number: the prover does not compute with fractions.
+[[nodiscard]] std::string ten_thousandths(const std::string& fraction);
 /// Adds what is not there yet.
 void add_port(std::vector<std::string>& ports, const std::string& port);
 

@@ -85,6 +85,7 @@ class Planner {
     for (std::size_t i = 0; i < m_.services.size(); ++i) service(i);
     for (std::size_t i = 0; i < m_.tasks.size(); ++i) task(i);
     for (const Poster& poster : m_.posters) p_.posters.push_back(scope_.claim(bip_name(poster.name.text), "poster"));
+    p_.poster_types.resize(p_.posters.size());
     if (p_.by_codel) locks();
     return std::move(p_);
   }
@@ -175,6 +176,16 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
     if (c.kind != ConstraintKind::Wait) continue;
     if (c.other.module == index) p.services[c.other.service].is_waited_for = true;
     if (c.subject.module == index) p.launches_outside = true;
+  }
+  for (const SuccessRow& row : options.constraints.successes) {
+    if (row.service.module == index) p.services[row.service.service].is_heard = true;
+  }
+  for (const ValueRow& row : options.constraints.values) {
+    if (row.poster.module != index) continue;
+    PosterPlan& poster = p.poster_types[row.poster.poster];
+    const std::string name = p.type + type_name(module.posters[row.poster.poster].name.text);
+    if (poster.values.empty()) poster = {types.claim(name, "Poster"), types.claim(name + "Data", "Port"), {}};
+    poster.values.push_back(&row);
   }
   return p;
 }

@@ -45,6 +45,7 @@ struct ServicePlan {
   bool is_decided = false;         // rules say whether it is accepted
   bool is_stopped = false;         // and tell it to stop
   bool is_waited_for = false;      // services of rules begin when it does not run
+  bool is_heard = false;           // rules count from its last success
 };
 struct TaskPlan {
   std::string component, type, scheduler;
@@ -56,6 +57,12 @@ struct TaskPlan {
 struct LockPlan {
   std::string data, component;
   std::vector<std::size_t> threads;  // sorted
+};
+
+/// The atom of a poster: the library's, unless rules ask for what it holds.
+struct PosterPlan {
+  std::string type = "Poster", port_type{};
+  std::vector<const ValueRow*> values{};
 };
 
 struct Plan {
@@ -70,6 +77,7 @@ struct Plan {
   std::vector<ServicePlan> services;
   std::vector<TaskPlan> tasks;
   std::vector<std::string> posters;
+  std::vector<PosterPlan> poster_types;  // by poster
   std::vector<LockPlan> locks;
   std::size_t execution_slots = 0;
   std::string control, ids, lock, poster_timer;  // components
@@ -94,6 +102,8 @@ void write_work_wires(std::string& out, const Plan& plan, std::size_t service, s
 void write_work_exports(std::string& out, const ServicePlan& p);
 void write_scheduler(std::string& out, const Plan& plan, std::size_t task);
 void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64_t tick_us);
+/// A poster that holds values.
+void write_poster(std::string& out, const Plan& plan, std::size_t poster);
 /// A lock for so many threads: many readers or one writer.
 void write_data_lock(std::string& out, std::size_t threads);
 /// The message box and the compound of the control task.

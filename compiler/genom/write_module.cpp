@@ -103,9 +103,8 @@ void ModuleWriter::parts(const GenerateOptions& options) {
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p_.services[slot.service].type, slot.component);
   }
   if (!p_.poster_timer.empty()) out_ += fmt::format("    component Timer {}({}, 0)\n", p_.poster_timer, options.poster_period);
-  for (const std::string& poster : p_.posters) out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component Poster {}({})\n", poster, options.oldest);
+  for (std::size_t k = 0; k < p_.posters.size(); ++k) out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n", p_.poster_types[k].type, p_.posters[k], options.oldest);
 }
-
 
 // Execution flavour: the codels one after the other, until one does not answer OK.
 std::string ModuleWriter::called(const std::vector<Codel>& codels, const std::string& answer) const {
@@ -247,7 +246,7 @@ void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
   add_locks(fin, bodies(s), 0, "give");
   if (s.is_init) fin.push_back(p_.ids + ".initialise");
   const bool has_codel = std::any_of(s.body.begin(), s.body.end(), [](const Codel& c) { return c.name.is_set(); });
-  wire({.name = "final_" + p_.slots[slot].component, .ports = fin, .guard = p_.calls && has_codel ? of_slot(slot, "fin.answer == 0") : "", .action = control("final") + ".rep <- \"OK\""});
+  wire({.name = "final_" + p_.slots[slot].component, .ports = fin, .guard = p_.calls && has_codel ? of_slot(slot, "fin.answer == 0") : "", .action = control("final") + ".rep <- \"OK\"", .exported = p.is_heard});
   if (!has_codel || !s.body_fails) return;
   const std::vector<std::string> reports = reports_of(s);
   for (std::size_t k = 0; k < reports.size(); ++k) {

@@ -184,7 +184,7 @@ void ModuleWriter::ends(std::size_t i, std::size_t slot) {
   if (a.ends) {
     std::vector<std::string> fin{ran, of_slot(slot, "fin"), remove};
     if (s.is_init) fin.push_back(p_.ids + ".initialise");
-    wire({.name = "fin_" + name, .ports = fin});
+    wire({.name = "fin_" + name, .ports = fin, .exported = p_.services[p_.slots[slot].service].is_heard});
   }
   if (a.ends_not_ok) wire({.name = "nofin_" + name, .ports = {ran, of_slot(slot, "nofin"), remove}});
   if (a.ends_stopped) wire({.name = "intr_" + name, .ports = {ran, of_slot(slot, "intr"), remove}});
@@ -258,6 +258,8 @@ void ModuleWriter::exports() {
       const std::string& name = p_.slots[slot].component;
       write_export(out_, of_slot(slot, "stat"), "stat_" + name);
       if (p.is_stopped) write_export(out_, of_slot(slot, "halt"), "halt_" + name);
+      if (p.is_heard && m_.services[i].kind == ServiceKind::Control) write_export(out_, out_of("final_" + name), "fin_" + name);
+      else if (p.is_heard && p.activity.ends) write_export(out_, out_of("fin_" + name), "fin_" + name);
       if (p.is_waited_for) write_export(out_, of_slot(slot, "idle"), "idle_" + name);
       if (p_.launches_outside && m_.services[i].kind == ServiceKind::Execution) write_export(out_, out_of("launch_" + name), "launch_" + name);
     }

@@ -60,6 +60,10 @@ class Checker {
       }
       names_.parameter(p);
     }
+    for (const ValueDecl& v : file_.values) {
+      for (const std::string& text : v.values) plain(text, v.name.range);
+      names_.value(v);
+    }
     for (row_ = 0; row_ < file_.rules.size(); ++row_) rule(file_.rules[row_]);
     if (diags_.has_errors()) return std::nullopt;
     return std::move(out_);
@@ -72,7 +76,7 @@ class Checker {
     if (!std::all_of(text.begin(), text.end(), is_plain)) diags_.report(Diag::kB6108, range, text);
   }
   void plain(const Expr& e) {
-    if (e.kind == ExprKind::Text) plain(e.text, e.range);
+    if (e.kind == ExprKind::Text || e.kind == ExprKind::Word) plain(e.text, e.range);
     for (const Expr& operand : e.operands) plain(operand);
   }
 
@@ -148,7 +152,11 @@ class Checker {
   void pair(const Rule& r, const Path& left_path, ServiceRef left, const Path& right_path, ServiceRef right) {
     switch (r.verb) {
       case Verb::Before:
-        add(r, ConstraintKind::Admit, right, leaf(ConditionKind::Done, left), fmt::format("{}_before_{}", bare(left), bare(right)));
+        if (r.since || r.within) {
+          if (const auto condition = recent(r, left)) add(r, ConstraintKind::Admit, right, *condition, fmt::format("{}_before_{}", bare(left), bare(right)));
+        } else {
+          add(r, ConstraintKind::Admit, right, leaf(ConditionKind::Done, left), fmt::format("{}_before_{}", bare(left), bare(right)));
+        }
         break;
       case Verb::During:
         add(r, ConstraintKind::Admit, left, leaf(ConditionKind::Active, right), fmt::format("{}_during_{}", bare(left), bare(right)));
@@ -166,6 +174,20 @@ class Checker {
         apart(r, right_path, right, left, r.policy[1]);
         break;
     }
+  }
+
+  // The left one has ended with OK since, or not longer ago.
+  std::optional<Condition> recent(const Rule& r, ServiceRef left) {
+    genom::SuccessRow row{left, {}, r.within};
+    if (r.since) {
+      row.since = names_.service(*r.since);
+      if (!row.since) return std::nullopt;
+    }
+    Condition c;
+    c.kind = ConditionKind::Recent;
+    c.row = out_.constraints.successes.size();
+    out_.constraints.successes.push_back(row);
+    return c;
   }
 
   // What a request for `asked` does while `running` runs.

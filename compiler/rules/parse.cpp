@@ -3,9 +3,10 @@
 //   file      = 'rules' NAME ';' { item }
 //   item      = 'modules' STRING { ',' STRING } [ 'with' STRING ] ';'
 //             | 'parameter' NAME 'of' paths ':' VALUE { ',' VALUE } ';'
+//             | 'value' NAME 'of' path ':' VALUE { ',' VALUE } ';'
 //             | [ NAME ':' ] rule { 'report' STRING | 'on' 'violation' 'run' path } ';'
 //             | 'request' path [ '(' '?' NAME { ',' '?' NAME } ')' ] '{' 'fail' '{' { ( 'check' | 'maintain' ) ':' | condition ';' } '}' '}'
-//   rule      = paths ( 'before' paths | 'does' 'not' 'overlap' paths [ ':' policy [ ',' policy ] ] | 'only' 'during' path
+//   rule      = paths ( 'before' paths [ 'since' path ] [ 'within' TIME ] | 'does' 'not' 'overlap' paths [ ':' policy [ ',' policy ] ] | 'only' 'during' path
 //             | 'requires' condition | 'maintains' condition | 'takes' 'at' 'most' TIME | 'at' 'least' TIME 'after' path )
 //   policy    = 'reject' | 'wait' | 'interrupt'
 #include "compiler/rules/parse.hpp"
@@ -34,6 +35,7 @@ class Parser {
     const genom::Token& next = at_.peek(1);
     if (at_.at("modules") && next.kind == genom::TokenKind::String) return modules();
     if (at_.at("parameter") && next.kind == genom::TokenKind::Word) return parameter();
+    if (at_.at("value") && next.kind == genom::TokenKind::Word && at_.peek(2).is("of")) return value();
     if (at_.at("request") && next.kind == genom::TokenKind::Word) return request();
     return rule();
   }
@@ -85,6 +87,31 @@ class Parser {
     return at_.expect(";");
   }
 
+  // Numbers, of which one with a fraction makes fractions of all, or words.
+  bool value() {
+    at_.take();
+    ValueDecl v;
+    if (!at_.name(v.name, "a value") || !at_.expect("of") || !parse_path(at_, v.poster, "a poster") || !at_.expect(":")) return false;
+    do {
+      const genom::Token& token = at_.peek();
+      std::int64_t whole = 0;
+      const bool is_int = token.kind == genom::TokenKind::Number && genom::whole_number(token.text, whole) && whole <= 2147483647;
+      const bool is_fraction = !is_int && token.kind == genom::TokenKind::Number && is_decimal(token.text);
+      const bool is_text = token.kind == genom::TokenKind::String || token.kind == genom::TokenKind::Word;
+      const genom::ValueType type = is_text ? genom::ValueType::Text : is_int ? genom::ValueType::Int : genom::ValueType::Float;
+      const bool was_text = v.type == genom::ValueType::Text;
+      if ((!is_int && !is_fraction && !is_text) || (!v.values.empty() && is_text != was_text)) {
+        at_.unexpected(v.values.empty() ? "a value" : was_text ? "a word, as before" : "a number, as before");
+        return false;
+      }
+      v.type = v.values.empty() || type == genom::ValueType::Float ? type : v.type;
+      v.values.push_back(is_int ? std::to_string(whole) : std::string(token.text));
+      at_.take();
+    } while (at_.accept(","));
+    file_.values.push_back(std::move(v));
+    return at_.expect(";");
+  }
+
   bool rule() {
     Rule r;
     r.range = at_.peek().range;
@@ -109,7 +136,11 @@ class Parser {
   }
 
   bool verb(Rule& r) {
-    if (at_.accept("before")) return set(r, Verb::Before) && paths(r.right, "a service");
+    if (at_.accept("before")) {
+      if (!set(r, Verb::Before) || !paths(r.right, "a service")) return false;
+      if (at_.accept("since") && !parse_path(at_, r.since.emplace(), "a service")) return false;
+      return !at_.accept("within") || parse_span(at_, r.within.emplace());
+    }
     if (at_.accept("does")) return set(r, Verb::Apart) && at_.expect("not") && at_.expect("overlap") && paths(r.right, "a service") && policies(r);
     if (at_.accept("only")) return set(r, Verb::During) && at_.expect("during") && parse_path(at_, r.right.emplace_back(), "a service");
     if (at_.accept("requires")) return set(r, Verb::Requires) && parse_condition(at_, r.condition);
@@ -194,6 +225,12 @@ bool parse_path(genom::Cursor& at, Path& into, const char* what) {
   if (!at.accept(".")) return true;
   into.module = std::move(into.name);
   return at.name(into.name, "a name");
+}
+
+bool is_decimal(std::string_view text) {
+  const std::size_t dot = text.find('.');
+  const auto digits = [](std::string_view part) { return !part.empty() && part.size() <= 4 && part.find_first_not_of("0123456789") == std::string_view::npos; };
+  return dot != std::string_view::npos && digits(text.substr(0, dot)) && digits(text.substr(dot + 1));
 }
 
 bool parse_span(genom::Cursor& at, genom::Span& into) {

@@ -3,6 +3,7 @@
 //   condition = C's || && == != < <= > >= + - * ! ( ) over
 //               NUMBER | STRING | NAME | SERVICE.active | SERVICE.done | SERVICE.PARAMETER | request.PARAMETER | total(PARAMETER)
 //             | POSTER is fresh within TIME | POSTER.age
+//             | POSTER.VALUE | VALUE | … in '[' LEAST ',' MOST ']'
 //             | past(SERVICE [() | (?P) with condition]) | running(SERVICE) | '[' SERVICE < SERVICE ']' | ?PARAMETER
 #include "compiler/rules/parser.hpp"
 
@@ -16,7 +17,7 @@ class ConditionParser {
   explicit ConditionParser(genom::Cursor& at) : at_(at) {}
 
   bool expression(Expr& into, int least, int depth) {
-    if (!operand(into, depth)) return false;
+    if (!operand(into, depth) || (at_.at("in") && !range_of(into, depth))) return false;
     while (true) {
       const int strength = strength_of(at_.peek().text);
       if (at_.peek().kind != genom::TokenKind::Sign || strength < least) return true;
@@ -97,12 +98,34 @@ class ConditionParser {
     return property(into);
   }
 
+  // X in [A, B]: X >= A && X <= B.
+  bool range_of(Expr& into, int depth) {
+    at_.take();
+    Expr bounds[2];
+    if (!at_.expect("[") || !expression(bounds[0], 5, depth + 1) || !at_.expect(",") || !expression(bounds[1], 5, depth + 1)) return false;
+    Expr both{.kind = ExprKind::Operator, .range = into.range, .text = "&&"};
+    both.range.end = at_.peek().range.end;
+    for (int k = 0; k < 2; ++k) {
+      Expr side{.kind = ExprKind::Operator, .range = both.range, .text = k == 0 ? ">=" : "<="};
+      side.operands.push_back(into);
+      side.operands.push_back(std::move(bounds[k]));
+      both.operands.push_back(std::move(side));
+    }
+    into = std::move(both);
+    if (++chain_ > kMaxChain) return too_deep(into);
+    return at_.expect("]");
+  }
+
   bool number(Expr& into) {
     if (genom::whole_number(at_.peek().text, into.number) && into.number <= 2147483647) {
       at_.take();
       return true;
     }
-    at_.unexpected("a whole number that fits 32 bits");
+    if (is_decimal(at_.peek().text)) {
+      into.text = at_.take().text;
+      return true;
+    }
+    at_.unexpected("a whole number that fits 32 bits, or digits with a dot, at most four on either side");
     return false;
   }
 
@@ -161,8 +184,9 @@ class ConditionParser {
       return false;
     }
     if (parts.size() == 1) {
-      // A bare name is a value: STEREO, GPS.
-      into.kind = ExprKind::Text;
+      // A bare name is a value of a poster, or a value by itself: STEREO, GPS.
+      into.kind = ExprKind::Word;
+      into.name = parts[0];
       into.text = parts[0].text;
       return true;
     }

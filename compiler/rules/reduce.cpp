@@ -35,6 +35,12 @@ class Reducer {
       service(p.first);
       service(p.second);
     }
+    for (genom::SuccessRow& s : c.successes) {
+      service(s.service);
+      if (s.since) service(*s.since);
+      if (s.within) s.within = genom::Span{2, true};
+    }
+    for (genom::ValueRow& v : c.values) poster(v.poster);
     for (const genom::Constraint& row : c.rows) out_.names.push_back(row.subject);
     return std::move(out_);
   }

@@ -23,13 +23,13 @@ struct Path {
   [[nodiscard]] std::string text() const { return module.is_set() ? module.text + "." + name.text : name.text; }
 };
 
-enum class ExprKind : std::uint8_t { Number, Text, Of, Active, Done, Request, Total, Fresh, Age, Ordered, Not, Operator };
-/// `Of` is a parameter of a service; Active and Done of a service, Fresh and Age of a poster.
+enum class ExprKind : std::uint8_t { Number, Text, Word, Of, Active, Done, Request, Total, Fresh, Age, Ordered, Not, Operator };
+/// `Of` is a parameter of a service or a value of a poster, Word such a value or a text; Active and Done of a service, Fresh and Age of a poster.
 struct Expr {
   ExprKind kind = ExprKind::Number;
   SourceRange range;
   std::int64_t number = 0;
-  std::string text{};  // of a string; an operator's sign
+  std::string text{};  // of a string or word; a fraction; an operator's sign
   Path path{}, second{};
   Name name{};         // of a parameter
   genom::Span span{};
@@ -37,7 +37,7 @@ struct Expr {
 };
 
 enum class Verb : std::uint8_t {
-  Before,     // right only after left has succeeded
+  Before,     // right only after left has succeeded (since, within)
   Apart,      // does not overlap
   During,     // left only while right is active
   Requires,   // condition when left is asked for
@@ -54,6 +54,8 @@ struct Rule {
   Policy policy[2] = {Policy::Reject, Policy::Reject};  // for requests to the left while the right runs, and the other way
   Expr condition;
   genom::Span span;
+  std::optional<Path> since;          // Before: the success has to be later than the last request for this
+  std::optional<genom::Span> within;  // and not longer ago
   Name report;
   std::optional<Path> recovery;
   SourceRange range;
@@ -66,11 +68,20 @@ struct ParameterDecl {
   std::vector<std::string> values;
 };
 
+/// What a poster holds.
+struct ValueDecl {
+  Name name;
+  Path poster;
+  genom::ValueType type = genom::ValueType::Int;
+  std::vector<std::string> values;
+};
+
 struct RuleFile {
   Name package;
   std::vector<Name> modules;  // paths of .gen files, relative to the rules
   Name side_file;
   std::vector<ParameterDecl> parameters;
+  std::vector<ValueDecl> values;
   std::vector<Rule> rules;
 };
 

@@ -17,6 +17,11 @@ std::size_t find(const Rows& rows, const std::string& name) {
   return static_cast<std::size_t>(std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.name.text == name; }) - rows.begin());
 }
 
+// What a poster may hold, all its values together.
+constexpr std::size_t kMostChoices = 256;
+// Of a number beside fractions: so many ten-thousandths can still be added up.
+constexpr std::int64_t kMostWhole = 9999;
+
 struct Found {
   std::size_t module = 0, row = 0;
 };
@@ -48,7 +53,8 @@ std::optional<Found> look_up(const std::vector<genom::Module>& modules, Rows gen
 const char* name_of(Type t) {
   switch (t) {
     case Type::Bool: return "a truth value";
-    case Type::Int: return "a number";
+    case Type::Int: return "a whole number";
+    case Type::Float: return "a number with a fraction";
     case Type::Text: return "a text";
     case Type::None: break;
   }
@@ -82,6 +88,52 @@ void NameScope::parameter(const ParameterDecl& decl) {
   }
 }
 
+void NameScope::value(const ValueDecl& decl) {
+  const auto p = poster(decl.poster);
+  if (!p) return;
+  std::size_t choices = decl.values.size();
+  for (const genom::ValueRow& v : constraints_.values) {
+    if (v.poster != *p) continue;
+    if (v.name == decl.name.text) {
+      diags_.report(Diag::kB6013, decl.name.range, "value", decl.name.text);
+      return;
+    }
+    choices *= v.values.size();
+  }
+  // A write is a choice among all of them.
+  if (choices > kMostChoices) diags_.report(Diag::kB6010, decl.name.range, fmt::format("the number of values that poster `{}` may hold", decl.poster.text()), choices, 1, kMostChoices);
+  genom::ValueRow row{*p, decl.name.text, decl.type, {}};
+  for (const std::string& v : decl.values) {
+    const bool is_whole = v.find('.') == std::string::npos;
+    if (decl.type == genom::ValueType::Float && is_whole && v.size() > 4) diags_.report(Diag::kB6010, decl.name.range, "a number beside a fraction", v, 0, kMostWhole);
+    row.values.push_back(decl.type == genom::ValueType::Text ? "\"" + v + "\"" : decl.type == genom::ValueType::Float && is_whole ? v + ".0" : v);
+  }
+  constraints_.values.push_back(std::move(row));
+}
+
+Type NameScope::value_of(const Expr& e, Condition& into) {
+  std::size_t found = constraints_.values.size();
+  for (std::size_t i = 0; i < constraints_.values.size(); ++i) {
+    const genom::ValueRow& v = constraints_.values[i];
+    const genom::Module& m = modules_[v.poster.module];
+    const std::string& first = e.path.name.text;
+    const bool is_module = !e.path.module.is_set() && first == m.name.text;
+    const bool is_poster = first == m.posters[v.poster.poster].name.text && (!e.path.module.is_set() || e.path.module.text == m.name.text);
+    if (v.name != e.name.text || !(first.empty() || is_module || is_poster)) continue;
+    if (found < i) {
+      const auto owner = [&](std::size_t k) { return modules_[constraints_.values[k].poster.module].name.text + "." + modules_[constraints_.values[k].poster.module].posters[constraints_.values[k].poster.poster].name.text; };
+      diags_.report(Diag::kB6100, e.range, e.name.text, "value", owner(found), owner(i));
+      return Type::None;
+    }
+    found = i;
+  }
+  if (found == constraints_.values.size()) return Type::None;
+  into.kind = ConditionKind::Held;
+  into.row = found;
+  const genom::ValueType type = constraints_.values[found].type;
+  return type == genom::ValueType::Int ? Type::Int : type == genom::ValueType::Float ? Type::Float : Type::Text;
+}
+
 bool NameScope::condition(const Expr& e, genom::ServiceRef subject, bool is_kept, Condition& into) {
   const Type type = convert(e, subject, is_kept, into);
   if (type == Type::Bool || type == Type::None) return type == Type::Bool;
@@ -94,6 +146,16 @@ bool NameScope::sees_itself(const Expr& e, genom::ServiceRef seen, genom::Servic
   if (seen != subject) return false;
   diags_.report(Diag::kB6101, e.range, text(subject)).help("while it runs it is active, and a module refuses one activity too many by itself");
   return true;
+}
+
+// A poster that has no such value.
+bool NameScope::is_poster(const Expr& e) {
+  for (const genom::Module& m : modules_) {
+    if ((e.path.module.is_set() && e.path.module.text != m.name.text) || find(m.posters, e.path.name.text) == m.posters.size()) continue;
+    diags_.report(Diag::kB6008, e.range, "value", e.path.text() + "." + e.name.text).help(fmt::format("declare it: `value {} of {}: VALUES;`", e.name.text, e.path.text()));
+    return true;
+  }
+  return false;
 }
 
 Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, bool is_asked, Condition& into) {
@@ -113,7 +175,15 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, bool is_kept, 
   switch (e.kind) {
     case ExprKind::Number:
       into.number = e.number;
-      return Type::Int;
+      into.text = e.text;
+      return e.text.empty() ? Type::Int : Type::Float;
+    case ExprKind::Word: {
+      const std::size_t errors = diags_.error_count();
+      if (const Type held = value_of(e, into); held != Type::None || diags_.error_count() > errors) return held;
+      into.kind = ConditionKind::Text;
+      into.text = e.text;
+      return Type::Text;
+    }
     case ExprKind::Text:
       into.kind = ConditionKind::Text;
       into.text = e.text;
@@ -126,7 +196,12 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, bool is_kept, 
       into.service = *s;
       return Type::Bool;
     }
-    case ExprKind::Of: return parameter_of(e, service(e.path), false, into);
+    case ExprKind::Of: {
+      const std::size_t errors = diags_.error_count();
+      if (const Type held = value_of(e, into); held != Type::None || diags_.error_count() > errors) return held;
+      if (is_poster(e)) return Type::None;
+      return parameter_of(e, service(e.path), false, into);
+    }
     case ExprKind::Request: return parameter_of(e, subject, !is_kept, into);
     case ExprKind::Total: {
       into.kind = ConditionKind::Total;
@@ -175,13 +250,22 @@ Type NameScope::combine(const Expr& e, genom::ServiceRef subject, bool is_kept, 
   const bool is_equality = e.text == "==" || e.text == "!=";
   const bool is_sum = e.text == "+" || e.text == "-" || e.text == "*";
   const std::string sign = e.kind == ExprKind::Not ? "!" : e.text;
+  // A whole number that stands there is a fraction where the other side is one.
+  for (std::size_t i = 0; i < 2 && e.operands.size() == 2 && !is_logic; ++i) {
+    Condition& of = into.operands[i];
+    if (types[i] != Type::Int || types[1 - i] != Type::Float || of.kind != ConditionKind::Number) continue;
+    if (of.number > kMostWhole) diags_.report(Diag::kB6010, e.operands[i].range, "a number beside a fraction", of.number, 0, kMostWhole);
+    of.text = std::to_string(std::min(of.number, kMostWhole)) + ".0";
+    types[i] = Type::Float;
+  }
+  const bool is_fraction = types[0] == Type::Float;
   for (std::size_t i = 0; i < e.operands.size(); ++i) {
-    const Type wanted = is_logic ? Type::Bool : is_equality ? types[0] : Type::Int;
+    const Type wanted = is_logic ? Type::Bool : is_equality ? types[0] : is_fraction && e.text != "*" ? Type::Float : Type::Int;
     if (types[i] == wanted) continue;
     diags_.report(Diag::kB6106, e.operands[i].range, "`" + sign + "`", name_of(wanted), name_of(types[i]));
     return Type::None;
   }
-  return is_sum ? Type::Int : Type::Bool;
+  return !is_sum ? Type::Bool : is_fraction ? Type::Float : Type::Int;
 }
 
 }  // namespace bip::rules

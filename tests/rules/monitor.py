@@ -1,7 +1,8 @@
 """Watches a trace of a functional level for states that rules forbid. Written from what rules mean, not from how they are translated.
 
 A rule is a tuple: ("before", A, B), ("apart", A, B), ("during", A, B), ("fresh", A, POSTER, ticks, kept), ("at most", A, ticks),
-("at least", A, ticks, B), ("sum", parameter, most). A service is "MODULE.NAME"; with several instances it runs while one does.
+("at least", A, ticks, B), ("sum", parameter, most), ("recent", A, B, C or None, ticks or None): A has succeeded since C was accepted and no
+longer ago, ("held", A, POSTER, values, most, kept): what POSTER holds, the k-th value by its k-th way to be written. A service is "MODULE.NAME"; with several instances it runs while one does.
 """
 import json
 import re
@@ -28,6 +29,8 @@ class Monitor:
         self.age = {}          # poster -> steps since it was written
         self.asked = {}        # service -> parameter -> value of the request that is looked at
         self.value = {}        # ... of the last one accepted
+        self.held = {}         # poster -> which way it was written last
+        self.won = {}          # (A, C) of a rule -> when A succeeded, since C was accepted
         self.accepted_at, self.ended_at = {}, {}
         self.now = 0
         self.counts = {"ticks": 0, "requests": 0, "accepted": 0, "rejected": 0, "stopped": 0}
@@ -82,8 +85,9 @@ class Monitor:
             self.asked[service] = dict(self.parameters(name, f"{module}_read_{event[len('read_'):]}"))
         elif path[-1] == "box" and event.startswith("allow_"):
             self.decided(f"{module}.{event[len('allow_'):]}")
-        elif event == "write" and len(path) == 1:
+        elif event.split("_")[0] == "write" and len(path) == 1:
             self.age[f"{module}.{path[0]}"] = 0
+            self.held[f"{module}.{path[0]}"] = int(event.removeprefix("write").lstrip("_") or 1) - 1
         elif event == "grow" and len(path) == 1:
             self.age[f"{module}.{path[0]}"] = self.age.get(f"{module}.{path[0]}", 0) + 1
         elif path[-1] in ("controller", "activity") or len(path) == 1:
@@ -109,6 +113,8 @@ class Monitor:
             self.value[service] = self.asked.get(service, {})
             self.accepted_at[service] = self.now
             self.accepted(service)
+            for key in [k for k in self.won if k[1] == service]:
+                del self.won[key]
             if is_control:
                 self.together()
         elif event == "start":
@@ -119,6 +125,8 @@ class Monitor:
         elif event in ("fin", "nofin", "intr", "fail", "cancel"):
             if event == "fin" or (event == "intr" and not a.told):
                 self.succeeded.add(service)
+            if event == "fin":
+                self.won.update({(rule[1], rule[3]): self.now for rule in self.rules if rule[0] == "recent" and rule[1] == service})
             a.accepted = a.runs = False
             self.ended_at[service] = self.now
 
@@ -129,6 +137,12 @@ class Monitor:
                 raise Forbidden(f"{service} is allowed, {rule[2]} is {self.age[rule[2]]} old")
             if rule[0] == "during" and rule[1] == service and not self.active(rule[2]):
                 raise Forbidden(f"{service} is allowed, {rule[2]} is not active")
+            if rule[0] == "held" and rule[1] == service and self.holds(rule) > rule[4]:
+                raise Forbidden(f"{service} is allowed, {rule[2]} holds {self.holds(rule)}")
+            if rule[0] == "recent" and rule[2] == service:
+                at = self.won.get((rule[1], rule[3]))
+                if at is None or (rule[4] is not None and self.now - at > rule[4]):
+                    raise Forbidden(f"{service} is allowed, {rule[1]} has last succeeded {at} (since {rule[3]})")
             if rule[0] == "at least" and rule[1] == service and rule[3] in self.accepted_at:
                 ended = self.now - self.ended_at.get(rule[3], self.now)
                 if self.active(rule[3]) or ended < rule[2]:
@@ -143,6 +157,9 @@ class Monitor:
                 if total > rule[2]:
                     raise Forbidden(f"the sum of {rule[1]} is {total}")
 
+    def holds(self, rule):
+        return rule[3][self.held.get(rule[2], 0)]
+
     def together(self):
         for rule in self.rules:
             if rule[0] == "apart" and self.running(rule[1]) and self.running(rule[2]):
@@ -156,5 +173,7 @@ class Monitor:
                 raise Forbidden(f"{rule[1]} runs on without {rule[2]}")
             if rule[0] == "fresh" and rule[4] and self.untold(rule[1]) and self.age.get(rule[2], 0) > rule[3]:
                 raise Forbidden(f"{rule[1]} runs on, {rule[2]} is {self.age[rule[2]]} old")
+            if rule[0] == "held" and rule[5] and self.untold(rule[1]) and self.holds(rule) > rule[4]:
+                raise Forbidden(f"{rule[1]} runs on, {rule[2]} holds {self.holds(rule)}")
             if rule[0] == "at most" and self.untold(rule[1]) and self.now - self.accepted_at[rule[1]] > rule[2]:
                 raise Forbidden(f"{rule[1]} has run for {self.now - self.accepted_at[rule[1]]} ticks")
