@@ -17,27 +17,24 @@ Variables Terms::own(const AtomType& type, Local& local) const {
   return v;
 }
 
-Local Terms::any(const Atom& atom) const {
+Local Terms::local(const Atom& atom, const std::function<z3::expr(std::size_t)>& mark, const std::function<z3::expr(std::size_t)>& value) const {
   const AtomType& type = m_.atom_types[atom.type];
   Local local;
   std::size_t arg = 0;
   z3::expr fault = truth(false);
-  for (std::size_t p = 0; p < type.places.size(); ++p) local.marks.push_back(fresh("bool"));
-  for (std::size_t k = 0; k < type.slots.size(); ++k) local.slots.push_back(type.is_param[k] ? evaluate(*atom.args.at(arg++), {}, truth(false), fault) : fresh(type.types[k]));
+  for (std::size_t p = 0; p < type.places.size(); ++p) local.marks.push_back(mark(p));
+  for (std::size_t k = 0; k < type.slots.size(); ++k) local.slots.push_back(type.is_param[k] ? evaluate(atom.args->at(++arg), {}, fault, fault) : value(k));
   return local;
 }
 
 Local Terms::initial(const Atom& atom, Trouble& trouble) const {
   const AtomType& type = m_.atom_types[atom.type];
-  Local local = any(atom);
-  for (std::size_t p = 0; p < type.places.size(); ++p) local.marks[p] = truth(std::find(type.initial.begin(), type.initial.end(), p) != type.initial.end());
-  for (std::size_t k = 0; k < type.slots.size(); ++k) {
-    if (!type.is_param[k]) local.slots[k] = first(type.types[k]);
-  }
-  execute(type.initial_action, 1, own(type, local), truth(true), trouble.fault);
-  check_invariants(type, local, truth(true), trouble.fault);
-  settle(type, local, truth(true), trouble);
-  return local;
+  const auto is_marked = [&](std::size_t p) { return truth(std::find(type.initial.begin(), type.initial.end(), p) != type.initial.end()); };
+  Local start = local(atom, is_marked, [&](std::size_t k) { return first(type.types[k]); });
+  execute(*type.initial_action, own(type, start), truth(true), trouble.fault);
+  check_invariants(type, start, truth(true), trouble.fault);
+  settle(type, start, truth(true), trouble);
+  return start;
 }
 
 z3::expr Terms::marked(const Local& local, const Rows& places) const {
@@ -49,21 +46,23 @@ z3::expr Terms::marked(const Local& local, const Rows& places) const {
 z3::expr Terms::has_values(const AtomType& type, const Local& local, const std::vector<std::optional<int>>& values) const {
   z3::expr all = truth(true);
   for (std::size_t k = 0; k < type.slots.size(); ++k) {
-    if (values[k]) all = both(all, (local.slots[k] == constant(type.types[k], *values[k])).simplify());
+    if (!values[k]) continue;
+    const std::optional<int> known = value(local.slots[k]);
+    all = both(all, known ? truth(*known == *values[k]) : local.slots[k] == constant(type.types[k], *values[k]));
   }
   return all;
 }
 
 void Terms::check_invariants(const AtomType& type, Local& local, const z3::expr& when, z3::expr& fault) const {
   for (const Tree* row : type.invariants) {
-    const std::string& scope = row->items.at(3).text;
-    const Rows places = rows_of(row->find("places"));
+    const std::string_view scope = row->at(3).text;
+    const Rows places = (*row)["places"].rows();
     z3::expr here = scope == "always" ? when : both(when, marked(local, places));
     for (std::size_t p = 0; scope == "at" && p < type.places.size(); ++p) {
       if (std::find(places.begin(), places.end(), p) == places.end()) here = both(here, no(local.marks[p]));
     }
-    const z3::expr holds = evaluate(row->find("guard")->items.at(1), own(type, local), here, fault);
-    fault = either(fault, both(here, no(holds)));
+    const z3::expr good = holds((*row)["guard"], own(type, local), here, fault);
+    fault = either(fault, both(here, no(good)));
   }
 }
 
@@ -75,7 +74,7 @@ void Terms::move(const AtomType& type, const Transition& t, Local& local, const 
     fault = either(fault, both(when, local.marks.at(place)));
     local.marks[place] = truth(true);
   }
-  execute(t.action, 1, own(type, local), when, fault);
+  execute(*t.action, own(type, local), when, fault);
   check_invariants(type, local, when, fault);
 }
 
@@ -96,7 +95,7 @@ void Terms::settle(const AtomType& type, Local& local, const z3::expr& when, Tro
       if (t.port != kNone) continue;
       const z3::expr there = both(active, marked(now, t.from));
       if (is(there, false)) continue;
-      const z3::expr on = t.guard == nullptr ? there : both(there, evaluate(*t.guard, own(type, now), there, trouble.fault));
+      const z3::expr on = both(there, holds(*t.guard, own(type, now), there, trouble.fault));
       if (is(on, false)) continue;
       trouble.fault = either(trouble.fault, both(any, on));
       any = either(any, on);
@@ -123,7 +122,7 @@ Offer Terms::offer(const AtomType& type, Local& local, z3::expr& fault) const {
     offer.transitions.push_back(t.port == kNone ? truth(false) : marked(local, t.from));
     if (t.port == kNone) continue;
     z3::expr& going = offer.transitions.back();
-    if (t.guard != nullptr) going = both(going, evaluate(*t.guard, own(type, local), going, fault));
+    going = both(going, holds(*t.guard, own(type, local), going, fault));
     // Two transitions of a port at a time are an error.
     fault = either(fault, both(offer.ports[t.port], going));
     offer.ports[t.port] = either(offer.ports[t.port], going);
@@ -132,37 +131,29 @@ Offer Terms::offer(const AtomType& type, Local& local, z3::expr& fault) const {
   return offer;
 }
 
-// A port is hidden by one above it that is enabled or hidden; ports above themselves are an error.
+// A port is hidden by one above it, by way of others, that is enabled; ports above themselves are an error.
 void Terms::hide(const AtomType& type, Local& local, std::vector<z3::expr>& on, z3::expr& fault) const {
   const std::size_t ports = on.size();
   std::vector<std::vector<z3::expr>> above(ports, std::vector<z3::expr>(ports, truth(false)));
+  const auto fits = [](const Tree& side, const Tree& other, std::size_t port) {
+    return side.text != "any" ? port == side.row() : other.text == "any" || port != other.row();
+  };
   for (const Tree* row : type.priorities) {
-    const Tree* guard = row->find("guard");
-    const z3::expr holds = guard == nullptr ? truth(true) : evaluate(guard->items.at(1), own(type, local), truth(true), fault);
-    const Tree& low = row->find("low")->items.at(1);
-    const Tree& high = row->find("high")->items.at(1);
+    const z3::expr rule = holds((*row)["guard"], own(type, local), truth(true), fault);
+    const Tree &low = (*row)["low"].at(1), &high = (*row)["high"].at(1);
     for (std::size_t l = 0; l < ports; ++l) {
-      for (std::size_t h = 0; h < ports; ++h) {
-        const bool fits = (low.text == "any" ? high.text == "any" || l != high.row() : l == low.row()) && (high.text == "any" ? low.text == "any" || h != low.row() : h == high.row());
-        if (fits) above[l][h] = either(above[l][h], holds);
-      }
+      for (std::size_t h = 0; h < ports; ++h) above[l][h] = fits(low, high, l) && fits(high, low, h) ? either(above[l][h], rule) : above[l][h];
     }
   }
-  std::vector<z3::expr> covered(ports, truth(false)), cycle(ports, truth(true));
-  for (std::size_t round = 0; round < ports; ++round) {
-    std::vector<z3::expr> covers(ports, truth(false)), cycles(ports, truth(false));
+  for (std::size_t k = 0; k < ports; ++k) {
     for (std::size_t l = 0; l < ports; ++l) {
-      for (std::size_t h = 0; h < ports; ++h) {
-        covers[l] = either(covers[l], both(above[l][h], either(on[h], covered[h])));
-        cycles[l] = either(cycles[l], both(above[l][h], cycle[h]));
-      }
+      for (std::size_t h = 0; h < ports; ++h) above[l][h] = either(above[l][h], both(above[l][k], above[k][h]));
     }
-    covered = covers;
-    cycle = cycles;
   }
-  for (std::size_t p = 0; p < ports; ++p) {
-    fault = either(fault, cycle[p]);
-    on[p] = both(on[p], no(covered[p]));
+  const std::vector<z3::expr> offered = on;
+  for (std::size_t l = 0; l < ports; ++l) {
+    fault = either(fault, above[l][l]);
+    for (std::size_t h = 0; h < ports; ++h) on[l] = both(on[l], no(both(above[l][h], offered[h])));
   }
 }
 

@@ -1,6 +1,5 @@
-// What the checker needs of a system: atoms' types and all connectors as one graph over atoms' ports.
+// What the checker needs of a system: types of atoms, and all connectors as one graph over atoms' ports.
 #pragma once
-#include <cstdint>
 #include <map>
 #include <set>
 
@@ -8,22 +7,18 @@
 
 namespace certcheck {
 
-inline constexpr std::size_t kNone = ~std::size_t{0};
-using Rows = std::vector<std::size_t>;
-
 struct Transition {
   std::size_t port = kNone;  // kNone: internal
   Rows from, to;
-  const Tree* guard = nullptr;   // the expression
-  const Tree* action = nullptr;  // (do …)
+  const Tree* guard = nullptr;   // (guard …) and (do …), perhaps empty
+  const Tree* action = nullptr;
 };
 struct AtomType {
-  std::string name;
-  std::vector<std::string> slots, types, places, ports;
-  std::vector<bool> is_param;
-  std::vector<bool> exported;                       // by port
+  std::string_view name;
+  std::vector<std::string_view> slots, types, places, ports;
+  std::vector<bool> is_param, is_exported;     // by slot, by port
   std::vector<Rows> port_slots;
-  std::vector<std::set<std::size_t>> written;       // by port: slots that a `down` may change
+  std::vector<std::set<std::size_t>> written;  // by port: slots that a `down` may change
   Rows initial;
   const Tree* initial_action = nullptr;
   std::vector<Transition> transitions;
@@ -31,12 +26,24 @@ struct AtomType {
   bool is_automaton = false;  // always exactly one place is marked
 };
 struct Atom {
-  std::string path;
+  std::string_view path;
   std::size_t type = 0;
-  std::vector<const Tree*> args;
+  const Tree* args = nullptr;
 };
 
-/// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports).
+struct Clause {
+  Rows params;
+  const Tree *guard = nullptr, *up = nullptr, *down = nullptr;
+};
+struct ConnectorType {
+  Rows params;                          // their port types
+  std::vector<std::string_view> slots;  // their types
+  std::vector<Clause> clauses;
+  Rows exported;                        // slots of the port that it exports
+  bool is_exported = false;
+  const Tree* define = nullptr;         // its group
+};
+/// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports), each of which is a rendezvous of one.
 enum class Kind { Port, All, Trigger, Any };
 struct Edge {
   std::size_t node = 0;
@@ -51,19 +58,20 @@ struct Node {
   std::size_t connector = kNone;  // whose root group it is
 };
 struct Connector {
-  const Tree* type = nullptr;
-  const Tree* data = nullptr;
+  std::string_view path;
+  std::size_t type = 0, root = 0, compound = 0;
   std::vector<Edge> params;
-  std::size_t root = 0, compound = 0;
-  std::string path;
+  const Tree* data = nullptr;
 };
 
 struct Model {
-  std::vector<Tree> trees;
-  std::map<std::string, int> strings;
-  std::vector<std::vector<std::string>> port_types;  // the types of their variables
+  std::string text;
+  Tree tree;
+  std::map<std::string_view, int> strings;
+  std::vector<std::vector<std::string_view>> port_types;  // the types of their variables
   std::vector<AtomType> atom_types;
-  std::vector<const Tree*> connector_types, functions, priorities, choices;
+  std::vector<ConnectorType> connector_types;
+  std::vector<const Tree*> functions, priorities;
   std::vector<Atom> atoms;
   Rows first_port;               // by atom, and the total: node of its port 0
   Rows atom_of_port;
@@ -73,13 +81,10 @@ struct Model {
   [[nodiscard]] const AtomType& type_of(std::size_t atom) const { return atom_types[atoms[atom].type]; }
 };
 
-/// The trees must stay where they are: the model keeps pointers into them.
-void read_model(std::string_view text, Model& model);
+/// The model keeps the text, and points into it.
+void read_model(std::string text, Model& model);
 
 /// Types whose values are followed; of float and extern data nothing is known.
-[[nodiscard]] inline bool is_exact(const std::string& type) { return type == "int" || type == "bool" || type == "string"; }
-
-/// The rows after a list's head; none of a null list.
-[[nodiscard]] Rows rows_of(const Tree* list);
+[[nodiscard]] inline bool is_exact(std::string_view type) { return type == "int" || type == "bool" || type == "string"; }
 
 }  // namespace certcheck

@@ -1,4 +1,5 @@
-// All states that satisfy every row: true at first, kept by every step, and none of them is bad.
+// The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad. All at once, as
+// terms with the rows as facts; or those of a diagram, one by one, with all terms constants, for which no solver is needed.
 #include <algorithm>
 
 #include "tools/certcheck/check.hpp"
@@ -8,102 +9,160 @@ namespace certcheck {
 
 namespace {
 
+constexpr unsigned kFew = 8;
+
 class States {
  public:
-  States(const Model& model, const Certificate& certificate) : m_(model), c_(certificate), terms_(model, z_), solver_(z_) {}
+  States(const Model& model, const Certificate& certificate) : m_(model), c_(certificate), terms_(model, z_), system_(model, terms_) {
+    if (c_.claim == "deadlock-free" || c_.claim == "error-free") return;
+    claim_ = read_trees(c_.claim);
+    if (claim_.items.size() != 2 || claim_.items[0].text != "never") throw Rejected("the claim `" + c_.claim + "`");
+  }
 
-  void run() {
-    State now, first;
-    Trouble begin(z_);
-    for (const Atom& atom : m_.atoms) now.push_back(terms_.any(atom));
+  void all() {
+    State now;
     assume_modes(now);
     if (c_.is_induction) {
-      for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, begin));
-      if (!is(begin.lost, false)) throw NotCheckable("internal transitions at the beginning go on for too long");
+      Trouble begin(z_);
+      const State first = begin_with(begin);
+      for (const Fact& fact : c_.facts) demand(both(no(begin.fault), no(holds(fact, first))), fact.text + ": does not hold at first");
     }
-    for (const Fact& fact : c_.facts) demand(both(no(begin.fault), no(holds(fact, first))), fact.text + ": does not hold at first");
-    for (const Fact& fact : c_.facts) solver_.add(holds(fact, now));
-    System system(m_, terms_, now);
-    if (c_.is_induction) system.each_step([&](const Step& step) { check_step(system, now, step); });
-    if (c_.claim == "deadlock-free") {
-      const z3::expr has_step = system.has_step();
-      demand(no(either(system.state_fault(), has_step)), "a state that satisfies all rows has no step");
-    } else if (c_.claim == "error-free") {
-      demand(either(system.state_fault(), system.guard_fault()), "a state that satisfies all rows ends with an error");
-    } else {
-      const std::vector<Tree> claim = read_trees(c_.claim);
-      if (claim.size() != 2 || claim[0].text != "never") throw Rejected("the claim `" + c_.claim + "`");
-      const z3::expr bad = system.claim(claim[1]);
-      demand(both(no(system.state_fault()), bad), "a state that satisfies all rows is what should never be");
+    for (const Fact& fact : c_.facts) terms_.assume(holds(fact, now));
+    check_from(now, [&](const State& after, const Step& step) {
+      z3::expr broken = terms_.truth(false);
+      for (const Fact& fact : c_.facts) {
+        const bool moves = std::any_of(fact.literals.begin(), fact.literals.end(), [&](const Literal& l) { return step.next.contains(l.atom); });
+        if (moves) broken = either(broken, no(holds(fact, after)));
+      }
+      return broken;
+    });
+  }
+
+  std::string one_by_one() {
+    const std::set<Values> states = reached_states(m_, c_);
+    Trouble begin(z_);
+    const State first = begin_with(begin);
+    demand(both(no(begin.fault), terms_.truth(!states.contains(values(first)))), "the first state is not among those that are listed");
+    if (c_.claim == "error-free") demand(begin.fault, "the run ends before its first state");
+    for (const Values& one : states) {
+      State now;
+      auto value = one.begin();
+      for (const Atom& atom : m_.atoms) {
+        const AtomType& type = m_.atom_types[atom.type];
+        const auto values_of = value + static_cast<long>(type.places.size());
+        now.push_back(terms_.local(atom, [&](std::size_t p) { return terms_.truth(value[static_cast<long>(p)] != 0); },
+                                   [&](std::size_t k) { return terms_.constant(type.types[k], values_of[static_cast<long>(k)]); }));
+        value = values_of + static_cast<long>(type.slots.size());
+      }
+      check_from(now, [&](const State& after, const Step&) { return terms_.truth(!states.contains(values(after))); });
     }
+    return std::to_string(states.size());
   }
 
  private:
   // There is no state like that.
   void demand(const z3::expr& bad, const std::string& otherwise) {
-    if (is(bad.simplify(), false)) return;
-    solver_.push();
-    solver_.add(bad);
-    const z3::check_result answer = solver_.check();
-    solver_.pop();
-    if (answer == z3::sat) throw Rejected(otherwise);
-    if (answer != z3::unsat) throw NotCheckable("the solver gives up");
+    if (terms_.may_be(bad.simplify())) throw Rejected(otherwise);
   }
 
-  void check_step(const System& system, const State& now, const Step& step) {
-    State after = now;
-    for (const auto& [atom, local] : step.next) after[atom] = local;
-    const z3::expr taken = both(step.possible, no(system.state_fault()));
-    z3::expr broken = terms_.truth(false);
-    for (const Fact& fact : c_.facts) {
-      const bool moves = std::any_of(fact.literals.begin(), fact.literals.end(), [&](const Literal& l) { return step.next.contains(l.atom); });
-      if (moves) broken = either(broken, no(holds(fact, after)));
+  State begin_with(Trouble& begin) {
+    State first;
+    for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, begin));
+    if (!is(begin.lost, false)) throw NotCheckable("internal transitions at the beginning go on for too long");
+    return first;
+  }
+
+  // Of these states, which a step must not leave, none is bad.
+  void check_from(const State& now, const std::function<z3::expr(const State&, const Step&)>& leaves) {
+    system_.look_at(now);
+    bool has_step = false;  // for sure
+    if (c_.is_induction) {
+      system_.each_step([&](const Step& step) {
+        const z3::expr taken = both(step.possible, no(system_.state_fault()));
+        if (is(taken, false)) return;
+        has_step = has_step || is(taken, true);
+        if (terms_.may_be(both(taken, step.trouble.lost))) throw NotCheckable("internal transitions go on for too long to be followed");
+        if (c_.claim == "error-free") demand(both(taken, step.trouble.fault), "a step ends with an error");
+        const z3::expr goes_on = both(taken, no(step.trouble.fault));
+        if (is(goes_on, false)) return;
+        State after = now;
+        for (const auto& [atom, local] : step.next) after[atom] = local;
+        demand(both(goes_on, leaves(after, step)), "a step leads out of what the certificate allows");
+      });
     }
-    demand(both(taken, both(no(step.trouble.fault), broken)), "a step leads out of the lemmas");
-    demand(both(taken, step.trouble.lost), "internal transitions go on for too long to be followed");
-    if (c_.claim == "error-free") demand(both(taken, step.trouble.fault), "a step ends with an error");
+    if (c_.claim == "deadlock-free") {
+      if (!has_step) demand(no(either(system_.state_fault(), system_.has_step())), "a state that the certificate allows has no step");
+    } else if (c_.claim == "error-free") {
+      demand(either(system_.state_fault(), system_.guard_fault()), "a state that the certificate allows ends with an error");
+    } else {
+      const z3::expr bad = system_.claim(claim_.items[1]);
+      demand(both(no(system_.state_fault()), bad), "a state that the certificate allows is what should never be");
+    }
   }
 
-  [[nodiscard]] z3::expr holds(const Literal& l, const State& state) {
+  [[nodiscard]] Values values(const State& state) const {
+    Values all;
+    const auto add = [&](const z3::expr& e) {
+      const std::optional<int> value = Terms::value(e.simplify());
+      if (!value) throw NotCheckable("a value is not followed");
+      all.push_back(*value);
+    };
+    for (std::size_t a = 0; a < state.size(); ++a) {
+      for (const z3::expr& mark : state[a].marks) add(mark);
+      for (std::size_t k = 0; k < state[a].slots.size(); ++k) add(m_.type_of(a).is_param[k] ? terms_.constant("int", 0) : state[a].slots[k]);
+    }
+    return all;
+  }
+
+  [[nodiscard]] z3::expr holds(const Literal& l, const State& state) const {
     const z3::expr v = l.about == Literal::Place ? state[l.atom].marks[l.row] : state[l.atom].slots[l.row];
     z3::expr result = v;
-    if (l.about == Literal::Bit && !v.is_bool()) result = v.extract(static_cast<unsigned>(l.low), static_cast<unsigned>(l.low)) == z_.bv_val(1, 1);
-    if (l.about == Literal::Value) result = v.is_bool() ? v == terms_.truth(l.low != 0) : v == z_.bv_val(l.low, 32);
-    if (l.about == Literal::Range && v.is_bool()) result = (l.low <= 0 || v) && (l.high >= 1 || !v);
-    if (l.about == Literal::Range && !v.is_bool()) result = v >= z_.bv_val(l.low, 32) && v <= z_.bv_val(l.high, 32);
+    if (l.about == Literal::Bit && !v.is_bool()) result = v.extract(static_cast<unsigned>(l.low), static_cast<unsigned>(l.low)) == z3::expr(v.ctx().bv_val(1, 1));
+    if (l.about == Literal::Value) result = v.is_bool() ? v == terms_.truth(l.low != 0) : v == terms_.constant("int", l.low);
+    if (l.about == Literal::Range && v.is_bool()) result = (terms_.truth(l.low <= 0) || v) && (terms_.truth(l.high >= 1) || !v);
+    if (l.about == Literal::Range && !v.is_bool()) result = v >= terms_.constant("int", l.low) && v <= terms_.constant("int", l.high);
     return (l.is_negated ? !result : result).simplify();
   }
-  [[nodiscard]] z3::expr holds(const Fact& fact, const State& state) {
+  [[nodiscard]] z3::expr holds(const Fact& fact, const State& state) const {
     z3::expr some = terms_.truth(false);
     for (const Literal& literal : fact.literals) some = either(some, holds(literal, state));
     return some;
   }
 
-  void exactly_one(const z3::expr_vector& all) {
-    solver_.add(z3::mk_or(all));
-    if (all.size() > 1) solver_.add(z3::atmost(all, 1));
+  // Their weights add up to the total. Few of which one holds are told by clauses, which the solver likes best.
+  void assume_sum(const z3::expr_vector& all, const std::vector<int>& weights, int total) {
+    const bool is_one = total == 1 && std::count(weights.begin(), weights.end(), 1) == static_cast<long>(weights.size());
+    if (all.empty()) return terms_.assume(terms_.truth(total == 0));
+    if (!is_one || all.size() > kFew) return terms_.assume(z3::pbeq(all, weights.data(), total));
+    terms_.assume(z3::mk_or(all));
+    for (unsigned k = 0; k < all.size(); ++k) {
+      for (unsigned j = 0; j < k; ++j) terms_.assume(!all[j] || !all[k]);
+    }
   }
+  void exactly_one(const z3::expr_vector& all) { assume_sum(all, std::vector<int>(all.size(), 1), 1); }
 
   // What has been found to hold: a mode for each atom, which says where it is; the sets.
   void assume_modes(State& now) {
     std::vector<std::map<std::size_t, z3::expr>> modes(m_.atoms.size());
     for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
       const AtomType& type = m_.type_of(a);
+      const auto unknown = [&](std::size_t) { return c_.classes.empty() ? terms_.fresh("bool") : terms_.truth(false); };
       z3::expr_vector all(z_);
+      now.push_back(terms_.local(m_.atoms[a], unknown, [&](std::size_t k) { return terms_.fresh(type.types[k]); }));
       if (c_.classes.empty()) {
         for (const z3::expr& mark : now[a].marks) all.push_back(mark);
         if (type.is_automaton) exactly_one(all);
         continue;
       }
       const Class& row = c_.classes[c_.class_of[a]];
-      std::fill(now[a].marks.begin(), now[a].marks.end(), terms_.truth(false));
       for (std::size_t number : c_.reachable[a]) {
-        const z3::expr mode = modes[a].emplace(number, terms_.fresh("bool")).first->second;
+        const bool is_other = c_.reachable[a].size() == 2 && all.size() == 1;
+        const z3::expr mode = modes[a].emplace(number, is_other ? !all[0] : terms_.fresh("bool")).first->second;
         all.push_back(mode);
         for (std::size_t place : row.modes[number].places) now[a].marks[place] = either(now[a].marks[place], mode);
-        solver_.add(z3::implies(mode, terms_.has_values(type, now[a], row.modes[number].values)));
+        terms_.assume(either(no(mode), terms_.has_values(type, now[a], row.modes[number].values)));
       }
-      exactly_one(all);
+      if (all.size() != 2) exactly_one(all);
     }
     for (const Set& set : c_.sets) {
       z3::expr_vector members(z_);
@@ -114,8 +173,8 @@ class States {
         members.push_back(found->second);
         weights.push_back(weight);
       }
-      if (members.empty()) solver_.add(terms_.truth(!set.is_trap && set.total == 0));
-      else solver_.add(set.is_trap ? z3::mk_or(members) : z3::pbeq(members, weights.data(), set.total));
+      if (set.is_trap) terms_.assume(z3::mk_or(members));
+      else assume_sum(members, weights, set.total);
     }
   }
 
@@ -123,20 +182,20 @@ class States {
   const Certificate& c_;
   z3::context z_;
   Terms terms_;
-  z3::solver solver_;
+  System system_;
+  Tree claim_;
 };
 
 }  // namespace
 
-void check_states(const Model& model, const Certificate& certificate) { States(model, certificate).run(); }
-
 std::string check(const Model& model, const std::string& text) {
-  const Certificate certificate = read_certificate(model, text);
-  if (certificate.reached != kNone) return check_reached(model, certificate);
-  if (!certificate.classes.empty()) check_structure(model, certificate);
-  check_states(model, certificate);
-  return std::to_string(model.atoms.size()) + " components, " + std::to_string(certificate.sets.size()) + " invariants" +
-         (certificate.is_induction ? ", " + std::to_string(certificate.facts.size()) + " ranges and lemmas" : "");
+  const Certificate c = read_certificate(model, text);
+  const std::string components = std::to_string(model.atoms.size()) + " components, ";
+  if (c.reached != kNone) return components + States(model, c).one_by_one() + " states";
+  if (!c.classes.empty()) check_structure(model, c);
+  States(model, c).all();
+  const auto count = [](std::size_t number, const std::string& what) { return std::to_string(number) + " " + what + (number == 1 ? "" : "s"); };
+  return components + count(c.sets.size(), "invariant") + (c.is_induction ? ", " + count(c.facts.size(), "fact") : "");
 }
 
 }  // namespace certcheck

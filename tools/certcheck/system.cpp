@@ -2,59 +2,60 @@
 #include "tools/certcheck/system.hpp"
 
 #include <algorithm>
-#include <iterator>
-#include <string_view>
 
 namespace certcheck {
 
-System::System(const Model& model, const Terms& terms, const State& now)
-    : m_(model), t_(terms), now_(now), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {
+void System::look_at(const State& now) {
+  now_ = now;
+  offers_.clear();
+  on_.clear();
+  all_.clear();
+  is_complete_ = false;
+  state_fault_ = guard_fault_ = t_.truth(false);
   for (std::size_t atom = 0; atom < now_.size(); ++atom) {
     offers_.push_back(t_.offer(m_.type_of(atom), now_[atom], state_fault_));
     on_.insert(on_.end(), offers_[atom].ports.begin(), offers_[atom].ports.end());
   }
 }
 
-bool System::add_candidates(std::size_t connector, Want want) {
-  const std::size_t root = m_.connectors[connector].root;
-  const Rows tree = tree_of(root);
-  if (is_plain(tree)) {
-    Candidate c{connector, largest(tree, root), {}, t_.truth(false)};
-    c.possible = enabled(tree, root, nullptr, c.chosen, c.store);
+void System::add_candidates(std::size_t connector) {
+  const Shape& shape = shape_of(connector);
+  if (shape.is_plain) {
+    Candidate c{connector, largest(shape.tree), {}, t_.truth(false)};
+    c.possible = enabled(shape.tree, nullptr, c.chosen, c.store);
     all_.push_back(std::move(c));
-    return true;
+    return;
   }
-  if (is_shared(tree) && !has_free_choices(tree)) throw NotCheckable("`" + std::string(m_.connectors[connector].path) + "` reaches a port in two ways");
-  std::vector<Leaves> all;
-  if (!list(root, want, all)) return false;
   std::vector<z3::expr> on;
-  const std::size_t first = all_.size();
-  for (const Leaves& leaves : all) {
-    Candidate c{connector, fixed(tree, leaves), {}, t_.truth(false)};
-    on.push_back(enabled(tree, root, &leaves, c.chosen, c.store));
+  const std::size_t first = all_.size(), count = shape.all.size();
+  for (const Parts& parts : shape.all) {
+    Candidate c{connector, {}, {}, t_.truth(false)};
+    for (std::size_t row : shape.tree) c.chosen.emplace(row, t_.truth(parts.contains(row)));
+    on.push_back(enabled(shape.tree, &parts, c.chosen, c.store));
     all_.push_back(std::move(c));
   }
   // Maximal progress: nothing larger is enabled.
-  for (std::size_t k = 0; k < all.size(); ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     z3::expr& possible = all_[first + k].possible = on[k];
-    for (std::size_t j = 0; j < all.size() && want == Want::All; ++j) {
-      if (all[j].size() > all[k].size() && std::includes(all[j].begin(), all[j].end(), all[k].begin(), all[k].end())) possible = both(possible, no(on[j]));
+    const Parts& mine = shape.all[k];
+    for (std::size_t j = 0; j < count && shape.is_complete; ++j) {
+      const Parts& other = shape.all[j];
+      if (other.size() > mine.size() && std::includes(other.begin(), other.end(), mine.begin(), mine.end())) possible = both(possible, no(on[j]));
     }
   }
-  return true;
 }
 
 z3::expr System::has_step() {
-  z3::expr_vector some(on_.empty() ? state_fault_.ctx() : on_[0].ctx());
+  z3::expr_vector some(state_fault_.ctx());
   for (std::size_t port = 0; port < on_.size(); ++port) {
     if (m_.nodes[port].is_step) some.push_back(on_[port]);
   }
   for (std::size_t c = 0; c < m_.connectors.size(); ++c) {
-    if (!m_.nodes[m_.connectors[c].root].is_step) continue;
-    if (!add_candidates(c, Want::All)) (void)add_candidates(c, Want::Smallest);
-    for (const Candidate& candidate : all_) some.push_back(candidate.possible);
     all_.clear();
+    if (m_.nodes[m_.connectors[c].root].is_step) add_candidates(c);
+    for (const Candidate& candidate : all_) some.push_back(candidate.possible);
   }
+  all_.clear();
   is_complete_ = false;
   return z3::mk_or(some);
 }
@@ -63,29 +64,28 @@ void System::find_candidates() {
   if (is_complete_) return;
   is_complete_ = true;
   for (std::size_t c = 0; c < m_.connectors.size(); ++c) {
-    if (m_.nodes[m_.connectors[c].root].is_step && !add_candidates(c, Want::All)) throw NotCheckable("a connector has too many interactions");
+    if (!m_.nodes[m_.connectors[c].root].is_step) continue;
+    if (!shape_of(c).is_complete) throw NotCheckable("a connector has too many interactions");
+    add_candidates(c);
   }
   if (!m_.priorities.empty()) hide();
 }
 
-z3::expr System::matches(const Tree& rule, const char* side, const Candidate& c) const {
-  const bool high = std::string_view(side) == "high";
-  const Tree& pattern = *rule.find(side);
-  const Tree& other = *rule.find(high ? "low" : "high");
-  if (pattern.items.at(1).text == "any") {
-    if (m_.connectors[c.connector].compound != rule.find("in")->items.at(1).row()) return t_.truth(false);
-    return other.items.at(1).text == "any" ? t_.truth(true) : no(matches(rule, high ? "low" : "high", c));
+z3::expr System::matches(const Tree& rule, bool is_high, const Candidate& c) const {
+  const Tree &pattern = rule[is_high ? "high" : "low"], &other = rule[is_high ? "low" : "high"];
+  if (pattern.at(1).text == "any") {
+    if (m_.connectors[c.connector].compound != rule["in"].at(1).row()) return t_.truth(false);
+    return other.at(1).text == "any" ? t_.truth(true) : no(matches(rule, !is_high, c));
   }
-  if (pattern.items[1].row() != c.connector) return t_.truth(false);
-  if (pattern.items.at(2).text == "any") return t_.truth(true);
-  std::set<std::size_t> named;
-  for (std::size_t k = 2; k < pattern.items.size(); ++k) named.insert(pattern.items[k].row());
+  if (pattern.at(1).row() != c.connector) return t_.truth(false);
   z3::expr result = t_.truth(true);
+  if (pattern.at(2).text == "any") return result;
+  const Rows named = pattern.rows();
   const std::vector<Edge>& params = m_.connectors[c.connector].params;
   for (std::size_t p = 0; p < params.size(); ++p) {
     const z3::expr& part = c.chosen.at(params[p].node);
-    if (high && named.contains(p)) result = both(result, part);
-    if (!high && !named.contains(p)) result = both(result, no(part));
+    const bool is_named = std::find(named.begin() + 1, named.end(), p) != named.end();
+    if (is_high == is_named) result = both(result, is_high ? part : no(part));
   }
   return result;
 }
@@ -98,56 +98,50 @@ void System::hide() {
   for (const Tree* rule : m_.priorities) {
     Variables v;
     v.bind = [&](std::size_t k) {
-      const Tree& of = rule->find("data")->items.at(1 + k);
-      const std::size_t atom = of.items.at(1).row();
-      return t_.own(m_.type_of(atom), now_.at(atom)).self(of.items.at(2).row());
+      const Tree& of = (*rule)["data"].at(1 + k);
+      return t_.own(m_.type_of(of.at(1).row()), now_.at(of.at(1).row())).self(of.at(2).row());
     };
-    const Tree* condition = rule->find("guard");
-    guard.push_back(condition == nullptr ? t_.truth(true) : t_.evaluate(condition->items.at(1), v, t_.truth(true), state_fault_));
+    guard.push_back(t_.holds((*rule)["guard"], v, t_.truth(true), state_fault_));
     z3::expr above = t_.truth(false);
-    for (const Candidate& c : all_) above = either(above, both(c.possible, matches(*rule, "high", c)));
+    for (const Candidate& c : all_) above = either(above, both(c.possible, matches(*rule, true, c)));
     hides.push_back(both(guard.back(), above));
   }
-  for (std::size_t round = 0; round < count; ++round) {
-    std::vector<z3::expr> next = hides;
-    for (std::size_t r = 0; r < count; ++r) {
-      for (std::size_t s = 0; s < count; ++s) {
-        const bool meet = r != s && std::any_of(all_.begin(), all_.end(), [&](const Candidate& c) {
-          return is(matches(*m_.priorities[r], "high", c), true) && is(matches(*m_.priorities[s], "low", c), true);
-        });
-        if (meet) next[r] = either(next[r], both(guard[r], hides[s]));
-      }
+  std::vector<std::pair<std::size_t, std::size_t>> chains;
+  for (std::size_t r = 0; r < count; ++r) {
+    for (std::size_t s = 0; s < count; ++s) {
+      const auto meet = [&](const Candidate& c) { return is(matches(*m_.priorities[r], true, c), true) && is(matches(*m_.priorities[s], false, c), true); };
+      if (r != s && std::any_of(all_.begin(), all_.end(), meet)) chains.emplace_back(r, s);
     }
-    hides = next;
+  }
+  for (std::size_t round = 0; round < count; ++round) {
+    const std::vector<z3::expr> before = hides;
+    for (const auto& [r, s] : chains) hides[r] = either(hides[r], both(guard[r], before[s]));
   }
   for (Candidate& c : all_) {
-    for (std::size_t r = 0; r < count; ++r) c.possible = both(c.possible, no(both(hides[r], matches(*m_.priorities[r], "low", c))));
+    for (std::size_t r = 0; r < count; ++r) c.possible = both(c.possible, no(both(hides[r], matches(*m_.priorities[r], false, c))));
   }
 }
 
 // `down`s from the outside in, then the ports in the order of parameters.
 void System::fire(const Candidate& candidate, std::size_t connector, Store& store, Step& step) {
   const Connector& c = m_.connectors[connector];
-  for (const Tree& clause : c.type->items) {
-    if (clause.head() == "clause") t_.execute(clause.find("down"), 1, variables(connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.trouble.fault);
+  for (const Clause& clause : m_.connector_types[c.type].clauses) {
+    if (clause.down->items.empty()) continue;
+    t_.execute(*clause.down, variables(connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.trouble.fault);
   }
-  Rows parts;
-  for (const Edge& edge : c.params) {
-    if (m_.nodes[edge.node].kind != Kind::Any) parts.push_back(edge.node);
-    else std::transform(m_.nodes[edge.node].children.begin(), m_.nodes[edge.node].children.end(), std::back_inserter(parts), [](const Edge& one) { return one.node; });
-  }
-  for (std::size_t row : parts) {
+  const auto part = [&](std::size_t chosen, std::size_t row) {
     // A port may be chosen below another alternative.
-    const z3::expr when = both(candidate.chosen.at(c.root), candidate.chosen.at(row));
-    if (is(when, false)) continue;
-    if (m_.nodes[row].connector != kNone) {
-      fire(candidate, m_.nodes[row].connector, store, step);
-      continue;
-    }
+    const z3::expr when = both(candidate.chosen.at(c.root), candidate.chosen.at(chosen));
+    if (is(when, false)) return;
+    if (m_.nodes[row].connector != kNone) return fire(candidate, m_.nodes[row].connector, store, step);
     const std::size_t atom = m_.atom_of_port.at(row);
     Local& local = local_of(atom, store);
     t_.fire(m_.type_of(atom), offers_[atom], row - m_.first_port[atom], local, when, step.trouble);
     step.next.insert_or_assign(atom, local);
+  };
+  for (const Edge& edge : c.params) {
+    if (m_.nodes[edge.node].kind != Kind::Any) part(edge.node, edge.node);
+    else for (const Edge& one : m_.nodes[edge.node].children) part(one.node, m_.nodes[one.node].children[0].node);
   }
 }
 
@@ -163,10 +157,8 @@ void System::each_step(const std::function<void(const Step&)>& visit) {
   for (std::size_t port = 0; port < on_.size(); ++port) {
     if (!m_.nodes[port].is_step || is(on_[port], false)) continue;
     const std::size_t atom = m_.atom_of_port[port];
-    Step step{on_[port], Trouble(on_[port].ctx()), {}};
-    Local local = now_[atom];
-    t_.fire(m_.type_of(atom), offers_[atom], port - m_.first_port[atom], local, t_.truth(true), step.trouble);
-    step.next.emplace(atom, local);
+    Step step{on_[port], Trouble(on_[port].ctx()), {{atom, now_[atom]}}};
+    t_.fire(m_.type_of(atom), offers_[atom], port - m_.first_port[atom], step.next.at(atom), t_.truth(true), step.trouble);
     visit(step);
   }
 }
@@ -174,25 +166,24 @@ void System::each_step(const std::function<void(const Step&)>& visit) {
 z3::expr System::claim(const Tree& e) {
   Variables v;
   v.about = [this](const Tree& about) {
-    const std::string& path = about.items.at(1).text;
-    for (std::size_t c = 0; about.head() == "can" && c < m_.connectors.size(); ++c) {
+    const std::string_view path = about.at(1).text, what = about.head();
+    for (std::size_t c = 0; what == "can" && c < m_.connectors.size(); ++c) {
       if (m_.connectors[c].path != path) continue;
       find_candidates();
       z3::expr some = t_.truth(false);
       for (const Candidate& candidate : all_) some = candidate.connector == c ? either(some, candidate.possible) : some;
       return some;
     }
-    for (std::size_t a = 0; about.head() != "can" && a < m_.atoms.size(); ++a) {
+    for (std::size_t a = 0; what != "can" && a < m_.atoms.size(); ++a) {
       if (m_.atoms[a].path != path) continue;
       const AtomType& type = m_.type_of(a);
-      const std::vector<std::string>& names = about.head() == "at" ? type.places : about.head() == "data" ? type.slots : type.ports;
-      const auto found = std::find(names.begin(), names.end(), about.items.at(2).text);
-      if (found == names.end()) break;
-      const std::size_t row = static_cast<std::size_t>(found - names.begin());
-      if (about.head() == "data") return t_.own(type, now_[a]).self(row);
-      return about.head() == "at" ? now_[a].marks[row] : on_[m_.first_port[a] + row];
+      const std::vector<std::string_view>& names = what == "at" ? type.places : what == "data" ? type.slots : type.ports;
+      const auto row = static_cast<std::size_t>(std::find(names.begin(), names.end(), about.at(2).text) - names.begin());
+      if (row == names.size()) break;
+      if (what == "data") return t_.own(type, now_[a]).self(row);
+      return what == "at" ? now_[a].marks[row] : on_[m_.first_port[a] + row];
     }
-    throw Rejected("the claim names something of `" + path + "` that there is not");
+    throw Rejected("the claim names something of `" + std::string(path) + "` that there is not");
   };
   z3::expr fault = t_.truth(false);
   return t_.evaluate(e, v, t_.truth(true), fault);

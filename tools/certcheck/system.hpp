@@ -16,8 +16,9 @@ struct Step {
 
 class System {
  public:
-  /// The steps of `now`.
-  System(const Model& model, const Terms& terms, const State& now);
+  System(const Model& model, const Terms& terms) : m_(model), t_(terms), shapes_(model.connectors.size()), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {}
+  /// The state that all else is said of.
+  void look_at(const State& now);
   /// Is there a step? What has too many interactions is seen by its smallest ones. Priorities only hide what something else outdoes.
   [[nodiscard]] z3::expr has_step();
   /// All steps, one by one. Throws where there are too many to be listed.
@@ -29,8 +30,8 @@ class System {
   [[nodiscard]] z3::expr guard_fault() const { return guard_fault_; }
 
  private:
-  using Leaves = std::set<std::size_t>;               // ports
-  using Chosen = std::map<std::size_t, z3::expr>;     // by node of a connector's tree: does it take part?
+  using Parts = std::set<std::size_t>;             // nodes that take part in a configuration
+  using Chosen = std::map<std::size_t, z3::expr>;  // by node of a connector's tree: does it take part?
   struct Store {
     std::map<std::size_t, Local> atoms;
     std::map<std::pair<std::size_t, std::size_t>, z3::expr> frames;  // connector, slot
@@ -41,23 +42,25 @@ class System {
     Store store;
     z3::expr possible;
   };
-  enum class Want { All, Smallest };
+  /// A connector's tree, parents before children, and what is known of it whatever the state is.
+  struct Shape {
+    Rows tree;
+    bool is_plain = false;  // its largest configurations, as terms, are all that matter
+    bool is_listed = false, is_complete = true;
+    std::vector<Parts> all;  // configurations; only the smallest, where it is not complete
+  };
 
   [[nodiscard]] Rows tree_of(std::size_t root) const;
+  [[nodiscard]] const Shape& shape_of(std::size_t connector, bool wants_list = false);
   [[nodiscard]] bool is_plain(const Rows& tree) const;
-  [[nodiscard]] bool is_shared(const Rows& tree) const;
-  [[nodiscard]] bool has_free_choices(const Rows& tree) const;
-  [[nodiscard]] bool has_choice(const Rows& tree) const;
-  [[nodiscard]] bool list(std::size_t node, Want want, std::vector<Leaves>& out) const;
-  [[nodiscard]] Chosen fixed(const Rows& tree, const Leaves& leaves) const;
-  [[nodiscard]] Chosen largest(const Rows& tree, std::size_t root) const;
-  [[nodiscard]] std::size_t param_node(std::size_t node, const Chosen& chosen) const;
+  [[nodiscard]] bool list(std::size_t node, bool only_smallest, std::vector<Parts>& out) const;
+  [[nodiscard]] Chosen largest(const Rows& tree) const;
   [[nodiscard]] Variables variables(std::size_t connector, const Chosen& chosen, Store& store);
-  [[nodiscard]] z3::expr clause_is(const Connector& c, const Tree& clause, const Chosen& chosen) const;
-  [[nodiscard]] z3::expr enabled(const Rows& tree, std::size_t root, const Leaves* leaves, const Chosen& chosen, Store& store);
-  /// False: there are too many.
-  bool add_candidates(std::size_t connector, Want want);
-  [[nodiscard]] z3::expr matches(const Tree& rule, const char* side, const Candidate& c) const;
+  [[nodiscard]] z3::expr clause_is(const Connector& c, const Clause& clause, const Chosen& chosen) const;
+  /// No parts: the largest, whose ports are enabled where it is chosen.
+  [[nodiscard]] z3::expr enabled(const Rows& tree, const Parts* parts, const Chosen& chosen, Store& store);
+  void add_candidates(std::size_t connector);
+  [[nodiscard]] z3::expr matches(const Tree& rule, bool is_high, const Candidate& c) const;
   void hide();
   void find_candidates();
   void fire(const Candidate& c, std::size_t connector, Store& store, Step& step);
@@ -65,6 +68,7 @@ class System {
 
   const Model& m_;
   const Terms& t_;
+  std::vector<std::optional<Shape>> shapes_;  // by connector
   State now_;
   std::vector<Offer> offers_;
   std::vector<z3::expr> on_;  // by port

@@ -39,21 +39,33 @@ struct Trouble {
 
 class Terms {
  public:
-  Terms(const Model& model, z3::context& z) : m_(model), z_(z) {}
+  Terms(const Model& model, z3::context& z) : m_(model), z_(z), solver_(z, "QF_BV") {}
+  /// What `may_be` takes for granted from now on.
+  void assume(const z3::expr& e) {
+    if (!is(e, true)) solver_.add(e);
+  }
+  /// Throws where the solver gives up.
+  [[nodiscard]] bool may_be(const z3::expr& e);
+
   [[nodiscard]] z3::expr truth(bool b) const { return z_.bool_val(b); }
   /// A constant of its own, of a type of variables.
-  [[nodiscard]] z3::expr fresh(const std::string& type) const;
+  [[nodiscard]] z3::expr fresh(std::string_view type) const;
   /// The value that a variable begins with.
-  [[nodiscard]] z3::expr first(const std::string& type) const { return type == "bool" ? truth(false) : is_exact(type) ? z_.bv_val(0, 32) : fresh(type); }
+  [[nodiscard]] z3::expr first(std::string_view type) const { return is_exact(type) ? constant(type, 0) : fresh(type); }
   /// An int, a bool or the row of a string.
-  [[nodiscard]] z3::expr constant(const std::string& type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
+  [[nodiscard]] z3::expr constant(std::string_view type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
+  /// Of a term that is one; nothing of all others.
+  [[nodiscard]] static std::optional<int> value(const z3::expr& e);
 
   [[nodiscard]] z3::expr evaluate(const Tree& e, const Variables& v, const z3::expr& when, z3::expr& fault) const;
-  void execute(const Tree* body, std::size_t first, const Variables& v, const z3::expr& when, z3::expr& fault) const;
+  /// Of (guard EXPR); an empty list holds.
+  [[nodiscard]] z3::expr holds(const Tree& guard, const Variables& v, const z3::expr& when, z3::expr& fault) const;
+  /// The statements of a list after its head.
+  void execute(const Tree& body, const Variables& v, const z3::expr& when, z3::expr& fault) const;
   [[nodiscard]] Variables own(const AtomType& type, Local& local) const;
 
-  /// Any state: fresh constants, but for parameters.
-  [[nodiscard]] Local any(const Atom& atom) const;
+  /// Marks and values as these tell, but for parameters; of what they don't know anything.
+  [[nodiscard]] Local local(const Atom& atom, const std::function<z3::expr(std::size_t)>& mark, const std::function<z3::expr(std::size_t)>& value) const;
   [[nodiscard]] Local initial(const Atom& atom, Trouble& trouble) const;
   [[nodiscard]] Offer offer(const AtomType& type, Local& local, z3::expr& fault) const;
   /// The slots have the values that are known.
@@ -72,6 +84,7 @@ class Terms {
 
   const Model& m_;
   z3::context& z_;
+  z3::solver solver_;
 };
 
 }  // namespace certcheck

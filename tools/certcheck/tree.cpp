@@ -1,59 +1,83 @@
 // A reader with a stack of its own, so that depth costs heap.
 #include "tools/certcheck/tree.hpp"
 
+#include <algorithm>
+#include <charconv>
+
 namespace certcheck {
 
-const Tree* Tree::find(std::string_view name) const {
+namespace {
+// Code is followed by functions that call themselves.
+constexpr std::size_t kMaxDepth = 10000;
+}  // namespace
+
+const Tree& Tree::operator[](std::string_view name) const {
+  static const Tree kEmpty{true, false, {}, {}};
+  const auto found = std::find_if(items.begin(), items.end(), [&](const Tree& item) { return item.head() == name; });
+  return found == items.end() ? kEmpty : *found;
+}
+
+std::vector<const Tree*> Tree::all(std::string_view name) const {
+  std::vector<const Tree*> found;
   for (const Tree& item : items) {
-    if (item.head() == name) return &item;
+    if (item.head() == name) found.push_back(&item);
   }
-  return nullptr;
+  return found;
+}
+
+bool Tree::contains(const std::vector<std::string_view>& heads, std::vector<const Tree*>* found) const {
+  bool is_there = is_list && std::find(heads.begin(), heads.end(), head()) != heads.end();
+  if (is_there && found != nullptr) found->push_back(this);
+  for (const Tree& item : items) is_there = item.contains(heads, found) || is_there;
+  return is_there;
+}
+
+bool Tree::has_word(std::string_view word, std::size_t first) const {
+  return std::any_of(items.begin() + static_cast<long>(std::min(first, items.size())), items.end(),
+                     [&](const Tree& item) { return !item.is_list && !item.is_string && item.text == word; });
 }
 
 std::size_t Tree::row() const {
-  std::size_t value = 0, digits = 0;
-  for (; digits < text.size() && text[digits] >= '0' && text[digits] <= '9'; ++digits) value = value * 10 + static_cast<std::size_t>(text[digits] - '0');
-  if (is_list || digits == 0 || digits > 10) throw Rejected("a row number was expected, not `" + text + "`");
+  std::uint32_t value = 0;
+  if (is_list || std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc()) throw Rejected("a row number was expected, not `" + std::string(text) + "`");
   return value;
 }
 
-std::vector<Tree> read_trees(std::string_view text) {
-  std::vector<Tree> open(1);
-  std::size_t at = 0;
-  while (at < text.size()) {
+Rows Tree::rows() const {
+  Rows rows;
+  for (std::size_t k = 1; k < items.size(); ++k) rows.push_back(items[k].row());
+  return rows;
+}
+
+Tree read_trees(std::string_view text) {
+  constexpr std::string_view kBlanks = " \n\t\r", kEnds = " \n\t\r()\";";
+  std::vector<Tree> open(1, Tree{true, false, {}, {}});
+  for (std::size_t at = 0, end = 0; at < text.size(); at = end) {
     const char c = text[at];
-    if (c == ' ' || c == '\n' || c == '\t' || c == '\r') {
-      ++at;
-    } else if (c == ';') {
-      while (at < text.size() && text[at] != '\n') ++at;
+    end = at + 1;
+    if (c == ';') {
+      end = std::min(text.find('\n', at), text.size());
     } else if (c == '(') {
-      open.emplace_back().is_list = true;
-      ++at;
+      open.push_back(Tree{true, false, {}, {}});
+      if (open.size() > kMaxDepth) throw NotCheckable("lists are nested too deeply");
     } else if (c == ')') {
       if (open.size() < 2) throw Rejected("one `)` too many");
       Tree done = std::move(open.back());
       open.pop_back();
       open.back().items.push_back(std::move(done));
-      ++at;
     } else if (c == '"') {
-      Tree word;
-      word.is_string = true;
-      for (++at; at < text.size() && text[at] != '"'; ++at) {
-        // The escape as it stands: strings are only compared with each other.
-        if (text[at] == '\\' && at + 1 < text.size()) word.text += text[at++];
-        word.text += text[at];
-      }
-      ++at;
-      open.back().items.push_back(std::move(word));
-    } else {
-      Tree word;
-      while (at < text.size() && std::string_view(" \n\t\r()\";").find(text[at]) == std::string_view::npos) word.text += text[at++];
+      while (end < text.size() && text[end] != '"') end += text[end] == '\\' ? 2 : 1;
+      if (end >= text.size()) throw Rejected("a string does not end");
+      open.back().items.push_back({false, true, text.substr(at + 1, end - at - 1), {}});
+      ++end;
+    } else if (kBlanks.find(c) == std::string_view::npos) {
+      end = std::min(text.find_first_of(kEnds, at), text.size());
       // Places in the source are of no interest here.
-      if (word.text[0] != '@') open.back().items.push_back(std::move(word));
+      if (c != '@') open.back().items.push_back({false, false, text.substr(at, end - at), {}});
     }
   }
   if (open.size() != 1) throw Rejected("a `)` is missing");
-  return std::move(open[0].items);
+  return std::move(open[0]);
 }
 
 }  // namespace certcheck

@@ -16,21 +16,30 @@ struct NotCheckable : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+inline constexpr std::size_t kNone = ~std::size_t{0};
+using Rows = std::vector<std::size_t>;
+
 struct Tree {
   bool is_list = false, is_string = false;
-  std::string text;          // word or string
-  std::vector<Tree> items;   // list
+  std::string_view text;     // of a word or string, in the text that was read; escapes stay: strings are only compared with each other
+  std::vector<Tree> items;   // of a list
 
-  [[nodiscard]] const std::string& head() const {
-    static const std::string kNone;
-    return is_list && !items.empty() && !items[0].is_list ? items[0].text : kNone;
-  }
-  /// The first list within this one with that head, or null.
-  [[nodiscard]] const Tree* find(std::string_view name) const;
+  [[nodiscard]] std::string_view head() const { return items.empty() ? std::string_view() : items[0].text; }
+  [[nodiscard]] const Tree& at(std::size_t k) const { return items.at(k); }
+  /// The first list within this one with that head, or an empty one.
+  [[nodiscard]] const Tree& operator[](std::string_view head) const;
+  /// All of them.
+  [[nodiscard]] std::vector<const Tree*> all(std::string_view head) const;
+  /// Is there a list with one of these heads in it, at any depth, or is it one? They are added to `found`, if it is there.
+  bool contains(const std::vector<std::string_view>& heads, std::vector<const Tree*>* found = nullptr) const;
+  [[nodiscard]] bool has_word(std::string_view word, std::size_t first) const;
   /// A word "7:name" or "7" as 7.
   [[nodiscard]] std::size_t row() const;
+  /// The rows after a list's head.
+  [[nodiscard]] Rows rows() const;
 };
 
-[[nodiscard]] std::vector<Tree> read_trees(std::string_view text);
+/// A list of all that the text has; the text must stay.
+[[nodiscard]] Tree read_trees(std::string_view text);
 
 }  // namespace certcheck
