@@ -19,9 +19,11 @@ class System {
   System(const Model& model, const Terms& terms) : m_(model), t_(terms), shapes_(model.connectors.size()), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {}
   /// The state that all else is said of.
   void look_at(const State& now);
+  /// Who may step, and what is hidden; in faults from then on. Throws where there are too many to be listed.
+  void find_candidates();
   /// Is there a step? What has too many interactions is seen by its smallest ones. Priorities only hide what something else outdoes.
   [[nodiscard]] z3::expr has_step();
-  /// All steps, one by one. Throws where there are too many to be listed.
+  /// All steps, one by one.
   void each_step(const std::function<void(const Step&)>& visit);
   /// What a claim says of the state.
   [[nodiscard]] z3::expr claim(const Tree& e);
@@ -62,7 +64,6 @@ class System {
   void add_candidates(std::size_t connector);
   [[nodiscard]] z3::expr matches(const Tree& rule, bool is_high, const Candidate& c) const;
   void hide();
-  void find_candidates();
   void fire(const Candidate& c, std::size_t connector, Store& store, Step& step);
   Local& local_of(std::size_t atom, Store& store) { return store.atoms.try_emplace(atom, now_[atom]).first->second; }
 
