@@ -9,13 +9,16 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <sstream>
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/certificate.hpp"
 #include "compiler/verify/tell.hpp"
+#include "compiler/verify/state_diagram.hpp"
 #include "tests/verify/clauses.hpp"
+#include "tests/verify/diagram.hpp"
 #include "tests/verify/mutation.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/small_net.hpp"
@@ -32,9 +35,10 @@ struct Options {
   std::uint64_t from = 1, count = 20, each = 20;
   std::size_t states = 4000;
 };
+constexpr std::uint64_t kFewStates = 300;
 enum class Told { Accepted, Rejected, NotCheckable };
 struct Totals {
-  unsigned long long proofs = 0, refused_proofs = 0, skipped = 0, same = 0;
+  unsigned long long diagrams = 0, proofs = 0, refused_proofs = 0, skipped = 0, same = 0;
   unsigned long long insufficient = 0, rejected = 0, not_checkable = 0, malformed = 0, sufficient = 0, accepted = 0, failed = 0;
 };
 
@@ -82,12 +86,28 @@ class Run {
     limits.may_search = false;
     limits.wants_certificate = true;
     verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
-    const verify::Decision d = decider.decide(question, limits);
+    verify::Decision d = decider.decide(question, limits);
     if (d.outcome != verify::Outcome::Holds) return;
-    const std::string proof = verify::certificate(decider, question, d, *c.system, "Root()");
     const verify::SearchGoal goal = verify::goal_of(question);
     verify::test::Clauses clauses(*c.system, c.lowered->image);
-    const Worth whole = clauses.worth(proof, goal, o_.states);
+    judge(model, name, verify::certificate(decider, question, d, *c.system, "Root()"), [&](const std::string& text) { return clauses.worth(text, goal, o_.states); },
+          seed * 3 + static_cast<std::uint64_t>(question.what));
+
+    // The same claim once more, by the states that a search reaches.
+    verify::StateCollector states(*c.system, c.lowered->image);
+    const verify::SearchLimits few{.end = verify::Clock::now() + std::chrono::seconds(2), .states = kFewStates, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
+    if (!states.can_tell() || verify::search(decider.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted) return;
+    d.method = verify::Method::Exhaustive;
+    d.reached = states.diagram();
+    if (d.reached.nodes.empty()) return;
+    ++t_.diagrams;
+    judge(model, name + "-states", verify::certificate(decider, question, d, *c.system, "Root()"),
+          [&](const std::string& text) { return verify::test::diagram_worth(text, *c.system, c.lowered->image, goal, o_.states); },
+          seed * 3 + static_cast<std::uint64_t>(question.what) + 1000003);
+  }
+
+  void judge(const certcheck::Model& model, const std::string& name, const std::string& proof, const std::function<Worth(const std::string&)>& worth_of, std::uint64_t seed) {
+    const Worth whole = worth_of(proof);
     if (whole == Worth::TooLarge) {
       ++t_.skipped;
       return;
@@ -99,14 +119,14 @@ class Run {
       ++t_.refused_proofs;
       return;
     }
-    gen::Prng random(seed * 3 + static_cast<std::uint64_t>(question.what));
+    gen::Prng random(seed);
     for (std::uint64_t k = 0; k < o_.each; ++k) {
       const std::string changed = verify::test::mutate(proof, random);
       if (changed == proof) {
         ++t_.same;
         continue;
       }
-      const Worth worth = clauses.worth(changed, goal, o_.states);
+      const Worth worth = worth_of(changed);
       if (worth == Worth::TooLarge) continue;
       const Told told = ask(model, changed, why);
       if (worth == Worth::Suffices) {
@@ -148,9 +168,9 @@ int main(int argc, char** argv) {
     run.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
     run.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
-  std::printf("proofs %llu (%llu refused, %llu more have too many states); changed so that they do not suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "
+  std::printf("proofs %llu (%llu of states; %llu refused, %llu more have too many states); changed so that they do not suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "
               "they still do: %llu (accepted %llu); nothing changed: %llu\n",
-              t.proofs, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed, t.sufficient, t.accepted, t.same);
+              t.proofs, t.diagrams, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed, t.sufficient, t.accepted, t.same);
   std::printf("mutations: %llu passed, %llu failed\n", t.insufficient + t.malformed - t.failed, t.failed);
-  return t.failed == 0 && t.insufficient > 0 ? 0 : 1;
+  return t.failed == 0 && t.insufficient > 0 && t.diagrams > 0 ? 0 : 1;
 }

@@ -39,6 +39,41 @@ void change_number(std::string& word, gen::Prng& random) {
   word = word.substr(0, begin) + std::to_string(std::max(other, 0));
 }
 
+// Of a diagram of states: a way lost, opened, leading elsewhere, telling another state, one more way.
+void change_diagram(Rows& rows, gen::Prng& random) {
+  Row* row = pick(rows, random, [](const Row& one) { return one[0] == "case"; });
+  if (row == nullptr) return;
+  const std::size_t word = 1 + random.below(row->size() - 1);
+  switch (random.below(6)) {
+    case 0: {
+      rows.erase(rows.begin() + (row - rows.data()));
+      return;
+    }
+    case 1: {
+      if (word > 1) row->erase(row->begin() + static_cast<long>(word));
+      return;
+    }
+    case 2: {
+      change_number((*row)[word], random);
+      return;
+    }
+    case 3: {  // a condition of another case, or its place in the diagram
+      const Row* other = pick(rows, random, [&](const Row& one) { return one[0] == "case" && one.size() > word; });
+      (*row)[word] = (*other)[word];
+      return;
+    }
+    case 4: {  // the same case once more, a little different
+      Row other = *row;
+      change_number(other[word], random);
+      rows.insert(rows.begin() + (row - rows.data()), std::move(other));
+      return;
+    }
+    default: {
+      if (Row* last = pick(rows, random, [](const Row& one) { return one[0] == "reached"; })) change_number(last->back(), random);
+    }
+  }
+}
+
 void change(Rows& rows, gen::Prng& random) {
   switch (random.below(9)) {
     case 0: {  // a clause is lost
@@ -106,7 +141,8 @@ std::string mutate(const std::string& certificate, gen::Prng& random) {
     rows.emplace_back();
     for (std::string word; words >> word;) rows.back().push_back(word);
   }
-  for (std::size_t left = 1 + random.below(3); left > 0; --left) change(rows, random);
+  const bool is_diagram = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row[0] == "reached"; });
+  for (std::size_t left = 1 + random.below(3); left > 0; --left) (is_diagram ? change_diagram : change)(rows, random);
   std::string out;
   for (const Row& row : rows) {
     for (std::size_t k = 0; k < row.size(); ++k) out += (k == 0 ? "" : " ") + row[k];

@@ -1,5 +1,6 @@
 // The states of a diagram, by all ways through it. Cost: the states times what is in one.
 #include "tools/certcheck/check.hpp"
+#include "tools/certcheck/terms.hpp"
 
 namespace certcheck {
 
@@ -11,12 +12,15 @@ constexpr std::size_t kMaxStates = 5000000;
 class Reached {
  public:
   Reached(const Model& model, const Certificate& certificate) : m_(model), c_(certificate) {
-    for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
-      const AtomType& type = m_.type_of(a);
+    z3::context z;
+    const Terms terms(m_, z);
+    for (const Atom& atom : m_.atoms) {
+      const AtomType& type = m_.atom_types[atom.type];
+      const Local local = terms.local(atom, [&](std::size_t) { return terms.truth(false); }, [&](std::size_t k) { return terms.first(type.types[k]); });
       first_.push_back(open_.size());
       open_.resize(open_.size() + type.places.size());
       // Parameters are what the system says.
-      for (const bool is_param : type.is_param) open_.push_back(is_param ? std::optional(0) : std::nullopt);
+      for (std::size_t k = 0; k < type.slots.size(); ++k) open_.push_back(type.is_param[k] ? std::optional(Terms::value(local.slots[k]).value_or(0)) : std::nullopt);
     }
   }
 
@@ -43,7 +47,7 @@ class Reached {
         const std::size_t first = first_[l.atom], places = type.places.size();
         if (l.about == Literal::Bit || (l.about == Literal::Value && l.is_negated)) throw Rejected("a case is of places and values");
         if (l.about == Literal::Value) {
-          if (!type.is_param[l.row]) say(first + places + l.row, l.low);
+          say(first + places + l.row, l.low);
           continue;
         }
         say(first + l.row, l.is_negated ? 0 : 1);

@@ -100,14 +100,14 @@ class States {
 
   [[nodiscard]] Values values(const State& state) const {
     Values all;
-    const auto add = [&](const z3::expr& e) {
+    const auto add = [&](const z3::expr& e, bool is_param) {
       const std::optional<int> value = Terms::value(e.simplify());
-      if (!value) throw NotCheckable("a value is not followed");
-      all.push_back(*value);
+      if (!value && !is_param) throw NotCheckable("a value is not followed");
+      all.push_back(value.value_or(0));
     };
     for (std::size_t a = 0; a < state.size(); ++a) {
-      for (const z3::expr& mark : state[a].marks) add(mark);
-      for (std::size_t k = 0; k < state[a].slots.size(); ++k) add(m_.type_of(a).is_param[k] ? terms_.constant("int", 0) : state[a].slots[k]);
+      for (const z3::expr& mark : state[a].marks) add(mark, false);
+      for (std::size_t k = 0; k < state[a].slots.size(); ++k) add(state[a].slots[k], m_.type_of(a).is_param[k]);
     }
     return all;
   }
