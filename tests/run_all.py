@@ -58,6 +58,7 @@ def groups():
     for name, script in scripts:
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
+    yield "day", [("day", lambda: run_script("day", [sys.executable, str(ROOT / "tests/models/day"), "--steps", "6000000"]))]
     yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/run")])),
                     ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/dala")])),
                     ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/run")])),

@@ -2,7 +2,7 @@
 // steps repeat. The period is found in the first steps; from then on every step must be the one of a period before, exactly a
 // period later, to the nanosecond, until the day is over.
 //
-//   day HOURS      linked with the C++ of a model, compiled with BIP_NO_MAIN
+//   day HOURS [STEPS]      (0: however many) linked with the C++ of a model, compiled with BIP_NO_MAIN
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -38,8 +38,9 @@ std::size_t period_of(const std::vector<Taken>& steps) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 2 && argc != 3) return 2;
   constexpr std::size_t kLook = 4096;
+  const std::uint64_t most = argc == 3 && std::atoll(argv[2]) != 0 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : UINT64_MAX;
   const auto day = static_cast<std::int64_t>(std::atof(argv[1]) * 3600e9);
   bip::System system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .asap = true});
   std::unordered_map<std::string, std::uint32_t> names;
@@ -60,7 +61,7 @@ int main(int argc, char** argv) {
   std::vector<Taken> last(steps.end() - static_cast<std::ptrdiff_t>(period), steps.end());
   const std::int64_t length = steps.back().at - steps[steps.size() - 1 - period].at;
   std::uint64_t count = kLook;
-  for (std::size_t k = 0; system.now() < day; k = (k + 1) % period, ++count) {
+  for (std::size_t k = 0; system.now() < day && count < most; k = (k + 1) % period, ++count) {
     if (length == 0 || system.step() != bip::Outcome::Stepped) {
       std::printf("stops after %llu steps\n%s", static_cast<unsigned long long>(count), system.fault().c_str());
       return 1;
@@ -71,6 +72,7 @@ int main(int argc, char** argv) {
     }
     last[k].at = system.now();
   }
-  std::printf("%llu steps, %zu a period of %lld ns, to the nanosecond\n", static_cast<unsigned long long>(count), period, static_cast<long long>(length));
+  std::printf("%.2f h in %llu steps, %zu a period of %lld ns, to the nanosecond\n", static_cast<double>(system.now()) / 3600e9, static_cast<unsigned long long>(count), period,
+              static_cast<long long>(length));
   return 0;
 }
