@@ -1,11 +1,39 @@
 // See certificate.hpp. Deterministic: rows in the order of the system and of finding.
 #include "compiler/verify/certificate.hpp"
 
+#include <algorithm>
+#include <map>
+
 namespace bip::verify {
 
 namespace {
 
 std::string value_text(const AbstractValue& value) { return value.is_known ? std::to_string(value.value) : "?"; }
+
+// The same sum without weights below 0: an atom's weights may all be moved, as it is in one of its modes.
+TokenInvariant without_negative(const Net& net, const Proof& proof, const TokenInvariant& invariant) {
+  if (std::none_of(invariant.weights.begin(), invariant.weights.end(), [](std::int64_t w) { return w < 0; })) return invariant;
+  TokenInvariant result{invariant.kind, {}, {}, invariant.total};
+  for (std::size_t k = 0; k < invariant.modes.size();) {
+    const u32 atom = net.atom_of_mode[invariant.modes[k]];
+    std::map<u32, std::int64_t> weights;
+    std::int64_t least = 0;
+    for (; k < invariant.modes.size() && net.atom_of_mode[invariant.modes[k]] == atom; ++k) {
+      weights[invariant.modes[k]] = invariant.weights[k];
+      least = std::min(least, invariant.weights[k]);
+    }
+    for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
+      if (proof.reachable[mode] == 0) continue;
+      const auto found = weights.find(mode);
+      const std::int64_t weight = (found == weights.end() ? 0 : found->second) - least;
+      if (weight == 0) continue;
+      result.modes.push_back(mode);
+      result.weights.push_back(weight);
+    }
+    result.total -= least;
+  }
+  return result;
+}
 
 void add_structure(const Net& net, const Proof& proof, std::string& out) {
   const System& system = *net.system;
@@ -33,7 +61,8 @@ void add_structure(const Net& net, const Proof& proof, std::string& out) {
     }
     out += '\n';
   }
-  for (const TokenInvariant& invariant : proof.invariants) {
+  for (const TokenInvariant& found : proof.invariants) {
+    const TokenInvariant invariant = without_negative(net, proof, found);
     const bool is_sum = invariant.kind == InvariantKind::Sum;
     if (is_sum) out += "sum " + std::to_string(invariant.total);
     else out += invariant.kind == InvariantKind::Trap ? "trap" : "one-token";
@@ -83,6 +112,12 @@ std::string certificate(const Decider& decider, const Question& question, const 
   if (d.method == Method::Exhaustive) {
     return out + "\nmethod exhaustive\ncomponents " + std::to_string(system.atoms.size()) + "\nstates " + std::to_string(d.states) + "\nend\n";
   }
+  if (const Evidence* evidence = decider.evidence()) {
+    out += "\nmethod induction\n";
+    add_structure(evidence->net, evidence->proof, out);
+    for (const std::string& row : evidence->rows) out += row + '\n';
+    return out + "end\n";
+  }
   out += d.method == Method::Invariants ? "\nmethod invariants\n" : "\nmethod induction\n";
   if (d.has_structure) add_structure(decider.net(), d.proof, out);
   if (d.method == Method::Induction) add_lemmas(*decider.machine(), d.lemmas, system, out);
@@ -126,8 +161,10 @@ std::string invariant_text(const Net& net, const TokenInvariant& invariant) {
   const bool is_sum = invariant.kind == InvariantKind::Sum;
   std::string out = is_sum ? "always " + std::to_string(invariant.total) + " = " : invariant.kind == InvariantKind::Trap ? "always one of " : "exactly one of ";
   for (std::size_t k = 0; k < invariant.modes.size() && k < kShown; ++k) {
-    if (k != 0) out += is_sum ? " + " : ", ";
-    if (weight_of(invariant, k) != 1) out += std::to_string(weight_of(invariant, k)) + ' ';
+    const std::int64_t weight = weight_of(invariant, k);
+    if (k != 0) out += !is_sum ? ", " : weight < 0 ? " - " : " + ";
+    else if (weight < 0) out += '-';
+    if (weight != 1 && weight != -1) out += std::to_string(std::abs(weight)) + ' ';
     out += net.mode_name(invariant.modes[k]);
   }
   if (invariant.modes.size() > kShown) out += " … (" + std::to_string(invariant.modes.size()) + " in all)";

@@ -38,6 +38,29 @@ bool Decider::ready() {
 
 void Decider::add_reason(const std::string& reason) { d_.reason += (d_.reason.empty() ? "" : "; ") + reason; }
 
+// With values that come from outside in the modes, where transfers say which they are. True: proved.
+bool Decider::look_at_uses() {
+  PortUses uses = find_port_uses(net_);
+  if (!uses.has_some) return false;
+  told_ = build_net(net_, uses, UsesAs::Ports);
+  if (told_->too_large_atom == kNoRow) {
+    const Clock::time_point end = std::min(limits_.end, seconds_from_now(seconds_until(limits_.end) / 4));
+    Proof proof = prove_deadlock_freedom(*told_, end, [](const std::vector<u32>&) { return true; });
+    if (proof.end == ProofEnd::Free) {
+      if (limits_.wants_few) keep_needed(*told_, end, proof);
+      // What no certificate has a form for is left to the other engines where one is wanted.
+      if (limits_.wants_certificate) evidence_ = find_evidence(net_, *told_, proof, end);
+      if (evidence_ || !limits_.wants_certificate) {
+        d_.proof = std::move(proof);
+        d_.outcome = Outcome::Holds;
+        return true;
+      }
+    }
+  }
+  told_.reset();
+  return false;
+}
+
 // Modes, traps, one-token invariants; of deadlock-freedom they may be all that is needed.
 void Decider::look_at_structure() {
   if (net_.too_large_atom != kNoRow) return;
@@ -47,6 +70,7 @@ void Decider::look_at_structure() {
     return;
   }
   report_("invariants", 0, "candidates");
+  if (look_at_uses()) return;
   d_.proof = prove_deadlock_freedom(net_, limits_.end, [&](const std::vector<u32>& candidate) {
     if (!ready()) return false;
     const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .only_walk = true, .report = {}};
@@ -243,6 +267,8 @@ Decision Decider::decide(const Question& question, const DecideLimits& limits) {
   question_ = question;
   limits_ = limits;
   d_ = {};
+  told_.reset();
+  evidence_.reset();
   is_exhausted_ = induction_failed_ = is_strengthened_ = false;
   if (question.what == Asked::NobodyStuck) {
     look_for_stuck();

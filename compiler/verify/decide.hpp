@@ -1,6 +1,7 @@
 // The whole decision: structure first, then the engine's own search for what is near, then IC3 over the machine, then the
 // search for as long as time and memory last. Nothing is guessed: a way to a bad state has been replayed, a proof is one.
 #pragma once
+#include "compiler/verify/evidence.hpp"
 #include "compiler/verify/pdr.hpp"
 #include "compiler/verify/property.hpp"
 #include "compiler/verify/prove.hpp"
@@ -58,13 +59,17 @@ class Decider {
       : system_(system), image_(image), can_run_(can_run), prepare_(std::move(prepare)), report_(std::move(report)), net_(build_net(system)) {}
 
   [[nodiscard]] Decision decide(const Question& question, const DecideLimits& limits);
-  [[nodiscard]] const Net& net() const { return net_; }
+  /// What the proof's modes are of.
+  [[nodiscard]] const Net& net() const { return told_ ? *told_ : net_; }
+  /// Not null: a proof whose modes a certificate cannot name, in other words.
+  [[nodiscard]] const Evidence* evidence() const { return evidence_ ? &*evidence_ : nullptr; }
   /// Null until induction was tried.
   [[nodiscard]] const Machine* machine() const { return machine_ ? &*machine_ : nullptr; }
 
  private:
   enum class Tried : std::uint8_t { Done, Open };
   void look_at_structure();
+  bool look_at_uses();
   Tried try_search(std::uint64_t states);
   Tried try_all_states();
   Decision with_evidence();
@@ -81,6 +86,8 @@ class Decider {
   std::function<bool()> prepare_;
   Report report_;
   Net net_;
+  std::optional<Net> told_;  // uses of ports told apart: only if that proved it
+  std::optional<Evidence> evidence_;
   std::optional<Machine> machine_;
   Question question_;
   DecideLimits limits_;

@@ -2,6 +2,7 @@
 #include "compiler/verify/encode.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "compiler/verify/weighted_sum.hpp"
 
@@ -50,17 +51,37 @@ void Encoding::add_atoms() {
   for (Lit literal : marked_) is_reachable_.push_back(literal != 0 ? 1 : 0);
 }
 
+// Is it a use of a port, told apart from the others?
+bool Encoding::is_use(u32 row) const {
+  const u32 atom = net_.atom_of_port[row];
+  return row - net_.port_base[atom] >= net_.class_at(atom).is_sure.size();
+}
+
+// Modes of the class from which the port may move, sorted.
+std::vector<u32> Encoding::sources_of_moves(u32 row) const {
+  std::vector<u32> modes;
+  for (const Move& move : net_.moves(row)) {
+    if (modes.empty() || modes.back() != move.from) modes.push_back(move.from);
+  }
+  return modes;
+}
+
 Encoding::Lacking Encoding::port(u32 row) {
   const u32 atom = net_.atom_of_port[row];
-  const u32 base = net_.mode_base[atom], port = row - net_.port_base[atom];
+  const u32 base = net_.mode_base[atom];
   const ModeClass& of_atom = net_.class_at(atom);
+  const u32 port = of_atom.port_of(row - net_.port_base[atom]);
   const AtomType& type = net_.system->atom_types[of_atom.type];
   const std::vector<std::uint8_t>& is_sure = of_atom.is_sure[port];
   const auto locate = [&](const Expr& e) { return std::optional(GuardLiterals::Place{atom, e.index}); };
   std::vector<Lit> sure;
   std::vector<std::pair<Lit, Lit>> guarded;  // in this mode, with this guard
   bool ever_unsure = false;
-  for (u32 mode = 0; mode < is_sure.size(); ++mode) {
+  // Of a use that is told apart only where its guard may be true.
+  std::vector<u32> modes = is_use(row) ? sources_of_moves(row) : std::vector<u32>(is_sure.size());
+  if (is_use(row)) ever_unsure = true;
+  else std::iota(modes.begin(), modes.end(), 0);
+  for (u32 mode : modes) {
     if (!reachable_.is_on(base + mode)) continue;
     if (is_sure[mode] != 0) {
       sure.push_back(marked_[base + mode]);
@@ -206,23 +227,28 @@ void Encoding::add_guarded_rendezvous(u32 row) {
   });
   std::vector<std::vector<u32>> choices;
   std::size_t combinations = 1;
+  const ConnectorId id(std::size_t{net_.nodes[row].connector});
   for (u32 atom : atoms) {
     choices.emplace_back();
-    for (u32 mode = net_.mode_base[atom]; mode < net_.mode_base[atom + 1]; ++mode) {
-      if (!reachable_.is_on(mode)) continue;
-      bool all_sure = true;
-      for (const PortRef& ref : connector.ports) {
-        if (ref.atom.value == atom) all_sure = all_sure && net_.class_at(atom).is_sure[ref.port][mode - net_.mode_base[atom]] != 0;
-      }
-      if (all_sure) choices.back().push_back(mode);
+    const u32 base = net_.mode_base[atom];
+    std::vector<u32> modes(net_.mode_base[atom + 1] - base);
+    std::iota(modes.begin(), modes.end(), 0);
+    for (std::size_t p = 0; p < connector.ports.size(); ++p) {
+      const PortRef& ref = connector.ports[p];
+      if (ref.atom.value != atom) continue;
+      if (const u32 node = net_.port_node(id, p); is_use(node)) modes = sources_of_moves(node);
+      std::erase_if(modes, [&](u32 mode) { return net_.class_at(atom).is_sure[ref.port][mode] == 0; });
+    }
+    for (u32 mode : modes) {
+      if (reachable_.is_on(base + mode)) choices.back().push_back(base + mode);
     }
     combinations *= choices.back().size();
     if (combinations == 0 || combinations > kMaxCombinations) return;
   }
   std::vector<Lit> others;
-  for (const PortRef& ref : connector.ports) {
-    if (std::find(atoms.begin(), atoms.end(), ref.atom.value) != atoms.end()) continue;
-    const Lacking& below = lacking_[net_.port_base[ref.atom.value] + ref.port];
+  for (std::size_t p = 0; p < connector.ports.size(); ++p) {
+    if (std::find(atoms.begin(), atoms.end(), connector.ports[p].atom.value) != atoms.end()) continue;
+    const Lacking& below = lacking_[net_.port_node(id, p)];
     if (below.kind == Lacking::Kind::Always) return;
     if (below.kind == Lacking::Kind::Literal) others.push_back(below.literal);
   }
@@ -260,7 +286,7 @@ bool Encoding::add(const TokenInvariant& invariant, Lit on) {
   if (invariant.kind == InvariantKind::Sum) {
     WeightedSum sum;
     if (!build_weighted_sum(net_, invariant, is_reachable_, sum)) return false;
-    add_weighted_sum(sum, marked_, solver_);
+    add_weighted_sum(sum, marked_, solver_, on);
     return true;
   }
   std::vector<Lit> modes;

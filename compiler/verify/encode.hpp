@@ -17,8 +17,12 @@ class Encoding {
  public:
   Encoding(const Net& net, const Spread& reachable);
 
-  /// False: it is a sum too large for clauses. A trap given a switch counts only where keep_needed() assumes it.
+  /// False: it is a sum too large for clauses. One given a switch counts only where keep_needed() assumes it (of one-token
+  /// sets: only that there is one).
   bool add(const TokenInvariant& invariant, Lit on = 0);
+  void add_clause(std::span<const Lit> clause) { solver_.add(clause); }
+  /// Of a reachable mode.
+  [[nodiscard]] Lit literal(u32 mode) const { return marked_[mode]; }
   [[nodiscard]] Lit new_switch() { return solver_.new_variable(); }
   /// Which traps does the contradiction need? False: there is none in the time.
   bool keep_needed(std::vector<TokenInvariant>& invariants, const std::vector<Lit>& on, double seconds) {
@@ -35,6 +39,8 @@ class Encoding {
     Lit literal = 0;
   };
   void add_atoms();
+  [[nodiscard]] bool is_use(u32 row) const;
+  [[nodiscard]] std::vector<u32> sources_of_moves(u32 row) const;
   [[nodiscard]] Lacking port(u32 row);
   [[nodiscard]] Lacking group(u32 row);
   [[nodiscard]] Lacking all_of(const std::vector<u32>& children);

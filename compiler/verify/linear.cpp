@@ -2,6 +2,7 @@
 #include "compiler/verify/linear.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace bip::verify {
@@ -10,6 +11,8 @@ namespace {
 
 // Candidates are judged modulo a prime: what is not 0 there is not 0.
 constexpr std::uint64_t kPrime = (std::uint64_t{1} << 31) - 1;
+// An atom with more modes has a weight 0 where most of them have the same.
+constexpr u32 kLargeClass = 64;
 
 std::uint64_t residue(std::int64_t value) {
   const std::int64_t rest = value % static_cast<std::int64_t>(kPrime);
@@ -201,6 +204,15 @@ void LinearFinder::solve() {
   }
 }
 
+namespace {
+std::int64_t most_frequent(const std::vector<std::pair<u32, std::int64_t>>& weights) {
+  std::map<std::int64_t, std::size_t> times;
+  for (const auto& [mode, weight] : weights) ++times[weight];
+  const auto best = std::max_element(times.begin(), times.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return best == times.end() ? 0 : best->first;
+}
+}  // namespace
+
 // The free port changes the sum, other free ones do not. False: numbers or support are too large, or it is none after all.
 bool LinearFinder::solution(u32 free, TokenInvariant& invariant) {
   std::vector<u32> ports{free};
@@ -232,6 +244,7 @@ bool LinearFinder::solution(u32 free, TokenInvariant& invariant) {
     for (u32 atom : atoms) {
       std::vector<std::pair<u32, std::int64_t>> weights;
       std::int64_t least = 0, most = 0;
+      const bool is_large = net_.mode_base[atom + 1] - net_.mode_base[atom] > kLargeClass;
       for (u32 mode = net_.mode_base[atom]; mode < net_.mode_base[atom + 1]; ++mode) {
         if (!reachable_.is_on(mode)) continue;
         std::int64_t weight = 0;
@@ -242,6 +255,8 @@ bool LinearFinder::solution(u32 free, TokenInvariant& invariant) {
         weights.emplace_back(mode, weight);
       }
       is_small = is_small && most - least <= kMaxNumber;
+      // Of many modes only a few should have a weight, whatever its sign.
+      if (is_large) least = most = most_frequent(weights);
       totals[0] -= round == 0 ? least : 0;
       totals[1] += round == 0 ? most : 0;
       if (round == 0) continue;
@@ -261,6 +276,19 @@ bool LinearFinder::solution(u32 free, TokenInvariant& invariant) {
   invariant.total /= common;
   for (std::int64_t& weight : invariant.weights) weight /= common;
   return true;
+}
+
+std::vector<TokenInvariant> LinearFinder::find_small(TrapFinder& checker) {
+  if (!is_solved_) solve();
+  std::vector<TokenInvariant> found;
+  for (u32 port = 0; port < net_.port_count() && !is_given_up_; ++port) {
+    if (row_of_[port] != kNoRow || rows_with_[port].empty() || rows_with_[port].size() > kFewPorts) continue;
+    TokenInvariant invariant;
+    if (!solution(port, invariant) || !checker.keeps_sum(invariant)) continue;
+    is_used_[port] = 1;
+    found.push_back(std::move(invariant));
+  }
+  return found;
 }
 
 std::vector<TokenInvariant> LinearFinder::find(TrapFinder& checker, const std::vector<std::uint8_t>& marked) {

@@ -19,6 +19,8 @@ class LinearFinder {
 
   /// Invariants that the candidate (by mode: 1 if marked) breaks; none twice.
   [[nodiscard]] std::vector<TokenInvariant> find(TrapFinder& checker, const std::vector<std::uint8_t>& marked);
+  /// All that few ports change, whatever candidates say; find() does not give them again.
+  [[nodiscard]] std::vector<TokenInvariant> find_small(TrapFinder& checker);
   /// The last candidate breaks no linear invariant at all, so no one-token invariant either.
   [[nodiscard]] bool satisfies_all() const { return satisfies_all_; }
 
@@ -26,6 +28,7 @@ class LinearFinder {
   static constexpr std::uint64_t kMaxWork = 200'000'000;
   static constexpr std::int64_t kMaxNumber = 1 << 24;
   static constexpr std::size_t kMaxAtoms = 20000;  // of one invariant
+  static constexpr std::size_t kFewPorts = 200;    // that change it, of a small one
 
   struct Term {
     u32 port = 0;

@@ -6,6 +6,8 @@
 #include <optional>
 #include <set>
 
+#include "compiler/verify/live_slots.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -16,6 +18,8 @@ class Explorer {
  public:
   Explorer(const System& system, ModeClass& row, const TypeAccess& access, std::size_t limit)
       : code_(system.code), type_(system.atom_types[row.type]), access_(access), row_(row), limit_(limit) {}
+
+  void forget_dead(std::vector<std::vector<std::uint8_t>> live) { live_ = std::move(live); }
 
   // False: more modes than the limit.
   bool run() {
@@ -36,7 +40,7 @@ class Explorer {
     std::set<std::uint32_t> stable;
     if (!settle(start, stable)) return false;
     row_.initial.assign(stable.begin(), stable.end());
-    row_.moves.resize(type_.ports.size());
+    row_.moves.resize(type_.ports.size() + (row_.uses == nullptr ? 0 : row_.uses->uses.size()));
     for (std::uint32_t mode = 0; mode < row_.modes.size(); ++mode) {
       if (!leave(mode)) return false;
     }
@@ -65,7 +69,7 @@ class Explorer {
     return t.guard.is_valid() ? evaluate(code_, t.guard, mode.values, {}) : known(1);
   }
   // Nothing if a token lands on a marked place: the run ends there with an error.
-  [[nodiscard]] std::optional<Mode> after(const Mode& mode, const Transition& t, const std::vector<std::uint32_t>* written) const {
+  [[nodiscard]] std::optional<Mode> after(const Mode& mode, const Transition& t, const std::vector<std::uint32_t>* written, const PortUse* use = nullptr) const {
     std::set<std::uint32_t> places(mode.places.begin(), mode.places.end());
     for (std::uint32_t place : t.from) places.erase(place);
     for (std::uint32_t place : t.to) {
@@ -76,11 +80,25 @@ class Explorer {
     if (written != nullptr) {
       for (std::uint32_t slot : *written) next.values[slot] = {};
     }
+    if (use != nullptr) {
+      for (const auto& [slot, value] : use->writes) next.values[slot] = value;
+    }
     execute(code_, t.action, next.values);
     forget(next);
     return next;
   }
-  bool add(const Mode& mode, std::set<std::uint32_t>& stable) {
+  // Can the use's guard be true?
+  [[nodiscard]] bool allows(const PortUse& use, const Mode& mode) {
+    if (!use.guard.is_valid()) return true;
+    bind_.clear();
+    for (const UseSource& source : use.bind) bind_.push_back(source.own_slot == UseSource::kOther ? source.value : mode.values[source.own_slot]);
+    const AbstractValue guard = evaluate(code_, use.guard, {}, bind_);
+    return !guard.is_known || guard.value != 0;
+  }
+  bool add(Mode mode, std::set<std::uint32_t>& stable) {
+    for (std::size_t k = 0; !live_.empty() && k < mode.values.size(); ++k) {
+      if (live_[mode.places[0]][k] == 0 && !type_.slots[k].is_param) mode.values[k] = {};
+    }
     const auto [found, is_new] = numbers_.try_emplace(mode, static_cast<std::uint32_t>(row_.modes.size()));
     if (is_new) row_.modes.push_back(mode);
     stable.insert(found->second);
@@ -113,12 +131,23 @@ class Explorer {
       if (t.port == Transition::kInternal || !leaves_from(mode, t)) continue;
       const AbstractValue guard = guard_of(mode, t);
       if (guard.is_known && guard.value == 0) continue;
-      const std::optional<Mode> next = after(mode, t, &access_.written[t.port]);
-      if (!next) continue;
-      std::set<std::uint32_t> stable;
-      if (!settle(*next, stable)) return false;
-      for (std::uint32_t to : stable) row_.moves[t.port].push_back({number, to});
+      if (row_.uses == nullptr || row_.uses->is_plain[t.port] != 0) {
+        if (!move(number, t.port, after(mode, t, &access_.written[t.port]))) return false;
+      }
+      for (std::size_t k = 0; row_.uses != nullptr && k < row_.uses->uses.size(); ++k) {
+        const PortUse& use = row_.uses->uses[k];
+        if (use.port != t.port) continue;
+        if (++tries_ > kMaxTries) return false;
+        if (allows(use, mode) && !move(number, type_.ports.size() + k, after(mode, t, nullptr, &use))) return false;
+      }
     }
+    return true;
+  }
+  bool move(std::uint32_t from, std::size_t port, const std::optional<Mode>& next) {
+    if (!next) return true;
+    std::set<std::uint32_t> stable;
+    if (!settle(*next, stable)) return false;
+    for (std::uint32_t to : stable) row_.moves[port].push_back({from, to});
     return true;
   }
 
@@ -185,6 +214,9 @@ class Explorer {
   ModeClass& row_;
   std::size_t limit_;
   std::map<Mode, std::uint32_t> numbers_;
+  std::vector<std::vector<std::uint8_t>> live_;  // empty: all are
+  std::vector<AbstractValue> bind_;              // scratch
+  std::size_t tries_ = 0;
 };
 
 }  // namespace
@@ -209,6 +241,24 @@ ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector
   row.type = type;
   row.args = args;
   row.is_too_large = true;
+  return row;
+}
+
+ModeClass explore_modes(const System& system, const ModeClass& plain, const TypeAccess& access, const AtomUses& uses, UsesAs as) {
+  ModeClass row;
+  row.type = plain.type;
+  row.args = plain.args;
+  row.followed = plain.followed;
+  if (as == UsesAs::Ports) {
+    row.uses = &uses;
+  } else {
+    for (const PortUse& use : uses.uses) {
+      for (const auto& [slot, value] : use.writes) row.followed[slot] = value.is_known ? 0 : row.followed[slot];
+    }
+  }
+  Explorer explorer(system, row, access, kMaxModesWithUses);
+  explorer.forget_dead(find_live_slots(system, row.type, access, uses));
+  row.is_too_large = !explorer.run();
   return row;
 }
 

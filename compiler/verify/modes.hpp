@@ -12,11 +12,14 @@
 #include "compiler/system/system.hpp"
 #include "compiler/verify/abstract_code.hpp"
 #include "compiler/verify/outside.hpp"
+#include "compiler/verify/port_uses.hpp"
 
 namespace bip::verify {
 
 inline constexpr std::size_t kMaxModesWithData = 512;
 inline constexpr std::size_t kMaxMarkings = 4096;
+// Where uses of ports are told apart: modes, and tries of a move.
+inline constexpr std::size_t kMaxModesWithUses = 20000, kMaxTries = 20'000'000;
 
 struct Mode {
   std::vector<std::uint32_t> places;   // sorted
@@ -34,16 +37,26 @@ struct ModeClass {
   AtomTypeId type;
   std::vector<Value> args;
   bool is_too_large = false;                 // then nothing below holds
+  const AtomUses* uses = nullptr;            // told apart: ports of their own after the type's
   std::vector<std::uint8_t> followed;        // by slot
   std::vector<Mode> modes;
   std::vector<std::uint32_t> initial;        // one of these, sorted
-  std::vector<std::vector<Move>> moves;      // by port, sorted, each once
-  std::vector<std::vector<std::uint8_t>> is_sure;  // by port, by mode: enabled in every state of the mode
+  std::vector<std::vector<Move>> moves;      // by port, then by use; sorted, each once
+  std::vector<std::vector<std::uint8_t>> is_sure;  // by port of the type, by mode: enabled in every state of the mode
   std::vector<std::vector<PortMove>> out, in;      // by mode; other: the mode at the other end
+
+  /// The type's port of a row of `moves`.
+  [[nodiscard]] std::uint32_t port_of(std::uint32_t row) const { return row < is_sure.size() ? row : uses->uses[row - is_sure.size()].port; }
 };
 
 [[nodiscard]] ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector<Value>& args,
                                       const TypeAccess& access);
+
+/// What an atom's uses of ports are for: to be told apart, with the values that they write; or to be seen as one again, without
+/// those values (what a certificate can speak of as modes).
+enum class UsesAs : std::uint8_t { Ports, Hidden };
+/// `plain`: the class without; the uses speak of the data that it follows, and must stay where they are. Too large: not within the limits.
+[[nodiscard]] ModeClass explore_modes(const System& system, const ModeClass& plain, const TypeAccess& access, const AtomUses& uses, UsesAs as);
 
 /// "EATS" or "DONE (starts = false)".
 [[nodiscard]] std::string mode_text(const System& system, const ModeClass& row, std::uint32_t mode);

@@ -1,6 +1,7 @@
 // See net.hpp.
 #include "compiler/verify/net.hpp"
 
+#include <algorithm>
 #include <map>
 
 namespace bip::verify {
@@ -9,11 +10,18 @@ namespace {
 
 class Builder {
  public:
-  explicit Builder(const System& system) { net_.system = &system; }
+  explicit Builder(const System& system) {
+    net_.system = &system;
+    net_.access = look_outside(system);
+  }
+  Builder(const Net& plain, const PortUses& uses, UsesAs as) : plain_(&plain), uses_(&uses), as_(as) {
+    net_.system = plain.system;
+    net_.access = plain.access;
+    if (as == UsesAs::Ports) net_.uses = uses;
+  }
 
   Net build() {
     const System& system = *net_.system;
-    net_.access = look_outside(system);
     add_atoms();
     if (net_.too_large_atom != kNoRow) return std::move(net_);
     for (const Choice& choice : system.choices) choice_rows_.push_back(choice.ports.empty() ? kNoRow : kUnmade);
@@ -28,21 +36,30 @@ class Builder {
   void add_atoms() {
     const System& system = *net_.system;
     std::map<std::pair<u32, std::vector<std::pair<std::int32_t, double>>>, u32> known_classes;
+    // Where uses are told apart: by the class without, and by them.
+    std::map<std::pair<u32, AtomUses>, u32> known_uses;
     u32 modes = 0, ports = 0;
     for (std::size_t row = 0; row < system.atoms.size(); ++row) {
       const Atom& atom = system.atoms[AtomId(row)];
-      std::pair<u32, std::vector<std::pair<std::int32_t, double>>> key{atom.type.value, {}};
-      for (const Value& value : atom.args) key.second.emplace_back(value.int_value, value.float_value);
-      const auto [found, is_new] = known_classes.try_emplace(std::move(key), static_cast<u32>(net_.classes.size()));
-      if (is_new) net_.classes.push_back(explore_modes(system, atom.type, atom.args, net_.access[atom.type.value]));
-      net_.class_of.push_back(found->second);
-      const ModeClass& of_atom = net_.classes[found->second];
+      const auto next = static_cast<u32>(net_.classes.size());
+      u32 number = 0;
+      if (plain_ == nullptr) {
+        std::pair<u32, std::vector<std::pair<std::int32_t, double>>> key{atom.type.value, {}};
+        for (const Value& value : atom.args) key.second.emplace_back(value.int_value, value.float_value);
+        number = known_classes.try_emplace(std::move(key), next).first->second;
+        if (number == next) net_.classes.push_back(explore_modes(system, atom.type, atom.args, net_.access[atom.type.value]));
+      } else {
+        number = known_uses.try_emplace({plain_->class_of[row], uses_->of_atom[row]}, next).first->second;
+        if (number == next) add_class(row);
+      }
+      net_.class_of.push_back(number);
+      const ModeClass& of_atom = net_.classes[number];
       if (of_atom.is_too_large && net_.too_large_atom == kNoRow) net_.too_large_atom = static_cast<u32>(row);
       const AtomType& type = system.atom_types[atom.type];
       net_.mode_base.push_back(modes);
       net_.port_base.push_back(ports);
       modes += static_cast<u32>(of_atom.modes.size());
-      ports += static_cast<u32>(type.ports.size());
+      ports += static_cast<u32>(std::max(type.ports.size(), of_atom.moves.size()));
       net_.atom_of_mode.resize(modes, static_cast<u32>(row));
       net_.atom_of_port.resize(ports, static_cast<u32>(row));
       for (const Port& port : type.ports) {
@@ -50,9 +67,17 @@ class Builder {
         node.is_root = !port.exported;
         net_.nodes.push_back(node);
       }
+      net_.nodes.resize(ports);
     }
     net_.mode_base.push_back(modes);
     net_.port_base.push_back(ports);
+  }
+
+  void add_class(std::size_t atom) {
+    const ModeClass& plain = plain_->class_at(static_cast<u32>(atom));
+    // Its pointer goes to the net's own uses.
+    const AtomUses& uses = as_ == UsesAs::Ports ? net_.uses.of_atom[atom] : uses_->of_atom[atom];
+    net_.classes.push_back(uses.uses.empty() ? plain : explore_modes(*net_.system, plain, net_.access[plain.type.value], uses, as_));
   }
 
   u32 node_of(const PortRef& ref) {
@@ -84,7 +109,8 @@ class Builder {
     for (std::size_t row = type.define.size(); row-- > 0;) {
       const DefineNode& define = type.define[row];
       if (define.is_leaf) {
-        made[row] = node_of(connector.ports[define.param]);
+        const PortRef& ref = connector.ports[define.param];
+        made[row] = ref.kind == PortRef::Kind::Atom ? net_.port_node(id, define.param) : node_of(ref);
         continue;
       }
       std::vector<Edge> edges;
@@ -120,12 +146,16 @@ class Builder {
   }
 
   Net net_;
+  const Net* plain_ = nullptr;
+  const PortUses* uses_ = nullptr;
+  UsesAs as_ = UsesAs::Ports;
   std::vector<u32> choice_rows_;
 };
 
 }  // namespace
 
 Net build_net(const System& system) { return Builder(system).build(); }
+Net build_net(const Net& plain, const PortUses& uses, UsesAs as) { return Builder(plain, uses, as).build(); }
 
 std::string Net::mode_name(u32 mode) const {
   const u32 atom = atom_of_mode[mode];

@@ -1,7 +1,8 @@
 // The whole system as one network: atoms with their modes, their ports as leaves, connectors' `define` trees above them.
 // An inner connector is one node that its users share; no interaction is ever listed.
 //
-// Built once, linear in the system. Modes get global numbers, atom by atom; so do ports (nodes [0, port_count)).
+// Built once, linear in the system. Modes get global numbers, atom by atom; so do ports (nodes [0, port_count)), an atom's uses of ports
+// that are told apart after its ports.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -40,6 +41,7 @@ struct Net {
   std::vector<Node> nodes;                // children before parents
   std::vector<Edge> child_edges, parent_edges;
   std::vector<u32> root_of;               // by connector: its root group
+  PortUses uses;                          // told apart; else empty
   u32 too_large_atom = kNoRow;            // its modes are too many: the net is not usable
 
   [[nodiscard]] u32 mode_count() const { return mode_base.back(); }
@@ -65,10 +67,20 @@ struct Net {
     const u32 atom = atom_of_mode[mode];
     return class_at(atom).in[mode - mode_base[atom]];
   }
+  /// Node of a parameter that is bound to an atom's port.
+  [[nodiscard]] u32 port_node(ConnectorId connector, std::size_t param) const {
+    const PortRef& ref = system->connectors[connector].ports[param];
+    const u32 base = port_base[ref.atom.value];
+    const bool has_uses = !uses.of_param.empty() && !uses.of_param[connector.value].empty();
+    const u32 use = has_uses ? uses.of_param[connector.value][param] : 0;
+    return use == 0 ? base + ref.port : base + static_cast<u32>(class_at(ref.atom.value).is_sure.size()) + use - 1;
+  }
   /// "phil[0]@EATS"
   [[nodiscard]] std::string mode_name(u32 mode) const;
 };
 
 [[nodiscard]] Net build_net(const System& system);
+/// The same system, with uses of ports told apart (Ports), or with their values hidden, for the same atoms (Hidden).
+[[nodiscard]] Net build_net(const Net& plain, const PortUses& uses, UsesAs as);
 
 }  // namespace bip::verify

@@ -1,6 +1,9 @@
 // See outside.hpp. A slot is observed if a guard reads it, or if an observed slot is computed from it.
 #include "compiler/verify/outside.hpp"
 
+#include <algorithm>
+#include <optional>
+
 #include "compiler/verify/abstract_code.hpp"
 
 namespace bip::verify {
@@ -15,6 +18,8 @@ class Look {
       access.written.resize(type.ports.size());
       access.observed.assign(type.slots.size(), 0);
       access.unfollowed.assign(type.slots.size(), 0);
+      access.read.resize(type.ports.size());
+      access.read_anywhere.assign(type.slots.size(), 0);
       rows_.push_back(std::move(access));
     }
   }
@@ -22,9 +27,19 @@ class Look {
   std::vector<TypeAccess> all() {
     for (const Connector& connector : system_.connectors) look_at_connector(connector);
     for (const Priority& priority : system_.priorities) {
+      for (const DataRef& ref : priority.data) access_of(ref.atom).read_anywhere[ref.slot] = 1;
       for (const DataRef& ref : priority.data) give_away(ref, priority.guard, ref_number(priority.data, ref));
     }
     for (std::size_t row = 0; row < rows_.size(); ++row) look_at_type(system_.atom_types[AtomTypeId(row)], rows_[row]);
+    for (TypeAccess& access : rows_) {
+      for (std::vector<std::vector<std::uint32_t>>* lists : {&access.written, &access.read}) {
+        for (std::vector<std::uint32_t>& slots : *lists) {
+          std::sort(slots.begin(), slots.end());
+          slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+        }
+      }
+    }
+    for (const Connector& connector : system_.connectors) observe_constants(connector);
     return std::move(rows_);
   }
 
@@ -80,6 +95,58 @@ class Look {
     }
   }
 
+  void read(const PortRef& ref, std::uint32_t variable) {
+    if (ref.kind == PortRef::Kind::Choice) {
+      for (const PortRef& alternative : system_.choices[ref.choice].ports) read(alternative, variable);
+    } else if (ref.kind == PortRef::Kind::Atom) {
+      const Port& port = system_.atom_types[system_.atoms[ref.atom].type].ports[ref.port];
+      std::vector<std::uint32_t>& slots = access_of(ref.atom).read[ref.port];
+      if (variable < port.slots.size() && (slots.empty() || slots.back() != port.slots[variable])) slots.push_back(port.slots[variable]);
+    }
+  }
+
+  [[nodiscard]] bool is_constant(const AtomType& type, const TypeAccess& access, std::uint32_t slot) const {
+    if (access.unfollowed[slot] != 0) return false;
+    for (const std::vector<std::uint32_t>& slots : access.written) {
+      if (std::find(slots.begin(), slots.end(), slot) != slots.end()) return false;
+    }
+    bool is_stored = false;
+    for (const Transition& t : type.transitions) {
+      for_each_stmt(code_, t.action, [&](const Stmt& s) { is_stored |= s.op == StmtOp::StoreSelf && s.index == slot; });
+    }
+    return !is_stored;
+  }
+  // What never changes costs no modes; where it is given to observed data it says what that is.
+  void observe_constants(const Connector& connector) {
+    const ConnectorType& type = system_.connector_types[connector.type];
+    const auto slot_of = [&](std::uint32_t bind) -> std::optional<std::pair<AtomId, std::uint32_t>> {
+      for (std::size_t p = type.params.size(); p-- > 0;) {
+        const PortRef& ref = connector.ports[p];
+        if (bind < type.params[p].first_bind) continue;
+        if (ref.kind != PortRef::Kind::Atom) return std::nullopt;
+        const std::vector<std::uint32_t>& slots = system_.atom_types[system_.atoms[ref.atom].type].ports[ref.port].slots;
+        const std::uint32_t variable = bind - type.params[p].first_bind;
+        return variable < slots.size() ? std::optional(std::pair(ref.atom, slots[variable])) : std::nullopt;
+      }
+      return std::nullopt;
+    };
+    for (const Clause& clause : type.clauses) {
+      for_each_stmt(code_, clause.down, [&](const Stmt& s) {
+        if (s.op != StmtOp::StoreBind) return;
+        const auto target = slot_of(s.index);
+        if (!target || access_of(target->first).observed[target->second] == 0) return;
+        for_each_expr(code_, s.value, [&](const Expr& e) {
+          const auto source = e.op == Op::LoadBind ? slot_of(e.index) : std::nullopt;
+          if (!source) return;
+          TypeAccess& access = access_of(source->first);
+          if (access.observed[source->second] != 0) return;
+          const AtomType& source_type = system_.atom_types[system_.atoms[source->first].type];
+          if (is_constant(source_type, access, source->second)) access.observed[source->second] = 1;
+        });
+      });
+    }
+  }
+
   void look_at_connector(const Connector& connector) {
     const ConnectorType& type = system_.connector_types[connector.type];
     const std::uint32_t variables = type.bind_count(system_.port_types) - static_cast<std::uint32_t>(type.data_reads.size());
@@ -104,10 +171,24 @@ class Look {
       }
       write(connector.ports[param], bind - type.params[param].first_bind, takes_part);
     };
+    const auto reads = [&](const Expr& e) {
+      if (e.op != Op::LoadBind) return;
+      if (e.index < variables) {
+        const std::uint32_t param = param_of(e.index);
+        read(connector.ports[param], e.index - type.params[param].first_bind);
+      } else if (e.index - variables < connector.data.size()) {
+        const DataRef& ref = connector.data[e.index - variables];
+        access_of(ref.atom).read_anywhere[ref.slot] = 1;
+      }
+    };
     for (const Clause& clause : type.clauses) {
       for_each_stmt(code_, clause.down, [&](const Stmt& s) {
         if (s.op == StmtOp::StoreBind) changes(s.index, &clause);
       });
+      for_each_expr(code_, clause.guard, reads);
+      for (StmtId body : {clause.up, clause.down}) {
+        for_each_stmt(code_, body, [&](const Stmt& s) { for_each_expr(code_, s.value, reads); });
+      }
       std::vector<std::uint32_t> binds, selves;
       references(clause.guard, binds, selves);
       references(clause.up, binds, selves);

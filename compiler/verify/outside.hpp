@@ -14,6 +14,8 @@ struct TypeAccess {
   std::vector<std::vector<std::uint32_t>> written;  // by port: slots that a transfer may change before the port fires
   std::vector<std::uint8_t> observed;               // by slot: decides, directly or not, what is enabled
   std::vector<std::uint8_t> unfollowed;             // by slot: may change behind our back (references given to C++)
+  std::vector<std::vector<std::uint32_t>> read;     // by port: slots that a connector reads there
+  std::vector<std::uint8_t> read_anywhere;          // by slot: read without a port
 };
 
 /// One row an atom type.

@@ -77,6 +77,19 @@ bool TrapFinder::is_trap() const {
   return std::none_of(set_.begin(), set_.end(), [&](u32 mode) { return leaves_set(mode); });
 }
 
+bool TrapFinder::holds_trap(const std::vector<u32>& modes) {
+  clear();
+  for (u32 mode : modes) put(mode);
+  const bool holds = is_trap();
+  bool is_marked = false;
+  for (u32 atom = 0; atom + 1 < net_.mode_base.size() && !is_marked; ++atom) {
+    const std::vector<u32>& initial = net_.class_at(atom).initial;
+    is_marked = !initial.empty() && std::all_of(initial.begin(), initial.end(), [&](u32 mode) { return in_set_[net_.mode_base[atom] + mode] != 0; });
+  }
+  clear();
+  return holds && is_marked;
+}
+
 // What it costs (modes, weighted by the ways out of them) that the node always puts something; kImpossible within the
 // largest trap. With `apply` they are put into the set.
 std::uint64_t TrapFinder::make_putter(u32 node, bool apply, u32 depth) {

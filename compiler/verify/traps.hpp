@@ -19,7 +19,7 @@ enum class InvariantKind : std::uint8_t { Trap, OneToken, Sum };
 struct TokenInvariant {
   InvariantKind kind = InvariantKind::Trap;
   std::vector<u32> modes;                  // sorted
-  std::vector<std::int64_t> weights = {};  // Sum: by row of modes, greater than 0
+  std::vector<std::int64_t> weights = {};  // Sum: by row of modes, not 0; less than 0 only of atoms with many modes
   std::int64_t total = 1;                  // Sum
 };
 
@@ -34,6 +34,8 @@ class TrapFinder {
 
   /// Does every step keep the number of tokens in the set, and is it one at first? Decided by structure.
   [[nodiscard]] bool holds_one_token(const std::vector<u32>& modes) { return keeps_sum({InvariantKind::OneToken, modes}); }
+  /// Is one of these modes marked at first, and can no step empty them?
+  [[nodiscard]] bool holds_trap(const std::vector<u32>& modes);
   /// Does every step keep the sum of the weights (1, where there are none), and is it the total at first?
   [[nodiscard]] bool keeps_sum(const TokenInvariant& invariant);
 

@@ -1,4 +1,4 @@
-// Small random systems without data, for the tests of the prover: denser in deadlocks and triggers than tools/gen's.
+// Small random systems, for the tests of the prover: denser in deadlocks and triggers than tools/gen's.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -9,5 +9,7 @@ namespace bip::verify::test {
 [[nodiscard]] std::string small_net(std::uint64_t seed);
 /// Users that take locks: their proofs need invariants.
 [[nodiscard]] std::string lock_net(std::uint64_t seed);
+/// Clerks that remember a number from outside and serve whom it means.
+[[nodiscard]] std::string value_net(std::uint64_t seed);
 
 }  // namespace bip::verify::test
