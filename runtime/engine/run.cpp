@@ -76,11 +76,27 @@ bool ends_here(const Record& record, u64 steps, u64 looks) {
   return record.has_end && (record.end == End::Limit || record.end == End::Interrupted) && steps == record.steps && looks == record.looks;
 }
 
+// How many interactions the states offered: of every state, or now and then where compiled steps follow each other.
+constexpr u64 kStepsBetweenLooks = u64{1} << 20;
+struct EnabledSizes {
+  u64 looks = 0, sum = 0, least = 0, most = 0;
+  void look(u64 count) {
+    least = looks == 0 ? count : std::min(least, count);
+    most = std::max(most, count);
+    sum += count;
+    ++looks;
+  }
+};
+
 // Of the steps alone, without the initial state.
-void print_stats(std::FILE* err, const Core& core, std::uint64_t steps, double seconds, double cpu_seconds) {
+void print_stats(std::FILE* err, const Core& core, const EnabledSizes& enabled, std::uint64_t steps, double seconds, double cpu_seconds) {
   const double scale = steps == 0 ? 0 : 1e9 / static_cast<double>(steps);
   std::fprintf(err, "steps %llu, seconds %.6f, ns/step %.1f, CPU ns/step %.1f\n", static_cast<unsigned long long>(steps), seconds,
                seconds * scale, cpu_seconds * scale);
+  if (enabled.looks != 0) {
+    std::fprintf(err, "enabled %.1f on average, %llu to %llu, in %llu states\n", static_cast<double>(enabled.sum) / static_cast<double>(enabled.looks),
+                 static_cast<unsigned long long>(enabled.least), static_cast<unsigned long long>(enabled.most), static_cast<unsigned long long>(enabled.looks));
+  }
   if (const SearchWork& work = core.search_work(); work.searches != 0) {
     std::fprintf(err, "searches of maximal interactions %llu, configurations looked at %llu, connectors evaluated %llu\n",
                  static_cast<unsigned long long>(work.searches), static_cast<unsigned long long>(work.configurations),
@@ -199,6 +215,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   std::unique_ptr<BatchEngine> batch;
   if (sound && options.engine == Engine::Batch) batch = std::make_unique<BatchEngine>(core, scheduler, options, output);
   Due due = Due::Step;
+  EnabledSizes enabled;
   while (options.engine != Engine::Threads || !sound) {
     if (!sound) {
       result.end = End::Fault;
@@ -223,12 +240,17 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       result.steps += batch->advance(result.steps, options.limit - result.steps, sound);
       continue;
     } else if (is_compiled) {
-      const u64 most = options.limit - result.steps;
+      u64 most = options.limit - result.steps;
+      if (options.stats) {
+        enabled.look(core.candidate_count());
+        most = std::min(most, kStepsBetweenLooks);
+      }
       const u64 done = core.run_steps(scheduler.prng(), writes ? std::min<u64>(most, Core::kHistory) : most, is_interrupted, sound, options.profile);
       result.steps += done;
       if (writes) output.record(core.recent_slots(done + (sound ? 0 : 1)));
       continue;
     } else {
+      if (options.stats) enabled.look(core.candidate_count());
       EnabledSet::Position at{};
       if (options.interactive) {
         std::uint64_t k = 0;
@@ -298,7 +320,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     if (core.has_async()) text += "budgets overrun: " + std::to_string(feed.overruns()) + '\n';
     std::fwrite(text.data(), 1, text.size(), err);
   }
-  if (options.stats) print_stats(err, core, result.steps, seconds.count(), cpu_seconds);
+  if (options.stats) print_stats(err, core, enabled, result.steps, seconds.count(), cpu_seconds);
   if (options.stats && batch && batch->is_on()) {
     std::fprintf(err, "parts %u, shared slots %zu, steps beside each other %llu\n", batch->parts(), batch->shared(),
                  static_cast<unsigned long long>(batch->beside()));
