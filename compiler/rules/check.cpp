@@ -172,6 +172,8 @@ class Checker {
       default:
         apart(r, left_path, left, right, r.policy[0]);
         apart(r, right_path, right, left, r.policy[1]);
+        late(r, left, right, r.policy[0], r.policy[1]);
+        late(r, right, left, r.policy[1], r.policy[0]);
         break;
     }
   }
@@ -211,6 +213,17 @@ class Checker {
     }
     c.kind = ConstraintKind::Wait;
     add(r, std::move(c), name);
+  }
+
+  // Whose requests are rejected while the other runs may have been accepted before, and still wait for something else when the other, which
+  // waits only for what runs, begins.
+  void late(const Rule& r, ServiceRef accepted, ServiceRef other, Policy policy, Policy of_other) {
+    if (policy != Policy::Reject || of_other != Policy::Wait || is_control(accepted) || is_control(other)) return;
+    Constraint c;
+    c.kind = ConstraintKind::Wait;
+    c.subject = accepted;
+    c.other = other;
+    add(r, std::move(c), fmt::format("{}_without_{}", bare(accepted), bare(other)));
   }
 
   bool can_stop(const Path& path, ServiceRef s) {
