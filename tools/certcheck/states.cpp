@@ -27,7 +27,7 @@ class States {
       const State first = begin_with(begin);
       for (const Fact& fact : c_.facts) demand(both(no(begin.fault), no(holds(fact, first))), fact.text + ": does not hold at first");
     }
-    for (const Fact& fact : c_.facts) terms_.assume(holds(fact, now));
+    for (const Fact& fact : c_.facts) terms_.assume(holds(fact, now), fact.literals.size() == 1 ? fact.literals[0].atom : kNone);
     check_from(now, [&](const Step& step) {
       z3::expr broken = terms_.truth(false);
       for (const Fact& fact : c_.facts) {
@@ -88,10 +88,13 @@ class States {
     if (c_.is_induction) {
       system_.each_step([&](const Step& step) {
         has_step = has_step || is(step.possible, true);
-        if (terms_.may_be(both(step.possible, step.trouble.lost))) throw NotCheckable("internal transitions go on for too long to be followed");
-        if (c_.claim == "error-free") demand(both(step.possible, step.trouble.fault), "a step ends with an error");
-        const z3::expr taken = both(step.possible, no(step.trouble.fault));
-        if (!is(taken, false)) demand(both(taken, leaves(step)), "a step leads out of what the certificate allows");
+        // First without what priorities hide, and only for the atoms that move.
+        const auto can = [&](const z3::expr& e) { return terms_.may_be_alone(both(step.offered, e), step.next) && terms_.may_be(both(step.possible, e)); };
+        if (can(step.trouble.lost)) throw NotCheckable("internal transitions go on for too long to be followed");
+        if (c_.claim == "error-free" && can(step.trouble.fault)) throw Rejected("a step ends with an error");
+        const z3::expr goes_on = no(step.trouble.fault);
+        if (is(both(step.possible, goes_on), false)) return;
+        if (can(both(goes_on, leaves(step)))) throw Rejected("a step leads out of what the certificate allows");
       });
     }
     if (c_.claim == "deadlock-free" && !has_step) demand(no(system_.has_step()), "a state that the certificate allows has no step");
@@ -133,16 +136,16 @@ class States {
   }
 
   // Their weights add up to the total. Few of which one holds are told by clauses, which the solver likes best.
-  void assume_sum(const z3::expr_vector& all, const std::vector<int>& weights, int total) {
+  void assume_sum(const z3::expr_vector& all, const std::vector<int>& weights, int total, std::size_t atom) {
     const bool is_one = total == 1 && std::count(weights.begin(), weights.end(), 1) == static_cast<long>(weights.size());
-    if (all.empty()) return terms_.assume(terms_.truth(total == 0));
-    if (!is_one || all.size() > kFew) return terms_.assume(z3::pbeq(all, weights.data(), total));
-    terms_.assume(z3::mk_or(all));
+    if (all.empty()) return terms_.assume(terms_.truth(total == 0), atom);
+    if (!is_one || all.size() > kFew) return terms_.assume(z3::pbeq(all, weights.data(), total), atom);
+    terms_.assume(z3::mk_or(all), atom);
     for (unsigned k = 0; k < all.size(); ++k) {
-      for (unsigned j = 0; j < k; ++j) terms_.assume(!all[j] || !all[k]);
+      for (unsigned j = 0; j < k; ++j) terms_.assume(!all[j] || !all[k], atom);
     }
   }
-  void exactly_one(const z3::expr_vector& all) { assume_sum(all, std::vector<int>(all.size(), 1), 1); }
+  void exactly_one(const z3::expr_vector& all, std::size_t atom) { assume_sum(all, std::vector<int>(all.size(), 1), 1, atom); }
 
   // What has been found to hold: a mode for each atom, which says where it is; the sets.
   void assume_modes(State& now) {
@@ -154,7 +157,7 @@ class States {
       now.push_back(terms_.local(m_.atoms[a], unknown, [&](std::size_t k) { return terms_.fresh(type.types[k]); }));
       if (c_.classes.empty()) {
         for (const z3::expr& mark : now[a].marks) all.push_back(mark);
-        if (type.is_automaton) exactly_one(all);
+        if (type.is_automaton) exactly_one(all, a);
         continue;
       }
       const Class& row = c_.classes[c_.class_of[a]];
@@ -163,9 +166,9 @@ class States {
         const z3::expr mode = modes[a].emplace(number, is_other ? !all[0] : terms_.fresh("bool")).first->second;
         all.push_back(mode);
         for (std::size_t place : row.modes[number].places) now[a].marks[place] = either(now[a].marks[place], mode);
-        terms_.assume(either(no(mode), terms_.has_values(type, now[a], row.modes[number].values)));
+        terms_.assume(either(no(mode), terms_.has_values(type, now[a], row.modes[number].values)), a);
       }
-      if (all.size() != 2) exactly_one(all);
+      if (all.size() != 2) exactly_one(all, a);
     }
     for (const Set& set : c_.sets) {
       z3::expr_vector members(z_);
@@ -177,7 +180,7 @@ class States {
         weights.push_back(weight);
       }
       if (set.is_trap) terms_.assume(z3::mk_or(members));
-      else assume_sum(members, weights, set.total);
+      else assume_sum(members, weights, set.total, kNone);
     }
   }
 

@@ -21,7 +21,7 @@ void System::look_at(const State& now) {
 void System::add_candidates(std::size_t connector) {
   const Shape& shape = shape_of(connector);
   if (shape.is_plain) {
-    Candidate c{connector, largest(shape.tree), {}, t_.truth(false)};
+    Candidate c{connector, largest(shape.tree), {}, t_.truth(false), t_.truth(false)};
     c.possible = enabled(shape.tree, nullptr, c.chosen, c.store);
     all_.push_back(std::move(c));
     return;
@@ -29,7 +29,7 @@ void System::add_candidates(std::size_t connector) {
   std::vector<z3::expr> on;
   const std::size_t first = all_.size(), count = shape.all.size();
   for (const Parts& parts : shape.all) {
-    Candidate c{connector, {}, {}, t_.truth(false)};
+    Candidate c{connector, {}, {}, t_.truth(false), t_.truth(false)};
     for (std::size_t row : shape.tree) c.chosen.emplace(row, t_.truth(parts.contains(row)));
     on.push_back(enabled(shape.tree, &parts, c.chosen, c.store));
     all_.push_back(std::move(c));
@@ -68,6 +68,7 @@ void System::find_candidates() {
     if (!shape_of(c).is_complete) throw NotCheckable("a connector has too many interactions");
     add_candidates(c);
   }
+  for (Candidate& c : all_) c.offered = c.possible;
   if (!m_.priorities.empty()) hide();
 }
 
@@ -149,7 +150,7 @@ void System::each_step(const std::function<void(const Step&)>& visit) {
   find_candidates();
   for (const Candidate& c : all_) {
     if (is(c.possible, false)) continue;
-    Step step{c.possible, Trouble(c.possible.ctx()), {}};
+    Step step{c.possible, c.offered, Trouble(c.possible.ctx()), {}};
     Store store = c.store;
     fire(c, c.connector, store, step);
     visit(step);
@@ -157,7 +158,7 @@ void System::each_step(const std::function<void(const Step&)>& visit) {
   for (std::size_t port = 0; port < on_.size(); ++port) {
     if (!m_.nodes[port].is_step || is(on_[port], false)) continue;
     const std::size_t atom = m_.atom_of_port[port];
-    Step step{on_[port], Trouble(on_[port].ctx()), {{atom, now_[atom]}}};
+    Step step{on_[port], on_[port], Trouble(on_[port].ctx()), {{atom, now_[atom]}}};
     t_.fire(m_.type_of(atom), offers_[atom], port - m_.first_port[atom], step.next.at(atom), t_.truth(true), step.trouble);
     visit(step);
   }

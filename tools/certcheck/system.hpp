@@ -9,7 +9,7 @@ namespace certcheck {
 
 using State = std::vector<Local>;  // by atom
 struct Step {
-  z3::expr possible;
+  z3::expr possible, offered;  // offered: whatever priorities hide; shorter
   Trouble trouble;
   std::map<std::size_t, Local> next;  // of the atoms that may move
 };
@@ -42,7 +42,7 @@ class System {
     std::size_t connector = 0;
     Chosen chosen;
     Store store;
-    z3::expr possible;
+    z3::expr possible, offered;
   };
   /// A connector's tree, parents before children, and what is known of it whatever the state is.
   struct Shape {

@@ -19,6 +19,12 @@ z3::expr choose(const z3::expr& when, const z3::expr& yes, const z3::expr& other
   return z3::eq(yes, otherwise) || is(when, true) ? yes : is(when, false) ? otherwise : z3::ite(when, yes, otherwise).simplify();
 }
 
+void Terms::assume(const z3::expr& e, std::size_t atom) {
+  if (is(e, true)) return;
+  solver_.add(e);
+  if (atom != kNone) assumed_[atom].push_back(e);
+}
+
 bool Terms::may_be(const z3::expr& e) {
   if (is(e, true) || is(e, false)) return is(e, true);
   solver_.push();
@@ -27,6 +33,16 @@ bool Terms::may_be(const z3::expr& e) {
   solver_.pop();
   if (answer == z3::unknown) throw NotCheckable("the solver gives up");
   return answer == z3::sat;
+}
+
+bool Terms::may_be_alone(const z3::expr& e, const std::map<std::size_t, Local>& atoms) {
+  if (is(e, true) || is(e, false)) return is(e, true);
+  z3::solver few(z_, "QF_BV");
+  few.add(e);
+  for (const auto& [atom, local] : atoms) {
+    for (const z3::expr& one : assumed_[atom]) few.add(one);
+  }
+  return few.check() != z3::unsat;
 }
 
 z3::expr Terms::fresh(std::string_view type) const {

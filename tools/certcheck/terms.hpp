@@ -40,12 +40,12 @@ struct Trouble {
 class Terms {
  public:
   Terms(const Model& model, z3::context& z) : m_(model), z_(z), solver_(z, "QF_BV") {}
-  /// What `may_be` takes for granted from now on.
-  void assume(const z3::expr& e) {
-    if (!is(e, true)) solver_.add(e);
-  }
+  /// What `may_be` takes for granted from now on; what speaks of one atom alone may say so.
+  void assume(const z3::expr& e, std::size_t atom = kNone);
   /// Throws where the solver gives up.
   [[nodiscard]] bool may_be(const z3::expr& e);
+  /// The same with what is assumed of these atoms alone: much quicker, and false only where `may_be` is, too.
+  [[nodiscard]] bool may_be_alone(const z3::expr& e, const std::map<std::size_t, Local>& atoms);
 
   [[nodiscard]] z3::expr truth(bool b) const { return z_.bool_val(b); }
   /// A constant of its own, of a type of variables.
@@ -85,6 +85,7 @@ class Terms {
   const Model& m_;
   z3::context& z_;
   z3::solver solver_;
+  std::map<std::size_t, std::vector<z3::expr>> assumed_;  // by atom
 };
 
 }  // namespace certcheck
