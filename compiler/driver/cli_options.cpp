@@ -103,6 +103,12 @@ void add_check(CLI::App& app, CheckArguments& a) {
   command->footer("Example:\n  bipc check --diagnostics=short model.bip");
 }
 
+void add_real_time_priority(CLI::App& command, int& priority) {
+  command.add_option("--real-time-priority", priority, "in real time: before other programs (SCHED_FIFO, 1 to 99), memory locked; a warning if that is refused")
+      ->check(CLI::Range(1, 99))
+      ->type_name("N");
+}
+
 void add_run(CLI::App& app, RunArguments& a) {
   CLI::App* command = app.add_subcommand("run", "run a model and print its steps");
   command->add_option("FILE", a.file, "a .bip or .bsys file, or a folder with a program `run`, which gets --seed and --speed")->required()->type_name("");
@@ -127,6 +133,7 @@ void add_run(CLI::App& app, RunArguments& a) {
                              "time passes as on the wall clock; without, it is logical and nothing sleeps");
   command->add_option("--speed", a.run.speed, "--real-time, F seconds of the model a second")->check(CLI::Range(1e-6, 1e6))->type_name("F");
   command->add_flag("--relaxed", a.run.relaxed, "--real-time: a step that starts too late is a warning");
+  add_real_time_priority(*command, a.run.real_time_priority);
   command->add_option("--events", a.run.events_path, "events from outside, one a line of JSON, in the order of their time")->type_name("PATH");
   command->add_option("--record", a.run.record_path, "write the events that come to PATH, for --replay")->type_name("PATH");
   command->add_option("--replay", a.run.replay_path, "repeat the run that was recorded, in logical time, with its seed and policy")->type_name("PATH");
@@ -209,6 +216,7 @@ void add_serve(CLI::App& app, ServeArguments& a) {
   add_cache_options(*command, a.compile.cache);
   command->add_flag("--asap", a.asap, "each step as soon as it is possible");
   command->add_option("--speed", a.speed, "F seconds of the model a second (default 1)")->check(CLI::Range(1e-6, 1e6))->type_name("F");
+  add_real_time_priority(*command, a.real_time_priority);
   command->add_option("--trace", a.trace_path, "write the steps to PATH; the file is complete when the process has ended")->type_name("PATH");
   add_choice(*command, "--trace-format", a.trace_format, kServedFormats, "json|mcap|perfetto", "form of the trace; mcap for Foxglove, perfetto for ui.perfetto.dev");
   add_compile(*command, a.compile);

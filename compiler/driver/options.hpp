@@ -61,6 +61,7 @@ struct ServeArguments {
   bool asap = false;
   bool paused = false;
   double speed = 1;
+  int real_time_priority = 0;  // 0: as usual
   std::string trace_path;  // empty: none
   rt::TraceFormat trace_format = rt::TraceFormat::Json;
   std::string socket;      // empty: standard input, unless has_port

@@ -1,6 +1,8 @@
 // See controller.hpp.
 #include "compiler/serve/controller.hpp"
 
+#include "bip/real_time_thread.hpp"
+
 namespace bip::serve {
 
 Controller::Controller(const rt::Image& image, const SystemOptions& options, bool begins_paused)
@@ -22,7 +24,6 @@ void Controller::start() {
   system_.on_step([this](const Step& step) {
     if (on_step) on_step(step, system_.now());
   });
-  system_.restart_clock();
   thread_ = std::thread([this] { run(); });
 }
 
@@ -61,6 +62,10 @@ void Controller::end(Outcome outcome) {
 }
 
 void Controller::run() {
+  rt::RealTimeThread thread(real_time_priority != 0);
+  if (real_time_priority != 0) thread.raise(real_time_priority);
+  if (!thread.problem().empty() && on_problem) on_problem(thread.problem());
+  system_.restart_clock();
   std::deque<Command> commands;
   if (system_.outcome() == Outcome::Fault) end(Outcome::Fault);
   while (true) {

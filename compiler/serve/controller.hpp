@@ -27,6 +27,9 @@ class Controller {
   /// Both are called on the engine's thread; set before start().
   std::function<void(const Step&, std::int64_t now)> on_step;
   std::function<void(Outcome outcome, const std::string& text)> on_end;
+  /// Of that thread (bip/real_time_thread.hpp); on_problem hears what is refused. Set before start().
+  int real_time_priority = 0;
+  std::function<void(const std::string&)> on_problem;
   /// Before start(): the steps go to a file; end_trace() after halt(). False: it cannot be written.
   [[nodiscard]] bool trace(const std::string& path, rt::TraceFormat format) { return system_.trace(path, format); }
   [[nodiscard]] bool end_trace() { return system_.end_trace(); }

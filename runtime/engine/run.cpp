@@ -14,6 +14,7 @@
 #include <ctime>
 #include <memory>
 
+#include "bip/real_time_thread.hpp"
 #include "runtime/core/profile.hpp"
 #include "runtime/engine/ask.hpp"
 #include "runtime/engine/batch.hpp"
@@ -195,6 +196,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   else if (sound) scheduler.start(core);
   RealTime wall(options.speed > 0 ? options.speed : 1);
   const bool sleeps = core.is_timed() && options.speed > 0;
+  std::unique_ptr<RealTimeThread> thread;
+  if (sleeps) thread = std::make_unique<RealTimeThread>(options.real_time_priority != 0);
   wall.start(core.now());
   if (sleeps) feed.follow(wall);
   if (sleeps) feed.open_pool(core);
@@ -202,6 +205,10 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   feed.warn(err);
   // Their threads may ask for the time.
   if (sound && !is_replay && options.events_path.empty()) sound = feed.open_sources(core);
+  if (thread && options.real_time_priority != 0) {
+    thread->raise(options.real_time_priority);
+    if (!thread->problem().empty()) std::fprintf(err, "warning: %s\n", thread->problem().c_str());
+  }
   const auto can_be_compiled = [&] { return (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps(); };
   bool is_compiled = can_be_compiled();
   if (sound && options.profile != nullptr) options.profile->start(core.tables());

@@ -20,6 +20,7 @@ constexpr const char* kHelp =
     "  --real-time                 time passes as on the wall clock; without, it is logical and nothing sleeps\n"
     "  --speed F                   --real-time, F seconds of the model a second\n"
     "  --relaxed                   real time: a step that starts too late is a warning\n"
+    "  --real-time-priority N      in real time: before other programs (SCHED_FIFO, 1 to 99), memory locked; a warning if that is refused\n"
     "  --events FILE               events from outside, JSON lines: {\"time\":\"1s500ms\",\"port\":\"a.press\",\"values\":{\"x\":1}}\n"
     "  --record FILE               write the events that come, for --replay\n"
     "  --replay FILE               repeat the run that was recorded, in logical time\n"
@@ -78,10 +79,12 @@ bool parse_engine(const char* text, Engine& engine) {
   return true;
 }
 
-bool parse_threads(const char* text, std::uint32_t& threads) {
+// From 1 to the most.
+template <class Number>
+bool parse_small(const char* text, std::uint64_t most, Number& number) {
   std::uint64_t value = 0;
-  if (!parse_number(text, value) || value < 1 || value > 256) return false;
-  threads = static_cast<std::uint32_t>(value);
+  if (!parse_number(text, value) || value < 1 || value > most) return false;
+  number = static_cast<Number>(value);
   return true;
 }
 
@@ -117,14 +120,15 @@ int run_main(const Image& image, int argc, char** argv) {
     else if (name == "--disable-maximal-progress") options.maximal_progress = false;
     else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format" ||
              name == "--speed" || name == "--events" || name == "--record" || name == "--replay" || name == "--engine" ||
-             name == "--threads") {
+             name == "--threads" || name == "--real-time-priority") {
       if (!joined && i + 1 < argc) value = argv[++i];
       if (value == nullptr) good = false;
       else if (name == "--seed") good = options.has_seed = parse_number(value, options.seed);
       else if (name == "--limit") good = parse_number(value, options.limit);
       else if (name == "--policy") good = parse_policy(value, options.policy);
       else if (name == "--engine") good = parse_engine(value, options.engine);
-      else if (name == "--threads") good = parse_threads(value, options.threads);
+      else if (name == "--threads") good = parse_small(value, 256, options.threads);
+      else if (name == "--real-time-priority") good = parse_small(value, 99, options.real_time_priority);
       else if (name == "--speed") good = parse_speed(value, options.speed);
       else if (name == "--trace") options.trace_path = value;
       else if (name == "--events") options.events_path = value;

@@ -30,6 +30,7 @@ struct RunOptions {
   bool asap = false;               // each step at the first instant at which one is possible
   double speed = 0;                // model seconds a second of the wall clock
   bool relaxed = false;            // a step that starts too late is a warning
+  int real_time_priority = 0;      // in real time: SCHED_FIFO's, 1 to 99, and locked memory, if the system allows; 0: as usual
   // Events from outside, JSON lines. Without a file they come from the model's C++ classes.
   std::string events_path;
   std::string record_path;         // where they are written as they come; empty: nowhere
