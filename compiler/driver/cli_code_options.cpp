@@ -1,4 +1,4 @@
-// Options about machine code: how it is made, kept and watched. See cli_options.hpp.
+// Options about machine code and who runs it: how it is made, kept and watched, and its priority. See cli_options.hpp.
 #include "compiler/driver/cli_options.hpp"
 
 #include <fmt/format.h>
@@ -29,6 +29,12 @@ void add_code_options(CLI::App& command, RunArguments& a) {
   CLI::Option* explores = command.get_option("--explore");
   command.add_flag("--profile", a.profile, "where the time went, at the end: by interaction, type, guard and action")->excludes(explores);
   command.add_option("--profile-json", a.profile_path, "the same as JSON to PATH")->type_name("PATH")->excludes(explores);
+}
+
+void add_real_time_priority(CLI::App& command, int& priority) {
+  command.add_option("--real-time-priority", priority, "in real time: before other programs (SCHED_FIFO, 1 to 99), memory locked; a warning if that is refused")
+      ->check(CLI::Range(1, 99))
+      ->type_name("N");
 }
 
 }  // namespace bip::driver

@@ -103,12 +103,6 @@ void add_check(CLI::App& app, CheckArguments& a) {
   command->footer("Example:\n  bipc check --diagnostics=short model.bip");
 }
 
-void add_real_time_priority(CLI::App& command, int& priority) {
-  command.add_option("--real-time-priority", priority, "in real time: before other programs (SCHED_FIFO, 1 to 99), memory locked; a warning if that is refused")
-      ->check(CLI::Range(1, 99))
-      ->type_name("N");
-}
-
 void add_run(CLI::App& app, RunArguments& a) {
   CLI::App* command = app.add_subcommand("run", "run a model and print its steps");
   command->add_option("FILE", a.file, "a .bip or .bsys file, or a folder with a program `run`, which gets --seed and --speed")->required()->type_name("");
