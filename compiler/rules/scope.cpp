@@ -238,6 +238,14 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, bool is_kept, 
   return combine(e, subject, is_kept, into);
 }
 
+namespace {
+// A number, a text, sums and comparisons of them.
+bool is_constant(const Condition& c) {
+  if (c.kind == ConditionKind::Number || c.kind == ConditionKind::Text) return true;
+  return c.kind == ConditionKind::Operator && std::all_of(c.operands.begin(), c.operands.end(), is_constant);
+}
+}  // namespace
+
 Type NameScope::combine(const Expr& e, genom::ServiceRef subject, bool is_kept, Condition& into) {
   into.kind = e.kind == ExprKind::Not ? ConditionKind::Not : ConditionKind::Operator;
   into.text = e.text;
@@ -263,6 +271,11 @@ Type NameScope::combine(const Expr& e, genom::ServiceRef subject, bool is_kept, 
     const Type wanted = is_logic ? Type::Bool : is_equality ? types[0] : is_fraction && e.text != "*" ? Type::Float : Type::Int;
     if (types[i] == wanted) continue;
     diags_.report(Diag::kB6106, e.operands[i].range, "`" + sign + "`", name_of(wanted), name_of(types[i]));
+    return Type::None;
+  }
+  if (!is_logic && !is_sum && is_constant(into)) {
+    auto d = diags_.report(Diag::kB6106, e.range, "`" + sign + "`", "something that may change", "a comparison of constants");
+    if (is_equality && types[0] == Type::Text) d.help("a word that is nobody's value is a text: `request.PARAMETER`, `SERVICE.PARAMETER`, or declare `value NAME of POSTER: VALUES;`");
     return Type::None;
   }
   return !is_sum ? Type::Bool : is_fraction ? Type::Float : Type::Int;
