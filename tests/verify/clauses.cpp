@@ -258,17 +258,7 @@ Worth Clauses::worth(const std::string& text, const SearchGoal& goal, std::size_
       }
     }
     if (!exists || !hold(rows, state)) continue;
-    if (!core.restore(state)) {
-      if (goal.faults) return Worth::Insufficient;
-      continue;
-    }
-    const std::uint64_t steps = core.candidate_count();
-    if ((goal.stuck && steps == 0) || (goal.state && goal.state(core))) return Worth::Insufficient;
-    for (std::uint64_t k = 0; k < steps; ++k) {
-      if (k != 0 && !core.restore(state)) break;
-      const bool is_fired = core.fire(k);
-      if (is_fired ? !hold(rows, core.snapshot()) : goal.faults) return Worth::Insufficient;
-    }
+    if (breaks(core, state, goal, [&](const rt::State& next) { return hold(rows, next); })) return Worth::Insufficient;
   }
   return Worth::Suffices;
 }

@@ -15,6 +15,20 @@ namespace bip::verify::test {
 
 enum class Worth : std::uint8_t { Suffices, Insufficient, Malformed, TooLarge };
 
+/// Is the state bad, or does a step lead from it to one that a certificate does not allow? allows(const rt::State&).
+template <class Allows>
+bool breaks(rt::Core& core, const rt::State& state, const SearchGoal& goal, const Allows& allows) {
+  if (!core.restore(state)) return goal.faults;
+  const std::uint64_t steps = core.candidate_count();
+  if ((goal.stuck && steps == 0) || (goal.state && goal.state(core))) return true;
+  for (std::uint64_t k = 0; k < steps; ++k) {
+    if (k != 0 && !core.restore(state)) break;
+    const bool is_fired = core.fire(k);
+    if (is_fired ? !allows(core.snapshot()) : goal.faults) return true;
+  }
+  return false;
+}
+
 class Clauses {
  public:
   /// `system` and `image` are of one compilation and must outlive it.

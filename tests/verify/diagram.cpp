@@ -177,17 +177,7 @@ Worth diagram_worth(const std::string& text, const System& system, const rt::Ima
   if (!diagram.states().contains(diagram.numbers_of(state))) return Worth::Insufficient;
   for (const auto& numbers : diagram.states()) {
     diagram.write(numbers, state);
-    if (!core.restore(state)) {
-      if (goal.faults) return Worth::Insufficient;
-      continue;
-    }
-    const std::uint64_t steps = core.candidate_count();
-    if ((goal.stuck && steps == 0) || (goal.state && goal.state(core))) return Worth::Insufficient;
-    for (std::uint64_t k = 0; k < steps; ++k) {
-      if (k != 0 && !core.restore(state)) break;
-      const bool is_fired = core.fire(k);
-      if (is_fired ? !diagram.states().contains(diagram.numbers_of(core.snapshot())) : goal.faults) return Worth::Insufficient;
-    }
+    if (breaks(core, state, goal, [&](const rt::State& next) { return diagram.states().contains(diagram.numbers_of(next)); })) return Worth::Insufficient;
   }
   return Worth::Suffices;
 }

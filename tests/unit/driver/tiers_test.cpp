@@ -10,9 +10,11 @@
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/driver/tiers.hpp"
 #include "compiler/interp/interp.hpp"
+#include "tests/unit/base/contents.hpp"
 
 using namespace bip;
 using namespace bip::driver;
+using bip::testing::contents;
 
 namespace {
 
@@ -20,7 +22,7 @@ namespace {
 // guard has no compiled step, and an end.
 std::string stores(bool lose) {
   return std::string(
-             "package m\n"
+         "package m\n"
          "  port type S()\n  port type L(int x)\n"
          "  connector type Move(L a, L b)\n    define a b\n"
          "    on a b provided (a.x > 0 && b.x < 9) down { a.x = a.x - 1; b.x = b.x + 1; }\n  end\n"
@@ -48,13 +50,6 @@ struct Loaded {
   }
 };
 
-std::string contents(std::FILE* file) {
-  std::string text;
-  std::rewind(file);
-  for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) text += static_cast<char>(c);
-  std::fclose(file);
-  return text;
-}
 // Everything that the run says.
 std::string said(const rt::Image& image, std::uint64_t seed, rt::Policy policy, bool silent, rt::NewCode* new_code) {
   rt::RunOptions options;

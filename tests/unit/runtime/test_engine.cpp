@@ -8,11 +8,13 @@
 #include "bip/bip.hpp"
 #include "runtime/core/prng.hpp"
 #include "runtime/engine/scheduler.hpp"
+#include "tests/unit/base/contents.hpp"
 #include "tests/unit/runtime/helpers.hpp"
 #include "tests/unit/runtime/models.hpp"
 
 using namespace bip::rt;
 using namespace bip::rt::testing;
+using bip::testing::contents;
 
 namespace {
 
@@ -20,13 +22,6 @@ struct Ran {
   RunResult result;
   std::string out, err;
 };
-std::string contents(std::FILE* file) {
-  std::string text;
-  std::rewind(file);
-  for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) text += static_cast<char>(c);
-  std::fclose(file);
-  return text;
-}
 Ran ran(const Image& image, const RunOptions& options) {
   std::FILE* out = std::tmpfile();
   std::FILE* err = std::tmpfile();

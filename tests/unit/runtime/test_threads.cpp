@@ -8,21 +8,15 @@
 #include <thread>
 
 #include "runtime/engine/follow.hpp"
+#include "tests/unit/base/contents.hpp"
 #include "tests/unit/runtime/helpers.hpp"
 #include "tests/unit/runtime/models.hpp"
 
 using namespace bip::rt;
 using namespace bip::rt::testing;
+using bip::testing::contents;
 
 namespace {
-
-std::string contents(std::FILE* file) {
-  std::string text;
-  std::rewind(file);
-  for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) text += static_cast<char>(c);
-  std::fclose(file);
-  return text;
-}
 
 struct Recorded {
   RunResult result;
