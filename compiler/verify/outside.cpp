@@ -75,33 +75,14 @@ class Look {
     }
   }
 
-  void write(const PortRef& ref, std::uint32_t variable, bool with_port) {
+  // A variable of what is bound: see(access, port, slot) of each atom's port that it may be.
+  template <class See>
+  void each_slot(const PortRef& ref, std::uint32_t variable, const See& see) {
     if (ref.kind == PortRef::Kind::Choice) {
-      for (const PortRef& alternative : system_.choices[ref.choice].ports) write(alternative, variable, with_port);
+      for (const PortRef& alternative : system_.choices[ref.choice].ports) each_slot(alternative, variable, see);
     } else if (ref.kind == PortRef::Kind::Atom) {
       const Port& port = system_.atom_types[system_.atoms[ref.atom].type].ports[ref.port];
-      if (variable >= port.slots.size()) return;
-      TypeAccess& access = access_of(ref.atom);
-      if (with_port) access.written[ref.port].push_back(port.slots[variable]);
-      else access.unfollowed[port.slots[variable]] = 1;
-    }
-  }
-  void observe(const PortRef& ref, std::uint32_t variable) {
-    if (ref.kind == PortRef::Kind::Choice) {
-      for (const PortRef& alternative : system_.choices[ref.choice].ports) observe(alternative, variable);
-    } else if (ref.kind == PortRef::Kind::Atom) {
-      const Port& port = system_.atom_types[system_.atoms[ref.atom].type].ports[ref.port];
-      if (variable < port.slots.size()) access_of(ref.atom).observed[port.slots[variable]] = 1;
-    }
-  }
-
-  void read(const PortRef& ref, std::uint32_t variable) {
-    if (ref.kind == PortRef::Kind::Choice) {
-      for (const PortRef& alternative : system_.choices[ref.choice].ports) read(alternative, variable);
-    } else if (ref.kind == PortRef::Kind::Atom) {
-      const Port& port = system_.atom_types[system_.atoms[ref.atom].type].ports[ref.port];
-      std::vector<std::uint32_t>& slots = access_of(ref.atom).read[ref.port];
-      if (variable < port.slots.size() && (slots.empty() || slots.back() != port.slots[variable])) slots.push_back(port.slots[variable]);
+      if (variable < port.slots.size()) see(access_of(ref.atom), ref.port, port.slots[variable]);
     }
   }
 
@@ -169,17 +150,30 @@ class Look {
       if (clause != nullptr) {
         for (std::uint32_t one : clause->params) takes_part |= one == param;
       }
-      write(connector.ports[param], bind - type.params[param].first_bind, takes_part);
+      each_slot(connector.ports[param], bind - type.params[param].first_bind, [takes_part](TypeAccess& access, auto port, std::uint32_t slot) {
+        if (takes_part) access.written[port].push_back(slot);
+        else access.unfollowed[slot] = 1;
+      });
     };
-    const auto reads = [&](const Expr& e) {
+    // The variable that an expression reads: of_port(access, port, slot), or of_data(access, slot).
+    const auto read = [&](const Expr& e, const auto& of_port, const auto& of_data) {
       if (e.op != Op::LoadBind) return;
       if (e.index < variables) {
         const std::uint32_t param = param_of(e.index);
-        read(connector.ports[param], e.index - type.params[param].first_bind);
+        each_slot(connector.ports[param], e.index - type.params[param].first_bind, of_port);
       } else if (e.index - variables < connector.data.size()) {
         const DataRef& ref = connector.data[e.index - variables];
-        access_of(ref.atom).read_anywhere[ref.slot] = 1;
+        of_data(access_of(ref.atom), ref.slot);
       }
+    };
+    const auto reads = [&](const Expr& e) {
+      read(e, [](TypeAccess& access, auto port, std::uint32_t slot) {
+        std::vector<std::uint32_t>& slots = access.read[port];
+        if (slots.empty() || slots.back() != slot) slots.push_back(slot);
+      }, [](TypeAccess& access, std::uint32_t slot) { access.read_anywhere[slot] = 1; });
+    };
+    const auto observes = [&](const Expr& e) {
+      read(e, [](TypeAccess& access, auto, std::uint32_t slot) { access.observed[slot] = 1; }, [](TypeAccess& access, std::uint32_t slot) { access.observed[slot] = 1; });
     };
     for (const Clause& clause : type.clauses) {
       for_each_stmt(code_, clause.down, [&](const Stmt& s) {
@@ -197,16 +191,7 @@ class Look {
       for_each_stmt(code_, clause.up, [&](const Stmt& s) {
         if (s.op == StmtOp::StoreBind) changes(s.index, nullptr);
       });
-      for_each_expr(code_, clause.guard, [&](const Expr& e) {
-        if (e.op != Op::LoadBind) return;
-        if (e.index < variables) {
-          const std::uint32_t param = param_of(e.index);
-          observe(connector.ports[param], e.index - type.params[param].first_bind);
-        } else if (e.index - variables < connector.data.size()) {
-          const DataRef& ref = connector.data[e.index - variables];
-          access_of(ref.atom).observed[ref.slot] = 1;
-        }
-      });
+      for_each_expr(code_, clause.guard, observes);
     }
   }
 
