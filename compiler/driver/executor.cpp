@@ -3,8 +3,6 @@
 // Without a wish the JIT is taken if it is there. A system without any code needs neither: then libLLVM stays unloaded.
 #include "compiler/driver/executor.hpp"
 
-#include <fmt/format.h>
-
 #include <chrono>
 
 #include "bip/outside.hpp"
@@ -90,9 +88,7 @@ bool Executor::prepare_tiered(Compilation& c) {
 std::string Executor::summary() {
   if (tiers_) return tiers_->summary();
   if (!jit_) return {};
-  std::string text = fmt::format("code: {} module{}, {} from the cache, {:.6f} s\n", made_.modules, made_.modules == 1 ? "" : "s", made_.from_cache, seconds_);
-  for (const std::string& file : made_.broken_files) text += fmt::format("note: `{}` was broken and is made anew\n", file);
-  return text;
+  return text_of(made_, "code:", "", seconds_);
 }
 
 }  // namespace bip::driver

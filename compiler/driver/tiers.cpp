@@ -19,7 +19,9 @@ Tiers::Tiers(lower::LoweredSystem& lowered, jit::JitOptions options, unsigned pa
   thread_ = std::thread([this, patience_ms] { work(patience_ms); });
 }
 
-Tiers::~Tiers() {
+Tiers::~Tiers() { end(); }
+
+void Tiers::end() {
   {
     const std::lock_guard guard(mutex_);
     is_stopped_ = true;
@@ -58,16 +60,14 @@ std::vector<rt::Code> Tiers::install() {
 }
 
 std::string Tiers::summary() {
-  {
-    const std::lock_guard guard(mutex_);
-    is_stopped_ = true;
-  }
-  stop_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  end();
   if (!is_installed_) return "code: interpreted" + (problem_.empty() || problem_.ends_with("stopped") ? "" : ": " + problem_) + "\n";
-  std::string text = fmt::format("code: interpreted, then {} module{}, {} from the cache, after {:.6f} s\n", made_.modules,
-                                 made_.modules == 1 ? "" : "s", made_.from_cache, seconds_);
-  for (const std::string& file : made_.broken_files) text += fmt::format("note: `{}` was broken and is made anew\n", file);
+  return text_of(made_, "code: interpreted, then", "after ", seconds_);
+}
+
+std::string text_of(const jit::MadeCode& made, std::string_view begin, std::string_view when, double seconds) {
+  std::string text = fmt::format("{} {} module{}, {} from the cache, {}{:.6f} s\n", begin, made.modules, made.modules == 1 ? "" : "s", made.from_cache, when, seconds);
+  for (const std::string& file : made.broken_files) text += fmt::format("note: `{}` was broken and is made anew\n", file);
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "compiler/driver/jit_loader.hpp"
@@ -30,6 +31,7 @@ class Tiers {
 
  private:
   void work(unsigned patience_ms);
+  void end();
   std::vector<rt::Code> install();
 
   lower::LoweredSystem& lowered_;
@@ -45,5 +47,8 @@ class Tiers {
   bool is_stopped_ = false;
   std::thread thread_;  // last: it starts when all else is there
 };
+
+/// What a compilation made, for --stats; `when` stands before its seconds.
+[[nodiscard]] std::string text_of(const jit::MadeCode& made, std::string_view begin, std::string_view when, double seconds);
 
 }  // namespace bip::driver
