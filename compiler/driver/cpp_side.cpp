@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "compiler/base/content_hash.hpp"
 #include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/compiler_errors.hpp"
 #include "compiler/driver/host_compiler.hpp"
@@ -57,26 +58,8 @@ void add_once(std::vector<std::string>& list, const std::string& item) {
   if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
 }
 
-// FNV-1a, twice with different starts: names in a cache, nothing that an enemy chooses.
-class Hash {
- public:
-  void add(std::string_view text) {
-    for (const char ch : text) {
-      a_ = (a_ ^ static_cast<unsigned char>(ch)) * kPrime;
-      b_ = (b_ ^ static_cast<unsigned char>(ch)) * kPrime;
-    }
-    a_ = (a_ ^ 0x100) * kPrime;
-    b_ = (b_ ^ text.size()) * kPrime;
-  }
-  [[nodiscard]] std::string text() const { return fmt::format("{:016x}{:016x}", a_, b_); }
-
- private:
-  static constexpr std::uint64_t kPrime = 1099511628211u;
-  std::uint64_t a_ = 14695981039346656037u, b_ = 0x9e3779b97f4a7c15u;
-};
-
 // Headers beside a header count, too: it may include them.
-void add_headers(Hash& hash, const fs::path& folder) {
+void add_headers(std::vector<std::string>& texts, const fs::path& folder) {
   std::vector<fs::path> headers;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -85,8 +68,8 @@ void add_headers(Hash& hash, const fs::path& folder) {
   }
   std::sort(headers.begin(), headers.end());
   for (const fs::path& header : headers) {
-    hash.add(header.string());
-    hash.add(text_of(header));
+    texts.push_back(header.string());
+    texts.push_back(text_of(header));
   }
 }
 
@@ -110,27 +93,26 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp, const T
   for (const char* flag : {"-std=c++20", "-O1", "-shared", "-fPIC", "-ffp-contract=off", "-w", "-Wl,-z,defs"}) command.emplace_back(flag);
   command.insert(command.end(), {"-I" + runtime.directory + "/include", "-I" + parent});
   for (const std::string& dir : cpp.include_dirs) command.push_back("-I" + dir);
-  Hash hash;
-  hash.add(BIPC_VERSION);
-  for (const std::string& word : command) hash.add(word);
-  hash.add(shim);
+  std::vector<std::string> texts{BIPC_VERSION, shim};
+  texts.insert(texts.end(), command.begin(), command.end());
   // So that messages are alike wherever we run.
   command.insert(command.begin(), {"env", "LC_ALL=C.UTF-8"});
-  add_headers(hash, fs::path(runtime.directory) / "include/bip");
+  add_headers(texts, fs::path(runtime.directory) / "include/bip");
   for (const CppFile& file : c.system->code.cpp.includes) {
     std::string folder;
     const std::string path = find_file(c, file, folder);
-    add_headers(hash, fs::path(path).parent_path());
+    add_headers(texts, fs::path(path).parent_path());
   }
   for (const auto* files : {&cpp.sources, &cpp.objects}) {
     for (const std::string& file : *files) {
-      hash.add(file);
-      hash.add(text_of(file));
+      texts.push_back(file);
+      texts.push_back(text_of(file));
     }
   }
+  const std::string hash = content_hash({texts.begin(), texts.end()});
   const fs::path kept = cache_folder(c.options.cache);
   const fs::path folder = kept.empty() ? fs::path(work.path()) : kept;
-  const fs::path object = folder / (hash.text() + ".so");
+  const fs::path object = folder / (hash + ".so");
   std::error_code error;
   if (fs::exists(object, error)) {
     // What is used stays when the folder becomes too large.
@@ -140,7 +122,7 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp, const T
   fs::create_directories(folder, error);
   const std::string source = work.path() + "/shim.cpp";
   const std::string said = work.path() + "/said";
-  const fs::path fresh = folder / fmt::format("{}.{}", hash.text(), ::getpid());
+  const fs::path fresh = folder / fmt::format("{}.{}", hash, ::getpid());
   if (const auto written = write_file(source, shim); !written) {
     c.diags.report(Diag::kB5004, {}, source, written.error());
     return {};

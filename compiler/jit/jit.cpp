@@ -16,9 +16,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "compiler/base/content_cache.hpp"
+#include "compiler/base/content_hash.hpp"
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/debug_info.hpp"
-#include "compiler/jit/object_cache.hpp"
 #include "compiler/jit/target.hpp"
 #include "compiler/jit/watchers.hpp"
 
@@ -39,12 +40,12 @@ llvm::Error stopped() { return llvm::createStringError(llvm::inconvertibleErrorC
 
 // One compilation, module by module. Its product is the engine, which owns the code.
 struct Compiler {
-  Compiler(const lower::LoweredSystem& l, const JitOptions& o, MadeCode& m) : lowered(l), options(o), made(m), cache(o.cache_folder, o.cache_bytes) {}
+  Compiler(const lower::LoweredSystem& l, const JitOptions& o, MadeCode& m) : lowered(l), options(o), made(m), cache(KeptKind::Object, o.cache_folder, o.cache_bytes) {}
 
   const lower::LoweredSystem& lowered;
   const JitOptions& options;
   MadeCode& made;
-  ObjectCache cache;
+  ContentCache cache;
   std::unique_ptr<llvm::orc::LLJIT> engine;
   std::unique_ptr<llvm::TargetMachine> machine;
   std::string origin;  // what all objects depend on

@@ -1,43 +1,33 @@
-// The cache of machine code: what is stored comes back, what is broken does not, and it stays as small as asked.
-#include "compiler/jit/object_cache.hpp"
+// What is kept on disk: what is stored comes back, what is broken does not, and it stays as small as asked. And its hash.
+#include "compiler/base/content_cache.hpp"
 
-#include <catch2/catch.hpp>
-#include <unistd.h>
+#include <sys/stat.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <thread>
 
-#include "compiler/jit/jit.hpp"
-#include "tests/unit/jit/units.hpp"
+#include "compiler/base/content_hash.hpp"
+#include "tests/unit/base/scratch_folder.hpp"
 
 namespace fs = std::filesystem;
 
-namespace bip::jit {
+namespace bip {
 namespace {
 
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "bipc-cache-test-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  [[nodiscard]] std::string path() const { return path_.string(); }
-  [[nodiscard]] std::vector<fs::path> files() const {
-    std::vector<fs::path> found;
-    for (const auto& entry : fs::directory_iterator(path_)) found.push_back(entry.path());
-    return found;
-  }
-
- private:
-  fs::path path_;
-};
+using Folder = testing::ScratchFolder;
 
 constexpr std::uint64_t kLarge = 1 << 20;
 
 }  // namespace
+
+TEST_CASE("the hash is BLAKE2b") {
+  // As `b2sum -l 256` has them: no byte, one, a whole block, one more, several blocks.
+  CHECK(blake2b("") == "0e5751c026e543b2e8ab2eb06099daa1d1e5df47778f7787faab45cdf12fe3a8");
+  CHECK(blake2b("abc") == "bddd813c634239723171ef3fee98579b94964e3bb1cb3e427262c8c068d52319");
+  CHECK(blake2b(std::string(128, 'x')) == "164ffb7089bae6f5a62fb0795e751dc9e88eac92e1a5b2fafe93a25abf2d9c3b");
+  CHECK(blake2b(std::string(129, 'x')) == "03b0758fa71d249c846c2304a2b9996e6ae66ffa7e5528f9e612e089a360fc8d");
+  CHECK(blake2b(std::string(1000, 'x')) == "ab75119ede14ef06ebf31f745fb655ed006cccfe8054c635308a557f7c9beaba");
+}
 
 TEST_CASE("hashes tell texts and their borders apart") {
   CHECK(content_hash({"ab", "c"}) == content_hash({"ab", "c"}));
@@ -50,12 +40,12 @@ TEST_CASE("what is stored comes back, bytes of all kinds") {
   const Folder folder;
   const std::string bytes("\0\n\xff bipc object 1\n", 18);
   {
-    ObjectCache cache(folder.path() + "/made/when/needed", kLarge);
+    ContentCache cache(KeptKind::Object, folder.path() + "/made/when/needed", kLarge);
     CHECK_FALSE(cache.load("a"));
     cache.store("a", bytes);
     cache.store("empty", "");
   }
-  ObjectCache cache(folder.path() + "/made/when/needed", kLarge);
+  ContentCache cache(KeptKind::Object, folder.path() + "/made/when/needed", kLarge);
   CHECK(cache.load("a") == bytes);
   CHECK(cache.load("empty") == "");
   CHECK_FALSE(cache.load("b"));
@@ -65,7 +55,7 @@ TEST_CASE("what is stored comes back, bytes of all kinds") {
 TEST_CASE("a file that is cut, changed or foreign counts as none") {
   const Folder folder;
   const std::string bytes(1000, 'x');
-  { ObjectCache(folder.path(), kLarge).store("a", bytes); }
+  { ContentCache(KeptKind::Object, folder.path(), kLarge).store("a", bytes); }
   const fs::path path = fs::path(folder.path()) / "a.o";
   std::ifstream in(path, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(in), {}};
@@ -76,7 +66,7 @@ TEST_CASE("a file that is cut, changed or foreign counts as none") {
   head[20] = static_cast<char>(head[20] == '0' ? '1' : '0');
   for (const std::string& text : {whole.substr(0, whole.size() - 1), whole + "z", changed, head, std::string(), std::string("ELF"), whole.substr(0, 30)}) {
     write(text);
-    ObjectCache cache(folder.path(), kLarge);
+    ContentCache cache(KeptKind::Object, folder.path(), kLarge);
     CHECK_FALSE(cache.load("a"));
     CHECK(cache.broken().size() == 1);
     cache.store("a", bytes);
@@ -91,7 +81,7 @@ TEST_CASE("what was not used longest goes first") {
     fs::last_write_time(fs::path(folder.path()) / name, fs::file_time_type::clock::now() - std::chrono::hours(hours));
   };
   {
-    ObjectCache cache(folder.path(), kLarge);
+    ContentCache cache(KeptKind::Object, folder.path(), kLarge);
     for (const char* name : {"a", "b", "c"}) cache.store(name, bytes);
   }
   std::ofstream(fs::path(folder.path()) / "left.new") << "half";
@@ -102,8 +92,8 @@ TEST_CASE("what was not used longest goes first") {
   age("c.o", 3);
   age("left.new", 2);
   // Used again: b is the oldest then.
-  CHECK(ObjectCache(folder.path(), kLarge).load("a"));
-  { ObjectCache(folder.path(), 4000).store("d", bytes); }
+  CHECK(ContentCache(KeptKind::Object, folder.path(), kLarge).load("a"));
+  { ContentCache(KeptKind::Object, folder.path(), 4000).store("d", bytes); }
   CHECK_FALSE(fs::exists(folder.path() + "/b.o"));
   CHECK(fs::exists(folder.path() + "/a.o"));
   CHECK(fs::exists(folder.path() + "/d.o"));
@@ -113,12 +103,12 @@ TEST_CASE("what was not used longest goes first") {
 }
 
 TEST_CASE("without a folder, or with one that cannot be, nothing is kept and nothing fails") {
-  ObjectCache off("", kLarge);
+  ContentCache off(KeptKind::Object, "", kLarge);
   off.store("a", "x");
   CHECK_FALSE(off.load("a"));
   const Folder folder;
   std::ofstream(folder.path() + "/file") << "no folder";
-  ObjectCache cache(folder.path() + "/file", kLarge);
+  ContentCache cache(KeptKind::Object, folder.path() + "/file", kLarge);
   cache.store("a", "x");
   CHECK_FALSE(cache.load("a"));
 }
@@ -129,12 +119,12 @@ TEST_CASE("several writers at a time leave whole files") {
   std::vector<std::thread> threads;
   for (int k = 0; k < 4; ++k) {
     threads.emplace_back([&, k] {
-      for (int round = 0; round < 50; ++round) ObjectCache(folder.path(), kLarge).store("same", text(k));
+      for (int round = 0; round < 50; ++round) ContentCache(KeptKind::Object, folder.path(), kLarge).store("same", text(k));
     });
   }
   int broken = 0, seen = 0;
   for (int round = 0; round < 400; ++round) {
-    ObjectCache cache(folder.path(), kLarge);
+    ContentCache cache(KeptKind::Object, folder.path(), kLarge);
     const std::optional<std::string> bytes = cache.load("same");
     broken += static_cast<int>(cache.broken().size());
     if (bytes) seen += *bytes == text((*bytes)[0] - 'a') ? 1 : -1000;
@@ -145,36 +135,25 @@ TEST_CASE("several writers at a time leave whole files") {
   CHECK(folder.files().size() == 1);
 }
 
-TEST_CASE("a second compilation takes its code from the cache, and it is the same code") {
+TEST_CASE("kinds have files of their own, and a pipe or a folder by that name is none") {
   const Folder folder;
-  test::Units units;
-  std::mt19937 random(7);
-  for (int k = 0; k < 20; ++k) {
-    units.add_guard(units.random_expr(random, Type::Bool, 4));
-    units.add_action(units.random_body(random, 3));
-  }
-  const auto compile = [&](OptLevel level, const std::string& version) {
-    MadeCode made;
-    const auto jit = Jit::compile(units.lowered(), {.level = level, .cache_folder = folder.path(), .version = version}, made);
-    REQUIRE(jit);
-    REQUIRE(made.codes.size() == units.size());
-    return made;
-  };
-  CHECK(compile(OptLevel::O2, "1").from_cache == 0);
-  const MadeCode second = compile(OptLevel::O2, "1");
-  CHECK(second.from_cache == second.modules);
-  CHECK(second.modules == 1);
-  // Another level, another version, other code: none of them are the same.
-  CHECK(compile(OptLevel::O0, "1").from_cache == 0);
-  CHECK(compile(OptLevel::O2, "2").from_cache == 0);
-  units.add_guard(units.random_expr(random, Type::Bool, 2));
-  CHECK(compile(OptLevel::O2, "1").from_cache == 0);
-  // A broken file is told and made anew.
-  for (const fs::path& file : folder.files()) std::ofstream(file, std::ios::binary) << "broken";
-  const MadeCode again = compile(OptLevel::O2, "1");
-  CHECK(again.from_cache == 0);
-  CHECK(again.broken_files.size() == 1);
-  CHECK(compile(OptLevel::O2, "1").from_cache == 1);
+  ContentCache objects(KeptKind::Object, folder.path(), kLarge), proofs(KeptKind::Proof, folder.path(), kLarge);
+  CHECK(objects.store("a", "code"));
+  CHECK_FALSE(proofs.load("a"));
+  CHECK(proofs.store("a", "proof"));
+  CHECK(objects.load("a") == "code");
+  CHECK(proofs.load("a") == "proof");
+  fs::rename(folder.path() + "/a.o", folder.path() + "/a.proof");
+  CHECK_FALSE(proofs.load("a"));
+  CHECK(proofs.broken().size() == 1);
+  REQUIRE(::mkfifo((folder.path() + "/pipe.proof").c_str(), 0600) == 0);
+  fs::create_directory(folder.path() + "/folder.proof");
+  CHECK_FALSE(proofs.load("pipe"));
+  CHECK_FALSE(proofs.load("folder"));
+  // Larger than all that may be kept.
+  CHECK(proofs.store("large", std::string(5000, 'x')));
+  CHECK_FALSE(ContentCache(KeptKind::Proof, folder.path(), 4000).load("large"));
+  CHECK(proofs.load("large"));
 }
 
-}  // namespace bip::jit
+}  // namespace bip

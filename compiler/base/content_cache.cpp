@@ -1,8 +1,6 @@
-// See object_cache.hpp. A file is a line that names the format, the hash of the rest, the rest.
-#include "compiler/jit/object_cache.hpp"
+// See content_cache.hpp. A file is a line that names the format, the hash of the rest, the rest.
+#include "compiler/base/content_cache.hpp"
 
-#include <llvm/ADT/StringExtras.h>
-#include <llvm/Support/BLAKE3.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,82 +9,84 @@
 #include <fstream>
 #include <iterator>
 
-namespace bip::jit {
+#include "compiler/base/content_hash.hpp"
+
+namespace bip {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kMagic = "bipc object 1\n";
 constexpr std::size_t kHashSize = 64;
 // What a process left that ended while it wrote.
 constexpr std::chrono::hours kAbandoned{1};
 
-bool is_kept_file(const fs::path& path) { return path.extension() == ".o" || path.extension() == ".so"; }
+std::string_view magic_of(KeptKind kind) { return kind == KeptKind::Object ? "bipc object 2\n" : "bipc proof 1\n"; }
+const char* extension_of(KeptKind kind) { return kind == KeptKind::Object ? ".o" : ".proof"; }
+// .so: the compiled C++ of models, which the driver keeps in the same folder.
+bool is_kept_file(const fs::path& path) { return path.extension() == ".o" || path.extension() == ".so" || path.extension() == ".proof"; }
 
 }  // namespace
 
-std::string content_hash(const std::vector<std::string_view>& texts) {
-  llvm::BLAKE3 hash;
-  for (const std::string_view text : texts) {
-    const std::uint64_t size = text.size();
-    std::uint8_t bytes[8];
-    for (unsigned k = 0; k < 8; ++k) bytes[k] = static_cast<std::uint8_t>(size >> (8 * k));
-    hash.update(llvm::ArrayRef<std::uint8_t>(bytes, 8));
-    hash.update(llvm::StringRef(text.data(), text.size()));
-  }
-  const auto digest = hash.final<32>();
-  return llvm::toHex(llvm::ArrayRef<std::uint8_t>(digest.data(), digest.size()), true);
-}
-
-std::optional<std::string> ObjectCache::load(const std::string& name) {
+std::optional<std::string> ContentCache::load(const std::string& name) {
   if (!is_on()) return std::nullopt;
-  const fs::path path = folder_ / (name + ".o");
+  const fs::path path = folder_ / (name + extension_of(kind_));
+  std::error_code error;
+  // A pipe would wait for a writer, and what is larger than all that may be kept is none of ours.
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  if (fs::file_size(path, error) > most_bytes_ || error) {
+    if (!error) broken_.push_back(path.string());
+    return std::nullopt;
+  }
   std::ifstream in(path, std::ios::binary);
   if (!in) return std::nullopt;
   std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::string_view all = text;
-  const std::size_t head = kMagic.size() + kHashSize;
-  if (!all.starts_with(kMagic) || all.size() < head || content_hash({all.substr(head)}) != all.substr(kMagic.size(), kHashSize)) {
+  const std::string_view magic = magic_of(kind_);
+  const std::size_t head = magic.size() + kHashSize;
+  if (!all.starts_with(magic) || all.size() < head || blake2b(all.substr(head)) != all.substr(magic.size(), kHashSize)) {
     broken_.push_back(path.string());
     return std::nullopt;
   }
-  std::error_code ignored;
-  fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+  fs::last_write_time(path, fs::file_time_type::clock::now(), error);
   text.erase(0, head);
   return text;
 }
 
-void ObjectCache::store(const std::string& name, std::string_view bytes) {
-  if (!is_on()) return;
+bool ContentCache::store(const std::string& name, std::string_view bytes) {
+  if (!is_on()) return false;
   std::error_code error;
   fs::create_directories(folder_, error);
   // A name that nobody else writes to.
   std::string fresh = (folder_ / (name + ".XXXXXX.new")).string();
   const int file = ::mkstemps(fresh.data(), 4);
-  if (file < 0) return;
+  if (file < 0) return false;
   ::close(file);
   {
     std::ofstream out(fresh, std::ios::binary);
-    out << kMagic << content_hash({bytes});
+    out << magic_of(kind_) << blake2b(bytes);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.close();
     if (!out) {
       fs::remove(fresh, error);
-      return;
+      return false;
     }
   }
-  fs::rename(fresh, folder_ / (name + ".o"), error);
-  if (error) fs::remove(fresh, error);
-  else has_stored_ = true;
+  fs::rename(fresh, folder_ / (name + extension_of(kind_)), error);
+  if (error) {
+    fs::remove(fresh, error);
+    return false;
+  }
+  has_stored_ = true;
+  return true;
 }
 
-ObjectCache::~ObjectCache() {
+ContentCache::~ContentCache() {
   if (has_stored_) tidy();
 }
 
 // Others may do the same at the same time: a file that is gone is gone.
-void ObjectCache::tidy() const {
+void ContentCache::tidy() const {
   struct File {
     fs::file_time_type used;
     std::uint64_t bytes;
@@ -115,4 +115,4 @@ void ObjectCache::tidy() const {
   }
 }
 
-}  // namespace bip::jit
+}  // namespace bip

@@ -1,0 +1,45 @@
+// What is kept on disk for the next time, machine code or proofs: files in a folder, named by the hash of all that they were made from.
+//
+// Whoever asks for a name gets bytes that were stored under it, or nothing: a file that is cut or changed is recognised by
+// the hash it begins with and counts as none. (Somebody who can write to the folder can forge the hash, too: whoever takes what is kept
+// trusts the folder's owner, or checks it.) Several processes may use a folder at a time, since files appear by renaming.
+// Nothing here fails: a folder that cannot be written is one that never has anything. Cost: reading and hashing the file.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bip {
+
+/// Object: machine code. Proof: what the prover found.
+enum class KeptKind : std::uint8_t { Object, Proof };
+
+class ContentCache {
+ public:
+  /// An empty folder: nothing is ever found or kept.
+  ContentCache(KeptKind kind, std::string folder, std::uint64_t most_bytes) : kind_(kind), folder_(std::move(folder)), most_bytes_(most_bytes) {}
+  /// Removes what was not used longest, of all kinds, if more than most_bytes are kept and this object added some.
+  ~ContentCache();
+  ContentCache(const ContentCache&) = delete;
+  ContentCache& operator=(const ContentCache&) = delete;
+
+  [[nodiscard]] bool is_on() const { return !folder_.empty(); }
+  [[nodiscard]] std::optional<std::string> load(const std::string& name);
+  /// True: it is kept.
+  bool store(const std::string& name, std::string_view bytes);
+  /// Files that were no good.
+  [[nodiscard]] const std::vector<std::string>& broken() const { return broken_; }
+
+ private:
+  void tidy() const;
+  KeptKind kind_;
+  std::filesystem::path folder_;
+  std::uint64_t most_bytes_;
+  bool has_stored_ = false;
+  std::vector<std::string> broken_;
+};
+
+}  // namespace bip
