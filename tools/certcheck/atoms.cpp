@@ -8,120 +8,90 @@ namespace certcheck {
 namespace {
 // Internal transitions in a row: in general, and where it is clear which.
 constexpr int kMaxInternals = 24, kMaxClear = 100000;
+
+Scope own(const AtomType& type, Local& local) { return {std::span(local).subspan(type.places), {}, {}}; }
+
+z3::expr marked(const Local& local, const Rows& places) {
+  z3::expr all = local.at(0).ctx().bool_val(true);
+  for (std::size_t place : places) all = both(all, local[place]);
+  return all;
+}
+
+void merge(const z3::expr& when, const Local& from, Local& into) {
+  for (std::size_t k = 0; k < into.size(); ++k) into[k] = choose(when, from[k], into[k]);
+}
 }  // namespace
 
-Variables Terms::own(const AtomType& type, Local& local) const {
-  Variables v;
-  v.self = [this, &type, &local](std::size_t k) { return is_exact(type.types.at(k)) ? local.slots.at(k) : fresh(type.types[k]); };
-  v.set_self = [&local](std::size_t k, const z3::expr& value) { local.slots.at(k) = value; };
-  return v;
-}
-
-Local Terms::local(const Atom& atom, const std::function<z3::expr(std::size_t)>& mark, const std::function<z3::expr(std::size_t)>& value) const {
+Local Terms::initial(const Atom& atom, z3::expr& fault) const {
   const AtomType& type = m_.atom_types[atom.type];
-  Local local;
-  std::size_t arg = 0;
-  z3::expr fault = truth(false);
-  for (std::size_t p = 0; p < type.places.size(); ++p) local.marks.push_back(mark(p));
-  for (std::size_t k = 0; k < type.slots.size(); ++k) local.slots.push_back(type.is_param[k] ? evaluate(atom.args->at(++arg), {}, fault, fault) : value(k));
-  return local;
-}
-
-Local Terms::initial(const Atom& atom, Trouble& trouble) const {
-  const AtomType& type = m_.atom_types[atom.type];
-  const auto is_marked = [&](std::size_t p) { return truth(std::find(type.initial.begin(), type.initial.end(), p) != type.initial.end()); };
-  Local start = local(atom, is_marked, [&](std::size_t k) { return first(type.types[k]); });
-  execute(*type.initial_action, own(type, start), truth(true), trouble.fault);
-  check_invariants(type, start, truth(true), trouble.fault);
-  settle(type, start, truth(true), trouble);
+  Local start = local(atom, [&](std::size_t k) { return first(type.variables[k].type); });
+  for (std::size_t place : type.initial) start[place] = truth(true);
+  execute(*type.initial_action, own(type, start), truth(true), fault);
+  check_invariants(type, start, truth(true), fault);
+  settle(type, start, truth(true), fault);
   return start;
 }
 
-z3::expr Terms::marked(const Local& local, const Rows& places) const {
-  z3::expr all = truth(true);
-  for (std::size_t place : places) all = both(all, local.marks.at(place));
-  return all;
-}
-
-z3::expr Terms::has_values(const AtomType& type, const Local& local, const std::vector<std::optional<int>>& values) const {
-  z3::expr all = truth(true);
-  for (std::size_t k = 0; k < type.slots.size(); ++k) {
-    if (!values[k]) continue;
-    const std::optional<int> known = value(local.slots[k]);
-    all = both(all, known ? truth(*known == *values[k]) : local.slots[k] == constant(type.types[k], *values[k]));
-  }
-  return all;
-}
-
 void Terms::check_invariants(const AtomType& type, Local& local, const z3::expr& when, z3::expr& fault) const {
-  for (const Tree* row : type.invariants) {
-    const std::string_view scope = row->at(3).text;
-    const Rows places = (*row)["places"].rows();
-    z3::expr here = scope == "always" ? when : both(when, marked(local, places));
-    for (std::size_t p = 0; scope == "at" && p < type.places.size(); ++p) {
-      if (std::find(places.begin(), places.end(), p) == places.end()) here = both(here, no(local.marks[p]));
+  for (const Invariant& row : type.invariants) {
+    z3::expr here = when;
+    for (std::size_t p = 0; row.scope != "always" && p < type.places; ++p) {
+      if (std::find(row.places.begin(), row.places.end(), p) != row.places.end()) here = both(here, local[p]);
+      else if (row.scope == "at") here = both(here, no(local[p]));
     }
-    const z3::expr good = holds((*row)["guard"], own(type, local), here, fault);
+    const z3::expr good = holds(*row.guard, own(type, local), here, fault);
     fault = either(fault, both(here, no(good)));
   }
 }
 
 void Terms::move(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, z3::expr& fault) const {
   // An automaton is where the transition leads to, and nowhere else.
-  if (type.is_automaton) std::fill(local.marks.begin(), local.marks.end(), truth(false));
-  for (std::size_t place : t.from) local.marks.at(place) = truth(false);
+  if (type.is_automaton) std::fill_n(local.begin(), type.places, truth(false));
+  for (std::size_t place : t.from) local[place] = truth(false);
   for (std::size_t place : t.to) {
-    fault = either(fault, both(when, local.marks.at(place)));
-    local.marks[place] = truth(true);
+    fault = either(fault, both(when, local[place]));
+    local[place] = truth(true);
   }
   execute(*t.action, own(type, local), when, fault);
   check_invariants(type, local, when, fault);
 }
 
-namespace {
-void merge(const z3::expr& when, const Local& from, Local& into) {
-  for (std::size_t p = 0; p < into.marks.size(); ++p) into.marks[p] = choose(when, from.marks[p], into.marks[p]);
-  for (std::size_t k = 0; k < into.slots.size(); ++k) into.slots[k] = choose(when, from.slots[k], into.slots[k]);
-}
-}  // namespace
-
-void Terms::settle(const AtomType& type, Local& local, const z3::expr& when, Trouble& trouble) const {
+// Where it does not come to an end nothing is known, not even whether that is an error.
+void Terms::settle(const AtomType& type, Local& local, const z3::expr& when, z3::expr& fault) const {
   Local now = local;
   z3::expr active = when;
-  for (int round = 0;; ++round) {
+  for (int round = 0; !is(active, false); ++round) {
     z3::expr any = truth(false);
-    std::optional<Local> next;
-    for (const Transition& t : type.transitions) {
-      if (t.port != kNone) continue;
-      const z3::expr there = both(active, marked(now, t.from));
-      if (is(there, false)) continue;
-      const z3::expr on = both(there, holds(*t.guard, own(type, now), there, trouble.fault));
-      if (is(on, false)) continue;
-      trouble.fault = either(trouble.fault, both(any, on));
-      any = either(any, on);
-      Local moved = now;
-      move(type, t, moved, on, trouble.fault);
-      if (next) merge(on, moved, *next);
-      else next = std::move(moved);
+    Local next = now;
+    if (round > (is(active, true) ? kMaxClear : kMaxInternals)) {
+      fault = either(fault, both(active, fresh("bool")));
+      for (std::size_t k = 0; k < now.size(); ++k) now[k] = fresh(type.variables[k].type);
+    } else {
+      for (const Transition& t : type.transitions) {
+        if (t.port != kNone) continue;
+        const z3::expr there = both(active, marked(now, t.from));
+        if (is(there, false)) continue;
+        const z3::expr on = both(there, holds(*t.guard, own(type, now), there, fault));
+        if (is(on, false)) continue;
+        Local moved = now;
+        move(type, t, moved, on, fault);
+        if (is(any, false)) next = std::move(moved);
+        else merge(on, moved, next);
+        fault = either(fault, both(any, on));
+        any = either(any, on);
+      }
     }
     merge(both(active, no(any)), now, local);
     active = any;
-    if (is(active, false)) return;
-    if (round >= (is(active, true) ? kMaxClear : kMaxInternals)) {
-      trouble.lost = either(trouble.lost, active);
-      return;
-    }
-    now = std::move(*next);
+    now = std::move(next);
   }
 }
 
 Offer Terms::offer(const AtomType& type, Local& local, z3::expr& fault) const {
-  Offer offer;
-  offer.ports.assign(type.ports.size(), truth(false));
+  Offer offer{{}, std::vector<z3::expr>(type.ports.size(), truth(false))};
   for (const Transition& t : type.transitions) {
-    offer.transitions.push_back(t.port == kNone ? truth(false) : marked(local, t.from));
+    z3::expr& going = offer.transitions.emplace_back(t.port == kNone ? truth(false) : marked(local, t.from));
     if (t.port == kNone) continue;
-    z3::expr& going = offer.transitions.back();
     going = both(going, holds(*t.guard, own(type, local), going, fault));
     // Two transitions of a port at a time are an error.
     fault = either(fault, both(offer.ports[t.port], going));
@@ -157,18 +127,18 @@ void Terms::hide(const AtomType& type, Local& local, std::vector<z3::expr>& on, 
   }
 }
 
-void Terms::take(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, Trouble& trouble) const {
-  move(type, t, local, when, trouble.fault);
-  settle(type, local, when, trouble);
+void Terms::take(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, z3::expr& fault) const {
+  move(type, t, local, when, fault);
+  settle(type, local, when, fault);
 }
 
-void Terms::fire(const AtomType& type, const Offer& offer, std::size_t port, Local& local, const z3::expr& when, Trouble& trouble) const {
+void Terms::fire(const AtomType& type, const Offer& offer, std::size_t port, Local& local, const z3::expr& when, z3::expr& fault) const {
   const Local before = local;
   for (std::size_t t = 0; t < type.transitions.size(); ++t) {
     const z3::expr on = both(when, offer.transitions[t]);
     if (type.transitions[t].port != port || is(on, false)) continue;
     Local next = before;
-    take(type, type.transitions[t], next, on, trouble);
+    take(type, type.transitions[t], next, on, fault);
     merge(on, next, local);
   }
 }

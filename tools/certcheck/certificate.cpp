@@ -9,8 +9,8 @@ namespace certcheck {
 
 namespace {
 
-using Text = std::string_view;
-constexpr long kMostWeight = 0x40000000L;
+using Limits = std::numeric_limits<int>;
+constexpr int kMostWeight = 0x40000000;
 
 class Reader {
  public:
@@ -24,14 +24,13 @@ class Reader {
     bool has_end = false;
     for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
       ++line_;
-      if (has_end) fail("something follows the end");
+      need(!has_end, "something follows the end");
       end = std::min(text.find('\n', at), text.size());
       const Text line = text.substr(at, end - at);
       words_.clear();
-      for (std::size_t from = 0; (from = line.find_first_not_of(' ', from)) != Text::npos;) {
-        const std::size_t to = std::min(line.find(' ', from), line.size());
+      for (std::size_t from = 0, to = 0; (from = line.find_first_not_of(' ', from)) != Text::npos; from = to) {
+        to = std::min(line.find(' ', from), line.size());
         words_.push_back(line.substr(from, to - from));
-        from = to;
       }
       has_end = line == "end";
       if (!has_end) row(line);
@@ -47,24 +46,27 @@ class Reader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& why) const { throw Rejected("line " + std::to_string(line_) + ": " + why); }
-  Text word(std::size_t k) const {
-    if (k >= words_.size()) fail("a word is missing");
+  [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
+  void need(bool is_so, Text why, Text what = {}) const {
+    if (!is_so) throw Rejected(place() + ": " + (what.empty() ? "" : '`' + std::string(what) + "` ") + std::string(why));
+  }
+  [[nodiscard]] Text word(std::size_t k) const {
+    need(k < words_.size(), "a word is missing");
     return words_[k];
   }
 
   void row(Text line) {
     const Text head = words_.empty() ? Text() : words_[0];
-    if (line_ == 1 && line != "bipc-certificate 1") fail("not a certificate of version 1");
+    need(line_ != 1 || line == "bipc-certificate 1", "not a certificate of version 1");
     if (line_ == 1 || head == "root") return;
     if (head == "claim") {
-      if (!c_.claim.empty() || line.size() < 7) fail("one claim is expected");
+      need(c_.claim.empty() && line.size() > 6, "one claim is expected");
       c_.claim = line.substr(6);
     } else if (head == "method") {
-      if (!method_.empty() || words_.size() != 2) fail("one method is expected");
+      need(method_.empty() && words_.size() == 2, "one method is expected");
       method_ = word(1);
       if (method_ == "exhaustive") throw NotCheckable("the evidence is a search of all states");
-      if (method_ != "invariants" && method_ != "induction") fail("an unknown method");
+      need(method_ == "invariants" || method_ == "induction", "an unknown method");
     } else if (head == "class") {
       class_row();
     } else if (head == "mode") {
@@ -74,81 +76,80 @@ class Reader {
     } else if (head == "trap" || head == "one-token" || head == "sum") {
       set_row(head);
     } else if (head == "node") {
-      if (words_.size() != 2 || word(1) != std::to_string(c_.nodes.size())) fail("not the number of the next node");
+      need(words_.size() == 2 && word(1) == std::to_string(c_.nodes.size()), "not the number of the next node");
       c_.nodes.emplace_back();
     } else if (head == "case") {
-      if (c_.nodes.empty()) fail("a case without node");
-      Case one{literals(2), word(1) == "-" ? kNone : number(word(1))};
-      if (one.next != kNone && one.next + 1 >= c_.nodes.size()) fail("no node before this one has that number");
-      c_.nodes.back().push_back(std::move(one));
+      need(!c_.nodes.empty(), "a case without node");
+      const std::size_t next = word(1) == "-" ? kNone : number(word(1));
+      need(next == kNone || next + 1 < c_.nodes.size(), "no node before this one has that number");
+      c_.nodes.back().push_back({literals(2), next});
     } else if (head == "reached") {
-      if (c_.reached != kNone || words_.size() != 2) fail("one node is expected");
+      need(c_.reached == kNone && words_.size() == 2, "one node is expected");
       c_.reached = number(word(1));
-      if (c_.reached >= c_.nodes.size()) fail("no such node");
+      need(c_.reached < c_.nodes.size(), "no such node");
     } else if (head == "lemma") {
-      c_.facts.push_back({literals(1), "line " + std::to_string(line_)});
+      c_.facts.push_back({literals(1), place()});
     } else if (head == "range") {
-      if (words_.size() != 4) fail("a range is of one slot, with two ends");
-      c_.facts.push_back({{about_slot(word(1), Literal::Range, word(2), word(3))}, "line " + std::to_string(line_)});
+      need(words_.size() == 4, "a range is of one slot, with two ends");
+      Literal one = about(word(1));
+      one.low = number(word(2), Limits::min(), Limits::max());
+      one.high = number(word(3), Limits::min(), Limits::max());
+      c_.facts.push_back({{one}, place()});
     } else {
-      fail("an unknown row");
+      need(false, "an unknown row");
     }
   }
 
   void class_row() {
-    if (word(1) != std::to_string(c_.classes.size())) fail("not the number of the next class");
+    need(word(1) == std::to_string(c_.classes.size()), "not the number of the next class");
     Class row;
     while (row.type < m_.atom_types.size() && m_.atom_types[row.type].name != word(2)) ++row.type;
-    if (row.type == m_.atom_types.size()) fail("no atom type `" + std::string(word(2)) + "`");
-    row.followed.assign(m_.atom_types[row.type].slots.size(), false);
-    for (std::size_t k = 3; k < words_.size(); ++k) row.followed[slot(m_.atom_types[row.type], words_[k])] = true;
+    need(row.type < m_.atom_types.size(), "no such atom type");
+    const AtomType& type = m_.atom_types[row.type];
+    row.followed.assign(type.variables.size(), false);
+    std::fill_n(row.followed.begin(), type.places, true);
+    for (std::size_t k = 3; k < words_.size(); ++k) row.followed[variable(type, words_[k], false)] = true;
     c_.classes.push_back(std::move(row));
   }
 
   void mode_row() {
-    if (c_.classes.empty()) fail("a mode without class");
+    need(!c_.classes.empty(), "a mode without class");
     Class& row = c_.classes.back();
     const AtomType& type = m_.atom_types[row.type];
-    if (word(1) != std::to_string(row.modes.size()) || word(2) != "at") fail("not the next mode");
-    Mode mode;
-    mode.values.resize(type.slots.size());
+    need(word(1) == std::to_string(row.modes.size()) && word(2) == "at", "not the next mode");
+    Values mode(type.variables.size());
+    std::fill_n(mode.begin(), type.places, 0);
     for (std::size_t k = 3; k < words_.size(); ++k) {
-      if (words_[k].find('=') == Text::npos) {
-        mode.places.insert(find(type.places, words_[k]));
-        continue;
-      }
-      const auto [name, value] = split(words_[k], words_[k].find('='));
-      const std::size_t at = slot(type, name);
-      if (!row.followed[at]) fail("a value that is not followed");
-      if (value != "?") mode.values[at] = value_of(type.types[at], value);
+      const std::size_t equals = words_[k].find('=');
+      const std::size_t at = variable(type, words_[k].substr(0, equals), equals == Text::npos);
+      need(row.followed[at], "a value that is not followed");
+      if (equals == Text::npos) mode[at] = 1;
+      else if (words_[k].substr(equals + 1) != "?") mode[at] = value_of(type.variables[at], words_[k].substr(equals + 1));
     }
-    if (!row.numbers.emplace(mode, row.modes.size()).second) fail("a mode twice");
+    need(row.numbers.emplace(mode, row.modes.size()).second, "a mode twice");
     row.modes.push_back(std::move(mode));
   }
 
   void component_row() {
     const std::size_t atom = atom_of(word(1)), row = number(word(3));
-    if (word(2) != "class" || word(4) != "reachable") fail("not `component PATH class N reachable …`");
-    if (c_.class_of[atom] != kNone) fail("a component twice");
-    if (row >= c_.classes.size() || c_.classes[row].type != m_.atoms[atom].type) fail("the class does not fit");
+    need(word(2) == "class" && word(4) == "reachable", "not `component PATH class N reachable …`");
+    need(c_.class_of[atom] == kNone, "a component twice");
+    need(row < c_.classes.size() && c_.classes[row].type == m_.atoms[atom].type, "the class does not fit");
     c_.class_of[atom] = row;
     for (std::size_t k = 5; k < words_.size(); ++k) {
-      if (number(words_[k]) >= c_.classes[row].modes.size()) fail("no such mode");
+      need(number(words_[k]) < c_.classes[row].modes.size(), "no such mode");
       c_.reachable[atom].insert(number(words_[k]));
     }
   }
 
   void set_row(Text head) {
-    Set set;
-    set.is_trap = head == "trap";
-    set.text = "line " + std::to_string(line_);
     const bool is_sum = head == "sum";
-    if (is_sum) set.total = static_cast<int>(number(word(1), 0, kMostWeight));
+    Set set{head == "trap", {}, is_sum ? number(word(1), 0, kMostWeight) : 1, place()};
     for (std::size_t k = is_sum ? 2 : 1; k < words_.size(); ++k) {
       const auto [member, weight] = is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
       const auto [path, mode] = split(member, member.rfind(':'));
       const bool is_new = set.weights.emplace(std::pair(atom_of(path), number(mode)), number(weight, 1, kMostWeight)).second;
-      if (!is_new && is_sum) fail("a mode twice");
+      need(is_new || !is_sum, "a mode twice");
     }
     c_.sets.push_back(std::move(set));
   }
@@ -159,60 +160,53 @@ class Reader {
     for (std::size_t k = first; k < words_.size(); ++k) {
       const bool is_negated = words_[k][0] == '!';
       const Text name = words_[k].substr(is_negated ? 1 : 0);
-      const bool is_place = name.find('@') != Text::npos;
-      const auto [owner, what] = split(name, is_place ? name.find('@') : name.find_last_of(":="));
-      if (is_place) {
-        const std::size_t atom = atom_of(owner);
-        result.push_back({Literal::Place, is_negated, atom, find(m_.type_of(atom).places, what)});
-      } else {
-        result.push_back(about_slot(owner, name[owner.size()] == ':' ? Literal::Bit : Literal::Value, what, what));
-        result.back().is_negated = is_negated;
-      }
+      const std::size_t at = name.find('@');
+      const auto [owner, what] = split(name, at != Text::npos ? at : name.find_last_of(":="));
+      Literal one = at != Text::npos ? about(name) : about(owner);
+      const Variable& variable = m_.type_of(one.atom).variables[one.variable];
+      if (at == Text::npos && name[owner.size()] == '=') one.low = one.high = value_of(variable, what);
+      else if (at == Text::npos) one.bit = number(what, 0, variable.type == "bool" ? 0 : 31);
+      one.is_negated = is_negated;
+      result.push_back(one);
     }
     return result;
   }
-  [[nodiscard]] Literal about_slot(Text name, decltype(Literal::about) about, Text low, Text high) const {
-    const auto [path, data] = split(name, name.rfind('.'));
-    const std::size_t atom = atom_of(path), row = slot(m_.type_of(atom), data);
-    const Text type = m_.type_of(atom).types[row];
-    if (about == Literal::Value) return {about, false, atom, row, value_of(type, low), value_of(type, high)};
-    const long least = about == Literal::Bit ? 0 : std::numeric_limits<int>::min();
-    const long most = about != Literal::Bit ? std::numeric_limits<int>::max() : type == "bool" ? 0 : 31;
-    return {about, false, atom, row, number(low, least, most), number(high, least, most)};
+  // PATH@PLACE or PATH.SLOT
+  [[nodiscard]] Literal about(Text name) const {
+    const bool is_place = name.find('@') != Text::npos;
+    const auto [path, what] = split(name, is_place ? name.find('@') : name.rfind('.'));
+    const std::size_t atom = atom_of(path);
+    return {atom, variable(m_.type_of(atom), what, is_place), 1, 1, {}, false};
   }
 
   [[nodiscard]] std::pair<Text, Text> split(Text text, std::size_t at) const {
-    if (at == Text::npos) fail("`" + std::string(text) + "` is no name with what is said of it");
+    need(at != Text::npos, "is no name with what is said of it", text);
     return {text.substr(0, at), text.substr(at + 1)};
   }
   [[nodiscard]] std::size_t atom_of(Text path) const {
     const auto found = atoms_.find(path);
-    if (found == atoms_.end()) fail("no component `" + std::string(path) + "`");
+    need(found != atoms_.end(), "is no component", path);
     return found->second;
   }
-  [[nodiscard]] std::size_t find(const std::vector<Text>& names, Text name) const {
-    const auto at = std::find(names.begin(), names.end(), name);
-    if (at == names.end()) fail("no `" + std::string(name) + "` here");
-    return static_cast<std::size_t>(at - names.begin());
-  }
-  [[nodiscard]] std::size_t slot(const AtomType& type, Text name) const {
-    const std::size_t row = find(type.slots, name);
-    if (!is_exact(type.types[row])) fail("`" + std::string(name) + "` cannot be followed");
+  [[nodiscard]] std::size_t variable(const AtomType& type, Text name, bool is_place) const {
+    const std::size_t row = find_variable(type, name, is_place);
+    need(row != kNone, is_place ? "is no place here" : "is no data here", name);
+    need(is_exact(type.variables[row].type), "cannot be followed", name);
     return row;
   }
   // Between two ends, written in the one way.
-  [[nodiscard]] int number(Text text, long least, long most) const {
-    long value = 0;
+  [[nodiscard]] int number(Text text, int least, int most) const {
+    int value = 0;
     (void)std::from_chars(text.data(), text.data() + text.size(), value);
-    if (std::to_string(value) != text || value < least || value > most) fail("`" + std::string(text) + "` is no number here");
-    return static_cast<int>(value);
+    need(std::to_string(value) == text && value >= least && value <= most, "is no number here", text);
+    return value;
   }
-  [[nodiscard]] std::size_t number(Text text) const { return static_cast<std::size_t>(number(text, 0, std::numeric_limits<int>::max())); }
+  [[nodiscard]] std::size_t number(Text text) const { return static_cast<std::size_t>(number(text, 0, Limits::max())); }
   // false and true as 0 and 1; strings as rows, -1 for "" where no row has it.
-  [[nodiscard]] int value_of(Text type, Text text) const {
-    const bool is_bool = type == "bool";
-    const int value = number(text, is_bool ? 0 : std::numeric_limits<int>::min(), is_bool ? 1 : std::numeric_limits<int>::max());
-    return type == "string" ? std::max(value, 0) : value;
+  [[nodiscard]] int value_of(const Variable& variable, Text text) const {
+    const bool is_bool = variable.type == "bool";
+    const int value = number(text, is_bool ? 0 : Limits::min(), is_bool ? 1 : Limits::max());
+    return variable.type == "string" ? std::max(value, 0) : value;
   }
 
   const Model& m_;

@@ -6,17 +6,13 @@
 
 namespace certcheck {
 
-/// A marking and the values of the slots that are followed; what has none may be anything.
-struct Mode {
-  std::set<std::size_t> places;
-  std::vector<std::optional<int>> values;  // by slot
-  friend auto operator<=>(const Mode&, const Mode&) = default;
-};
+/// By variable of an atom: its value, or nothing where it may be any.
+using Values = std::vector<std::optional<int>>;
 struct Class {
   std::size_t type = 0;
-  std::vector<bool> followed;  // by slot
-  std::vector<Mode> modes;
-  std::map<Mode, std::size_t> numbers;
+  std::vector<bool> followed;  // by variable: places are
+  std::vector<Values> modes;
+  std::map<Values, std::size_t> numbers;
 };
 /// A trap, or modes of which the weights of those that hold add up to a total (one-token: 1, of weights 1).
 struct Set {
@@ -26,12 +22,12 @@ struct Set {
   std::string text;
 };
 
-/// A marked place, a bit of a slot, a slot's value, a slot between two values: or not.
+/// A variable is between two values, or one of its bits is set: or not.
 struct Literal {
-  enum { Place, Bit, Value, Range } about = Place;
+  std::size_t atom = 0, variable = 0;
+  int low = 1, high = 1;
+  std::optional<unsigned> bit;
   bool is_negated = false;
-  std::size_t atom = 0, row = 0;  // place or slot
-  int low = 0, high = 0;          // Bit: its number is low; Value: both
 };
 /// A node of a diagram holds where one of its cases does: all literals and node `next`, a smaller row (kNone: none).
 struct Case {

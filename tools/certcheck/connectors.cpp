@@ -9,29 +9,23 @@ namespace {
 constexpr std::size_t kMaxConfigurations = 512;
 }  // namespace
 
-Rows System::tree_of(std::size_t root) const {
-  Rows tree{root};
-  for (std::size_t k = 0; k < tree.size(); ++k) {
-    for (const Edge& edge : m_.nodes[tree[k]].children) tree.push_back(edge.node);
+const System::Shape& System::shape_of(std::size_t node, bool wants_list) {
+  Shape& shape = shapes_[node];
+  if (shape.tree.empty()) {
+    Rows& tree = shape.tree = {node};
+    for (std::size_t k = 0; k < tree.size(); ++k) {
+      for (const Edge& edge : m_.nodes[tree[k]].children) tree.push_back(edge.node);
+    }
+    std::sort(tree.rbegin(), tree.rend());
+    tree.erase(std::unique(tree.begin(), tree.end()), tree.end());
+    shape.is_plain = is_plain(tree);
   }
-  std::sort(tree.rbegin(), tree.rend());
-  tree.erase(std::unique(tree.begin(), tree.end()), tree.end());
-  return tree;
-}
-
-const System::Shape& System::shape_of(std::size_t connector, bool wants_list) {
-  std::optional<Shape>& shape = shapes_[connector];
-  const std::size_t root = m_.connectors[connector].root;
-  if (!shape) {
-    shape.emplace(Shape{tree_of(root), false, false, true, {}});
-    shape->is_plain = is_plain(shape->tree);
-  }
-  if (shape->is_listed || (shape->is_plain && !wants_list)) return *shape;
-  shape->is_listed = true;
-  shape->is_complete = list(root, false, shape->all);
-  if (!shape->is_complete) shape->all.clear();
-  if (!shape->is_complete && !list(root, true, shape->all)) shape->all.clear();
-  return *shape;
+  if (shape.is_listed || (shape.is_plain && !wants_list)) return shape;
+  shape.is_listed = true;
+  shape.is_complete = list(node, false, shape.all);
+  if (!shape.is_complete) shape.all.clear();
+  if (!shape.is_complete && !list(node, true, shape.all)) shape.all.clear();
+  return shape;
 }
 
 // No guards, no errors, free choices at which no code looks. Free: any alternatives fit each other, for what two children of a node
@@ -53,7 +47,7 @@ bool System::is_plain(const Rows& tree) const {
     const Connector& c = m_.connectors[node.connector];
     const bool chooses = std::any_of(c.params.begin(), c.params.end(), [&](const Edge& edge) { return is_any(edge.node); });
     for (const Clause& clause : m_.connector_types[c.type].clauses) {
-      if ((!clause.guard->items.empty() && clause.guard->at(1).text != "true") || clause.up->contains({"div", "mod", "call"})) return false;
+      if ((!clause.guard->items.empty() && clause.guard->at(1).text != "true") || !clause.up->find({"div", "mod", "call"}).empty()) return false;
       if (chooses && clause.up->items.size() + clause.down->items.size() != 0) return false;
     }
   }
@@ -86,6 +80,14 @@ bool System::list(std::size_t row, bool only_smallest, std::vector<Parts>& out) 
     if (is_good) out.push_back(std::move(parts));
   }
   return out.size() <= kMaxConfigurations;
+}
+
+bool System::is_larger(const Parts& a, const Parts& b) { return a.size() > b.size() && std::includes(a.begin(), a.end(), b.begin(), b.end()); }
+
+System::Chosen System::choice_of(const Rows& tree, const Parts& parts) const {
+  Chosen chosen;
+  for (std::size_t row : tree) chosen.emplace(row, t_.truth(parts.contains(row)));
+  return chosen;
 }
 
 System::Chosen System::largest(const Rows& tree) const {
@@ -128,15 +130,16 @@ z3::expr System::clause_is(const Connector& c, const Clause& clause, const Chose
   return here;
 }
 
+// (of ATOM SLOT)
+z3::expr& System::data(const Tree& of, Store& store) {
+  const std::size_t atom = of.at(1).row();
+  return local_of(atom, store).at(m_.type_of(atom).places + of.at(2).row());
+}
+
 // `bind` of a connector: the variables of its ports, one after the other, then data of the compound.
-Variables System::variables(std::size_t connector, const Chosen& chosen, Store& store) {
-  struct Place {
-    bool is_frame = false;
-    std::size_t owner = kNone, slot = 0;  // kNone: of a merged port of which none is known to take part
-    std::string_view type;
-  };
+Scope System::scope_of(std::size_t connector, const Chosen& chosen, Store& store) {
   const Connector& c = m_.connectors[connector];
-  auto places = std::make_shared<std::vector<Place>>();
+  Scope scope{store.frames.at(connector), {}, {}};
   for (std::size_t p = 0; p < c.params.size(); ++p) {
     std::size_t row = c.params[p].node;
     if (m_.nodes[row].kind == Kind::Any) {
@@ -145,39 +148,21 @@ Variables System::variables(std::size_t connector, const Chosen& chosen, Store& 
       row = taken == of.end() ? kNone : m_.nodes[taken->node].children[0].node;
     }
     const std::size_t inner = row == kNone ? kNone : m_.nodes[row].connector;
-    const std::vector<std::string_view>& types = m_.port_types.at(m_.connector_types[c.type].params[p]);
+    const std::vector<Text>& types = m_.port_types.at(m_.connector_types[c.type].params[p]);
     for (std::size_t v = 0; v < types.size(); ++v) {
-      if (row == kNone) {
-        places->push_back({false, kNone, 0, types[v]});
-      } else if (inner != kNone) {
-        places->push_back({true, inner, m_.connector_types[m_.connectors[inner].type].exported.at(v), {}});
-      } else {
-        const std::size_t atom = m_.atom_of_port.at(row);
-        places->push_back({false, atom, m_.type_of(atom).port_slots[row - m_.first_port[atom]].at(v), {}});
-      }
+      if (row == kNone || (inner != kNone && !store.frames.contains(inner))) scope.bind.push_back(&store.any.emplace_back(t_.fresh(types[v])));
+      else if (inner != kNone) scope.bind.push_back(&store.frames.at(inner).at(m_.connector_types[m_.connectors[inner].type].exported.at(v)));
+      else scope.bind.push_back(&local_of(m_.atom_of_port.at(row), store).at(m_.port(row).variables.at(v)));
     }
   }
-  for (const Tree* of : c.data->all("of")) places->push_back({false, of->at(1).row(), of->at(2).row(), {}});
-  Variables v;
-  v.self = [&store, connector](std::size_t k) { return store.frames.at({connector, k}); };
-  v.set_self = [&store, connector](std::size_t k, const z3::expr& value) { store.frames.insert_or_assign({connector, k}, value); };
-  v.bind = [this, places, &store](std::size_t k) {
-    const Place& p = places->at(k);
-    if (p.is_frame) return store.frames.at({p.owner, p.slot});
-    return p.owner == kNone ? t_.fresh(p.type) : t_.own(m_.type_of(p.owner), local_of(p.owner, store)).self(p.slot);
-  };
-  v.set_bind = [this, places, &store](std::size_t k, const z3::expr& value) {
-    const Place& p = places->at(k);
-    if (p.is_frame) store.frames.insert_or_assign({p.owner, p.slot}, value);
-    else if (p.owner != kNone) local_of(p.owner, store).slots.at(p.slot) = value;
-  };
-  return v;
+  for (const Tree* of : c.data->all("of")) scope.bind.push_back(&data(*of, store));
+  return scope;
 }
 
-z3::expr System::enabled(const Rows& tree, const Parts* parts, const Chosen& chosen, Store& store) {
+z3::expr System::enabled(const Rows& tree, bool is_listed, const Chosen& chosen, Store& store) {
   z3::expr result = chosen.at(tree[0]);
-  for (std::size_t part : parts == nullptr ? Parts() : *parts) {
-    if (m_.nodes[part].kind == Kind::Port) result = both(result, on_[part]);
+  for (std::size_t row : tree) {
+    if (m_.nodes[row].kind == Kind::Port && is(chosen.at(row), true)) result = both(result, on_[row]);
   }
   const z3::expr there = result;
   // Inner connectors first: what they compute is read above.
@@ -186,14 +171,15 @@ z3::expr System::enabled(const Rows& tree, const Parts* parts, const Chosen& cho
     if (connector == kNone || is(chosen.at(*row), false)) continue;
     const Connector& c = m_.connectors[connector];
     const ConnectorType& type = m_.connector_types[c.type];
-    for (std::size_t slot = 0; slot < type.slots.size(); ++slot) store.frames.insert_or_assign({connector, slot}, t_.first(type.slots[slot]));
+    Local& frame = store.frames[connector];
+    for (Text slot : type.slots) frame.push_back(t_.first(slot));
     for (const Clause& clause : type.clauses) {
       if (clause.guard->items.size() + clause.up->items.size() == 0) continue;
       const z3::expr here = clause_is(c, clause, chosen);
       if (is(here, false)) continue;
-      const Variables v = variables(connector, chosen, store);
-      z3::expr fault = t_.truth(false), holds = t_.holds(*clause.guard, v, here, fault);
-      t_.execute(*clause.up, v, here, fault);
+      const Scope read = scope_of(connector, chosen, store);
+      z3::expr fault = t_.truth(false), holds = t_.holds(*clause.guard, read, here, fault);
+      t_.execute(*clause.up, read, here, fault);
       if (!is(fault, false)) {
         guard_fault_ = either(guard_fault_, both(there, fault));
         holds = z3::ite(fault, t_.fresh("bool"), holds);
@@ -202,19 +188,16 @@ z3::expr System::enabled(const Rows& tree, const Parts* parts, const Chosen& cho
     }
   }
   // Where only the largest configurations of an inner connector are seen, none that is larger there is enabled.
-  for (std::size_t row : parts == nullptr ? Rows() : tree) {
+  for (std::size_t row : is_listed ? tree : Rows()) {
     for (const Edge& edge : m_.nodes[row].children) {
       if (!edge.is_maximal || is(chosen.at(edge.node), false)) continue;
-      const Shape& inner = shape_of(m_.nodes[edge.node].connector, true);
+      const Shape& inner = shape_of(edge.node, true);
       if (!inner.is_complete) throw NotCheckable("a connector has too many interactions");
       Parts own;
-      std::copy_if(parts->begin(), parts->end(), std::inserter(own, own.end()), [&](std::size_t part) { return std::binary_search(inner.tree.rbegin(), inner.tree.rend(), part); });
+      std::copy_if(inner.tree.begin(), inner.tree.end(), std::inserter(own, own.end()), [&](std::size_t part) { return is(chosen.at(part), true); });
       for (const Parts& larger : inner.all) {
-        if (larger.size() <= own.size() || !std::includes(larger.begin(), larger.end(), own.begin(), own.end())) continue;
-        Chosen also;
-        for (std::size_t part : inner.tree) also.emplace(part, t_.truth(larger.contains(part)));
         Store other;
-        result = both(result, no(enabled(inner.tree, &larger, also, other)));
+        if (is_larger(larger, own)) result = both(result, no(enabled(inner.tree, true, choice_of(inner.tree, larger), other)));
       }
     }
   }

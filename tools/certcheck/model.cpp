@@ -8,17 +8,16 @@ namespace certcheck {
 namespace {
 
 // Word `k` of all rows with that head.
-std::vector<std::string_view> column(const Tree& list, std::string_view head, std::size_t k) {
-  std::vector<std::string_view> words;
+std::vector<Text> column(const Tree& list, Text head, std::size_t k) {
+  std::vector<Text> words;
   for (const Tree* row : list.all(head)) words.push_back(row->at(k).text);
   return words;
 }
 
-void only(const Tree& list, const std::set<std::string_view>& known, std::size_t first, std::string_view owner) {
+void only(const Tree& list, const std::set<Text>& known, std::size_t first, Text owner) {
   for (std::size_t k = first; k < list.items.size(); ++k) {
-    const std::string_view name = list.items[k].is_list ? list.items[k].head() : list.items[k].text;
     // Bounds on clocks would be taken for steps that are always there.
-    if (!known.contains(name)) throw NotCheckable("`" + std::string(owner) + "` depends on time");
+    if (!known.contains(list.items[k].is_list ? list.items[k].head() : list.items[k].text)) throw NotCheckable("`" + std::string(owner) + "` depends on time");
   }
 }
 
@@ -31,7 +30,9 @@ class Reader {
     for (const Tree* row : m_.tree.all("string")) m_.strings.emplace(row->at(2).text, static_cast<int>(row->at(1).row()));
     for (const Tree* row : m_.tree.all("port-type")) m_.port_types.push_back(column(*row, "var", 2));
     m_.functions = m_.tree.all("function");
-    if (std::any_of(m_.functions.begin(), m_.functions.end(), [](const Tree* row) { return !(*row)["ref"].items.empty(); })) throw NotCheckable("C++ functions get references to variables");
+    for (const Tree* row : m_.functions) {
+      if (!(*row)["ref"].items.empty()) throw NotCheckable("C++ functions get references to variables");
+    }
     for (const Tree* row : m_.tree.all("atom-type")) atom_type(*row);
     for (const Tree* row : m_.tree.all("connector-type")) connector_type(*row);
     for (const Tree* row : m_.tree.all("atom")) atom(*row);
@@ -50,26 +51,28 @@ class Reader {
     AtomType type;
     type.name = row.at(2).text;
     only(row, {"slot", "port", "place", "initial", "do", "transition", "priority", "invariant", "merged"}, 3, type.name);
-    type.slots = column(row, "slot", 2);
-    type.types = column(row, "slot", 3);
-    type.places = column(row, "place", 2);
-    type.ports = column(row, "port", 2);
-    type.written.resize(type.ports.size());
-    type.priorities = row.all("priority");
-    type.invariants = row.all("invariant");
-    type.initial = row["initial"].rows();
-    type.initial_action = &row["do"];
-    for (const Tree* slot : row.all("slot")) type.is_param.push_back(slot->has_word("param", 4));
+    for (Text place : column(row, "place", 2)) type.variables.push_back({place, "bool"});
+    type.places = type.variables.size();
+    for (const Tree* slot : row.all("slot")) type.variables.push_back({slot->at(2).text, slot->at(3).text, slot->has_word("param", 4)});
+    const auto places = [&](const Tree& list) {
+      const Rows rows = list.rows();
+      if (std::any_of(rows.begin(), rows.end(), [&](std::size_t p) { return p >= type.places; })) throw Rejected("a place that there is not");
+      return rows;
+    };
     for (const Tree* port : row.all("port")) {
       if (!(*port)["extern"].items.empty()) throw NotCheckable("`" + std::string(type.name) + "` waits for events from outside");
-      type.is_exported.push_back(port->has_word("export", 4));
-      type.port_slots.push_back((*port)["slots"].rows());
+      type.ports.push_back({port->at(2).text, port->has_word("export", 4), (*port)["slots"].rows(), {}});
+      for (std::size_t& variable : type.ports.back().variables) variable += type.places;
     }
+    type.initial = places(row["initial"]);
+    type.initial_action = &row["do"];
+    type.priorities = row.all("priority");
+    for (const Tree* one : row.all("invariant")) type.invariants.push_back({one->at(3).text, places((*one)["places"]), &(*one)["guard"]});
     type.is_automaton = type.initial.size() == 1;
     for (const Tree* t : row.all("transition")) {
       only(*t, {"on", "from", "to", "guard", "do"}, 2, type.name);
       const Rows on = (*t)["on"].rows();
-      type.transitions.push_back({on.empty() ? kNone : on[0], (*t)["from"].rows(), (*t)["to"].rows(), &(*t)["guard"], &(*t)["do"]});
+      type.transitions.push_back({on.empty() ? kNone : on[0], places((*t)["from"]), places((*t)["to"]), &(*t)["guard"], &(*t)["do"]});
       if (!on.empty() && on[0] >= type.ports.size()) throw Rejected("a transition of `" + std::string(type.name) + "` has no such port");
       type.is_automaton = type.is_automaton && type.transitions.back().from.size() == 1 && type.transitions.back().to.size() == 1;
     }
@@ -80,15 +83,15 @@ class Reader {
     const Tree& exported = row["export"];
     ConnectorType type{{}, column(row, "slot", 3), {}, exported["slots"].rows(), !exported.items.empty(), &row["define"].at(1)};
     for (const Tree* param : row.all("param")) type.params.push_back(param->at(3).row());
-    for (const Tree* clause : row.all("clause")) type.clauses.push_back({(*clause)["params"].rows(), &(*clause)["guard"], &(*clause)["up"], &(*clause)["down"]});
+    for (const Tree* one : row.all("clause")) type.clauses.push_back({(*one)["params"].rows(), &(*one)["guard"], &(*one)["up"], &(*one)["down"]});
     m_.connector_types.push_back(std::move(type));
   }
 
   void atom(const Tree& row) {
     const std::size_t type = row.at(3).row();
     m_.first_port.push_back(m_.nodes.size());
-    for (const bool is_exported : m_.atom_types.at(type).is_exported) {
-      m_.nodes.emplace_back().is_step = !is_exported;
+    for (const Port& port : m_.atom_types.at(type).ports) {
+      m_.nodes.emplace_back().is_step = !port.is_exported;
       m_.atom_of_port.push_back(m_.atoms.size());
     }
     m_.atoms.push_back({row.at(2).text, type, &row["args"]});
@@ -96,19 +99,17 @@ class Reader {
 
   std::size_t add(Kind kind, std::vector<Edge> children) {
     if (children.empty()) throw Rejected("a group of nothing");
-    m_.nodes.emplace_back().kind = kind;
-    m_.nodes.back().children = std::move(children);
+    m_.nodes.push_back({kind, std::move(children), {}});
     return m_.nodes.size() - 1;
   }
 
   Edge binding(const Tree& b) {
-    const std::string_view head = b.head();
+    const Text head = b.head();
     const std::size_t row = b.at(1).row();
     if (head == "connector" || head == "maximal") return {m_.connectors.at(row).root, false, head == "maximal"};
     if (head == "atom") {
       const std::size_t port = m_.first_port.at(row) + b.at(2).row();
-      if (port >= m_.first_port.at(row + 1)) throw Rejected("a binding to a port that there is not");
-      return {port};
+      return port < m_.first_port.at(row + 1) ? Edge{port} : throw Rejected("a binding to a port that there is not");
     }
     if (head != "choice") throw Rejected("a binding `" + std::string(head) + "`");
     if (choice_node_.at(row) == kNone) {
@@ -158,12 +159,12 @@ class Reader {
       for (std::size_t v = 0; v < m_.port_types.at(type.params[p]).size(); ++v) variables.emplace_back(p, v);
     }
     for (const Clause& clause : type.clauses) {
-      std::vector<const Tree*> writes;
-      clause.up->contains({"set-bind"}, &writes);
-      clause.down->contains({"set-bind"}, &writes);
-      for (const Tree* one : writes) {
+      if (!clause.up->find({"set-bind"}).empty()) throw Rejected("an `up` writes to a port");
+      for (const Tree* one : clause.down->find({"set-bind"})) {
         const auto [param, variable] = variables.at(one->at(1).row());
-        if (std::find(clause.params.begin(), clause.params.end(), param) == clause.params.end()) throw NotCheckable("a transfer writes to a port that does not take part");
+        if (std::find(clause.params.begin(), clause.params.end(), param) == clause.params.end()) {
+          throw NotCheckable("a transfer writes to a port that does not take part");
+        }
         write(c.params[param].node, variable);
       }
     }
@@ -172,9 +173,9 @@ class Reader {
     const Node& node = m_.nodes[row];
     for (const Edge& edge : node.connector == kNone ? node.children : std::vector<Edge>()) write(edge.node, variable);
     if (node.kind != Kind::Port) return;
-    const std::size_t atom = m_.atom_of_port[row], port = row - m_.first_port[atom];
-    AtomType& type = m_.atom_types[m_.atoms[atom].type];
-    type.written[port].insert(type.port_slots.at(port).at(variable));
+    const std::size_t atom = m_.atom_of_port[row];
+    Port& port = m_.atom_types[m_.atoms[atom].type].ports[row - m_.first_port[atom]];
+    port.written.insert(port.variables.at(variable));
   }
 
   Model& m_;
@@ -183,6 +184,13 @@ class Reader {
 };
 
 }  // namespace
+
+std::size_t find_variable(const AtomType& type, Text name, bool is_place) {
+  const std::size_t end = is_place ? type.places : type.variables.size();
+  std::size_t row = is_place ? 0 : type.places;
+  while (row < end && type.variables[row].name != name) ++row;
+  return row < end ? row : kNone;
+}
 
 void read_model(std::string text, Model& model) {
   model.text = std::move(text);

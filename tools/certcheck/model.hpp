@@ -7,26 +7,41 @@
 
 namespace certcheck {
 
+/// A place (a bool: is it marked?) or data.
+struct Variable {
+  Text name, type;
+  bool is_param = false;
+};
+struct Port {
+  Text name;
+  bool is_exported = false;
+  Rows variables;
+  std::set<std::size_t> written;  // those that a `down` may change
+};
 struct Transition {
   std::size_t port = kNone;  // kNone: internal
   Rows from, to;
-  const Tree* guard = nullptr;   // (guard …) and (do …), perhaps empty
-  const Tree* action = nullptr;
+  const Tree *guard = nullptr, *action = nullptr;  // (guard …) and (do …), perhaps empty
+};
+struct Invariant {
+  Text scope;
+  Rows places;
+  const Tree* guard = nullptr;
 };
 struct AtomType {
-  std::string_view name;
-  std::vector<std::string_view> slots, types, places, ports;
-  std::vector<bool> is_param, is_exported;     // by slot, by port
-  std::vector<Rows> port_slots;
-  std::vector<std::set<std::size_t>> written;  // by port: slots that a `down` may change
+  Text name;
+  std::size_t places = 0;  // so many of the variables are places; data follows
+  std::vector<Variable> variables;
+  std::vector<Port> ports;
   Rows initial;
   const Tree* initial_action = nullptr;
   std::vector<Transition> transitions;
-  std::vector<const Tree*> priorities, invariants;
+  std::vector<const Tree*> priorities;
+  std::vector<Invariant> invariants;
   bool is_automaton = false;  // always exactly one place is marked
 };
 struct Atom {
-  std::string_view path;
+  Text path;
   std::size_t type = 0;
   const Tree* args = nullptr;
 };
@@ -36,12 +51,12 @@ struct Clause {
   const Tree *guard = nullptr, *up = nullptr, *down = nullptr;
 };
 struct ConnectorType {
-  Rows params;                          // their port types
-  std::vector<std::string_view> slots;  // their types
+  Rows params;              // their port types
+  std::vector<Text> slots;  // their types
   std::vector<Clause> clauses;
-  Rows exported;                        // slots of the port that it exports
+  Rows exported;            // slots of the port that it exports
   bool is_exported = false;
-  const Tree* define = nullptr;         // its group
+  const Tree* define = nullptr;  // its group
 };
 /// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports), each of which is a rendezvous of one.
 enum class Kind { Port, All, Trigger, Any };
@@ -58,7 +73,7 @@ struct Node {
   std::size_t connector = kNone;  // whose root group it is
 };
 struct Connector {
-  std::string_view path;
+  Text path;
   std::size_t type = 0, root = 0, compound = 0;
   std::vector<Edge> params;
   const Tree* data = nullptr;
@@ -67,8 +82,8 @@ struct Connector {
 struct Model {
   std::string text;
   Tree tree;
-  std::map<std::string_view, int> strings;
-  std::vector<std::vector<std::string_view>> port_types;  // the types of their variables
+  std::map<Text, int> strings;
+  std::vector<std::vector<Text>> port_types;  // the types of their variables
   std::vector<AtomType> atom_types;
   std::vector<ConnectorType> connector_types;
   std::vector<const Tree*> functions, priorities;
@@ -79,12 +94,15 @@ struct Model {
   std::vector<Node> nodes;       // children before parents; ports first
 
   [[nodiscard]] const AtomType& type_of(std::size_t atom) const { return atom_types[atoms[atom].type]; }
+  [[nodiscard]] const Port& port(std::size_t node) const { return type_of(atom_of_port.at(node)).ports[node - first_port[atom_of_port[node]]]; }
 };
 
 /// The model keeps the text, and points into it.
 void read_model(std::string text, Model& model);
 
+/// The place or data of that name, or kNone.
+[[nodiscard]] std::size_t find_variable(const AtomType& type, Text name, bool is_place);
 /// Types whose values are followed; of float and extern data nothing is known.
-[[nodiscard]] inline bool is_exact(std::string_view type) { return type == "int" || type == "bool" || type == "string"; }
+[[nodiscard]] inline bool is_exact(Text type) { return type == "int" || type == "bool" || type == "string"; }
 
 }  // namespace certcheck

@@ -10,6 +10,8 @@ namespace certcheck {
 namespace {
 
 constexpr unsigned kFew = 8;
+constexpr int kMaxDepth = 10000;
+constexpr std::size_t kMaxStates = 5000000;
 
 class States {
  public:
@@ -20,12 +22,11 @@ class States {
   }
 
   void all() {
-    State now;
-    assume_modes(now);
+    const State now = allowed();
     if (c_.is_induction) {
-      Trouble begin(z_);
-      const State first = begin_with(begin);
-      for (const Fact& fact : c_.facts) demand(both(no(begin.fault), no(holds(fact, first))), fact.text + ": does not hold at first");
+      z3::expr fault = terms_.truth(false);
+      const State first = begin(fault);
+      for (const Fact& fact : c_.facts) demand(both(no(fault), no(holds(fact, first))), fact.text + ": does not hold at first");
     }
     for (const Fact& fact : c_.facts) terms_.assume(holds(fact, now), fact.literals.size() == 1 ? fact.literals[0].atom : kNone);
     check_from(now, [&](const Step& step) {
@@ -39,28 +40,26 @@ class States {
   }
 
   std::string one_by_one() {
-    const std::set<Values> states = reached_states(m_, c_);
-    Trouble begin(z_);
-    const State first = begin_with(begin);
-    demand(both(no(begin.fault), terms_.truth(!states.contains(values(first)))), "the first state is not among those that are listed");
-    if (c_.claim == "error-free") demand(begin.fault, "the run ends before its first state");
-    for (const Values& one : states) {
+    State any;
+    for (const Atom& atom : m_.atoms) any.push_back(terms_.local(atom, [&](std::size_t) { return terms_.fresh("float"); }));
+    list(c_.reached, values(any, false), 0);
+    z3::expr fault = terms_.truth(false);
+    const State first = begin(fault);
+    demand(both(no(fault), terms_.truth(!states_.contains(values(first)))), "the first state is not among those that are listed");
+    if (c_.claim == "error-free") demand(fault, "the run ends before its first state");
+    for (const std::vector<Values>& one : states_) {
       State now;
-      auto value = one.begin();
       for (const Atom& atom : m_.atoms) {
-        const AtomType& type = m_.atom_types[atom.type];
-        const auto values_of = value + static_cast<long>(type.places.size());
-        now.push_back(terms_.local(atom, [&](std::size_t p) { return terms_.truth(value[static_cast<long>(p)] != 0); },
-                                   [&](std::size_t k) { return terms_.constant(type.types[k], values_of[static_cast<long>(k)]); }));
-        value = values_of + static_cast<long>(type.slots.size());
+        const Values& values = one[now.size()];
+        now.push_back(terms_.local(atom, [&](std::size_t k) { return terms_.constant(m_.atom_types[atom.type].variables[k].type, *values[k]); }));
       }
       check_from(now, [&](const Step& step) {
         State after = now;
         for (const auto& [atom, local] : step.next) after[atom] = local;
-        return terms_.truth(!states.contains(values(after)));
+        return terms_.truth(!states_.contains(values(after)));
       });
     }
-    return std::to_string(states.size());
+    return std::to_string(states_.size());
   }
 
  private:
@@ -69,10 +68,9 @@ class States {
     if (terms_.may_be(bad)) throw Rejected(otherwise);
   }
 
-  State begin_with(Trouble& begin) {
+  State begin(z3::expr& fault) {
     State first;
-    for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, begin));
-    if (!is(begin.lost, false)) throw NotCheckable("internal transitions at the beginning go on for too long");
+    for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, fault));
     return first;
   }
 
@@ -90,9 +88,8 @@ class States {
         has_step = has_step || is(step.possible, true);
         // First without what priorities hide, and only for the atoms that move.
         const auto can = [&](const z3::expr& e) { return terms_.may_be_alone(both(step.offered, e), step.next) && terms_.may_be(both(step.possible, e)); };
-        if (can(step.trouble.lost)) throw NotCheckable("internal transitions go on for too long to be followed");
-        if (c_.claim == "error-free" && can(step.trouble.fault)) throw Rejected("a step ends with an error");
-        const z3::expr goes_on = no(step.trouble.fault);
+        if (c_.claim == "error-free" && can(step.fault)) throw Rejected("a step ends with an error");
+        const z3::expr goes_on = no(step.fault);
         if (is(both(step.possible, goes_on), false)) return;
         if (can(both(goes_on, leaves(step)))) throw Rejected("a step leads out of what the certificate allows");
       });
@@ -101,32 +98,62 @@ class States {
     if (!claim_.items.empty()) demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
   }
 
-  [[nodiscard]] Values values(const State& state) const {
-    Values all;
-    const auto add = [&](const z3::expr& e, bool is_param) {
-      const std::optional<int> value = Terms::value(e.simplify());
-      if (!value && !is_param) throw NotCheckable("a value is not followed");
-      all.push_back(value.value_or(0));
-    };
-    for (std::size_t a = 0; a < state.size(); ++a) {
-      for (const z3::expr& mark : state[a].marks) add(mark, false);
-      for (std::size_t k = 0; k < state[a].slots.size(); ++k) add(state[a].slots[k], m_.type_of(a).is_param[k]);
+  // The states of a diagram, by all ways through it, each of which must say everything. Cost: the states times what is in one.
+  void list(std::size_t node, const std::vector<Values>& before, int depth) {
+    if (depth > kMaxDepth) throw NotCheckable("the diagram is too deep");
+    for (const Case& one : c_.nodes[node]) {
+      std::vector<Values> known = before;
+      bool is_way = true;  // nothing has two values on it
+      const auto say = [&](std::size_t atom, std::size_t variable, int value) {
+        is_way = is_way && known[atom][variable].value_or(value) == value;
+        known[atom][variable] = value;
+      };
+      for (const Literal& l : one.literals) {
+        const AtomType& type = m_.type_of(l.atom);
+        const bool is_place = l.variable < type.places;
+        if (l.bit || (l.is_negated && !is_place)) throw Rejected("a case is of places and values");
+        for (std::size_t p = 0; p < type.places && is_place && type.is_automaton && !l.is_negated; ++p) say(l.atom, p, p == l.variable ? 1 : 0);
+        say(l.atom, l.variable, l.is_negated ? 0 : l.low);
+      }
+      if (!is_way) continue;
+      if (one.next != kNone) {
+        list(one.next, known, depth + 1);
+        continue;
+      }
+      for (std::size_t a = 0; a < known.size(); ++a) {
+        if (std::find(known[a].begin(), known[a].end(), std::nullopt) != known[a].end()) throw Rejected("a case leaves something of `" + std::string(m_.atoms[a].path) + "` open");
+      }
+      states_.insert(std::move(known));
+      if (states_.size() > kMaxStates) throw NotCheckable("the states are too many");
+    }
+  }
+
+  // Parameters are what the system says, whatever that is.
+  [[nodiscard]] std::vector<Values> values(const State& state, bool needs_all = true) const {
+    std::vector<Values> all;
+    for (const Local& local : state) {
+      const AtomType& type = m_.type_of(all.size());
+      Values& values = all.emplace_back();
+      for (std::size_t k = 0; k < local.size(); ++k) {
+        values.push_back(Terms::value(local[k].simplify()));
+        if (!values[k] && type.variables[k].is_param) values[k] = 0;
+        if (!values[k] && needs_all) throw NotCheckable("a value is not followed");
+      }
     }
     return all;
   }
 
   // What it speaks of, in a state or after a step from there.
   [[nodiscard]] static z3::expr term(const Literal& l, const State& state, const Step* step) {
-    const Local& local = step != nullptr && step->next.contains(l.atom) ? step->next.at(l.atom) : state[l.atom];
-    return l.about == Literal::Place ? local.marks[l.row] : local.slots[l.row];
+    return (step != nullptr && step->next.contains(l.atom) ? step->next.at(l.atom) : state[l.atom])[l.variable];
   }
   [[nodiscard]] z3::expr holds(const Literal& l, const State& state, const Step* step) const {
     const z3::expr v = term(l, state, step);
+    const auto within = [&](int value) { return terms_.truth(l.low <= value && value <= l.high); };
     z3::expr result = v;
-    if (l.about == Literal::Bit && !v.is_bool()) result = v.extract(static_cast<unsigned>(l.low), static_cast<unsigned>(l.low)) == z3::expr(v.ctx().bv_val(1, 1));
-    if (l.about == Literal::Value) result = v.is_bool() ? v == terms_.truth(l.low != 0) : v == terms_.constant("int", l.low);
-    if (l.about == Literal::Range && v.is_bool()) result = (terms_.truth(l.low <= 0) || v) && (terms_.truth(l.high >= 1) || !v);
-    if (l.about == Literal::Range && !v.is_bool()) result = v >= terms_.constant("int", l.low) && v <= terms_.constant("int", l.high);
+    if (v.is_bool()) result = either(both(within(1), v), both(within(0), no(v)));
+    else if (l.bit) result = Terms::equals(v.extract(*l.bit, *l.bit).simplify(), 1);
+    else result = l.low == l.high ? Terms::equals(v, l.low) : v >= l.low && v <= l.high;
     return (l.is_negated ? !result : result).simplify();
   }
   [[nodiscard]] z3::expr holds(const Fact& fact, const State& state, const Step* step = nullptr) const {
@@ -147,28 +174,26 @@ class States {
   }
   void exactly_one(const z3::expr_vector& all, std::size_t atom) { assume_sum(all, std::vector<int>(all.size(), 1), 1, atom); }
 
-  // What has been found to hold: a mode for each atom, which says where it is; the sets.
-  void assume_modes(State& now) {
+  // All states of which what has been found holds: a mode for each atom, which says where it is; the sets.
+  State allowed() {
+    State now;
     std::vector<std::map<std::size_t, z3::expr>> modes(m_.atoms.size());
     for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
       const AtomType& type = m_.type_of(a);
-      const auto unknown = [&](std::size_t) { return c_.classes.empty() ? terms_.fresh("bool") : terms_.truth(false); };
+      const bool has_modes = !c_.classes.empty();
+      Local& local = now.emplace_back(terms_.local(m_.atoms[a], [&](std::size_t k) { return has_modes && k < type.places ? terms_.truth(false) : terms_.fresh(type.variables[k].type); }));
       z3::expr_vector all(z_);
-      now.push_back(terms_.local(m_.atoms[a], unknown, [&](std::size_t k) { return terms_.fresh(type.types[k]); }));
-      if (c_.classes.empty()) {
-        for (const z3::expr& mark : now[a].marks) all.push_back(mark);
-        if (type.is_automaton) exactly_one(all, a);
-        continue;
-      }
-      const Class& row = c_.classes[c_.class_of[a]];
-      for (std::size_t number : c_.reachable[a]) {
+      for (std::size_t p = 0; p < type.places && !has_modes && type.is_automaton; ++p) all.push_back(local[p]);
+      for (std::size_t number : has_modes ? c_.reachable[a] : std::set<std::size_t>()) {
+        const Values& values = c_.classes[c_.class_of[a]].modes[number];
         const bool is_other = c_.reachable[a].size() == 2 && all.size() == 1;
         const z3::expr mode = modes[a].emplace(number, is_other ? !all[0] : terms_.fresh("bool")).first->second;
         all.push_back(mode);
-        for (std::size_t place : row.modes[number].places) now[a].marks[place] = either(now[a].marks[place], mode);
-        terms_.assume(either(no(mode), terms_.has_values(type, now[a], row.modes[number].values)), a);
+        for (std::size_t p = 0; p < type.places; ++p) local[p] = *values[p] != 0 ? either(local[p], mode) : local[p];
+        terms_.assume(either(no(mode), terms_.has(local, values, type.places)), a);
       }
-      if (all.size() != 2) exactly_one(all, a);
+      const bool is_told = has_modes ? all.size() == 2 : !type.is_automaton;
+      if (!is_told) exactly_one(all, a);
     }
     for (const Set& set : c_.sets) {
       z3::expr_vector members(z_);
@@ -182,6 +207,7 @@ class States {
       if (set.is_trap) terms_.assume(z3::mk_or(members));
       else assume_sum(members, weights, set.total, kNone);
     }
+    return now;
   }
 
   const Model& m_;
@@ -190,6 +216,7 @@ class States {
   Terms terms_;
   System system_;
   Tree claim_;
+  std::set<std::vector<Values>> states_;  // of a diagram, by atom
 };
 
 }  // namespace

@@ -1,29 +1,108 @@
-// Reachable modes are closed under steps, sets are marked at first and kept by steps. Judged bottom up on the connectors' trees, without
-// listing interactions, by what a subtree's choices can do to the set.
+// Modes, the reachable ones, and sets of them. First atoms alone, in an environment that may do anything: what they begin in and what
+// each port leads to are modes of their class. One that fits is enough, one that the components can be in is preferred; where values
+// are not known, Z3 tells which modes can be met and that there is no other way. Then reachable modes are closed under steps, sets are
+// marked at first and kept by steps: judged bottom up on the connectors' trees, without listing interactions, by what a subtree's
+// choices can do to the set.
 #include <algorithm>
 
 #include "tools/certcheck/check.hpp"
+#include "tools/certcheck/terms.hpp"
 
 namespace certcheck {
 
 namespace {
 
+/// From which mode to which.
+using Moves = std::vector<std::pair<std::size_t, std::size_t>>;
+using Modes = std::set<std::size_t>;
+/// What a choice does to a trap: nothing (0), take from it (1), put into it (2), of parts the most; to a sum: by how much it changes it.
+using Effects = std::set<long>;
+
 class Structure {
  public:
-  Structure(const Model& model, const Certificate& certificate) : m_(model), c_(certificate), modes_(check_modes(model, certificate)) {}
+  Structure(const Model& model, const Certificate& certificate) : m_(model), c_(certificate), terms_(model, z_) {}
 
   void run() {
+    check_modes();
     check_reachable();
     for (const Set& set : c_.sets) check_set(set);
   }
 
  private:
-  /// What a choice does to a trap: nothing (0), take from it (1), put into it (2), of parts the most; to a sum: by how much it changes it.
-  using Effects = std::set<long>;
+  // Components of one class that can be in the same modes are a group: modes may overlap, and which one a move meets is judged for those.
+  void check_modes() {
+    std::map<std::pair<std::size_t, Modes>, std::size_t> groups;
+    std::map<std::pair<std::size_t, std::string>, Modes> starts;
+    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) {
+      const Class& row = c_.classes[c_.class_of[atom]];
+      const Modes& reachable = c_.reachable[atom];
+      const auto [group, is_new] = groups.try_emplace({c_.class_of[atom], reachable}, groups.size());
+      if (is_new) by_port_.push_back(moves(row, reachable));
+      group_of_.push_back(group->second);
+      std::string args;
+      for (const Tree& arg : m_.atoms[atom].args->items) args.append(arg.text) += '\n';
+      const auto [start, is_other] = starts.try_emplace({group->second, args});
+      const std::string path = '`' + std::string(m_.atoms[atom].path) + '`';
+      if (is_other) {
+        z3::expr fault = terms_.truth(false);
+        const Local local = terms_.initial(m_.atoms[atom], fault);
+        start->second = met(row, reachable, local, no(fault), "the beginning of " + path + " leads");
+      }
+      first_.push_back(start->second);
+      if (!std::includes(reachable.begin(), reachable.end(), start->second.begin(), start->second.end())) {
+        throw Rejected(path + " starts in a mode that is not among the reachable ones");
+      }
+    }
+  }
+
+  std::vector<Moves> moves(const Class& row, const Modes& reachable) {
+    const AtomType& type = m_.atom_types[row.type];
+    std::vector<Moves> by_port(type.ports.size());
+    for (std::size_t from = 0; from < row.modes.size(); ++from) {
+      Local local;
+      for (std::size_t k = 0; k < type.variables.size(); ++k) {
+        const std::optional<int> value = row.modes[from][k];
+        local.push_back(value ? terms_.constant(type.variables[k].type, *value) : terms_.fresh(type.variables[k].type));
+      }
+      z3::expr fault = terms_.truth(false);
+      const Offer offer = terms_.offer(type, local, fault);
+      for (std::size_t t = 0; t < type.transitions.size(); ++t) {
+        const std::size_t port = type.transitions[t].port;
+        const z3::expr on = port == kNone ? fault : both(offer.ports[port], offer.transitions[t]);
+        if (port == kNone || is(on, false)) continue;
+        Local next = local;
+        for (std::size_t variable : type.ports[port].written) next[variable] = terms_.fresh(type.variables[variable].type);
+        z3::expr ends = terms_.truth(false);
+        terms_.take(type, type.transitions[t], next, on, ends);
+        for (std::size_t to : met(row, reachable, next, both(on, no(ends)), "a mode of `" + std::string(type.name) + "` leads")) by_port[port].emplace_back(from, to);
+      }
+    }
+    return by_port;
+  }
+
+  // Where it is clear what is marked, values that are no constants are left open.
+  Modes met(const Class& row, const Modes& reachable, const Local& local, z3::expr other, const std::string& what) {
+    Values clear(local.size());
+    for (std::size_t k = 0; k < local.size(); ++k) clear[k] = row.followed[k] ? Terms::value(local[k]) : std::nullopt;
+    const auto found = row.numbers.find(clear);
+    if (found != row.numbers.end() && reachable.contains(found->second)) return {found->second};
+    Modes result;
+    for (const bool is_liked : {true, false}) {
+      for (std::size_t mode = 0; mode < row.modes.size(); ++mode) {
+        if (reachable.contains(mode) != is_liked) continue;
+        const z3::expr here = both(other, terms_.has(local, row.modes[mode]));
+        if (!terms_.may_be(here)) continue;
+        result.insert(mode);
+        other = both(other, no(here));
+      }
+    }
+    if (terms_.may_be(other)) throw Rejected(what + " to one that is not listed");
+    return result;
+  }
 
   [[nodiscard]] const Moves& moves(std::size_t port) const {
     const std::size_t atom = m_.atom_of_port[port];
-    return modes_.by_port[modes_.group_of[atom]][port - m_.first_port[atom]];
+    return by_port_[group_of_[atom]][port - m_.first_port[atom]];
   }
 
   // What can take part in a step at all; where its ports lead to must be among the reachable modes.
@@ -33,7 +112,8 @@ class Structure {
     for (std::size_t row = 0; row < m_.nodes.size(); ++row) {
       const Node& node = m_.nodes[row];
       const auto can = [&](const Edge& edge) { return possible_[edge.node] && (node.kind != Kind::Trigger || edge.is_trigger); };
-      if (node.kind == Kind::Port) possible_[row] = std::any_of(moves(row).begin(), moves(row).end(), [&](const auto& move) { return c_.reachable[m_.atom_of_port[row]].contains(move.first); });
+      const auto begins = [&](const auto& move) { return c_.reachable[m_.atom_of_port[row]].contains(move.first); };
+      if (node.kind == Kind::Port) possible_[row] = std::any_of(moves(row).begin(), moves(row).end(), begins);
       else if (node.kind == Kind::All) possible_[row] = std::all_of(node.children.begin(), node.children.end(), can);
       else possible_[row] = std::any_of(node.children.begin(), node.children.end(), can);
     }
@@ -45,7 +125,8 @@ class Structure {
       if (node.kind != Kind::Port) continue;
       const std::size_t atom = m_.atom_of_port[row];
       for (const auto& [from, to] : moves(row)) {
-        if (c_.reachable[atom].contains(from) && !c_.reachable[atom].contains(to)) throw Rejected("`" + std::string(m_.atoms[atom].path) + "` can reach a mode that is not among the reachable ones");
+        if (!c_.reachable[atom].contains(from) || c_.reachable[atom].contains(to)) continue;
+        throw Rejected("`" + std::string(m_.atoms[atom].path) + "` can reach a mode that is not among the reachable ones");
       }
     }
   }
@@ -60,7 +141,7 @@ class Structure {
     long least = 0, most = 0;
     for (std::size_t atom : atoms) {
       std::set<long> begins;
-      for (std::size_t mode : modes_.first[atom]) begins.insert(weight(atom, mode));
+      for (std::size_t mode : first_[atom]) begins.insert(weight(atom, mode));
       least += begins.empty() ? 0 : *begins.begin();
       most += begins.empty() ? 0 : *begins.rbegin();
       for (std::size_t port = m_.first_port[atom]; port < m_.first_port[atom + 1]; ++port) touched.insert(port);
@@ -113,8 +194,12 @@ class Structure {
 
   const Model& m_;
   const Certificate& c_;
-  const ModeMoves modes_;
-  std::vector<bool> possible_, used_;  // by node
+  z3::context z_;
+  Terms terms_;
+  Rows group_of_;                                // by atom
+  std::vector<std::vector<Moves>> by_port_;      // by group, and port of its type
+  std::vector<Modes> first_;                     // by atom: modes that it can begin in
+  std::vector<bool> possible_, used_;            // by node
 };
 
 }  // namespace

@@ -18,71 +18,57 @@ void System::look_at(const State& now) {
   }
 }
 
-void System::add_candidates(std::size_t connector) {
-  const Shape& shape = shape_of(connector);
-  if (shape.is_plain) {
-    Candidate c{connector, largest(shape.tree), {}, t_.truth(false), t_.truth(false)};
-    c.possible = enabled(shape.tree, nullptr, c.chosen, c.store);
-    all_.push_back(std::move(c));
-    return;
-  }
-  std::vector<z3::expr> on;
-  const std::size_t first = all_.size(), count = shape.all.size();
-  for (const Parts& parts : shape.all) {
-    Candidate c{connector, {}, {}, t_.truth(false), t_.truth(false)};
-    for (std::size_t row : shape.tree) c.chosen.emplace(row, t_.truth(parts.contains(row)));
-    on.push_back(enabled(shape.tree, &parts, c.chosen, c.store));
-    all_.push_back(std::move(c));
+void System::add_candidates(std::size_t node) {
+  const Shape& shape = shape_of(node, false);
+  const std::size_t first = all_.size(), count = shape.is_plain ? 1 : shape.all.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    Candidate& c = all_.emplace_back(Candidate{node, shape.is_plain ? largest(shape.tree) : choice_of(shape.tree, shape.all[k]), {}, t_.truth(false), t_.truth(false)});
+    c.offered = c.possible = enabled(shape.tree, !shape.is_plain, c.chosen, c.store);
   }
   // Maximal progress: nothing larger is enabled.
-  for (std::size_t k = 0; k < count; ++k) {
-    z3::expr& possible = all_[first + k].possible = on[k];
-    const Parts& mine = shape.all[k];
-    for (std::size_t j = 0; j < count && shape.is_complete; ++j) {
-      const Parts& other = shape.all[j];
-      if (other.size() > mine.size() && std::includes(other.begin(), other.end(), mine.begin(), mine.end())) possible = both(possible, no(on[j]));
+  for (std::size_t k = 0; k < count && !shape.is_plain && shape.is_complete; ++k) {
+    for (std::size_t j = 0; j < count; ++j) {
+      if (is_larger(shape.all[j], shape.all[k])) all_[first + k].possible = both(all_[first + k].possible, no(all_[first + j].offered));
     }
   }
+  for (std::size_t k = 0; k < count; ++k) all_[first + k].offered = all_[first + k].possible;
 }
 
 z3::expr System::has_step() {
   z3::expr_vector some(state_fault_.ctx());
-  for (std::size_t port = 0; port < on_.size(); ++port) {
-    if (m_.nodes[port].is_step) some.push_back(on_[port]);
-  }
-  for (std::size_t c = 0; c < m_.connectors.size(); ++c) {
+  is_complete_ = false;
+  for (std::size_t node = 0; node < m_.nodes.size(); ++node) {
     all_.clear();
-    if (m_.nodes[m_.connectors[c].root].is_step) add_candidates(c);
+    if (m_.nodes[node].is_step) add_candidates(node);
     for (const Candidate& candidate : all_) some.push_back(candidate.possible);
   }
   all_.clear();
-  is_complete_ = false;
   return z3::mk_or(some);
 }
 
 void System::find_candidates() {
   if (is_complete_) return;
   is_complete_ = true;
-  for (std::size_t c = 0; c < m_.connectors.size(); ++c) {
-    if (!m_.nodes[m_.connectors[c].root].is_step) continue;
-    if (!shape_of(c).is_complete) throw NotCheckable("a connector has too many interactions");
-    add_candidates(c);
+  for (std::size_t node = 0; node < m_.nodes.size(); ++node) {
+    if (!m_.nodes[node].is_step) continue;
+    if (!shape_of(node, false).is_complete) throw NotCheckable("a connector has too many interactions");
+    add_candidates(node);
   }
-  for (Candidate& c : all_) c.offered = c.possible;
   if (!m_.priorities.empty()) hide();
 }
 
 z3::expr System::matches(const Tree& rule, bool is_high, const Candidate& c) const {
   const Tree &pattern = rule[is_high ? "high" : "low"], &other = rule[is_high ? "low" : "high"];
+  const std::size_t connector = m_.nodes[c.node].connector;
   if (pattern.at(1).text == "any") {
-    if (m_.connectors[c.connector].compound != rule["in"].at(1).row()) return t_.truth(false);
+    if (connector == kNone || m_.connectors[connector].compound != rule["in"].at(1).row()) return t_.truth(false);
     return other.at(1).text == "any" ? t_.truth(true) : no(matches(rule, !is_high, c));
   }
-  if (pattern.at(1).row() != c.connector) return t_.truth(false);
+  if (pattern.at(1).row() != connector) return t_.truth(false);
   z3::expr result = t_.truth(true);
   if (pattern.at(2).text == "any") return result;
   const Rows named = pattern.rows();
-  const std::vector<Edge>& params = m_.connectors[c.connector].params;
+  const std::vector<Edge>& params = m_.connectors[connector].params;
   for (std::size_t p = 0; p < params.size(); ++p) {
     const z3::expr& part = c.chosen.at(params[p].node);
     const bool is_named = std::find(named.begin() + 1, named.end(), p) != named.end();
@@ -97,14 +83,12 @@ void System::hide() {
   const std::size_t count = m_.priorities.size();
   std::vector<z3::expr> guard, hides;
   for (const Tree* rule : m_.priorities) {
-    Variables v;
-    v.bind = [&](std::size_t k) {
-      const Tree& of = (*rule)["data"].at(1 + k);
-      return t_.own(m_.type_of(of.at(1).row()), now_.at(of.at(1).row())).self(of.at(2).row());
-    };
-    guard.push_back(t_.holds((*rule)["guard"], v, t_.truth(true), state_fault_));
+    Store store;
+    Scope reads;
+    for (const Tree* of : (*rule)["data"].all("of")) reads.bind.push_back(&data(*of, store));
+    guard.push_back(t_.holds((*rule)["guard"], reads, t_.truth(true), state_fault_));
     z3::expr above = t_.truth(false);
-    for (const Candidate& c : all_) above = either(above, both(c.possible, matches(*rule, true, c)));
+    for (const Candidate& c : all_) above = either(above, both(c.offered, matches(*rule, true, c)));
     hides.push_back(both(guard.back(), above));
   }
   std::vector<std::pair<std::size_t, std::size_t>> chains;
@@ -123,23 +107,23 @@ void System::hide() {
   }
 }
 
-// `down`s from the outside in, then the ports in the order of parameters.
-void System::fire(const Candidate& candidate, std::size_t connector, Store& store, Step& step) {
-  const Connector& c = m_.connectors[connector];
+// Of a connector the `down`s from the outside in, then the ports in the order of parameters.
+void System::fire(const Candidate& candidate, std::size_t node, const z3::expr& when, Store& store, Step& step) {
+  if (is(when, false)) return;
+  if (m_.nodes[node].connector == kNone) {
+    const std::size_t atom = m_.atom_of_port.at(node);
+    Local& local = local_of(atom, store);
+    t_.fire(m_.type_of(atom), offers_[atom], node - m_.first_port[atom], local, when, step.fault);
+    step.next.insert_or_assign(atom, local);
+    return;
+  }
+  const Connector& c = m_.connectors[m_.nodes[node].connector];
   for (const Clause& clause : m_.connector_types[c.type].clauses) {
     if (clause.down->items.empty()) continue;
-    t_.execute(*clause.down, variables(connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.trouble.fault);
+    t_.execute(*clause.down, scope_of(m_.nodes[node].connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.fault);
   }
-  const auto part = [&](std::size_t chosen, std::size_t row) {
-    // A port may be chosen below another alternative.
-    const z3::expr when = both(candidate.chosen.at(c.root), candidate.chosen.at(chosen));
-    if (is(when, false)) return;
-    if (m_.nodes[row].connector != kNone) return fire(candidate, m_.nodes[row].connector, store, step);
-    const std::size_t atom = m_.atom_of_port.at(row);
-    Local& local = local_of(atom, store);
-    t_.fire(m_.type_of(atom), offers_[atom], row - m_.first_port[atom], local, when, step.trouble);
-    step.next.insert_or_assign(atom, local);
-  };
+  // A port may be chosen below another alternative.
+  const auto part = [&](std::size_t chosen, std::size_t row) { fire(candidate, row, both(candidate.chosen.at(node), candidate.chosen.at(chosen)), store, step); };
   for (const Edge& edge : c.params) {
     if (m_.nodes[edge.node].kind != Kind::Any) part(edge.node, edge.node);
     else for (const Edge& one : m_.nodes[edge.node].children) part(one.node, m_.nodes[one.node].children[0].node);
@@ -150,44 +134,36 @@ void System::each_step(const std::function<void(const Step&)>& visit) {
   find_candidates();
   for (const Candidate& c : all_) {
     if (is(c.possible, false)) continue;
-    Step step{c.possible, c.offered, Trouble(c.possible.ctx()), {}};
+    Step step{c.possible, c.offered, t_.truth(false), {}};
     Store store = c.store;
-    fire(c, c.connector, store, step);
-    visit(step);
-  }
-  for (std::size_t port = 0; port < on_.size(); ++port) {
-    if (!m_.nodes[port].is_step || is(on_[port], false)) continue;
-    const std::size_t atom = m_.atom_of_port[port];
-    Step step{on_[port], on_[port], Trouble(on_[port].ctx()), {{atom, now_[atom]}}};
-    t_.fire(m_.type_of(atom), offers_[atom], port - m_.first_port[atom], step.next.at(atom), t_.truth(true), step.trouble);
+    fire(c, c.node, c.chosen.at(c.node), store, step);
     visit(step);
   }
 }
 
 z3::expr System::claim(const Tree& e) {
-  Variables v;
-  v.about = [this](const Tree& about) {
-    const std::string_view path = about.at(1).text, what = about.head();
+  Scope said;
+  said.about = [this](const Tree& about) {
+    const Text path = about.at(1).text, what = about.head();
     for (std::size_t c = 0; what == "can" && c < m_.connectors.size(); ++c) {
       if (m_.connectors[c].path != path) continue;
       find_candidates();
       z3::expr some = t_.truth(false);
-      for (const Candidate& candidate : all_) some = candidate.connector == c ? either(some, candidate.possible) : some;
+      for (const Candidate& candidate : all_) some = m_.nodes[candidate.node].connector == c ? either(some, candidate.possible) : some;
       return some;
     }
     for (std::size_t a = 0; what != "can" && a < m_.atoms.size(); ++a) {
       if (m_.atoms[a].path != path) continue;
       const AtomType& type = m_.type_of(a);
-      const std::vector<std::string_view>& names = what == "at" ? type.places : what == "data" ? type.slots : type.ports;
-      const auto row = static_cast<std::size_t>(std::find(names.begin(), names.end(), about.at(2).text) - names.begin());
-      if (row == names.size()) break;
-      if (what == "data") return t_.own(type, now_[a]).self(row);
-      return what == "at" ? now_[a].marks[row] : on_[m_.first_port[a] + row];
+      const auto is_it = [&](const Port& port) { return port.name == about.at(2).text; };
+      const auto port = static_cast<std::size_t>(std::find_if(type.ports.begin(), type.ports.end(), is_it) - type.ports.begin());
+      const std::size_t row = what == "can-port" ? m_.first_port[a] + port : find_variable(type, about.at(2).text, what == "at");
+      if (what == "can-port" ? port < type.ports.size() : row != kNone) return what == "can-port" ? on_[row] : now_[a][row];
     }
     throw Rejected("the claim names something of `" + std::string(path) + "` that there is not");
   };
   z3::expr fault = t_.truth(false);
-  return t_.evaluate(e, v, t_.truth(true), fault);
+  return t_.evaluate(e, said, t_.truth(true), fault);
 }
 
 }  // namespace certcheck

@@ -45,7 +45,7 @@ bool Terms::may_be_alone(const z3::expr& e, const std::map<std::size_t, Local>& 
   return few.check() != z3::unsat;
 }
 
-z3::expr Terms::fresh(std::string_view type) const {
+z3::expr Terms::fresh(Text type) const {
   const z3::sort sort = type == "bool" ? z_.bool_sort() : z_.bv_sort(is_exact(type) ? 32 : kVagueBits);
   return z3::expr(z_, Z3_mk_fresh_const(z_, "any", sort));
 }
@@ -55,85 +55,100 @@ std::optional<int> Terms::value(const z3::expr& e) {
   return e.is_numeral() ? std::optional(static_cast<int>(static_cast<unsigned>(e.get_numeral_uint64()))) : std::nullopt;
 }
 
-z3::expr Terms::evaluate(const Tree& e, const Variables& v, const z3::expr& when, z3::expr& fault) const {
+z3::expr Terms::equals(const z3::expr& e, int value) {
+  if (e.is_bool()) return value != 0 ? e : no(e);
+  const std::optional<int> known = Terms::value(e);
+  return known ? e.ctx().bool_val(*known == value) : e == e.ctx().bv_val(value, e.get_sort().bv_size());
+}
+
+z3::expr Terms::has(const Local& local, const Values& values, std::size_t first) const {
+  z3::expr all = truth(true);
+  for (std::size_t k = first; k < local.size(); ++k) all = values[k] ? both(all, equals(local[k], *values[k])) : all;
+  return all;
+}
+
+z3::expr Terms::evaluate(const Tree& e, const Scope& s, const z3::expr& when, z3::expr& fault) const {
   if (e.is_string) {
     const auto found = m_.strings.find(e.text);
-    return z_.bv_val(found == m_.strings.end() ? 0 : found->second, 32);
+    return constant("string", found == m_.strings.end() ? 0 : found->second);
   }
   if (!e.is_list) {
     if (e.text == "true" || e.text == "false") return truth(e.text == "true");
     int value = 0;
     const auto [end, error] = std::from_chars(e.text.data(), e.text.data() + e.text.size(), value);
-    return error == std::errc() && end == e.text.data() + e.text.size() ? z_.bv_val(value, 32) : fresh("float");
+    return error == std::errc() && end == e.text.data() + e.text.size() ? constant("int", value) : fresh("float");
   }
-  const std::string_view op = e.head();
+  const Text op = e.head();
   if (op == "self" || op == "bind") {
-    const auto& read = op == "self" ? v.self : v.bind;
-    return read ? read(e.at(1).row()) : throw Rejected("a variable that there is not");
+    const std::size_t row = e.at(1).row();
+    if (row >= (op == "self" ? s.self.size() : s.bind.size())) throw Rejected("a variable that there is not");
+    return op == "self" ? s.self[row] : *s.bind[row];
   }
   if (op == "call") {
-    for (std::size_t k = 2; k < e.items.size(); ++k) (void)evaluate(e.items[k], v, when, fault);
+    for (std::size_t k = 2; k < e.items.size(); ++k) (void)evaluate(e.items[k], s, when, fault);
     const Tree& result = (*m_.functions.at(e.at(1).row()))["result"];
     return fresh(result.items.empty() ? "int" : result.at(1).text);
   }
-  if (v.about && (op == "at" || op == "data" || op == "can-port" || op == "can")) return v.about(e);
-  const z3::expr a = evaluate(e.at(1), v, when, fault);
+  if (s.about && (op == "at" || op == "data" || op == "can-port" || op == "can")) return s.about(e);
+  const z3::expr a = evaluate(e.at(1), s, when, fault);
   if (op == "to-float" || (op == "neg" && is_vague(a))) return fresh("float");
   if (op == "not") return no(a);
   if (op == "neg") return (-a).simplify();
   if (op == "bit-not") return (~a).simplify();
   if (op == "and" || op == "or") {
-    const z3::expr b = evaluate(e.at(2), v, both(when, op == "and" ? a : no(a)), fault);
+    const z3::expr b = evaluate(e.at(2), s, both(when, op == "and" ? a : no(a)), fault);
     return op == "and" ? both(a, b) : either(a, b);
   }
-  const z3::expr b = evaluate(e.at(2), v, when, fault);
+  const z3::expr b = evaluate(e.at(2), s, when, fault);
   if (is_vague(a)) return fresh(op == "add" || op == "sub" || op == "mul" || op == "div" ? "float" : "bool");
   if (op == "div" || op == "mod") {
-    const z3::expr least = z_.bv_val(std::numeric_limits<int>::min(), 32), minus = z_.bv_val(-1, 32);
-    fault = either(fault, both(when, (b == z_.bv_val(0, 32) || (a == least && b == minus)).simplify()));
+    const z3::expr overflows = both(equals(a, std::numeric_limits<int>::min()), equals(b, -1));
+    fault = either(fault, both(when, either(equals(b, 0), overflows)));
   }
-  using Binary = z3::expr (*)(const z3::expr&, const z3::expr&);
-  static const std::map<std::string_view, Binary> operations{
-      {"div", [](const z3::expr& x, const z3::expr& y) { return x / y; }},
-      {"mod", [](const z3::expr& x, const z3::expr& y) { return z3::srem(x, y); }},
-      {"eq", [](const z3::expr& x, const z3::expr& y) { return x == y; }},
-      {"ne", [](const z3::expr& x, const z3::expr& y) { return x != y; }},
-      {"lt", [](const z3::expr& x, const z3::expr& y) { return x < y; }},
-      {"gt", [](const z3::expr& x, const z3::expr& y) { return x > y; }},
-      {"le", [](const z3::expr& x, const z3::expr& y) { return x <= y; }},
-      {"ge", [](const z3::expr& x, const z3::expr& y) { return x >= y; }},
-      {"add", [](const z3::expr& x, const z3::expr& y) { return x + y; }},
-      {"sub", [](const z3::expr& x, const z3::expr& y) { return x - y; }},
-      {"mul", [](const z3::expr& x, const z3::expr& y) { return x * y; }},
-      {"bit-and", [](const z3::expr& x, const z3::expr& y) { return x & y; }},
-      {"bit-or", [](const z3::expr& x, const z3::expr& y) { return x | y; }},
-      {"bit-xor", [](const z3::expr& x, const z3::expr& y) { return x ^ y; }}};
-  const auto found = operations.find(op);
-  if (found == operations.end()) throw NotCheckable("an expression `" + std::string(op) + "`");
-  return found->second(a, b).simplify();
+  static const std::map<Text, Z3_ast (*)(Z3_context, Z3_ast, Z3_ast)> kOperations{
+      {"add", Z3_mk_bvadd}, {"sub", Z3_mk_bvsub}, {"mul", Z3_mk_bvmul}, {"div", Z3_mk_bvsdiv}, {"mod", Z3_mk_bvsrem},
+      {"bit-and", Z3_mk_bvand}, {"bit-or", Z3_mk_bvor}, {"bit-xor", Z3_mk_bvxor}, {"eq", Z3_mk_eq}, {"ne", Z3_mk_eq},
+      {"lt", Z3_mk_bvslt}, {"le", Z3_mk_bvsle}, {"gt", Z3_mk_bvsgt}, {"ge", Z3_mk_bvsge}};
+  const auto found = kOperations.find(op);
+  if (found == kOperations.end()) throw NotCheckable("an expression `" + std::string(op) + "`");
+  const Z3_ast made = found->second(z_, a, b);
+  z_.check_error();
+  const z3::expr result = z3::expr(z_, made).simplify();
+  return op == "ne" ? no(result) : result;
 }
 
-z3::expr Terms::holds(const Tree& guard, const Variables& v, const z3::expr& when, z3::expr& fault) const {
-  return guard.items.empty() ? truth(true) : evaluate(guard.at(1), v, when, fault);
+z3::expr Terms::holds(const Tree& guard, const Scope& s, const z3::expr& when, z3::expr& fault) const {
+  return guard.items.empty() ? truth(true) : evaluate(guard.at(1), s, when, fault);
 }
 
-void Terms::execute(const Tree& body, const Variables& v, const z3::expr& when, z3::expr& fault) const {
+void Terms::execute(const Tree& body, const Scope& s, const z3::expr& when, z3::expr& fault) const {
   for (std::size_t k = 1; k < body.items.size() && !is(when, false); ++k) {
-    const Tree& s = body.items[k];
-    if (s.head() == "if") {
-      const z3::expr holds = evaluate(s.at(1), v, when, fault);
-      execute(s["then"], v, both(when, holds), fault);
-      execute(s["else"], v, both(when, no(holds)), fault);
-    } else if (s.head() == "do") {
-      (void)evaluate(s.at(1), v, when, fault);
-    } else {
-      const std::size_t row = s.at(1).row();
-      const z3::expr value = evaluate(s.at(2), v, when, fault);
-      if (s.head() == "set") v.set_self(row, choose(when, value, v.self(row)));
-      else if (s.head() == "set-bind" && v.set_bind) v.set_bind(row, choose(when, value, v.bind(row)));
-      else throw NotCheckable("a statement `" + std::string(s.head()) + "`");
+    const Tree& statement = body.items[k];
+    const Text head = statement.head();
+    const z3::expr e = evaluate(statement.at(head == "set" || head == "set-bind" ? 2 : 1), s, when, fault);
+    if (head == "if") {
+      execute(statement["then"], s, both(when, e), fault);
+      execute(statement["else"], s, both(when, no(e)), fault);
+    } else if (head == "set" || head == "set-bind") {
+      const std::size_t row = statement.at(1).row();
+      if (row >= (head == "set" ? s.self.size() : s.bind.size())) throw Rejected("a variable that there is not");
+      z3::expr& variable = head == "set" ? s.self[row] : *s.bind[row];
+      variable = choose(when, e, variable);
+    } else if (head != "do") {
+      throw NotCheckable("a statement `" + std::string(head) + "`");
     }
   }
+}
+
+Local Terms::local(const Atom& atom, const std::function<z3::expr(std::size_t)>& others) const {
+  const AtomType& type = m_.atom_types[atom.type];
+  Local local;
+  std::size_t arg = 0;
+  z3::expr fault = truth(false);
+  for (std::size_t k = 0; k < type.variables.size(); ++k) {
+    local.push_back(type.variables[k].is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : others(k));
+  }
+  return local;
 }
 
 }  // namespace certcheck

@@ -2,11 +2,11 @@
 // all constants, and then so is what it does: the same functions serve single modes and all states at once.
 #pragma once
 #include <functional>
-#include <optional>
+#include <span>
 
 #include <z3++.h>
 
-#include "tools/certcheck/model.hpp"
+#include "tools/certcheck/certificate.hpp"
 
 namespace certcheck {
 
@@ -17,24 +17,17 @@ namespace certcheck {
 [[nodiscard]] z3::expr no(const z3::expr& a);
 [[nodiscard]] z3::expr choose(const z3::expr& when, const z3::expr& yes, const z3::expr& otherwise);
 
-/// An atom's state.
-struct Local {
-  std::vector<z3::expr> marks, slots;
-};
+/// An atom's state, by variable.
+using Local = std::vector<z3::expr>;
 /// What it can do: its transitions (internal ones: false) and ports, after the atom's priorities.
 struct Offer {
   std::vector<z3::expr> transitions, ports;
 };
-/// What code reads and writes; `about` is for claims (at …), (can …).
-struct Variables {
-  std::function<z3::expr(std::size_t)> self, bind;
-  std::function<void(std::size_t, const z3::expr&)> set_self, set_bind;
+/// What code reads and writes, terms that somebody keeps; `about` is for claims (at …), (can …).
+struct Scope {
+  std::span<z3::expr> self;
+  std::vector<z3::expr*> bind;
   std::function<z3::expr(const Tree&)> about;
-};
-/// Where a run ends with an error; where more internal transitions follow than are looked at.
-struct Trouble {
-  explicit Trouble(z3::context& z) : fault(z.bool_val(false)), lost(fault) {}
-  z3::expr fault, lost;
 };
 
 class Terms {
@@ -49,38 +42,37 @@ class Terms {
 
   [[nodiscard]] z3::expr truth(bool b) const { return z_.bool_val(b); }
   /// A constant of its own, of a type of variables.
-  [[nodiscard]] z3::expr fresh(std::string_view type) const;
-  /// The value that a variable begins with.
-  [[nodiscard]] z3::expr first(std::string_view type) const { return is_exact(type) ? constant(type, 0) : fresh(type); }
+  [[nodiscard]] z3::expr fresh(Text type) const;
   /// An int, a bool or the row of a string.
-  [[nodiscard]] z3::expr constant(std::string_view type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
+  [[nodiscard]] z3::expr constant(Text type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
+  /// The value that a variable begins with.
+  [[nodiscard]] z3::expr first(Text type) const { return is_exact(type) ? constant(type, 0) : fresh(type); }
   /// Of a term that is one; nothing of all others.
   [[nodiscard]] static std::optional<int> value(const z3::expr& e);
+  [[nodiscard]] static z3::expr equals(const z3::expr& e, int value);
+  /// From variable `first` on, the values that are told.
+  [[nodiscard]] z3::expr has(const Local& local, const Values& values, std::size_t first = 0) const;
 
-  [[nodiscard]] z3::expr evaluate(const Tree& e, const Variables& v, const z3::expr& when, z3::expr& fault) const;
+  [[nodiscard]] z3::expr evaluate(const Tree& e, const Scope& s, const z3::expr& when, z3::expr& fault) const;
   /// Of (guard EXPR); an empty list holds.
-  [[nodiscard]] z3::expr holds(const Tree& guard, const Variables& v, const z3::expr& when, z3::expr& fault) const;
-  /// The statements of a list after its head.
-  void execute(const Tree& body, const Variables& v, const z3::expr& when, z3::expr& fault) const;
-  [[nodiscard]] Variables own(const AtomType& type, Local& local) const;
+  [[nodiscard]] z3::expr holds(const Tree& guard, const Scope& s, const z3::expr& when, z3::expr& fault) const;
+  /// The statements of a list after its head. A run ends with an error where `fault` holds then.
+  void execute(const Tree& body, const Scope& s, const z3::expr& when, z3::expr& fault) const;
 
-  /// Marks and values as these tell, but for parameters; of what they don't know anything.
-  [[nodiscard]] Local local(const Atom& atom, const std::function<z3::expr(std::size_t)>& mark, const std::function<z3::expr(std::size_t)>& value) const;
-  [[nodiscard]] Local initial(const Atom& atom, Trouble& trouble) const;
+  /// Parameters as the system says, and the others.
+  [[nodiscard]] Local local(const Atom& atom, const std::function<z3::expr(std::size_t)>& others) const;
+  [[nodiscard]] Local initial(const Atom& atom, z3::expr& fault) const;
   [[nodiscard]] Offer offer(const AtomType& type, Local& local, z3::expr& fault) const;
-  /// The slots have the values that are known.
-  [[nodiscard]] z3::expr has_values(const AtomType& type, const Local& local, const std::vector<std::optional<int>>& values) const;
   /// Takes the transition and the internal ones that follow, from where `when` holds.
-  void take(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, Trouble& trouble) const;
+  void take(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, z3::expr& fault) const;
   /// Fires a port of the offer.
-  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& local, const z3::expr& when, Trouble& trouble) const;
+  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& local, const z3::expr& when, z3::expr& fault) const;
 
  private:
   void move(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, z3::expr& fault) const;
   void check_invariants(const AtomType& type, Local& local, const z3::expr& when, z3::expr& fault) const;
-  void settle(const AtomType& type, Local& local, const z3::expr& when, Trouble& trouble) const;
+  void settle(const AtomType& type, Local& local, const z3::expr& when, z3::expr& fault) const;
   void hide(const AtomType& type, Local& local, std::vector<z3::expr>& ports, z3::expr& fault) const;
-  [[nodiscard]] z3::expr marked(const Local& local, const Rows& places) const;
 
   const Model& m_;
   z3::context& z_;

@@ -11,13 +11,13 @@ namespace {
 constexpr std::size_t kMaxDepth = 10000;
 }  // namespace
 
-const Tree& Tree::operator[](std::string_view name) const {
+const Tree& Tree::operator[](Text name) const {
   static const Tree kEmpty{true, false, {}, {}};
   const auto found = std::find_if(items.begin(), items.end(), [&](const Tree& item) { return item.head() == name; });
   return found == items.end() ? kEmpty : *found;
 }
 
-std::vector<const Tree*> Tree::all(std::string_view name) const {
+std::vector<const Tree*> Tree::all(Text name) const {
   std::vector<const Tree*> found;
   for (const Tree& item : items) {
     if (item.head() == name) found.push_back(&item);
@@ -25,22 +25,25 @@ std::vector<const Tree*> Tree::all(std::string_view name) const {
   return found;
 }
 
-bool Tree::contains(const std::vector<std::string_view>& heads, std::vector<const Tree*>* found) const {
-  bool is_there = is_list && std::find(heads.begin(), heads.end(), head()) != heads.end();
-  if (is_there && found != nullptr) found->push_back(this);
-  for (const Tree& item : items) is_there = item.contains(heads, found) || is_there;
-  return is_there;
+std::vector<const Tree*> Tree::find(const std::vector<Text>& heads) const {
+  std::vector<const Tree*> found;
+  for (const Tree& item : items) {
+    if (std::find(heads.begin(), heads.end(), item.head()) != heads.end()) found.push_back(&item);
+    const std::vector<const Tree*> inner = item.find(heads);
+    found.insert(found.end(), inner.begin(), inner.end());
+  }
+  return found;
 }
 
-bool Tree::has_word(std::string_view word, std::size_t first) const {
-  return std::any_of(items.begin() + static_cast<long>(std::min(first, items.size())), items.end(),
-                     [&](const Tree& item) { return !item.is_list && !item.is_string && item.text == word; });
+bool Tree::has_word(Text word, std::size_t first) const {
+  const auto is_it = [&](const Tree& item) { return !item.is_list && !item.is_string && item.text == word; };
+  return items.size() > first && std::any_of(items.begin() + static_cast<long>(first), items.end(), is_it);
 }
 
 std::size_t Tree::row() const {
   std::uint32_t value = 0;
-  if (is_list || std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc()) throw Rejected("a row number was expected, not `" + std::string(text) + "`");
-  return value;
+  const bool is_row = !is_list && std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
+  return is_row ? value : throw Rejected("a row number was expected, not `" + std::string(text) + "`");
 }
 
 Rows Tree::rows() const {
@@ -49,8 +52,8 @@ Rows Tree::rows() const {
   return rows;
 }
 
-Tree read_trees(std::string_view text) {
-  constexpr std::string_view kBlanks = " \n\t\r", kEnds = " \n\t\r()\";";
+Tree read_trees(Text text) {
+  constexpr Text kBlanks = " \n\t\r", kEnds = " \n\t\r()\";";
   std::vector<Tree> open(1, Tree{true, false, {}, {}});
   for (std::size_t at = 0, end = 0; at < text.size(); at = end) {
     const char c = text[at];
@@ -70,7 +73,7 @@ Tree read_trees(std::string_view text) {
       if (end >= text.size()) throw Rejected("a string does not end");
       open.back().items.push_back({false, true, text.substr(at + 1, end - at - 1), {}});
       ++end;
-    } else if (kBlanks.find(c) == std::string_view::npos) {
+    } else if (kBlanks.find(c) == Text::npos) {
       end = std::min(text.find_first_of(kEnds, at), text.size());
       // Places in the source are of no interest here.
       if (c != '@') open.back().items.push_back({false, false, text.substr(at, end - at), {}});
