@@ -72,7 +72,7 @@ struct BuildArguments {
   CompileOptions compile;
   std::string file;
   std::string output;
-  Optimisation optimisation = Optimisation::O2;
+  Optimisation optimisation = Optimisation::Auto;
 };
 struct VerifyArguments {
   CompileOptions compile;

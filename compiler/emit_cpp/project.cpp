@@ -51,7 +51,7 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
       << "set(CMAKE_CXX_STANDARD 20)\n"
       << "set(CMAKE_CXX_STANDARD_REQUIRED ON)\n"
       << "set(CMAKE_CXX_EXTENSIONS OFF)\n"
-      << "set(CMAKE_CXX_FLAGS_RELEASE \"-O2\")\n"
+      << "set(CMAKE_CXX_FLAGS_RELEASE \"-O3\")\n"
       << "find_package(Threads REQUIRED)\n\n"
       << "add_executable(bip_program\n  model.cpp\n";
   for (const fs::path& file : runtime) {

@@ -13,6 +13,19 @@ using lower::StepOpKind;
 
 namespace {
 
+const char* name_of(lower::Reduction reduction) {
+  switch (reduction) {
+    case lower::Reduction::Add: return "Sum";
+    case lower::Reduction::Mul: return "Product";
+    case lower::Reduction::And: return "BitAnd";
+    case lower::Reduction::Or: return "BitOr";
+    case lower::Reduction::Xor: return "BitXor";
+    case lower::Reduction::Min: return "Least";
+    case lower::Reduction::Max: return "Largest";
+  }
+  return "";
+}
+
 class ShapeWriter {
  public:
   ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, Writer& out)
@@ -34,6 +47,8 @@ class ShapeWriter {
       out_.line("  const std::uint32_t v" + std::to_string(k) + " = " + text + ";");
     }
     for (const StepOp& op : shape_.ops) {
+      if (op.kind == StepOpKind::Reduce) reduce(op);
+      if (op.kind == StepOpKind::Copy) copy(op);
       if (op.kind == StepOpKind::Code) code(op);
       if (op.kind == StepOpKind::Place) loop(op, "s.places[" + at(op, 0) + "] = " + value(op, 1) + ";");
       if (op.kind == StepOpKind::Ready) ready(op);
@@ -93,7 +108,32 @@ class ShapeWriter {
     return unit.name + "(nullptr, s.all + (" + at(op, k) + "), " + all + ", " + bind + ")";
   }
 
+  void reduce(const StepOp& op) {
+    const std::string by = std::string("bip::rt::reduce<bip::rt::") + name_of(op.reduction) + ">(s.all[" + at(op, 0) + "], s.all + ";
+    const std::string from = "v" + std::to_string(operand(op, 1));
+    if (op.repeats && stride(op, 0) == 0) {
+      out_.line("  " + by + from + ", " + std::to_string(stride(op, 1)) + ", v" + std::to_string(op.first_ref) + ");");
+    } else {
+      loop(op, by + "(" + at(op, 1) + "), 0, 1);");
+    }
+  }
+
+  // What stays where it is, is read once; with a code, in its loop.
+  void copy(const StepOp& op) {
+    if (stride(op, 1) != 0 || !op.repeats) return loop(op, "s.all[" + at(op, 0) + "] = s.all[" + at(op, 1) + "];");
+    const std::string name = "moved" + std::to_string(op.first_ref);
+    out_.line("  const Slot " + name + " = s.all[" + at(op, 1) + "];");
+    if (!op.inlined) return loop(op, "s.all[" + at(op, 0) + "] = " + name + ";");
+    inlined_ += "self[" + std::to_string(op.offset) + "] = " + name + "; ";
+  }
+  void code_with_copies(const StepOp& op) {
+    if (stride(op, 0) != 1) out_.line("  BIP_UNROLL");
+    loop(op, "{ Slot* const self = s.all + (" + at(op, 0) + "); " + inlined_ + lowered_.units[op.unit].name + "(nullptr, self, s.all, nullptr); }");
+    inlined_.clear();
+  }
+
   void code(const StepOp& op) {
+    if (!inlined_.empty()) return code_with_copies(op);
     std::string body, before;
     for (std::uint32_t k = 0; k < op.zeroed; ++k) body += "s.all[" + at(op, 0) + " + " + std::to_string(k) + "] = Slot{0}; ";
     if (op.unit != rt::kNone) {
@@ -142,6 +182,7 @@ class ShapeWriter {
   const lower::LoweredSystem& lowered_;
   const lower::StepShape& shape_;
   Writer& out_;
+  std::string inlined_;  // copies, for the next code
 };
 
 }  // namespace

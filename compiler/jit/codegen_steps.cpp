@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/debug_info.hpp"
@@ -47,6 +49,8 @@ class ShapeBuilder {
 
   void build() {
     for (const StepOp& op : shape_.ops) {
+      if (op.kind == StepOpKind::Reduce) reduce(op);
+      if (op.kind == StepOpKind::Copy) copy(op);
       if (op.kind == StepOpKind::Code) loop(op, [&](Value* t) { code(op, t); });
       if (op.kind == StepOpKind::Place) loop(op, [&](Value* t) { b_.CreateStore(number(op, 1, t), cell(places_, op, 0, t)); });
       if (op.kind == StepOpKind::Ready) ready(op);
@@ -176,8 +180,56 @@ class ShapeBuilder {
       b_.CreateAlignedStore(llvm::ConstantInt::get(i64_, 0), b_.CreateConstInBoundsGEP1_64(i64_, self, n), llvm::Align(8));
     }
   }
+  // As wide as slots are; the largest and the least by the low half moved up, so that the sign is in its place.
+  Value* to_word(const StepOp& op, Value* slot) {
+    const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
+    Value* bits = b_.CreateAlignedLoad(i64_, slot, llvm::Align(8));
+    return compares ? b_.CreateShl(bits, 32) : bits;
+  }
+  Value* joined(const StepOp& op, Value* a, Value* b) {
+    switch (op.reduction) {
+      case lower::Reduction::Add: return b_.CreateAdd(a, b);
+      case lower::Reduction::Mul: return b_.CreateMul(a, b);
+      case lower::Reduction::And: return b_.CreateAnd(a, b);
+      case lower::Reduction::Or: return b_.CreateOr(a, b);
+      case lower::Reduction::Xor: return b_.CreateXor(a, b);
+      case lower::Reduction::Min: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smin, a, b);
+      case lower::Reduction::Max: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smax, a, b);
+    }
+    return a;
+  }
+  void store_word(const StepOp& op, Value* word, Value* slot) {
+    const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
+    Value* bits = compares ? b_.CreateLShr(word, 32) : b_.CreateAnd(word, llvm::ConstantInt::get(i64_, 0xffffffffu));
+    b_.CreateAlignedStore(bits, slot, llvm::Align(8));
+  }
+  void reduce(const StepOp& op) {
+    if (!op.repeats || stride(op, 0) != 0) {
+      loop(op, [&](Value* t) {
+        Value* to = data(op, 0, t);
+        store_word(op, joined(op, to_word(op, to), to_word(op, data(op, 1, t))), to);
+      });
+      return;
+    }
+    llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
+    Value* word = start.CreateAlloca(i64_);
+    b_.CreateStore(to_word(op, data(op, 0, nullptr)), word);
+    count_up(b_.CreateZExt(operands_[op.first_ref], i64_), [&](Value* t) { b_.CreateStore(joined(op, b_.CreateLoad(i64_, word), to_word(op, data(op, 1, t))), word); });
+    store_word(op, b_.CreateLoad(i64_, word), data(op, 0, nullptr));
+  }
+
+  // What stays where it is, is read once; with a code, in its loop.
+  void copy(const StepOp& op) {
+    const auto read = [&](Value* t) { return b_.CreateAlignedLoad(i64_, data(op, 1, t), llvm::Align(8)); };
+    Value* moved = stride(op, 1) == 0 ? read(nullptr) : nullptr;
+    if (op.inlined) return inlined_.push_back({op.offset, moved});
+    loop(op, [&](Value* t) { b_.CreateAlignedStore(moved != nullptr ? moved : read(t), data(op, 0, t), llvm::Align(8)); });
+  }
+
   void code(const StepOp& op, Value* t) {
     zero(op, 0, t);
+    for (const auto& [offset, value] : inlined_) b_.CreateAlignedStore(value, b_.CreateConstInBoundsGEP1_64(i64_, data(op, 0, t), offset), llvm::Align(8));
+    inlined_.clear();
     if (op.unit != rt::kNone) call(op, 0, t);
   }
 
@@ -263,6 +315,7 @@ class ShapeBuilder {
   Value *all_ = nullptr, *places_ = nullptr, *values_ = nullptr, *members_ = nullptr, *position_ = nullptr, *scratch_ = nullptr;
   Value* count_ = nullptr;
   std::vector<Value*> operands_;
+  std::vector<std::pair<std::uint32_t, Value*>> inlined_;  // copies, for the next code: which of its slots, what
 };
 
 }  // namespace

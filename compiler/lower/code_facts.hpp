@@ -9,6 +9,7 @@ namespace bip::lower {
 
 struct CodeFacts {
   bool may_fault = false;             // it calls C++, or divides by what may be 0 or -1
+  bool writes_binds = false;
   std::vector<std::uint32_t> binds;   // bound variables that it reads or writes, ascending
 };
 /// Of an expression, or of statements; either may be invalid. Linear in the code, iterative.

@@ -11,6 +11,10 @@
 namespace bip::lower {
 
 enum class StepOpKind : std::uint8_t {
+  Reduce, // refs to, from: from's value joins to's, by an operation on ints or bools that any order does with the same bits; no
+          // `from` is a `to`
+  Copy,   // refs to, from: all of the slot. If it is `inlined`, it is done in the loop of the next Code, whose self's slot `offset`
+          // is `to`; `from` stays where it is, and no code of that loop changes it
   Code,   // runs `unit`: refs self, then its bound variables (code_facts); zeroes so many of self's slots before
   Place,  // refs atom, place: the atom is there now
   Ready,  // refs atom, self if there is a unit, slot if delta != 0: if the atom is at `from`, runs `unit`, puts it at `to`, slot's
@@ -18,11 +22,15 @@ enum class StepOpKind : std::uint8_t {
   Slot    // refs slot, then, if there is a guard `unit`, self and bound variables, then slots that hide it: its value grows by
           // delta, and it is in the list iff it is available, the guard holds and none of those is available
 };
+enum class Reduction : std::uint8_t { Add, Mul, And, Or, Xor, Min, Max };
 enum class SlotChange : std::uint8_t { Look, Enters, Leaves };  // what is certain
 
 struct StepOp {
   StepOpKind kind = StepOpKind::Code;
   SlotChange change = SlotChange::Look;
+  Reduction reduction = Reduction::Add;
+  bool inlined = false;              // Copy
+  std::uint32_t offset = 0;          // Copy that is inlined
   bool repeats = false;              // a first operand says how often; strides say how far the others move each time
   std::uint32_t unit = rt::kNone;
   std::uint32_t zeroed = 0;
@@ -32,7 +40,7 @@ struct StepOp {
   std::uint32_t first_ref = 0, refs = 0;
 };
 struct StepShape {
-  std::vector<StepOp> ops;           // Codes, Places, Readys and Slots in this order; of Slots first all values, then the list, in order
+  std::vector<StepOp> ops;           // Reduces, Copies and Codes, then Places, Readys and Slots; of Slots first all values, then the list, in order
   std::vector<std::int32_t> strides; // by operand; 0 unless its operation repeats
   std::vector<std::uint32_t> run_strides;  // by operand: what StepOperand::stride is in all runs of the shape; empty: it varies
 };

@@ -18,14 +18,14 @@ constexpr std::size_t kMostShapes = 64;       // with strides in them
 
 bool alike(const StepOp& a, const StepOp& b) {
   return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta && a.from == b.from &&
-         a.to == b.to && a.hiders == b.hiders && a.refs == b.refs;
+         a.to == b.to && a.hiders == b.hiders && a.refs == b.refs && a.reduction == b.reduction;
 }
 
 std::vector<u32> key_of(const Instance& folded, const std::vector<std::int32_t>& strides) {
   std::vector<u32> key;
   for (const StepOp& op : folded.ops) {
     key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit, op.zeroed,
-                           static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs});
+                           static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs, static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset});
   }
   for (const std::int32_t stride : strides) key.push_back(static_cast<u32>(stride));
   return key;
@@ -152,6 +152,7 @@ void derive_steps(lower::LoweredSystem& lowered) {
     if (found == Deriver::Found::Yes) {
       const bool is_star = !instance.ops.empty() && instance.ops[0].kind == StepOpKind::Ready;
       fold(instance, is_star ? 1 : kLeastRepeats, folded, strides);
+      inline_copies(folded, strides, deriver.atom_slots());
       if (folded.ops.size() > kMostOps) found = Deriver::Found::No;
     }
     if (found == Deriver::Found::No && deriver.needs_all()) return;

@@ -5,6 +5,7 @@
 
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/lower.hpp"
+#include "compiler/steps/values.hpp"
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/tables.hpp"
 
@@ -38,6 +39,8 @@ struct Instance {
 
 /// Operations that repeat with equal strides, `least` or more in a row, become one. strides: by operand.
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides);
+/// Copies to variables of atoms go into the loop of the code that follows and works on these atoms.
+void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u32 atom_slots);
 
 class Deriver {
  public:
@@ -49,6 +52,8 @@ class Deriver {
   [[nodiscard]] u32 slots() const { return static_cast<u32>(tables_.slots.size()); }
   /// Must every slot have a shape, if any is to have one? Compiled steps do not keep the core's books of priority rules.
   [[nodiscard]] bool needs_all() const { return rules_.count != 0; }
+  /// Slots below belong to atoms.
+  [[nodiscard]] u32 atom_slots() const { return tables_.atom_slots; }
   enum class Found { Yes, Never, No };  // Never: it cannot fire
   /// The interaction of a slot, not folded.
   Found describe(u32 slot, Instance& out);
@@ -61,6 +66,15 @@ class Deriver {
   bool add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out);
   bool add_connector_codes(const rt::SlotInfo& info, Instance& out);
   bool add_plan_codes(const rt::Plan& plan, Instance& out);
+  bool order_uses(const rt::Plan& plan);
+  [[nodiscard]] u32 unit_of(u32 use, bool is_up) const;
+  void evaluate_uses();
+  bool list_assigned();
+  [[nodiscard]] u32 home_of(u32 value) const;
+  bool add_joined(Instance& out);
+  bool add_moved(Instance& out);
+  bool add_ups(Instance& out);
+  void add_copies(Instance& out);
   bool add_actions(Instance& out);
   bool add_effects(u32 fired, Instance& out);
   bool add_slot(Effect effect, u32 fired, Instance& out);
@@ -79,6 +93,13 @@ class Deriver {
   // scratch
   std::vector<u32> ports_, atoms_, touched_;
   std::vector<Effect> effects_;
+  // of one plan: see transfers.cpp
+  Values values_;
+  const rt::PlanUse* uses_ = nullptr;
+  std::vector<u32> ups_, downs_;                    // uses, in the order in which their code runs
+  std::vector<u32> homes_;                          // by value that an `up` gave: the slot, or none
+  std::vector<std::pair<u32, u32>> assigned_;       // slots of atoms that get a value from connectors, and which
+  std::vector<std::pair<u32, u32>> copies_;         // to, from
 };
 
 }  // namespace bip::steps

@@ -3,9 +3,8 @@
 // Covered: rendezvous of atoms of simple types (each port one transition, without guards), flat or a hierarchy without
 // triggers, guards of flat connectors, internal ports, broadcasts of atoms without transfer, code that cannot fault. As
 // nothing faults and codes of different atoms or connectors share no variables, `up`s run bottom up, `down`s top down, then
-// actions: an order that repeats where the core's depth-first one does not.
+// actions: an order that repeats where the core's depth-first one does not. Hierarchies: transfers.cpp.
 #include <algorithm>
-#include <numeric>
 
 #include "compiler/steps/deriver.hpp"
 
@@ -14,7 +13,8 @@ namespace bip::steps {
 using rt::SlotKind;
 
 Deriver::Deriver(const lower::LoweredSystem& lowered)
-    : lowered_(lowered), image_(lowered.image), tables_(rt::link(image_, rt::MaximalProgress::On)), rules_(rt::link_priorities(tables_)) {
+    : lowered_(lowered), image_(lowered.image), tables_(rt::link(image_, rt::MaximalProgress::On)), rules_(rt::link_priorities(tables_)),
+      values_(lowered.system->code, image_.slot_count) {
   for (const lower::CodeUnit& unit : lowered.units) facts_.push_back(lower::code_facts(lowered.system->code, unit.expr, unit.body));
   for (u32 type = 0; type < image_.atom_types.size; ++type) {
     const rt::LinkedType& linked = tables_.types[type];
@@ -61,44 +61,6 @@ bool Deriver::add_connector_codes(const rt::SlotInfo& info, Instance& out) {
     if (unit == kNone) continue;
     if (!add_code(unit, zeroed, row.slot_base, row.binds, out)) return false;
     zeroed = 0;
-  }
-  return true;
-}
-
-// By depth, and within one by where their data are: levels of regular trees are regular.
-bool Deriver::add_plan_codes(const rt::Plan& plan, Instance& out) {
-  const rt::PlanUse* uses = tables_.plan_uses.data() + plan.first_use;
-  const rt::PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
-  std::vector<u32> depth(plan.use_count, 0), order(plan.use_count);
-  for (u32 i = 0; i < plan.use_count; ++i) {
-    const rt::ConnectorType& type = tables_.connector_type(uses[i].connector);
-    u32 bound = 0;
-    for (const rt::ConnectorParam& param : type.params) bound = std::max(bound, param.first_bind + image_.port_types[param.type].vars.size);
-    // It reads data of bystanders: those might have moved by then.
-    if (image_.connectors[uses[i].connector].bind_count > bound) return false;
-    if (uses[i].link != kNone) depth[i] = depth[nodes[nodes[uses[i].link].parent].use] + 1;
-  }
-  std::iota(order.begin(), order.end(), 0u);
-  const auto base = [&](u32 use) { return image_.connectors[uses[use].connector].slot_base; };
-  std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return depth[a] != depth[b] ? depth[a] < depth[b] : base(a) < base(b); });
-  const auto add = [&](u32 use, bool is_up) {
-    const rt::ConnectorType& type = tables_.connector_type(uses[use].connector);
-    const u32 unit = uses[use].clause == kNone ? kNone : is_up ? type.clauses[uses[use].clause].up : type.clauses[uses[use].clause].down;
-    const u32 zeroed = is_up ? type.slots.size : 0;
-    if (unit == kNone && zeroed == 0) return true;
-    return add_code(unit, zeroed, base(use), image_.connectors[uses[use].connector].binds, out);
-  };
-  // Last levels first, but each in ascending order.
-  for (u32 end = plan.use_count; end > 0;) {
-    u32 first = end - 1;
-    while (first > 0 && depth[order[first - 1]] == depth[order[end - 1]]) --first;
-    for (u32 i = first; i < end; ++i) {
-      if (!add(order[i], true)) return false;
-    }
-    end = first;
-  }
-  for (const u32 use : order) {
-    if (!add(use, false)) return false;
   }
   return true;
 }

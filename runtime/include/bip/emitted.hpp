@@ -4,8 +4,11 @@
 // faulting division leaves it as a CodeFault that the same function catches and returns as its status. No exception leaves
 // a CodeFn. Header only; everything but a fault is free after inlining.
 #pragma once
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 
 #include "bip/arith.hpp"
 #include "bip/image.hpp"
@@ -14,9 +17,15 @@
 // A function whose loops become vectors is made for newer processors, too; at the program's start the loader chooses. Sanitizers
 // are not ready that early.
 #if defined(__x86_64__) && defined(__linux__) && defined(__OPTIMIZE__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define BIP_FOR_PROCESSORS [[gnu::target_clones("avx2", "default")]]
+#define BIP_FOR_PROCESSORS [[gnu::target_clones("avx512f", "avx2", "default")]]
 #else
 #define BIP_FOR_PROCESSORS
+#endif
+// Before a loop that cannot become vectors: a jump an iteration would be most of it.
+#if defined(__GNUC__) && !defined(__clang__)
+#define BIP_UNROLL _Pragma("GCC unroll 4")
+#else
+#define BIP_UNROLL
 #endif
 
 namespace bip::rt {
@@ -35,10 +44,30 @@ constexpr std::int32_t modulo(std::int32_t a, std::int32_t b, std::uint32_t site
   return remainder(a, b);
 }
 
-/// A slot with its unused bits zero. It is read and written as a whole: so loops over neighbouring slots become vectors.
+/// A slot with its unused bits zero.
 constexpr Slot int_slot(std::int32_t value) { return Slot{.bits = static_cast<std::uint32_t>(value)}; }
-constexpr std::int32_t int_in(const Slot& slot) { return static_cast<std::int32_t>(slot.bits); }
 constexpr Slot float_slot(double value) { return Slot{.f = value}; }
+
+/// A slot's value as a whole. g++ 12 makes vectors of copied memory, but not of loops that name a member of the union.
+template <class T>
+T read_slot(const Slot& slot) {
+  static_assert(sizeof(T) == sizeof(Slot));
+  T value;
+  std::memcpy(&value, &slot, sizeof value);
+  return value;
+}
+template <class T>
+void write_slot(Slot& slot, T value) {
+  static_assert(sizeof(T) == sizeof(Slot));
+  std::memcpy(&slot, &value, sizeof value);
+}
+
+/// An int on its way between slots: the low half of a word as wide as they are, whatever the high half is. In a loop over slots
+/// all vectors have lanes of one width then; narrowing and widening them again costs g++ more than the vectors save.
+struct Word {
+  std::uint64_t bits;
+  constexpr operator std::int32_t() const { return static_cast<std::int32_t>(bits); }
+};
 
 /// An int variable in a slot. Copying the object copies the value, as assignment in the model does.
 class IntVar {
@@ -46,11 +75,18 @@ class IntVar {
   constexpr explicit IntVar(Slot& slot) : slot_(slot) {}
   IntVar(const IntVar&) = delete;
   IntVar& operator=(std::int32_t value) {
-    slot_.bits = int_slot(value).bits;
+    return *this = Word{static_cast<std::uint32_t>(value)};
+  }
+  IntVar& operator=(Word value) {
+    write_slot(slot_, value.bits & 0xffffffffu);
     return *this;
   }
-  IntVar& operator=(const IntVar& other) { return *this = int_in(other.slot_); }
-  operator std::int32_t() const { return int_in(slot_); }
+  IntVar& operator=(const IntVar& other) {
+    write_slot(slot_, other.bits());
+    return *this;
+  }
+  operator std::int32_t() const { return Word{bits()}; }
+  [[nodiscard]] std::uint64_t bits() const { return read_slot<std::uint64_t>(slot_); }
   /// For C++ functions that change their argument.
   std::int32_t& ref() { return slot_.i; }
 
@@ -60,16 +96,82 @@ class IntVar {
 /// Strings are rows of Image::strings.
 using StringVar = IntVar;
 
+constexpr std::uint64_t bits_of(std::int32_t value) { return static_cast<std::uint32_t>(value); }
+constexpr std::uint64_t bits_of(Word value) { return value.bits; }
+inline std::uint64_t bits_of(const IntVar& value) { return value.bits(); }
+/// Two ints of which one at least is no plain one.
+template <class A, class B>
+concept Words = (std::is_same_v<A, Word> || std::is_same_v<A, IntVar> || std::is_same_v<B, Word> || std::is_same_v<B, IntVar>) &&
+                requires(const A& a, const B& b) { bits_of(a); bits_of(b); };
+
+template <class A, class B> requires Words<A, B>
+constexpr Word wrap_add(const A& a, const B& b) { return {bits_of(a) + bits_of(b)}; }
+template <class A, class B> requires Words<A, B>
+constexpr Word wrap_sub(const A& a, const B& b) { return {bits_of(a) - bits_of(b)}; }
+template <class A, class B> requires Words<A, B>
+constexpr Word wrap_mul(const A& a, const B& b) { return {bits_of(a) * bits_of(b)}; }
+template <class A> requires Words<A, A>
+constexpr Word wrap_neg(const A& a) { return {0 - bits_of(a)}; }
+template <class A, class B> requires Words<A, B>
+constexpr Word operator&(const A& a, const B& b) { return {bits_of(a) & bits_of(b)}; }
+template <class A, class B> requires Words<A, B>
+constexpr Word operator|(const A& a, const B& b) { return {bits_of(a) | bits_of(b)}; }
+template <class A, class B> requires Words<A, B>
+constexpr Word operator^(const A& a, const B& b) { return {bits_of(a) ^ bits_of(b)}; }
+template <class A> requires Words<A, A>
+constexpr Word operator~(const A& a) { return {~bits_of(a)}; }
+
+/// Of the low half, in order.
+constexpr std::int64_t ordered(std::uint64_t bits) { return static_cast<std::int64_t>(bits << 32); }
+template <class A, class B> requires Words<A, B>
+constexpr bool operator==(const A& a, const B& b) { return ordered(bits_of(a)) == ordered(bits_of(b)); }
+template <class A, class B> requires Words<A, B>
+constexpr auto operator<=>(const A& a, const B& b) { return ordered(bits_of(a)) <=> ordered(bits_of(b)); }
+
+// What `reduce` does with the ints, or bools, of many slots: on words as wide as slots, in any order with the same result.
+struct Sum {
+  static std::uint64_t word(const Slot& slot) { return read_slot<std::uint64_t>(slot); }
+  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a + b; }
+  static constexpr Slot slot(std::uint64_t word) { return Slot{.bits = word & 0xffffffffu}; }
+};
+struct Product : Sum {
+  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a * b; }
+};
+struct BitAnd : Sum {
+  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a & b; }
+};
+struct BitOr : Sum {
+  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a | b; }
+};
+struct BitXor : Sum {
+  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a ^ b; }
+};
+struct Largest {
+  static std::int64_t word(const Slot& slot) { return ordered(read_slot<std::uint64_t>(slot)); }
+  static constexpr std::int64_t join(std::int64_t a, std::int64_t b) { return a > b ? a : b; }
+  static constexpr Slot slot(std::int64_t word) { return Slot{.bits = static_cast<std::uint64_t>(word) >> 32}; }
+};
+struct Least : Largest {
+  static constexpr std::int64_t join(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
+};
+/// Joins from[0], from[stride], ... (count of them) to what `to` holds.
+template <class Op>
+inline void reduce(Slot& to, const Slot* from, std::ptrdiff_t stride, std::ptrdiff_t count) {
+  auto word = Op::word(to);
+  for (std::ptrdiff_t t = 0; t < count; ++t) word = Op::join(word, Op::word(from[stride * t]));
+  to = Op::slot(word);
+}
+
 class BoolVar {
  public:
   constexpr explicit BoolVar(Slot& slot) : slot_(slot) {}
   BoolVar(const BoolVar&) = delete;
   BoolVar& operator=(bool value) {
-    slot_ = int_slot(value ? 1 : 0);
+    write_slot(slot_, std::uint64_t{value ? 1u : 0u});
     return *this;
   }
-  BoolVar& operator=(const BoolVar& other) { return *this = other.slot_.i != 0; }
-  operator bool() const { return slot_.i != 0; }
+  BoolVar& operator=(const BoolVar& other) { return *this = static_cast<bool>(other); }
+  operator bool() const { return read_slot<std::uint64_t>(slot_) != 0; }
 
  private:
   Slot& slot_;
@@ -80,11 +182,11 @@ class FloatVar {
   constexpr explicit FloatVar(Slot& slot) : slot_(slot) {}
   FloatVar(const FloatVar&) = delete;
   FloatVar& operator=(double value) {
-    slot_ = float_slot(value);
+    write_slot(slot_, value);
     return *this;
   }
-  FloatVar& operator=(const FloatVar& other) { return *this = other.slot_.f; }
-  operator double() const { return slot_.f; }
+  FloatVar& operator=(const FloatVar& other) { return *this = static_cast<double>(other); }
+  operator double() const { return read_slot<double>(slot_); }
   double& ref() { return slot_.f; }
 
  private:

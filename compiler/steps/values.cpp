@@ -1,0 +1,172 @@
+// Values of slots: see values.hpp. Both branches of an `if` run, one after the other on the same slots; where they differ,
+// the larger or the smaller of two is recognised. Expressions recurse (their depth is limited by `validate`), so do
+// branches, up to a depth of their own, for chains of `else if` have no limit.
+#include "compiler/steps/values.hpp"
+
+#include <algorithm>
+
+namespace bip::steps {
+
+using lower::Reduction;
+
+namespace {
+
+constexpr u32 kMostBranches = 32;          // within one another
+constexpr std::size_t kMostElements = 1u << 17;
+
+bool is_idempotent(Reduction by) {
+  return by == Reduction::Min || by == Reduction::Max || by == Reduction::And || by == Reduction::Or;
+}
+
+}  // namespace
+
+void Values::begin() {
+  for (const u32 slot : slots_) now_[slot] = rt::kNone;
+  slots_.clear();
+  values_.clear();
+  before_.clear();
+  is_known_ = true;
+  has_read_zero_ = false;
+}
+
+u32 Values::add(Value value) {
+  values_.push_back(value);
+  return static_cast<u32>(values_.size() - 1);
+}
+
+u32 Values::in(u32 slot) {
+  if (now_[slot] == rt::kNone) {
+    slots_.push_back(slot);
+    now_[slot] = add({Kind::Old, {}, slot, 0});
+  }
+  return now_[slot];
+}
+
+void Values::set(u32 slot, u32 value) {
+  const u32 before = in(slot);
+  if (depth_ > 0) before_.emplace_back(slot, before);
+  now_[slot] = value;
+}
+
+void Values::zero(u32 first, u32 count) {
+  for (u32 slot = first; slot < first + count; ++slot) set(slot, add({Kind::Zero, {}, 0, 0}));
+}
+
+u32 Values::read(u32 slot) {
+  const u32 value = in(slot);
+  if (values_[value].kind != Kind::Zero) return value;
+  has_read_zero_ = true;
+  return opaque();
+}
+
+u32 Values::joined(Reduction by, u32 a, u32 b) {
+  if (a == b && is_idempotent(by)) return a;
+  return add({Kind::Joined, by, a, b});
+}
+
+u32 Values::expr(ExprId id) {
+  const Expr& e = code_.exprs[id];
+  if (e.op == Op::LoadSelf) return read(self_ + e.index);
+  if (e.op == Op::LoadBind) return read(bind_[e.index]);
+  if (e.op < Op::IntToFloat) return opaque();
+  const u32 a = expr(e.a);
+  if (e.op < Op::Add) return opaque();
+  const u32 b = expr(e.b);
+  const bool is_int = e.type == Type::Int;
+  switch (e.op) {
+    case Op::Add: return is_int ? joined(Reduction::Add, a, b) : opaque();
+    case Op::Mul: return is_int ? joined(Reduction::Mul, a, b) : opaque();
+    // Nothing faults, so that the second operand may be evaluated always.
+    case Op::BitAnd:
+    case Op::And: return joined(Reduction::And, a, b);
+    case Op::BitOr:
+    case Op::Or: return joined(Reduction::Or, a, b);
+    case Op::BitXor: return joined(Reduction::Xor, a, b);
+    default: return opaque();
+  }
+}
+
+u32 Values::either(ExprId condition, u32 yes, u32 no) {
+  if (yes == no) return yes;
+  for (const u32 value : {yes, no}) has_read_zero_ = has_read_zero_ || values_[value].kind == Kind::Zero;
+  const Expr& e = code_.exprs[condition];
+  const bool compares = e.op == Op::Lt || e.op == Op::Le || e.op == Op::Gt || e.op == Op::Ge;
+  if (!compares || code_.exprs[e.a].type != Type::Int) return opaque();
+  const u32 a = expr(e.a), b = expr(e.b);
+  const bool greater = e.op == Op::Gt || e.op == Op::Ge;
+  if (yes == a && no == b) return joined(greater ? Reduction::Max : Reduction::Min, a, b);
+  if (yes == b && no == a) return joined(greater ? Reduction::Min : Reduction::Max, a, b);
+  return opaque();
+}
+
+// What was assigned since, each slot once; the slots hold again what they held.
+Values::Assigned Values::take_back(std::size_t mark) {
+  Assigned assigned;
+  for (std::size_t i = mark; i < before_.size(); ++i) assigned.emplace_back(before_[i].first, now_[before_[i].first]);
+  std::sort(assigned.begin(), assigned.end());
+  assigned.erase(std::unique(assigned.begin(), assigned.end()), assigned.end());
+  for (; before_.size() > mark; before_.pop_back()) now_[before_.back().first] = before_.back().second;
+  return assigned;
+}
+
+void Values::branch(const Stmt& s) {
+  if (depth_ == kMostBranches) {
+    is_known_ = false;
+    return;
+  }
+  (void)expr(s.value);
+  ++depth_;
+  const std::size_t mark = before_.size();
+  run(s.then_body, self_, bind_);
+  Assigned yes = take_back(mark);
+  run(s.else_body, self_, bind_);
+  const Assigned no = take_back(mark);
+  --depth_;
+  // Both lists with all slots of both.
+  Assigned merged;
+  for (std::size_t i = 0, j = 0; i < yes.size() || j < no.size();) {
+    const bool takes_yes = j == no.size() || (i < yes.size() && yes[i].first <= no[j].first);
+    const u32 slot = takes_yes ? yes[i].first : no[j].first;
+    const u32 if_yes = takes_yes ? yes[i++].second : in(slot);
+    const u32 if_no = j < no.size() && no[j].first == slot ? no[j++].second : in(slot);
+    merged.emplace_back(slot, either(s.value, if_yes, if_no));
+  }
+  for (const auto& [slot, value] : merged) set(slot, value);
+}
+
+void Values::run(StmtId body, u32 self, const u32* bind) {
+  self_ = self;
+  bind_ = bind;
+  for (StmtId id = body; id.is_valid() && is_known_; id = code_.stmts[id].next) {
+    const Stmt& s = code_.stmts[id];
+    switch (s.op) {
+      case StmtOp::StoreSelf: set(self + s.index, expr(s.value)); break;
+      case StmtOp::StoreBind: set(bind[s.index], expr(s.value)); break;
+      case StmtOp::If: branch(s); break;
+      case StmtOp::Call: is_known_ = false; break;
+    }
+  }
+}
+
+bool Values::elements(u32 value, std::vector<u32>& out) const {
+  out.clear();
+  const Reduction by = values_[value].by;
+  if (values_[value].kind != Kind::Joined) return false;
+  std::vector<u32> todo{value};
+  while (!todo.empty()) {
+    const Value& at = values_[todo.back()];
+    todo.pop_back();
+    if (at.kind == Kind::Joined && at.by == by) {
+      todo.insert(todo.end(), {at.b, at.a});
+    } else if (at.kind == Kind::Old && out.size() < kMostElements) {
+      out.push_back(at.a);
+    } else {
+      return false;
+    }
+  }
+  std::sort(out.begin(), out.end());
+  if (is_idempotent(by)) out.erase(std::unique(out.begin(), out.end()), out.end());
+  return true;
+}
+
+}  // namespace bip::steps
