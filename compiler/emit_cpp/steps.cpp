@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "compiler/model/code_uses.hpp"
+
 namespace bip::emit_cpp {
 
 using lower::StepOp;
@@ -118,6 +120,14 @@ class ShapeWriter {
     }
   }
 
+  // Of a short body the jump would be a good part; g++ unrolls nothing by itself.
+  void unroll(const StepOp& op) {
+    constexpr std::size_t kShort = 4;
+    std::size_t statements = 0;
+    model::visit_stmts(lowered_.system->code, lowered_.units[op.unit].body, [&](const Stmt&) { ++statements; });
+    if (op.repeats && statements <= kShort) out_.line("  BIP_UNROLL");
+  }
+
   // What stays where it is, is read once; with a code, in its loop.
   void copy(const StepOp& op) {
     if (stride(op, 1) != 0 || !op.repeats) return loop(op, "s.all[" + at(op, 0) + "] = s.all[" + at(op, 1) + "];");
@@ -127,7 +137,7 @@ class ShapeWriter {
     inlined_ += "self[" + std::to_string(op.offset) + "] = " + name + "; ";
   }
   void code_with_copies(const StepOp& op) {
-    if (stride(op, 0) != 1) out_.line("  BIP_UNROLL");
+    unroll(op);
     loop(op, "{ Slot* const self = s.all + (" + at(op, 0) + "); " + inlined_ + lowered_.units[op.unit].name + "(nullptr, self, s.all, nullptr); }");
     inlined_.clear();
   }
@@ -139,6 +149,7 @@ class ShapeWriter {
     if (op.unit != rt::kNone) {
       const std::string text = call(op, 0, before);
       body += text + ";";
+      unroll(op);
     }
     loop(op, "{ " + (before.empty() ? "" : before + " ") + body + " }");
   }

@@ -21,7 +21,7 @@
 #else
 #define BIP_FOR_PROCESSORS
 #endif
-// Before a loop that cannot become vectors: a jump an iteration would be most of it.
+// Before a loop of a few instructions.
 #if defined(__GNUC__) && !defined(__clang__)
 #define BIP_UNROLL _Pragma("GCC unroll 4")
 #else
