@@ -90,17 +90,20 @@ std::string limit_text(const rt::ZoneReport& found) {
 // What has no answer yet is said. False: it was.
 bool is_answerable(const VerifyArguments& a, Compilation& c, const verify::Question& question) {
   const char* refused = nullptr;
-  const std::vector<verify::PropertyNode>& nodes = question.property.nodes;
-  // A location's candidates are those of an instant.
-  const bool asks_can = std::any_of(nodes.begin(), nodes.end(), [](const verify::PropertyNode& node) {
-    return node.kind == verify::PropertyKind::CanConnector || node.kind == verify::PropertyKind::CanPort;
-  });
-  if (asks_can) refused = "a property with `can` for a model with time";
-  else if (question.what == verify::Asked::NobodyStuck) refused = "`--partial` for a model with time";
+  if (question.what == verify::Asked::NobodyStuck) refused = "`--partial` for a model with time";
   else if (!a.certificate.empty()) refused = "a certificate for a model with time";
   else if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty()) refused = "a proof about a model with time that calls C++";
   if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
   return refused == nullptr;
+}
+
+// What a location offers depends on the instant.
+void ask(const verify::Property& property, rt::ExploreOptions& options) {
+  options.is_broken = [&property](const rt::Core& core) { return verify::is_broken(property, core); };
+  for (const verify::PropertyNode& node : property.nodes) {
+    if (node.kind == verify::PropertyKind::CanConnector) options.asked_connectors.push_back(node.owner);
+    if (node.kind == verify::PropertyKind::CanPort) options.asked_atoms.push_back(node.owner);
+  }
 }
 
 // What is there at the end of the way.
@@ -175,7 +178,7 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     const verify::Clock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
     options.bytes = arguments.megabytes * kMega;
     options.is_stopped = [&] { return verify::seconds_until(end) <= 0; };
-    if (asks_state) options.is_broken = [&question](const rt::Core& core) { return verify::is_broken(question.property, core); };
+    if (asks_state) ask(question.property, options);
     found = rt::explore_zones(image, options);
   }
   const bool asks_errors = question.what == verify::Asked::NoErrors;

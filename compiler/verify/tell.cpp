@@ -18,6 +18,14 @@ void drop_seed(std::string& text) {
 
 std::string step_count(std::size_t count) { return std::to_string(count) + (count == 1 ? " step)" : " steps)"); }
 
+// With time the instant, too: what can be done may change by itself.
+std::string where(const rt::Core& core, std::size_t steps) {
+  if (!core.is_timed()) return step_count(steps);
+  std::string out = std::to_string(steps) + (steps == 1 ? " step, at " : " steps, at ");
+  rt::append_time(out, core.now());
+  return out + ')';
+}
+
 std::string stuck_text(const rt::Core& core, const std::vector<u32>& stuck, std::size_t steps) {
   const std::string who = stuck.size() == 1 ? "1 component waits" : std::to_string(stuck.size()) + " components wait";
   std::string out = "deadlock[V0004]: " + who + " for ever, whatever the others do   (" + step_count(steps) + '\n';
@@ -48,7 +56,7 @@ std::string error_text(const rt::Core& core, std::size_t steps) {
 }  // namespace
 
 std::string broken_state(const rt::Core& core, const Property& property, std::size_t steps) {
-  std::string out = "violated[V0002]: `" + property.text + "`   (" + step_count(steps) + '\n';
+  std::string out = "violated[V0002]: `" + property.text + "`   (" + where(core, steps) + '\n';
   for (u32 atom : atoms_of(property)) {
     const rt::Atom& row = core.image().atoms[atom];
     out += std::string("  ") + rt::relative(row.path) + " at `" + rt::places_of(core, atom) + "`  ";

@@ -30,7 +30,8 @@ struct ExploreOptions {
   u32 threads = 1;
   std::function<void(const ExploreProgress&)> tell;  // now and then
   std::function<bool()> is_stopped;                  // asked now and then, by any thread
-  std::function<bool(const Core&)> is_broken;        // zones: the search ends at such a location; about places and data alone
+  std::function<bool(const Core&)> is_broken;        // zones: the search ends at such an instant
+  std::vector<u32> asked_connectors, asked_atoms;    // zones: whose candidates and whose ports it asks for; else it is about places and data alone
 };
 
 enum class ExploreEnd : std::uint8_t { Complete, States, Memory, Time, Stopped };

@@ -22,7 +22,8 @@ void sort_unique(Bounds& bounds) {
 }  // namespace
 
 // Constants that can be known are noted at once, in the initial state: most limits are constants or parameters.
-Locations::Locations(Core& core, MaximalProgress progress) : core_(core), shapes_(shapes_of(core, progress)) {
+Locations::Locations(Core& core, const ExploreOptions& options) : core_(core), shapes_(shapes_of(core, options.progress)), asked_atoms_(options.asked_atoms) {
+  for (const u32 connector : options.asked_connectors) asked_slots_.push_back(core.tables().slot_of_connector[connector]);
   const Image& image = core.image();
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomType& type = image.atom_types[image.atoms[atom].type];
@@ -153,6 +154,18 @@ bool Locations::measure_slot(Location& at, u32 slot) {
   return true;
 }
 
+// Candidates of a slot depend on its condition; a port on its atom's transitions, for those of one port are alternatives and rules of
+// the atom hide ports.
+void Locations::measure_asked(Location& at) {
+  for (const SlotCondition& slot : at.slots) {
+    if (std::find(asked_slots_.begin(), asked_slots_.end(), slot.slot) != asked_slots_.end()) at.asked.insert(at.asked.end(), slot.bounds.begin(), slot.bounds.end());
+  }
+  for (const u32 atom : asked_atoms_) {
+    for (const TimedTransition& transition : transitions_[atom]) append(atom, transition.when, at.asked);
+  }
+  sort_unique(at.asked);
+}
+
 // clocks: some that belong to it. Untimed ports, data and limits are the same at all of them.
 bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
   if (at.is_measured) return true;
@@ -183,6 +196,7 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
   }
   for (u32 slot = 0; slot < shapes_.slots.size(); ++slot) (void)measure_slot(at, slot);
   sort_unique(at.cells);
+  measure_asked(at);
   at.is_measured = true;
   return true;
 }
@@ -204,6 +218,7 @@ State Locations::point(const Location& at, const std::vector<i64>& clocks) const
 
 Bounds Locations::all_bounds(const Location& at) const {
   Bounds all = at.cells;
+  all.insert(all.end(), at.asked.begin(), at.asked.end());
   all.insert(all.end(), at.invariants.begin(), at.invariants.end());
   for (const SlotCondition& slot : at.slots) all.insert(all.end(), slot.bounds.begin(), slot.bounds.end());
   sort_unique(all);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "runtime/explore/dbm.hpp"
+#include "runtime/explore/explore.hpp"
 #include "runtime/explore/shapes.hpp"
 
 namespace bip::rt {
@@ -36,6 +37,7 @@ struct Location {
   std::vector<SlotCondition> slots;
   std::vector<WaitGroup> groups;
   Bounds cells;                 // sorted
+  Bounds asked;                 // in a part that they cut, what is asked of candidates and ports has one answer; sorted
   bool has_urgent = false;
   std::vector<u32> nodes;       // of the zone graph
 };
@@ -43,7 +45,7 @@ inline constexpr u32 kAfterInitial = kNone - 1;
 
 class Locations {
  public:
-  Locations(Core& core, MaximalProgress progress);
+  Locations(Core& core, const ExploreOptions& options);
 
   /// The row of the location; made if it is new.
   u32 find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders);
@@ -71,6 +73,7 @@ class Locations {
 
  private:
   void append(u32 atom, const MeasuredGuard& guard, Bounds& out);
+  void measure_asked(Location& at);
   void note(const ZoneBound& bound);
   bool measure_slot(Location& at, u32 slot);
 
@@ -80,6 +83,7 @@ class Locations {
   std::vector<bool> is_timed_;        // by atom
   std::vector<bool> is_ruled_;        // by slot: priorities compare it with others
   std::vector<u32> ruled_atoms_;      // of all those slots
+  std::vector<u32> asked_slots_, asked_atoms_;
   std::vector<i64> max_, min_;
   bool has_grown_ = false, has_differences_ = false;
   std::vector<Location> rows_;

@@ -27,7 +27,7 @@ bool agree(Zone& zone, const Zone& part, const Bounds& bounds) {
 }
 
 ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options)
-    : image_(image), options_(options), core_(image, {.progress = options.progress}), locations_((static_cast<void>(core_.initialize()), core_), options.progress) {}
+    : image_(image), options_(options), core_(image, {.progress = options.progress}), locations_((static_cast<void>(core_.initialize()), core_), options) {}
 
 // What a step (or `initial`) did to the clocks. False: they do what cannot be followed.
 bool ZoneSearch::follow_clocks(Zone& zone) {
@@ -321,12 +321,25 @@ void ZoneSearch::judge(u32 node, const std::vector<Zone>& rest) {
   report_.time_locks += has_lock ? 1 : 0;
 }
 
+// Is there an instant at which what is asked is so? One point of a part answers for all of it.
+bool ZoneSearch::find_broken(u32 node) {
+  if (!options_.is_broken) return false;
+  const Location& at = locations_[nodes_[node].location];
+  // Who goes on at this instant offers nothing yet: what can be done then shows in the node that follows.
+  const bool asks_offers = !options_.asked_connectors.empty() || !options_.asked_atoms.empty();
+  if (nodes_[node].is_waking && asks_offers) return false;
+  for (const Zone& part : cut(nodes_[node].zone, at.asked)) {
+    const std::vector<i64> point = part.least_point();
+    if (!enter_core(at, point) || !options_.is_broken(core_)) continue;
+    broken_ = {node, point, false, false, 0, 0, false, true};
+    return true;
+  }
+  return false;
+}
+
 void ZoneSearch::expand(u32 node) {
   is_node_faulty_ = false;
-  if (const std::vector<i64> point = nodes_[node].zone.least_point(); options_.is_broken && enter_core(locations_[nodes_[node].location], point) && options_.is_broken(core_)) {
-    broken_ = {node, point, false, false, 0, 0, false, true};
-    return;
-  }
+  if (find_broken(node)) return;
   if (nodes_[node].is_waking) {
     go_on(node);
     return;

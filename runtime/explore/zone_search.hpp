@@ -45,6 +45,7 @@ class ZoneSearch {
   bool begin();
   void search();
   void expand(u32 node);
+  [[nodiscard]] bool find_broken(u32 node);
   void enter(u32 location, Zone&& zone, ZoneNode&& label);
   void insert(ZoneNode&& node);
   bool step_from(u32 node, const SlotCondition& condition, std::vector<Zone>& rest);

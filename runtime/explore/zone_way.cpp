@@ -164,7 +164,9 @@ void ZoneSearch::find_way(const Target& target, TimedWay& way) {
     if (choice == core_.candidate_count()) return;
     way.steps.push_back({core_.now(), choice});
     if (core_.take_timed(core_.position(choice))) return;
-  } else if (!target.is_state) {
+  } else if (target.is_state) {
+    if (!options_.is_broken(core_)) return;
+  } else {
     std::vector<i64> ends;
     if (core_.candidate_count() != 0 || core_.wait_limit(ends) != core_.now()) return;
   }
