@@ -105,13 +105,13 @@ class Core {
 
   // ---- time (timed.cpp); 0 and nothing in images without
   [[nodiscard]] bool is_timed() const { return time_ != nullptr; }
-  [[nodiscard]] i64 now() const;
+  [[nodiscard]] i64 now() const { return time_ == nullptr ? 0 : time_->now; }
   /// Lets time pass to an instant, no later than next_change() unless last_instant() comes first. False: a fault.
   bool advance(i64 to);
   /// The next instant at which a port may change by itself; kForever: none will.
-  [[nodiscard]] i64 next_change() const;
+  [[nodiscard]] i64 next_change() const { return time_->changes.first_key(); }
   /// The last instant that the invariants allow.
-  [[nodiscard]] i64 last_instant() const;
+  [[nodiscard]] i64 last_instant() const { return time_->ends.first_key(); }
   [[nodiscard]] i64 time_unit() const;
   /// The last instant to which time may pass in this state, candidates' urgency and invariants considered; of each candidate
   /// the last instant of its interval.

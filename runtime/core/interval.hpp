@@ -94,4 +94,16 @@ inline Interval at_most(i64 now, Int128 missing, i64 speed) {
   return all;
 }
 
+/// The same of a clock that runs at speed 1 and has its limit at the instant `at`, which is near.
+[[nodiscard]] inline Interval instants_around(i64 now, i64 at, BoundOp op) {
+  switch (op) {
+    case BoundOp::Ge: return {std::max(now, at), kForever, false, false};
+    case BoundOp::Gt: return {std::max(now, at + 1), kForever, now <= at + 1, false};
+    case BoundOp::Le: return at < now ? Interval::none() : Interval{now, at, false, false};
+    case BoundOp::Lt: return at <= now ? Interval::none() : Interval{now, at - 1, false, true};
+    case BoundOp::Eq: break;
+  }
+  return at < now ? Interval::none() : Interval{at, at, false, false};
+}
+
 }  // namespace bip::rt

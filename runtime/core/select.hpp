@@ -29,7 +29,7 @@ class EnabledSet {
       counts_.resize(counts_.size() + (entries + 7) / 8 * 8, 0);
       if (entries <= 8) break;
     }
-    total_ = 0;
+    total_ = last_in_ = 0;
     ranked_ = true;
     unlist();
   }
@@ -137,6 +137,8 @@ class EnabledSet {
   /// The k-th candidate, k < total().
   [[nodiscard]] Position select(std::uint64_t k) const {
     ensure_ranked();
+    // With clocks there often is one alone, the one that came last.
+    if (total_ == 1 && weights_.empty() && (words_[last_in_ >> 6] >> (last_in_ & 63) & 1) != 0) return {last_in_, 0};
     auto left = static_cast<std::uint32_t>(k);
     std::size_t entry = 0;
     for (std::uint32_t level = levels_; level-- > 0;) {
@@ -227,6 +229,7 @@ class EnabledSet {
 
   void toggle(std::uint32_t slot, std::uint32_t difference) {
     total_ += difference;
+    if (difference == 1) last_in_ = slot;
     if (ranked_) {
       words_[slot >> 6] ^= std::uint64_t{1} << (slot & 63);
       add(slot, difference);
@@ -290,6 +293,7 @@ class EnabledSet {
   std::uint32_t offset_[12] = {};
   std::uint32_t levels_ = 0;
   std::uint32_t total_ = 0;
+  std::uint32_t last_in_ = 0;
   bool fast_pdep_ = has_fast_pdep();
 
   bool listed_ = false;

@@ -89,6 +89,7 @@ struct TimeState {
   std::vector<i64> busy_until;  // by atom; > now: no port is enabled before then
   std::vector<i64> may_resume_until;  // by atom: the last instant of what its `resume` waited for
   std::vector<TypeTime> types;  // by type of atoms
+  bool has_sync = false;        // of some connector the ports resume together
   std::vector<PortTime> ports;  // by port instance
   std::vector<Coming> coming;   // by atom, at the instant that `changes` says
   std::vector<EventPortRow> event_ports;

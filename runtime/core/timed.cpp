@@ -84,6 +84,7 @@ void Core::build_time() {
   if (time_->unit == 0) time_->unit = 1'000'000'000;
   list_event_ports();
   for (const AtomType& type : image.atom_types) time_->types.push_back(time_of_type(type, image));
+  for (const ConnectorType& type : image.connector_types) time_->has_sync |= type.resume_sync;
 }
 
 void Core::forget_time() {
@@ -102,8 +103,6 @@ void Core::forget_time() {
   t.ends.reset(atoms_.size());
 }
 
-i64 Core::now() const { return time_ == nullptr ? 0 : time_->now; }
-
 Int128 Core::clock_value(u32 atom, u32 clock) const {
   const ClockState& state = time_->clocks[time_->clock_base[atom] + clock];
   return state.value + run_for(state.speed, time_->now - state.since);
@@ -118,7 +117,7 @@ void Core::start_clocks(u32 atom) {
 
 // Takes what an action said of the clocks out of the hidden slots.
 bool Core::read_clocks(u32 atom, const Transition* fired) {
-  const AtomTime* time = tables_.atom_type(atom).time;
+  const AtomTime* time = time_->types[atoms_[atom].type].time;
   if (time == nullptr) return true;
   Slot* self = all_.data() + atoms_[atom].slot_base;
   for (u32 row = 0; row < time->clocks.size; ++row) {
@@ -159,7 +158,7 @@ bool Core::take_limit(u32 atom, const Bound& bound, i64& limit) {
   const double value = self[bound.slot].f;
   self[bound.slot] = Slot{0};
   // What is beyond all clocks is still above or below them.
-  if (!to_ticks(value, tables_.atom_type(atom).time->clocks[bound.clock].unit, limit)) limit = value > 0 ? kMaxTicks : -kMaxTicks;
+  if (!to_ticks(value, time_->types[atoms_[atom].type].time->clocks[bound.clock].unit, limit)) limit = value > 0 ? kMaxTicks : -kMaxTicks;
   return !std::isnan(value);
 }
 
@@ -172,8 +171,14 @@ bool Core::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
     const ClockState* states = time_->clocks.data() + time_->clock_base[atom];
     i64 limit = 0;
     if (!take_limit(atom, bound, limit)) out = Interval::none();
+    const ClockState& clock = states[bound.clock];
+    i64 at = 0;
+    if (bound.minus == kNone && clock.speed == kUnitSpeed && !__builtin_sub_overflow(limit, clock.value, &at) && !__builtin_add_overflow(at, clock.since, &at) && at > -kMaxTicks && at < kMaxTicks) {
+      out.meet(instants_around(time_->now, at, bound.op));
+      continue;
+    }
     Int128 value = clock_value(atom, bound.clock);
-    i64 speed = states[bound.clock].speed;
+    i64 speed = clock.speed;
     if (bound.minus != kNone) {
       value -= clock_value(atom, bound.minus);
       speed -= states[bound.minus].speed;

@@ -110,8 +110,6 @@ bool Core::advance(i64 to) {
   return dirty_.empty() && dirty_rules_.empty() ? true : settle();
 }
 
-i64 Core::next_change() const { return time_->changes.first_key(); }
-i64 Core::last_instant() const { return time_->ends.first_key(); }
 i64 Core::time_unit() const { return time_->unit; }
 
 CandidateTime Core::time_of(const Candidate& candidate) {
@@ -147,7 +145,7 @@ bool Core::begin_timed(u32 instance) {
 bool Core::take_timed(EnabledSet::Position at) {
   time_->set_clocks.clear();
   const SlotInfo& info = tables_.slots[at.slot];
-  const bool is_sync = info.kind != SlotKind::Port && tables_.connector_type(info.row).resume_sync;
+  const bool is_sync = time_->has_sync && info.kind != SlotKind::Port && tables_.connector_type(info.row).resume_sync;
   if (info.kind == SlotKind::Port) return begin_timed(info.row) && take(at);
   if (info.kind == SlotKind::Flat && !is_sync) {
     for (u32 i = 0; i < info.count; ++i) {

@@ -50,6 +50,18 @@ TEST_CASE("a bound holds at the instants of its interval and at no other") {
   CHECK(bounded > 1000);
 }
 
+TEST_CASE("a clock at speed 1 needs no division") {
+  Prng random(8);
+  for (int round = 0; round < 20'000; ++round) {
+    const i64 now = static_cast<i64>(random.below(20)), value = static_cast<i64>(random.below(20)) - 5, limit = static_cast<i64>(random.below(40)) - 10;
+    const auto op = static_cast<BoundOp>(random.below(5));
+    const Interval one = instants_of(now, value, kUnitSpeed, op, limit), other = instants_around(now, now + limit - value, op);
+    REQUIRE(one.empty() == other.empty());
+    if (one.empty()) continue;
+    CHECK((one.low == other.low && one.high == other.high && one.low_open == other.low_open && one.high_open == other.high_open));
+  }
+}
+
 TEST_CASE("the ends of time are no instants") {
   CHECK(instants_of(0, 0, 1, BoundOp::Ge, kMaxTicks).empty());
   CHECK(instants_of(0, 0, 1, BoundOp::Le, kMaxTicks).high == kForever);
