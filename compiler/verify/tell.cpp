@@ -48,7 +48,7 @@ std::string stuck_text(const rt::Core& core, const std::vector<u32>& stuck, std:
 
 std::string error_text(const rt::Core& core, std::size_t steps) {
   std::string out = "violated[V0003]: a run-time error can occur   (" + step_count(steps) + '\n';
-  std::string fault = rt::text_of(core.fault(), core.image(), 0, steps);
+  std::string fault = rt::fault_text(core, 0, steps);
   drop_seed(fault);
   return out + fault;
 }

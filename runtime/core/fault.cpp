@@ -54,11 +54,18 @@ std::string quoted(const char* name) { return std::string("`") + name + "`"; }
 
 }  // namespace
 
-std::string text_of(const Fault& fault, const Image& image, std::uint64_t seed, std::uint64_t step) {
+std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step) {
+  const Fault& fault = core.fault();
+  const Image& image = core.image();
   std::string out = "error[";
   out += name_of(fault.code);
   out += "]: " + fault.what + "   (step ";
   append_number(out, step);
+  // Errors of time itself say when.
+  if (core.is_timed() && fault.code < FaultCode::TimeLock) {
+    out += ", at ";
+    append_time(out, core.now());
+  }
   out += ", seed ";
   append_number(out, seed);
   out += ")\n";

@@ -45,7 +45,8 @@ struct Fault {
   [[nodiscard]] explicit operator bool() const { return code != FaultCode::None; }
 };
 
-/// The message as the tools print it, several lines with a newline at the end.
-[[nodiscard]] std::string text_of(const Fault& fault, const Image& image, std::uint64_t seed, std::uint64_t step);
+class Core;
+/// The core's fault as the tools print it, with the instant if the model has time: several lines with a newline at the end.
+[[nodiscard]] std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step);
 
 }  // namespace bip::rt

@@ -303,7 +303,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
 
   output.end(core, result.end, result.steps);
   if (result.end == End::Fault) {
-    const std::string text = text_of(core.fault(), image, seed, result.steps);
+    const std::string text = fault_text(core, seed, result.steps);
     std::fwrite(text.data(), 1, text.size(), err);
     // Scripts made for the published engine look at its numbers.
     result.exit_code = output.bip2_format() ? published_exit_code(core.fault().code) : 1;

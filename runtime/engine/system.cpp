@@ -298,7 +298,7 @@ void System::restore(const Snapshot& snapshot) {
 
 std::string System::fault() const {
   if (impl_->outcome != Outcome::Fault) return {};
-  return rt::text_of(impl_->core.fault(), impl_->core.image(), impl_->seed, impl_->steps);
+  return rt::fault_text(impl_->core, impl_->seed, impl_->steps);
 }
 
 std::string System::story() const {

@@ -103,7 +103,7 @@ ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const
   if (is_sound) (void)let_time_pass(core, way.end);
   if (end == WayEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
   if (core.fault()) {
-    told.error = without_seed(text_of(core.fault(), image, 0, taken));
+    told.error = without_seed(fault_text(core, 0, taken));
   } else if (end == WayEnd::Deadlock && core.candidate_count() == 0) {
     if (core.now() > last) {
       told.steps += "time passes to ";

@@ -24,7 +24,7 @@ std::string fault_of(Builder& b, const AtomTypeSpec& type, FaultCode expected, C
   }
   CHECK(!sound);
   CHECK(core.fault().code == expected);
-  return text_of(core.fault(), b.image(), 42, 1);
+  return fault_text(core, 42, 1);
 }
 const Fn kAlways = [](Slot*, Slot*, const u32*) { return 1; };
 
