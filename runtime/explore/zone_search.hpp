@@ -45,14 +45,12 @@ class ZoneSearch {
   bool begin();
   void search();
   void expand(u32 node);
-  [[nodiscard]] bool find_broken(u32 node);
   void enter(u32 location, Zone&& zone, ZoneNode&& label);
   void insert(ZoneNode&& node);
   bool step_from(u32 node, const SlotCondition& condition, std::vector<Zone>& rest);
   bool fire(u32 node, const Zone& cell, const std::vector<i64>& point, u64 k);
   void pass_time(u32 node);
   void go_on(u32 node);
-  void judge(u32 node, const std::vector<Zone>& rest);
   void note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 slot, u32 config);
   [[nodiscard]] bool is_over();
   bool follow_clocks(Zone& zone);
@@ -61,6 +59,10 @@ class ZoneSearch {
   [[nodiscard]] bool wakes(const Location& at, const Zone& zone) const;
   [[nodiscard]] bool is_eager(const Location& at, const std::vector<i64>& point);
   [[nodiscard]] Bounds deadlines(const Location& at, const std::vector<i64>& point);
+
+  // zone_judge.cpp
+  [[nodiscard]] bool find_broken(u32 node);
+  void judge(u32 node, const std::vector<Zone>& rest);
 
   // zone_way.cpp
   void find_way(const Target& target, TimedWay& way);
