@@ -8,6 +8,7 @@ namespace certcheck {
 
 /// By variable of an atom: its value, or nothing where it may be any.
 using Values = std::vector<std::optional<int>>;
+using Modes = std::set<std::size_t>;
 struct Class {
   std::size_t type = 0;
   std::vector<bool> followed;  // by variable: places are
@@ -16,12 +17,11 @@ struct Class {
 };
 /// A trap, or modes of which the weights of those that hold add up to a total (one-token: 1, of weights 1).
 struct Set {
+  std::string line;
   bool is_trap = false;
-  std::map<std::pair<std::size_t, std::size_t>, int> weights;  // by atom and mode
   int total = 1;
-  std::string text;
+  std::map<std::pair<std::size_t, std::size_t>, int> weights;  // by atom and mode
 };
-
 /// A variable is between two values, or one of its bits is set: or not.
 struct Literal {
   std::size_t atom = 0, variable = 0;
@@ -36,22 +36,25 @@ struct Case {
 };
 /// One of the literals holds.
 struct Fact {
+  std::string line;
   std::vector<Literal> literals;
-  std::string text;
 };
-
 struct Certificate {
   std::string claim;
   bool is_induction = false;
   std::vector<Fact> facts;
   std::vector<std::vector<Case>> nodes;
-  std::size_t reached = kNone;                   // the node that always holds: all states that are reached
-  std::vector<Class> classes;                    // none: the certificate says nothing of modes
-  Rows class_of;                                 // by atom
-  std::vector<std::set<std::size_t>> reachable;  // by atom
+  std::size_t reached = kNone;  // the node that always holds: all states that are reached
+  std::vector<Class> classes;   // none: the certificate says nothing of modes
+  Rows class_of;                // by atom
+  std::vector<Modes> reachable;
   std::vector<Set> sets;
 };
 
 [[nodiscard]] Certificate read_certificate(const Model& model, const std::string& text);
+/// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp).
+[[nodiscard]] std::string check(const Model& model, const std::string& certificate);
+/// Modes are closed, reachable ones and sets are kept by every step (structure.cpp).
+void check_structure(const Model& model, const Certificate& certificate);
 
 }  // namespace certcheck

@@ -2,40 +2,32 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
-#include "tools/certcheck/check.hpp"
+#include "tools/certcheck/certificate.hpp"
 
 namespace {
 
 std::string read_file(const char* path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw certcheck::Rejected(std::string("cannot read `") + path + "`");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  if (!in) throw certcheck::Rejected("cannot read " + certcheck::quoted(path));
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fputs("usage: certcheck SYSTEM.bsys CERTIFICATE\n", stderr);
-    return 2;
-  }
+  if (argc != 3) return std::fputs("usage: certcheck SYSTEM.bsys CERTIFICATE\n", stderr), 2;
   try {
     certcheck::Model model;
     certcheck::read_model(read_file(argv[1]), model);
-    const std::string told = certcheck::check(model, read_file(argv[2]));
-    std::printf("accepted: %s\n", told.c_str());
+    std::printf("accepted: %s\n", certcheck::check(model, read_file(argv[2])).c_str());
     // What is left need not be taken apart.
     std::fflush(stdout);
     std::_Exit(0);
   } catch (const certcheck::NotCheckable& e) {
-    std::printf("not checkable: %s\n", e.what());
-    return 4;
+    return std::printf("not checkable: %s\n", e.what()), 4;
   } catch (const std::exception& e) {
-    std::printf("rejected: %s\n", e.what());
-    return 1;
+    return std::printf("rejected: %s\n", e.what()), 1;
   }
 }

@@ -23,22 +23,24 @@ struct Transition {
   Rows from, to;
   const Tree *guard = nullptr, *action = nullptr;  // (guard …) and (do …), perhaps empty
 };
-struct Invariant {
-  Text scope;
-  Rows places;
-  const Tree* guard = nullptr;
-};
 struct AtomType {
   Text name;
+  const Tree* row = nullptr;
   std::size_t places = 0;  // so many of the variables are places; data follows
   std::vector<Variable> variables;
   std::vector<Port> ports;
   Rows initial;
-  const Tree* initial_action = nullptr;
   std::vector<Transition> transitions;
-  std::vector<const Tree*> priorities;
-  std::vector<Invariant> invariants;
+  std::vector<const Tree*> priorities, invariants;
   bool is_automaton = false;  // always exactly one place is marked
+
+  /// The place or data of that name, or kNone.
+  [[nodiscard]] std::size_t find(Text name_of, bool is_place) const {
+    std::size_t row_of = is_place ? 0 : places;
+    const std::size_t end = is_place ? places : variables.size();
+    while (row_of < end && variables[row_of].name != name_of) ++row_of;
+    return row_of < end ? row_of : kNone;
+  }
 };
 struct Atom {
   Text path;
@@ -51,12 +53,10 @@ struct Clause {
   const Tree *guard = nullptr, *up = nullptr, *down = nullptr;
 };
 struct ConnectorType {
-  Rows params;              // their port types
+  const Tree* row = nullptr;
   std::vector<Text> slots;  // their types
   std::vector<Clause> clauses;
-  Rows exported;            // slots of the port that it exports
-  bool is_exported = false;
-  const Tree* define = nullptr;  // its group
+  Rows exported;  // slots of the port that it exports
 };
 /// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports), each of which is a rendezvous of one.
 enum class Kind { Port, All, Trigger, Any };
@@ -72,10 +72,17 @@ struct Node {
   bool is_step = false;
   std::size_t connector = kNone;  // whose root group it is
 };
+/// A variable of a port that a connector binds.
+struct Bound {
+  std::size_t param = 0, variable = 0;
+  Text type;
+};
 struct Connector {
   Text path;
-  std::size_t type = 0, root = 0, compound = 0;
+  const ConnectorType* type = nullptr;
+  std::size_t root = 0, compound = 0;
   std::vector<Edge> params;
+  std::vector<Bound> bound;
   const Tree* data = nullptr;
 };
 
@@ -83,15 +90,14 @@ struct Model {
   std::string text;
   Tree tree;
   std::map<Text, int> strings;
-  std::vector<std::vector<Text>> port_types;  // the types of their variables
   std::vector<AtomType> atom_types;
   std::vector<ConnectorType> connector_types;
   std::vector<const Tree*> functions, priorities;
   std::vector<Atom> atoms;
-  Rows first_port;               // by atom, and the total: node of its port 0
+  Rows first_port;  // by atom, and the total: node of its port 0
   Rows atom_of_port;
   std::vector<Connector> connectors;
-  std::vector<Node> nodes;       // children before parents; ports first
+  std::vector<Node> nodes;  // children before parents; ports first
 
   [[nodiscard]] const AtomType& type_of(std::size_t atom) const { return atom_types[atoms[atom].type]; }
   [[nodiscard]] const Port& port(std::size_t node) const { return type_of(atom_of_port.at(node)).ports[node - first_port[atom_of_port[node]]]; }
@@ -100,8 +106,6 @@ struct Model {
 /// The model keeps the text, and points into it.
 void read_model(std::string text, Model& model);
 
-/// The place or data of that name, or kNone.
-[[nodiscard]] std::size_t find_variable(const AtomType& type, Text name, bool is_place);
 /// Types whose values are followed; of float and extern data nothing is known.
 [[nodiscard]] inline bool is_exact(Text type) { return type == "int" || type == "bool" || type == "string"; }
 

@@ -9,39 +9,83 @@ namespace certcheck {
 
 using State = std::vector<Local>;  // by atom
 struct Step {
-  z3::expr possible, offered, fault;  // offered: whatever priorities hide; shorter
+  expr possible, offered, fault;      // offered: whatever priorities hide; shorter
   std::map<std::size_t, Local> next;  // of the atoms that may move
 };
 
 class System {
  public:
   System(const Model& model, const Terms& terms) : m_(model), t_(terms), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {}
-  /// The state that all else is said of.
-  void look_at(const State& now);
-  /// Who may step, and what is hidden; in faults from then on. Throws where there are too many to be listed.
-  void find_candidates();
+
+  /// The state that all else is said of: who may step, and, if wanted, what priorities hide.
+  void look_at(const State& now, bool with_priorities) {
+    now_ = now;
+    offers_.clear();
+    on_.clear();
+    all_.clear();
+    state_fault_ = guard_fault_ = t_.truth(false);
+    for (std::size_t atom = 0; atom < now_.size(); ++atom) {
+      offers_.push_back(t_.offer(m_.type_of(atom), now_[atom], state_fault_));
+      on_.insert(on_.end(), offers_[atom].ports.begin(), offers_[atom].ports.end());
+    }
+    for (std::size_t node = 0; node < m_.nodes.size(); ++node) if (m_.nodes[node].is_step) add_candidates(node);
+    Store store;
+    std::vector<Rule> rules;
+    for (const Tree* row : with_priorities ? m_.priorities : std::vector<const Tree*>()) {
+      Scope reads;
+      for (const Tree* of : (*row)["data"].all("of")) reads.bind.push_back(&data(*of, store));
+      Rule& rule = rules.emplace_back(Rule{t_.holds((*row)["guard"], reads, t_.truth(true), state_fault_), {}, {}});
+      for (const Candidate& c : all_) rule.low.push_back(matches(*row, false, c));
+      for (const Candidate& c : all_) rule.high.push_back(matches(*row, true, c));
+    }
+    if (rules.empty()) return;
+    // A chain goes through interactions that need not be enabled: here through those that are candidates' own, and for connectors
+    // without guards through none, so that less is hidden than the engine hides and more steps are checked.
+    Local on;
+    for (const Candidate& c : all_) on.push_back(c.possible);
+    (void)t_.hide(rules, on);
+    for (std::size_t k = 0; k < all_.size(); ++k) all_[k].possible = on[k];
+  }
   /// Is there a step? What has too many interactions is seen by its smallest ones. Priorities only hide what something else outdoes.
-  [[nodiscard]] z3::expr has_step();
+  [[nodiscard]] expr has_step() const {
+    z3::expr_vector some(state_fault_.ctx());
+    for (const Candidate& c : all_) some.push_back(c.offered);
+    return std::any_of(all_.begin(), all_.end(), [](const Candidate& c) { return is(c.offered, true); }) ? t_.truth(true) : z3::mk_or(some);
+  }
   /// All steps, one by one.
-  void each_step(const std::function<void(const Step&)>& visit);
+  void each_step(const std::function<void(const Step&)>& visit) {
+    for (const Candidate& c : all_) {
+      if (!shape_of(c.node, false).is_complete) throw NotCheckable("a connector has too many interactions");
+      if (is(c.possible, false)) continue;
+      Step step{c.possible, c.offered, t_.truth(false), {}};
+      Store store = c.store;
+      fire(c, c.node, c.chosen.at(c.node), store, step);
+      visit(step);
+    }
+  }
   /// What a claim says of the state.
-  [[nodiscard]] z3::expr claim(const Tree& e);
+  [[nodiscard]] expr claim(const Tree& e) {
+    expr fault = t_.truth(false);
+    return t_.evaluate(e, {{}, {}, [this](const Tree& one) { return about(one); }}, t_.truth(true), fault);
+  }
   /// The run has ended with an error in this state; with one in a connector's guard, too.
-  [[nodiscard]] z3::expr state_fault() const { return state_fault_; }
-  [[nodiscard]] z3::expr guard_fault() const { return guard_fault_; }
+  [[nodiscard]] expr state_fault() const { return state_fault_; }
+  [[nodiscard]] expr guard_fault() const { return guard_fault_; }
 
  private:
-  using Parts = std::set<std::size_t>;             // nodes that take part in a configuration
-  using Chosen = std::map<std::size_t, z3::expr>;  // by node of a connector's tree: does it take part?
+  static constexpr std::size_t kMaxConfigurations = 512;
+
+  using Parts = std::set<std::size_t>;         // nodes that take part in a configuration
+  using Chosen = std::map<std::size_t, expr>;  // by node of a connector's tree: does it take part?
   struct Store {
     std::map<std::size_t, Local> atoms, frames;  // by atom and by connector
-    std::list<z3::expr> any;                     // variables of merged ports of which none is known to take part
+    std::list<expr> any;                         // variables of merged ports of which none is known to take part
   };
   struct Candidate {
     std::size_t node = 0;
     Chosen chosen;
     Store store;
-    z3::expr possible, offered;
+    expr possible, offered;
   };
   /// The tree of a connector, or of a port alone, parents before children, and what is known of it whatever the state is.
   struct Shape {
@@ -51,31 +95,268 @@ class System {
     std::vector<Parts> all;  // configurations; only the smallest, where it is not complete
   };
 
-  [[nodiscard]] const Shape& shape_of(std::size_t node, bool wants_list);
-  [[nodiscard]] bool is_plain(const Rows& tree) const;
-  [[nodiscard]] bool list(std::size_t node, bool only_smallest, std::vector<Parts>& out) const;
-  [[nodiscard]] static bool is_larger(const Parts& a, const Parts& b);
-  [[nodiscard]] Chosen choice_of(const Rows& tree, const Parts& parts) const;
-  [[nodiscard]] Chosen largest(const Rows& tree) const;
-  [[nodiscard]] Scope scope_of(std::size_t connector, const Chosen& chosen, Store& store);
-  [[nodiscard]] z3::expr clause_is(const Connector& c, const Clause& clause, const Chosen& chosen) const;
-  [[nodiscard]] z3::expr enabled(const Rows& tree, bool is_listed, const Chosen& chosen, Store& store);
-  void add_candidates(std::size_t node);
-  [[nodiscard]] z3::expr matches(const Tree& rule, bool is_high, const Candidate& c) const;
-  void hide();
-  void fire(const Candidate& c, std::size_t node, const z3::expr& when, Store& store, Step& step);
+  const Shape& shape_of(std::size_t node, bool wants_list) {
+    Shape& shape = shapes_[node];
+    if (shape.tree.empty()) {
+      Rows& tree = shape.tree = {node};
+      for (std::size_t k = 0; k < tree.size(); ++k) for (const Edge& edge : m_.nodes[tree[k]].children) tree.push_back(edge.node);
+      std::sort(tree.rbegin(), tree.rend());
+      tree.erase(std::unique(tree.begin(), tree.end()), tree.end());
+      shape.is_plain = is_plain(tree);
+    }
+    if (shape.is_listed || (shape.is_plain && !wants_list)) return shape;
+    shape.is_listed = true;
+    shape.is_complete = list(node, false, shape.all);
+    if (!shape.is_complete) shape.all.clear();
+    if (!shape.is_complete && !list(node, true, shape.all)) shape.all.clear();
+    return shape;
+  }
+  // No guards, no errors, free choices at which no code looks. Free: any alternatives fit each other, for what two children of a node
+  // share, ports and with alternatives atoms, they share as alternatives.
+  [[nodiscard]] bool is_plain(const Rows& tree) const {
+    const bool has_choice = std::any_of(tree.begin(), tree.end(), [&](std::size_t row) { return m_.nodes[row].kind == Kind::Any; });
+    std::map<std::size_t, std::set<std::size_t>> below;
+    for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
+      const Node& node = m_.nodes[*row];
+      std::set<std::size_t>& mine = below[*row];
+      if (node.kind == Kind::Port) mine.insert(has_choice ? m_.atom_of_port[*row] : *row);
+      for (const Edge& edge : node.children) {
+        for (std::size_t id : below[edge.node]) if (!mine.insert(id).second && node.kind != Kind::Any) return false;
+      }
+      if (node.connector == kNone) continue;
+      const Connector& c = m_.connectors[node.connector];
+      const bool chooses = std::any_of(c.params.begin(), c.params.end(), [&](const Edge& edge) { return m_.nodes[edge.node].kind == Kind::Any; });
+      for (const Clause& clause : c.type->clauses) {
+        if ((!clause.guard->items.empty() && clause.guard->at(1).text != "true") || !clause.up->find({"div", "mod", "call"}).empty()) return false;
+        if (chooses && clause.up->items.size() + clause.down->items.size() != 0) return false;
+      }
+    }
+    return true;
+  }
+  // False: there are too many.
+  [[nodiscard]] bool list(std::size_t row, bool only_smallest, std::vector<Parts>& out) const {
+    const Node& node = m_.nodes[row];
+    const bool is_one = node.kind == Kind::Any || (node.kind == Kind::Trigger && only_smallest);
+    std::vector<std::pair<Parts, bool>> found{{{row}, node.kind == Kind::Port || node.kind == Kind::All}};
+    for (const Edge& edge : node.children) {
+      if (is_one && node.kind == Kind::Trigger && !edge.is_trigger) continue;
+      std::vector<Parts> inner;
+      if (!list(edge.node, only_smallest, inner)) return false;
+      std::vector<std::pair<Parts, bool>> next;
+      if (node.kind != Kind::All) next = found;
+      for (const auto& [parts, is_good] : found) {
+        if (is_one && parts.size() > 1) break;
+        for (const Parts& more : inner) {
+          Parts& with = next.emplace_back(parts, is_good || edge.is_trigger || is_one).first;
+          with.insert(more.begin(), more.end());
+          if (with.size() != parts.size() + more.size()) throw NotCheckable("a connector reaches a port in two ways");
+        }
+      }
+      if (next.size() > 2 * kMaxConfigurations) return false;
+      found = std::move(next);
+    }
+    for (auto& [parts, is_good] : found) if (is_good) out.push_back(std::move(parts));
+    return out.size() <= kMaxConfigurations;
+  }
+  static bool is_larger(const Parts& a, const Parts& b) { return a.size() > b.size() && std::includes(a.begin(), a.end(), b.begin(), b.end()); }
+
+  [[nodiscard]] Chosen choice_of(const Rows& tree, const Parts& parts) const {
+    Chosen chosen;
+    for (std::size_t row : tree) chosen.emplace(row, t_.truth(parts.contains(row)));
+    return chosen;
+  }
+  [[nodiscard]] Chosen largest(const Rows& tree) const {
+    Chosen available, chosen;
+    for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
+      const Node& node = m_.nodes[*row];
+      expr can = node.kind == Kind::Port ? on_[*row] : t_.truth(node.kind == Kind::All);
+      for (const Edge& edge : node.children) {
+        if (node.kind == Kind::All) can = both(can, available.at(edge.node));
+        else if (edge.is_trigger || node.kind == Kind::Any) can = either(can, available.at(edge.node));
+      }
+      available.emplace(*row, can);
+    }
+    chosen.emplace(tree[0], available.at(tree[0]));
+    for (std::size_t row : tree) {
+      // Of alternatives that can, any one: the first that is liked, or the last.
+      expr open = chosen.at(row);
+      const std::vector<Edge>& children = m_.nodes[row].children;
+      for (auto edge = children.begin(); edge != children.end(); ++edge) {
+        expr here = m_.nodes[row].kind == Kind::Trigger ? both(open, available.at(edge->node)) : open;
+        if (m_.nodes[row].kind == Kind::Any) {
+          expr others = t_.truth(false);
+          for (auto other = edge + 1; other != children.end(); ++other) others = either(others, available.at(other->node));
+          here = both(open, both(available.at(edge->node), either(no(others), t_.fresh("bool"))));
+          open = both(open, no(here));
+        }
+        const auto [at, is_new] = chosen.emplace(edge->node, here);
+        if (!is_new) at->second = either(at->second, here);
+      }
+    }
+    return chosen;
+  }
+
+  void add_candidates(std::size_t node) {
+    const Shape& shape = shape_of(node, false);
+    const std::size_t first = all_.size(), count = shape.is_plain ? 1 : shape.all.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      Candidate& c = all_.emplace_back(Candidate{node, {}, {}, t_.truth(false), t_.truth(false)});
+      c.chosen = shape.is_plain ? largest(shape.tree) : choice_of(shape.tree, shape.all[k]);
+      c.offered = c.possible = enabled(shape.tree, !shape.is_plain, c.chosen, c.store);
+    }
+    // Maximal progress: nothing larger is enabled.
+    for (std::size_t k = 0; k < count && !shape.is_plain && shape.is_complete; ++k) {
+      for (std::size_t j = 0; j < count; ++j) {
+        if (is_larger(shape.all[j], shape.all[k])) all_[first + k].possible = both(all_[first + k].possible, no(all_[first + j].offered));
+      }
+    }
+    for (std::size_t k = 0; k < count; ++k) all_[first + k].offered = all_[first + k].possible;
+  }
+  // Do ports, guards and the largest configurations of inner connectors allow it? Computes what is passed upwards.
+  [[nodiscard]] expr enabled(const Rows& tree, bool is_listed, const Chosen& chosen, Store& store) {
+    expr result = chosen.at(tree[0]);
+    for (std::size_t row : tree) if (m_.nodes[row].kind == Kind::Port && is(chosen.at(row), true)) result = both(result, on_[row]);
+    const expr there = result;
+    // Inner connectors first: what they compute is read above.
+    for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
+      const std::size_t connector = m_.nodes[*row].connector;
+      if (connector == kNone || is(chosen.at(*row), false)) continue;
+      const Connector& c = m_.connectors[connector];
+      Local& frame = store.frames[connector];
+      for (Text slot : c.type->slots) frame.push_back(t_.first(slot));
+      for (const Clause& clause : c.type->clauses) {
+        const expr here = clause_is(c, clause, chosen);
+        if (is(here, false) || clause.guard->items.size() + clause.up->items.size() == 0) continue;
+        const Scope read = scope_of(connector, chosen, store);
+        expr fault = t_.truth(false), holds = t_.holds(*clause.guard, read, here, fault);
+        t_.execute(*clause.up, read, here, fault);
+        if (!is(fault, false)) {
+          guard_fault_ = either(guard_fault_, both(there, fault));
+          holds = z3::ite(fault, t_.fresh("bool"), holds);
+        }
+        result = both(result, either(no(here), holds));
+      }
+    }
+    // Where only the largest configurations of an inner connector are seen, none that is larger there is enabled.
+    for (std::size_t row : is_listed ? tree : Rows()) {
+      for (const Edge& edge : m_.nodes[row].children) {
+        if (!edge.is_maximal || is(chosen.at(edge.node), false)) continue;
+        const Shape& inner = shape_of(edge.node, true);
+        if (!inner.is_complete) throw NotCheckable("a connector has too many interactions");
+        Parts own;
+        std::copy_if(inner.tree.begin(), inner.tree.end(), std::inserter(own, own.end()), [&](std::size_t part) { return is(chosen.at(part), true); });
+        for (const Parts& larger : inner.all) {
+          Store other;
+          if (is_larger(larger, own)) result = both(result, no(enabled(inner.tree, true, choice_of(inner.tree, larger), other)));
+        }
+      }
+    }
+    return result;
+  }
+
+  [[nodiscard]] expr clause_is(const Connector& c, const Clause& clause, const Chosen& chosen) const {
+    expr here = chosen.at(c.root);
+    for (std::size_t p = 0; p < c.params.size(); ++p) {
+      const expr& part = chosen.at(c.params[p].node);
+      here = both(here, contains(clause.params, p) ? part : no(part));
+    }
+    return here;
+  }
   Local& local_of(std::size_t atom, Store& store) { return store.atoms.try_emplace(atom, now_.at(atom)).first->second; }
-  z3::expr& data(const Tree& of, Store& store);
+  // (of ATOM SLOT)
+  expr& data(const Tree& of, Store& store) {
+    const std::size_t atom = of.at(1).row();
+    return local_of(atom, store).at(m_.type_of(atom).places + of.at(2).row());
+  }
+  // `bind` of a connector: the variables of its ports, one after the other, then data of the compound.
+  Scope scope_of(std::size_t connector, const Chosen& chosen, Store& store) {
+    const Connector& c = m_.connectors[connector];
+    Scope scope{store.frames.at(connector), {}, {}};
+    for (const auto& [param, variable, type] : c.bound) {
+      std::size_t row = c.params[param].node;
+      if (m_.nodes[row].kind == Kind::Any) {
+        const std::vector<Edge>& of = m_.nodes[row].children;
+        const auto taken = std::find_if(of.begin(), of.end(), [&](const Edge& edge) { return is(chosen.at(edge.node), true); });
+        row = taken == of.end() ? kNone : m_.nodes[taken->node].children[0].node;
+      }
+      const std::size_t inner = row == kNone ? kNone : m_.nodes[row].connector;
+      const auto frame = store.frames.find(inner);
+      if (row == kNone || (inner != kNone && frame == store.frames.end())) scope.bind.push_back(&store.any.emplace_back(t_.fresh(type)));
+      else if (inner != kNone) scope.bind.push_back(&frame->second.at(m_.connectors[inner].type->exported.at(variable)));
+      else scope.bind.push_back(&local_of(m_.atom_of_port.at(row), store).at(m_.port(row).variables.at(variable)));
+    }
+    for (const Tree* of : c.data->all("of")) scope.bind.push_back(&data(*of, store));
+    return scope;
+  }
+
+  [[nodiscard]] expr matches(const Tree& rule, bool is_high, const Candidate& c) const {
+    const Tree &pattern = rule[is_high ? "high" : "low"], &other = rule[is_high ? "low" : "high"];
+    const std::size_t connector = m_.nodes[c.node].connector;
+    if (pattern.at(1).text == "any") {
+      if (connector == kNone || m_.connectors[connector].compound != rule["in"].at(1).row()) return t_.truth(false);
+      return other.at(1).text == "any" ? t_.truth(true) : no(matches(rule, !is_high, c));
+    }
+    if (pattern.at(1).row() != connector) return t_.truth(false);
+    expr result = t_.truth(true);
+    if (pattern.at(2).text == "any") return result;
+    const Rows named = pattern.rows();
+    const std::vector<Edge>& params = m_.connectors[connector].params;
+    for (std::size_t p = 0; p < params.size(); ++p) {
+      const bool is_named = contains(std::span(named).subspan(1), p);
+      if (is_high == is_named) result = both(result, is_high ? c.chosen.at(params[p].node) : no(c.chosen.at(params[p].node)));
+    }
+    return result;
+  }
+  // Of a connector the `down`s from the outside in, then the ports in the order of parameters.
+  void fire(const Candidate& candidate, std::size_t node, const expr& when, Store& store, Step& step) {
+    if (is(when, false)) return;
+    if (m_.nodes[node].connector == kNone) {
+      const std::size_t atom = m_.atom_of_port.at(node);
+      Local& local = local_of(atom, store);
+      t_.fire(m_.type_of(atom), offers_[atom], node - m_.first_port[atom], local, when, step.fault);
+      step.next.insert_or_assign(atom, local);
+      return;
+    }
+    const Connector& c = m_.connectors[m_.nodes[node].connector];
+    for (const Clause& clause : c.type->clauses) {
+      if (clause.down->items.empty()) continue;
+      t_.execute(*clause.down, scope_of(m_.nodes[node].connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.fault);
+    }
+    // A port may be chosen below another alternative.
+    const auto part = [&](std::size_t chosen, std::size_t row) {
+      fire(candidate, row, both(candidate.chosen.at(node), candidate.chosen.at(chosen)), store, step);
+    };
+    for (const Edge& edge : c.params) {
+      if (m_.nodes[edge.node].kind != Kind::Any) part(edge.node, edge.node);
+      else for (const Edge& one : m_.nodes[edge.node].children) part(one.node, m_.nodes[one.node].children[0].node);
+    }
+  }
+  // (at PATH PLACE), (data PATH SLOT), (can-port PATH PORT), (can CONNECTOR)
+  expr about(const Tree& e) {
+    const Text what = e.head(), path = e.at(1).text;
+    const auto is_called = [&](const auto& one) { return one.path == path; };
+    const auto atom = std::find_if(m_.atoms.begin(), m_.atoms.end(), is_called);
+    const auto connector = std::find_if(m_.connectors.begin(), m_.connectors.end(), is_called);
+    if (what == "can" && connector != m_.connectors.end()) {
+      return t_.some(all_, [&](const Candidate& c) { return c.node == connector->root ? c.possible : t_.truth(false); });
+    }
+    if (what == "can" || atom == m_.atoms.end()) throw Rejected("the claim is of `" + std::string(path) + "`, which there is not");
+    const std::size_t a = static_cast<std::size_t>(atom - m_.atoms.begin());
+    const AtomType& type = m_.type_of(a);
+    for (std::size_t port = 0; port < type.ports.size() && what == "can-port"; ++port) {
+      if (type.ports[port].name == e.at(2).text) return on_[m_.first_port[a] + port];
+    }
+    return what != "can-port" ? now_[a].at(type.find(e.at(2).text, what == "at")) : throw Rejected("the claim is of a port that there is not");
+  }
 
   const Model& m_;
   const Terms& t_;
   std::map<std::size_t, Shape> shapes_;  // by node
   State now_;
   std::vector<Offer> offers_;
-  std::vector<z3::expr> on_;  // by port
+  Local on_;  // by port
   std::vector<Candidate> all_;
-  z3::expr state_fault_, guard_fault_;
-  bool is_complete_ = false;  // all_: all candidates, and what hides them is known
+  expr state_fault_, guard_fault_;
 };
 
 }  // namespace certcheck

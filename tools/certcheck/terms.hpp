@@ -1,7 +1,9 @@
 // Code and atoms over Z3 terms: bits as the language has them; floats and what C++ gives are any value. An atom's state may be
-// all constants, and then so is what it does: the same functions serve single modes and all states at once.
+// all constants, and then so is what it does: the same functions serve single modes and all states at once. Recursion follows the
+// trees of the .bsys, whose depth its reader bounds.
 #pragma once
 #include <functional>
+#include <limits>
 #include <span>
 
 #include <z3++.h>
@@ -10,74 +12,328 @@
 
 namespace certcheck {
 
-[[nodiscard]] inline bool is(const z3::expr& e, bool value) { return value ? e.is_true() : e.is_false(); }
-/// Connectives that fold constants; `simplify` of large terms is slow.
-[[nodiscard]] z3::expr both(const z3::expr& a, const z3::expr& b);
-[[nodiscard]] z3::expr either(const z3::expr& a, const z3::expr& b);
-[[nodiscard]] z3::expr no(const z3::expr& a);
-[[nodiscard]] z3::expr choose(const z3::expr& when, const z3::expr& yes, const z3::expr& otherwise);
+using z3::expr;
+
+[[nodiscard]] inline bool is(const expr& e, bool value) { return value ? e.is_true() : e.is_false(); }
+// Connectives that fold constants; `simplify` of large terms is slow.
+[[nodiscard]] inline expr both(const expr& a, const expr& b) { return is(a, true) || is(b, false) ? b : is(b, true) || is(a, false) ? a : a && b; }
+[[nodiscard]] inline expr either(const expr& a, const expr& b) { return is(a, false) || is(b, true) ? b : is(b, false) || is(a, true) ? a : a || b; }
+[[nodiscard]] inline expr no(const expr& a) { return is(a, true) || is(a, false) ? a.ctx().bool_val(is(a, false)) : !a; }
+[[nodiscard]] inline expr choose(const expr& when, const expr& yes, const expr& otherwise) {
+  return z3::eq(yes, otherwise) || is(when, true) ? yes : is(when, false) ? otherwise : z3::ite(when, yes, otherwise).simplify();
+}
+/// Of a term that is a constant; nothing of all others.
+[[nodiscard]] inline std::optional<int> value_of(const expr& e) {
+  if (is(e, true) || is(e, false)) return is(e, true) ? 1 : 0;
+  return e.is_numeral() ? std::optional(static_cast<int>(static_cast<unsigned>(e.get_numeral_uint64()))) : std::nullopt;
+}
+[[nodiscard]] inline expr equals(const expr& e, int value) {
+  if (e.is_bool()) return value != 0 ? e : no(e);
+  const std::optional<int> known = value_of(e);
+  return known ? e.ctx().bool_val(*known == value) : e == e.ctx().bv_val(value, e.get_sort().bv_size());
+}
 
 /// An atom's state, by variable.
-using Local = std::vector<z3::expr>;
+using Local = std::vector<expr>;
 /// What it can do: its transitions (internal ones: false) and ports, after the atom's priorities.
 struct Offer {
-  std::vector<z3::expr> transitions, ports;
+  Local transitions, ports;
 };
 /// What code reads and writes, terms that somebody keeps; `about` is for claims (at …), (can …).
 struct Scope {
-  std::span<z3::expr> self;
-  std::vector<z3::expr*> bind;
-  std::function<z3::expr(const Tree&)> about;
+  std::span<expr> self;
+  std::vector<expr*> bind;
+  std::function<expr(const Tree&)> about;
+};
+/// A priority: its guard, and which things are low and high in it.
+struct Rule {
+  expr guard;
+  Local low, high;
 };
 
 class Terms {
  public:
   Terms(const Model& model, z3::context& z) : m_(model), z_(z), solver_(z, "QF_BV") {}
+
   /// What `may_be` takes for granted from now on; what speaks of one atom alone may say so.
-  void assume(const z3::expr& e, std::size_t atom = kNone);
-  /// Throws where the solver gives up.
-  [[nodiscard]] bool may_be(const z3::expr& e);
-  /// The same with what is assumed of these atoms alone: much quicker, and false only where `may_be` is, too.
-  [[nodiscard]] bool may_be_alone(const z3::expr& e, const std::map<std::size_t, Local>& atoms);
+  void assume(const expr& e, std::size_t atom = kNone) {
+    if (is(e, true)) return;
+    solver_.add(e);
+    if (atom != kNone) assumed_[atom].push_back(e);
+  }
+  /// With what is assumed of some atoms alone it is much quicker, and false only where it is without, too. Throws where the solver gives up.
+  [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>* alone = nullptr) {
+    if (is(e, true) || is(e, false)) return is(e, true);
+    z3::solver few(z_, "QF_BV");
+    z3::solver& solver = alone == nullptr ? solver_ : few;
+    solver.push();
+    solver.add(e);
+    for (const auto& [atom, local] : alone == nullptr ? std::map<std::size_t, Local>() : *alone) {
+      for (const expr& one : assumed_[atom]) solver.add(one);
+    }
+    const z3::check_result answer = solver.check();
+    solver.pop();
+    return answer != z3::unknown ? answer == z3::sat : throw NotCheckable("the solver gives up");
+  }
 
-  [[nodiscard]] z3::expr truth(bool b) const { return z_.bool_val(b); }
+  [[nodiscard]] expr truth(bool b) const { return z_.bool_val(b); }
+  /// Do all of them, does one of them?
+  template <class Range, class Of>
+  [[nodiscard]] expr all(const Range& range, const Of& of) const {
+    expr result = truth(true);
+    for (const auto& one : range) result = both(result, of(one));
+    return result;
+  }
+  template <class Range, class Of>
+  [[nodiscard]] expr some(const Range& range, const Of& of) const {
+    expr result = truth(false);
+    for (const auto& one : range) result = either(result, of(one));
+    return result;
+  }
   /// A constant of its own, of a type of variables.
-  [[nodiscard]] z3::expr fresh(Text type) const;
+  [[nodiscard]] expr fresh(Text type) const {
+    return expr(z_, Z3_mk_fresh_const(z_, "any", type == "bool" ? z_.bool_sort() : z_.bv_sort(is_exact(type) ? 32 : kVagueBits)));
+  }
   /// An int, a bool or the row of a string.
-  [[nodiscard]] z3::expr constant(Text type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
+  [[nodiscard]] expr constant(Text type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
   /// The value that a variable begins with.
-  [[nodiscard]] z3::expr first(Text type) const { return is_exact(type) ? constant(type, 0) : fresh(type); }
-  /// Of a term that is one; nothing of all others.
-  [[nodiscard]] static std::optional<int> value(const z3::expr& e);
-  [[nodiscard]] static z3::expr equals(const z3::expr& e, int value);
+  [[nodiscard]] expr first(Text type) const { return is_exact(type) ? constant(type, 0) : fresh(type); }
   /// From variable `first` on, the values that are told.
-  [[nodiscard]] z3::expr has(const Local& local, const Values& values, std::size_t first = 0) const;
-
-  [[nodiscard]] z3::expr evaluate(const Tree& e, const Scope& s, const z3::expr& when, z3::expr& fault) const;
+  [[nodiscard]] expr has(const Local& local, const Values& values, std::size_t first = 0) const {
+    expr result = truth(true);
+    for (std::size_t k = first; k < local.size(); ++k) result = values[k] ? both(result, equals(local[k], *values[k])) : result;
+    return result;
+  }
+  /// A run ends with an error where `fault` holds then.
+  [[nodiscard]] expr evaluate(const Tree& e, const Scope& s, const expr& when, expr& fault) const {
+    if (e.is_string) {
+      const auto found = m_.strings.find(e.text);
+      return constant("string", found == m_.strings.end() ? 0 : found->second);
+    }
+    if (!e.is_list) {
+      if (e.text == "true" || e.text == "false") return truth(e.text == "true");
+      int value = 0;
+      const auto [end, error] = std::from_chars(e.text.data(), e.text.data() + e.text.size(), value);
+      return error == std::errc() && end == e.text.data() + e.text.size() ? constant("int", value) : fresh("float");
+    }
+    const Text op = e.head();
+    if (op == "self" || op == "bind") return variable(e, s, op == "self");
+    if (op == "call") {
+      for (std::size_t k = 2; k < e.items.size(); ++k) (void)evaluate(e.items[k], s, when, fault);
+      const Tree& result = (*m_.functions.at(e.at(1).row()))["result"];
+      return fresh(result.items.empty() ? "int" : result.at(1).text);
+    }
+    if (s.about && (op == "at" || op == "data" || op == "can-port" || op == "can")) return s.about(e);
+    const expr a = evaluate(e.at(1), s, when, fault);
+    if (op == "to-float" || (op == "neg" && is_vague(a))) return fresh("float");
+    if (op == "not") return no(a);
+    if (op == "neg") return (-a).simplify();
+    if (op == "bit-not") return (~a).simplify();
+    const expr b = evaluate(e.at(2), s, op == "and" ? both(when, a) : op == "or" ? both(when, no(a)) : when, fault);
+    if (op == "and") return both(a, b);
+    if (op == "or") return either(a, b);
+    if (is_vague(a)) return fresh(op == "add" || op == "sub" || op == "mul" || op == "div" ? "float" : "bool");
+    if (op == "div" || op == "mod") {
+      const expr overflows = both(equals(a, std::numeric_limits<int>::min()), equals(b, -1));
+      fault = either(fault, both(when, either(equals(b, 0), overflows)));
+    }
+    static const std::map<Text, Z3_ast (*)(Z3_context, Z3_ast, Z3_ast)> kOperations{
+        {"add", Z3_mk_bvadd}, {"sub", Z3_mk_bvsub}, {"mul", Z3_mk_bvmul}, {"div", Z3_mk_bvsdiv}, {"mod", Z3_mk_bvsrem},
+        {"bit-and", Z3_mk_bvand}, {"bit-or", Z3_mk_bvor}, {"bit-xor", Z3_mk_bvxor}, {"eq", Z3_mk_eq}, {"ne", Z3_mk_eq},
+        {"lt", Z3_mk_bvslt}, {"le", Z3_mk_bvsle}, {"gt", Z3_mk_bvsgt}, {"ge", Z3_mk_bvsge}};
+    const auto found = kOperations.find(op);
+    if (found == kOperations.end()) throw NotCheckable("an expression " + quoted(op));
+    const Z3_ast made = found->second(z_, a, b);
+    z_.check_error();
+    const expr result = expr(z_, made).simplify();
+    return op == "ne" ? no(result) : result;
+  }
   /// Of (guard EXPR); an empty list holds.
-  [[nodiscard]] z3::expr holds(const Tree& guard, const Scope& s, const z3::expr& when, z3::expr& fault) const;
-  /// The statements of a list after its head. A run ends with an error where `fault` holds then.
-  void execute(const Tree& body, const Scope& s, const z3::expr& when, z3::expr& fault) const;
-
+  [[nodiscard]] expr holds(const Tree& guard, const Scope& s, const expr& when, expr& fault) const {
+    return guard.items.empty() ? truth(true) : evaluate(guard.at(1), s, when, fault);
+  }
+  /// The statements of a list after its head.
+  void execute(const Tree& body, const Scope& s, const expr& when, expr& fault) const {
+    for (std::size_t k = 1; k < body.items.size() && !is(when, false); ++k) {
+      const Tree& statement = body.items[k];
+      const Text head = statement.head();
+      const bool sets = head == "set" || head == "set-bind";
+      const expr e = evaluate(statement.at(sets ? 2 : 1), s, when, fault);
+      if (head == "if") {
+        execute(statement["then"], s, both(when, e), fault);
+        execute(statement["else"], s, both(when, no(e)), fault);
+      } else if (sets) {
+        expr& target = variable(statement, s, head == "set");
+        target = choose(when, e, target);
+      } else if (head != "do") {
+        throw NotCheckable("a statement " + quoted(head));
+      }
+    }
+  }
   /// Parameters as the system says, and the others.
-  [[nodiscard]] Local local(const Atom& atom, const std::function<z3::expr(std::size_t)>& others) const;
-  [[nodiscard]] Local initial(const Atom& atom, z3::expr& fault) const;
-  [[nodiscard]] Offer offer(const AtomType& type, Local& local, z3::expr& fault) const;
+  [[nodiscard]] Local local(const Atom& atom, const std::function<expr(std::size_t)>& others) const {
+    Local local;
+    std::size_t arg = 0;
+    expr fault = truth(false);
+    for (const Variable& variable : m_.atom_types[atom.type].variables) {
+      local.push_back(variable.is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : others(local.size()));
+    }
+    return local;
+  }
+  [[nodiscard]] Local initial(const Atom& atom, expr& fault) const {
+    const AtomType& type = m_.atom_types[atom.type];
+    Local start = local(atom, [&](std::size_t k) { return first(type.variables[k].type); });
+    for (std::size_t place : type.initial) start[place] = truth(true);
+    execute((*type.row)["do"], own(type, start), truth(true), fault);
+    check_invariants(type, start, truth(true), fault);
+    settle(type, start, truth(true), fault);
+    return start;
+  }
+  [[nodiscard]] Offer offer(const AtomType& type, Local& local, expr& fault) const {
+    const std::size_t count = type.ports.size();
+    Offer offer{{}, Local(count, truth(false))};
+    for (const Transition& t : type.transitions) {
+      expr& going = offer.transitions.emplace_back(t.port == kNone ? truth(false) : marked(local, t.from));
+      if (t.port == kNone) continue;
+      going = both(going, holds(*t.guard, own(type, local), going, fault));
+      // Two transitions of a port at a time are an error.
+      fault = either(fault, both(offer.ports[t.port], going));
+      offer.ports[t.port] = either(offer.ports[t.port], going);
+    }
+    std::vector<Rule> rules;
+    for (const Tree* row : type.priorities) {
+      Rule& rule = rules.emplace_back(Rule{holds((*row)["guard"], own(type, local), truth(true), fault), {}, {}});
+      const Tree &low = (*row)["low"].at(1), &high = (*row)["high"].at(1);
+      const auto fits = [&](const Tree& side, const Tree& other, std::size_t port) {
+        return truth(side.text != "any" ? port == side.row() : other.text == "any" || port != other.row());
+      };
+      for (std::size_t port = 0; port < count; ++port) rule.low.push_back(fits(low, high, port));
+      for (std::size_t port = 0; port < count; ++port) rule.high.push_back(fits(high, low, port));
+    }
+    // Ports above themselves are an error.
+    if (!rules.empty()) fault = either(fault, hide(rules, offer.ports));
+    return offer;
+  }
+  /// Hides what is low in a rule whose high thing is on, or a rule's that one leads to: by things that may be off. Is there a circle of them?
+  [[nodiscard]] expr hide(const std::vector<Rule>& rules, Local& on) const {
+    const std::size_t count = rules.size();
+    std::vector<Local> leads(count, Local(count, truth(false)));
+    Local hides;
+    expr circle = truth(false);
+    for (std::size_t r = 0; r < count; ++r) {
+      expr above = truth(false);
+      for (std::size_t k = 0; k < on.size(); ++k) {
+        above = either(above, both(rules[r].high[k], on[k]));
+        for (std::size_t s = 0; s < count && is(rules[r].high[k], true); ++s) {
+          if (is(rules[s].low[k], true)) leads[r][s] = both(rules[r].guard, rules[s].guard);
+        }
+      }
+      hides.push_back(both(rules[r].guard, above));
+    }
+    for (std::size_t by = 0; by < count; ++by) {
+      for (std::size_t r = 0; r < count; ++r) {
+        for (std::size_t s = 0; s < count && !is(leads[r][by], false); ++s) leads[r][s] = either(leads[r][s], both(leads[r][by], leads[by][s]));
+      }
+    }
+    for (std::size_t r = 0; r < count; ++r) {
+      expr hidden = hides[r];
+      for (std::size_t s = 0; s < count; ++s) hidden = either(hidden, both(leads[r][s], hides[s]));
+      for (std::size_t k = 0; k < on.size(); ++k) on[k] = both(on[k], no(both(hidden, rules[r].low[k])));
+      circle = either(circle, leads[r][r]);
+    }
+    return circle;
+  }
   /// Takes the transition and the internal ones that follow, from where `when` holds.
-  void take(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, z3::expr& fault) const;
+  void take(const AtomType& type, const Transition& t, Local& local, const expr& when, expr& fault) const {
+    move(type, t, local, when, fault);
+    settle(type, local, when, fault);
+  }
   /// Fires a port of the offer.
-  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& local, const z3::expr& when, z3::expr& fault) const;
+  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& local, const expr& when, expr& fault) const {
+    const Local before = local;
+    for (std::size_t t = 0; t < type.transitions.size(); ++t) {
+      const expr on = both(when, offer.transitions[t]);
+      if (type.transitions[t].port != port || is(on, false)) continue;
+      Local next = before;
+      take(type, type.transitions[t], next, on, fault);
+      merge(on, next, local);
+    }
+  }
 
  private:
-  void move(const AtomType& type, const Transition& t, Local& local, const z3::expr& when, z3::expr& fault) const;
-  void check_invariants(const AtomType& type, Local& local, const z3::expr& when, z3::expr& fault) const;
-  void settle(const AtomType& type, Local& local, const z3::expr& when, z3::expr& fault) const;
-  void hide(const AtomType& type, Local& local, std::vector<z3::expr>& ports, z3::expr& fault) const;
+  // Floats and C++ objects are terms of this width, so that it shows that nothing is known of them.
+  static constexpr unsigned kVagueBits = 64;
+  // Internal transitions in a row: in general, and where it is clear which.
+  static constexpr int kMaxInternals = 24, kMaxClear = 100000;
+
+  static bool is_vague(const expr& e) { return e.is_bv() && e.get_sort().bv_size() == kVagueBits; }
+  static Scope own(const AtomType& type, Local& local) { return {std::span(local).subspan(type.places), {}, {}}; }
+  // (self ROW), (set-bind ROW EXPR)
+  static expr& variable(const Tree& e, const Scope& s, bool is_self) {
+    const std::size_t row = e.at(1).row();
+    if (row >= (is_self ? s.self.size() : s.bind.size())) throw Rejected("a variable that there is not");
+    return is_self ? s.self[row] : *s.bind[row];
+  }
+  [[nodiscard]] expr marked(const Local& local, const Rows& places) const {
+    return all(places, [&](std::size_t place) { return local[place]; });
+  }
+  static void merge(const expr& when, const Local& from, Local& into) {
+    for (std::size_t k = 0; k < into.size(); ++k) into[k] = choose(when, from[k], into[k]);
+  }
+
+  void check_invariants(const AtomType& type, Local& local, const expr& when, expr& fault) const {
+    for (const Tree* row : type.invariants) {
+      const Rows places = (*row)["places"].rows();
+      const Text scope = row->at(3).text;
+      expr here = scope == "always" ? when : both(when, marked(local, places));
+      for (std::size_t p = 0; p < type.places && scope == "at"; ++p) here = contains(places, p) ? here : both(here, no(local[p]));
+      fault = either(fault, both(here, no(holds((*row)["guard"], own(type, local), here, fault))));
+    }
+  }
+
+  void move(const AtomType& type, const Transition& t, Local& local, const expr& when, expr& fault) const {
+    // An automaton is where the transition leads to, and nowhere else.
+    if (type.is_automaton) std::fill_n(local.begin(), type.places, truth(false));
+    for (std::size_t place : t.from) local[place] = truth(false);
+    for (std::size_t place : t.to) {
+      fault = either(fault, both(when, local[place]));
+      local[place] = truth(true);
+    }
+    execute(*t.action, own(type, local), when, fault);
+    check_invariants(type, local, when, fault);
+  }
+  // Internal transitions. Where they do not come to an end nothing is known, not even whether that is an error.
+  void settle(const AtomType& type, Local& local, const expr& when, expr& fault) const {
+    Local now = local;
+    expr active = when;
+    for (int round = 0; !is(active, false); ++round) {
+      expr any = truth(false);
+      Local next = now;
+      const bool is_lost = round > (is(active, true) ? kMaxClear : kMaxInternals);
+      if (is_lost) fault = either(fault, both(active, fresh("bool")));
+      for (std::size_t k = 0; k < now.size() && is_lost; ++k) now[k] = fresh(type.variables[k].type);
+      for (const Transition& t : type.transitions) {
+        if (t.port != kNone || is_lost) continue;
+        const expr there = both(active, marked(now, t.from));
+        const expr on = is(there, false) ? there : both(there, holds(*t.guard, own(type, now), there, fault));
+        if (is(on, false)) continue;
+        Local moved = now;
+        move(type, t, moved, on, fault);
+        if (is(any, false)) next = std::move(moved);
+        else merge(on, moved, next);
+        fault = either(fault, both(any, on));
+        any = either(any, on);
+      }
+      merge(both(active, no(any)), now, local);
+      active = any;
+      now = std::move(next);
+    }
+  }
 
   const Model& m_;
   z3::context& z_;
   z3::solver solver_;
-  std::map<std::size_t, std::vector<z3::expr>> assumed_;  // by atom
+  std::map<std::size_t, std::vector<expr>> assumed_;  // by atom
 };
 
 }  // namespace certcheck
