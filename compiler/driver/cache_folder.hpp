@@ -1,4 +1,4 @@
-// Where machine code is kept between runs: what the JIT made of a model's code, and the compiled C++ of models that call it.
+// Where things are kept between runs: what the JIT made of a model's code, the compiled C++ of models that call it, and proofs.
 #pragma once
 #include <filesystem>
 

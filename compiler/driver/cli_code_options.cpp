@@ -6,7 +6,7 @@
 namespace bip::driver {
 
 void add_cache_options(CLI::App& command, CacheOptions& cache) {
-  CLI::Option* off = command.add_flag("--no-cache", cache.is_off, "machine code is not kept for the next time");
+  CLI::Option* off = command.add_flag("--no-cache", cache.is_off, "nothing is kept for the next time");
   command.add_option("--cache", cache.folder, "keep it in DIR (default: $XDG_CACHE_HOME/bipc, else ~/.cache/bipc)")->type_name("DIR")->excludes(off);
   command.add_option("--cache-size", cache.megabytes, "keep at most so much, what was used last (default 256)")->check(CLI::Range(1, 1 << 20))->type_name("MB");
 }

@@ -156,7 +156,9 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command->add_flag("--partial", a.partial, "can a component wait for ever while others move")->excludes("--property")->excludes("--certificate");
   command->add_flag("--why", a.why, "print the invariants of a proof");
   command->add_flag("--json", a.json, "the verdict as JSON");
+  command->add_flag("--stats", a.stats, "seconds of the processor, and what came from earlier proofs");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp", "what executes code when states are searched");
+  command->add_flag_callback("--no-reuse", [&a] { a.reuses = false; }, "prove all anew; nothing of it is kept for the next time");
   add_cache_options(*command, a.compile.cache);
   add_compile(*command, a.compile);
   command->footer(

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "compiler/base/content_cache.hpp"
+#include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/executor.hpp"
@@ -20,6 +22,7 @@
 #include "compiler/driver/verify_text.hpp"
 #include "compiler/system/timed.hpp"
 #include "compiler/verify/certificate.hpp"
+#include "compiler/verify/proof_memory.hpp"
 
 namespace bip::driver {
 
@@ -102,13 +105,19 @@ int command_verify(const VerifyArguments& arguments) {
     is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);
     return is_ready;
   };
+  ContentCache cache(KeptKind::Proof, cache_folder(arguments.compile.cache).string(), arguments.compile.cache.megabytes << 20);
+  verify::ProofMemory memory(cache, BIPC_VERSION);
   verify::Decision decision;
   VerdictText verdict;
+  double seconds = 0;
   {
     Progress progress;
     const auto show = [&](const char* phase, std::uint64_t count, const char* unit) { progress.show(phase, count, unit); };
     verify::Decider decider(*c.system, c.lowered->image, !calls_cpp(*c.system), prepare, show);
+    if (arguments.reuses && cache.is_on()) decider.remember_in(&memory);
+    const verify::Clock::time_point start = verify::Clock::now();
     decision = decider.decide(question, limits);
+    seconds = std::chrono::duration<double>(verify::Clock::now() - start).count();
     if (is_ready) verdict = verdict_text(c, question, decision, decider, arguments.why);
     if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Holds) {
       const Result<bool> written = write_file(arguments.certificate, verify::certificate(decider, question, decision, *c.system, c.root_name));
@@ -116,7 +125,9 @@ int command_verify(const VerifyArguments& arguments) {
     }
   }
   if (const int code = report(c); code != 0 || !is_ready) return code;
-  const std::string text = arguments.json ? verdict_json(verdict, question, decision) : verdict.text;
+  const VerifyStats stats{seconds, arguments.reuses && cache.is_on() ? &memory : nullptr};
+  const VerifyStats* shown = arguments.stats ? &stats : nullptr;
+  const std::string text = arguments.json ? verdict_json(verdict, question, decision, shown) : verdict.text + (shown != nullptr ? stats_text(stats) : "");
   std::fwrite(text.data(), 1, text.size(), stdout);
   return verdict.exit_code;
 }

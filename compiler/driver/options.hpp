@@ -20,7 +20,7 @@ enum class Backend : std::uint8_t { Auto, Jit, Interp };
 /// that the start takes about 0.1 s either way.
 enum class Optimisation : std::uint8_t { Auto, O0, O1, O2 };
 
-/// Machine code that is kept for the next time.
+/// What is kept for the next time: machine code, proofs.
 struct CacheOptions {
   bool is_off = false;
   std::string folder;                // empty: the user's cache folder
@@ -85,6 +85,8 @@ struct VerifyArguments {
   bool partial = false;              // local deadlocks
   bool json = false;
   bool why = false;
+  bool stats = false;
+  bool reuses = true;                // proofs from earlier runs, and leaves its own
 };
 struct ExploreArguments {
   CompileOptions compile;

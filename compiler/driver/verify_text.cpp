@@ -89,7 +89,7 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
   return v;
 }
 
-std::string verdict_json(const VerdictText& v, const verify::Question& question, const verify::Decision& d) {
+std::string verdict_json(const VerdictText& v, const verify::Question& question, const verify::Decision& d, const VerifyStats* stats) {
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
   if (question.what == verify::Asked::State) json["property"] = question.property.text;
   if (question.what == verify::Asked::NoErrors) json["property"] = "errors";
@@ -102,8 +102,27 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   if (d.states != 0) json["states"] = d.states;
   if (d.outcome == verify::Outcome::Violated) json["steps"] = d.choices.size();
   if (d.outcome == verify::Outcome::Unknown) json["reason"] = d.reason;
+  if (stats != nullptr) {
+    json["cpu_seconds"] = stats->seconds;
+    if (const verify::ProofMemory* memory = stats->memory) {
+      const verify::ReuseCounts& n = memory->counts;
+      json["reuse"] = {{"whole", n.is_whole}, {"files", n.files}, {"broken", memory->broken_files()}, {"known", n.recalled}, {"invariants", n.invariants},
+                       {"lemmas", n.lemmas}, {"way", n.has_way}, {"stored", n.stored}};
+    }
+  }
   json["text"] = v.text;
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
+std::string stats_text(const VerifyStats& stats) {
+  std::string text = fmt::format("decided in {:.2f} s of the processor\n", stats.seconds);
+  if (stats.memory == nullptr) return text + "proofs of earlier runs: not used\n";
+  const verify::ReuseCounts& n = stats.memory->counts;
+  text += fmt::format("proofs of earlier runs: {} in {}", count_of(n.recalled, "row"), count_of(n.files, "file"));
+  if (n.recalled != 0) text += fmt::format(" of {}", n.is_whole ? "this system" : "parts of it");
+  if (n.recalled != 0) text += fmt::format("; checked and used: {}, {}{}", count_of(n.invariants, "invariant"), count_of(n.lemmas, "lemma"), n.has_way ? ", the way" : "");
+  if (stats.memory->broken_files() != 0) text += fmt::format("; {} broken", stats.memory->broken_files());
+  return text + fmt::format("; {} kept\n", count_of(n.stored, "file"));
 }
 
 }  // namespace bip::driver

@@ -14,6 +14,13 @@ struct VerdictText {
 };
 [[nodiscard]] VerdictText verdict_text(const Compilation& c, const verify::Question& question, const verify::Decision& d, const verify::Decider& decider,
                                        bool why);
-[[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question, const verify::Decision& d);
+/// Of a decision; `memory` null: proofs were neither used again nor kept.
+struct VerifyStats {
+  double seconds = 0;  // of the processor
+  const verify::ProofMemory* memory = nullptr;
+};
+/// `stats` may be null.
+[[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question, const verify::Decision& d, const VerifyStats* stats);
+[[nodiscard]] std::string stats_text(const VerifyStats& stats);
 
 }  // namespace bip::driver

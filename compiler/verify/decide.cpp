@@ -6,6 +6,7 @@
 
 #include "compiler/verify/find_stuck.hpp"
 #include "compiler/verify/follow.hpp"
+#include "compiler/verify/known_lemmas.hpp"
 #include "compiler/verify/mode_signals.hpp"
 #include "compiler/verify/strengthen.hpp"
 #include "compiler/verify/tell.hpp"
@@ -40,14 +41,16 @@ void Decider::add_reason(const std::string& reason) { d_.reason += (d_.reason.em
 
 // With values that come from outside in the modes, where transfers say which they are. True: proved.
 bool Decider::look_at_uses() {
+  has_seen_uses_ = true;
   PortUses uses = find_port_uses(net_);
   if (!uses.has_some) return false;
   told_ = build_net(net_, uses, UsesAs::Ports);
   if (told_->too_large_atom == kNoRow) {
     const Clock::time_point end = std::min(limits_.end, seconds_from_now(seconds_until(limits_.end) / 4));
-    Proof proof = prove_deadlock_freedom(*told_, end, [](const std::vector<u32>&) { return true; });
+    Proof proof = prove_deadlock_freedom(*told_, end, [](const std::vector<u32>&) { return true; }, invariants_of(known_, *told_, true));
     if (proof.end == ProofEnd::Free) {
-      if (limits_.wants_few) keep_needed(*told_, end, proof);
+      if (wants_needed(Way::Told, proof)) keep_needed(*told_, end, proof);
+      note_found(Way::Told, *told_, proof);
       // What no certificate has a form for is left to the other engines where one is wanted.
       if (limits_.wants_certificate) evidence_ = find_evidence(net_, *told_, proof, end);
       if (evidence_ || !limits_.wants_certificate) {
@@ -65,12 +68,15 @@ bool Decider::look_at_uses() {
 void Decider::look_at_structure() {
   if (net_.too_large_atom != kNoRow) return;
   d_.has_structure = true;
+  const std::vector<TokenInvariant> known = invariants_of(known_, net_, false);
   if (question_.what != Asked::DeadlockFreedom) {
-    d_.proof = find_reachable_modes(net_);
+    d_.proof = find_reachable_modes(net_, known);
     return;
   }
   report_("invariants", 0, "candidates");
-  if (look_at_uses()) return;
+  // What was proved otherwise before is likely to be again.
+  const bool is_for_later = known_.way == Way::Plain || known_.way == Way::Induction;
+  if (!is_for_later && look_at_uses()) return;
   d_.proof = prove_deadlock_freedom(net_, limits_.end, [&](const std::vector<u32>& candidate) {
     if (!ready()) return false;
     const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .only_walk = true, .report = {}};
@@ -79,10 +85,11 @@ void Decider::look_at_structure() {
     d_.outcome = Outcome::Violated;
     d_.choices = std::move(found.choices);
     return true;
-  });
+  }, known);
   if (d_.proof.end != ProofEnd::Free) return;
   d_.outcome = Outcome::Holds;
-  if (limits_.wants_few) keep_needed(net_, limits_.end, d_.proof);
+  if (wants_needed(Way::Plain, d_.proof)) keep_needed(net_, limits_.end, d_.proof);
+  note_found(Way::Plain, net_, d_.proof);
 }
 
 Decider::Tried Decider::try_search(std::uint64_t states) {
@@ -149,9 +156,9 @@ Decider::Tried Decider::try_all_states() {
 }
 
 // All states are fine: lemmas of a proof, or the states themselves.
-Decision Decider::with_evidence() {
+void Decider::look_for_evidence() {
   d_.reason.clear();
-  if (d_.outcome == Outcome::Violated || !limits_.wants_certificate) return std::move(d_);
+  if (d_.outcome == Outcome::Violated || !limits_.wants_certificate) return;
   const bool is_proved = try_induction(std::min(seconds_until(limits_.end) / 2, kLemmaSeconds)) == Tried::Done;
   if (!is_proved) {
     StateCollector states(system_, image_);
@@ -160,7 +167,6 @@ Decision Decider::with_evidence() {
     d_.is_only_counted = d_.reached.nodes.empty();
   }
   d_.reason.clear();
-  return std::move(d_);
 }
 
 // Only a visit of all states decides it.
@@ -220,19 +226,27 @@ Decider::Tried Decider::try_induction(double seconds) {
     report_("invariants", d_.proof.invariants.size(), "found");
     is_strengthened_ = true;
     if (strengthen(net_, *machine_, image_, problem.bad, problem.end, d_.proof)) {
-      if (limits_.wants_few) keep_needed(net_, *machine_, image_, problem.bad, limits_.end, d_.proof);
+      if (wants_needed(Way::Induction, d_.proof)) keep_needed(net_, *machine_, image_, problem.bad, limits_.end, d_.proof);
+      note_found(Way::Induction, net_, d_.proof);
       d_.outcome = Outcome::Holds;
       d_.method = Method::Induction;
       return Tried::Done;
     }
   }
   problem.invariants = structural_clauses();
-  ReachAnswer answer = find_reachable(problem);
+  KnownLemmas known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
+  if (memory_ != nullptr) memory_->counts.lemmas = known.lemmas.size();
+  for (const Cube& cube : known.lemmas) problem.invariants.push_back(clause_of(cube, *machine_));
+  ReachAnswer answer;
+  if (known.is_enough) answer.end = ReachEnd::Safe;
+  else answer = find_reachable(problem);
   d_.frames = answer.frames;
   if (answer.end == ReachEnd::Safe) {
     d_.outcome = Outcome::Holds;
     d_.method = Method::Induction;
-    d_.lemmas = std::move(answer.lemmas);
+    d_.lemmas = std::move(known.lemmas);
+    d_.lemmas.insert(d_.lemmas.end(), answer.lemmas.begin(), answer.lemmas.end());
+    note_found(Way::Induction, net_, d_.proof);
     return Tried::Done;
   }
   if (answer.end == ReachEnd::Stopped) return Tried::Open;
@@ -263,30 +277,37 @@ Decider::Tried Decider::try_induction(double seconds) {
   return Tried::Done;
 }
 
+void Decider::decide_in_order() {
+  look_at_structure();
+  if (d_.outcome != Outcome::Unknown) return;
+  // What each engine gets of the time that is left.
+  if (try_search(std::min(kFirstStates, kFirstValues / (image_.atoms.size + image_.slot_count + 1) + 1)) == Tried::Done) return look_for_evidence();
+  const double left = seconds_until(limits_.end);
+  if (try_induction(can_run_ ? left / 3 : left) == Tried::Done) return;
+  if (d_.has_structure && question_.what == Asked::DeadlockFreedom && !has_seen_uses_ && look_at_uses()) return;
+  if (!is_stopped() && try_all_states() == Tried::Done) return look_for_evidence();
+  // The search gave up for memory: what is left of the time belongs to the proof.
+  if (!is_stopped() && try_induction(seconds_until(limits_.end)) == Tried::Done) return;
+  if (rt::is_interrupted()) d_.reason = "interrupted";
+  else if (seconds_until(limits_.end) <= 0 && d_.reason.empty()) d_.reason = "the time is over";
+  else if (d_.reason.empty()) d_.reason = "no engine has an answer";
+  if (!can_run_) add_reason("the model calls C++, whose state cannot be searched");
+}
+
 Decision Decider::decide(const Question& question, const DecideLimits& limits) {
   question_ = question;
   limits_ = limits;
   d_ = {};
   told_.reset();
   evidence_.reset();
-  is_exhausted_ = induction_failed_ = is_strengthened_ = false;
+  is_exhausted_ = induction_failed_ = is_strengthened_ = has_seen_uses_ = false;
   if (question.what == Asked::NobodyStuck) {
     look_for_stuck();
     return std::move(d_);
   }
-  look_at_structure();
-  if (d_.outcome != Outcome::Unknown) return std::move(d_);
-  // What each engine gets of the time that is left.
-  if (try_search(std::min(kFirstStates, kFirstValues / (image_.atoms.size + image_.slot_count + 1) + 1)) == Tried::Done) return with_evidence();
-  const double left = seconds_until(limits_.end);
-  if (try_induction(can_run_ ? left / 3 : left) == Tried::Done) return std::move(d_);
-  if (!is_stopped() && try_all_states() == Tried::Done) return with_evidence();
-  // The search gave up for memory: what is left of the time belongs to the proof.
-  if (!is_stopped() && try_induction(seconds_until(limits_.end)) == Tried::Done) return std::move(d_);
-  if (rt::is_interrupted()) d_.reason = "interrupted";
-  else if (seconds_until(limits_.end) <= 0 && d_.reason.empty()) d_.reason = "the time is over";
-  else if (d_.reason.empty()) d_.reason = "no engine has an answer";
-  if (!can_run_) add_reason("the model calls C++, whose state cannot be searched");
+  recall();
+  if (try_known() == Tried::Open) decide_in_order();
+  keep_found();
   return std::move(d_);
 }
 

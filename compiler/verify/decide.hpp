@@ -3,6 +3,7 @@
 #pragma once
 #include "compiler/verify/evidence.hpp"
 #include "compiler/verify/pdr.hpp"
+#include "compiler/verify/proof_memory.hpp"
 #include "compiler/verify/property.hpp"
 #include "compiler/verify/prove.hpp"
 #include "compiler/verify/search.hpp"
@@ -59,6 +60,8 @@ class Decider {
       : system_(system), image_(image), can_run_(can_run), prepare_(std::move(prepare)), report_(std::move(report)), net_(build_net(system)) {}
 
   [[nodiscard]] Decision decide(const Question& question, const DecideLimits& limits);
+  /// Decisions begin with what is known from before, checked anew, and leave what they found. Null: they do not.
+  void remember_in(ProofMemory* memory) { memory_ = memory; }
   /// What the proof's modes are of.
   [[nodiscard]] const Net& net() const { return told_ ? *told_ : net_; }
   /// Not null: a proof whose modes a certificate cannot name, in other words.
@@ -72,9 +75,15 @@ class Decider {
   bool look_at_uses();
   Tried try_search(std::uint64_t states);
   Tried try_all_states();
-  Decision with_evidence();
+  void look_for_evidence();
   void look_for_stuck();
   Tried try_induction(double seconds);
+  void recall();
+  Tried try_known();
+  void decide_in_order();
+  [[nodiscard]] bool wants_needed(Way way, const Proof& proof) const;
+  void note_found(Way way, const Net& net, const Proof& proof);
+  void keep_found();
   [[nodiscard]] bool is_stopped() const { return seconds_until(limits_.end) <= 0; }
   [[nodiscard]] bool ready();
   [[nodiscard]] std::vector<std::vector<Signal>> structural_clauses();
@@ -92,7 +101,9 @@ class Decider {
   Question question_;
   DecideLimits limits_;
   Decision d_;
-  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, is_strengthened_ = false, induction_failed_ = false;
+  ProofMemory* memory_ = nullptr;
+  KeptProof known_, found_;  // from before; now
+  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, is_strengthened_ = false, induction_failed_ = false, has_seen_uses_ = false;
 };
 
 /// "m.bip:12: a call of `f`", a line each, at most `count`.

@@ -1,6 +1,8 @@
 // The loop: solve, largest trap, small traps, linear invariants, one-token invariants.
 #include "compiler/verify/prove.hpp"
 
+#include <set>
+
 #include "compiler/verify/encode.hpp"
 #include "compiler/verify/linear.hpp"
 #include "compiler/verify/one_token.hpp"
@@ -21,14 +23,16 @@ void spread_from_initial(const Net& net, Spread& reachable, Proof& proof) {
   for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
 }
 
-Proof find_reachable_modes(const Net& net) {
+Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& known) {
   Proof proof;
   Spread reachable(net, Direction::Forward, nullptr);
   spread_from_initial(net, reachable, proof);
+  if (!known.empty()) proof.invariants = TrapFinder(net, reachable).those_that_hold(known);
+  proof.known = proof.invariants.size();
   return proof;
 }
 
-Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at) {
+Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at, const std::vector<TokenInvariant>& known) {
   Proof proof;
   if (net.too_large_atom != kNoRow) {
     proof.end = ProofEnd::TooLarge;
@@ -51,8 +55,17 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
     }
     return added;
   };
+  if (!known.empty()) proof.known = add_all(traps.those_that_hold(known));
   // Values that are told apart come and go by sums of their own: one by one they would need a candidate each.
-  if (!net.uses.of_atom.empty()) (void)add_all(sums.find_small(traps));
+  bool wants_small = !net.uses.of_atom.empty();
+  const auto add_small = [&] {
+    wants_small = false;
+    std::vector<TokenInvariant> small = sums.find_small(traps);
+    const std::set<TokenInvariant> there(proof.invariants.begin(), proof.invariants.end());
+    std::erase_if(small, [&](const TokenInvariant& one) { return there.contains(one); });
+    return add_all(std::move(small));
+  };
+  if (wants_small && proof.known == 0) (void)add_small();
   while (true) {
     const Answer answer = encoding.solve(seconds_until(end));
     if (answer != Answer::Satisfiable) {
@@ -60,6 +73,7 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
       return proof;
     }
     ++proof.candidates;
+    if (wants_small && add_small() != 0) continue;
     const std::vector<std::uint8_t> marked = encoding.marked();
     std::size_t added = add_all(traps.find(marked));
     if (added == 0) added = add_all(sums.find(traps, marked));

@@ -25,6 +25,7 @@ struct Proof {
   std::vector<std::uint8_t> reachable;  // by mode, as far as the abstraction sees
   std::vector<u32> candidate;           // by atom: the mode
   std::uint64_t candidates = 0;         // models of the formula looked at
+  std::size_t known = 0;                // of the invariants the first ones: those that came from elsewhere
 };
 
 /// Asked about a candidate (by atom: the mode) that neither a trap nor a linear invariant excludes: true stops.
@@ -32,9 +33,10 @@ using StopAt = std::function<bool(const std::vector<u32>& candidate)>;
 
 /// Which modes are reachable by structure, into `reachable` (fresh, forward) and the proof's.
 void spread_from_initial(const Net& net, Spread& reachable, Proof& proof);
-/// Nothing but that.
-[[nodiscard]] Proof find_reachable_modes(const Net& net);
-[[nodiscard]] Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at = {});
+/// Nothing but that, and of the invariants that are said to be `known` those that hold.
+[[nodiscard]] Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& known = {});
+/// Begins with those that are said to be `known` and hold.
+[[nodiscard]] Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at = {}, const std::vector<TokenInvariant>& known = {});
 /// Leaves of a proof that is Free the invariants that it needs.
 void keep_needed(const Net& net, Clock::time_point end, Proof& proof);
 

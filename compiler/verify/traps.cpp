@@ -82,12 +82,21 @@ bool TrapFinder::holds_trap(const std::vector<u32>& modes) {
   for (u32 mode : modes) put(mode);
   const bool holds = is_trap();
   bool is_marked = false;
-  for (u32 atom = 0; atom + 1 < net_.mode_base.size() && !is_marked; ++atom) {
+  for (std::size_t k = 0; k < set_.size() && !is_marked; ++k) {
+    const u32 atom = net_.atom_of_mode[set_[k]];
     const std::vector<u32>& initial = net_.class_at(atom).initial;
     is_marked = !initial.empty() && std::all_of(initial.begin(), initial.end(), [&](u32 mode) { return in_set_[net_.mode_base[atom] + mode] != 0; });
   }
   clear();
   return holds && is_marked;
+}
+
+std::vector<TokenInvariant> TrapFinder::those_that_hold(const std::vector<TokenInvariant>& candidates) {
+  std::vector<TokenInvariant> result;
+  for (const TokenInvariant& one : candidates) {
+    if (one.kind == InvariantKind::Trap ? holds_trap(one.modes) : keeps_sum(one)) result.push_back(one);
+  }
+  return result;
 }
 
 // What it costs (modes, weighted by the ways out of them) that the node always puts something; kImpossible within the

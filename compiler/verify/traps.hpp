@@ -7,6 +7,7 @@
 // After Bensalem, Bozga, Nguyen, Sifakis: Compositional Verification for Component-Based Systems and Application (2010);
 // lazily as in VERIFICATION: candidates first, traps second.
 #pragma once
+#include <compare>
 #include <vector>
 
 #include "compiler/verify/net.hpp"
@@ -21,6 +22,7 @@ struct TokenInvariant {
   std::vector<u32> modes;                  // sorted
   std::vector<std::int64_t> weights = {};  // Sum: by row of modes, not 0; less than 0 only of atoms with many modes
   std::int64_t total = 1;                  // Sum
+  friend auto operator<=>(const TokenInvariant&, const TokenInvariant&) = default;
 };
 
 [[nodiscard]] inline std::int64_t weight_of(const TokenInvariant& invariant, std::size_t row) { return invariant.weights.empty() ? 1 : invariant.weights[row]; }
@@ -32,6 +34,8 @@ class TrapFinder {
   /// Traps that are marked at first and not in the candidate (by mode: 1 if marked). Empty: there is none.
   [[nodiscard]] std::vector<TokenInvariant> find(const std::vector<std::uint8_t>& marked);
 
+  /// Those that hold; candidates may come from anywhere, their modes are sorted and of the net.
+  [[nodiscard]] std::vector<TokenInvariant> those_that_hold(const std::vector<TokenInvariant>& candidates);
   /// Does every step keep the number of tokens in the set, and is it one at first? Decided by structure.
   [[nodiscard]] bool holds_one_token(const std::vector<u32>& modes) { return keeps_sum({InvariantKind::OneToken, modes}); }
   /// Is one of these modes marked at first, and can no step empty them?

@@ -82,7 +82,7 @@ def page():
             "like a limit does.\n"
             "Errors and warnings go to standard error, everything else to standard output.\n\n"
             "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ once\n"
-            "and keeps it below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`), named by content, as what the JIT compiles; `--cache DIR` is another\n"
+            "and keeps it below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`), named by content, as what the JIT compiles and what `verify` proves; `--cache DIR` is another\n"
             "place, `--no-cache` none. The folder may be removed at any time; beyond 256 MB (`--cache-size`) what was not used longest goes.\n\n"
             f"## bipc\n\n```text\n{top}\n```\n")
     text += PUBLISHED

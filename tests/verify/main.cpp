@@ -3,12 +3,16 @@
 //
 //   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models]
 //
+// Of every third seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a right hash. Answers
+// must be the same; what forged proofs led to is given to certcheck, too.
+//
 // Two provers a question: one without search, whose proofs and replayed ways must agree with the visit; and the whole one,
 // which should have an answer. With --out each proof of a system leaves N.bsys, N.cert for certcheck. --print DIR
 // writes all systems there, as .bsys, and asks nothing.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "compiler/interp/interp.hpp"
@@ -17,6 +21,7 @@
 #include "compiler/verify/tell.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/small_net.hpp"
+#include "tests/verify/tampering.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/description.hpp"
 
@@ -32,15 +37,26 @@ struct Options {
 };
 struct Totals {
   std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0, failed = 0, certificates = 0;
+  std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
 };
 
 class Check {
  public:
-  Check(const Options& options, Totals& totals) : o_(options), t_(totals) {}
+  Check(const Options& options, Totals& totals) : o_(options), t_(totals) {
+    std::string name = (std::filesystem::temp_directory_path() / "bip-verify-check-XXXXXX").string();
+    if (::mkdtemp(name.data()) != nullptr) kept_ = name;
+  }
+  ~Check() {
+    std::error_code ignored;
+    if (!kept_.empty()) std::filesystem::remove_all(kept_, ignored);
+  }
+  Check(const Check&) = delete;
+  Check& operator=(const Check&) = delete;
 
   void system(const std::string& name, const std::vector<std::string>& texts, std::uint64_t seed) {
     name_ = name;
     wants_certificate_ = seed % 2 == 0;
+    seed_ = seed;
     const gen::Compiled c = gen::compile_texts(texts);
     if (!c.problem.empty()) {
       fail("does not compile: " + c.problem);
@@ -105,6 +121,46 @@ class Check {
       if (!says_violated && wants_certificate_ && !o_.out.empty()) write(c, question, decider, d, file);
     }
     open_ = 0;
+    if (seed_ % 3 == 0 && !kept_.empty()) reuse(c, question, is_known ? std::optional(is_violated) : std::nullopt, file);
+  }
+
+  // The same question with what was kept of it. `is_violated`: as the visit of all states has it.
+  void reuse(const gen::Compiled& c, const verify::Question& question, std::optional<bool> is_violated, const std::string& file) {
+    std::error_code ignored;
+    std::filesystem::remove_all(kept_, ignored);
+    std::optional<verify::Outcome> first;
+    for (const char* state : {"first", "kept", "damaged", "forged", "forged again"}) {
+      if (state[0] == 'd') verify::test::damage(kept_, seed_);
+      const bool is_forged = state[0] == 'f' && state != std::string("first");
+      if (is_forged) {
+        // Of a damaged folder the last run has made a good one again.
+        std::string last = verify::test::forge(kept_, foreign_, seed_ + (state[6] == 0 ? 0 : 1));
+        if (!last.empty()) foreign_ = std::move(last);
+      }
+      ContentCache cache(KeptKind::Proof, kept_.string(), std::uint64_t{1} << 30);
+      verify::ProofMemory memory(cache, "test", verify::Keeps::All);
+      verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
+      decider.remember_in(&memory);
+      verify::DecideLimits limits;
+      limits.end = verify::seconds_from_now(o_.seconds);
+      limits.megabytes = 1000;
+      limits.may_search = false;
+      limits.wants_certificate = wants_certificate_;
+      const verify::Decision d = decider.decide(question, limits);
+      ++t_.reused;
+      t_.whole += memory.counts.is_whole ? 1 : 0;
+      (is_forged ? t_.forged_rows : t_.rows) += memory.counts.invariants + memory.counts.lemmas + (memory.counts.has_way ? 1 : 0);
+      const bool says_violated = d.outcome == verify::Outcome::Violated;
+      if (!first) first = d.outcome;
+      else if (d.outcome != *first && *first != verify::Outcome::Unknown) fail(std::string("with proofs ") + state + ": another verdict than without");
+      if (d.outcome == verify::Outcome::Unknown) continue;
+      if (is_violated && says_violated != *is_violated) fail(std::string("with proofs ") + state + (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
+      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices)) fail(std::string("with proofs ") + state + ": the way cannot be taken");
+      // By its number certcheck knows it as another question.
+      if (is_forged && !says_violated && wants_certificate_ && !o_.out.empty() && d.method != verify::Method::Exhaustive) {
+        write(c, question, decider, d, file.substr(0, file.size() - 1) + static_cast<char>(file.back() + 3 + (state[6] == 0 ? 0 : 3)));
+      }
+    }
   }
 
   void write(const gen::Compiled& c, const verify::Question& question, const verify::Decider& decider, const verify::Decision& d, const std::string& file) {
@@ -117,6 +173,9 @@ class Check {
   Totals& t_;
   std::string name_;
   int open_ = 0;
+  std::uint64_t seed_ = 0;
+  std::filesystem::path kept_;  // proofs
+  std::string foreign_;         // a proof of another system
   // Of every second seed: some proofs have no certificate, and then another one is looked for.
   bool wants_certificate_ = true;
 };
@@ -147,6 +206,7 @@ int main(int argc, char** argv) {
   const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
   std::printf("questions %llu: hold %llu, violated %llu, more states than %llu: %llu; without search open %llu; unknown %llu; certificates %llu\n", n(t.questions),
               n(t.holds), n(t.violated), n(o.states), n(t.too_large), n(t.open_proofs), n(t.unknown), n(t.certificates));
+  std::printf("with kept proofs %llu: the system known %llu, rows used %llu, forged ones %llu\n", n(t.reused), n(t.whole), n(t.rows), n(t.forged_rows));
   std::printf("systems %llu, failed %llu\n", n(t.systems), n(t.failed));
   return t.failed == 0 ? 0 : 1;
 }

@@ -1,0 +1,77 @@
+// What a proof found, in terms that outlive the run: components by their place in the system, modes by their rows, bits by what they
+// are of. Its text form is what is kept on disk. Nothing in it is trusted: all are candidates, and whoever takes one checks it first.
+//
+// A text speaks of components by path (below the compound that it is about) and by the hash of their modes, so it can be read for
+// another system: what speaks of components that are not there, or are others, is left out.
+#pragma once
+#include <compare>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/verify/machine.hpp"
+#include "compiler/verify/net.hpp"
+#include "compiler/verify/traps.hpp"
+
+namespace bip::verify {
+
+/// Which engine had the answer.
+enum class Way : std::uint8_t {
+  None,
+  Plain,      // invariants of the structure
+  Told,       // invariants, values from outside told apart
+  Induction,  // invariants and lemmas over the machine
+  Steps       // a way to a bad state
+};
+
+struct KeptTerm {
+  u32 atom = 0, mode = 0;  // mode: row of the atom's class
+  std::int64_t weight = 1;
+  friend auto operator<=>(const KeptTerm&, const KeptTerm&) = default;
+};
+struct KeptInvariant {
+  InvariantKind kind = InvariantKind::Trap;
+  bool is_told = false;  // modes are those of the net with uses told apart
+  std::int64_t total = 1;
+  std::vector<KeptTerm> terms;
+  friend auto operator<=>(const KeptInvariant&, const KeptInvariant&) = default;
+};
+/// A bit of the machine.
+struct KeptLiteral {
+  u32 atom = 0;
+  bool is_place = false, value = false;
+  u32 row = 0, position = 0;
+  friend auto operator<=>(const KeptLiteral&, const KeptLiteral&) = default;
+};
+using KeptLemma = std::vector<KeptLiteral>;
+
+struct KeptProof {
+  Way way = Way::None;
+  std::vector<KeptInvariant> invariants;  // in the order of finding
+  std::vector<KeptLemma> lemmas;
+  std::vector<std::uint64_t> choices;     // Steps
+  friend bool operator==(const KeptProof&, const KeptProof&) = default;
+};
+
+[[nodiscard]] KeptInvariant kept(const Net& net, const TokenInvariant& invariant, bool is_told);
+[[nodiscard]] KeptLemma kept(const Machine& machine, const std::vector<u32>& cube);
+/// Those that speak of modes that the net has, in its numbers; `is_told` says which are meant.
+[[nodiscard]] std::vector<TokenInvariant> invariants_of(const KeptProof& proof, const Net& net, bool is_told);
+/// As cubes of the machine, sorted; those that it has bits for.
+[[nodiscard]] std::vector<std::vector<u32>> lemmas_of(const KeptProof& proof, const Machine& machine);
+
+/// A component as texts name it.
+struct AtomName {
+  std::string path, content;
+};
+using NameOfAtom = std::function<AtomName(u32 atom)>;
+/// Nothing: there is none, or its modes are others.
+using AtomOfName = std::function<std::optional<u32>(const AtomName& name)>;
+
+[[nodiscard]] std::string print_kept(const KeptProof& proof, const NameOfAtom& name_of);
+/// Nothing: it is no such text. Left out: rows that speak of unknown components.
+[[nodiscard]] std::optional<KeptProof> parse_kept(std::string_view text, const AtomOfName& atom_of);
+
+}  // namespace bip::verify
