@@ -125,7 +125,7 @@ int command_verify(const VerifyArguments& arguments) {
     }
   }
   if (const int code = report(c); code != 0 || !is_ready) return code;
-  const VerifyStats stats{seconds, arguments.reuses && cache.is_on() ? &memory : nullptr};
+  const VerifyStats stats{seconds, decision.proof.candidates, arguments.reuses && cache.is_on() ? &memory : nullptr};
   const VerifyStats* shown = arguments.stats ? &stats : nullptr;
   const std::string text = arguments.json ? verdict_json(verdict, question, decision, shown) : verdict.text + (shown != nullptr ? stats_text(stats) : "");
   std::fwrite(text.data(), 1, text.size(), stdout);

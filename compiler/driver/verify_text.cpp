@@ -104,6 +104,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   if (d.outcome == verify::Outcome::Unknown) json["reason"] = d.reason;
   if (stats != nullptr) {
     json["cpu_seconds"] = stats->seconds;
+    json["candidates"] = stats->candidates;
     if (const verify::ProofMemory* memory = stats->memory) {
       const verify::ReuseCounts& n = memory->counts;
       json["reuse"] = {{"whole", n.is_whole}, {"files", n.files}, {"broken", memory->broken_files()}, {"known", n.recalled}, {"invariants", n.invariants},
@@ -115,7 +116,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
 }
 
 std::string stats_text(const VerifyStats& stats) {
-  std::string text = fmt::format("decided in {:.2f} s of the processor\n", stats.seconds);
+  std::string text = fmt::format("decided in {:.2f} s of the processor, after {}\n", stats.seconds, count_of(stats.candidates, "candidate"));
   if (stats.memory == nullptr) return text + "proofs of earlier runs: not used\n";
   const verify::ReuseCounts& n = stats.memory->counts;
   text += fmt::format("proofs of earlier runs: {} in {}", count_of(n.recalled, "row"), count_of(n.files, "file"));

@@ -17,6 +17,7 @@ struct VerdictText {
 /// Of a decision; `memory` null: proofs were neither used again nor kept.
 struct VerifyStats {
   double seconds = 0;  // of the processor
+  std::uint64_t candidates = 0;
   const verify::ProofMemory* memory = nullptr;
 };
 /// `stats` may be null.

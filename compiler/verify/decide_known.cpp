@@ -8,7 +8,7 @@ namespace bip::verify {
 namespace {
 
 // What cost less is found again as soon as it is read.
-constexpr std::uint64_t kFewCandidates = 4, kFewStates = 1000;
+constexpr std::uint64_t kFewCandidates = 64, kFewStates = 1000;
 
 // What is asked, as proofs are named by it.
 std::string text_of(const Question& question, const DecideLimits& limits) {
