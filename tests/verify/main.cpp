@@ -142,7 +142,8 @@ class Check {
       verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
       decider.remember_in(&memory);
       verify::DecideLimits limits;
-      limits.end = verify::seconds_from_now(o_.seconds);
+      // What is wrong in a file may cost time, though no verdict.
+      limits.end = verify::seconds_from_now(first ? 10 * o_.seconds : o_.seconds);
       limits.megabytes = 1000;
       limits.may_search = false;
       limits.wants_certificate = wants_certificate_;
