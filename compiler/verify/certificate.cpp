@@ -10,6 +10,9 @@ namespace {
 
 std::string value_text(const AbstractValue& value) { return value.is_known ? std::to_string(value.value) : "?"; }
 
+// A parameter of the compiler's own ("initial x") has a name that no row can hold; its value is told by the system.
+bool is_told(const ModeClass& mode_class, const Slot& slot, std::size_t k) { return mode_class.followed[k] != 0 && slot.name.find(' ') == std::string::npos; }
+
 // The same sum without weights below 0: an atom's weights may all be moved, as it is in one of its modes.
 TokenInvariant without_negative(const Net& net, const Proof& proof, const TokenInvariant& invariant) {
   if (std::none_of(invariant.weights.begin(), invariant.weights.end(), [](std::int64_t w) { return w < 0; })) return invariant;
@@ -42,14 +45,14 @@ void add_structure(const Net& net, const Proof& proof, std::string& out) {
     const AtomType& type = system.atom_types[mode_class.type];
     out += "class " + std::to_string(row) + ' ' + type.name;
     for (std::size_t k = 0; k < type.slots.size(); ++k) {
-      if (mode_class.followed[k] != 0) out += ' ' + type.slots[k].name;
+      if (is_told(mode_class, type.slots[k], k)) out += ' ' + type.slots[k].name;
     }
     out += '\n';
     for (std::size_t m = 0; m < mode_class.modes.size(); ++m) {
       out += "  mode " + std::to_string(m) + " at";
       for (u32 place : mode_class.modes[m].places) out += ' ' + type.places[place];
       for (std::size_t k = 0; k < type.slots.size(); ++k) {
-        if (mode_class.followed[k] != 0) out += ' ' + type.slots[k].name + '=' + value_text(mode_class.modes[m].values[k]);
+        if (is_told(mode_class, type.slots[k], k)) out += ' ' + type.slots[k].name + '=' + value_text(mode_class.modes[m].values[k]);
       }
       out += '\n';
     }

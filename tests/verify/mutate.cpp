@@ -1,7 +1,7 @@
 // bip-mutate-certificates: proofs of small random systems are changed at random, and certcheck must not accept those whose
 // clauses no longer suffice. Whether they do is found without it: all states that satisfy them are tried on the engine's core.
 //
-//   bip-mutate-certificates --from S --count N [--each N] [--states N]
+//   bip-mutate-certificates --from S --count N [--each N] [--states N] [--tell 1]
 //
 // N seeds, three systems each (a small net, locks, a model of tools/gen), up to three claims each, --each changes of every proof.
 // Accepting too little is no fault, but is counted: what certcheck demands row by row may hold of all rows together only.
@@ -34,6 +34,7 @@ using verify::test::Worth;
 struct Options {
   std::uint64_t from = 1, count = 20, each = 20;
   std::size_t states = 4000;
+  bool tells = false;  // what certcheck refuses though it suffices
 };
 constexpr std::uint64_t kFewStates = 300;
 enum class Told { Accepted, Rejected, NotCheckable };
@@ -117,6 +118,7 @@ class Run {
     if (whole != Worth::Suffices) fail(name, "the prover's own rows do not suffice", proof);
     if (ask(model, proof, why) != Told::Accepted) {
       ++t_.refused_proofs;
+      if (o_.tells) std::printf("REFUSED %s: %s\n%s", name.c_str(), why.c_str(), proof.c_str());
       return;
     }
     gen::Prng random(seed);
@@ -132,6 +134,7 @@ class Run {
       if (worth == Worth::Suffices) {
         ++t_.sufficient;
         t_.accepted += told == Told::Accepted ? 1 : 0;
+        if (o_.tells && told != Told::Accepted) std::printf("REFUSED %s, changed: %s\n%s", name.c_str(), why.c_str(), changed.c_str());
         continue;
       }
       ++(worth == Worth::Malformed ? t_.malformed : t_.insufficient);
@@ -160,6 +163,7 @@ int main(int argc, char** argv) {
     else if (flag == "--count") o.count = value;
     else if (flag == "--each") o.each = value;
     else if (flag == "--states") o.states = value;
+    else if (flag == "--tell") o.tells = value != 0;
   }
   Totals t;
   Run run(o, t);

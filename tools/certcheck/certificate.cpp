@@ -4,7 +4,6 @@
 #include <limits>
 
 namespace certcheck {
-
 namespace {
 
 using Limits = std::numeric_limits<int>;

@@ -2,7 +2,6 @@
 #include "tools/certcheck/model.hpp"
 
 namespace certcheck {
-
 namespace {
 
 void only(const Tree& list, const std::vector<Text>& known, std::size_t first, Text owner) {

@@ -3,7 +3,6 @@
 #include "tools/certcheck/system.hpp"
 
 namespace certcheck {
-
 namespace {
 
 class States {
@@ -137,8 +136,8 @@ class States {
       expr result = v;
       if (v.is_bool()) result = either(both(within(1), v), both(within(0), no(v)));
       else if (l.bit) result = equals(v.extract(*l.bit, *l.bit).simplify(), 1);
-      else result = l.low == l.high ? equals(v, l.low) : v >= l.low && v <= l.high;
-      return (l.is_negated ? !result : result).simplify();
+      else result = l.low == l.high ? equals(v, l.low) : (v >= l.low && v <= l.high).simplify();
+      return l.is_negated ? no(result) : result;
     });
   }
   // Their weights add up to the total. Few of which one holds are told by clauses, which the solver likes best.
@@ -157,12 +156,21 @@ class States {
     std::vector<std::map<std::size_t, expr>> modes(m_.atoms.size());
     for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
       const AtomType& type = m_.type_of(a);
-      const auto unknown = [&](std::size_t k) { return has_modes && k < type.places ? terms_.truth(false) : terms_.fresh(type.variables[k].type); };
+      // What is the same in all modes is known.
+      Values same(type.variables.size());
+      const auto values_of = [&](std::size_t number) -> const Values& { return c_.classes[c_.class_of[a]].modes[number]; };
+      if (!c_.reachable[a].empty()) same = values_of(*c_.reachable[a].begin());
+      for (std::size_t number : c_.reachable[a])
+        for (std::size_t k = 0; k < same.size(); ++k) same[k] = same[k] == values_of(number)[k] ? same[k] : std::nullopt;
+      const auto unknown = [&](std::size_t k) {
+        if (has_modes && k < type.places) return terms_.truth(false);
+        return same[k] ? terms_.constant(type.variables[k].type, *same[k]) : terms_.fresh(type.variables[k].type);
+      };
       Local& local = now.emplace_back(terms_.local(m_.atoms[a], unknown));
       z3::expr_vector all(z_);
       for (std::size_t p = 0; p < type.places && !has_modes && type.is_automaton; ++p) all.push_back(local[p]);
       for (std::size_t number : c_.reachable[a]) {
-        const Values& values = c_.classes[c_.class_of[a]].modes[number];
+        const Values& values = values_of(number);
         const bool is_other = c_.reachable[a].size() == 2 && all.size() == 1;
         const expr mode = modes[a].emplace(number, is_other ? !all[0] : terms_.fresh("bool")).first->second;
         all.push_back(mode);

@@ -6,7 +6,6 @@
 #include "tools/certcheck/terms.hpp"
 
 namespace certcheck {
-
 namespace {
 
 /// From which mode to which.
@@ -41,7 +40,7 @@ class Structure {
     if (!is_new) return;
     expr fault = terms_.truth(false);
     const Local start = terms_.initial(atom, fault);
-    found->second.first = met(row, reachable, start, no(fault), "the beginning of " + quoted(atom.path) + " leads");
+    found->second.first = met(row, reachable, start, no(fault));
     if (!std::includes(reachable.begin(), reachable.end(), found->second.first.begin(), found->second.first.end())) {
       throw Rejected(quoted(atom.path) + " starts in a mode that is not among the reachable ones");
     }
@@ -62,13 +61,12 @@ class Structure {
         for (std::size_t variable : type.ports[port].written) next[variable] = terms_.fresh(type.variables[variable].type);
         expr ends = terms_.truth(false);
         terms_.take(type, type.transitions[t], next, on, ends);
-        const Modes to = met(row, reachable, next, both(on, no(ends)), "a mode of " + quoted(type.name) + " leads");
-        for (std::size_t mode : to) by_port[port].emplace_back(from, mode);
+        for (std::size_t to : met(row, reachable, next, both(on, no(ends)))) by_port[port].emplace_back(from, to);
       }
     }
   }
-  // Where it is clear what is marked, values that are no constants are left open.
-  Modes met(const Class& row, const Modes& reachable, const Local& local, expr other, const std::string& what) {
+  // Modes, kNone for one that is not listed. Where it is clear what is marked, values that are no constants are left open.
+  Modes met(const Class& row, const Modes& reachable, const Local& local, expr other) {
     Values clear(local.size());
     for (std::size_t k = 0; k < local.size(); ++k) clear[k] = row.followed[k] ? value_of(local[k]) : std::nullopt;
     const auto found = row.numbers.find(clear);
@@ -83,7 +81,8 @@ class Structure {
         other = both(other, no(here));
       }
     }
-    return !terms_.may_be(other) ? result : throw Rejected(what + " to one that is not listed");
+    if (terms_.may_be(other)) result.insert(kNone);
+    return result;
   }
 
   [[nodiscard]] const Moves& moves(std::size_t row) const {

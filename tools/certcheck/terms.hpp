@@ -81,13 +81,13 @@ class Terms {
   template <class Range, class Of>
   [[nodiscard]] expr all(const Range& range, const Of& of) const {
     expr result = truth(true);
-    for (const auto& one : range) result = both(result, of(one));
+    for (auto one = range.begin(); one != range.end() && !is(result, false); ++one) result = both(result, of(*one));
     return result;
   }
   template <class Range, class Of>
   [[nodiscard]] expr some(const Range& range, const Of& of) const {
     expr result = truth(false);
-    for (const auto& one : range) result = either(result, of(one));
+    for (auto one = range.begin(); one != range.end() && !is(result, true); ++one) result = either(result, of(*one));
     return result;
   }
   /// A constant of its own, of a type of variables.

@@ -10,13 +10,9 @@
 namespace certcheck {
 
 /// The certificate or the system is not what it should be.
-struct Rejected : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+struct Rejected : std::runtime_error { using std::runtime_error::runtime_error; };
 /// It may be sound, but this program cannot tell.
-struct NotCheckable : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+struct NotCheckable : std::runtime_error { using std::runtime_error::runtime_error; };
 
 inline constexpr std::size_t kNone = ~std::size_t{0};
 using Rows = std::vector<std::size_t>;
