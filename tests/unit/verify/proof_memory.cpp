@@ -247,6 +247,31 @@ TEST_CASE("files that are damaged or forged change no verdict") {
   CHECK(used > 0);
 }
 
+TEST_CASE("a forged proof that would exclude the deadlock is not believed") {
+  std::string dead = dinner(kRoot, "DARK, LIT", kMoves);
+  dead.replace(dead.find("phil[i](i == n - 1)"), 19, "phil[i](i == n + 1)");
+  const gen::Compiled c = gen::compile_texts({dead});
+  REQUIRE(c.problem.empty());
+  const verify::Net net = verify::build_net(*c.system);
+  for (const auto kind : {verify::InvariantKind::Trap, verify::InvariantKind::OneToken, verify::InvariantKind::Sum}) {
+    const testing::ScratchFolder folder;
+    ContentCache cache(KeptKind::Proof, folder.path(), std::uint64_t{1} << 30);
+    verify::ProofMemory memory(cache, "unit", Keeps::All);
+    CHECK(memory.recall(net, "deadlock").invariants.empty());
+    // Each component is always as it was at first; so no philosopher ever holds one fork.
+    verify::KeptProof forged;
+    forged.way = verify::Way::Plain;
+    for (verify::u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) forged.invariants.push_back({kind, false, 1, {{atom, net.class_at(atom).initial[0], 1}}});
+    memory.keep(net, "deadlock", forged);
+    CHECK(memory.counts.stored >= 2);
+    const Asked asked = ask(dead, folder.path());
+    CHECK(asked.counts.is_whole);
+    CHECK(asked.counts.recalled == forged.invariants.size());
+    CHECK(asked.counts.invariants == 0);
+    CHECK(asked.decision.outcome != Outcome::Holds);
+  }
+}
+
 TEST_CASE("texts of all kinds are read without harm") {
   const auto none = [](const verify::AtomName&) -> std::optional<verify::u32> { return std::nullopt; };
   const auto any = [](const verify::AtomName&) -> std::optional<verify::u32> { return 0; };
