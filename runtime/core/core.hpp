@@ -241,7 +241,6 @@ class Core {
   void enable_coming(u32 atom);
   bool begin_timed(u32 instance);
   [[nodiscard]] bool is_in_scope(u32 atom, const Invariant& invariant) const;
-  void change_port(u32 instance, u32 transition);
   void save_time(std::vector<i64>& out) const;
   void load_time(const std::vector<i64>& in);
   // async.cpp

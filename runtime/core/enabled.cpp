@@ -4,7 +4,7 @@
 // whose enabled transition changes; in a simple one a port is enabled iff the atom is at its place. Others evaluate the
 // guards of the transitions that leave what is marked. A flip walks the availability network as long as counters cross
 // zero: O(depth), and O(1) in a flat connector.
-#include "runtime/core/core.hpp"
+#include "runtime/core/flip.hpp"
 
 namespace bip::rt {
 
@@ -43,38 +43,6 @@ void Core::crossed(u32 node, bool on) {
     }
   }
 }
-
-inline void Core::bump(u32 node, bool on) {
-  if (on) {
-    if (++values_[node] == 0) crossed(node, true);
-  } else {
-    if (values_[node]-- == 0) crossed(node, false);
-  }
-}
-
-void Core::flip(u32 instance, bool on) {
-  const PortState& port = ports_[instance];
-  if (port.edge_count == 1) {
-    bump(port.edge, on);
-  } else {
-    const u32* edges = tables_.port_out.items.data() + port.edge;
-    for (u32 i = 0; i < port.edge_count; ++i) bump(edges[i], on);
-  }
-  if (tables_.any_port_watch) {
-    for (u32 slot : tables_.port_watch[instance]) {
-      if (values_[slot] >= 0) mark_dirty(slot);
-    }
-  }
-}
-
-inline void Core::set_port(u32 instance, u32 transition) {
-  PortState& port = ports_[instance];
-  const u32 before = port.transition;
-  port.transition = transition;
-  if ((before == kNone) != (transition == kNone)) flip(instance, transition != kNone);
-}
-
-void Core::change_port(u32 instance, u32 transition) { set_port(instance, transition); }
 
 void Core::touch(u32 atom) {
   const u32 slot_count = static_cast<u32>(is_dirty_.size());
@@ -248,7 +216,7 @@ bool Core::update_ports(u32 atom, u32 place_before) {
 bool Core::settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired) {
   const LinkedType& type = tables_.types[atoms_[atom].type];
   if (type.has_internal && !run_internals(atom)) return false;
-  if (type.is_timed && !begin_resume(atom, fired)) return false;
+  if (type.is_timed) return begin_resume(atom, fired) && look_at_time(atom);
   return update_ports(atom, place_before);
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "runtime/core/core.hpp"
+#include "runtime/core/flip.hpp"
 
 namespace bip::rt {
 
@@ -154,7 +154,7 @@ bool Core::begin_port(u32 instance) {
     for (const u32 row : tables_.place_transitions[type.first_place + places_[atom]]) flip(info.port_base + tables_.transitions[row].port, false);
     places_[atom] = kNone;
   } else {
-    for (u32 port = info.port_base; port < tables_.port_base[atom + 1]; ++port) change_port(port, kNone);
+    for (u32 port = info.port_base; port < tables_.port_base[atom + 1]; ++port) set_port(port, kNone);
   }
   p.last_step[atom] = p.step;
   p.order[atom] = p.begun;

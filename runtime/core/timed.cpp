@@ -120,9 +120,10 @@ bool Core::read_clocks(u32 atom, const Transition* fired) {
   const AtomTime* time = time_->types[atoms_[atom].type].time;
   if (time == nullptr) return true;
   Slot* self = all_.data() + atoms_[atom].slot_base;
+  ClockState* states = time_->clocks.data() + time_->clock_base[atom];
   for (u32 row = 0; row < time->clocks.size; ++row) {
     const Clock& clock = time->clocks[row];
-    ClockState& state = time_->clocks[time_->clock_base[atom] + row];
+    ClockState& state = states[row];
     const double speed = self[clock.slot + 2].f;
     const bool is_as_ever = speed == 1.0 && state.speed == kUnitSpeed;
     if (!is_as_ever && speed != static_cast<double>(state.speed) / static_cast<double>(kUnitSpeed)) {
@@ -164,17 +165,23 @@ bool Core::take_limit(u32 atom, const Bound& bound, i64& limit) {
 
 // The instants from now on at which all bounds hold.
 bool Core::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
-  out = {time_->now, kForever, false, false};
+  const i64 now = time_->now;
+  out = {now, kForever, false, false};
   if (when.bounds.size == 0) return true;
-  if (!measure_limits(atom, when)) return false;
+  if (when.measure != kNone && !measure_limits(atom, when)) return false;
+  const ClockState* states = time_->clocks.data() + time_->clock_base[atom];
   for (const Bound& bound : when.bounds) {
-    const ClockState* states = time_->clocks.data() + time_->clock_base[atom];
-    i64 limit = 0;
-    if (!take_limit(atom, bound, limit)) out = Interval::none();
+    i64 limit = bound.ticks;
+    if (bound.slot != kNone && !take_limit(atom, bound, limit)) out = Interval::none();
     const ClockState& clock = states[bound.clock];
     i64 at = 0;
     if (bound.minus == kNone && clock.speed == kUnitSpeed && !__builtin_sub_overflow(limit, clock.value, &at) && !__builtin_add_overflow(at, clock.since, &at) && at > -kMaxTicks && at < kMaxTicks) {
-      out.meet(instants_around(time_->now, at, bound.op));
+      if (bound.op == BoundOp::Ge) {
+        // As most conditions are.
+        if (at > out.low) out.low = at, out.low_open = false;
+      } else {
+        out.meet(instants_around(now, at, bound.op));
+      }
       continue;
     }
     Int128 value = clock_value(atom, bound.clock);
@@ -183,7 +190,7 @@ bool Core::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
       value -= clock_value(atom, bound.minus);
       speed -= states[bound.minus].speed;
     }
-    out.meet(instants_of(time_->now, value, speed, bound.op, limit));
+    out.meet(instants_of(now, value, speed, bound.op, limit));
   }
   return true;
 }

@@ -5,37 +5,45 @@
 // one look at each atom that took part, O(log atoms) for each instant that is kept.
 #include <algorithm>
 
-#include "runtime/core/core.hpp"
+#include "runtime/core/flip.hpp"
 
 namespace bip::rt {
 
 // A timed atom's ports at this instant, and what is next.
 bool Core::look_at_time(u32 atom) {
   TimeState& t = *time_;
-  if (t.busy_until[atom] <= t.now && is_at_work(atom)) return finish_action(atom);
+  const bool is_busy = t.busy_until[atom] > t.now;
+  if (!is_busy && is_at_work(atom)) return finish_action(atom);
   const AtomInfo& state = atoms_[atom];
   const LinkedType& type = tables_.types[state.type];
-  const AtomTime& time = *t.types[state.type].time;
+  const TypeTime& rules = t.types[state.type];
+  const AtomTime& time = *rules.time;
   const u32 ports = tables_.port_base[atom + 1] - state.port_base;
   u32* now = port_scratch_.data();
   for (u32 port = 0; port < ports; ++port) now[port] = kNone;
-  i64 next = kForever;
+  i64 next = is_busy ? t.busy_until[atom] : kForever;
   u32 possible = 0;
-  Coming coming;
-  const auto look = [&](u32 row) {
+  Coming& coming = t.coming[atom];
+  coming.transition = kNone;
+  const bool is_automaton = type.mark_words == 0;
+  // Of automata those that leave the place, of others all.
+  const Span<u32> leaving = is_automaton ? tables_.place_transitions[type.first_place + places_[atom]] : Span<u32>{nullptr, type.transition_count};
+  for (u32 k = 0; k < leaving.size && !is_busy; ++k) {
+    const u32 row = is_automaton ? leaving[k] : type.first_transition + k;
     const LinkedTransition& transition = tables_.transitions[row];
+    if (!is_automaton && transition.port == kNone) continue;
     const TransitionTime& timing = time.transitions[row - type.first_transition];
-    bool is_enabled = false;
-    if (!is_enabled_from(atom, transition, is_enabled)) return false;
+    bool is_enabled = true;
+    if ((!is_automaton || transition.guard.fn != nullptr) && !is_enabled_from(atom, transition, is_enabled)) return false;
+    if (!is_enabled || is_without_event(state.port_base + transition.port)) continue;
     Interval interval;
-    if (!is_enabled || is_without_event(state.port_base + transition.port)) return true;
     if (!interval_of(atom, timing.when, interval)) return false;
-    if (interval.empty()) return true;
+    if (interval.empty()) continue;
     ++possible;
     if (interval.low > t.now) {
       next = std::min(next, interval.low);
       coming = {row, timing.urgency, interval};
-      return true;
+      continue;
     }
     if (interval.high != kForever) next = std::min(next, interval.high + 1);
     PortTime& port = t.ports[state.port_base + transition.port];
@@ -43,44 +51,31 @@ bool Core::look_at_time(u32 atom) {
       port.other = row;
       port.interval.meet(interval);
       port.urgency = std::max(port.urgency, timing.urgency);
-      return true;
+      continue;
     }
     now[transition.port] = row;
     port = {interval, timing.urgency, kNone};
-    return true;
-  };
-  if (t.busy_until[atom] > t.now) {
-    next = t.busy_until[atom];
-  } else if (type.mark_words == 0) {
-    for (u32 row : tables_.place_transitions[type.first_place + places_[atom]]) {
-      if (!look(row)) return false;
-    }
-  } else {
-    for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
-      if (tables_.transitions[row].port != kNone && !look(row)) return false;
-    }
   }
   if (time.events.size != 0 && !refuse_events(atom, now)) return false;
   if (type.has_priorities && !hide_ports(atom, now)) return false;
-  for (u32 port = 0; port < ports; ++port) change_port(state.port_base + port, now[port]);
+  for (u32 port = 0; port < ports; ++port) set_port(state.port_base + port, now[port]);
   t.changes.set(atom, next);
-  t.coming[atom] = coming;
-  if (possible != 1 || !t.types[state.type].is_foreseeable) t.coming[atom].transition = kNone;
+  if (possible != 1 || !rules.is_foreseeable) coming.transition = kNone;
   for (u32 clock = t.clock_base[atom]; clock < t.clock_base[atom + 1]; ++clock) {
     // Values of others are rounded at the instant of a look.
-    if (t.clocks[clock].speed != kUnitSpeed) t.coming[atom].transition = kNone;
+    if (t.clocks[clock].speed != kUnitSpeed) coming.transition = kNone;
   }
-  return !t.types[state.type].has_limits || look_at_invariants(atom);
+  return !rules.has_limits || look_at_invariants(atom);
 }
 
 // What a look would find: the interval of the one transition that was waited for has begun, all else is as it was, invariants included.
-void Core::enable_coming(u32 atom) {
+inline void Core::enable_coming(u32 atom) {
   TimeState& t = *time_;
   Coming& coming = t.coming[atom];
   const u32 instance = atoms_[atom].port_base + tables_.transitions[coming.transition].port;
   t.ports[instance] = {coming.interval, coming.urgency, kNone};
   t.changes.set(atom, coming.interval.high == kForever ? kForever : coming.interval.high + 1);
-  change_port(instance, coming.transition);
+  set_port(instance, coming.transition);
   coming.transition = kNone;
 }
 
@@ -133,12 +128,12 @@ CandidateTime Core::time_of(const Candidate& candidate) {
 }
 
 // Before a step in which the port takes part. False: it is a fault.
-bool Core::begin_timed(u32 instance) {
+inline bool Core::begin_timed(u32 instance) {
   const PortState& port = ports_[instance];
   if (const u32 other = time_->ports[instance].other; other != kNone) {
     return fail(FaultCode::TwoTransitions, port.atom, tables_.transitions[port.transition].source, tables_.transitions[other].source);
   }
-  take_event(instance);
+  if (!time_->event_row.empty()) take_event(instance);
   return true;
 }
 
@@ -148,10 +143,16 @@ bool Core::take_timed(EnabledSet::Position at) {
   const bool is_sync = time_->has_sync && info.kind != SlotKind::Port && tables_.connector_type(info.row).resume_sync;
   if (info.kind == SlotKind::Port) return begin_timed(info.row) && take(at);
   if (info.kind == SlotKind::Flat && !is_sync) {
+    const u32* ports = tables_.flat_ports.data() + info.first;
+    bool is_timed = false;
     for (u32 i = 0; i < info.count; ++i) {
-      if (!begin_timed(tables_.flat_ports[info.first + i])) return false;
+      if (!begin_timed(ports[i])) return false;
+      is_timed = is_timed || ports_[ports[i]].place == kNone;
     }
-    return take(at);
+    // Where places do not say all there is no program: not asked for again.
+    if (!is_timed) return take(at);
+    remember(at.slot);
+    return fire_flat(info) && settle();
   }
   const Candidate chosen = candidate(at);
   participants(chosen, participant_scratch_);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/overrun.hpp"
 
 namespace bip::rt {
@@ -131,11 +130,6 @@ void EventFeed::release(const Core& core) {
 i64 EventFeed::wait(Core& core, i64 target) {
   ++looks_;
   gave_up_ = false;
-  if (ports_.size() == 0 && wall_ == nullptr && script_.empty()) {
-    gave_up_ = is_interrupted();
-    looks_ -= gave_up_ ? 1 : 0;
-    return kForever;
-  }
   release(core);
   engine_.instant.store(core.now(), std::memory_order_relaxed);
   stalls_ = target == core.now() && !arrived_.empty() ? stalls_ + 1 : 0;

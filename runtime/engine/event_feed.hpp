@@ -13,6 +13,7 @@
 #include "runtime/core/action_pool.hpp"
 #include "runtime/engine/event_sources.hpp"
 #include "runtime/engine/inbox.hpp"
+#include "runtime/engine/interrupt.hpp"
 
 namespace bip::rt {
 
@@ -52,6 +53,13 @@ class EventFeed {
   /// The engine has looked, and without us it goes on at `target`. The instant of the first event that comes until then, no
   /// earlier than now; kForever: none does, or is_stopped(), or failed(). In real time it is then `target`.
   [[nodiscard]] i64 wait(Core& core, i64 target);
+  /// Nothing comes from outside and nobody sleeps: then this is all that wait() does. False: is_stopped().
+  [[nodiscard]] bool is_quiet() const { return ports_.size() == 0 && wall_ == nullptr && script_.empty(); }
+  [[nodiscard]] bool look_in_quiet() {
+    gave_up_ = is_interrupted();
+    looks_ += gave_up_ ? 0 : 1;
+    return !gave_up_;
+  }
   /// All events of this instant into the core. False: a fault.
   [[nodiscard]] bool deliver(Core& core);
   [[nodiscard]] bool is_stopped() const { return gave_up_; }

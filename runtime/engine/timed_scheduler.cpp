@@ -45,14 +45,16 @@ i64 TimedScheduler::latest(Core& core) {
   return std::min(ends_[core.number(choice_)], last);
 }
 
-TimedScheduler::Next TimedScheduler::look(Core& core) {
+inline TimedScheduler::Next TimedScheduler::look(Core& core) {
   at_ = core.now();
-  if (!plans_ && core.candidate_count() != 0) {
+  const bool has_candidates = core.candidate_count() != 0;
+  if (has_candidates && !plans_) {
     choice_ = scheduler_.choose(core);
     return Next::Step;
   }
-  const i64 last = core.wait_limit(ends_);
-  if (!ends_.empty() && plan(core, last)) return Next::Step;
+  // Without candidates invariants alone bound the time.
+  const i64 last = has_candidates ? core.wait_limit(ends_) : std::max(core.last_instant(), at_);
+  if (has_candidates && plan(core, last)) return Next::Step;
   const i64 next = core.next_change();
   at_ = std::min(next, last);
   if (next > last) return Next::Lock;
@@ -67,7 +69,9 @@ Due TimedScheduler::wait(Core& core, EventFeed& feed) {
   }
   while (true) {
     const Next next = look(core);
-    if (const i64 event = feed.wait(core, at_); event != kForever) {
+    if (feed.is_quiet()) {
+      if (!feed.look_in_quiet()) return Due::Stopped;
+    } else if (const i64 event = feed.wait(core, at_); event != kForever) {
       if (event > core.now() && !core.advance(event)) return Due::Fault;
       return feed.deliver(core) ? Due::Event : Due::Fault;
     }
