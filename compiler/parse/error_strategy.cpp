@@ -173,6 +173,14 @@ void ReportingStrategy::reportError(antlr4::Parser* parser, const antlr4::Recogn
   report_unexpected(parser, found, expected_by(parser, e));
 }
 
+// `port Signal up()`: the type alone could be a port's name, so no name is expected where one was meant.
+bool ReportingStrategy::is_like_named_port(antlr4::Parser* parser, const antlr4::Token* found) {
+  antlr4::TokenStream* const input = parser->getTokenStream();
+  const std::size_t index = found->getTokenIndex();
+  return index >= 2 && found->getType() != antlr4::Token::EOF && input->get(index - 1)->getType() == BipParser::ID &&
+         input->get(index - 2)->getType() == BipParser::PORT && input->get(index + 1)->getType() == BipParser::LPAREN;
+}
+
 void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::Token* found, const IntervalSet& expected) {
   std::string place;
   const std::size_t index = found->getTokenIndex();
@@ -190,7 +198,8 @@ void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::
   if (found->getType() == BipParser::ID) {
     const std::vector<std::string> similar = similar_names(word, words_of(expected));
     if (!similar.empty()) diagnostic.help("there is a word `" + similar.front() + "`", at, similar.front());
-  } else if (expected.contains(static_cast<ssize_t>(BipParser::ID)) && !word.empty() && word.front() >= 'a' && word.front() <= 'z') {
+  } else if (!word.empty() && word.front() >= 'a' && word.front() <= 'z' &&
+             (expected.contains(static_cast<ssize_t>(BipParser::ID)) || is_like_named_port(parser, found))) {
     diagnostic.note("`" + word + "` is a reserved word");
   }
 }
