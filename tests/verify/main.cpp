@@ -3,7 +3,7 @@
 //
 //   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models]
 //
-// Of every third seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a right hash. Answers
+// Of every fifth seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a right hash. Answers
 // must be the same; what forged proofs led to is given to certcheck, too.
 //
 // Two provers a question: one without search, whose proofs and replayed ways must agree with the visit; and the whole one,
@@ -121,7 +121,7 @@ class Check {
       if (!says_violated && wants_certificate_ && !o_.out.empty()) write(c, question, decider, d, file);
     }
     open_ = 0;
-    if (seed_ % 3 == 0 && !kept_.empty()) reuse(c, question, is_known ? std::optional(is_violated) : std::nullopt, file);
+    if (seed_ % 5 == 0 && !kept_.empty()) reuse(c, question, is_known ? std::optional(is_violated) : std::nullopt, file);
   }
 
   // The same question with what was kept of it. `is_violated`: as the visit of all states has it.
