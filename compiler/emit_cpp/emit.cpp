@@ -33,6 +33,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   const bool has_outside = lowered.image.outside != nullptr;
   out.line("#include \"bip/emitted.hpp\"");
   if (options.with_main) out.line("#include \"bip/run.hpp\"");
+  if (!lowered.steps.shapes.empty()) out.line("#include \"bip/step_loop.hpp\"");
   out.line();
   if (has_outside) out.line(foreign_includes(code));
   const std::vector<lower::EventClassUse> classes = lower::event_class_uses(*lowered.system);

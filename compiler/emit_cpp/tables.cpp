@@ -205,6 +205,7 @@ void TableWriter::image() {
     field("step_fns", step_fns_);
     field("step_runs", step_runs_);
     field("step_operands", step_operands_);
+    if (!steps_fn_.empty()) field("steps_fn", "&" + steps_fn_);
   }
   if (image_.outside != nullptr) {
     field("extern_types", extern_span);

@@ -15,7 +15,7 @@
 #include "runtime/core/extern_data.hpp"
 #include "runtime/core/fault.hpp"
 #include "runtime/core/partial.hpp"
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/select.hpp"
 #include "runtime/core/state.hpp"
@@ -86,7 +86,7 @@ class Core {
   /// record, unless empty, is given what was fired, in an order that is a run.
   u64 run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(), const std::function<void(const std::vector<u32>&)>& record);
   [[nodiscard]] const PriorityTables& priorities() const { return rules_; }
-  static constexpr u32 kHistory = 1u << 14;
+  static constexpr u32 kHistory = StepHistory::kSize;
   /// The slots fired last, at most kHistory of them, in their order.
   [[nodiscard]] std::vector<u32> recent_slots(u64 count) const;
 
@@ -342,7 +342,7 @@ class Core {
   std::vector<u32> history_;               // the slots fired last, a ring; only for telling stories
   u32 history_at_ = 0;
   std::vector<u64> marks_;
-  std::vector<Slot> all_;
+  std::vector<Slot, InCacheLines<Slot>> all_;
   ExternData extern_data_;
   std::vector<u32> own_binds_;             // a copy of the image's, if choices move rows of it
   const u32* binds_ = nullptr;

@@ -1,5 +1,7 @@
 // The rows of the core's own tables: atoms, ports, searched slots, programs. Nobody else needs them.
 #pragma once
+#include <cstddef>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -8,6 +10,19 @@
 namespace bip::rt {
 
 class Profile;
+
+/// Memory from the start of a cache line on: a vector of a loop over it touches one line, not two.
+template <class T>
+struct InCacheLines {
+  using value_type = T;
+  static constexpr std::align_val_t kAlign{64};
+  InCacheLines() = default;
+  template <class U>
+  InCacheLines(const InCacheLines<U>&) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), kAlign)); }
+  void deallocate(T* memory, std::size_t) { ::operator delete(memory, kAlign); }
+  friend bool operator==(const InCacheLines&, const InCacheLines&) { return true; }
+};
 
 struct AtomInfo {
   u32 port_base = 0, slot_base = 0;

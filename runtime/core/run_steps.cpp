@@ -1,11 +1,12 @@
 // The short way: steps by the image's step functions (bip/steps.hpp), one after the other, drawn uniformly.
 //
-// A step costs a draw, two loads to find its run, one indirect call. Meanwhile ranks and rules are not kept up to date; rules
+// A step costs a draw, two loads to find its run, one indirect call; less if the image has a function for many steps. Meanwhile ranks and rules are not kept up to date; rules
 // are brought up to date at the end, which costs as much as the system is large if it has priorities. What flat connectors with
 // guards offer the list of the enabled says; nothing else that is searched depends on an atom that a compiled step moves
 // (compiler/steps), so a slot without step function is fired by the core in between.
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 
 #include "runtime/core/core.hpp"
 #include "runtime/core/profile.hpp"
@@ -69,12 +70,23 @@ u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& s
   u64 done = 0;
   u64 look = 0;
   sound = true;
+  const StepsFn takes_many = std::is_same_v<Watch, Unwatched> ? tables_.image->steps_fn : nullptr;
   while (done < limit && s.count != 0) {
-    if (done == look) {
+    if (done >= look) {
       if (is_stopped()) break;
       look = done + kBetweenLooks;
     }
-    const u32 slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    u32 slot = kAbsentSlot;
+    if (takes_many != nullptr) {
+      StepHistory recent{history, history_at};
+      const StepsTaken taken = takes_many(s, numbers, recent, std::min(limit, look) - done);
+      history_at = recent.at;
+      done += taken.count;
+      slot = taken.slot;
+      if (slot == kAbsentSlot) continue;
+    } else {
+      slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    }
     u32 row = run_of_block[slot >> 6];
     if (row == kSlotsDiffer) row = run_of[slot];
     watch.begin_step();

@@ -231,6 +231,7 @@ struct Image {
   Span<StepFn> step_fns = {};            // by shape; empty: no compiled steps
   Span<StepRun> step_runs = {};
   Span<StepOperand> step_operands = {};
+  StepsFn steps_fn = nullptr;            // takes many steps; what it does step_fns do, too
 };
 
 }  // namespace bip::rt

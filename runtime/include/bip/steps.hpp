@@ -2,7 +2,8 @@
 // moves, whose being enabled changes) and lists, for runs of slots that share a shape, where in the core's arrays the
 // pieces are: each place, row or slot is an affine function of the number in the run, so tables grow with types, not with
 // instances. The core calls them in runs that only draw uniformly (core.hpp, run_steps); emitted C++ and the JIT give the
-// functions. No fault, no allocation, no call but of code that is inlined.
+// functions. No fault, no allocation, no call but of code that is inlined. A program that is compiled with its tables may also
+// give a function that takes step after step (step_loop.hpp).
 #pragma once
 #include <cstdint>
 
@@ -34,6 +35,20 @@ struct StepRun {
   std::uint32_t shape;
   std::uint32_t operands;
 };
+
+/// The slots that fired last: a ring.
+struct StepHistory {
+  static constexpr std::uint32_t kSize = 1u << 14;
+  std::uint32_t* slots;
+  std::uint32_t at;
+};
+struct StepsTaken {
+  std::uint64_t count;
+  std::uint32_t slot;  // drawn, but not taken: it is none of those that the function knows; or kAbsentSlot
+};
+class Prng;
+/// Draws uniformly and takes steps by itself: `limit` at most, while something is enabled, until it draws a slot it does not know.
+using StepsFn = StepsTaken (*)(StepState& state, Prng& prng, StepHistory& history, std::uint64_t limit);
 
 inline void slot_enters(StepState& s, std::uint32_t slot) {
   s.position[slot] = s.count;

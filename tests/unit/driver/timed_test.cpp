@@ -8,7 +8,7 @@
 
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/interp/interp.hpp"
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 
 using namespace bip;

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 #include "runtime/explore/dbm.hpp"
 
 using namespace bip::rt;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 
 namespace bip::rt::testing {
 

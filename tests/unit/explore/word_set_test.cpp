@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 #include "runtime/explore/state_store.hpp"
 
 using namespace bip::rt;

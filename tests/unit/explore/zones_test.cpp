@@ -8,7 +8,7 @@
 #include <string>
 
 #include "compiler/interp/interp.hpp"
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 #include "runtime/explore/zone_search.hpp"
 #include "tests/unit/explore/timed_systems.hpp"
 #include "tools/gen/compiled.hpp"

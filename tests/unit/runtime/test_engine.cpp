@@ -6,7 +6,7 @@
 
 #include "bip/bip.h"
 #include "bip/bip.hpp"
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 #include "runtime/engine/scheduler.hpp"
 #include "tests/unit/base/contents.hpp"
 #include "tests/unit/runtime/helpers.hpp"

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "runtime/core/prng.hpp"
+#include "runtime/include/bip/prng.hpp"
 #include "runtime/core/time_heap.hpp"
 #include "runtime/core/time_state.hpp"
 

@@ -1,0 +1,54 @@
+// The loop of compiled steps, for programs that know their runs of slots when they are compiled: a draw, then code that is
+// inlined with its operands as constants. Half the instructions of what the core does by tables, one step after the other
+// (core/run_steps.cpp): the same draws, the same steps.
+#pragma once
+#include <cstdint>
+
+#include "bip/prng.hpp"
+#include "bip/steps.hpp"
+
+#if defined(__GNUC__)
+#define BIP_INLINE [[gnu::always_inline]] inline
+#else
+#define BIP_INLINE inline
+#endif
+
+namespace bip::rt {
+
+/// Is the slot one of `count` from `first` on at equal distances? Then `number` is which.
+constexpr bool is_in_run(std::uint32_t slot, std::uint32_t first, std::uint32_t count, std::uint32_t distance, std::uint32_t& number) {
+  const std::uint32_t offset = slot - first;
+  if (offset >= count * distance || offset % distance != 0) return false;
+  number = offset / distance;
+  return true;
+}
+
+/// For a function that is not inlined: what the loop has at hand stays out of memory.
+inline void call_step(StepFn step, StepState& s, const StepOperand* operands, std::uint32_t number) {
+  StepState copy = s;
+  step(copy, operands, number);
+  s.count = copy.count;
+}
+
+/// See StepsFn. `take(state, slot)` takes a step, or returns false if it does not know the slot.
+template <class Take>
+StepsTaken take_steps(StepState& state, Prng& prng, StepHistory& history, std::uint64_t limit, Take take) {
+  StepState s = state;
+  Prng numbers = prng;
+  std::uint32_t at = history.at, slot = kAbsentSlot;
+  std::uint64_t taken = 0;
+  while (taken < limit && s.count != 0) {
+    slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    if (!take(s, slot)) break;
+    history.slots[at] = slot;
+    at = (at + 1) % StepHistory::kSize;
+    slot = kAbsentSlot;
+    ++taken;
+  }
+  state.count = s.count;
+  prng = numbers;
+  history.at = at;
+  return {taken, slot};
+}
+
+}  // namespace bip::rt
