@@ -44,13 +44,16 @@ std::string free_text(const Compilation& c, const verify::Question& question, co
   } else if (d.method == verify::Method::Invariants) {
     text += fmt::format(": proved with {} {}\n", count_of(d.proof.invariants.size(), "invariant"), size);
   } else {
-    text += fmt::format(": proved by induction with {} and {} {}\n", count_of(d.proof.invariants.size(), "invariant"), count_of(d.lemmas.size(), "lemma"), size);
+    const std::string equations = d.linear.equations.empty() ? "" : ", " + count_of(d.linear.equations.size(), "equation");
+    text += fmt::format(": proved by induction with {}{} and {} {}\n", count_of(d.proof.invariants.size(), "invariant"), equations, count_of(d.lemmas.size(), "lemma"), size);
   }
   if (!why) return text;
   for (std::size_t k = 0; k < d.proof.invariants.size() && k < kInvariantsShown; ++k) {
     text += "  " + verify::invariant_text(decider.net(), d.proof.invariants[k]) + '\n';
   }
   if (d.proof.invariants.size() > kInvariantsShown) text += fmt::format("  … and {} more\n", d.proof.invariants.size() - kInvariantsShown);
+  for (std::size_t k = 0; k < d.linear.equations.size() && k < kInvariantsShown; ++k) text += "  " + verify::equation_text(d.linear.equations[k], *c.system) + '\n';
+  if (d.linear.equations.size() > kInvariantsShown) text += fmt::format("  … and {} more\n", d.linear.equations.size() - kInvariantsShown);
   for (std::size_t k = 0; k < d.lemmas.size() && k < kInvariantsShown; ++k) {
     text += "  never " + verify::cube_text(*decider.machine(), *c.system, d.lemmas[k]) + '\n';
   }
@@ -98,6 +101,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
     json["method"] = d.method == verify::Method::Exhaustive ? "exhaustive" : d.method == verify::Method::Induction ? "induction" : "invariants";
     if (d.method != verify::Method::Exhaustive) json["invariants"] = d.proof.invariants.size();
     if (d.method == verify::Method::Induction) json["lemmas"] = d.lemmas.size();
+    if (d.method == verify::Method::Induction && !d.linear.equations.empty()) json["equations"] = d.linear.equations.size();
   }
   if (d.states != 0) json["states"] = d.states;
   if (d.outcome == verify::Outcome::Violated) json["steps"] = d.choices.size();

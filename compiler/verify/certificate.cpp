@@ -123,6 +123,11 @@ std::string certificate(const Decider& decider, const Question& question, const 
   }
   out += d.method == Method::Invariants ? "\nmethod invariants\n" : "\nmethod induction\n";
   if (d.has_structure) add_structure(decider.net(), d.proof, out);
+  for (const LinearEquation& equation : d.linear.equations) out += equation_row(equation, system) + '\n';
+  for (const SlotBound& bound : d.linear.bounds) {
+    const Atom& atom = system.atoms[AtomId(std::size_t{bound.atom})];
+    out += "range " + atom.path + '.' + system.atom_types[atom.type].slots[bound.slot].name + " 0 " + std::to_string(bound.high) + '\n';
+  }
   if (d.method == Method::Induction) add_lemmas(*decider.machine(), d.lemmas, system, out);
   return out + "end\n";
 }

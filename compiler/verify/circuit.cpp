@@ -46,6 +46,50 @@ Signal Circuit::any(const std::vector<Signal>& signals) {
   return result;
 }
 
+std::vector<Signal> with_fixed(Circuit& c, const std::vector<Signal>& roots, const std::vector<Signal>& fixed) {
+  std::unordered_map<std::uint32_t, Signal> made{{0, kFalse}};
+  const auto is_fixed = [&](std::uint32_t row) { return row < fixed.size() && fixed[row] != kFree; };
+  const auto of = [&](Signal s) { return made.at(node_of(s)) ^ (s & 1); };
+  std::vector<std::uint32_t> todo;
+  for (Signal root : roots) todo.push_back(node_of(root));
+  while (!todo.empty()) {
+    const std::uint32_t row = todo.back();
+    if (made.contains(row)) {
+      todo.pop_back();
+      continue;
+    }
+    if (is_fixed(row) || c.is_input(row)) {
+      made.emplace(row, is_fixed(row) ? fixed[row] : Signal{row << 1});
+      continue;
+    }
+    const Circuit::Node node = c.node(row);
+    // What one side decides needs no other: most of what a step that is not chosen would do is never looked at.
+    const auto is_false = [&](Signal side) {
+      const std::uint32_t below = node_of(side);
+      if (is_fixed(below)) return (fixed[below] ^ (side & 1)) == kFalse;
+      const auto found = made.find(below);
+      return found != made.end() && (found->second ^ (side & 1)) == kFalse;
+    };
+    if (is_false(node.a) || is_false(node.b)) {
+      made.emplace(row, kFalse);
+      continue;
+    }
+    if (!made.contains(node_of(node.a))) {
+      todo.push_back(node_of(node.a));
+      continue;
+    }
+    if (!made.contains(node_of(node.b))) {
+      todo.push_back(node_of(node.b));
+      continue;
+    }
+    const Signal both = c.both(of(node.a), of(node.b));
+    made.emplace(row, both);
+  }
+  std::vector<Signal> result;
+  for (Signal root : roots) result.push_back(of(root));
+  return result;
+}
+
 Word trimmed(Word w) {
   if (w.size() > kWidth) w.resize(kWidth);
   while (w.size() > 1 && w[w.size() - 1] == w[w.size() - 2]) w.pop_back();

@@ -46,6 +46,10 @@ class Circuit {
   std::unordered_map<std::uint64_t, std::uint32_t> known_;
 };
 
+/// The same functions where inputs are fixed (by node; kFree: it is not): what that decides is gone. Cost: linear in what is below the roots.
+inline constexpr Signal kFree = 0xffffffffu;
+[[nodiscard]] std::vector<Signal> with_fixed(Circuit& c, const std::vector<Signal>& roots, const std::vector<Signal>& fixed);
+
 // ---- words; none of the arguments may be empty
 [[nodiscard]] Word word_of(std::int32_t value);
 [[nodiscard]] inline Word word_of_bool(Signal s) { return {s, kFalse}; }

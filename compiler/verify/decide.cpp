@@ -189,9 +189,18 @@ void Decider::look_for_stuck() {
   }
 }
 
+std::vector<std::vector<Signal>> Decider::linear_clauses() {
+  std::vector<std::vector<Signal>> clauses;
+  for (const LinearEquation& equation : d_.linear.equations) clauses.push_back({equation_signal(equation, *machine_, image_)});
+  for (const SlotBound& bound : d_.linear.bounds) clauses.push_back({bound_signal(bound, *machine_, image_)});
+  return clauses;
+}
+
 std::vector<std::vector<Signal>> Decider::structural_clauses() {
   if (!d_.has_structure) return {};
-  return mode_clauses(net_, d_.proof, *machine_, image_);
+  std::vector<std::vector<Signal>> clauses = mode_clauses(net_, d_.proof, *machine_, image_);
+  for (std::vector<Signal>& fact : linear_clauses()) clauses.push_back(std::move(fact));
+  return clauses;
 }
 
 Decider::Tried Decider::try_induction(double seconds) {
@@ -225,8 +234,14 @@ Decider::Tried Decider::try_induction(double seconds) {
   if (d_.has_structure && !is_strengthened_) {
     report_("invariants", d_.proof.invariants.size(), "found");
     is_strengthened_ = true;
-    if (strengthen(net_, *machine_, image_, problem.bad, problem.end, d_.proof)) {
-      if (wants_needed(Way::Induction, d_.proof)) keep_needed(net_, *machine_, image_, problem.bad, limits_.end, d_.proof);
+    const LinearFacts linear = find_linear_facts(net_, *machine_, image_, structural_clauses(), problem.end);
+    // First without the bounds: a certificate is easier to check without.
+    for (const bool with_bounds : {false, true}) {
+      if (with_bounds && linear.bounds.empty()) continue;
+      d_.linear = with_bounds ? linear : LinearFacts{linear.equations, {}};
+      const std::vector<std::vector<Signal>> known = linear_clauses();
+      if (!strengthen(net_, *machine_, image_, problem.bad, known, problem.end, d_.proof)) continue;
+      if (wants_needed(Way::Induction, d_.proof)) keep_needed(net_, *machine_, image_, problem.bad, known, limits_.end, d_.proof);
       note_found(Way::Induction, net_, d_.proof);
       d_.outcome = Outcome::Holds;
       d_.method = Method::Induction;

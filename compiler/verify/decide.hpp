@@ -1,6 +1,7 @@
 // The whole decision: structure first, then the engine's own search for what is near, then IC3 over the machine, then the
 // search for as long as time and memory last. Nothing is guessed: a way to a bad state has been replayed, a proof is one.
 #pragma once
+#include "compiler/verify/equations.hpp"
 #include "compiler/verify/evidence.hpp"
 #include "compiler/verify/pdr.hpp"
 #include "compiler/verify/proof_memory.hpp"
@@ -30,6 +31,7 @@ struct Decision {
   Method method = Method::Invariants;
   Proof proof;                         // structure: invariants, reachable modes, the candidate that survived
   bool has_structure = false;
+  LinearFacts linear;                  // Induction: equations between data and places, and bounds
   std::vector<Cube> lemmas;            // Induction
   std::vector<std::uint64_t> choices;  // Violated
   std::vector<u32> stuck;              // Violated, NobodyStuck: rows of atoms
@@ -87,6 +89,7 @@ class Decider {
   [[nodiscard]] bool is_stopped() const { return seconds_until(limits_.end) <= 0; }
   [[nodiscard]] bool ready();
   [[nodiscard]] std::vector<std::vector<Signal>> structural_clauses();
+  [[nodiscard]] std::vector<std::vector<Signal>> linear_clauses();
   void add_reason(const std::string& reason);
 
   const System& system_;

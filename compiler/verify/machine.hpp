@@ -38,7 +38,7 @@ struct Machine {
   std::vector<MachineStep> steps;
   std::vector<std::vector<std::uint32_t>> exactly_one;  // rows of bits
   std::vector<Range> ranges;          // by slot among all
-  std::vector<Signal> in_range;       // invariants: a slot is in its range
+  std::vector<Signal> in_range;       // invariants: a slot is in its range; no internal transition can be taken
   Signal next_in_range = kTrue;       // it holds after every step, if the ranges are right
   Signal state_fault = kFalse;        // the run has ended with a fault in this state
   Signal stuck = kFalse;              // no candidate, in a state without fault

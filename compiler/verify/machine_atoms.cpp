@@ -137,6 +137,12 @@ void MachineBuilder::add_ports() {
         Signal& port = m_.port_is_on[tables_.port_base[a] + t.port];
         state_fault_ = c_.either(state_fault_, c_.both(port, on));
         port = c_.either(port, on);
+      } else {
+        // A stable state has no internal transition left.
+        Signal ignored = kFalse;
+        const Signal there = marked(now_[a], t.from);
+        const Signal left = c_.both(there, code_.test(t.guard, variables, there, ignored));
+        if (left != kTrue && left != kFalse) m_.in_range.push_back(negated(left));
       }
       enabled_[a].push_back(on);
     }

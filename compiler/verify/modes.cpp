@@ -262,6 +262,17 @@ ModeClass explore_modes(const System& system, const ModeClass& plain, const Type
   return row;
 }
 
+std::vector<AbstractValue> constants_of(const ModeClass& row) {
+  if (row.modes.empty()) return {};
+  std::vector<AbstractValue> values = row.modes[0].values;
+  for (const Mode& mode : row.modes) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (values[k] != mode.values[k]) values[k] = {};
+    }
+  }
+  return values;
+}
+
 std::string mode_text(const System& system, const ModeClass& row, std::uint32_t mode) {
   const AtomType& type = system.atom_types[row.type];
   std::string text;

@@ -58,6 +58,8 @@ enum class UsesAs : std::uint8_t { Ports, Hidden };
 /// `plain`: the class without; the uses speak of the data that it follows, and must stay where they are. Too large: not within the limits.
 [[nodiscard]] ModeClass explore_modes(const System& system, const ModeClass& plain, const TypeAccess& access, const AtomUses& uses, UsesAs as);
 
+/// By slot: what it always is, if it never changes.
+[[nodiscard]] std::vector<AbstractValue> constants_of(const ModeClass& row);
 /// "EATS" or "DONE (starts = false)".
 [[nodiscard]] std::string mode_text(const System& system, const ModeClass& row, std::uint32_t mode);
 

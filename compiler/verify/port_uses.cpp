@@ -56,17 +56,6 @@ class Finder {
   }
 
  private:
-  // By slot: what it always is, if it never changes.
-  static std::vector<AbstractValue> constants_of(const ModeClass& row) {
-    if (row.modes.empty()) return {};
-    std::vector<AbstractValue> values = row.modes[0].values;
-    for (const Mode& mode : row.modes) {
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        if (values[k] != mode.values[k]) values[k] = {};
-      }
-    }
-    return values;
-  }
   static bool is_worth_it(const PortUse& use) {
     return use.guard.is_valid() || std::any_of(use.writes.begin(), use.writes.end(), [](const auto& w) { return w.second.is_known; });
   }

@@ -43,7 +43,7 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
 
   Encoding encoding(net, reachable);
   TrapFinder traps(net, reachable);
-  LinearFinder sums(net, reachable);
+  LinearFinder sums(net, reachable, end);
   OneTokenFinder one_tokens(net, reachable);
   int questions = 0;
   const auto add_all = [&](std::vector<TokenInvariant> found) {

@@ -15,9 +15,10 @@ constexpr std::size_t kOneTokenBatch = 16;
 
 // "Bad, and what is known", which invariants are added to.
 struct Contradiction {
-  Contradiction(const Net& net_, Machine& machine_, const rt::Image& image, Signal bad, const Proof& proof)
+  Contradiction(const Net& net_, Machine& machine_, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& also, const Proof& proof)
       : net(net_), machine(machine_), reachable(proof.reachable), known(mode_signals(net_, proof, machine_, image)), cnf(machine_.circuit, solver) {
     for (const std::vector<Signal>& clause : known.clauses) add(clause);
+    for (const std::vector<Signal>& clause : also) add(clause);
     for (Signal inside : machine.in_range) add({inside});
     for (const std::vector<u32>& group : machine.exactly_one) {
       std::vector<Lit> places;
@@ -64,9 +65,9 @@ struct Contradiction {
 
 }  // namespace
 
-bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof) {
+bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, Clock::time_point end, Proof& proof) {
   if (bad == kFalse) return true;
-  Contradiction question(net, machine, image, bad, proof);
+  Contradiction question(net, machine, image, bad, known, proof);
   for (const TokenInvariant& invariant : proof.invariants) (void)question.add(invariant);
   const auto add_all = [&](std::vector<TokenInvariant> found) {
     std::size_t added = 0;
@@ -82,7 +83,7 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
   Proof again;
   spread_from_initial(net, reachable, again);
   TrapFinder traps(net, reachable);
-  LinearFinder sums(net, reachable);
+  LinearFinder sums(net, reachable, end);
   OneTokenFinder one_tokens(net, reachable);
   while (true) {
     const Answer answer = question.solver.solve(seconds_until(end));
@@ -98,8 +99,8 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
   }
 }
 
-void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof) {
-  Contradiction question(net, machine, image, bad, proof);
+void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, Clock::time_point end, Proof& proof) {
+  Contradiction question(net, machine, image, bad, known, proof);
   std::vector<Lit> on;
   for (const TokenInvariant& invariant : proof.invariants) {
     on.push_back(invariant.kind == InvariantKind::Trap ? question.solver.new_variable() : 0);

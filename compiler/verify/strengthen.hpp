@@ -6,10 +6,12 @@
 
 namespace bip::verify {
 
+/// `known`: clauses that hold in every reachable state, beside the structure's.
 /// Adds to `proof.invariants` what excludes bad states. True: none is left, the property is proved. False: one is left that
 /// no such invariant excludes, or the time is over.
-[[nodiscard]] bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof);
+[[nodiscard]] bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known,
+                              Clock::time_point end, Proof& proof);
 /// Leaves the invariants that such a proof needs.
-void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, Clock::time_point end, Proof& proof);
+void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, Clock::time_point end, Proof& proof);
 
 }  // namespace bip::verify

@@ -7,6 +7,7 @@ namespace certcheck {
 namespace {
 
 using Limits = std::numeric_limits<int>;
+constexpr int kMostWeight = 0x40000000;
 
 class Reader {
  public:
@@ -36,7 +37,7 @@ class Reader {
     if (c_.claim.empty() || method_.empty()) throw Rejected("the certificate does not say what it proves and how");
     c_.is_induction = method_ == "induction";
     if (!c_.is_induction && c_.claim != "deadlock-free") throw Rejected("invariants alone prove no such claim");
-    if (!c_.is_induction && !c_.facts.empty()) throw Rejected("invariants are of modes");
+    if (!c_.is_induction && !(c_.facts.empty() && c_.equations.empty())) throw Rejected("invariants are of modes");
     const bool has_modes = !c_.is_induction || !c_.classes.empty() || !c_.sets.empty();
     if (has_modes && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
     return std::move(c_);
@@ -49,7 +50,7 @@ class Reader {
         {"class", {3, &Reader::class_row}}, {"mode", {3, &Reader::mode_row}}, {"component", {5, &Reader::component_row}},
         {"trap", {1, &Reader::set_row}}, {"one-token", {1, &Reader::set_row}}, {"sum", {2, &Reader::set_row}},
         {"node", {2, &Reader::node_row}}, {"case", {2, &Reader::case_row}}, {"reached", {2, &Reader::reached_row}},
-        {"lemma", {1, &Reader::lemma_row}}, {"range", {4, &Reader::range_row}}, {"method", {2, &Reader::method_row}}};
+        {"lemma", {1, &Reader::lemma_row}}, {"range", {4, &Reader::range_row}}, {"equation", {3, &Reader::equation_row}}, {"method", {2, &Reader::method_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (head == "root") return;
     if (head == "claim") {
@@ -112,7 +113,6 @@ class Reader {
   }
 
   void set_row() {
-    constexpr int kMostWeight = 0x40000000;
     const bool is_sum = words_[0] == "sum";
     Set& set = c_.sets.emplace_back(Set{line(), words_[0] == "trap", is_sum ? number(words_[1], 0, kMostWeight) : 1, {}});
     for (std::size_t k = is_sum ? 2 : 1; k < words_.size(); ++k) {
@@ -145,6 +145,16 @@ class Reader {
     one.low = number(words_[2], Limits::min(), Limits::max());
     one.high = number(words_[3], Limits::min(), Limits::max());
     c_.facts.push_back({line(), {one}});
+  }
+  void equation_row() {
+    Equation& row = c_.equations.emplace_back(Equation{line(), number(words_[1], Limits::min(), Limits::max()), {}});
+    for (std::size_t k = 2; k < words_.size(); ++k) {
+      const auto [name, weight] = split(words_[k], words_[k].rfind('*'));
+      row.terms.emplace_back(about(name), number(weight, -kMostWeight, kMostWeight));
+      const AtomType& type = m_.type_of(row.terms.back().first.atom);
+      const std::size_t variable = row.terms.back().first.variable;
+      need(variable < type.places || type.variables[variable].type == "int", "an equation is of places and ints");
+    }
   }
   // "!ROOT.a@PLACE", "ROOT.a.n:3", "ROOT.a.n=-5"
   [[nodiscard]] std::vector<Literal> literals(std::size_t first) const {

@@ -39,10 +39,17 @@ struct Fact {
   std::string line;
   std::vector<Literal> literals;
 };
+/// Marked places and ints, times their weights, add up to the total, modulo 2^32.
+struct Equation {
+  std::string line;
+  int total = 0;
+  std::vector<std::pair<Literal, int>> terms;
+};
 struct Certificate {
   std::string claim;
   bool is_induction = false;
   std::vector<Fact> facts;
+  std::vector<Equation> equations;
   std::vector<std::vector<Case>> nodes;
   std::size_t reached = kNone;  // the node that always holds: all states that are reached
   std::vector<Class> classes;   // none: the certificate says nothing of modes

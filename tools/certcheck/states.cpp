@@ -18,14 +18,19 @@ class States {
       expr fault = terms_.truth(false);
       const State first = begin(fault);
       for (const Fact& fact : c_.facts) demand(both(no(fault), no(holds(fact, first))), fact.line + ": does not hold at first");
+      for (const Equation& one : c_.equations) demand(both(no(fault), no(equals(sum(one, first), one.total))), one.line + ": does not hold at first");
     }
-    const State now = allowed();
+    State now = allowed();
+    // Between steps no internal transition is left.
+    for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
+    for (const Equation& one : c_.equations) terms_.assume(equals(sum(one, now), one.total));
     for (const Fact& fact : c_.facts) terms_.assume(holds(fact, now), fact.literals.size() == 1 ? fact.literals[0].atom : kNone);
     check_from(now, [&](const Step& step) {
       const auto changes = [&](const Literal& l) { return !z3::eq(term(l, now, nullptr), term(l, now, &step)); };
-      return terms_.some(c_.facts, [&](const Fact& fact) {
+      const expr lost = terms_.some(c_.facts, [&](const Fact& fact) {
         return std::any_of(fact.literals.begin(), fact.literals.end(), changes) ? no(holds(fact, now, &step)) : terms_.truth(false);
       });
+      return either(lost, terms_.some(c_.equations, [&](const Equation& one) { return no(equals(sum(one, now, &step), 0)); }));
     });
   }
 
@@ -140,6 +145,17 @@ class States {
       return l.is_negated ? no(result) : result;
     });
   }
+  // What an equation says never changes; of a step, by how much it does.
+  [[nodiscard]] expr sum(const Equation& equation, const State& state, const Step* step = nullptr) const {
+    expr result = terms_.constant("int", 0);
+    for (const auto& [of, weight] : equation.terms) {
+      const expr times = terms_.constant("int", weight);
+      const auto product = [&](const expr& e) { return e.is_bool() ? choose(e, times, terms_.constant("int", 0)) : times * e; };
+      if (step == nullptr || step->next.contains(of.atom)) result = result + product(term(of, state, step));
+      if (step != nullptr && step->next.contains(of.atom)) result = result - product(term(of, state, nullptr));
+    }
+    return result.simplify();
+  }
   // Their weights add up to the total. Few of which one holds are told by clauses, which the solver likes best.
   void assume_sum(const z3::expr_vector& all, const std::vector<int>& weights, int total, std::size_t atom) {
     constexpr unsigned kFew = 8;
@@ -212,7 +228,7 @@ std::string check(const Model& model, const std::string& text) {
   if (!c.classes.empty()) check_structure(model, c);
   States(model, c).all();
   const auto count = [](std::size_t number, const std::string& what) { return std::to_string(number) + " " + what + (number == 1 ? "" : "s"); };
-  return components + count(c.sets.size(), "invariant") + (c.is_induction ? ", " + count(c.facts.size(), "fact") : "");
+  return components + count(c.sets.size(), "invariant") + (c.is_induction ? ", " + count(c.facts.size() + c.equations.size(), "fact") : "");
 }
 
 }  // namespace certcheck

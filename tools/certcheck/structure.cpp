@@ -72,6 +72,18 @@ class Structure {
     const auto found = row.numbers.find(clear);
     if (found != row.numbers.end() && reachable.contains(found->second)) return {found->second};
     Modes result;
+    // First, by where it is, the mode that knows most of those that know nothing but what is so: as the values would lead there.
+    std::vector<std::size_t> order(reachable.begin(), reachable.end());
+    const auto unknown = [&](std::size_t mode) { return std::count(row.modes[mode].begin(), row.modes[mode].end(), std::nullopt); };
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return unknown(a) < unknown(b); });
+    for (std::size_t mode : order) {
+      Values places = row.modes[mode];
+      std::fill(places.begin() + static_cast<long>(m_.atom_types[row.type].places), places.end(), std::nullopt);
+      const expr there = both(other, terms_.has(local, places));
+      if (!terms_.may_be(there) || terms_.may_be(both(there, no(terms_.has(local, row.modes[mode]))))) continue;
+      result.insert(mode);
+      other = both(other, no(there));
+    }
     for (const bool is_liked : {true, false}) {
       for (std::size_t mode = 0; mode < row.modes.size(); ++mode) {
         if (reachable.contains(mode) != is_liked) continue;

@@ -243,6 +243,13 @@ class Terms {
     }
     return circle;
   }
+  /// An internal transition can be taken.
+  [[nodiscard]] expr goes_on(const AtomType& type, Local& local) const {
+    expr ignored = truth(false);
+    return some(type.transitions, [&](const Transition& t) {
+      return t.port != kNone ? truth(false) : both(marked(local, t.from), holds(*t.guard, own(type, local), truth(true), ignored));
+    });
+  }
   /// Takes the transition and the internal ones that follow, from where `when` holds.
   void take(const AtomType& type, const Transition& t, Local& local, const expr& when, expr& fault) const {
     move(type, t, local, when, fault);

@@ -1,0 +1,294 @@
+// See equations.hpp. Unknowns: what each port changes the sum by; the weights of places; those of ints, which are given by
+// others last, so that each free one of them gives an equation.
+#include "compiler/verify/equations.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "compiler/verify/affine.hpp"
+#include "compiler/verify/step_equations.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+constexpr std::size_t kMaxTerms = 20000;
+
+using Term = SparseSystem::Term;
+using Row = SparseSystem::Row;
+/// By how much code changes a variable, or nothing known.
+using Stored = std::vector<std::pair<u32, std::optional<AffineForm>>>;
+
+class Finder {
+ public:
+  Finder(const Net& net, const Machine& machine, const rt::Image& image)
+      : net_(net), system_(*net.system), machine_(machine), image_(image), code_(system_.code) {
+    first_place_ = net.port_count();
+    first_slot_ = first_place_;
+    for (const Atom& atom : system_.atoms) {
+      place_base_.push_back(first_slot_);
+      first_slot_ += static_cast<u32>(system_.atom_types[atom.type].places.size());
+    }
+    is_counter_.assign(image.slot_count, 0);
+    for (u32 atom = 0; atom < system_.atoms.size(); ++atom) start_.push_back(values_of(atom));
+  }
+
+  std::vector<LinearEquation> run(Clock::time_point end) {
+    if (std::find(is_counter_.begin(), is_counter_.end(), 1) == is_counter_.end()) return {};
+    SparseSystem system(first_slot_ + image_.slot_count, first_slot_, end);
+    Spread reachable(net_, Direction::Forward, nullptr);
+    Proof proof;
+    spread_from_initial(net_, reachable, proof);
+    for (u32 atom = 0; atom < system_.atoms.size(); ++atom) add_atom(atom, reachable);
+    for (std::size_t c = 0; c < system_.connectors.size(); ++c) {
+      const Connector& connector = system_.connectors[ConnectorId(c)];
+      if (!is_simple(connector)) leave_out(connector);
+    }
+    add_step_equations(net_, reachable, system, equations_, [this](u32 node) { return transfers(node); });
+    if (is_too_large_) return {};
+    system.solve(equations_);
+    std::vector<LinearEquation> found;
+    for (u32 slot = 0; slot < image_.slot_count && !system.is_given_up(); ++slot) {
+      const u32 unknown = first_slot_ + slot;
+      if (is_counter_[slot] == 0 || !system.is_free(unknown) || system.uses(unknown) == 0) continue;
+      const std::vector<Term> solution = system.solution(unknown);
+      if (!solves(solution)) continue;
+      LinearEquation equation = equation_of(solution);
+      if (!equation.terms.empty() && equation.terms.size() <= kMaxTerms) found.push_back(std::move(equation));
+    }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] const AtomType& type_of(u32 atom) const { return system_.atom_types[system_.atoms[AtomId(std::size_t{atom})].type]; }
+  [[nodiscard]] u32 unknown_of(u32 atom, u32 slot) const { return first_slot_ + image_.atoms[atom].slot_base + slot; }
+
+  // Its ints: constants, variables of the forms, or unknown.
+  AffineValues values_of(u32 atom) {
+    const AtomType& type = type_of(atom);
+    const TypeAccess& access = net_.access[net_.class_at(atom).type.value];
+    const std::vector<AbstractValue> constants = constants_of(net_.class_at(atom));
+    std::vector<std::uint8_t> is_stored(type.slots.size(), 0);
+    for (const Transition& t : type.transitions) {
+      for_each_stmt(system_.code, t.action, [&](const Stmt& s) {
+        if (s.op == StmtOp::StoreSelf) is_stored[s.index] = 1;
+      });
+    }
+    for (const std::vector<u32>& slots : access.written) {
+      for (u32 slot : slots) is_stored[slot] = 1;
+    }
+    AffineValues values(type.slots.size());
+    for (u32 k = 0; k < type.slots.size(); ++k) {
+      if (type.slots[k].type != Type::Int || access.unfollowed[k] != 0) continue;
+      if (is_stored[k] == 0 && k < constants.size() && constants[k].is_known) {
+        if (std::abs(std::int64_t{constants[k].value}) <= AffineForm::kMaxNumber) values[k] = AffineForm{{}, constants[k].value};
+        continue;
+      }
+      if (type.slots[k].is_param || is_stored[k] == 0) continue;
+      values[k] = AffineForm{{{unknown_of(atom, k), 1}}, 0};
+      is_counter_[image_.atoms[atom].slot_base + k] = 1;
+    }
+    return values;
+  }
+
+  // The sum changes by `constant`, whatever the variables are: their factors are 0. What forms that are 0 give is put in first.
+  Row changed(std::vector<Term> constant, const Stored& stored, const std::vector<AffineForm>& zeros) {
+    std::map<u32, std::vector<Term>> rows;
+    for (const auto& [unknown, form] : stored) {
+      if (is_counter_[unknown - first_slot_] == 0) continue;
+      if (!form) {
+        equations_.push_back({{unknown, 1}});
+        continue;
+      }
+      for (const auto& [variable, factor] : form->factors) rows[variable].push_back({unknown, factor});
+      rows[unknown].push_back({unknown, -1});
+      constant.push_back({unknown, form->constant});
+    }
+    for (const Substitution& one : substitutions(zeros)) {
+      const auto found = rows.find(one.variable);
+      if (found == rows.end()) continue;
+      const std::vector<Term> taken = std::move(found->second);
+      rows.erase(found);
+      for (const Term& term : taken) {
+        for (const auto& [variable, factor] : one.by.factors) rows[variable].push_back({term.unknown, term.factor * factor});
+        constant.push_back({term.unknown, term.factor * one.by.constant});
+      }
+    }
+    for (auto& [variable, terms] : rows) add(SparseSystem::row_of_terms(std::move(terms)));
+    Row row = SparseSystem::row_of_terms(std::move(constant));
+    is_too_large_ = is_too_large_ || !is_small(row);
+    return row;
+  }
+  [[nodiscard]] static bool is_small(const Row& row) {
+    return std::all_of(row.begin(), row.end(), [](const Term& t) { return std::abs(t.factor) <= SparseSystem::kMaxNumber; });
+  }
+  void add(Row row) {
+    is_too_large_ = is_too_large_ || !is_small(row);
+    if (!row.empty()) equations_.push_back(std::move(row));
+  }
+
+  void add_atom(u32 atom, const Spread& reachable) {
+    const AtomType& type = type_of(atom);
+    const TypeAccess& access = net_.access[net_.class_at(atom).type.value];
+    for (const Transition& t : type.transitions) {
+      const bool has_port = t.port != Transition::kInternal;
+      if (has_port && !reachable.in_context(net_.port_base[atom] + t.port)) continue;
+      std::vector<Term> constant;
+      // An automaton's first place weighs nothing: one more of all its places would change nothing.
+      const auto put = [&](const std::vector<u32>& places, std::int64_t sign) {
+        for (u32 place : places) {
+          if (machine_.is_automaton[atom] == 0 || place != 0) constant.push_back({place_base_[atom] + place, sign});
+        }
+      };
+      put(t.from, -1);
+      put(t.to, 1);
+      if (has_port) constant.push_back({net_.port_base[atom] + t.port, -1});
+      std::vector<AffinePath> paths(1);
+      paths[0].self = start_[atom];
+      code_.assume(t.guard, paths[0]);
+      // A transfer may change the data between the guard and the action.
+      for (u32 slot : has_port ? access.written[t.port] : std::vector<u32>()) {
+        std::erase_if(paths[0].zeros, [&](const AffineForm& form) { return form.factors.contains(unknown_of(atom, slot)); });
+      }
+      std::set<u32> slots;
+      for_each_stmt(system_.code, t.action, [&](const Stmt& s) {
+        if (s.op == StmtOp::StoreSelf) slots.insert(s.index);
+      });
+      const bool is_followed = code_.execute(t.action, paths);
+      if (!is_followed) paths.resize(1);
+      for (const AffinePath& path : paths) {
+        Stored stored;
+        for (u32 slot : slots) stored.emplace_back(unknown_of(atom, slot), is_followed ? path.self[slot] : std::nullopt);
+        add(changed(constant, stored, path.zeros));
+      }
+    }
+  }
+
+  static bool stores(const CodeTable& code, StmtId body) {
+    bool found = false;
+    for_each_stmt(code, body, [&](const Stmt& s) { found = found || s.op == StmtOp::StoreBind; });
+    return found;
+  }
+  // A rendezvous of different atoms with one transfer; or no transfer at all.
+  [[nodiscard]] bool is_simple(const Connector& connector) const {
+    const ConnectorType& type = system_.connector_types[connector.type];
+    if (std::none_of(type.clauses.begin(), type.clauses.end(), [&](const Clause& clause) { return stores(system_.code, clause.down); })) return true;
+    if (type.clauses.size() != 1 || type.clauses[0].params.size() != type.params.size() || type.clauses[0].up.is_valid()) return false;
+    if (std::any_of(type.define.begin(), type.define.end(), [](const DefineNode& node) { return node.trigger; })) return false;
+    std::set<u32> atoms;
+    for (const PortRef& ref : connector.ports) {
+      if (ref.kind != PortRef::Kind::Atom || !atoms.insert(ref.atom.value).second) return false;
+      const std::vector<u32>& slots = type_of(ref.atom.value).ports[ref.port].slots;
+      if (std::set<u32>(slots.begin(), slots.end()).size() != slots.size()) return false;
+    }
+    return true;
+  }
+  // What its transfers may write has no weight.
+  void leave_out(const Connector& connector) {
+    for (const PortRef& ref : connector.ports) leave_out(ref);
+  }
+  void leave_out(const PortRef& ref) {
+    if (ref.kind == PortRef::Kind::Choice) {
+      for (const PortRef& one : system_.choices[ref.choice].ports) leave_out(one);
+    } else if (ref.kind == PortRef::Kind::Atom) {
+      for (u32 slot : net_.access[net_.class_at(ref.atom.value).type.value].written[ref.port]) add({{unknown_of(ref.atom.value, slot), 1}});
+    }
+  }
+
+  // What the transfer of a rendezvous changes the sum by, on each way through its code.
+  std::vector<Row> transfers(u32 node) {
+    if (net_.nodes[node].connector == kNoRow) return {};
+    const Connector& connector = system_.connectors[ConnectorId(std::size_t{net_.nodes[node].connector})];
+    const ConnectorType& type = system_.connector_types[connector.type];
+    if (!is_simple(connector) || type.clauses.empty() || !stores(system_.code, type.clauses[0].down)) return {};
+    std::vector<AffinePath> paths(1);
+    std::vector<u32> unknowns;
+    paths[0].self.resize(type.slots.size());
+    for (std::size_t p = 0; p < type.params.size(); ++p) {
+      const PortRef& ref = connector.ports[p];
+      const std::vector<u32>& slots = type_of(ref.atom.value).ports[ref.port].slots;
+      unknowns.resize(type.params[p].first_bind + slots.size(), kNoRow);
+      paths[0].bind.resize(unknowns.size());
+      for (std::size_t v = 0; v < slots.size(); ++v) {
+        unknowns[type.params[p].first_bind + v] = unknown_of(ref.atom.value, slots[v]);
+        paths[0].bind[type.params[p].first_bind + v] = start_[ref.atom.value][slots[v]];
+      }
+    }
+    for (const DataRef& ref : connector.data) paths[0].bind.push_back(start_[ref.atom.value][ref.slot]);
+    // Transfers of connectors around it come between its guard and its own.
+    if (!type.exports) code_.assume(type.clauses[0].guard, paths[0]);
+    std::set<u32> written;
+    for_each_stmt(system_.code, type.clauses[0].down, [&](const Stmt& s) {
+      if (s.op == StmtOp::StoreBind && s.index < unknowns.size()) written.insert(s.index);
+    });
+    const bool is_followed = code_.execute(type.clauses[0].down, paths);
+    if (!is_followed) paths.resize(1);
+    std::vector<Row> alternatives;
+    for (const AffinePath& path : paths) {
+      Stored stored;
+      for (u32 bind : written) stored.emplace_back(unknowns[bind], is_followed ? path.bind[bind] : std::nullopt);
+      alternatives.push_back(changed({}, stored, path.zeros));
+    }
+    return alternatives;
+  }
+
+  // Once more, by itself: all equations hold.
+  [[nodiscard]] bool solves(const std::vector<Term>& solution) const {
+    std::map<u32, std::int64_t> values;
+    for (const Term& term : solution) {
+      if (std::abs(term.factor) > SparseSystem::kMaxNumber) return false;
+      values[term.unknown] = term.factor;
+    }
+    return std::all_of(equations_.begin(), equations_.end(), [&](const Row& row) {
+      std::int64_t sum = 0;
+      for (const Term& term : row) {
+        const auto found = values.find(term.unknown);
+        if (found != values.end()) sum += term.factor * found->second;
+      }
+      return sum == 0;
+    });
+  }
+
+  [[nodiscard]] LinearEquation equation_of(std::vector<Term> values) const {
+    LinearEquation equation;
+    // The one that was free weighs more than nothing.
+    std::sort(values.begin(), values.end(), [](const Term& a, const Term& b) { return a.unknown < b.unknown; });
+    for (const Term& value : values) {
+      if (value.unknown < first_place_ || value.factor == 0) continue;
+      if (std::abs(value.factor) > SparseSystem::kMaxNumber) return {};
+      LinearEquation::Term term;
+      term.is_place = value.unknown < first_slot_;
+      term.weight = static_cast<std::int32_t>(value.factor);
+      if (term.is_place) {
+        term.atom = static_cast<u32>(std::upper_bound(place_base_.begin(), place_base_.end(), value.unknown) - place_base_.begin()) - 1;
+        term.row = value.unknown - place_base_[term.atom];
+      } else {
+        const u32 slot = value.unknown - first_slot_;
+        while (term.atom + 1 < system_.atoms.size() && image_.atoms[term.atom + 1].slot_base <= slot) ++term.atom;
+        term.row = slot - image_.atoms[term.atom].slot_base;
+      }
+      equation.terms.push_back(term);
+    }
+    return equation;
+  }
+
+  const Net& net_;
+  const System& system_;
+  const Machine& machine_;
+  const rt::Image& image_;
+  AffineCode code_;
+  u32 first_place_ = 0, first_slot_ = 0;
+  std::vector<u32> place_base_;            // by atom: the unknown of its first place
+  std::vector<std::uint8_t> is_counter_;   // by slot among all: an int that changes and is followed
+  std::vector<AffineValues> start_;        // by atom, by slot
+  std::vector<Row> equations_;
+  bool is_too_large_ = false;
+};
+
+}  // namespace
+
+LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end) {
+  return with_bounds(machine, image, known, end, Finder(net, machine, image).run(end));
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,314 @@
+// Linear equations over the machine (equations.hpp): what they are at first; the bounds that they make likely, kept only as long as
+// each holds after every step from where all hold (C. Flanagan, R. Leino: Houdini, an Annotation Assistant for ESC/Java, 2001); text.
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "compiler/verify/cnf.hpp"
+#include "compiler/verify/equations.hpp"
+#include "compiler/verify/sparse_system.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// By row of bits: those of an atom stand together.
+std::vector<u32> first_bits(const Machine& machine) {
+  std::vector<u32> first(machine.marks.size() + 1, static_cast<u32>(machine.bits.size()));
+  for (u32 row = static_cast<u32>(machine.bits.size()); row-- > 0;) first[machine.bits[row].atom] = row;
+  for (std::size_t atom = machine.marks.size(); atom-- > 0;) first[atom] = std::min(first[atom], first[atom + 1]);
+  return first;
+}
+
+class OnMachine {
+ public:
+  OnMachine(Machine& machine, const rt::Image& image) : m_(machine), image_(image), first_(first_bits(machine)) {}
+
+  // False: not known.
+  bool set_total(LinearEquation& equation) const {
+    std::uint32_t total = 0;
+    for (const LinearEquation::Term& term : equation.terms) {
+      std::uint32_t value = 0;
+      const bool is_constant = rows_of(term).empty();
+      if (is_constant && !constant(term, value)) return false;
+      for (u32 row : rows_of(term)) {
+        const StateBit& bit_row = m_.bits[row];
+        if (bit_row.initial < 0) return false;
+        if (bit_row.initial == 0) continue;
+        // The last bit of a number that can be negative is its sign.
+        const bool is_sign = !term.is_place && row == rows_of(term).back() && now(term).size() == rows_of(term).size();
+        value += is_sign ? 0u - (1u << bit_row.position) : 1u << bit_row.position;
+      }
+      total += static_cast<std::uint32_t>(term.weight) * value;
+    }
+    equation.total = static_cast<std::int32_t>(total);
+    return true;
+  }
+
+  // The bits of these slots are 0 from where the bounds end.
+  void fix(const std::vector<SlotBound>& bounds) {
+    fixed_.assign(m_.circuit.size(), kFree);
+    for (const MachineStep& step : m_.steps) fixed_[node_of(step.chosen)] = kFalse;
+    for (const SlotBound& bound : bounds) {
+      const Word word = now({bound.atom, bound.slot, false, 1});
+      for (u32 k = bits_of(bound); k < word.size(); ++k) fix_one(word[k]);
+      fix_one(word.back());
+    }
+  }
+
+  [[nodiscard]] bool moves_one_of(const MachineStep& step, const std::set<u32>& atoms) {
+    return std::any_of(step.parts.begin(), step.parts.end(), [&](const auto& part) { return atoms.contains(atom_of_port(part.first)); });
+  }
+
+  // A step: whether it is possible, and the bits of its atoms after it.
+  struct Taken {
+    Signal fine = kFalse;
+    std::set<u32> atoms;
+    std::map<u32, Signal> next;  // by row of bits
+  };
+  Taken take(const MachineStep& step, const std::set<u32>& wanted) {
+    Taken taken;
+    std::vector<u32> rows;
+    std::vector<Signal> roots{step.fine};
+    for (const auto& [port, when] : step.parts) {
+      const u32 atom = atom_of_port(port);
+      if (!wanted.contains(atom) || !taken.atoms.insert(atom).second) continue;
+      for (u32 row = first_[atom]; row < first_[atom + 1]; ++row) {
+        rows.push_back(row);
+        roots.push_back(m_.bits[row].next);
+      }
+    }
+    fixed_[node_of(step.chosen)] = kTrue;
+    const std::vector<Signal> made = with_fixed(m_.circuit, roots, fixed_);
+    fixed_[node_of(step.chosen)] = kFalse;
+    taken.fine = made[0];
+    for (std::size_t k = 0; k < rows.size(); ++k) taken.next.emplace(rows[k], made[k + 1]);
+    return taken;
+  }
+
+  // Now, or after the step.
+  Signal holds(const LinearEquation& equation, const Taken* taken) {
+    Sides sides;
+    for (const LinearEquation::Term& term : equation.terms) add_term(term.weight, taken != nullptr ? next(term, *taken) : now(term), sides);
+    sides.less.push_back(word_of(equation.total));
+    return equal(m_.circuit, total(sides.more), total(sides.less));
+  }
+  Signal holds(const SlotBound& bound, const Taken* taken) {
+    const LinearEquation::Term slot{bound.atom, bound.slot, false, 1};
+    const Word word = taken != nullptr ? next(slot, *taken) : now(slot);
+    Signal result = negated(word.back());
+    for (u32 k = bits_of(bound); k < word.size(); ++k) result = m_.circuit.both(result, negated(word[k]));
+    return result;
+  }
+
+  // An int is likely to be at most what the places of an equation weigh; two bits more than that has, so that the sum's own bits show
+  // it and nothing has to be counted.
+  [[nodiscard]] std::vector<SlotBound> likely_bounds(const std::vector<LinearEquation>& equations) const {
+    std::map<std::pair<u32, u32>, std::int32_t> bounds;
+    for (const LinearEquation& one : equations) {
+      std::int64_t most = std::abs(std::int64_t{one.total});
+      for (const LinearEquation::Term& term : one.terms) most += term.is_place ? std::abs(std::int64_t{term.weight}) : 0;
+      if (most > SparseSystem::kMaxNumber) continue;
+      const auto high = static_cast<std::int32_t>(4 * std::bit_ceil(static_cast<std::uint32_t>(most) + 1) - 1);
+      for (const LinearEquation::Term& term : one.terms) {
+        if (term.is_place) continue;
+        std::int32_t& known = bounds[{term.atom, term.row}];
+        known = std::max(known, high);
+      }
+    }
+    std::vector<SlotBound> result;
+    for (const auto& [slot, high] : bounds) {
+      const Range& range = m_.ranges[image_.atoms[slot.first].slot_base + slot.second];
+      if (range.low < 0 || range.high > high) result.push_back({slot.first, slot.second, high});
+    }
+    return result;
+  }
+  [[nodiscard]] bool holds_at_first(const SlotBound& bound) const {
+    LinearEquation value{{{bound.atom, bound.slot, false, 1}}, 0};
+    return set_total(value) && value.total >= 0 && value.total <= bound.high;
+  }
+
+  [[nodiscard]] Word now(const LinearEquation::Term& term) const {
+    if (term.is_place) return word_of_bool(m_.marks[term.atom][term.row]);
+    return m_.words[image_.atoms[term.atom].slot_base + term.row];
+  }
+
+ private:
+  [[nodiscard]] static u32 bits_of(const SlotBound& bound) { return static_cast<u32>(std::bit_width(static_cast<std::uint32_t>(bound.high))); }
+  // Terms that are added, and those that are taken away: so nothing is ever negated, which would cost the solver much.
+  struct Sides {
+    std::vector<Word> more, less;
+  };
+  void add_term(std::int32_t weight, const Word& value, Sides& sides) {
+    (weight > 0 ? sides.more : sides.less).push_back(multiply(m_.circuit, value, word_of(std::abs(weight))));
+  }
+  // By twos, so that the numbers stay short.
+  [[nodiscard]] Word total(std::vector<Word> words) {
+    if (words.empty()) return word_of(0);
+    for (; words.size() > 1; words.resize((words.size() + 1) / 2)) {
+      for (std::size_t k = 0; 2 * k < words.size(); ++k) words[k] = 2 * k + 1 < words.size() ? add(m_.circuit, words[2 * k], words[2 * k + 1]) : words[2 * k];
+    }
+    return words[0];
+  }
+  // With what is fixed.
+  [[nodiscard]] Word small(const LinearEquation::Term& term) { return trimmed(with_fixed(m_.circuit, now(term), fixed_)); }
+  [[nodiscard]] Word next(const LinearEquation::Term& term, const Taken& taken) {
+    if (!taken.atoms.contains(term.atom)) return small(term);
+    Word word = now(term);
+    const std::vector<u32> rows = rows_of(term);
+    for (std::size_t k = 0; k < rows.size(); ++k) word[k] = taken.next.at(rows[k]);
+    return trimmed(std::move(word));
+  }
+  void fix_one(Signal bit_signal) {
+    if (node_of(bit_signal) != 0) fixed_[node_of(bit_signal)] = kFalse;
+  }
+  [[nodiscard]] u32 atom_of_port(u32 port) {
+    if (port_base_.empty()) {
+      u32 next = 0;
+      for (const rt::Atom& atom : std::span(image_.atoms.data, image_.atoms.size)) {
+        port_base_.push_back(next);
+        next += image_.atom_types[atom.type].ports.size;
+      }
+    }
+    return static_cast<u32>(std::upper_bound(port_base_.begin(), port_base_.end(), port) - port_base_.begin()) - 1;
+  }
+  [[nodiscard]] std::vector<u32> rows_of(const LinearEquation::Term& term) const {
+    std::vector<u32> rows;
+    for (u32 row = first_[term.atom]; row < first_[term.atom + 1]; ++row) {
+      if (m_.bits[row].is_place == term.is_place && m_.bits[row].row == term.row) rows.push_back(row);
+    }
+    return rows;
+  }
+  [[nodiscard]] bool constant(const LinearEquation::Term& term, std::uint32_t& value) const {
+    const Word word = now(term);
+    if (word.empty()) return false;
+    for (u32 k = 0; k < 32; ++k) {
+      if (bit(word, k) > kTrue) return false;
+      if (bit(word, k) == kTrue) value |= 1u << k;
+    }
+    return true;
+  }
+
+  Machine& m_;
+  const rt::Image& image_;
+  std::vector<u32> first_, port_base_;
+  std::vector<Signal> fixed_;  // by node
+};
+
+}  // namespace
+
+namespace {
+
+// A state, for the solver.
+class Question {
+ public:
+  Question(const Machine& machine, const std::vector<std::vector<Signal>>& known) : cnf_(machine.circuit, solver_) {
+    for (const std::vector<u32>& group : machine.exactly_one) {
+      std::vector<Lit> places;
+      for (u32 row : group) places.push_back(cnf_.literal(machine.bits[row].now));
+      solver_.add(places);
+      add_at_most_one(solver_, places);
+    }
+    for (Signal inside : machine.in_range) solver_.add({cnf_.literal(inside)});
+    for (const std::vector<Signal>& clause : known) {
+      std::vector<Lit> literals;
+      for (Signal s : clause) literals.push_back(cnf_.literal(s));
+      solver_.add(literals);
+    }
+  }
+  // Is `bad` never true with all of the others?
+  bool excludes(const std::vector<Signal>& others, Signal bad, Clock::time_point end) {
+    if (bad == kFalse) return true;
+    for (Signal s : others) solver_.assume(cnf_.literal(s));
+    solver_.assume(cnf_.literal(bad));
+    return solver_.solve(std::min(kSeconds, seconds_until(end))) == Answer::Unsatisfiable;
+  }
+
+ private:
+  static constexpr double kSeconds = 2;
+  Solver solver_{SolverStyle::Plain};
+  Cnf cnf_;
+};
+
+}  // namespace
+
+LinearFacts with_bounds(Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, std::vector<LinearEquation> equations) {
+  OnMachine on_machine(machine, image);
+  std::erase_if(equations, [&](LinearEquation& one) {
+    const bool has_words = std::all_of(one.terms.begin(), one.terms.end(), [&](const LinearEquation::Term& term) { return !on_machine.now(term).empty(); });
+    return !has_words || !on_machine.set_total(one);
+  });
+  LinearFacts facts{std::move(equations), {}};
+  facts.bounds = on_machine.likely_bounds(facts.equations);
+  std::erase_if(facts.bounds, [&](const SlotBound& bound) { return !on_machine.holds_at_first(bound); });
+  std::set<u32> atoms, bounded;
+  std::vector<Signal> now;
+  for (const LinearEquation& one : facts.equations) {
+    for (const LinearEquation::Term& term : one.terms) atoms.insert(term.atom);
+    now.push_back(on_machine.holds(one, nullptr));
+  }
+  std::optional<Question> question;
+  for (bool is_kept = false; !is_kept && !facts.bounds.empty();) {
+    if (!question) question.emplace(machine, known);
+    is_kept = true;
+    on_machine.fix(facts.bounds);
+    bounded.clear();
+    for (const SlotBound& bound : facts.bounds) bounded.insert(bound.atom);
+    std::vector<std::uint8_t> is_shown(facts.bounds.size(), 1);
+    for (const MachineStep& step : machine.steps) {
+      if (seconds_until(end) <= 0) return {std::move(facts.equations), {}};
+      if (!on_machine.moves_one_of(step, bounded)) continue;
+      const OnMachine::Taken taken = on_machine.take(step, atoms);
+      if (taken.fine == kFalse) continue;
+      std::vector<Signal> all = now;
+      all.push_back(taken.fine);
+      for (const LinearEquation& one : facts.equations) all.push_back(on_machine.holds(one, &taken));
+      for (const SlotBound& bound : facts.bounds) all.push_back(on_machine.holds(bound, nullptr));
+      for (std::size_t k = 0; k < facts.bounds.size(); ++k) {
+        if (is_shown[k] == 0 || !taken.atoms.contains(facts.bounds[k].atom)) continue;
+        is_shown[k] = question->excludes(all, negated(on_machine.holds(facts.bounds[k], &taken)), end) ? 1 : 0;
+      }
+    }
+    // What rested on a bound that is not kept is asked again.
+    std::size_t next = 0;
+    std::erase_if(facts.bounds, [&](const SlotBound&) { return is_shown[next++] == 0; });
+    is_kept = facts.bounds.size() == next;
+  }
+  return facts;
+}
+
+Signal equation_signal(const LinearEquation& equation, Machine& machine, const rt::Image& image) { return OnMachine(machine, image).holds(equation, nullptr); }
+Signal bound_signal(const SlotBound& bound, Machine& machine, const rt::Image& image) { return OnMachine(machine, image).holds(bound, nullptr); }
+
+namespace {
+std::string term_text(const LinearEquation::Term& term, const System& system) {
+  const Atom& atom = system.atoms[AtomId(std::size_t{term.atom})];
+  const AtomType& type = system.atom_types[atom.type];
+  return atom.path + (term.is_place ? '@' + type.places[term.row] : '.' + type.slots[term.row].name);
+}
+}  // namespace
+
+std::string equation_row(const LinearEquation& equation, const System& system) {
+  std::string out = "equation " + std::to_string(equation.total);
+  for (const LinearEquation::Term& term : equation.terms) out += ' ' + term_text(term, system) + '*' + std::to_string(term.weight);
+  return out;
+}
+
+std::string equation_text(const LinearEquation& equation, const System& system) {
+  constexpr std::size_t kShown = 12;
+  std::string out = "always " + std::to_string(equation.total) + " =";
+  for (std::size_t k = 0; k < equation.terms.size() && k < kShown; ++k) {
+    const std::int32_t weight = equation.terms[k].weight;
+    const std::string name = term_text(equation.terms[k], system);
+    out += weight < 0 ? " - " : k == 0 ? " " : " + ";
+    if (weight != 1 && weight != -1) out += std::to_string(std::abs(weight)) + ' ';
+    out += name.starts_with("ROOT.") ? name.substr(5) : name;
+  }
+  if (equation.terms.size() > kShown) out += " … (" + std::to_string(equation.terms.size()) + " in all)";
+  return out;
+}
+
+}  // namespace bip::verify
