@@ -152,6 +152,21 @@ bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const 
     rows.sums.push_back(std::move(sum));
     return true;
   }
+  if (head == "equation") {
+    Equation equation;
+    std::int64_t total = 0;
+    if (words.size() < 3 || !read_number(words[1], total)) return false;
+    equation.total = static_cast<std::uint32_t>(total);
+    for (std::size_t k = 2; k < words.size(); ++k) {
+      const std::size_t star = words[k].rfind('*');
+      auto& [term, weight] = equation.terms.emplace_back();
+      if (star == std::string::npos || !read_number(words[k].substr(star + 1), weight)) return false;
+      const std::string name = words[k].substr(0, star);
+      if (name.find('@') != std::string::npos ? !read_literal(name, term) : !split_data(name, term.atom, term.row)) return false;
+    }
+    rows.equations.push_back(std::move(equation));
+    return true;
+  }
   if (head == "lemma") {
     std::vector<Literal> lemma(words.size() - 1);
     for (std::size_t k = 1; k < words.size(); ++k) {
@@ -213,6 +228,14 @@ bool Clauses::hold(const Rows& rows, const rt::State& state) const {
     std::int64_t total = 0;
     for (const auto& [member, weight] : sum.weights) total += in_mode(member.atom, member.mode) ? weight : 0;
     if (total != sum.total) return false;
+  }
+  for (const Equation& equation : rows.equations) {
+    std::uint32_t total = 0;
+    for (const auto& [term, weight] : equation.terms) {
+      const std::uint32_t one = term.is_place ? (state.places[term.atom] == term.row ? 1 : 0) : static_cast<std::uint32_t>(value(state, term.atom, term.row));
+      total += static_cast<std::uint32_t>(weight) * one;
+    }
+    if (total != equation.total) return false;
   }
   for (const Range& range : rows.ranges) {
     const std::int32_t v = value(state, range.atom, range.slot);

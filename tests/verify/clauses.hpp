@@ -66,7 +66,12 @@ class Clauses {
     std::int64_t total = 0;
     std::map<Member, std::int64_t> weights;
   };
+  struct Equation {
+    std::uint32_t total = 0;
+    std::vector<std::pair<Literal, std::int64_t>> terms;
+  };
   struct Rows {
+    std::vector<Equation> equations;
     std::vector<Sum> sums;
     std::vector<Class> classes;
     std::vector<std::size_t> class_of;

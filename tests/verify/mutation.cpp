@@ -14,7 +14,7 @@ using Row = std::vector<std::string>;
 using Rows = std::vector<Row>;
 
 bool is_set(const Row& row) { return row[0] == "trap" || row[0] == "one-token"; }
-bool is_clause(const Row& row) { return is_set(row) || row[0] == "lemma"; }
+bool is_clause(const Row& row) { return is_set(row) || row[0] == "lemma" || row[0] == "equation"; }
 bool is_component(const Row& row) { return row[0] == "component"; }
 bool is_mode(const Row& row) { return row[0] == "mode"; }
 // Where the words begin that may come and go.
@@ -89,12 +89,12 @@ void change(Rows& rows, gen::Prng& random) {
       Row* row = pick(rows, random, is_clause);
       if (row == nullptr) return;
       const bool sets = is_set(*row);
-      Row* from = pick(rows, random, [&](const Row& other) { return is_clause(other) && is_set(other) == sets && other.size() > 1; });
+      Row* from = pick(rows, random, [&](const Row& other) { return is_clause(other) && is_set(other) == sets && (other[0] == "equation") == ((*row)[0] == "equation") && other.size() > 1; });
       if (from != nullptr) row->push_back((*from)[1 + random.below(from->size() - 1)]);
       return;
     }
     case 3: {  // a number is another one
-      const auto fits = [](const Row& row) { return (is_set(row) || is_component(row) || row[0] == "range" || is_mode(row)) && row.size() > first_word(row); };
+      const auto fits = [](const Row& row) { return (is_set(row) || is_component(row) || row[0] == "range" || row[0] == "equation" || is_mode(row)) && row.size() > first_word(row); };
       if (Row* row = pick(rows, random, fits)) change_number((*row)[first_word(*row) + random.below(row->size() - first_word(*row))], random);
       return;
     }
