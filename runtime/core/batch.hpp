@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime/core/priorities.hpp"
-#include "runtime/include/bip/prng.hpp"
+#include "bip/prng.hpp"
 #include "runtime/core/tables.hpp"
 
 namespace bip::rt {

@@ -15,7 +15,7 @@
 #include "runtime/core/extern_data.hpp"
 #include "runtime/core/fault.hpp"
 #include "runtime/core/partial.hpp"
-#include "runtime/include/bip/prng.hpp"
+#include "bip/prng.hpp"
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/select.hpp"
 #include "runtime/core/state.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
-#include "runtime/include/bip/prng.hpp"
+#include "bip/prng.hpp"
 
 namespace bip::rt {
 

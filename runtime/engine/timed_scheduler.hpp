@@ -6,7 +6,7 @@
 #pragma once
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
-#include "runtime/include/bip/prng.hpp"
+#include "bip/prng.hpp"
 #include "runtime/engine/event_feed.hpp"
 #include "runtime/engine/scheduler.hpp"
 
