@@ -64,8 +64,9 @@ class Forger {
     for (std::size_t k = 0; k <= row.size(); ++k) {
       if (k == row.size() || row[k] == ' ') ends.push_back(k);
     }
+    // A row that was cut before may lack even its head.
+    if (ends.size() < head + 2 * each) return change_number(row);
     const std::size_t terms = (ends.size() - head) / each;
-    if (terms < 2) return change_number(row);
     const std::size_t drop = below(terms), first = ends[head + drop * each - 1], last = ends[head + (drop + 1) * each - 1];
     row.erase(first, last - first);
   }
