@@ -207,6 +207,7 @@ int main(int argc, char** argv) {
     if (o.nets) check.system("net" + std::to_string(seed), {verify::test::small_net(seed)}, seed);
     if (o.nets && (seed % 3 == 0 || !o.print.empty())) check.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
     if (o.nets) check.system("values" + std::to_string(seed), {verify::test::value_net(seed)}, seed);
+    if (o.nets && (seed % 2 == 0 || !o.print.empty())) check.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
     if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
   const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };

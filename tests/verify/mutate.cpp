@@ -170,6 +170,7 @@ int main(int argc, char** argv) {
   for (std::uint64_t seed = o.from; seed < o.from + o.count; ++seed) {
     run.system("net" + std::to_string(seed), {verify::test::small_net(seed)}, seed);
     run.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
+    run.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
     run.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
   std::printf("proofs %llu (%llu of states; %llu refused, %llu more have too many states); changed so that they do not suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "

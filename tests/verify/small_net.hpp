@@ -11,5 +11,7 @@ namespace bip::verify::test {
 [[nodiscard]] std::string lock_net(std::uint64_t seed);
 /// Clerks that remember a number from outside and serve whom it means.
 [[nodiscard]] std::string value_net(std::uint64_t seed);
+/// A monitor that counts who comes and goes.
+[[nodiscard]] std::string counter_net(std::uint64_t seed);
 
 }  // namespace bip::verify::test
