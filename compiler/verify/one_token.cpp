@@ -126,9 +126,11 @@ void OneTokenFinder::build() {
 }
 
 std::vector<TokenInvariant> OneTokenFinder::find(TrapFinder& checker, const std::vector<std::uint8_t>& marked, std::size_t count,
-                                                 double seconds) {
-  if (!solver_) build();
+                                                 Clock::time_point end) {
   std::vector<TokenInvariant> found;
+  // The solver looks at the clock between decisions. With so many assumed one by one it may not come to that for minutes.
+  if (net_.mode_count() > kMostModes) return found;
+  if (!solver_) build();
   std::vector<std::uint8_t> is_used(net_.mode_count(), 0);
   while (found.size() < count) {
     for (u32 mode = 0; mode < net_.mode_count(); ++mode) {
@@ -136,7 +138,7 @@ std::vector<TokenInvariant> OneTokenFinder::find(TrapFinder& checker, const std:
       solver_->assume(-first_[mode]);
       solver_->assume(-second_[mode]);
     }
-    if (solver_->solve(seconds) != Answer::Satisfiable) break;
+    if (solver_->solve(seconds_until(end)) != Answer::Satisfiable) break;
     TokenInvariant invariant{InvariantKind::OneToken, {}};
     for (u32 mode = 0; mode < net_.mode_count(); ++mode) {
       if (in_set_[mode] == 0 || !solver_->is_true(in_set_[mode])) continue;

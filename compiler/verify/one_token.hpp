@@ -5,6 +5,7 @@
 #pragma once
 #include <memory>
 
+#include "compiler/verify/solver/clock.hpp"
 #include "compiler/verify/solver/solver.hpp"
 #include "compiler/verify/traps.hpp"
 
@@ -12,10 +13,11 @@ namespace bip::verify {
 
 class OneTokenFinder {
  public:
+  static constexpr std::size_t kMostModes = 40'000;
   OneTokenFinder(const Net& net, const Spread& reachable) : net_(net), reachable_(reachable) {}
-  /// Sets of which the candidate marks at least two modes, at most `count`.
+  /// Sets of which the candidate marks at least two modes, at most `count`; none in nets of more modes than kMostModes.
   [[nodiscard]] std::vector<TokenInvariant> find(TrapFinder& checker, const std::vector<std::uint8_t>& marked, std::size_t count,
-                                                 double seconds);
+                                                 Clock::time_point end);
 
  private:
   struct Effect {

@@ -93,7 +93,7 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
     std::size_t added = add_all(traps.find(marked));
     if (added == 0) {
       added = add_all(sums.find(traps, marked));
-      if (added == 0 && !sums.satisfies_all()) added = add_all(one_tokens.find(traps, marked, kOneTokenBatch, seconds_until(end)));
+      if (added == 0 && !sums.satisfies_all()) added = add_all(one_tokens.find(traps, marked, kOneTokenBatch, end));
     }
     if (added == 0) return false;
   }
