@@ -47,12 +47,15 @@ TableWriter::TableWriter(const lower::LoweredSystem& lowered, Writer& out)
 }
 
 std::string TableWriter::table(const std::string& type, const std::string& name, const std::vector<std::string>& rows) {
-  if (rows.empty()) return "{}";
+  return rows.empty() ? "{}" : "span(" + array(type, name, rows) + ")";
+}
+
+std::string TableWriter::array(const std::string& type, const std::string& name, const std::vector<std::string>& rows) {
   const std::string unique = names_.make(name);
   out_.line("constexpr " + type + " " + unique + "[] = {");
   for (const std::string& row : rows) out_.line("    " + row + ",");
   out_.line("};");
-  return "span(" + unique + ")";
+  return unique;
 }
 
 std::string TableWriter::list(const std::string& name, const rt::Span<std::uint32_t>& items) {

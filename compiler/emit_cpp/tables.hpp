@@ -34,6 +34,8 @@ class TableWriter {
 
   /// `constexpr <type> <name>[] = { rows };` and the expression for its span; nothing and "{}" if there are no rows.
   std::string table(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
+  // The array's name; rows there must be.
+  std::string array(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
   /// The expression for a list of rows: in place if it is short.
   std::string list(const std::string& name, const rt::Span<std::uint32_t>& items);
   std::string vars(const std::string& name, const rt::Span<rt::Var>& items);

@@ -92,12 +92,12 @@ void TableWriter::steps() {
   }
   step_fns_ = table("StepFn", "step_fns", functions);
   step_runs_ = table("StepRun", "step_runs", runs);
-  step_operands_ = table("StepOperand", "step_operands", operands);
+  step_operands_ = "{}";
   if (operands.empty()) return;
-  // What `span(...)` is of.
-  const std::string array = step_operands_.substr(5, step_operands_.size() - 6);
+  const std::string rows = array("StepOperand", "step_operands", operands);
+  step_operands_ = "span(" + rows + ")";
   const std::string loop = names_.make("take_many_steps");
-  if (emit_step_loop(lowered_, loop, array, out_)) steps_fn_ = loop;
+  if (emit_step_loop(lowered_, loop, rows, out_)) steps_fn_ = loop;
 }
 
 void TableWriter::choices() {

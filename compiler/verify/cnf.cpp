@@ -123,4 +123,20 @@ std::vector<std::uint8_t> nodes_of(const Machine& machine, const Relevant& relev
   return covered;
 }
 
+void Cnf::add(const std::vector<Signal>& clause) {
+  std::vector<Lit> literals;
+  for (Signal s : clause) literals.push_back(literal(s));
+  solver_.add(literals);
+}
+
+void Cnf::add_state(const Machine& machine) {
+  for (Signal inside : machine.in_range) add({inside});
+  for (const std::vector<u32>& group : machine.exactly_one) {
+    std::vector<Lit> places;
+    for (u32 row : group) places.push_back(literal(machine.bits[row].now));
+    solver_.add(places);
+    add_at_most_one(solver_, places);
+  }
+}
+
 }  // namespace bip::verify

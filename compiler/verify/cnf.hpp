@@ -19,6 +19,10 @@ class Cnf {
   Cnf(const Circuit& circuit, Solver& solver);
   /// The literal of a signal; clauses for what is below are added when first asked for. The circuit may have grown.
   [[nodiscard]] Lit literal(Signal signal);
+  /// One of these is true.
+  void add(const std::vector<Signal>& clause);
+  /// What is so in every state of the machine: each atom is in one place, data are in their ranges.
+  void add_state(const Machine& machine);
   /// 0 if the node has no literal yet.
   [[nodiscard]] Lit known(Signal signal) const {
     if (node_of(signal) >= literals_.size()) return 0;

@@ -288,7 +288,7 @@ class Finder {
 }  // namespace
 
 LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end) {
-  return with_bounds(machine, image, known, end, Finder(net, machine, image).run(end));
+  return with_bounds(net, machine, image, known, end, Finder(net, machine, image).run(end));
 }
 
 }  // namespace bip::verify

@@ -37,7 +37,7 @@ struct LinearFacts {
 [[nodiscard]] LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known,
                                             Clock::time_point end);
 /// Their totals, and the bounds that the solver shows. Equations whose first value is not known are left out.
-[[nodiscard]] LinearFacts with_bounds(Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end,
+[[nodiscard]] LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end,
                                       std::vector<LinearEquation> equations);
 [[nodiscard]] Signal equation_signal(const LinearEquation& equation, Machine& machine, const rt::Image& image);
 [[nodiscard]] Signal bound_signal(const SlotBound& bound, Machine& machine, const rt::Image& image);

@@ -14,7 +14,7 @@ class Checker {
   Checker(const ReachProblem& problem, std::vector<Cube> cubes) : p_(problem), m_(*problem.machine), cubes_(std::move(cubes)), cnf_(m_.circuit, solver_) {}
 
   KnownLemmas run() {
-    std::erase_if(cubes_, [&](const Cube& cube) { return cube.empty() || meets_initial(cube); });
+    std::erase_if(cubes_, [&](const Cube& cube) { return cube.empty() || meets_initial(cube, m_); });
     if (cubes_.empty()) return {};
     add_machine();
     add_cubes();
@@ -44,12 +44,6 @@ class Checker {
   }
 
  private:
-  [[nodiscard]] bool meets_initial(const Cube& cube) const {
-    return std::none_of(cube.begin(), cube.end(), [&](u32 code) {
-      const std::int8_t initial = m_.bits[code / 2].initial;
-      return initial >= 0 && initial != static_cast<std::int8_t>(code & 1);
-    });
-  }
   [[nodiscard]] Lit literal(u32 code, bool is_next) {
     const StateBit& bit = m_.bits[code / 2];
     const Lit positive = cnf_.literal(is_next ? bit.next : bit.now);
@@ -67,18 +61,8 @@ class Checker {
     add_at_most_one(solver_, chosen);
     chosen.push_back(-going_);
     solver_.add(chosen);
-    for (const std::vector<u32>& group : m_.exactly_one) {
-      std::vector<Lit> places;
-      for (u32 row : group) places.push_back(cnf_.literal(m_.bits[row].now));
-      solver_.add(places);
-      add_at_most_one(solver_, places);
-    }
-    for (const std::vector<Signal>& clause : p_.invariants) {
-      std::vector<Lit> literals;
-      for (Signal s : clause) literals.push_back(cnf_.literal(s));
-      solver_.add(literals);
-    }
-    for (Signal inside : m_.in_range) solver_.add({cnf_.literal(inside)});
+    cnf_.add_state(m_);
+    for (const std::vector<Signal>& clause : p_.invariants) cnf_.add(clause);
   }
   void add_cubes() {
     std::vector<Lit> some{-going_};

@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <span>
 
 #include "compiler/verify/cnf.hpp"
 #include "compiler/verify/equations.hpp"
@@ -59,8 +58,8 @@ class OnMachine {
     }
   }
 
-  [[nodiscard]] bool moves_one_of(const MachineStep& step, const std::set<u32>& atoms) {
-    return std::any_of(step.parts.begin(), step.parts.end(), [&](const auto& part) { return atoms.contains(atom_of_port(part.first)); });
+  [[nodiscard]] static bool moves_one_of(const Net& net, const MachineStep& step, const std::set<u32>& atoms) {
+    return std::any_of(step.parts.begin(), step.parts.end(), [&](const auto& part) { return atoms.contains(net.atom_of_port[part.first]); });
   }
 
   // A step: whether it is possible, and the bits of its atoms after it.
@@ -69,12 +68,12 @@ class OnMachine {
     std::set<u32> atoms;
     std::map<u32, Signal> next;  // by row of bits
   };
-  Taken take(const MachineStep& step, const std::set<u32>& wanted) {
+  Taken take(const Net& net, const MachineStep& step, const std::set<u32>& wanted) {
     Taken taken;
     std::vector<u32> rows;
     std::vector<Signal> roots{step.fine};
     for (const auto& [port, when] : step.parts) {
-      const u32 atom = atom_of_port(port);
+      const u32 atom = net.atom_of_port[port];
       if (!wanted.contains(atom) || !taken.atoms.insert(atom).second) continue;
       for (u32 row = first_[atom]; row < first_[atom + 1]; ++row) {
         rows.push_back(row);
@@ -165,16 +164,6 @@ class OnMachine {
   void fix_one(Signal bit_signal) {
     if (node_of(bit_signal) != 0) fixed_[node_of(bit_signal)] = kFalse;
   }
-  [[nodiscard]] u32 atom_of_port(u32 port) {
-    if (port_base_.empty()) {
-      u32 next = 0;
-      for (const rt::Atom& atom : std::span(image_.atoms.data, image_.atoms.size)) {
-        port_base_.push_back(next);
-        next += image_.atom_types[atom.type].ports.size;
-      }
-    }
-    return static_cast<u32>(std::upper_bound(port_base_.begin(), port_base_.end(), port) - port_base_.begin()) - 1;
-  }
   [[nodiscard]] std::vector<u32> rows_of(const LinearEquation::Term& term) const {
     std::vector<u32> rows;
     for (u32 row = first_[term.atom]; row < first_[term.atom + 1]; ++row) {
@@ -194,7 +183,7 @@ class OnMachine {
 
   Machine& m_;
   const rt::Image& image_;
-  std::vector<u32> first_, port_base_;
+  std::vector<u32> first_;
   std::vector<Signal> fixed_;  // by node
 };
 
@@ -206,18 +195,8 @@ namespace {
 class Question {
  public:
   Question(const Machine& machine, const std::vector<std::vector<Signal>>& known) : cnf_(machine.circuit, solver_) {
-    for (const std::vector<u32>& group : machine.exactly_one) {
-      std::vector<Lit> places;
-      for (u32 row : group) places.push_back(cnf_.literal(machine.bits[row].now));
-      solver_.add(places);
-      add_at_most_one(solver_, places);
-    }
-    for (Signal inside : machine.in_range) solver_.add({cnf_.literal(inside)});
-    for (const std::vector<Signal>& clause : known) {
-      std::vector<Lit> literals;
-      for (Signal s : clause) literals.push_back(cnf_.literal(s));
-      solver_.add(literals);
-    }
+    cnf_.add_state(machine);
+    for (const std::vector<Signal>& clause : known) cnf_.add(clause);
   }
   // Is `bad` never true with all of the others?
   bool excludes(const std::vector<Signal>& others, Signal bad, Clock::time_point end) {
@@ -235,7 +214,7 @@ class Question {
 
 }  // namespace
 
-LinearFacts with_bounds(Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, std::vector<LinearEquation> equations) {
+LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, std::vector<LinearEquation> equations) {
   OnMachine on_machine(machine, image);
   std::erase_if(equations, [&](LinearEquation& one) {
     const bool has_words = std::all_of(one.terms.begin(), one.terms.end(), [&](const LinearEquation::Term& term) { return !on_machine.now(term).empty(); });
@@ -260,8 +239,8 @@ LinearFacts with_bounds(Machine& machine, const rt::Image& image, const std::vec
     std::vector<std::uint8_t> is_shown(facts.bounds.size(), 1);
     for (const MachineStep& step : machine.steps) {
       if (seconds_until(end) <= 0) return {std::move(facts.equations), {}};
-      if (!on_machine.moves_one_of(step, bounded)) continue;
-      const OnMachine::Taken taken = on_machine.take(step, atoms);
+      if (!OnMachine::moves_one_of(net, step, bounded)) continue;
+      const OnMachine::Taken taken = on_machine.take(net, step, atoms);
       if (taken.fine == kFalse) continue;
       std::vector<Signal> all = now;
       all.push_back(taken.fine);

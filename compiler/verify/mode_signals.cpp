@@ -107,13 +107,7 @@ bool ranges_hold(const Machine& machine, double seconds) {
   }
   solver.add(chosen);
   add_at_most_one(solver, chosen);
-  for (const std::vector<u32>& group : machine.exactly_one) {
-    std::vector<Lit> places;
-    for (u32 row : group) places.push_back(cnf.literal(machine.bits[row].now));
-    solver.add(places);
-    add_at_most_one(solver, places);
-  }
-  for (Signal inside : machine.in_range) solver.add({cnf.literal(inside)});
+  cnf.add_state(machine);
   solver.add({-cnf.literal(machine.next_in_range)});
   return solver.solve(seconds) == Answer::Unsatisfiable;
 }

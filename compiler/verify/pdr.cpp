@@ -29,7 +29,7 @@ class Pdr {
         if (found == Answer::Unsatisfiable) break;
         const std::uint32_t top = static_cast<u32>(obligations_.size());
         obligations_.push_back({bad_cube(), top_frame(), kNoRow, chosen_step()});
-        if (top_frame() == 0 || meets_initial(obligations_[top].cube)) return reached(top);
+        if (top_frame() == 0 || meets_initial(obligations_[top].cube, m_)) return reached(top);
         const std::optional<u32> first = block(top);
         if (is_stopped_) return std::move(answer_);
         if (first) return reached(*first);
@@ -191,13 +191,6 @@ class Pdr {
     return lifted(open);
   }
 
-  [[nodiscard]] bool meets_initial(const Cube& cube) const {
-    return std::none_of(cube.begin(), cube.end(), [&](u32 code) {
-      const std::int8_t initial = m_.bits[code / 2].initial;
-      return initial >= 0 && initial != static_cast<std::int8_t>(code & 1);
-    });
-  }
-
   // Can a step lead from frame - 1, outside of the cube, into it? If not, `core` is the part of the cube that is why.
   Answer ask_into(const Cube& cube, u32 frame, Cube* core) {
     if (++questions_ % 64 == 0 && p_.report) p_.report(top_frame(), lemma_count());
@@ -215,7 +208,7 @@ class Pdr {
       for (u32 code : cube) {
         if (main_.is_needed(literal(next_, code))) core->push_back(code);
       }
-      if (meets_initial(*core)) {
+      if (meets_initial(*core, m_)) {
         // Something must keep the initial state out.
         for (u32 code : cube) {
           const std::int8_t initial = m_.bits[code / 2].initial;
@@ -264,7 +257,7 @@ class Pdr {
       if (k >= cube.size()) continue;
       Cube smaller = cube;
       smaller.erase(smaller.begin() + static_cast<std::ptrdiff_t>(k));
-      if (meets_initial(smaller)) continue;
+      if (meets_initial(smaller, m_)) continue;
       Cube core;
       const Answer answer = ask_into(smaller, frame, &core);
       drop_questions();
@@ -296,7 +289,7 @@ class Pdr {
         const u32 step = chosen_step();
         Obligation before{predecessor(obligations_[at].cube, step), frame - 1, at, step};
         drop_questions();
-        const bool is_first = frame == 1 || meets_initial(before.cube);
+        const bool is_first = frame == 1 || meets_initial(before.cube, m_);
         obligations_.push_back(std::move(before));
         const u32 added = static_cast<u32>(obligations_.size()) - 1;
         if (is_first) return added;
@@ -372,5 +365,12 @@ class Pdr {
 }  // namespace
 
 ReachAnswer find_reachable(const ReachProblem& problem) { return Pdr(problem).run(); }
+
+bool meets_initial(const Cube& cube, const Machine& machine) {
+  return std::none_of(cube.begin(), cube.end(), [&](u32 code) {
+    const std::int8_t initial = machine.bits[code / 2].initial;
+    return initial >= 0 && initial != static_cast<std::int8_t>(code & 1);
+  });
+}
 
 }  // namespace bip::verify

@@ -12,6 +12,8 @@ namespace bip::verify {
 
 /// Bit rows with values: 2 * row + value. A cube is all of them at once, a lemma says that it never is.
 using Cube = std::vector<u32>;
+/// May the initial state be one of the cube's?
+[[nodiscard]] bool meets_initial(const Cube& cube, const Machine& machine);
 
 enum class ReachEnd : std::uint8_t { Safe, Reached, Stopped };
 struct ReachProblem {

@@ -17,27 +17,16 @@ constexpr std::size_t kOneTokenBatch = 16;
 struct Contradiction {
   Contradiction(const Net& net_, Machine& machine_, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& also, const Proof& proof)
       : net(net_), machine(machine_), reachable(proof.reachable), known(mode_signals(net_, proof, machine_, image)), cnf(machine_.circuit, solver) {
-    for (const std::vector<Signal>& clause : known.clauses) add(clause);
-    for (const std::vector<Signal>& clause : also) add(clause);
-    for (Signal inside : machine.in_range) add({inside});
-    for (const std::vector<u32>& group : machine.exactly_one) {
-      std::vector<Lit> places;
-      for (u32 row : group) places.push_back(cnf.literal(machine.bits[row].now));
-      solver.add(places);
-      add_at_most_one(solver, places);
-    }
-    add({bad});
-  }
-  void add(const std::vector<Signal>& clause) {
-    std::vector<Lit> literals;
-    for (Signal s : clause) literals.push_back(cnf.literal(s));
-    solver.add(literals);
+    for (const std::vector<Signal>& clause : known.clauses) cnf.add(clause);
+    for (const std::vector<Signal>& clause : also) cnf.add(clause);
+    cnf.add_state(machine);
+    cnf.add({bad});
   }
   bool add(const TokenInvariant& invariant, Lit on = 0) {
     if (invariant.kind == InvariantKind::Sum) {
       WeightedSum sum;
       if (!build_weighted_sum(net, invariant, reachable, sum)) return false;
-      add({weighted_sum_signal(sum, known.modes, machine.circuit)});
+      cnf.add({weighted_sum_signal(sum, known.modes, machine.circuit)});
       return true;
     }
     std::vector<Lit> literals;

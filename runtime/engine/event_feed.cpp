@@ -127,7 +127,7 @@ void EventFeed::release(const Core& core) {
   }
 }
 
-i64 EventFeed::wait(Core& core, i64 target) {
+i64 EventFeed::wait_for_outside(Core& core, i64 target) {
   ++looks_;
   gave_up_ = false;
   release(core);

@@ -52,13 +52,12 @@ class EventFeed {
 
   /// The engine has looked, and without us it goes on at `target`. The instant of the first event that comes until then, no
   /// earlier than now; kForever: none does, or is_stopped(), or failed(). In real time it is then `target`.
-  [[nodiscard]] i64 wait(Core& core, i64 target);
-  /// Nothing comes from outside and nobody sleeps: then this is all that wait() does. False: is_stopped().
-  [[nodiscard]] bool is_quiet() const { return ports_.size() == 0 && wall_ == nullptr && script_.empty(); }
-  [[nodiscard]] bool look_in_quiet() {
+  [[nodiscard]] i64 wait(Core& core, i64 target) {
+    if (ports_.size() != 0 || wall_ != nullptr || !script_.empty()) return wait_for_outside(core, target);
+    // Nothing comes from outside and nobody sleeps.
     gave_up_ = is_interrupted();
     looks_ += gave_up_ ? 0 : 1;
-    return !gave_up_;
+    return kForever;
   }
   /// All events of this instant into the core. False: a fault.
   [[nodiscard]] bool deliver(Core& core);
@@ -69,6 +68,7 @@ class EventFeed {
   [[nodiscard]] u64 looks() const { return looks_; }
 
  private:
+  [[nodiscard]] i64 wait_for_outside(Core& core, i64 target);
   [[nodiscard]] bool is_due(const Event& event, i64 target) const;
   bool collect(Core& core, i64 until);
   bool deliver(Core& core, const Event& event);

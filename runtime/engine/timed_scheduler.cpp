@@ -69,9 +69,7 @@ Due TimedScheduler::wait(Core& core, EventFeed& feed) {
   }
   while (true) {
     const Next next = look(core);
-    if (feed.is_quiet()) {
-      if (!feed.look_in_quiet()) return Due::Stopped;
-    } else if (const i64 event = feed.wait(core, at_); event != kForever) {
+    if (const i64 event = feed.wait(core, at_); event != kForever) {
       if (event > core.now() && !core.advance(event)) return Due::Fault;
       return feed.deliver(core) ? Due::Event : Due::Fault;
     }

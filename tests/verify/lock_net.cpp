@@ -5,10 +5,6 @@
 
 namespace bip::verify::test {
 
-namespace {
-std::string number(std::size_t n) { return std::to_string(n); }
-}  // namespace
-
 // Two or three users take one to three of two or three locks, one after the other and mostly in one order, and give them back at once or singly;
 // some count their rounds modulo two and do every other one without locks.
 std::string lock_net(std::uint64_t seed) {

@@ -5,10 +5,6 @@
 
 namespace bip::verify::test {
 
-namespace {
-std::string number(std::uint64_t n) { return std::to_string(n); }
-}  // namespace
-
 // Atoms of up to four places, connectors of two or three with and without triggers, one level of hierarchy.
 std::string small_net(std::uint64_t seed) {
   gen::Prng random(seed);

@@ -5,6 +5,8 @@
 
 namespace bip::verify::test {
 
+[[nodiscard]] inline std::string number(std::uint64_t n) { return std::to_string(n); }
+
 /// The text of a model. The same seed gives the same text on every machine.
 [[nodiscard]] std::string small_net(std::uint64_t seed);
 /// Users that take locks: their proofs need invariants.

@@ -5,10 +5,6 @@
 
 namespace bip::verify::test {
 
-namespace {
-std::string number(std::size_t n) { return std::to_string(n); }
-}  // namespace
-
 // One or two clerks, two to four desks and users with numbers of their own. Users go round asking and being served by desks; a clerk takes an
 // order and calls the desk that is meant. Now and then a guard compares differently, a clerk changes what it was told, forgets it, or a
 // number means nobody.
