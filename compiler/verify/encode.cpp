@@ -13,8 +13,9 @@ namespace {
 constexpr std::size_t kMaxCombinations = 4096;
 }  // namespace
 
-Encoding::Encoding(const Net& net, const Spread& reachable) : net_(net), reachable_(reachable), guards_(net.system->code, solver_) {
+Encoding::Encoding(const Net& net, const Spread& reachable, Encoded what) : net_(net), reachable_(reachable), guards_(net.system->code, solver_) {
   add_atoms();
+  if (what == Encoded::Nothing) return;
   lacking_.resize(net.nodes.size());
   for (u32 row = 0; row < net.nodes.size(); ++row) {
     const Node& node = net.nodes[row];

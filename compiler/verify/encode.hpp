@@ -13,9 +13,12 @@
 
 namespace bip::verify {
 
+/// Nothing: modes and invariants alone.
+enum class Encoded : std::uint8_t { NoStep, Nothing };
+
 class Encoding {
  public:
-  Encoding(const Net& net, const Spread& reachable);
+  Encoding(const Net& net, const Spread& reachable, Encoded what = Encoded::NoStep);
 
   /// False: it is a sum too large for clauses. One given a switch counts only where keep_needed() assumes it (of one-token
   /// sets: only that there is one).
@@ -24,6 +27,8 @@ class Encoding {
   /// Of a reachable mode.
   [[nodiscard]] Lit literal(u32 mode) const { return marked_[mode]; }
   [[nodiscard]] Lit new_switch() { return solver_.new_variable(); }
+  /// Holds for the next solve only.
+  void assume(Lit literal) { solver_.assume(literal); }
   /// Which traps does the contradiction need? False: there is none in the time.
   bool keep_needed(std::vector<TokenInvariant>& invariants, const std::vector<Lit>& on, double seconds) {
     return keep_switched_on(solver_, invariants, on, seconds);

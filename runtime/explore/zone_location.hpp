@@ -32,6 +32,7 @@ struct Location {
   std::vector<u32> waits;       // by atom: the transition after which it is busy, kInitial, or kNone
   std::vector<u32> leaders;     // by atom: with whom it goes on
   bool is_measured = false;
+  enum class Asked : std::uint8_t { Not, Possible, Impossible } asked_whole = Asked::Not;  // of a part (PartQuestion)
   bool may_go_on = true;        // false: an invariant holds nowhere
   Bounds invariants;
   std::vector<SlotCondition> slots;

@@ -26,8 +26,15 @@ bool agree(Zone& zone, const Zone& part, const Bounds& bounds) {
                      [&](const ZoneBound& bound) { return zone.meet(part.implies(bound) ? bound : bound.opposite()); });
 }
 
-ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options)
-    : image_(image), options_(options), core_(image, {.progress = options.progress}), locations_((static_cast<void>(core_.initialize()), core_), options) {}
+ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part)
+    : image_(image), options_(options), core_(image, {.progress = options.progress}), locations_((static_cast<void>(core_.initialize()), core_), options), part_(part) {
+  if (part_ == nullptr) return;
+  is_sure_.assign(locations_.shapes().slots.size(), 1);
+  for (u32 connector = 0; connector < image.connectors.size; ++connector) {
+    const u32 slot = core_.tables().slot_of_connector[connector];
+    if (slot != kNone) is_sure_[slot] = part_->is_whole[connector];
+  }
+}
 
 // What a step (or `initial`) did to the clocks. False: they do what cannot be followed.
 bool ZoneSearch::follow_clocks(Zone& zone) {
@@ -58,6 +65,8 @@ bool ZoneSearch::begin() {
   next_ = 0;
   node_bytes_ = 0;
   deadlock_ = time_lock_ = error_ = broken_ = {};
+  open_ = kNone;
+  impossible_ = 0;
   report_ = {};
   if (report_.inexact = what_zones_cannot_follow(image_); !report_.inexact.empty()) return false;
   if (!core_.initialize()) {
@@ -108,6 +117,7 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
       return;
     }
   }
+  if (part_ != nullptr && is_impossible(row)) return;
   Bounds bounds = locations_[row].cells;
   bounds.insert(bounds.end(), locations_[row].invariants.begin(), locations_[row].invariants.end());
   for (Zone& cell : cut(zone, bounds)) {
@@ -219,9 +229,11 @@ bool ZoneSearch::step_from(u32 node, const SlotCondition& condition, std::vector
       if (slot <= condition.slot) end = k + 1;
     }
     if (first == end) continue;
-    std::vector<Zone> left;
-    for (const Zone& part : rest) subtract(part, cell, left);
-    rest = std::move(left);
+    if (part_ == nullptr || is_sure_[condition.slot] != 0) {
+      std::vector<Zone> left;
+      for (const Zone& part : rest) subtract(part, cell, left);
+      rest = std::move(left);
+    }
     for (u64 k = first; k < end; ++k) {
       if (k != first && !enter_core(locations_[nodes_[node].location], point)) break;
       if (!fire(node, cell, point, k)) return false;
@@ -310,12 +322,17 @@ void ZoneSearch::expand(u32 node) {
     const SlotCondition condition = locations_[nodes_[node].location].slots[k];
     if (!step_from(node, condition, rest)) return;
   }
-  judge(node, rest);
+  if (part_ == nullptr) {
+    judge(node, rest);
+  } else if (is_held_up(locations_[nodes_[node].location], rest)) {
+    open_ = nodes_[node].location;
+    return;
+  }
   if (!nodes_[node].is_still) pass_time(node);
 }
 
 bool ZoneSearch::is_over() {
-  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty() || broken_.node != kNone) return true;
+  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty() || broken_.node != kNone || open_ != kNone) return true;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   report_.bytes = node_bytes_ + locations_.bytes();
   if (options_.is_stopped && options_.is_stopped()) report_.end = ExploreEnd::Stopped;

@@ -26,8 +26,9 @@ struct ZoneNode {
 
 class ZoneSearch {
  public:
-  ZoneSearch(const Image& image, const ExploreOptions& options);
+  ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part = nullptr);
   ZoneReport run();
+  PartReport run_part();
   /// After it: the graph.
   [[nodiscard]] const std::deque<ZoneNode>& nodes() const { return nodes_; }
   [[nodiscard]] Locations& locations() { return locations_; }
@@ -63,6 +64,9 @@ class ZoneSearch {
   // zone_judge.cpp
   [[nodiscard]] bool find_broken(u32 node);
   void judge(u32 node, const std::vector<Zone>& rest);
+  // zone_part.cpp
+  [[nodiscard]] bool is_impossible(u32 row);
+  [[nodiscard]] bool is_held_up(const Location& at, const std::vector<Zone>& rest) const;
 
   // zone_way.cpp
   void find_way(const Target& target, TimedWay& way);
@@ -71,6 +75,10 @@ class ZoneSearch {
   ExploreOptions options_;
   Core core_;
   Locations locations_;
+  const PartQuestion* part_;        // not null: the image is a part of a system
+  std::vector<std::uint8_t> is_sure_;  // of a part, by slot: a candidate is one in the whole
+  u32 open_ = kNone;                // of a part: a location
+  u64 impossible_ = 0;
   std::deque<ZoneNode> nodes_;
   u32 next_ = 0;                    // the first that was not expanded
   std::size_t node_bytes_ = 0;

@@ -38,6 +38,22 @@ struct ZoneReport {
 /// One thread. options.reduction and threads mean nothing here; options.limit counts zones.
 [[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options);
 
+/// An image that stands for a part of a system whose other components may do anything (compiler/verify/part.hpp), and one component of
+/// it: is there an instant to which its invariants hold time up and at which no step of the part alone can be taken?
+struct PartQuestion {
+  u32 atom = 0;
+  std::vector<std::uint8_t> is_whole;                 // by connector: a candidate in the part is one in the whole; so are internal ports
+  std::function<bool(const Core&)> is_impossible;     // no state of the whole has these markings and data; asked once each
+};
+struct PartReport {
+  bool is_complete = false;       // all zones were seen, or an open one was found
+  bool is_open = false;           // there is such an instant, as far as the part knows
+  State open;                     // the markings and data there
+  std::string inexact;
+  u64 zones = 0, locations = 0, impossible = 0;
+};
+[[nodiscard]] PartReport explore_part(const Image& image, const ExploreOptions& options, const PartQuestion& question);
+
 /// Lets time pass to an instant. False: it may not pass so far, or a fault.
 [[nodiscard]] bool let_time_pass(Core& core, i64 to);
 

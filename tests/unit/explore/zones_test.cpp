@@ -10,7 +10,7 @@
 #include "compiler/interp/interp.hpp"
 #include "runtime/include/bip/prng.hpp"
 #include "runtime/explore/zone_search.hpp"
-#include "tests/unit/explore/timed_systems.hpp"
+#include "tests/verify/timed_systems.hpp"
 #include "tools/gen/compiled.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 // See timed_systems.hpp. Two or three atoms of types of their own, each with one or two clocks: guards with bounds, all urgencies,
 // invariants, data that guards read, limits that are data, `resume`; rendezvous, broadcasts, internal ports, rules.
-#include "tests/unit/explore/timed_systems.hpp"
+#include "tests/verify/timed_systems.hpp"
 
 #include <vector>
 
@@ -12,12 +12,12 @@ namespace {
 
 class Writer {
  public:
-  explicit Writer(std::uint64_t seed) : random_(seed * 2654435761u + 1) {}
+  Writer(std::uint64_t seed, std::uint64_t more) : random_(seed * 2654435761u + 1), more_(more) {}
 
   std::string write() {
     text_ = "package t\n  port type P()\n  connector type One(P a)\n    define a\n  end\n  connector type Two(P a, P b)\n    define a b\n  end\n"
             "  connector type Sync(P a, P b)\n    define a b resume sync\n  end\n  connector type Cast(P a, P b)\n    define a' b\n  end\n";
-    const std::uint64_t atoms = 2 + below(2);
+    const std::uint64_t atoms = 2 + below(2) + more_;
     for (std::uint64_t k = 0; k < atoms; ++k) write_atom(k);
     text_ += "  compound type Root()\n";
     for (std::uint64_t k = 0; k < atoms; ++k) text_ += "    component A" + number(k) + " a" + number(k) + "()\n";
@@ -86,12 +86,13 @@ class Writer {
   }
 
   Prng random_;
+  std::uint64_t more_;
   bool has_second_ = false;
   std::string text_;
 };
 
 }  // namespace
 
-std::string random_timed_system(std::uint64_t seed) { return Writer(seed).write(); }
+std::string random_timed_system(std::uint64_t seed, std::uint64_t more) { return Writer(seed, more).write(); }
 
 }  // namespace bip::rt::testing

@@ -8,7 +8,7 @@ namespace bip::rt::testing {
 /// No clock is compared with or set to more.
 inline constexpr std::int64_t kMostConstant = 4;
 
-/// BIP text; compiles for every seed.
-[[nodiscard]] std::string random_timed_system(std::uint64_t seed);
+/// BIP text; compiles for nearly every seed. `more`: components beside the two or three.
+[[nodiscard]] std::string random_timed_system(std::uint64_t seed, std::uint64_t more = 0);
 
 }  // namespace bip::rt::testing

@@ -1,0 +1,232 @@
+// See prove_time.hpp.
+#include "compiler/verify/prove_time.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "compiler/system/bsys.hpp"
+#include "compiler/verify/far_time.hpp"
+#include "compiler/verify/mode_facts.hpp"
+#include "compiler/verify/part.hpp"
+#include "compiler/verify/unread_data.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// Of the system without time: for a deadlock as many as it takes; for a location of a part, of which there are many.
+constexpr u32 kRounds = 100000, kRoundsPerLocation = 200;
+
+// What local state an atom is in, as its modes have it.
+struct LocalState {
+  std::vector<u32> places;
+  std::vector<std::int32_t> values;  // by slot
+};
+
+// What was found of a part, and what it rests on: states of its members that the whole cannot have.
+struct Explored {
+  rt::PartReport report;
+  std::vector<std::vector<LocalState>> impossible;  // by member
+};
+
+class TimeProver {
+ public:
+  TimeProver(const System& system, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits)
+      : is_read_(find_read_data(system)), simple_(without_unread_data(system, is_read_)), neighbours_(simple_), explore_(explore), end_(end), limits_(limits) {}
+
+  TimeProof prove() {
+    far_ = at_the_end_of_time(simple_);
+    net_ = build_net(far_);
+    if (net_.too_large_atom != kNoRow) return fail("`" + path_of(net_.too_large_atom) + "` has too many local states");
+    if (has_deadlock()) return fail("a deadlock is not excluded by invariants");
+    facts_ = std::make_unique<ModeFacts>(net_, Encoded::Nothing, end_);
+    for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
+      if (!holds_time_up(simple_, AtomId(std::size_t{atom}))) continue;
+      ++proof_.neighbourhoods;
+      if (!goes_on(atom)) return std::move(proof_);
+    }
+    proof_.invariants += facts_->invariants();
+    proof_.is_proved = true;
+    return std::move(proof_);
+  }
+
+ private:
+  TimeProof fail(const std::string& reason) {
+    proof_.reason = reason;
+    return std::move(proof_);
+  }
+  [[nodiscard]] std::string path_of(u32 atom) const {
+    const std::string& path = simple_.atoms[AtomId(std::size_t{atom})].path;
+    return path.starts_with("ROOT.") ? path.substr(5) : path;
+  }
+
+  bool has_deadlock() {
+    ModeFacts facts(net_, Encoded::NoStep, end_);
+    for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
+      for (const u32 mode : bounded_modes(net_, atom)) facts.exclude(net_.mode_base[atom] + mode);
+    }
+    const bool may_be = facts.may_be({}, kRounds);
+    proof_.invariants = facts.invariants();
+    return may_be;
+  }
+
+  // Modes that may stand for the atom's state in a part.
+  [[nodiscard]] std::vector<u32> modes_of(u32 atom, const LocalState& state) const {
+    const ModeClass& row = net_.class_at(atom);
+    const AtomType& type = far_.atom_types[row.type];
+    std::vector<u32> modes;
+    for (u32 mode = 0; mode < row.modes.size(); ++mode) {
+      const Mode& of = row.modes[mode];
+      bool fits = of.places == state.places;
+      for (std::size_t k = 0; k < state.values.size() && fits; ++k) {
+        if (row.followed[k] == 0 || !of.values[k].is_known) continue;
+        // Without a row the string is "", which is row 0 at run time.
+        const std::int32_t value = type.slots[k].type == Type::String ? std::max(of.values[k].value, 0) : of.values[k].value;
+        fits = value == state.values[k];
+      }
+      if (fits) modes.push_back(net_.mode_base[atom] + mode);
+    }
+    return modes;
+  }
+
+  [[nodiscard]] LocalState local_state(const rt::Core& core, u32 row, const AtomType& type) const {
+    LocalState state;
+    for (u32 place = 0; place < type.places.size(); ++place) {
+      if (core.is_marked(row, place)) state.places.push_back(place);
+    }
+    const u32 base = core.image().atoms[row].slot_base;
+    for (u32 slot = 0; slot < type.slots.size(); ++slot) state.values.push_back(core.slot(base + slot).i);
+    return state;
+  }
+
+  [[nodiscard]] bool is_impossible(const std::vector<u32>& members, const std::vector<LocalState>& states) {
+    std::vector<std::vector<u32>> sets;
+    for (std::size_t row = 0; row < members.size(); ++row) sets.push_back(modes_of(members[row], states[row]));
+    return !facts_->may_be(sets, kRoundsPerLocation);
+  }
+
+  // A part that is like one from before has the same zones, if the same states are impossible.
+  const rt::PartReport& explore(const Part& part, u32 target) {
+    std::string key = system::print(part.system) + std::to_string(target);
+    for (const std::uint8_t one : part.is_whole) key += one != 0 ? 'w' : 'c';
+    if (const auto known = known_.find(key); known != known_.end()) {
+      const std::vector<std::vector<LocalState>>& rests_on = known->second.impossible;
+      if (std::all_of(rests_on.begin(), rests_on.end(), [&](const std::vector<LocalState>& states) { return is_impossible(part.members, states); })) return known->second.report;
+    }
+    Explored found;
+    rt::PartQuestion question{.atom = target, .is_whole = part.is_whole, .is_impossible = {}};
+    // One alone is in what modes it is.
+    if (part.members.size() > 1) {
+      question.is_impossible = [&](const rt::Core& core) {
+        std::vector<LocalState> states;
+        for (u32 row = 0; row < part.members.size(); ++row) states.push_back(local_state(core, row, part.system.atom_types[part.system.atoms[AtomId(std::size_t{row})].type]));
+        if (!is_impossible(part.members, states)) return false;
+        found.impossible.push_back(std::move(states));
+        return true;
+      };
+    }
+    rt::ExploreOptions options;
+    options.limit = limits_.zones;
+    options.is_stopped = [&] { return seconds_until(end_) <= 0; };
+    found.report = explore_(part.system, options, question);
+    ++proof_.explored;
+    proof_.zones += found.report.zones;
+    Explored& kept = known_[key];
+    kept = std::move(found);
+    return kept.report;
+  }
+
+  // Is somebody always able to go on where this component holds time up?
+  bool goes_on(u32 target) {
+    std::vector<u32> joined{target};
+    while (joined.size() <= limits_.members) {
+      std::vector<u32> members = joined;
+      std::sort(members.begin(), members.end());
+      const Part part = cut_out(simple_, neighbours_, is_read_, members);
+      proof_.reason = part.problem;
+      if (!part.problem.empty()) return false;
+      if (!part.needed.empty()) {
+        join(part.needed, joined);
+        continue;
+      }
+      const rt::PartReport& found = explore(part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), target) - members.begin()));
+      proof_.largest = std::max<std::uint64_t>(proof_.largest, members.size());
+      if (!found.is_open) {
+        if (seconds_until(end_) <= 0) proof_.reason = "the time is over";
+        else if (!found.is_complete) proof_.reason = found.inexact.empty() ? "the neighbourhood of `" + path_of(target) + "` has too many zones" : found.inexact;
+        return found.is_complete;
+      }
+      if (!add_neighbour(part, found.open, joined)) {
+        proof_.reason = "time may stand still at `" + path_of(target) + "`, and nobody else is there to wait for";
+        return false;
+      }
+    }
+    proof_.reason = "time may stand still at `" + path_of(target) + "`, as far as it and " + std::to_string(limits_.members - 1) + " neighbours show";
+    return false;
+  }
+
+  static void join(const std::vector<u32>& atoms, std::vector<u32>& joined) {
+    for (const u32 atom : atoms) {
+      if (std::find(joined.begin(), joined.end(), atom) == joined.end()) joined.push_back(atom);
+    }
+  }
+
+  // Of the ports that are offered in the open state, those of the first components first, the one with the fewest connectors; of these the
+  // one with the fewest others.
+  bool add_neighbour(const Part& part, const rt::State& open, std::vector<u32>& joined) const {
+    std::set<std::array<std::size_t, 4>> choices;  // whose port, its connectors, others in this one, its row
+    for (std::size_t order = 0; order < joined.size(); ++order) {
+      const u32 atom = joined[order];
+      const auto row = static_cast<u32>(std::lower_bound(part.members.begin(), part.members.end(), atom) - part.members.begin());
+      const AtomType& type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type];
+      std::map<u32, std::vector<u32>> tops;  // by port
+      for (const u32 top : neighbours_.tops_of(atom)) {
+        for (const Neighbours::Leaf& leaf : neighbours_.tops()[top].leaves) {
+          if (leaf.atom == atom && may_offer(type, leaf.port, row, open)) tops[leaf.port].push_back(top);
+        }
+      }
+      for (const auto& [port, rows] : tops) {
+        for (const u32 top : rows) {
+          const std::vector<u32>& atoms = neighbours_.tops()[top].atoms;
+          const auto others = static_cast<std::size_t>(std::count_if(atoms.begin(), atoms.end(), [&](u32 one) { return std::find(joined.begin(), joined.end(), one) == joined.end(); }));
+          if (others != 0) choices.insert({order, rows.size(), others, top});
+        }
+      }
+    }
+    if (choices.empty()) return false;
+    join(neighbours_.tops()[choices.begin()->back()].atoms, joined);
+    return true;
+  }
+
+  // By its places alone; of a type that is no automaton any port.
+  [[nodiscard]] static bool may_offer(const AtomType& type, u32 port, u32 row, const rt::State& open) {
+    return std::any_of(type.transitions.begin(), type.transitions.end(), [&](const Transition& t) {
+      return t.port == port && (t.from.size() != 1 || type.initial.size() != 1 || open.places[row] == t.from[0]);
+    });
+  }
+
+  std::vector<std::vector<std::uint8_t>> is_read_;
+  System simple_, far_;
+  Neighbours neighbours_;
+  const ExplorePart& explore_;
+  Clock::time_point end_;
+  PartLimits limits_;
+  Net net_;
+  std::unique_ptr<ModeFacts> facts_;
+  std::map<std::string, Explored> known_;  // by what a part is
+  TimeProof proof_;
+};
+
+}  // namespace
+
+TimeProof prove_time(const System& system, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits) {
+  TimeProof proof;
+  proof.reason = what_far_time_cannot_follow(system);
+  if (!proof.reason.empty()) return proof;
+  return TimeProver(system, explore, end, limits).prove();
+}
+
+}  // namespace bip::verify

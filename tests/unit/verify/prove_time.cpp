@@ -1,0 +1,128 @@
+// Proofs by parts against whole zone graphs, on random timed systems: what is proved must hold. And what a part shows must hold all that
+// the whole does.
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <string>
+
+#include "compiler/interp/interp.hpp"
+#include "compiler/system/bsys.hpp"
+#include "compiler/verify/part.hpp"
+#include "compiler/verify/prove_time.hpp"
+#include "compiler/verify/unread_data.hpp"
+#include "runtime/explore/zone_search.hpp"
+#include "tests/verify/timed_systems.hpp"
+#include "tools/gen/compiled.hpp"
+
+namespace {
+
+using namespace bip;
+using rt::u32;
+using rt::u64;
+
+rt::PartReport explore(const System& part, const rt::ExploreOptions& options, const rt::PartQuestion& question) {
+  const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(part, "part");
+  const interp::Interpreter interpreter(*lowered);
+  return rt::explore_part(lowered->image, options, question);
+}
+
+struct Tally {
+  int compared = 0, proved = 0, free = 0, with_parts = 0, smaller = 0, walks = 0;
+};
+
+// Markings and who holds which clocks are a point of some node of the part.
+bool has_point(rt::ZoneSearch& search, const std::vector<u32>& members, const rt::Core& core) {
+  std::vector<rt::i64> point{0};
+  for (const u32 atom : members) {
+    const rt::AtomTime* time = core.image().atom_types[core.image().atoms[atom].type].time;
+    for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k) point.push_back(static_cast<rt::i64>(core.clock_value(atom, k)));
+  }
+  const rt::State whole = core.snapshot();
+  for (const rt::ZoneNode& node : search.nodes()) {
+    const rt::Location& location = search.locations()[node.location];
+    bool fits = true;
+    for (u32 row = 0; row < members.size() && fits; ++row) fits = location.state.places[row] == whole.places[members[row]];
+    for (u32 i = 0; i < point.size() && fits; ++i) {
+      for (u32 j = 0; j < point.size() && fits; ++j) fits = i == j || node.zone.at(i, j) == rt::Zone::kInf || point[i] - point[j] <= node.zone.at(i, j);
+    }
+    if (fits) return true;
+  }
+  return false;
+}
+
+// Random runs of the whole, seen through two components.
+void walk(const System& system, const rt::Image& image, u64 seed, Tally& tally) {
+  rt::Prng random(seed);
+  const auto is_read = verify::find_read_data(system);
+  const System simple = verify::without_unread_data(system, is_read);
+  const verify::Neighbours neighbours(simple);
+  std::vector<u32> members{static_cast<u32>(random.below(image.atoms.size - 1))};
+  members.push_back(members[0] + 1 + static_cast<u32>(random.below(image.atoms.size - 1 - members[0])));
+  verify::Part part = verify::cut_out(simple, neighbours, is_read, members);
+  if (!part.needed.empty()) {
+    members = part.needed;
+    part = verify::cut_out(simple, neighbours, is_read, members);
+  }
+  if (!part.problem.empty() || !part.needed.empty()) return;
+  REQUIRE(system::validate(part.system).empty());
+  const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(part.system, "part");
+  const interp::Interpreter interpreter(*lowered);
+  const rt::PartQuestion question{.atom = 0, .is_whole = std::vector<std::uint8_t>(part.is_whole.size(), 1), .is_impossible = {}};
+  rt::ZoneSearch search(lowered->image, {.limit = 20000}, &question);
+  const rt::PartReport found = search.run_part();
+  if (!found.is_complete || found.is_open) return;
+  rt::Core core(image);
+  REQUIRE(core.initialize());
+  std::vector<rt::i64> ends;
+  for (int step = 0; step < 60; ++step) {
+    INFO("walk " << seed << ", step " << step << ", at " << core.now());
+    REQUIRE(has_point(search, members, core));
+    ++tally.walks;
+    const u64 count = core.candidate_count();
+    const rt::i64 limit = std::min({core.wait_limit(ends), core.next_change(), core.now() + 3});
+    if (limit > core.now() && (count == 0 || random.below(2) == 0)) {
+      if (!core.advance(core.now() + 1 + static_cast<rt::i64>(random.below(static_cast<u64>(limit - core.now()))))) return;
+    } else if (count == 0 || !core.take_timed(core.position(random.below(count)))) {
+      return;
+    }
+  }
+}
+
+void compare(u64 seed, Tally& tally) {
+  const std::string text = rt::testing::random_timed_system(seed, seed % 3);
+  const gen::Compiled c = gen::compile_texts({text});
+  INFO("seed " << seed << "\n" << text);
+  if (!c.problem.empty()) return;
+  const interp::Interpreter interpreter(*c.lowered);
+  const rt::Image& image = c.lowered->image;
+  const rt::ZoneReport whole = rt::explore_zones(image, {.limit = 20000});
+  ++tally.compared;
+  const bool is_free = whole.end == rt::ExploreEnd::Complete && !whole.has_deadlock && !whole.has_time_lock;
+  tally.free += is_free ? 1 : 0;
+  for (const std::size_t members : {std::size_t{2}, std::size_t{3}, std::size_t{6}}) {
+    const verify::TimeProof proof = verify::prove_time(*c.system, explore, verify::seconds_from_now(60), {.members = members, .zones = 20000});
+    INFO("members " << members << ", reason: " << proof.reason);
+    if (!proof.is_proved) continue;
+    REQUIRE_FALSE(whole.has_deadlock);
+    REQUIRE_FALSE(whole.has_time_lock);
+    tally.proved += members == 6 ? 1 : 0;
+    tally.with_parts += members == 6 && proof.neighbourhoods != 0 ? 1 : 0;
+    tally.smaller += proof.largest > 1 && proof.largest < image.atoms.size ? 1 : 0;
+  }
+  for (u64 k = 1; k <= 3; ++k) walk(*c.system, image, seed * 8 + k, tally);
+}
+
+}  // namespace
+
+TEST_CASE("what parts prove of random timed systems holds in their zone graphs") {
+  Tally tally;
+  const char* wanted = std::getenv("BIP_ZONE_RUNS");
+  const u64 runs = wanted == nullptr ? 120 : std::strtoull(wanted, nullptr, 10);
+  for (u64 seed = 1; seed <= runs; ++seed) compare(seed, tally);
+  WARN("compared " << tally.compared << ", free " << tally.free << ", proved " << tally.proved << ", of these with neighbourhoods " << tally.with_parts
+                   << ", with small ones " << tally.smaller << "; states walked " << tally.walks);
+  CHECK(tally.compared > static_cast<int>(runs) / 2);
+  CHECK(tally.with_parts > 0);
+  CHECK(tally.smaller > 0);
+  CHECK(tally.walks > 1000);
+}
