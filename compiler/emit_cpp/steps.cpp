@@ -4,8 +4,6 @@
 // loops positions are pointers that move by constants: then compilers make vectors of them.
 #include "compiler/emit_cpp/steps.hpp"
 
-#include <algorithm>
-
 #include "compiler/model/code_uses.hpp"
 
 namespace bip::emit_cpp {
@@ -28,15 +26,6 @@ const char* name_of(lower::Reduction reduction) {
   return "";
 }
 
-bool has_loops(const lower::StepShape& shape) {
-  return std::any_of(shape.ops.begin(), shape.ops.end(), [](const StepOp& op) { return op.repeats; });
-}
-// Into the loop over steps.
-bool is_inlined(const lower::StepShape& shape) {
-  constexpr std::size_t kMostOps = 24;
-  return shape.ops.size() <= kMostOps && !has_loops(shape);
-}
-
 class ShapeWriter {
  public:
   ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, Writer& out)
@@ -44,8 +33,8 @@ class ShapeWriter {
 
   void write(std::size_t number) {
     out_.line();
-    if (has_loops(shape_)) out_.line("BIP_FOR_PROCESSORS");
-    out_.line(std::string(is_inlined(shape_) ? "BIP_INLINE " : "") + "void shape_" + std::to_string(number) + "(StepState& state, [[maybe_unused]] const StepOperand* operands, [[maybe_unused]] std::uint32_t i) {");
+    if (shape_.has_loops()) out_.line("BIP_FOR_PROCESSORS");
+    out_.line(std::string(shape_.is_inlined() ? "BIP_INLINE " : "") + "void shape_" + std::to_string(number) + "(StepState& state, [[maybe_unused]] const StepOperand* operands, [[maybe_unused]] std::uint32_t i) {");
     out_.line("  StepState s = state;");
     for (std::size_t k = 0; k < shape_.strides.size(); ++k) {
       const std::string cell = "operands[" + std::to_string(k) + "]";
@@ -222,26 +211,18 @@ void emit_steps(const lower::LoweredSystem& lowered, Writer& out) {
   out.line("}  // namespace steps");
 }
 
-// The runs with the most slots, one comparison after the other.
+// One comparison after the other.
 bool emit_step_loop(const lower::LoweredSystem& lowered, const std::string& name, const std::string& operands, Writer& out) {
-  constexpr std::size_t kMostRuns = 6;
-  std::vector<rt::StepRun> runs = lowered.steps.runs;
-  std::stable_sort(runs.begin(), runs.end(), [](const rt::StepRun& a, const rt::StepRun& b) { return a.count > b.count; });
-  std::uint64_t all = 0, known = 0;
-  for (const rt::StepRun& run : runs) all += run.count;
-  runs.resize(std::min(runs.size(), kMostRuns));
-  for (const rt::StepRun& run : runs) known += run.count;
-  constexpr std::uint64_t kLeastPart = 8;  // of nine
-  if (runs.empty() || known * (kLeastPart + 1) < all * kLeastPart) return false;
+  if (lowered.steps.loop.empty()) return false;
   out.line();
   out.line("bip::rt::StepsTaken " + name + "(bip::rt::StepState& state, bip::rt::Prng& prng, bip::rt::StepHistory& history, std::uint64_t limit) {");
   out.line("  return bip::rt::take_steps(state, prng, history, limit, [](bip::rt::StepState& s, std::uint32_t slot) {");
   out.line("    std::uint32_t i = 0;");
-  for (const rt::StepRun& run : runs) {
+  for (const rt::StepRun& run : lowered.steps.loop) {
     const auto number = [](std::uint32_t value) { return std::to_string(value) + "u"; };
     const std::string function = step_name(run.shape), row = operands + " + " + std::to_string(run.operands);
     out.line("    if (bip::rt::is_in_run(slot, " + number(run.first) + ", " + number(run.count) + ", " + number(run.distance) + ", i)) {");
-    if (is_inlined(lowered.steps.shapes[run.shape])) out.line("      " + function + "(s, " + row + ", i);");
+    if (lowered.steps.shapes[run.shape].is_inlined()) out.line("      " + function + "(s, " + row + ", i);");
     else out.line("      bip::rt::call_step(&" + function + ", s, " + row + ", i);");
     out.line("      return true;");
     out.line("    }");

@@ -9,8 +9,8 @@ namespace bip::emit_cpp {
 
 /// Writes a function a shape of lowered.steps into `namespace steps`; after the units' functions. Nothing without shapes.
 void emit_steps(const lower::LoweredSystem& lowered, Writer& out);
-/// Writes a function that takes many steps (bip/step_loop.hpp) with the operands in that array, unless there are so many runs
-/// that it would know but few of the slots. Was it written?
+/// Writes a function that takes many steps (bip/step_loop.hpp) with the operands in that array, if the
+/// steps have a loop. Was it written?
 bool emit_step_loop(const lower::LoweredSystem& lowered, const std::string& name, const std::string& operands, Writer& out);
 /// "steps::shape_3"
 [[nodiscard]] std::string step_name(std::size_t shape);

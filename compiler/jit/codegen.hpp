@@ -12,10 +12,10 @@ namespace bip::jit {
 
 class DebugInfo;
 
-/// C++ functions and data of the process, declared by name; a number follows: row of functions, of extern types, of
+/// C++ functions and data of the process, declared by name; a number follows some: row of functions, of extern types, of
 /// expressions (the slot of a call's extern result).
 inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kTemporaryName = "bip_temporary_", kOutsideName = "bip_outside",
-                         kCodesName = "bip_codes";
+                         kCodesName = "bip_codes", kDrawName = "bip_draw";
 
 /// A module with the functions of units [first, first + count), named as the units, each a rt::CodeFn.
 /// Promises: `nounwind`, calls of nothing but C++ functions, no fast-math, int arithmetic that wraps.
@@ -28,8 +28,10 @@ enum class Lines : std::uint8_t { No, Yes };
 llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t unit, const std::string& name,
                            DebugInfo* debug);
 
-/// A module with a rt::StepFn for each shape of lowered.steps, named step_name(shape).
+/// A module with a rt::StepFn for each shape of lowered.steps, named step_name(shape), and perhaps a rt::StepsFn, the loop over them.
 [[nodiscard]] std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered, Lines lines = Lines::No);
 [[nodiscard]] std::string step_name(std::size_t shape);
+inline const std::string kStepLoopName = "bip_steps";
+[[nodiscard]] bool has_step_loop(const lower::LoweredSystem& lowered, Lines lines);
 
 }  // namespace bip::jit

@@ -1,14 +1,11 @@
-// Step functions as LLVM IR: see compiler/lower/steps.hpp for what the operations mean; compiler/emit_cpp/steps.cpp writes
-// the same as C++.
+// The operations of a step as LLVM IR: see compiler/lower/steps.hpp for what they mean; compiler/emit_cpp/steps.cpp writes the
+// same as C++.
 //
-// Units are built once more into this module, to be inlined. The list's length lives in a register; it is stored at the end.
-#include <llvm/IR/IRBuilder.h>
+// Units are built once more into this module, to be inlined. The list's length is a variable, which passes put into a register.
+#include "compiler/jit/codegen_steps.hpp"
 
-#include <cstddef>
 #include <functional>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/debug_info.hpp"
@@ -20,32 +17,11 @@ using lower::StepOp;
 using lower::StepOpKind;
 using llvm::Value;
 
-class ShapeBuilder {
+class StepBuilder {
  public:
-  ShapeBuilder(llvm::Module& module, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const std::string& name, const Place& place, DebugInfo* debug)
-      : module_(module), lowered_(lowered), shape_(shape), function_(declare(module, name)),
-        b_(llvm::BasicBlock::Create(module.getContext(), "entry", function_)), i32_(b_.getInt32Ty()), i64_(b_.getInt64Ty()), debug_(debug) {
-    if (debug_ != nullptr) {
-      debug_->enter(*function_, place.name, place.loc);
-      b_.SetCurrentDebugLocation(debug_->at(*function_, place.loc));
-    }
-    all_ = field(offsetof(rt::StepState, all), b_.getPtrTy());
-    places_ = field(offsetof(rt::StepState, places), b_.getPtrTy());
-    values_ = field(offsetof(rt::StepState, values), b_.getPtrTy());
-    members_ = field(offsetof(rt::StepState, members), b_.getPtrTy());
-    position_ = field(offsetof(rt::StepState, position), b_.getPtrTy());
-    scratch_ = field(offsetof(rt::StepState, scratch), b_.getPtrTy());
-    count_ = b_.CreateAlloca(i32_);
-    b_.CreateStore(field(offsetof(rt::StepState, count), i32_), count_);
-    for (std::size_t k = 0; k < shape.strides.size(); ++k) {
-      Value* operand = b_.CreateConstInBoundsGEP1_64(i64_, function_->getArg(1), k);
-      Value* base = b_.CreateAlignedLoad(i32_, operand, llvm::Align(4));
-      Value* stride = shape.run_strides.empty()
-                          ? static_cast<Value*>(b_.CreateAlignedLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, operand, 1), llvm::Align(4)))
-                          : constant(shape.run_strides[k]);
-      operands_.push_back(b_.CreateAdd(base, b_.CreateMul(stride, function_->getArg(2))));
-    }
-  }
+  StepBuilder(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug)
+      : b_(b), function_(b.GetInsertBlock()->getParent()), module_(*function_->getParent()), lowered_(lowered), shape_(shape), i32_(b.getInt32Ty()), i64_(b.getInt64Ty()),
+        debug_(debug), all_(frame.all), places_(frame.places), values_(frame.values), members_(frame.members), position_(frame.position), scratch_(frame.scratch), count_(frame.count), operands_(operands) {}
 
   void build() {
     for (const StepOp& op : shape_.ops) {
@@ -59,25 +35,9 @@ class ShapeBuilder {
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Slot) loop(op, [&](Value* t) { list(op, t); });
     }
-    b_.CreateStore(b_.CreateLoad(i32_, count_), b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), function_->getArg(0), offsetof(rt::StepState, count)));
-    b_.CreateRetVoid();
   }
 
  private:
-  static llvm::Function* declare(llvm::Module& module, const std::string& name) {
-    llvm::LLVMContext& context = module.getContext();
-    llvm::Type* pointer = llvm::PointerType::getUnqual(context);
-    auto* type = llvm::FunctionType::get(llvm::Type::getVoidTy(context), {pointer, pointer, llvm::Type::getInt32Ty(context)}, false);
-    auto* function = llvm::Function::Create(type, llvm::Function::ExternalLinkage, name, module);
-    function->setDoesNotThrow();
-    function->addParamAttr(0, llvm::Attribute::NoAlias);
-    function->addParamAttr(1, llvm::Attribute::NoAlias);
-    function->addParamAttr(1, llvm::Attribute::ReadOnly);
-    return function;
-  }
-  Value* field(std::size_t offset, llvm::Type* type) {
-    return b_.CreateLoad(type, b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), function_->getArg(0), offset));
-  }
   llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
   Value* constant(std::uint32_t value) { return b_.getInt32(value); }
 
@@ -86,12 +46,12 @@ class ShapeBuilder {
   static std::uint32_t refs(const StepOp& op) { return op.refs - (op.repeats ? 1 : 0); }
   [[nodiscard]] std::int32_t stride(const StepOp& op, std::uint32_t k) const { return shape_.strides[operand(op, k)]; }
   Value* number(const StepOp& op, std::uint32_t k, Value* t) {
-    Value* base = operands_[operand(op, k)];
+    Value* base = operands_[operand(op, k)].number;
     if (stride(op, k) == 0 || t == nullptr) return base;
     return b_.CreateAdd(base, b_.CreateMul(b_.CreateTrunc(t, i32_), constant(static_cast<std::uint32_t>(stride(op, k)))));
   }
   Value* index(const StepOp& op, std::uint32_t k, Value* t) {
-    Value* base = b_.CreateZExt(operands_[operand(op, k)], i64_);
+    Value* base = operands_[operand(op, k)].index;
     if (stride(op, k) == 0 || t == nullptr) return base;
     return b_.CreateAdd(base, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k))));
   }
@@ -130,7 +90,7 @@ class ShapeBuilder {
   }
   void loop(const StepOp& op, const std::function<void(Value*)>& body) {
     if (!op.repeats) return body(nullptr);
-    llvm::Instruction* branch = count_up(b_.CreateZExt(operands_[op.first_ref], i64_), body);
+    llvm::Instruction* branch = count_up(operands_[op.first_ref].index, body);
     if (!has_neighbours(op)) keep_scalar(branch);
   }
 
@@ -214,7 +174,7 @@ class ShapeBuilder {
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
     Value* word = start.CreateAlloca(i64_);
     b_.CreateStore(to_word(op, data(op, 0, nullptr)), word);
-    count_up(b_.CreateZExt(operands_[op.first_ref], i64_), [&](Value* t) { b_.CreateStore(joined(op, b_.CreateLoad(i64_, word), to_word(op, data(op, 1, t))), word); });
+    count_up(operands_[op.first_ref].index, [&](Value* t) { b_.CreateStore(joined(op, b_.CreateLoad(i64_, word), to_word(op, data(op, 1, t))), word); });
     store_word(op, b_.CreateLoad(i64_, word), data(op, 0, nullptr));
   }
 
@@ -304,36 +264,23 @@ class ShapeBuilder {
     });
   }
 
+  llvm::IRBuilder<>& b_;
+  llvm::Function* function_;
   llvm::Module& module_;
   const lower::LoweredSystem& lowered_;
   const lower::StepShape& shape_;
-  llvm::Function* function_;
-  llvm::IRBuilder<> b_;
   llvm::Type* i32_;
   llvm::Type* i64_;
   DebugInfo* debug_;
-  Value *all_ = nullptr, *places_ = nullptr, *values_ = nullptr, *members_ = nullptr, *position_ = nullptr, *scratch_ = nullptr;
-  Value* count_ = nullptr;
-  std::vector<Value*> operands_;
+  Value *all_, *places_, *values_, *members_, *position_, *scratch_, *count_;
+  const std::vector<StepOperandValue>& operands_;
   std::vector<std::pair<std::uint32_t, Value*>> inlined_;  // copies, for the next code: which of its slots, what
 };
 
 }  // namespace
 
-std::string step_name(std::size_t shape) { return "bip_shape_" + std::to_string(shape); }
-
-std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered, Lines lines) {
-  auto module = std::make_unique<llvm::Module>("steps", context);
-  std::optional<DebugInfo> debug;
-  if (lines == Lines::Yes) debug.emplace(*module, lowered.image);
-  const std::vector<Place> places = debug ? shape_places(lowered) : std::vector<Place>(lowered.steps.shapes.size());
-  std::size_t number = 0;
-  for (const lower::StepShape& shape : lowered.steps.shapes) {
-    ShapeBuilder(*module, lowered, shape, step_name(number), places[number], debug ? &*debug : nullptr).build();
-    ++number;
-  }
-  if (debug) debug->finish();
-  return module;
+void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug) {
+  StepBuilder(b, lowered, shape, frame, operands, debug).build();
 }
 
 }  // namespace bip::jit

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "bip/prng.hpp"
 #include "compiler/base/content_cache.hpp"
 #include "compiler/base/content_hash.hpp"
 #include "compiler/jit/codegen.hpp"
@@ -35,6 +36,9 @@ std::string own_build() {
   if (::dladdr(reinterpret_cast<const void*>(&own_build), &info) == 0 || ::stat(info.dli_fname, &file) != 0) return {};
   return std::to_string(file.st_size) + "." + std::to_string(file.st_mtim.tv_sec) + "." + std::to_string(file.st_mtim.tv_nsec);
 }
+
+// For the loop over steps.
+std::uint64_t draw(rt::Prng* prng, std::uint64_t below) { return prng->below(below); }
 
 llvm::Error stopped() { return llvm::createStringError(llvm::inconvertibleErrorCode(), "stopped"); }
 
@@ -59,6 +63,7 @@ struct Compiler {
     };
     const auto number = [](std::size_t k) { return std::to_string(k); };
     add(kCodesName, lowered.codes.data());
+    add(kDrawName, reinterpret_cast<const void*>(&draw));
     if (lowered.image.outside != nullptr) add(kOutsideName, &lowered.outside);
     for (std::size_t k = 0; k < lowered.functions.size(); ++k) add(kFunctionName + number(k), reinterpret_cast<const void*>(lowered.functions[k]));
     for (std::size_t k = 0; k < lowered.extern_types.size(); ++k) add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.extern_types[k].copy));
@@ -145,8 +150,14 @@ struct Compiler {
     std::unique_ptr<llvm::Module> module = build_steps(context, lowered, lines());
     std::vector<std::string> names;
     for (std::size_t k = 0; k < lowered.steps.shapes.size(); ++k) names.push_back(step_name(k));
+    const bool has_loop = has_step_loop(lowered, lines());
+    if (has_loop) names.push_back(kStepLoopName);
     auto found = add_module(std::move(module), names);
     if (!found) return found.takeError();
+    if (has_loop) {
+      made.steps_fn = found->back().toPtr<rt::StepsFn>();
+      found->pop_back();
+    }
     for (const llvm::orc::ExecutorAddr& address : *found) made.step_fns.push_back(address.toPtr<rt::StepFn>());
     return llvm::Error::success();
   }

@@ -21,10 +21,11 @@ struct JitOptions {
   std::function<bool()> goes_on = {};              // asked before each module; false: the compilation fails
 };
 
-/// What a compilation makes: a row a unit, a function a shape.
+/// What a compilation makes: a row a unit, a function a shape, a loop over steps.
 struct MadeCode {
   std::vector<rt::Code> codes;
   std::vector<rt::StepFn> step_fns;
+  rt::StepsFn steps_fn = nullptr;                  // the loop over them, if there is one
   std::size_t modules = 0, from_cache = 0;
   std::vector<std::string> broken_files;           // of the cache; made anew
 };
@@ -33,6 +34,7 @@ inline void install(lower::LoweredSystem& lowered, const MadeCode& made) {
   for (std::size_t k = 0; k < made.codes.size(); ++k) lowered.codes[k] = made.codes[k];
   lowered.step_fns = made.step_fns;
   lowered.image.step_fns = {lowered.step_fns.data(), static_cast<std::uint32_t>(lowered.step_fns.size())};
+  lowered.image.steps_fn = made.steps_fn;
 }
 
 /// Owns the machine code; keep alive as long as the image runs.

@@ -3,6 +3,7 @@
 // A shape is a list of operations. What differs between interactions of one shape are the operands, numbered through the
 // operations in order: `refs` of them each, after a count if the operation repeats.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -43,10 +44,20 @@ struct StepShape {
   std::vector<StepOp> ops;           // Reduces, Copies and Codes, then Places, Readys and Slots; of Slots first all values, then the list, in order
   std::vector<std::int32_t> strides; // by operand; 0 unless its operation repeats
   std::vector<std::uint32_t> run_strides;  // by operand: what StepOperand::stride is in all runs of the shape; empty: it varies
+
+  [[nodiscard]] bool has_loops() const {
+    return std::any_of(ops.begin(), ops.end(), [](const StepOp& op) { return op.repeats; });
+  }
+  /// Into a loop over steps; else called by it, so that what the loop has at hand stays in registers.
+  [[nodiscard]] bool is_inlined() const {
+    constexpr std::size_t kMostOps = 24;
+    return ops.size() <= kMostOps && !has_loops();
+  }
 };
 struct Steps {
   std::vector<StepShape> shapes;
   std::vector<rt::StepRun> runs;
+  std::vector<rt::StepRun> loop;     // those that a loop over steps (rt::StepsFn) knows, in the order in which it asks; empty: no loop
   std::vector<rt::StepOperand> operands;
   std::vector<std::vector<std::uint32_t>> binds;  // by unit: its bound variables, as CodeFacts has them
 };

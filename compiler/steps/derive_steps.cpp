@@ -4,6 +4,7 @@
 // a ring or a grid are runs of their own.
 #include "compiler/steps/derive_steps.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "compiler/steps/deriver.hpp"
@@ -98,6 +99,20 @@ void split_by_strides(lower::Steps& steps) {
   steps.shapes = std::move(shapes);
 }
 
+// The runs with the most slots, unless there are so many that a loop over steps would know but few of the slots.
+std::vector<rt::StepRun> choose_loop(const lower::Steps& steps) {
+  constexpr std::size_t kMostRuns = 6;
+  constexpr std::uint64_t kLeastPart = 8;  // of nine
+  std::vector<rt::StepRun> runs = steps.runs;
+  std::stable_sort(runs.begin(), runs.end(), [](const rt::StepRun& a, const rt::StepRun& b) { return a.count > b.count; });
+  std::uint64_t all = 0, known = 0;
+  for (const rt::StepRun& run : runs) all += run.count;
+  runs.resize(std::min(runs.size(), kMostRuns));
+  for (const rt::StepRun& run : runs) known += run.count;
+  if (known * (kLeastPart + 1) < all * kLeastPart) runs.clear();
+  return runs;
+}
+
 }  // namespace
 
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides) {
@@ -166,6 +181,7 @@ void derive_steps(lower::LoweredSystem& lowered) {
   }
   for (Runs& rest : runs) rest.close();
   split_by_strides(steps);
+  steps.loop = choose_loop(steps);
   for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
   lowered.steps = std::move(steps);
   lowered.image.step_runs = {lowered.steps.runs.data(), static_cast<u32>(lowered.steps.runs.size())};

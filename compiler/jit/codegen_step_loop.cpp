@@ -1,0 +1,258 @@
+// The loop over steps as LLVM IR: rt::take_steps (bip/step_loop.hpp) with `take` written out, since what it takes is known by now:
+// the runs with the most slots, their operands as constants. A draw is a few instructions, no address is computed twice, and
+// nothing is called but steps with loops in them.
+//
+// The core's arrays are arguments of an inner function: there LLVM knows that they are different ones. Random numbers are those
+// of bip/prng.hpp; the one case in 2^64 / n in which it may draw again is left to it.
+#include <llvm/IR/MDBuilder.h>
+
+#include <cstddef>
+
+#include "bip/prng.hpp"
+#include "compiler/jit/codegen.hpp"
+#include "compiler/jit/codegen_steps.hpp"
+
+namespace bip::jit {
+namespace {
+
+using llvm::Value;
+
+static_assert(sizeof(rt::Prng) == 4 * sizeof(std::uint64_t));
+constexpr unsigned kArrays = 6;  // of rt::StepState, pointers one after the other
+static_assert(offsetof(rt::StepState, count) == kArrays * sizeof(void*));
+
+class LoopBuilder {
+ public:
+  LoopBuilder(llvm::Module& module, const lower::LoweredSystem& lowered)
+      : module_(module), lowered_(lowered), b_(module.getContext()), i32_(b_.getInt32Ty()), i64_(b_.getInt64Ty()),
+        result_(llvm::StructType::get(i64_, i32_)) {}
+
+  void build() {
+    llvm::Type* pointer = b_.getPtrTy();
+    function_ = declare(kStepLoopName + ".inner", {pointer, pointer, pointer, pointer, pointer, pointer, pointer, pointer, pointer, i64_, pointer});
+    function_->setLinkage(llvm::Function::InternalLinkage);
+    function_->addFnAttr(llvm::Attribute::NoInline);
+    build_outer();
+    enter();
+    write_head();
+    write_draw();
+    for (const rt::StepRun& run : lowered_.steps.loop) write_run(run);
+    // None of those.
+    b_.CreateStore(slot_, unknown_);
+    b_.CreateBr(end_);
+    write_taken();
+    write_end();
+  }
+
+ private:
+  // Arguments of the inner function after the arrays.
+  enum Argument : unsigned { kState = kArrays, kPrng, kHistory, kLimit, kRecent };
+
+  llvm::Function* declare(const std::string& name, llvm::ArrayRef<llvm::Type*> parameters) {
+    auto* function = llvm::Function::Create(llvm::FunctionType::get(result_, parameters, false), llvm::Function::ExternalLinkage, name, module_);
+    function->setDoesNotThrow();
+    for (unsigned k = 0; k < parameters.size(); ++k) {
+      if (parameters[k]->isPointerTy()) function->addParamAttr(k, llvm::Attribute::NoAlias);
+    }
+    return function;
+  }
+  llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(module_.getContext(), name, function_); }
+  Value* at(Value* object, std::size_t offset) { return b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), object, offset); }
+  Value* word_at(Value* object, std::uint32_t k) { return b_.CreateConstInBoundsGEP1_64(i64_, object, k); }
+  Value* cell(Value* array, Value* row) { return b_.CreateInBoundsGEP(i32_, array, b_.CreateZExt(row, i64_)); }
+  Value* number(std::uint64_t value) { return llvm::ConstantInt::get(i64_, value); }
+  /// For a branch whose condition seldom holds.
+  llvm::MDNode* rarely() { return llvm::MDBuilder(module_.getContext()).createUnlikelyBranchWeights(); }
+
+  void build_outer() {
+    llvm::Type* pointer = b_.getPtrTy();
+    llvm::Function* outer = declare(kStepLoopName, {pointer, pointer, pointer, i64_});
+    b_.SetInsertPoint(llvm::BasicBlock::Create(module_.getContext(), "entry", outer));
+    std::vector<Value*> arguments;
+    for (unsigned k = 0; k < kArrays; ++k) arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(0), k * sizeof(void*))));
+    for (unsigned k = 0; k < 4; ++k) arguments.push_back(outer->getArg(k));
+    arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(2), offsetof(rt::StepHistory, slots))));
+    b_.CreateRet(b_.CreateCall(function_, arguments));
+  }
+
+  // Variables, which passes put into registers.
+  void enter() {
+    b_.SetInsertPoint(new_block("entry"));
+    count_ = b_.CreateAlloca(i32_);
+    unknown_ = b_.CreateAlloca(i32_);
+    left_ = b_.CreateAlloca(i64_);
+    index_ = b_.CreateAlloca(i64_);
+    for (Value*& word : words_) word = b_.CreateAlloca(i64_);
+    state_ = b_.CreateAlloca(llvm::ArrayType::get(b_.getInt8Ty(), sizeof(rt::StepState)));
+    llvm::cast<llvm::AllocaInst>(state_)->setAlignment(llvm::Align(alignof(rt::StepState)));
+    for (unsigned k = 0; k < kArrays; ++k) b_.CreateStore(function_->getArg(k), at(state_, k * sizeof(void*)));
+    b_.CreateStore(b_.CreateLoad(i32_, at(function_->getArg(kState), offsetof(rt::StepState, count))), count_);
+    b_.CreateStore(b_.getInt32(rt::kAbsentSlot), unknown_);
+    b_.CreateStore(function_->getArg(kLimit), left_);
+    load_words();
+    Value* first = b_.CreateZExt(b_.CreateLoad(i32_, at(function_->getArg(kHistory), offsetof(rt::StepHistory, at))), i64_);
+    history_end_ = b_.CreateAdd(first, function_->getArg(kLimit));
+    head_ = new_block("head");
+    taken_ = new_block("taken");
+    end_ = new_block("end");
+    b_.CreateBr(head_);
+  }
+  void load_words() {
+    for (unsigned k = 0; k < 4; ++k) b_.CreateStore(b_.CreateLoad(i64_, word_at(function_->getArg(kPrng), k)), words_[k]);
+  }
+  void store_words() {
+    for (unsigned k = 0; k < 4; ++k) b_.CreateStore(b_.CreateLoad(i64_, words_[k]), word_at(function_->getArg(kPrng), k));
+  }
+  /// Where in the ring of recent slots the next one goes.
+  Value* history_at() {
+    return b_.CreateAnd(b_.CreateSub(history_end_, b_.CreateLoad(i64_, left_)), number(rt::StepHistory::kSize - 1));
+  }
+
+  void write_head() {
+    b_.SetInsertPoint(head_);
+    llvm::BasicBlock* asks = new_block("asks");
+    Value* is_over = b_.CreateICmpEQ(b_.CreateLoad(i64_, left_), number(0));
+    b_.CreateCondBr(is_over, end_, asks, rarely());
+    b_.SetInsertPoint(asks);
+    llvm::BasicBlock* draw = new_block("draw");
+    Value* is_stuck = b_.CreateICmpEQ(b_.CreateLoad(i32_, count_), b_.getInt32(0));
+    b_.CreateCondBr(is_stuck, end_, draw, rarely());
+    b_.SetInsertPoint(draw);
+  }
+
+  Value* rotated(Value* word, unsigned by) { return b_.CreateIntrinsic(llvm::Intrinsic::fshl, {i64_}, {word, word, number(by)}); }
+
+  // Prng::below, but for its rejections; with one candidate nothing is drawn.
+  void write_draw() {
+    static_assert((rt::StepHistory::kSize & (rt::StepHistory::kSize - 1)) == 0);
+    Value* count = b_.CreateZExt(b_.CreateLoad(i32_, count_), i64_);
+    b_.CreateStore(number(0), index_);
+    llvm::BasicBlock* many = new_block("many");
+    llvm::BasicBlock* rare = new_block("rare");
+    llvm::BasicBlock* sure = new_block("sure");
+    llvm::BasicBlock* drawn = new_block("drawn");
+    b_.CreateCondBr(b_.CreateICmpEQ(count, number(1)), drawn, many);
+    b_.SetInsertPoint(many);
+    Value* w[4];
+    for (unsigned k = 0; k < 4; ++k) w[k] = b_.CreateLoad(i64_, words_[k]);
+    Value* next = b_.CreateAdd(rotated(b_.CreateAdd(w[0], w[3]), 23), w[0]);
+    llvm::Type* wide = b_.getInt128Ty();
+    Value* product = b_.CreateMul(b_.CreateZExt(next, wide), b_.CreateZExt(count, wide));
+    Value* high = b_.CreateTrunc(b_.CreateLShr(product, 64), i64_);
+    b_.CreateCondBr(b_.CreateICmpULT(b_.CreateTrunc(product, i64_), count), rare, sure, rarely());
+
+    b_.SetInsertPoint(rare);
+    store_words();
+    llvm::CallInst* index = b_.CreateCall(llvm::FunctionType::get(i64_, {b_.getPtrTy(), i64_}, false), module_.getOrInsertGlobal(kDrawName, b_.getInt8Ty()), {function_->getArg(kPrng), count});
+    index->setDoesNotThrow();
+    load_words();
+    b_.CreateStore(index, index_);
+    b_.CreateBr(drawn);
+
+    b_.SetInsertPoint(sure);
+    Value* shifted = b_.CreateShl(w[1], 17);
+    w[2] = b_.CreateXor(w[2], w[0]);
+    w[3] = b_.CreateXor(w[3], w[1]);
+    w[1] = b_.CreateXor(w[1], w[2]);
+    w[0] = b_.CreateXor(w[0], w[3]);
+    w[2] = b_.CreateXor(w[2], shifted);
+    w[3] = rotated(w[3], 45);
+    for (unsigned k = 0; k < 4; ++k) b_.CreateStore(w[k], words_[k]);
+    b_.CreateStore(high, index_);
+    b_.CreateBr(drawn);
+
+    b_.SetInsertPoint(drawn);
+    slot_ = b_.CreateLoad(i32_, b_.CreateInBoundsGEP(i32_, function_->getArg(3), b_.CreateLoad(i64_, index_)));
+    slot_index_ = b_.CreateZExt(slot_, i64_);
+  }
+
+  // An operand for number i of the run. In 64 bits if it stays below 2^32: then it becomes a part of addresses.
+  StepOperandValue operand(const rt::StepRun& run, const rt::StepOperand& row, Value* i) {
+    const std::uint64_t last = row.base + std::uint64_t{row.stride} * (run.count - 1);
+    if (last > 0xffffffffu) {
+      Value* narrow = b_.CreateAdd(b_.getInt32(row.base), b_.CreateMul(b_.getInt32(row.stride), b_.CreateTrunc(i, i32_)));
+      return {narrow, b_.CreateZExt(narrow, i64_)};
+    }
+    Value* index = b_.CreateNUWAdd(number(row.base), b_.CreateNUWMul(number(row.stride), i));
+    return {b_.CreateTrunc(index, i32_), index};
+  }
+
+  // If the slot is one of the run, the step; what follows is for the others.
+  void write_run(const rt::StepRun& run) {
+    llvm::BasicBlock* inside = new_block("run");
+    llvm::BasicBlock* outside = new_block("others");
+    Value* offset = b_.CreateSub(slot_index_, number(run.first));
+    Value* is_inside = b_.CreateICmpULT(offset, number(std::uint64_t{run.count} * run.distance));
+    if (run.distance != 1) {
+      llvm::BasicBlock* near = new_block("near");
+      b_.CreateCondBr(is_inside, near, outside);
+      b_.SetInsertPoint(near);
+      is_inside = b_.CreateICmpEQ(b_.CreateURem(offset, number(run.distance)), number(0));
+    }
+    b_.CreateCondBr(is_inside, inside, outside);
+    b_.SetInsertPoint(inside);
+    Value* i = run.distance == 1 ? offset : b_.CreateExactUDiv(offset, number(run.distance));
+    const lower::StepShape& shape = lowered_.steps.shapes[run.shape];
+    const rt::StepOperand* rows = lowered_.steps.operands.data() + run.operands;
+    if (shape.is_inlined()) {
+      std::vector<StepOperandValue> operands;
+      for (std::size_t k = 0; k < shape.strides.size(); ++k) operands.push_back(operand(run, rows[k], i));
+      const StepFrame frame{function_->getArg(0), function_->getArg(1), function_->getArg(2), function_->getArg(3), function_->getArg(4), function_->getArg(5), count_};
+      write_step(b_, lowered_, shape, frame, operands, nullptr);
+    } else {
+      call(run, shape.strides.size(), rows, i);
+    }
+    b_.CreateBr(taken_);
+    b_.SetInsertPoint(outside);
+  }
+
+  // Of a step that is not inlined: the function of its shape, which finds its row in this module.
+  void call(const rt::StepRun& run, std::size_t count, const rt::StepOperand* rows, Value* i) {
+    std::vector<std::uint32_t> cells;
+    for (std::size_t k = 0; k < count; ++k) cells.insert(cells.end(), {rows[k].base, rows[k].stride});
+    llvm::Constant* row = llvm::ConstantDataArray::get(module_.getContext(), cells);
+    auto* table = new llvm::GlobalVariable(module_, row->getType(), true, llvm::GlobalValue::PrivateLinkage, row, "row");
+    table->setAlignment(llvm::Align(alignof(std::uint64_t)));
+    Value* length = at(state_, offsetof(rt::StepState, count));
+    b_.CreateStore(b_.CreateLoad(i32_, count_), length);
+    llvm::CallInst* step = b_.CreateCall(module_.getFunction(step_name(run.shape)), {state_, table, b_.CreateTrunc(i, i32_)});
+    step->setDoesNotThrow();
+    step->addFnAttr(llvm::Attribute::NoInline);
+    b_.CreateStore(b_.CreateLoad(i32_, length), count_);
+  }
+
+  void write_taken() {
+    b_.SetInsertPoint(taken_);
+    b_.CreateStore(slot_, b_.CreateInBoundsGEP(i32_, function_->getArg(kRecent), history_at()));
+    b_.CreateStore(b_.CreateSub(b_.CreateLoad(i64_, left_), number(1)), left_);
+    b_.CreateBr(head_);
+  }
+
+  void write_end() {
+    b_.SetInsertPoint(end_);
+    b_.CreateStore(b_.CreateLoad(i32_, count_), at(function_->getArg(kState), offsetof(rt::StepState, count)));
+    store_words();
+    b_.CreateStore(b_.CreateTrunc(history_at(), i32_), at(function_->getArg(kHistory), offsetof(rt::StepHistory, at)));
+    Value* steps = b_.CreateSub(function_->getArg(kLimit), b_.CreateLoad(i64_, left_));
+    Value* result = b_.CreateInsertValue(llvm::PoisonValue::get(result_), steps, 0);
+    b_.CreateRet(b_.CreateInsertValue(result, b_.CreateLoad(i32_, unknown_), 1));
+  }
+
+  llvm::Module& module_;
+  const lower::LoweredSystem& lowered_;
+  llvm::IRBuilder<> b_;
+  llvm::Type* i32_;
+  llvm::Type* i64_;
+  llvm::StructType* result_;
+  llvm::Function* function_ = nullptr;
+  llvm::BasicBlock *head_ = nullptr, *taken_ = nullptr, *end_ = nullptr;
+  Value *count_ = nullptr, *unknown_ = nullptr, *left_ = nullptr, *index_ = nullptr, *state_ = nullptr, *history_end_ = nullptr;
+  Value *words_[4] = {};
+  Value *slot_ = nullptr, *slot_index_ = nullptr;
+};
+
+}  // namespace
+
+void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered) { LoopBuilder(module, lowered).build(); }
+
+}  // namespace bip::jit

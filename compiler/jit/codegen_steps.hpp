@@ -1,0 +1,30 @@
+// A step's operations as LLVM IR, written where a builder is: into a function of one shape, or into a loop over steps. Internal to
+// jit/.
+#pragma once
+#include <llvm/IR/IRBuilder.h>
+
+#include <vector>
+
+#include "compiler/lower/lower.hpp"
+
+namespace bip::jit {
+
+class DebugInfo;
+
+/// What a step works on: rt::StepState's arrays; `count` is the address of a variable.
+struct StepFrame {
+  llvm::Value *all, *places, *values, *members, *position, *scratch, *count;
+};
+/// An operand with 32 bits, and with 64 (zero above).
+struct StepOperandValue {
+  llvm::Value *number, *index;
+};
+
+void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const StepFrame& frame,
+                const std::vector<StepOperandValue>& operands, DebugInfo* debug);
+
+/// Adds a rt::StepsFn called kStepLoopName that knows lowered.steps.loop and draws as rt::take_steps does; the functions of shapes
+/// are in the module. A draw that rt::Prng might reject it leaves to kDrawName.
+void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered);
+
+}  // namespace bip::jit
