@@ -93,7 +93,7 @@ void add_lemmas(const Machine& machine, const std::vector<Cube>& lemmas, const S
     for (const Slot& slot : system.atom_types[atom.type].slots) {
       const Range& range = machine.ranges[row];
       const bool is_narrow = !machine.words[row].empty() && range != kAnyInt && !slot.is_param;
-      if (is_narrow) out += "range " + atom.path + '.' + slot.name + ' ' + std::to_string(range.low) + ' ' + std::to_string(range.high) + '\n';
+      if (is_narrow) out += "lemma " + atom.path + '.' + slot.name + '=' + std::to_string(range.low) + ".." + std::to_string(range.high) + '\n';
       ++row;
     }
   }
@@ -126,7 +126,7 @@ std::string certificate(const Decider& decider, const Question& question, const 
   for (const LinearEquation& equation : d.linear.equations) out += equation_row(equation, system) + '\n';
   for (const SlotBound& bound : d.linear.bounds) {
     const Atom& atom = system.atoms[AtomId(std::size_t{bound.atom})];
-    out += "range " + atom.path + '.' + system.atom_types[atom.type].slots[bound.slot].name + " 0 " + std::to_string(bound.high) + '\n';
+    out += "lemma " + atom.path + '.' + system.atom_types[atom.type].slots[bound.slot].name + "=0.." + std::to_string(bound.high) + '\n';
   }
   if (d.method == Method::Induction) add_lemmas(*decider.machine(), d.lemmas, system, out);
   return out + "end\n";

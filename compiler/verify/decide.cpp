@@ -52,7 +52,7 @@ bool Decider::look_at_uses() {
       if (wants_needed(Way::Told, proof)) keep_needed(*told_, end, proof);
       note_found(Way::Told, *told_, proof);
       // What no certificate has a form for is left to the other engines where one is wanted.
-      if (limits_.wants_certificate) evidence_ = find_evidence(net_, *told_, proof, end);
+      if (limits_.wants_certificate) evidence_ = find_evidence(net_, *told_, proof);
       if (evidence_ || !limits_.wants_certificate) {
         d_.proof = std::move(proof);
         d_.outcome = Outcome::Holds;

@@ -5,18 +5,20 @@
 #include <map>
 #include <set>
 
-#include "compiler/verify/sum_clauses.hpp"
-
 namespace bip::verify {
 
 namespace {
 // More values of a slot at a place are told as a range, if they are one.
 constexpr std::size_t kMaxListed = 64;
+// Of one row, so that sums of a few are none of other numbers.
+constexpr std::int64_t kMaxWeight = 1'000'000;
+
+// Modes at one place, and what they count for.
+using Weighted = std::vector<std::pair<const Mode*, std::int64_t>>;
 
 class Finder {
  public:
-  Finder(const Net& plain, const Net& told, const Proof& proof, Clock::time_point end)
-      : told_(told), proof_(proof), end_(end), clauses_(told, proof.reachable) {
+  Finder(const Net& plain, const Net& told, const Proof& proof) : told_(told), proof_(proof) {
     evidence_.net = build_net(plain, told.uses, UsesAs::Hidden);
   }
 
@@ -27,26 +29,10 @@ class Finder {
     spread_from_initial(net, reachable, evidence_.proof);
     if (!match_modes()) return std::nullopt;
     TrapFinder checker(net, reachable);
-    std::vector<std::pair<SumClauses::Side, SumClauses::Side>> open;
-    std::vector<const TokenInvariant*> kept;
     for (const TokenInvariant& invariant : proof_.invariants) {
-      if (std::optional<TokenInvariant> same = projected(invariant, checker)) {
-        evidence_.proof.invariants.push_back(std::move(*same));
-        kept.push_back(&invariant);
-        continue;
-      }
-      auto sides = clauses_.sides(invariant);
-      if (!sides) return std::nullopt;
-      if (sides->second.clauses() < sides->first.clauses() && sides->second.least > 0) std::swap(sides->first, sides->second);
-      open.push_back(std::move(*sides));
+      if (std::optional<TokenInvariant> same = projected(invariant, checker)) evidence_.proof.invariants.push_back(std::move(*same));
+      else if (!tell(invariant) || words_ > Evidence::kMaxWords) return std::nullopt;
     }
-    bool is_enough = false;
-    for (const bool with_both : {false, true}) {
-      if (is_enough) break;
-      is_enough = suffices(kept, open, with_both);
-      if (is_enough && !add_lemmas(open, with_both)) return std::nullopt;
-    }
-    if (!is_enough) return std::nullopt;
     for (u32 atom = 0; atom + 1 < told_.mode_base.size(); ++atom) add_values(atom);
     return std::move(evidence_);
   }
@@ -98,35 +84,84 @@ class Finder {
     return holds ? std::optional(std::move(result)) : std::nullopt;
   }
 
-  bool suffices(const std::vector<const TokenInvariant*>& kept, const std::vector<std::pair<SumClauses::Side, SumClauses::Side>>& open, bool with_both) {
-    Spread reachable(told_, Direction::Forward, nullptr);
-    Proof again;
-    spread_from_initial(told_, reachable, again);
-    Encoding encoding(told_, reachable);
-    for (const TokenInvariant* invariant : kept) {
-      if (!encoding.add(*invariant)) return false;
-    }
-    double count = 0;
-    for (const auto& [small, large] : open) {
-      count += small.clauses() + (with_both ? large.clauses() : 0);
-      if (count > static_cast<double>(Evidence::kMaxClauses)) return false;
-      clauses_.add(small, encoding);
-      if (with_both) clauses_.add(large, encoding);
-    }
-    return encoding.solve(seconds_until(end_)) == Answer::Unsatisfiable;
-  }
-
-  bool add_lemmas(const std::vector<std::pair<SumClauses::Side, SumClauses::Side>>& open, bool with_both) {
-    for (const auto& [small, large] : open) {
-      for (const SumClauses::Side* side : {&small, &large}) {
-        if (side == &large && !with_both) continue;
-        const auto lemmas = clauses_.lemmas(*side, Evidence::kMaxClauses);
-        if (!lemmas) return false;
-        evidence_.rows.insert(evidence_.rows.end(), lemmas->begin(), lemmas->end());
-        if (evidence_.rows.size() > Evidence::kMaxClauses) return false;
+  // The invariant as one row about places and values: a lemma for a trap, an equation for a sum.
+  bool tell(const TokenInvariant& invariant) {
+    const bool is_trap = invariant.kind == InvariantKind::Trap;
+    std::int64_t total = invariant.total;
+    std::string row;
+    for (std::size_t k = 0; k < invariant.modes.size();) {
+      const u32 atom = told_.atom_of_mode[invariant.modes[k]];
+      std::map<u32, Weighted> by_place;
+      std::map<std::int64_t, std::size_t> counts;
+      for (u32 mode = told_.mode_base[atom]; mode < told_.mode_base[atom + 1]; ++mode) {
+        const bool is_in = k < invariant.modes.size() && invariant.modes[k] == mode;
+        const std::int64_t weight = !is_in ? 0 : is_trap ? 1 : weight_of(invariant, k);
+        if (is_in) ++k;
+        if (proof_.reachable[mode] == 0) continue;
+        const Mode& of = told_.class_at(atom).modes[mode - told_.mode_base[atom]];
+        if (of.places.size() != 1 || std::abs(weight) > kMaxWeight) return false;
+        by_place[of.places[0]].emplace_back(&of, weight);
+      }
+      for (const auto& [place, modes] : by_place) ++counts[most_common(modes)];
+      // What the atom adds wherever it is is no news.
+      std::int64_t always = 0;
+      for (const auto& [weight, count] : counts) always = !is_trap && count > counts[always] ? weight : always;
+      total -= always;
+      for (auto& [place, modes] : by_place) {
+        for (auto& [mode, weight] : modes) weight -= always;
+        if (!tell(atom, place, modes, is_trap, row)) return false;
       }
     }
+    evidence_.rows.push_back((is_trap ? "lemma" : "equation " + std::to_string(total)) + row);
     return true;
+  }
+  [[nodiscard]] static std::int64_t most_common(const Weighted& modes) {
+    std::map<std::int64_t, std::size_t> counts;
+    for (const auto& [mode, weight] : modes) ++counts[weight];
+    return std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+  }
+  // What most modes of a place weigh is said of the place, and of the others what they weigh more: values must tell them apart.
+  bool tell(u32 atom, u32 place, const Weighted& modes, bool is_trap, std::string& row) {
+    const std::int64_t base = most_common(modes);
+    const auto others = std::count_if(modes.begin(), modes.end(), [&](const auto& one) { return one.second != base; });
+    const Atom& instance = told_.system->atoms[AtomId(std::size_t{atom})];
+    const AtomType& type = told_.system->atom_types[told_.class_at(atom).type];
+    const std::string at = instance.path + '@' + type.places[place];
+    const auto add = [&](const std::string& what, std::int64_t weight) {
+      ++words_;
+      row += ' ' + what + (is_trap ? "" : '*' + std::to_string(weight));
+    };
+    if (base != 0 && (!is_trap || others == 0)) add(at, base);
+    for (const auto& [mode, weight] : modes) {
+      if (weight == base) continue;
+      std::vector<std::string> values;
+      for (std::size_t k = 0; k < type.slots.size(); ++k) {
+        if (is_told(atom, *mode, k)) values.push_back(instance.path + '.' + type.slots[k].name + '=' + std::to_string(mode->values[k].value));
+      }
+      for (const auto& [other, its] : modes) {
+        if (its != weight && !differ(atom, *mode, *other)) return false;
+      }
+      if (is_trap && base != 0) {
+        // All but this one are in the trap.
+        if (others != 1) return false;
+        for (const std::string& value : values) add(at + "&!" + value, 1);
+        continue;
+      }
+      std::string all = at;
+      for (const std::string& value : values) all += '&' + value;
+      add(all, weight - base);
+    }
+    return true;
+  }
+  [[nodiscard]] bool is_told(u32 atom, const Mode& mode, std::size_t slot) const {
+    const ModeClass& row = told_.class_at(atom);
+    return row.followed[slot] != 0 && mode.values[slot].is_known && !told_.system->atom_types[row.type].slots[slot].is_param;
+  }
+  [[nodiscard]] bool differ(u32 atom, const Mode& a, const Mode& b) const {
+    for (std::size_t k = 0; k < a.values.size(); ++k) {
+      if (is_told(atom, a, k) && is_told(atom, b, k) && a.values[k] != b.values[k]) return true;
+    }
+    return false;
   }
 
   // What the modes know and the evidence's do not: where the atom never is, and which values a slot has at a place.
@@ -173,7 +208,7 @@ class Finder {
         lemmas.push_back("lemma !" + instance.path + '@' + type.places[place]);
         for (std::int32_t value : values) lemmas.back() += ' ' + name + '=' + std::to_string(value);
       }
-      if (wants_range && is_range(type, slot, all)) lemmas = {"range " + name + ' ' + std::to_string(*all.begin()) + ' ' + std::to_string(*all.rbegin())};
+      if (wants_range && is_range(type, slot, all)) lemmas = {"lemma " + name + '=' + std::to_string(*all.begin()) + ".." + std::to_string(*all.rbegin())};
       evidence_.rows.insert(evidence_.rows.end(), lemmas.begin(), lemmas.end());
     }
   }
@@ -189,16 +224,15 @@ class Finder {
 
   const Net& told_;
   const Proof& proof_;
-  Clock::time_point end_;
-  SumClauses clauses_;
   std::vector<u32> same_;  // by mode of told_: of the evidence's net
+  std::size_t words_ = 0;
   Evidence evidence_;
 };
 
 }  // namespace
 
-std::optional<Evidence> find_evidence(const Net& plain, const Net& told, const Proof& proof, Clock::time_point end) {
-  return Finder(plain, told, proof, end).run();
+std::optional<Evidence> find_evidence(const Net& plain, const Net& told, const Proof& proof) {
+  return Finder(plain, told, proof).run();
 }
 
 }  // namespace bip::verify

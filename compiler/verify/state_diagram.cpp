@@ -174,22 +174,25 @@ StateDiagram StateCollector::diagram() {
 std::string diagram_text(const StateDiagram& diagram, const System& system) {
   std::string out;
   for (std::size_t k = 0; k < diagram.nodes.size(); ++k) {
-    out += "node " + std::to_string(k) + '\n';
+    out += "node " + std::to_string(k);
     for (const StateDiagram::Case& one : diagram.nodes[k]) {
-      out += "  case " + (one.next == StateDiagram::kEnd ? std::string("-") : std::to_string(one.next));
+      char separator = ' ';
       for (const StateDiagram::Answer& answer : one.answers) {
         const StateDiagram::Question& q = diagram.questions[answer.question];
         const Atom& atom = system.atoms[AtomId(std::size_t{q.atom})];
         const AtomType& type = system.atom_types[atom.type];
-        out += q.about == About::Place && answer.value == 0 ? " !" + atom.path : ' ' + atom.path;
+        out += separator;
+        separator = '&';
+        out += (q.about == About::Place && answer.value == 0 ? "!" : "") + atom.path;
         if (q.about == About::Automaton) out += '@' + type.places[static_cast<std::size_t>(answer.value)];
         else if (q.about == About::Place) out += '@' + type.places[q.row];
         else out += '.' + type.slots[q.row].name + '=' + std::to_string(answer.value);
       }
-      out += '\n';
+      if (one.next != StateDiagram::kEnd) out += separator + ('#' + std::to_string(one.next));
     }
+    out += '\n';
   }
-  return out + "reached " + std::to_string(diagram.nodes.size() - 1) + '\n';
+  return out + "lemma #" + std::to_string(diagram.nodes.size() - 1) + '\n';
 }
 
 }  // namespace bip::verify

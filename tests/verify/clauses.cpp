@@ -51,13 +51,28 @@ bool Clauses::split_data(const std::string& path, std::size_t& atom, std::uint32
 bool Clauses::read_literal(std::string word, Literal& literal) const {
   literal.is_negated = word[0] == '!';
   if (literal.is_negated) word.erase(0, 1);
-  const std::size_t at = word.find('@'), colon = word.rfind(':');
+  const std::size_t at = word.find('@'), sign = word.find_last_of(":=");
   literal.is_place = at != std::string::npos;
   if (literal.is_place) {
     literal.atom = atom_of(word.substr(0, at));
     return literal.atom != kNone && find_name(system_.atom_types[system_.atoms[AtomId(literal.atom)].type].places, word.substr(at + 1), literal.row, own_name);
   }
-  return colon != std::string::npos && split_data(word.substr(0, colon), literal.atom, literal.row) && read_row_number(word.substr(colon + 1), 32, literal.bit);
+  if (sign == std::string::npos || !split_data(word.substr(0, sign), literal.atom, literal.row)) return false;
+  const Type type = system_.atom_types[system_.atoms[AtomId(literal.atom)].type].slots[literal.row].type;
+  const std::string what = word.substr(sign + 1);
+  literal.is_bit = word[sign] == ':';
+  if (literal.is_bit) return read_row_number(what, type == Type::Bool ? 1 : 32, literal.bit);
+  const std::size_t dots = what.find("..");
+  if (!read_number(what.substr(0, dots), literal.low) || !read_number(dots == std::string::npos ? what : what.substr(dots + 2), literal.high)) return false;
+  return type != Type::Bool || (literal.low >= 0 && literal.low <= 1 && literal.high >= 0 && literal.high <= 1);
+}
+
+bool Clauses::read_case(const std::string& word, Case& one) const {
+  std::istringstream parts(word);
+  for (std::string part; std::getline(parts, part, '&');) {
+    if (!read_literal(part, one.emplace_back())) return false;
+  }
+  return true;
 }
 
 bool Clauses::read_mode(const std::vector<std::string>& words, Rows& rows) const {
@@ -162,23 +177,19 @@ bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const 
       auto& [term, weight] = equation.terms.emplace_back();
       if (star == std::string::npos || !read_number(words[k].substr(star + 1), weight)) return false;
       const std::string name = words[k].substr(0, star);
-      if (name.find('@') != std::string::npos ? !read_literal(name, term) : !split_data(name, term.atom, term.row)) return false;
+      const bool is_value = name.find_first_of("@=:") == std::string::npos;
+      if (is_value) term.emplace_back().is_value = true;
+      if (is_value ? !split_data(name, term[0].atom, term[0].row) : !read_case(name, term)) return false;
     }
     rows.equations.push_back(std::move(equation));
     return true;
   }
   if (head == "lemma") {
-    std::vector<Literal> lemma(words.size() - 1);
+    std::vector<Case> lemma(words.size() - 1);
     for (std::size_t k = 1; k < words.size(); ++k) {
-      if (!read_literal(words[k], lemma[k - 1])) return false;
+      if (!read_case(words[k], lemma[k - 1])) return false;
     }
     rows.lemmas.push_back(std::move(lemma));
-    return true;
-  }
-  if (head == "range") {
-    Range range;
-    if (words.size() != 4 || !split_data(words[1], range.atom, range.slot) || !read_number(words[2], range.low) || !read_number(words[3], range.high)) return false;
-    rows.ranges.push_back(range);
     return true;
   }
   return head == "root" || head == "claim" || head == "method" || head == "end" || head == "bipc-certificate";
@@ -232,20 +243,23 @@ bool Clauses::hold(const Rows& rows, const rt::State& state) const {
   for (const Equation& equation : rows.equations) {
     std::uint32_t total = 0;
     for (const auto& [term, weight] : equation.terms) {
-      const std::uint32_t one = term.is_place ? (state.places[term.atom] == term.row ? 1 : 0) : static_cast<std::uint32_t>(value(state, term.atom, term.row));
+      const bool is_value = term[0].is_value;
+      const std::uint32_t one = is_value ? static_cast<std::uint32_t>(value(state, term[0].atom, term[0].row)) : holds(term, state) ? 1 : 0;
       total += static_cast<std::uint32_t>(weight) * one;
     }
     if (total != equation.total) return false;
   }
-  for (const Range& range : rows.ranges) {
-    const std::int32_t v = value(state, range.atom, range.slot);
-    if (v < range.low || v > range.high) return false;
-  }
-  return std::all_of(rows.lemmas.begin(), rows.lemmas.end(), [&](const std::vector<Literal>& lemma) {
-    return std::any_of(lemma.begin(), lemma.end(), [&](const Literal& l) {
-      const bool is_set = l.is_place ? state.places[l.atom] == l.row : ((static_cast<std::uint32_t>(value(state, l.atom, l.row)) >> l.bit) & 1) != 0;
-      return is_set != l.is_negated;
-    });
+  return std::all_of(rows.lemmas.begin(), rows.lemmas.end(), [&](const std::vector<Case>& lemma) {
+    return std::any_of(lemma.begin(), lemma.end(), [&](const Case& one) { return holds(one, state); });
+  });
+}
+
+bool Clauses::holds(const Case& one, const rt::State& state) const {
+  return std::all_of(one.begin(), one.end(), [&](const Literal& l) {
+    if (l.is_place) return (state.places[l.atom] == l.row) != l.is_negated;
+    const std::int32_t v = value(state, l.atom, l.row);
+    const bool is_so = l.is_bit ? ((static_cast<std::uint32_t>(v) >> l.bit) & 1) != 0 : l.low <= v && v <= l.high;
+    return is_so != l.is_negated;
   });
 }
 

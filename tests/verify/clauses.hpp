@@ -55,20 +55,17 @@ class Clauses {
   struct Literal {
     std::size_t atom = 0;
     std::uint32_t row = 0, bit = 0;
-    bool is_place = false, is_negated = false;
-  };
-  struct Range {
-    std::size_t atom = 0;
-    std::uint32_t slot = 0;
     std::int64_t low = 0, high = 0;
+    bool is_place = false, is_bit = false, is_negated = false, is_value = false;
   };
+  using Case = std::vector<Literal>;  // all hold
   struct Sum {
     std::int64_t total = 0;
     std::map<Member, std::int64_t> weights;
   };
   struct Equation {
     std::uint32_t total = 0;
-    std::vector<std::pair<Literal, std::int64_t>> terms;
+    std::vector<std::pair<Case, std::int64_t>> terms;  // one literal that is a value: what it is
   };
   struct Rows {
     std::vector<Equation> equations;
@@ -77,8 +74,7 @@ class Clauses {
     std::vector<std::size_t> class_of;
     std::vector<std::set<std::uint32_t>> reachable;
     std::vector<std::set<Member>> traps, one_tokens;
-    std::vector<std::vector<Literal>> lemmas;
-    std::vector<Range> ranges;
+    std::vector<std::vector<Case>> lemmas;
     bool is_listable = true;
   };
 
@@ -86,10 +82,12 @@ class Clauses {
   [[nodiscard]] bool read_row(const std::vector<std::string>& words, Rows& rows) const;
   [[nodiscard]] bool read_mode(const std::vector<std::string>& words, Rows& rows) const;
   [[nodiscard]] bool read_literal(std::string word, Literal& literal) const;
+  [[nodiscard]] bool read_case(const std::string& word, Case& one) const;
   [[nodiscard]] bool split_data(const std::string& path, std::size_t& atom, std::uint32_t& slot) const;
   [[nodiscard]] std::size_t atom_of(const std::string& path) const;
   [[nodiscard]] bool is_in(const rt::State& state, std::size_t atom, const Mode& mode) const;
   [[nodiscard]] bool hold(const Rows& rows, const rt::State& state) const;
+  [[nodiscard]] bool holds(const Case& one, const rt::State& state) const;
   [[nodiscard]] std::int32_t value(const rt::State& state, std::size_t atom, std::uint32_t slot) const;
 
   const System& system_;

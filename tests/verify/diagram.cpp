@@ -19,7 +19,7 @@ struct Condition {
 };
 struct Case {
   std::vector<Condition> conditions;
-  std::optional<std::size_t> next;
+  std::vector<std::size_t> next;
 };
 
 bool read_number(const std::string& word, std::int64_t& number) {
@@ -50,8 +50,8 @@ class Diagram {
     return reached_.has_value();
   }
 
-  // False: a way leaves something open. Stops beyond `limit`.
-  bool list(std::size_t limit) { return list(*reached_, open_, limit); }
+  // False: a way leaves an int open. Stops beyond `limit`.
+  bool list(std::size_t limit) { return list({*reached_}, open_, limit); }
   [[nodiscard]] const std::set<Numbers>& states() const { return states_; }
 
   [[nodiscard]] Numbers numbers_of(const rt::State& state) const {
@@ -83,22 +83,29 @@ class Diagram {
 
   bool read_row(const std::vector<std::string>& words) {
     if (words[0] == "node") {
-      nodes_.emplace_back();
-      return words.size() == 2 && words[1] == std::to_string(nodes_.size() - 1);
-    }
-    if (words[0] == "case") {
-      Case one;
-      if (nodes_.empty() || words.size() < 2 || (words[1] != "-" && !read_node(words[1], nodes_.size() - 1, one.next))) return false;
+      if (words.size() < 2 || words[1] != std::to_string(nodes_.size())) return false;
+      std::vector<Case> cases(words.size() - 2);
       for (std::size_t k = 2; k < words.size(); ++k) {
-        if (!read_condition(words[k], one.conditions.emplace_back())) return false;
+        if (!read_case(words[k], cases[k - 2])) return false;
       }
-      nodes_.back().push_back(std::move(one));
+      nodes_.push_back(std::move(cases));
       return true;
     }
-    if (words[0] == "reached") return !reached_ && words.size() == 2 && read_node(words[1], nodes_.size(), reached_);
+    if (words[0] == "lemma") return !reached_ && words.size() == 2 && words[1][0] == '#' && read_node(words[1].substr(1), nodes_.size(), reached_.emplace());
     return words[0] == "root" || words[0] == "claim" || words[0] == "method" || words[0] == "end" || words[0] == "bipc-certificate";
   }
-  static bool read_node(const std::string& word, std::size_t count, std::optional<std::size_t>& node) {
+  bool read_case(const std::string& word, Case& one) const {
+    std::istringstream parts(word);
+    for (std::string part; std::getline(parts, part, '&');) {
+      if (part[0] != '#') {
+        if (!read_condition(part, one.conditions.emplace_back())) return false;
+      } else if (!read_node(part.substr(1), nodes_.size(), one.next.emplace_back())) {
+        return false;
+      }
+    }
+    return true;
+  }
+  static bool read_node(const std::string& word, std::size_t count, std::size_t& node) {
     std::int64_t number = 0;
     if (!read_number(word, number) || number < 0 || static_cast<std::size_t>(number) >= count) return false;
     node = static_cast<std::size_t>(number);
@@ -128,25 +135,42 @@ class Diagram {
     return false;
   }
 
-  bool list(std::size_t node, const Open& before, std::size_t limit) {
+  // All states with what is known and of which these nodes hold.
+  bool list(std::vector<std::size_t> nodes, const Open& before, std::size_t limit) {
+    if (nodes.empty()) return finish(before, limit);
+    const std::size_t node = nodes.back();
+    nodes.pop_back();
     for (const Case& one : nodes_[node]) {
       Open known = before;
-      bool is_way = true;
+      bool is_way = states_.size() <= limit;
       for (const Condition& condition : one.conditions) {
         is_way = is_way && known[condition.at].value_or(condition.value) == condition.value;
         known[condition.at] = condition.value;
       }
-      if (!is_way || states_.size() > limit) continue;
-      if (one.next) {
-        if (!list(*one.next, known, limit)) return false;
-        continue;
-      }
+      std::vector<std::size_t> left = nodes;
+      left.insert(left.end(), one.next.begin(), one.next.end());
+      if (is_way && !list(std::move(left), known, limit)) return false;
+    }
+    return true;
+  }
+  // What is still open is any place, true or false; an int has too many values.
+  bool finish(const Open& known, std::size_t limit) {
+    const auto open = std::find(known.begin(), known.end(), std::nullopt);
+    if (open == known.end()) {
       Numbers numbers;
-      for (const auto& number : known) {
-        if (!number) return false;
-        numbers.push_back(*number);
-      }
+      for (const auto& number : known) numbers.push_back(*number);
       states_.insert(std::move(numbers));
+      return true;
+    }
+    const auto at = static_cast<std::size_t>(open - known.begin());
+    const auto atom = static_cast<std::size_t>(std::upper_bound(first_.begin(), first_.end(), at) - first_.begin()) - 1;
+    const AtomType& type = type_of(atom);
+    if (at != first_[atom] && type.slots[at - first_[atom] - 1].type != Type::Bool) return false;
+    const auto count = static_cast<std::int64_t>(at == first_[atom] ? type.places.size() : 2);
+    for (std::int64_t value = 0; value < count && states_.size() <= limit; ++value) {
+      Open with = known;
+      with[at] = value;
+      if (!finish(with, limit)) return false;
     }
     return true;
   }
@@ -172,8 +196,8 @@ Worth diagram_worth(const std::string& text, const System& system, const rt::Ima
     if (!std::all_of(type.slots.begin(), type.slots.end(), is_told)) return Worth::TooLarge;
   }
   Diagram diagram(system, image, state);
-  if (!diagram.read(text) || !diagram.list(limit)) return Worth::Malformed;
-  if (diagram.states().size() > limit) return Worth::TooLarge;
+  if (!diagram.read(text)) return Worth::Malformed;
+  if (!diagram.list(limit) || diagram.states().size() > limit) return Worth::TooLarge;
   if (!diagram.states().contains(diagram.numbers_of(state))) return Worth::Insufficient;
   for (const auto& numbers : diagram.states()) {
     diagram.write(numbers, state);

@@ -5,7 +5,7 @@
 
 namespace bip::verify::test {
 
-/// TooLarge: more than `limit` states, or atoms that are no automata. Malformed: no diagram of whole states.
+/// TooLarge: more than `limit` states, an int left open, or atoms that are no automata.
 [[nodiscard]] Worth diagram_worth(const std::string& text, const System& system, const rt::Image& image, const SearchGoal& goal, std::size_t limit);
 
 }  // namespace bip::verify::test

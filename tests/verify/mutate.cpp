@@ -3,7 +3,7 @@
 //
 //   bip-mutate-certificates --from S --count N [--each N] [--states N] [--tell 1]
 //
-// N seeds, three systems each (a small net, locks, a model of tools/gen), up to three claims each, --each changes of every proof.
+// N seeds, five systems each (a small net, locks, values passed on, counters, a model of tools/gen), up to three claims each, --each changes of every proof.
 // Accepting too little is no fault, but is counted: what certcheck demands row by row may hold of all rows together only.
 #include <algorithm>
 #include <cstdio>
@@ -45,7 +45,8 @@ struct Totals {
 
 Told ask(const certcheck::Model& model, const std::string& text, std::string& why) {
   try {
-    why = certcheck::check(model, text);
+    z3::context z;
+    why = certcheck::check(model, text, z);
     return Told::Accepted;
   } catch (const certcheck::NotCheckable& e) {
     why = e.what();
@@ -170,6 +171,7 @@ int main(int argc, char** argv) {
   for (std::uint64_t seed = o.from; seed < o.from + o.count; ++seed) {
     run.system("net" + std::to_string(seed), {verify::test::small_net(seed)}, seed);
     run.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
+    run.system("values" + std::to_string(seed), {verify::test::value_net(seed)}, seed);
     run.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
     run.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }

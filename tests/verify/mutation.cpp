@@ -39,39 +39,57 @@ void change_number(std::string& word, gen::Prng& random) {
   word = word.substr(0, begin) + std::to_string(std::max(other, 0));
 }
 
+// The conditions of a case, which are joined by `&`.
+Row parts_of(const std::string& word) {
+  Row parts;
+  std::istringstream in(word);
+  for (std::string part; std::getline(in, part, '&');) parts.push_back(part);
+  return parts;
+}
+std::string joined(const Row& parts) {
+  std::string word;
+  for (const std::string& part : parts) word += (word.empty() ? "" : "&") + part;
+  return word;
+}
+
 // Of a diagram of states: a way lost, opened, leading elsewhere, telling another state, one more way.
 void change_diagram(Rows& rows, gen::Prng& random) {
-  Row* row = pick(rows, random, [](const Row& one) { return one[0] == "case"; });
+  const auto is_node = [](const Row& one) { return one[0] == "node" && one.size() > 2; };
+  Row* row = pick(rows, random, is_node);
   if (row == nullptr) return;
-  const std::size_t word = 1 + random.below(row->size() - 1);
+  const std::size_t word = 2 + random.below(row->size() - 2);
+  Row parts = parts_of((*row)[word]);
+  std::string& part = parts[random.below(parts.size())];
   switch (random.below(6)) {
     case 0: {
-      rows.erase(rows.begin() + (row - rows.data()));
+      row->erase(row->begin() + static_cast<long>(word));
       return;
     }
     case 1: {
-      if (word > 1) row->erase(row->begin() + static_cast<long>(word));
-      return;
+      if (parts.size() == 1) return;
+      parts.erase(parts.begin() + (&part - parts.data()));
+      break;
     }
     case 2: {
-      change_number((*row)[word], random);
-      return;
+      change_number(part, random);
+      break;
     }
     case 3: {  // a condition of another case, or its place in the diagram
-      const Row* other = pick(rows, random, [&](const Row& one) { return one[0] == "case" && one.size() > word; });
-      (*row)[word] = (*other)[word];
-      return;
+      const Row* other = pick(rows, random, is_node);
+      part = random.pick(parts_of((*other)[2 + random.below(other->size() - 2)]));
+      break;
     }
     case 4: {  // the same case once more, a little different
-      Row other = *row;
-      change_number(other[word], random);
-      rows.insert(rows.begin() + (row - rows.data()), std::move(other));
-      return;
+      row->push_back((*row)[word]);
+      change_number(part, random);
+      break;
     }
     default: {
-      if (Row* last = pick(rows, random, [](const Row& one) { return one[0] == "reached"; })) change_number(last->back(), random);
+      if (Row* last = pick(rows, random, [](const Row& one) { return one[0] == "lemma"; })) change_number(last->back(), random);
+      return;
     }
   }
+  (*row)[word] = joined(parts);
 }
 
 void change(Rows& rows, gen::Prng& random) {
@@ -94,7 +112,7 @@ void change(Rows& rows, gen::Prng& random) {
       return;
     }
     case 3: {  // a number is another one
-      const auto fits = [](const Row& row) { return (is_set(row) || is_component(row) || row[0] == "range" || row[0] == "equation" || is_mode(row)) && row.size() > first_word(row); };
+      const auto fits = [](const Row& row) { return (is_set(row) || is_component(row) || row[0] == "lemma" || row[0] == "equation" || is_mode(row)) && row.size() > first_word(row); };
       if (Row* row = pick(rows, random, fits)) change_number((*row)[first_word(*row) + random.below(row->size() - first_word(*row))], random);
       return;
     }
@@ -141,7 +159,7 @@ std::string mutate(const std::string& certificate, gen::Prng& random) {
     rows.emplace_back();
     for (std::string word; words >> word;) rows.back().push_back(word);
   }
-  const bool is_diagram = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row[0] == "reached"; });
+  const bool is_diagram = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row[0] == "node"; });
   for (std::size_t left = 1 + random.below(3); left > 0; --left) (is_diagram ? change_diagram : change)(rows, random);
   std::string out;
   for (const Row& row : rows) {

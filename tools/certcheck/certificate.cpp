@@ -7,7 +7,6 @@ namespace certcheck {
 namespace {
 
 using Limits = std::numeric_limits<int>;
-constexpr int kMostWeight = 0x40000000;
 
 class Reader {
  public:
@@ -37,7 +36,7 @@ class Reader {
     if (c_.claim.empty() || method_.empty()) throw Rejected("the certificate does not say what it proves and how");
     c_.is_induction = method_ == "induction";
     if (!c_.is_induction && c_.claim != "deadlock-free") throw Rejected("invariants alone prove no such claim");
-    if (!c_.is_induction && !(c_.facts.empty() && c_.equations.empty())) throw Rejected("invariants are of modes");
+    if (!c_.is_induction && !c_.facts.empty()) throw Rejected("invariants are of modes");
     const bool has_modes = !c_.is_induction || !c_.classes.empty() || !c_.sets.empty();
     if (has_modes && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
     return std::move(c_);
@@ -49,8 +48,7 @@ class Reader {
     static const std::map<Text, std::pair<std::size_t, void (Reader::*)()>> kForms{
         {"class", {3, &Reader::class_row}}, {"mode", {3, &Reader::mode_row}}, {"component", {5, &Reader::component_row}},
         {"trap", {1, &Reader::set_row}}, {"one-token", {1, &Reader::set_row}}, {"sum", {2, &Reader::set_row}},
-        {"node", {2, &Reader::node_row}}, {"case", {2, &Reader::case_row}}, {"reached", {2, &Reader::reached_row}},
-        {"lemma", {1, &Reader::lemma_row}}, {"range", {4, &Reader::range_row}}, {"equation", {3, &Reader::equation_row}}, {"method", {2, &Reader::method_row}}};
+        {"node", {2, &Reader::node_row}}, {"lemma", {1, &Reader::lemma_row}}, {"equation", {3, &Reader::equation_row}}, {"method", {2, &Reader::method_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (head == "root") return;
     if (head == "claim") {
@@ -124,60 +122,57 @@ class Reader {
   }
 
   void node_row() {
-    need(words_.size() == 2 && words_[1] == std::to_string(c_.nodes.size()), "not the number of the next node");
-    c_.nodes.emplace_back();
+    need(words_[1] == std::to_string(c_.nodes.size()), "not the number of the next node");
+    c_.nodes.push_back({line(), cases(2, false), {}});
   }
-  void case_row() {
-    need(!c_.nodes.empty(), "a case without node");
-    const std::size_t next = words_[1] == "-" ? kNone : number(words_[1]);
-    need(next == kNone || next + 1 < c_.nodes.size(), "no node before this one has that number");
-    c_.nodes.back().push_back({literals(2), next});
-  }
-  void reached_row() {
-    need(c_.reached == kNone && words_.size() == 2, "one node is expected");
-    c_.reached = number(words_[1]);
-    need(c_.reached < c_.nodes.size(), "no such node");
-  }
-  void lemma_row() { c_.facts.push_back({line(), literals(1)}); }
-  void range_row() {
-    need(words_.size() == 4, "a range is of one slot, with two ends");
-    Literal one = about(words_[1]);
-    one.low = number(words_[2], Limits::min(), Limits::max());
-    one.high = number(words_[3], Limits::min(), Limits::max());
-    c_.facts.push_back({line(), {one}});
-  }
-  void equation_row() {
-    Equation& row = c_.equations.emplace_back(Equation{line(), number(words_[1], Limits::min(), Limits::max()), {}});
-    for (std::size_t k = 2; k < words_.size(); ++k) {
-      const auto [name, weight] = split(words_[k], words_[k].rfind('*'));
-      row.terms.emplace_back(about(name), number(weight, -kMostWeight, kMostWeight));
-      const AtomType& type = m_.type_of(row.terms.back().first.atom);
-      const std::size_t variable = row.terms.back().first.variable;
-      need(variable < type.places || type.variables[variable].type == "int", "an equation is of places and ints");
-    }
-  }
-  // "!ROOT.a@PLACE", "ROOT.a.n:3", "ROOT.a.n=-5"
-  [[nodiscard]] std::vector<Literal> literals(std::size_t first) const {
-    std::vector<Literal> result;
+  void lemma_row() { c_.facts.push_back({line(), cases(1, false), {}}); }
+  void equation_row() { c_.facts.push_back({line(), cases(2, true), number(words_[1], Limits::min(), Limits::max())}); }
+  // Words from `first` on: literals joined by `&`, and their weight.
+  [[nodiscard]] std::vector<Case> cases(std::size_t first, bool is_sum) const {
+    std::vector<Case> result;
     for (std::size_t k = first; k < words_.size(); ++k) {
-      const bool is_negated = words_[k][0] == '!', is_place = contains(words_[k], '@');
-      const Text name = words_[k].substr(is_negated ? 1 : 0);
-      const std::size_t sign = name.find_last_of(":=");
-      const auto [owner, what] = is_place ? std::pair<Text, Text>(name, {}) : split(name, sign);
-      Literal& one = result.emplace_back(about(owner));
-      const Variable& variable = m_.type_of(one.atom).variables[one.variable];
-      if (!is_place && name[sign] == '=') one.low = one.high = value(variable, what);
-      else if (!is_place) one.bit = static_cast<unsigned>(number(what, 0, variable.type == "bool" ? 0 : 31));
-      one.is_negated = is_negated;
+      Case& one = result.emplace_back();
+      const auto [text, weight] = is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
+      one.weight = number(weight, -kMostWeight, kMostWeight);
+      one.is_value = is_sum && text.find_first_of("@=:#&") == Text::npos;
+      for (std::size_t at = 0, end = 0; at <= text.size(); at = end + 1) {
+        end = std::min(text.find('&', at), text.size());
+        one.literals.push_back(one.is_value ? about(text) : literal(text.substr(at, end - at)));
+      }
+      if (one.is_value) need(m_.type_of(one.literals[0].atom).variables[one.literals[0].variable].type == "int", "is no int", text);
     }
     return result;
+  }
+  // "ROOT.a@PLACE", "ROOT.a.n=-5", "ROOT.a.n=1..4", "ROOT.a.n:3", "#7"; or "!" and one of these
+  [[nodiscard]] Literal literal(Text name) const {
+    Literal one;
+    const bool is_negated = name.starts_with('!');
+    if (is_negated) name.remove_prefix(1);
+    if (name.starts_with('#')) {
+      one.node = number(name.substr(1));
+      need(one.node < c_.nodes.size(), "no node before this row has that number");
+    } else if (contains(name, '@')) {
+      one = about(name);
+    } else {
+      const auto [owner, what] = split(name, name.find_last_of(":="));
+      one = about(owner);
+      const Variable& variable = m_.type_of(one.atom).variables[one.variable];
+      const std::size_t dots = what.find("..");
+      if (name[owner.size()] == ':') one.bit = static_cast<unsigned>(number(what, 0, variable.type == "bool" ? 0 : 31));
+      else one.low = value(variable, what.substr(0, dots));
+      one.high = dots == Text::npos ? one.low : value(variable, what.substr(dots + 2));
+    }
+    one.is_negated = is_negated;
+    return one;
   }
   // PATH@PLACE or PATH.SLOT
   [[nodiscard]] Literal about(Text name) const {
     const bool is_place = contains(name, '@');
     const auto [path, what] = split(name, is_place ? name.find('@') : name.rfind('.'));
-    const std::size_t atom = atom_of(path);
-    return {atom, variable(m_.type_of(atom), what, is_place), 1, 1, {}, false};
+    Literal one;
+    one.atom = atom_of(path);
+    one.variable = variable(m_.type_of(one.atom), what, is_place);
+    return one;
   }
 
   [[nodiscard]] std::string line() const { return "line " + std::to_string(line_); }

@@ -2,10 +2,13 @@
 #pragma once
 #include <optional>
 
+#include <z3++.h>
+
 #include "tools/certcheck/model.hpp"
 
 namespace certcheck {
 
+inline constexpr int kMostWeight = 0x40000000;
 /// By variable of an atom: its value, or nothing where it may be any.
 using Values = std::vector<std::optional<int>>;
 using Modes = std::set<std::size_t>;
@@ -22,46 +25,40 @@ struct Set {
   int total = 1;
   std::map<std::pair<std::size_t, std::size_t>, int> weights;  // by atom and mode
 };
-/// A variable is between two values, or one of its bits is set: or not.
+/// A variable is between two values, or one of its bits is set, or node `node` holds: or not.
 struct Literal {
-  std::size_t atom = 0, variable = 0;
+  std::size_t atom = kNone, variable = 0, node = kNone;
   int low = 1, high = 1;
   std::optional<unsigned> bit;
   bool is_negated = false;
 };
-/// A node of a diagram holds where one of its cases does: all literals and node `next`, a smaller row (kNone: none).
+/// All literals hold; or, in a sum, a variable's value. Times its weight.
 struct Case {
   std::vector<Literal> literals;
-  std::size_t next = kNone;
+  bool is_value = false;
+  int weight = 1;
 };
-/// One of the literals holds.
+/// One of the cases holds; or what they are, times their weights, adds up to the total, modulo 2^32.
 struct Fact {
   std::string line;
-  std::vector<Literal> literals;
-};
-/// Marked places and ints, times their weights, add up to the total, modulo 2^32.
-struct Equation {
-  std::string line;
-  int total = 0;
-  std::vector<std::pair<Literal, int>> terms;
+  std::vector<Case> cases;
+  std::optional<int> total;
 };
 struct Certificate {
   std::string claim;
   bool is_induction = false;
   std::vector<Fact> facts;
-  std::vector<Equation> equations;
-  std::vector<std::vector<Case>> nodes;
-  std::size_t reached = kNone;  // the node that always holds: all states that are reached
-  std::vector<Class> classes;   // none: the certificate says nothing of modes
-  Rows class_of;                // by atom
+  std::vector<Fact> nodes;     // do not hold always; speak of those before them
+  std::vector<Class> classes;  // none: the certificate says nothing of modes
+  Rows class_of;               // by atom
   std::vector<Modes> reachable;
   std::vector<Set> sets;
 };
 
 [[nodiscard]] Certificate read_certificate(const Model& model, const std::string& text);
-/// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp).
-[[nodiscard]] std::string check(const Model& model, const std::string& certificate);
+/// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp). Z3 is slow to give up what it holds.
+[[nodiscard]] std::string check(const Model& model, const std::string& certificate, z3::context& z);
 /// Modes are closed, reachable ones and sets are kept by every step (structure.cpp).
-void check_structure(const Model& model, const Certificate& certificate);
+void check_structure(const Model& model, const Certificate& certificate, z3::context& z);
 
 }  // namespace certcheck

@@ -18,8 +18,9 @@ int main(int argc, char** argv) {
   if (argc != 3) return std::fputs("usage: certcheck SYSTEM.bsys CERTIFICATE\n", stderr), 2;
   try {
     certcheck::Model model;
+    z3::context z;
     certcheck::read_model(read_file(argv[1]), model);
-    std::printf("accepted: %s\n", certcheck::check(model, read_file(argv[2])).c_str());
+    std::printf("accepted: %s\n", certcheck::check(model, read_file(argv[2]), z).c_str());
     // What is left need not be taken apart.
     std::fflush(stdout);
     std::_Exit(0);

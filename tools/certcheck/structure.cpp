@@ -15,7 +15,7 @@ using Effects = std::set<long>;
 
 class Structure {
  public:
-  Structure(const Model& model, const Certificate& certificate) : m_(model), c_(certificate), terms_(model, z_) {}
+  Structure(const Model& model, const Certificate& certificate, z3::context& z) : m_(model), c_(certificate), terms_(model, z) {}
 
   void run() {
     for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) group(m_.atoms[atom], c_.classes[c_.class_of[atom]], c_.reachable[atom]);
@@ -185,7 +185,6 @@ class Structure {
 
   const Model& m_;
   const Certificate& c_;
-  z3::context z_;
   Terms terms_;
   std::map<std::tuple<const Class*, Modes, std::string>, Group> groups_;
   std::vector<const Group*> group_of_;  // by atom
@@ -194,6 +193,6 @@ class Structure {
 
 }  // namespace
 
-void check_structure(const Model& model, const Certificate& certificate) { Structure(model, certificate).run(); }
+void check_structure(const Model& model, const Certificate& certificate, z3::context& z) { Structure(model, certificate, z).run(); }
 
 }  // namespace certcheck

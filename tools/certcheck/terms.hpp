@@ -6,8 +6,6 @@
 #include <limits>
 #include <span>
 
-#include <z3++.h>
-
 #include "tools/certcheck/certificate.hpp"
 
 namespace certcheck {
@@ -61,19 +59,32 @@ class Terms {
     solver_.add(e);
     if (atom != kNone) assumed_[atom].push_back(e);
   }
-  /// With what is assumed of some atoms alone it is much quicker, and false only where it is without, too. Throws where the solver gives up.
-  [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>* alone = nullptr) {
-    if (is(e, true) || is(e, false)) return is(e, true);
-    z3::solver few(z_, "QF_BV");
-    z3::solver& solver = alone == nullptr ? solver_ : few;
-    solver.push();
-    solver.add(e);
-    for (const auto& [atom, local] : alone == nullptr ? std::map<std::size_t, Local>() : *alone) {
-      for (const expr& one : assumed_[atom]) solver.add(one);
+  /// Throws where the solver gives up.
+  [[nodiscard]] bool may_be(const expr& e) { return is(e, true) || (!is(e, false) && can_solve(solver_, e)); }
+  /// With what is assumed of some atoms alone, which is much quicker, and false only where it is without, too. Asked once of all atoms
+  /// and steps that are alike: constants are told apart by where they stand.
+  [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>& alone) {
+    expr whole = e;
+    for (const auto& [atom, local] : alone) for (const expr& one : assumed_[atom]) whole = both(whole, one);
+    z3::expr_vector constants(z_), names(z_);
+    std::set<unsigned> seen;
+    for (std::vector<expr> open{whole}; !open.empty();) {
+      const expr one = open.back();
+      open.pop_back();
+      if (!seen.insert(one.id()).second) continue;
+      for (unsigned k = 0; k < one.num_args(); ++k) open.push_back(one.arg(k));
+      if (one.decl().decl_kind() != Z3_OP_UNINTERPRETED) continue;
+      names.push_back(z_.constant(z_.int_symbol(static_cast<int>(constants.size())), one.get_sort()));
+      constants.push_back(one);
     }
-    const z3::check_result answer = solver.check();
-    solver.pop();
-    return answer != z3::unknown ? answer == z3::sat : throw NotCheckable("the solver gives up");
+    const expr alike = whole.substitute(constants, names);
+    const auto [known, is_new] = answers_.try_emplace(alike.id(), alike, false);
+    bool& answer = known->second.second;
+    if (is_new) {
+      z3::solver few(z_, "QF_BV");
+      answer = can_solve(few, alike);
+    }
+    return answer;
   }
 
   [[nodiscard]] expr truth(bool b) const { return z_.bool_val(b); }
@@ -273,6 +284,13 @@ class Terms {
   // Internal transitions in a row: in general, and where it is clear which.
   static constexpr int kMaxInternals = 24, kMaxClear = 100000;
 
+  static bool can_solve(z3::solver& solver, const expr& e) {
+    solver.push();
+    solver.add(e);
+    const z3::check_result answer = solver.check();
+    solver.pop();
+    return answer != z3::unknown ? answer == z3::sat : throw NotCheckable("the solver gives up");
+  }
   static bool is_vague(const expr& e) { return e.is_bv() && e.get_sort().bv_size() == kVagueBits; }
   static Scope own(const AtomType& type, Local& local) { return {std::span(local).subspan(type.places), {}, {}}; }
   // (self ROW), (set-bind ROW EXPR)
@@ -341,6 +359,7 @@ class Terms {
   z3::context& z_;
   z3::solver solver_;
   std::map<std::size_t, std::vector<expr>> assumed_;  // by atom
+  std::map<unsigned, std::pair<expr, bool>> answers_;  // by what is asked, which stays: may it be?
 };
 
 }  // namespace certcheck

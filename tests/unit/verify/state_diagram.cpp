@@ -64,19 +64,10 @@ TEST_CASE("the diagram of what a search has reached") {
   CHECK(found == expected);
   // Places and `still` first, then five values of a, each followed by the same three of b.
   CHECK(diagram.nodes.size() == 3);
-  CHECK(verify::diagram_text(diagram, *c.system) == R"(node 0
-  case - ROOT.b.n=-1
-  case - ROOT.b.n=0
-  case - ROOT.b.n=1
-node 1
-  case 0 ROOT.a.n=-2
-  case 0 ROOT.a.n=-1
-  case 0 ROOT.a.n=0
-  case 0 ROOT.a.n=1
-  case 0 ROOT.a.n=2
-node 2
-  case 1 ROOT.a@S ROOT.a.still=1 ROOT.b@S ROOT.b.still=1
-reached 2
+  CHECK(verify::diagram_text(diagram, *c.system) == R"(node 0 ROOT.b.n=-1 ROOT.b.n=0 ROOT.b.n=1
+node 1 ROOT.a.n=-2&#0 ROOT.a.n=-1&#0 ROOT.a.n=0&#0 ROOT.a.n=1&#0 ROOT.a.n=2&#0
+node 2 ROOT.a@S&ROOT.a.still=1&ROOT.b@S&ROOT.b.still=1&#1
+lemma #2
 )");
 }
 
