@@ -45,9 +45,12 @@ class States {
       const expr goes_on = no(step.fault);
       if (is(both(step.possible, goes_on), false)) return;
       std::set<std::size_t> touched = facts_of[kNone];
-      for (const auto& [atom, local] : step.next) touched.insert(facts_of[atom].begin(), facts_of[atom].end());
-      const View after = seen(now, &before, &step);
-      if (can(both(goes_on, terms_.some(touched, [&](std::size_t k) { return no(says(c_.facts[k], after)); })))) {
+      for (const auto& [atom, local] : step.next) {
+        const bool is_same = std::equal(local.begin(), local.end(), now[atom].begin(), [](const expr& a, const expr& b) { return z3::eq(a, b); });
+        if (!is_same) touched.insert(facts_of[atom].begin(), facts_of[atom].end());
+      }
+      const View from{now, &step.now, before.nodes}, after = seen(now, &step.next);
+      if (can(both(goes_on, terms_.some(touched, [&](std::size_t k) { return no(says(c_.facts[k], after, &from)); })))) {
         throw Rejected("a step leads out of what the certificate allows");
       }
     };
@@ -61,36 +64,42 @@ class States {
   void demand(const expr& bad, const std::string& otherwise) {
     if (terms_.may_be(bad)) throw Rejected(otherwise);
   }
-  // A state and which nodes hold in it; or what a step from there leads to.
+  // A state, of some atoms another one, and which nodes hold in it.
   struct View {
     const State& state;
-    const View* before = nullptr;
-    const Step* step = nullptr;
+    const std::map<std::size_t, Local>* others = nullptr;
     Local nodes = {};
 
-    [[nodiscard]] bool moves(const Literal& l) const { return l.node != kNone || (step != nullptr && step->next.contains(l.atom)); }
+    [[nodiscard]] bool is_other(const Literal& l) const { return l.node != kNone || (others != nullptr && others->contains(l.atom)); }
     [[nodiscard]] const expr& of(const Literal& l) const {
       if (l.node != kNone) return nodes[l.node];
-      return (moves(l) ? step->next.at(l.atom) : state[l.atom])[l.variable];
+      return (is_other(l) ? others->at(l.atom) : state[l.atom])[l.variable];
     }
   };
-  [[nodiscard]] View seen(const State& state, const View* before = nullptr, const Step* step = nullptr) const {
-    View view{state, before, step};
+  [[nodiscard]] View seen(const State& state, const std::map<std::size_t, Local>* others = nullptr) const {
+    View view{state, others};
     for (const Fact& node : c_.nodes) view.nodes.push_back(says(node, view));
     return view;
   }
   // Of a sum after a step: that the step does not change it.
-  [[nodiscard]] expr says(const Fact& fact, const View& view) const {
+  [[nodiscard]] expr says(const Fact& fact, const View& view, const View* from = nullptr) const {
     if (!fact.total) return terms_.some(fact.cases, [&](const Case& one) { return holds(one, view); });
     const expr nothing = terms_.constant("int", 0);
     expr sum = nothing;
+    const auto add = [&](const Case& one, const expr& e, int weight) {
+      const expr times = terms_.constant("int", weight);
+      sum = sum + (one.is_value ? times * e : choose(e, times, nothing));
+    };
+    const auto is_other = [&](const Literal& l) { return view.is_other(l); };
     for (const Case& one : fact.cases) {
-      const expr weight = terms_.constant("int", one.weight);
-      const auto worth = [&](const View& at) { return one.is_value ? weight * at.of(one.literals[0]) : choose(holds(one, at), weight, nothing); };
-      const bool stays = view.before != nullptr && std::none_of(one.literals.begin(), one.literals.end(), [&](const Literal& l) { return view.moves(l); });
-      if (!stays) sum = sum + worth(view) - (view.before == nullptr ? nothing : worth(*view.before));
+      if (from != nullptr && std::none_of(one.literals.begin(), one.literals.end(), is_other)) continue;
+      const auto worth = [&](const View& at) { return one.is_value ? at.of(one.literals[0]) : holds(one, at); };
+      const expr is = worth(view), was = from == nullptr ? nothing : worth(*from);
+      if (z3::eq(is, was)) continue;
+      add(one, is, one.weight);
+      if (from != nullptr) add(one, was, -one.weight);
     }
-    return equals(sum.simplify(), view.before == nullptr ? *fact.total : 0);
+    return equals(sum.simplify(), from == nullptr ? *fact.total : 0);
   }
   [[nodiscard]] expr holds(const Case& one, const View& view) const {
     return terms_.all(one.literals, [&](const Literal& l) {

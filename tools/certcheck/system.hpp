@@ -9,8 +9,8 @@ namespace certcheck {
 
 using State = std::vector<Local>;  // by atom
 struct Step {
-  expr possible, offered, fault;      // offered: whatever priorities hide; shorter
-  std::map<std::size_t, Local> next;  // of the atoms that may move
+  expr possible, offered, fault;           // offered: whatever priorities hide; shorter
+  std::map<std::size_t, Local> now, next;  // of the atoms that may move; what is known of them if the step is taken
 };
 
 class System {
@@ -57,9 +57,11 @@ class System {
     for (const Candidate& c : all_) {
       if (!shape_of(c.node, false).is_complete) throw NotCheckable("a connector has too many interactions");
       if (is(c.possible, false)) continue;
-      Step step{c.possible, c.offered, t_.truth(false), {}};
-      Store store = c.store;
-      fire(c, c.node, c.chosen.at(c.node), store, step);
+      Step step{c.possible, c.offered, t_.truth(false), {}, {}};
+      // What takes part in any case does so for sure.
+      Candidate taken = c;
+      for (auto& [node, is_in] : taken.chosen) is_in = z3::eq(is_in, c.chosen.at(c.node)) ? t_.truth(true) : is_in;
+      fire(taken, c.node, t_.truth(true), taken.store, step);
       visit(step);
     }
   }
@@ -313,7 +315,8 @@ class System {
     if (m_.nodes[node].connector == kNone) {
       const std::size_t atom = m_.atom_of_port.at(node);
       Local& local = local_of(atom, store);
-      t_.fire(m_.type_of(atom), offers_[atom], node - m_.first_port[atom], local, when, step.fault);
+      Local& now = step.now.try_emplace(atom, now_[atom]).first->second;
+      t_.fire(m_.type_of(atom), offers_[atom], node - m_.first_port[atom], now, local, when, step.fault);
       step.next.insert_or_assign(atom, local);
       return;
     }

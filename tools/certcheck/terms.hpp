@@ -266,12 +266,18 @@ class Terms {
     move(type, t, local, when, fault);
     settle(type, local, when, fault);
   }
-  /// Fires a port of the offer.
-  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& local, const expr& when, expr& fault) const {
-    const Local before = local;
+  /// Fires a port of the offer. If that is for sure, and in one way only, it is known where an automaton is before.
+  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& now, Local& local, const expr& when, expr& fault) const {
+    Rows ways;
     for (std::size_t t = 0; t < type.transitions.size(); ++t) {
-      const expr on = both(when, offer.transitions[t]);
-      if (type.transitions[t].port != port || is(on, false)) continue;
+      if (type.transitions[t].port == port && !is(offer.transitions[t], false)) ways.push_back(t);
+    }
+    const bool is_sure = ways.size() == 1 && is(when, true);
+    for (std::size_t p = 0; p < type.places && is_sure && type.is_automaton; ++p) now[p] = truth(p == type.transitions[ways[0]].from[0]);
+    const Local before = local;
+    for (std::size_t t : ways) {
+      const expr on = is_sure ? when : both(when, offer.transitions[t]);
+      if (is(on, false)) continue;
       Local next = before;
       take(type, type.transitions[t], next, on, fault);
       merge(on, next, local);
