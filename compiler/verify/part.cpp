@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "compiler/verify/abstract_code.hpp"
+#include "compiler/verify/cut_guard.hpp"
 
 namespace bip::verify {
 
@@ -22,8 +22,8 @@ void sort_unique(std::vector<T>& rows) {
 
 class Cutter {
  public:
-  Cutter(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read, const std::vector<u32>& members)
-      : whole_(whole), neighbours_(neighbours), is_read_(is_read) {
+  Cutter(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read, const KnownSlot& constant, const std::vector<u32>& members)
+      : whole_(whole), neighbours_(neighbours), is_read_(is_read), constant_(constant) {
     part_.members = members;
   }
 
@@ -58,7 +58,9 @@ class Cutter {
     // A connector comes after those that it is bound to.
     sort_unique(trees);
     for (const u32 row : trees) keep(ConnectorId(std::size_t{row}));
-    for (const std::vector<Neighbours::Leaf>& leaves : cuts_) add_cut(leaves);
+    for (const auto& [leaves, guards] : cuts_) {
+      for (const auto& [text, guard] : guards) add_cut(leaves, guard);
+    }
     if (!whole_.priorities.empty()) {
       for (AtomType& type : to.atom_types) {
         for (Transition& t : type.transitions) {
@@ -87,7 +89,13 @@ class Cutter {
       part_.problem = "`" + whole_.connectors[top.connector].path + "` has too many ports in it";
       return;
     }
-    if (top.is_plain) cuts_.insert(inside);
+    if (top.is_plain) {
+      const CutGuard guard = cut_guard(whole_, top, part_.system.code, constant_, inside);
+      // One without a guard allows what others would.
+      std::map<std::vector<std::int64_t>, ExprId>& guards = cuts_[inside];
+      if (guard.text.empty()) guards.clear();
+      if (guards.count({}) == 0) guards[guard.text] = guard.guard;
+    }
     for (u32 bits = 1; !top.is_plain && bits < 1u << inside.size(); ++bits) {
       std::vector<Neighbours::Leaf> chosen;
       bool is_twice = false;
@@ -96,7 +104,7 @@ class Cutter {
         is_twice = is_twice || (!chosen.empty() && chosen.back().atom == inside[k].atom);
         chosen.push_back(inside[k]);
       }
-      if (!is_twice) cuts_.insert(chosen);
+      if (!is_twice) cuts_[chosen] = {{{}, ExprId()}};
     }
     for (const Neighbours::Leaf& leaf : inside) {
       AtomType& type = part_.system.atom_types[part_.system.atoms[new_atom_[leaf.atom]].type];
@@ -138,7 +146,7 @@ class Cutter {
     part_.is_whole.push_back(1);
   }
 
-  void add_cut(const std::vector<Neighbours::Leaf>& leaves) {
+  void add_cut(const std::vector<Neighbours::Leaf>& leaves, ExprId guard) {
     System& to = part_.system;
     ConnectorType type;
     type.name = "Cut" + std::to_string(to.connectors.size());
@@ -159,6 +167,12 @@ class Cutter {
       ref.port = leaf.port;
       connector.ports.push_back(ref);
     }
+    if (guard.is_valid()) {
+      Clause clause;
+      for (u32 param = 0; param < type.params.size(); ++param) clause.params.push_back(param);
+      clause.guard = guard;
+      type.clauses.push_back(std::move(clause));
+    }
     connector.type = to.connector_types.push(std::move(type));
     to.connectors.push(std::move(connector));
     part_.is_whole.push_back(0);
@@ -168,7 +182,8 @@ class Cutter {
   const Neighbours& neighbours_;
   const std::vector<std::vector<std::uint8_t>>& is_read_;
   Part part_;
-  std::set<std::vector<Neighbours::Leaf>> cuts_;  // what several would leave of themselves is there once
+  const KnownSlot& constant_;
+  std::map<std::vector<Neighbours::Leaf>, std::map<std::vector<std::int64_t>, ExprId>> cuts_;  // what several would leave of themselves is there once
   std::map<u32, AtomId> new_atom_;
   std::map<u32, ConnectorId> new_connector_;
   std::map<u32, ConnectorTypeId> new_type_;
@@ -250,8 +265,8 @@ void Neighbours::walk(const System& system, Top& top) {
   sort_unique(top.written);
 }
 
-Part cut_out(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read, const std::vector<u32>& members) {
-  return Cutter(whole, neighbours, is_read, members).cut();
+Part cut_out(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read, const KnownSlot& constant, const std::vector<u32>& members) {
+  return Cutter(whole, neighbours, is_read, constant, members).cut();
 }
 
 }  // namespace bip::verify

@@ -3,15 +3,18 @@
 //
 // A connector all of whose components are in the part stays what it is. Of any other only its ports in the part are left, as
 // steps that may be taken whenever these are enabled and that nobody is in a hurry to take: a rendezvous of all of them, or, where triggers,
-// merged ports or other connectors decide who takes part, each set of them. Rules between connectors only hide steps and are left out,
+// merged ports or other connectors decide who takes part, each set of them. Of a rendezvous' guard stays what is decided in the part and by
+// data of others that never change. Rules between connectors only hide steps and are left out,
 // with the urgency of what they might hide. What a cut connector would write into data that is read, or let resume together, cannot be
 // cut: the components that belong to it are told instead. Names and places in the source are left out: parts that are alike are equal.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "compiler/system/system.hpp"
+#include "compiler/verify/abstract_code.hpp"
 
 namespace bip::verify {
 
@@ -52,7 +55,14 @@ struct Part {
   std::vector<std::uint8_t> is_whole;  // by connector of the part
 };
 
-/// members: ascending rows of atoms. is_read: find_read_data of the whole.
-[[nodiscard]] Part cut_out(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read, const std::vector<u32>& members);
+/// What is known of an atom's slot.
+using KnownSlot = std::function<AbstractValue(u32 atom, u32 slot)>;
+
+/// members: ascending rows of atoms. is_read: find_read_data of the whole. constant: of what never changes.
+[[nodiscard]] Part cut_out(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read, const KnownSlot& constant,
+                           const std::vector<u32>& members);
+
+/// May the guard of a rendezvous be true where this is known of its atoms? Of others than rendezvous: yes.
+[[nodiscard]] bool may_hold(const System& system, const Neighbours::Top& top, const KnownSlot& value);
 
 }  // namespace bip::verify

@@ -24,7 +24,10 @@ constexpr u32 kRounds = 100000, kRoundsPerLocation = 200;
 struct LocalState {
   std::vector<u32> places;
   std::vector<std::int32_t> values;  // by slot
+  friend auto operator<=>(const LocalState&, const LocalState&) = default;
 };
+// Of a component that holds time up: those that need neighbours of their own.
+constexpr std::size_t kMaxLocalStates = 2000;
 
 // What was found of a part, and what it rests on: states of its members that the whole cannot have.
 struct Explored {
@@ -41,6 +44,9 @@ class TimeProver {
     far_ = at_the_end_of_time(simple_);
     net_ = build_net(far_);
     if (net_.too_large_atom != kNoRow) return fail("`" + path_of(net_.too_large_atom) + "` has too many local states");
+    std::vector<std::vector<AbstractValue>> constants;
+    for (const ModeClass& row : net_.classes) constants.push_back(constants_of(row));
+    constant_ = [this, constants](u32 atom, u32 slot) { return constants[net_.class_of[atom]][slot]; };
     if (has_deadlock()) return fail("a deadlock is not excluded by invariants");
     facts_ = std::make_unique<ModeFacts>(net_, Encoded::Nothing, end_);
     for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
@@ -108,30 +114,33 @@ class TimeProver {
     return !facts_->may_be(sets, kRoundsPerLocation);
   }
 
-  // A part that is like one from before has the same zones, if the same states are impossible.
-  const rt::PartReport& explore(const Part& part, u32 target) {
+  // A part that is like one from before has the same zones, if the same states are impossible. only: the target's state that is asked about.
+  const rt::PartReport& explore(const Part& part, u32 target, const LocalState* only) {
     std::string key = system::print(part.system) + std::to_string(target);
+    if (only != nullptr) {
+      for (const u32 place : only->places) key += ' ' + std::to_string(place);
+      for (const std::int32_t value : only->values) key += ',' + std::to_string(value);
+    }
     for (const std::uint8_t one : part.is_whole) key += one != 0 ? 'w' : 'c';
     if (const auto known = known_.find(key); known != known_.end()) {
       const std::vector<std::vector<LocalState>>& rests_on = known->second.impossible;
       if (std::all_of(rests_on.begin(), rests_on.end(), [&](const std::vector<LocalState>& states) { return is_impossible(part.members, states); })) return known->second.report;
     }
     Explored found;
-    rt::PartQuestion question{.atom = target, .is_whole = part.is_whole, .is_impossible = {}};
+    rt::PartQuestion question{.atom = target, .is_whole = part.is_whole, .is_impossible = {}, .is_asked = {}};
+    const auto state_of = [&](const rt::Core& core, u32 row) { return local_state(core, row, part.system.atom_types[part.system.atoms[AtomId(std::size_t{row})].type]); };
+    if (only != nullptr) question.is_asked = [&](const rt::Core& core) { return state_of(core, target) == *only; };
     // One alone is in what modes it is.
     if (part.members.size() > 1) {
       question.is_impossible = [&](const rt::Core& core) {
         std::vector<LocalState> states;
-        for (u32 row = 0; row < part.members.size(); ++row) states.push_back(local_state(core, row, part.system.atom_types[part.system.atoms[AtomId(std::size_t{row})].type]));
+        for (u32 row = 0; row < part.members.size(); ++row) states.push_back(state_of(core, row));
         if (!is_impossible(part.members, states)) return false;
         found.impossible.push_back(std::move(states));
         return true;
       };
     }
-    rt::ExploreOptions options;
-    options.limit = limits_.zones;
-    options.is_stopped = [&] { return seconds_until(end_) <= 0; };
-    found.report = explore_(part.system, options, question);
+    found.report = explore_(part.system, options(), question);
     ++proof_.explored;
     proof_.zones += found.report.zones;
     Explored& kept = known_[key];
@@ -139,22 +148,60 @@ class TimeProver {
     return kept.report;
   }
 
-  // Is somebody always able to go on where this component holds time up?
+  // Is somebody always able to go on where this component holds time up? If a few neighbours do not show it for all of its states, then
+  // each of these may have its own.
   bool goes_on(u32 target) {
+    if (goes_on(target, nullptr)) return true;
+    if (!is_too_large_) return false;
+    const std::string reason = proof_.reason;
+    const Part alone = cut_out(simple_, neighbours_, is_read_, constant_, {target});
+    const AtomType& type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{target})].type];
+    if (!alone.needed.empty()) return false;
+    std::set<LocalState> done;
+    while (done.size() < kMaxLocalStates) {
+      LocalState open;
+      rt::PartQuestion question{.atom = 0, .is_whole = alone.is_whole, .is_impossible = {}, .is_asked = {}};
+      question.is_asked = [&](const rt::Core& core) {
+        LocalState state = local_state(core, 0, type);
+        if (done.count(state) != 0) return false;
+        open = std::move(state);
+        return true;
+      };
+      const rt::PartReport found = explore_(alone.system, options(), question);
+      ++proof_.explored;
+      proof_.zones += found.zones;
+      if (!found.is_open) return found.is_complete;
+      if (!goes_on(target, &open)) return false;
+      done.insert(std::move(open));
+    }
+    proof_.reason = reason;
+    return false;
+  }
+
+  [[nodiscard]] rt::ExploreOptions options() const {
+    rt::ExploreOptions options;
+    options.limit = limits_.zones;
+    options.is_stopped = [this] { return seconds_until(end_) <= 0; };
+    return options;
+  }
+
+  bool goes_on(u32 target, const LocalState* only) {
     std::vector<u32> joined{target};
+    is_too_large_ = false;
     while (joined.size() <= limits_.members) {
       std::vector<u32> members = joined;
       std::sort(members.begin(), members.end());
-      const Part part = cut_out(simple_, neighbours_, is_read_, members);
+      const Part part = cut_out(simple_, neighbours_, is_read_, constant_, members);
       proof_.reason = part.problem;
       if (!part.problem.empty()) return false;
       if (!part.needed.empty()) {
         join(part.needed, joined);
         continue;
       }
-      const rt::PartReport& found = explore(part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), target) - members.begin()));
+      const rt::PartReport& found = explore(part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), target) - members.begin()), only);
       proof_.largest = std::max<std::uint64_t>(proof_.largest, members.size());
       if (!found.is_open) {
+        is_too_large_ = !found.is_complete;
         if (seconds_until(end_) <= 0) proof_.reason = "the time is over";
         else if (!found.is_complete) proof_.reason = found.inexact.empty() ? "the neighbourhood of `" + path_of(target) + "` has too many zones" : found.inexact;
         return found.is_complete;
@@ -164,6 +211,7 @@ class TimeProver {
         return false;
       }
     }
+    is_too_large_ = true;
     proof_.reason = "time may stand still at `" + path_of(target) + "`, as far as it and " + std::to_string(limits_.members - 1) + " neighbours show";
     return false;
   }
@@ -178,6 +226,15 @@ class TimeProver {
   // one with the fewest others.
   bool add_neighbour(const Part& part, const rt::State& open, std::vector<u32>& joined) const {
     std::set<std::array<std::size_t, 4>> choices;  // whose port, its connectors, others in this one, its row
+    std::vector<std::size_t> first_slot{0};        // by member
+    for (const u32 atom : part.members) first_slot.push_back(first_slot.back() + simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].slots.size());
+    const KnownSlot value = [&](u32 atom, u32 slot) {
+      const auto at = std::lower_bound(part.members.begin(), part.members.end(), atom);
+      if (at == part.members.end() || *at != atom) return constant_(atom, slot);
+      const Type type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].slots[slot].type;
+      if (type != Type::Int && type != Type::Bool) return AbstractValue{};
+      return known(static_cast<std::int32_t>(open.data[first_slot[static_cast<std::size_t>(at - part.members.begin())] + slot]));
+    };
     for (std::size_t order = 0; order < joined.size(); ++order) {
       const u32 atom = joined[order];
       const auto row = static_cast<u32>(std::lower_bound(part.members.begin(), part.members.end(), atom) - part.members.begin());
@@ -185,7 +242,7 @@ class TimeProver {
       std::map<u32, std::vector<u32>> tops;  // by port
       for (const u32 top : neighbours_.tops_of(atom)) {
         for (const Neighbours::Leaf& leaf : neighbours_.tops()[top].leaves) {
-          if (leaf.atom == atom && may_offer(type, leaf.port, row, open)) tops[leaf.port].push_back(top);
+          if (leaf.atom == atom && may_offer(type, leaf.port, row, open) && may_hold(simple_, neighbours_.tops()[top], value)) tops[leaf.port].push_back(top);
         }
       }
       for (const auto& [port, rows] : tops) {
@@ -215,6 +272,8 @@ class TimeProver {
   Clock::time_point end_;
   PartLimits limits_;
   Net net_;
+  KnownSlot constant_;
+  bool is_too_large_ = false;  // why there is no answer: not within the limits
   std::unique_ptr<ModeFacts> facts_;
   std::map<std::string, Explored> known_;  // by what a part is
   TimeProof proof_;

@@ -4,6 +4,7 @@
 // lock needs a component whose invariants hold time up. For each of them: the zones of the component and of so many of its neighbours as are
 // needed to see that somebody among them can go on (part.hpp); the others may do anything that does not lead where the invariants of the
 // system without time exclude it (mode_facts.hpp). A neighbour is added where the zones leave a time lock open: one that a port waits for.
+// If they become too many, each local state of the component that holds time up has neighbours of its own.
 //
 // Proved is proved; a reason says no more than that this was not enough. After the idea of L. Astefanoaei, S. Ben Rayana, S. Bensalem,
 // M. Bozga, J. Combaz: Compositional Invariant Generation for Timed Systems (2014). Where they relate components' clocks by history

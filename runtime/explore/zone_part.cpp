@@ -20,8 +20,9 @@ bool ZoneSearch::is_impossible(u32 row) {
 }
 
 // rest: where no step of the part alone can be taken.
-bool ZoneSearch::is_held_up(const Location& at, const std::vector<Zone>& rest) const {
+bool ZoneSearch::is_held_up(const Location& at, const std::vector<Zone>& rest) {
   if (rest.empty()) return false;
+  if (part_->is_asked && enter_core(at, rest[0].least_point()) && !part_->is_asked(core_)) return false;
   if (!at.may_go_on) return true;
   const AtomTime* time = image_.atom_types[image_.atoms[part_->atom].type].time;
   const u32 first = core_.first_clock(part_->atom) + 1, end = first + (time == nullptr ? 0 : time->clocks.size);

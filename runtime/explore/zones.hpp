@@ -44,6 +44,7 @@ struct PartQuestion {
   u32 atom = 0;
   std::vector<std::uint8_t> is_whole;                 // by connector: a candidate in the part is one in the whole; so are internal ports
   std::function<bool(const Core&)> is_impossible;     // no state of the whole has these markings and data; asked once each
+  std::function<bool(const Core&)> is_asked;          // only there; empty: everywhere
 };
 struct PartReport {
   bool is_complete = false;       // all zones were seen, or an open one was found

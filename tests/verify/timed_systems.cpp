@@ -1,5 +1,6 @@
 // See timed_systems.hpp. Two or three atoms of types of their own, each with one or two clocks: guards with bounds, all urgencies,
-// invariants, data that guards read, limits that are data, `resume`; rendezvous, broadcasts, internal ports, rules.
+// invariants, data that guards of transitions and connectors read and connectors write, limits that are data, `resume`; rendezvous,
+// broadcasts, internal ports, rules.
 #include "tests/verify/timed_systems.hpp"
 
 #include <vector>
@@ -15,8 +16,10 @@ class Writer {
   Writer(std::uint64_t seed, std::uint64_t more) : random_(seed * 2654435761u + 1), more_(more) {}
 
   std::string write() {
-    text_ = "package t\n  port type P()\n  connector type One(P a)\n    define a\n  end\n  connector type Two(P a, P b)\n    define a b\n  end\n"
-            "  connector type Sync(P a, P b)\n    define a b resume sync\n  end\n  connector type Cast(P a, P b)\n    define a' b\n  end\n";
+    text_ = "package t\n  port type P(int v)\n  connector type One(P a)\n    define a\n  end\n  connector type Two(P a, P b)\n    define a b\n  end\n"
+            "  connector type Sync(P a, P b)\n    define a b resume sync\n  end\n  connector type Cast(P a, P b)\n    define a' b\n  end\n"
+            "  connector type Most(P a, P b)\n    define a b\n    on a b provided (a.v <= b.v && 2 > b.v)\n  end\n"
+            "  connector type Pass(P a, P b)\n    define a b\n    on a b down { b.v = a.v; }\n  end\n";
     const std::uint64_t atoms = 2 + below(2) + more_;
     for (std::uint64_t k = 0; k < atoms; ++k) write_atom(k);
     text_ += "  compound type Root()\n";
@@ -28,8 +31,8 @@ class Writer {
     };
     for (std::uint64_t k = 0; k < atoms; ++k) {
       if (below(2) == 0) add("One (a" + number(k) + ".p)");
-      static const char* const kinds[] = {"Two", "Sync", "Cast"};
-      add(std::string(kinds[below(3)]) + " (a" + number(k) + "." + (below(2) == 0 ? "p" : "q") + ", a" + number((k + 1) % atoms) + "." + (below(2) == 0 ? "p" : "q") + ")");
+      static const char* const kinds[] = {"Two", "Two", "Sync", "Cast", "Cast", "Most", "Most", "Pass"};
+      add(std::string(kinds[below(8)]) + " (a" + number(k) + "." + (below(2) == 0 ? "p" : "q") + ", a" + number((k + 1) % atoms) + "." + (below(2) == 0 ? "p" : "q") + ")");
     }
     if (below(3) == 0) text_ += "    priority r " + connectors[0] + ":* < " + connectors[1] + ":*\n";
     return text_ + "  end\nend\n";
@@ -65,8 +68,8 @@ class Writer {
   void write_atom(std::uint64_t k) {
     has_second_ = below(3) == 0;
     const std::uint64_t places = 1 + below(3);
-    text_ += "  atom type A" + number(k) + "()\n    clock x" + (has_second_ ? std::string(", y") : "") + " unit nanosecond\n    data int n = 0\n";
-    text_ += "    export port P p(), q()\n    port P i()\n    place S0";
+    text_ += "  atom type A" + number(k) + "()\n    clock x" + (has_second_ ? std::string(", y") : "") + " unit nanosecond\n    data int n = " + number(below(3)) + "\n";
+    text_ += "    export port P p(n), q(n)\n    port P i(n)\n    place S0";
     for (std::uint64_t place = 1; place < places; ++place) text_ += ", S" + number(place);
     text_ += "\n    initial to S0" + std::string(below(4) == 0 ? " resume (x >= " + constant() + ")" : "") + "\n";
     std::string body;
