@@ -1,5 +1,10 @@
-// The trace file: JSON lines, version 1. Byte-identical for the same model, seed and policy. See trace.hpp. Names are quoted once.
+// The trace file: JSON lines, version 1. Byte-identical for the same model, seed and policy. See trace.hpp.
+//
+// Names are quoted once. Where a slot has one set of participants all of its line is known but for numbers: a step copies the pieces
+// between them, and the string that all goes to grows once.
+#include <charconv>
 #include <cmath>
+#include <cstring>
 
 #include "runtime/core/text.hpp"
 #include "runtime/trace/trace.hpp"
@@ -14,6 +19,31 @@ void append_json_value(std::string& out, const Image& image, SlotType type, Slot
   if (quoted) out += '"';
   append_value(out, image, type, value);
   if (quoted) out += '"';
+}
+
+constexpr std::size_t kRoom = 2048, kHeadRoom = 192, kValueRoom = 12, kNumberRoom = 20;  // of a line; before its name; of an int or bool; of any
+// Writes where there is room.
+struct Pen {
+  char* at;
+  void put(std::string_view text) {
+    std::memcpy(at, text.data(), text.size());
+    at += text.size();
+  }
+  template <class Number>
+  void number(Number value) {
+    at = std::to_chars(at, at + kNumberRoom, value).ptr;
+  }
+};
+
+// `{"port":"ROOT.a.p"}`, or the beginning up to the first variable.
+void append_port_head(std::string& out, const Core& core, const Participant& participant) {
+  const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
+  std::string name = core.image().atoms[participant.atom].path;
+  name += '.';
+  name += port.name;
+  out += R"({"port":)";
+  append_quoted(out, name.c_str());
+  out += port.slots.size == 0 ? "}" : R"(,"values":{)";
 }
 
 }  // namespace
@@ -52,70 +82,115 @@ void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed,
 }
 
 void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
-  out += R"({"step":)";
-  append_number(out, number);
+  if (lines_.empty()) begin_lines(core);
+  Line& line = lines_[candidate.slot];
+  if (line.text.empty()) begin_line(line, core, candidate);
+  char room[kRoom + kNumberRoom];
+  Pen pen{room};
+  pen.put(R"({"step":)");
+  pen.number(number);
   if (core.is_timed()) {
-    out += R"(,"time":)";
-    append_number(out, static_cast<u64>(core.now()));
+    pen.put(R"(,"time":)");
+    pen.number(static_cast<u64>(core.now()));
   }
   if (k != kNoChoice) {
-    out += R"(,"choice":)";
-    append_number(out, k);
-    out += R"(,"candidates":)";
-    append_number(out, core.candidate_count());
+    pen.put(R"(,"choice":)");
+    pen.number(k);
+    pen.put(R"(,"candidates":)");
+    pen.number(core.candidate_count());
   }
-  if (slots_.empty()) slots_.resize(core.tables().slots.size());
-  std::string& slot = slots_[candidate.slot];
-  if (slot.empty()) {
-    std::string name;
-    append_candidate(name, core, candidate);
-    slot = R"(,"interaction":)";
-    append_quoted(slot, name.c_str());
-    slot += R"(,"ports":[)";
+  const auto flush = [&] {
+    out.append(room, static_cast<std::size_t>(pen.at - room));
+    pen.at = room;
+  };
+  if (!line.is_whole) {
+    flush();
+    out += line.text;
+    append_ports(out, core, candidate);
+    return;
   }
-  out += slot;
+  const std::string_view text = line.text;
+  std::size_t from = 0;
+  for (u32 row = line.first_value; row < line.first_value + line.values; ++row) {
+    const Value& value = values_[row];
+    pen.put(text.substr(from, value.at - from));
+    from = value.at;
+    const Slot& slot = core.shown(value.atom, value.port, value.variable);
+    if (value.type == SlotType::Int) {
+      pen.number(slot.i);
+    } else if (value.type == SlotType::Bool) {
+      pen.put(slot.i != 0 ? "true" : "false");
+    } else {
+      flush();
+      append_json_value(out, core.image(), value.type, slot);
+    }
+  }
+  pen.put(text.substr(from));
+  flush();
+}
+
+void JsonWriter::begin_lines(const Core& core) {
+  lines_.resize(core.tables().slots.size());
+  ports_.resize(core.tables().port_atom.size());
+  for (const PortType& type : core.image().port_types) {
+    first_variable_.push_back(static_cast<u32>(variables_.size()));
+    for (const Var& variable : type.vars) {
+      append_quoted(variables_.emplace_back(), variable.name);
+      variables_.back() += ':';
+    }
+  }
+}
+
+// All of the line if who takes part is always the same and there is room for it.
+void JsonWriter::begin_line(Line& line, Core& core, const Candidate& candidate) {
+  std::string name;
+  append_candidate(name, core, candidate);
+  line.text = R"(,"interaction":)";
+  append_quoted(line.text, name.c_str());
+  line.text += R"(,"ports":[)";
+  const SlotKind kind = core.tables().slots[candidate.slot].kind;
+  if (kind != SlotKind::Port && kind != SlotKind::Flat) return;
+  std::string whole = line.text;
+  line.first_value = static_cast<u32>(values_.size());
+  core.participants(candidate, participants_);
+  for (const Participant& participant : participants_) {
+    if (whole.back() != '[') whole += ',';
+    append_port_head(whole, core, participant);
+    const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
+    for (u32 i = 0; i < port.slots.size; ++i) {
+      if (i != 0) whole += ',';
+      whole += variables_[first_variable_[port.type] + i];
+      values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, core.image().port_types[port.type].vars[i].type});
+    }
+    if (port.slots.size != 0) whole += "}}";
+  }
+  whole += "]}\n";
+  line.values = static_cast<u32>(values_.size()) - line.first_value;
+  line.is_whole = kHeadRoom + whole.size() + line.values * kValueRoom <= kRoom;
+  if (line.is_whole) line.text = std::move(whole);
+  else values_.resize(line.first_value);
+}
+
+void JsonWriter::append_ports(std::string& out, Core& core, const Candidate& candidate) {
   core.participants(candidate, participants_);
   bool first = true;
   for (const Participant& participant : participants_) {
     if (!first) out += ',';
     first = false;
-    append_port(out, core, participant);
+    std::string& text = ports_[core.tables().instance(participant.atom, participant.port)];
+    if (text.empty()) append_port_head(text, core, participant);
+    out += text;
+    const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
+    if (port.slots.size == 0) continue;
+    const PortType& type = core.image().port_types[port.type];
+    for (u32 i = 0; i < port.slots.size; ++i) {
+      if (i != 0) out += ',';
+      out += variables_[first_variable_[port.type] + i];
+      append_json_value(out, core.image(), type.vars[i].type, core.shown(participant.atom, participant.port, i));
+    }
+    out += "}}";
   }
   out += "]}\n";
-}
-
-void JsonWriter::append_port(std::string& out, const Core& core, const Participant& participant) {
-  const Image& image = core.image();
-  const Tables& tables = core.tables();
-  const Port& port = tables.atom_type(participant.atom).ports[participant.port];
-  if (ports_.empty()) {
-    ports_.resize(tables.port_atom.size());
-    for (const PortType& type : image.port_types) {
-      first_variable_.push_back(static_cast<u32>(variables_.size()));
-      for (const Var& variable : type.vars) {
-        append_quoted(variables_.emplace_back(), variable.name);
-        variables_.back() += ':';
-      }
-    }
-  }
-  std::string& text = ports_[tables.instance(participant.atom, participant.port)];
-  if (text.empty()) {
-    std::string name = image.atoms[participant.atom].path;
-    name += '.';
-    name += port.name;
-    text = R"({"port":)";
-    append_quoted(text, name.c_str());
-    text += port.slots.size == 0 ? "}" : R"(,"values":{)";
-  }
-  out += text;
-  if (port.slots.size == 0) return;
-  const PortType& type = image.port_types[port.type];
-  for (u32 i = 0; i < port.slots.size; ++i) {
-    if (i != 0) out += ',';
-    out += variables_[first_variable_[port.type] + i];
-    append_json_value(out, image, type.vars[i].type, core.shown(participant.atom, participant.port, i));
-  }
-  out += "}}";
 }
 
 void append_json_fault(std::string& out, const Core& core) {

@@ -75,11 +75,25 @@ class JsonWriter {
   void end(std::string& out, const Core& core, End end, std::uint64_t steps);
 
  private:
-  void append_port(std::string& out, const Core& core, const Participant& participant);
+  /// What a step of a slot writes: all after the number of candidates, values left out, or, if who takes part differs, the name.
+  struct Line {
+    std::string text;
+    u32 first_value = 0, values = 0;     // rows of values_
+    bool is_whole = false;
+  };
+  /// Of a variable of a port: it comes before the character `at`.
+  struct Value {
+    u32 at, atom, port, variable;
+    SlotType type;
+  };
+  void begin_lines(const Core& core);
+  void begin_line(Line& line, Core& core, const Candidate& candidate);
+  void append_ports(std::string& out, Core& core, const Candidate& candidate);
   std::vector<Participant> participants_;
   // Text that comes again, made when it comes first: a writer is for one image.
-  std::vector<std::string> slots_;       // by slot: its name and what is around it
-  std::vector<std::string> ports_;       // by port instance
+  std::vector<Line> lines_;              // by slot
+  std::vector<Value> values_;
+  std::vector<std::string> ports_;       // by port instance, for lines that are not whole
   std::vector<std::string> variables_;   // by first_variable_ of a port type + variable: the quoted name and a colon
   std::vector<u32> first_variable_;
 };
