@@ -166,6 +166,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     (void)close_file(file, options.trace_path, err);
     return {End::Fault, 0, 2};
   }
+  // What comes is large: no second buffer.
+  if (file != nullptr) std::setvbuf(file, nullptr, _IONBF, 0);
   const std::uint64_t seed = options.has_seed ? options.seed : draw_seed();
   Output output(options, seed, out, file, image);
   output.begin(image);

@@ -1,8 +1,8 @@
 // See waker.hpp.
 #include "runtime/engine/waker.hpp"
 
-#include <poll.h>
-#include <sys/eventfd.h>
+#include <linux/futex.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -22,34 +22,22 @@ i64 wall_clock() {
   return static_cast<i64>(at.tv_sec) * kSecond + at.tv_nsec;
 }
 
-Waker::Waker() : file_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
-Waker::~Waker() {
-  if (file_ >= 0) ::close(file_);
-}
-
 void Waker::wake() noexcept {
   // Who posts for all he is worth finds nobody asleep, and writes to nothing that others read.
-  if (!sleeps_.load(std::memory_order_seq_cst) || !sleeps_.exchange(false, std::memory_order_seq_cst)) return;
+  if (sleeps_.load(std::memory_order_seq_cst) == 0 || sleeps_.exchange(0, std::memory_order_seq_cst) == 0) return;
   const int before = errno;
-  const std::uint64_t one = 1;
-  // It fails only if it is full, and then the sleeper wakes anyway.
-  [[maybe_unused]] const ssize_t written = ::write(file_, &one, sizeof one);
+  (void)::syscall(SYS_futex, &sleeps_, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
   errno = before;
 }
 
 void Waker::sleep_until(i64 instant) noexcept {
-  pollfd waits{file_, POLLIN, 0};
-  while (sleeps_.load(std::memory_order_seq_cst)) {
-    const i64 left = std::min(instant == kForever ? kLongest : instant - wall_clock(), kLongest);
-    if (left <= 0) break;
-    const timespec length{static_cast<std::time_t>(left / kSecond), static_cast<long>(left % kSecond)};
-    if (::ppoll(&waits, 1, &length, nullptr) != 0) break;
+  const i64 end = instant == kForever ? wall_clock() + kLongest : instant;
+  const timespec until{static_cast<std::time_t>(end / kSecond), static_cast<long>(end % kSecond)};
+  // An instant that has passed times out at once; a wake since prepare() has changed the word.
+  while (sleeps_.load(std::memory_order_seq_cst) != 0) {
+    if (::syscall(SYS_futex, &sleeps_, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr, FUTEX_BITSET_MATCH_ANY) != 0 && errno != EAGAIN) break;
   }
-  sleeps_.store(false, std::memory_order_relaxed);
-  std::uint64_t count = 0;
-  if ((waits.revents & POLLIN) != 0) {
-    [[maybe_unused]] const ssize_t read = ::read(file_, &count, sizeof count);
-  }
+  sleeps_.store(0, std::memory_order_relaxed);
 }
 
 }  // namespace bip::rt

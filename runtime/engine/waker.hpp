@@ -1,9 +1,10 @@
 // Sleeping until an instant of the wall clock, or until somebody wakes: another thread, or a signal handler.
 //
-// An eventfd and poll: no wake is lost between looking and sleeping, and no time is spent between. wake() costs a system call only
-// if somebody sleeps.
+// A futex: the kernel compares the word before it lets anybody sleep, so no wake is lost between looking and sleeping, and no time
+// is spent between. wake() costs a system call only if somebody sleeps. One thread sleeps.
 #pragma once
 #include <atomic>
+#include <cstdint>
 
 #include "runtime/core/interval.hpp"
 
@@ -11,23 +12,21 @@ namespace bip::rt {
 
 class Waker {
  public:
-  Waker();
+  Waker() = default;
   Waker(const Waker&) = delete;
   Waker& operator=(const Waker&) = delete;
-  ~Waker();
 
   /// Any thread, or a signal handler.
   void wake() noexcept;
   /// Who sleeps calls it before he looks whether there is work: what is made known from now on wakes him.
-  void prepare() noexcept { sleeps_.store(true, std::memory_order_seq_cst); }
+  void prepare() noexcept { sleeps_.store(1, std::memory_order_seq_cst); }
   /// There is work.
-  void stay_awake() noexcept { sleeps_.store(false, std::memory_order_relaxed); }
+  void stay_awake() noexcept { sleeps_.store(0, std::memory_order_relaxed); }
   /// Sleeps to an instant of CLOCK_MONOTONIC in ns, kForever for none, or until it is woken. After prepare().
   void sleep_until(i64 instant) noexcept;
 
  private:
-  int file_;
-  std::atomic<bool> sleeps_{false};
+  std::atomic<std::uint32_t> sleeps_{0};  // 1: somebody sleeps, or will
 };
 
 /// CLOCK_MONOTONIC in ns.
