@@ -1,6 +1,8 @@
 // See verify_text.hpp.
 #include "compiler/driver/verify_text.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -32,6 +34,10 @@ const char* found_by_visit(verify::Asked asked) {
     case verify::Asked::NobodyStuck: return "no component waits for ever in";
     default: return "true in";
   }
+}
+
+bool has_invariants(const System& system) {
+  return std::any_of(system.atoms.begin(), system.atoms.end(), [&](const Atom& atom) { return !system.atom_types[atom.type].invariants.empty(); });
 }
 
 std::string free_text(const Compilation& c, const verify::Question& question, const verify::Decision& d, const verify::Decider& decider, bool why) {
@@ -89,6 +95,11 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
     case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, decider)}; break;
   }
   if (!d.fault.empty() && d.outcome != verify::Outcome::Violated) v.text += fmt::format("note: a run-time error can occur: {}\n", d.fault);
+  // Who visited all states has seen whether they hold.
+  const bool asked_else = question.what == verify::Asked::DeadlockFreedom || question.what == verify::Asked::State;
+  if (asked_else && d.outcome == verify::Outcome::Holds && d.method != verify::Method::Exhaustive && has_invariants(*c.system)) {
+    v.text += "note: the model's own invariants were not asked for: `--property errors` does\n";
+  }
   return v;
 }
 
@@ -112,7 +123,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
     if (const verify::ProofMemory* memory = stats->memory) {
       const verify::ReuseCounts& n = memory->counts;
       json["reuse"] = {{"whole", n.is_whole}, {"files", n.files}, {"broken", memory->broken_files()}, {"known", n.recalled}, {"invariants", n.invariants},
-                       {"lemmas", n.lemmas}, {"way", n.has_way}, {"stored", n.stored}};
+                       {"equations", n.equations}, {"lemmas", n.lemmas}, {"way", n.has_way}, {"stored", n.stored}};
     }
   }
   json["text"] = v.text;
@@ -125,7 +136,8 @@ std::string stats_text(const VerifyStats& stats) {
   const verify::ReuseCounts& n = stats.memory->counts;
   text += fmt::format("proofs of earlier runs: {} in {}", count_of(n.recalled, "row"), count_of(n.files, "file"));
   if (n.recalled != 0) text += fmt::format(" of {}", n.is_whole ? "this system" : "parts of it");
-  if (n.recalled != 0) text += fmt::format("; checked and used: {}, {}{}", count_of(n.invariants, "invariant"), count_of(n.lemmas, "lemma"), n.has_way ? ", the way" : "");
+  if (n.recalled != 0) text += fmt::format("; checked and used: {}, {}{}{}", count_of(n.invariants, "invariant"), n.equations == 0 ? "" : count_of(n.equations, "equation") + ", ",
+                                           count_of(n.lemmas, "lemma"), n.has_way ? ", the way" : "");
   if (stats.memory->broken_files() != 0) text += fmt::format("; {} broken", stats.memory->broken_files());
   return text + fmt::format("; {} kept\n", count_of(n.stored, "file"));
 }

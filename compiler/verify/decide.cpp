@@ -117,11 +117,10 @@ Decider::Tried Decider::try_search(std::uint64_t states) {
   return Tried::Open;
 }
 
-// The explorer stores states in a tenth of the memory and visits many times as many a second. It knows deadlocks and errors only.
+// The explorer stores states in a tenth of the memory and visits many times as many a second.
 Decider::Tried Decider::try_all_states() {
-  if (question_.what == Asked::State) return try_search(~std::uint64_t{0});
   if (!limits_.may_search || is_exhausted_ || !ready()) return Tried::Open;
-  const bool asks_errors = question_.what == Asked::NoErrors;
+  const bool asks_errors = question_.what == Asked::NoErrors, asks_state = question_.what == Asked::State;
   std::atomic<bool> is_found{false};
   rt::ExploreOptions options;
   options.threads = limits_.threads;
@@ -129,14 +128,20 @@ Decider::Tried Decider::try_all_states() {
   options.bytes = std::max<std::size_t>(limits_.megabytes * 1000000, 1);
   options.tell = [&](const rt::ExploreProgress& so_far) {
     report_("search", so_far.states, "states");
-    if ((asks_errors ? so_far.errors : so_far.deadlocks) != 0) is_found = true;
+    if ((asks_errors ? so_far.errors : asks_state ? so_far.broken : so_far.deadlocks) != 0) is_found = true;
   };
+  if (asks_state) {
+    options.is_broken = goal_of(question_).state;
+    options.read_atoms = atoms_of(question_.property);
+    options.asked_connectors = connectors_of(question_.property);
+  }
   options.is_stopped = [&] { return is_found || is_stopped(); };
   rt::ExploreReport all = rt::explore_states(image_, options);
   d_.states = all.states;
   if (!asks_errors && all.has_error && d_.fault.empty()) d_.fault = fault_at(image_, all.error);
-  if ((asks_errors ? all.has_error : all.has_deadlock) && all.are_ways_known) {
-    d_.choices = std::move(asks_errors ? all.error : all.deadlock);
+  const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_broken : all.has_deadlock;
+  if (has_bad && all.are_ways_known) {
+    d_.choices = std::move(asks_errors ? all.error : asks_state ? all.broken : all.deadlock);
     if (reaches(image_, goal_of(question_), d_.choices)) {
       d_.outcome = Outcome::Violated;
       return Tried::Done;
@@ -145,7 +150,7 @@ Decider::Tried Decider::try_all_states() {
     add_reason("a way that was found could not be replayed");
     return Tried::Open;
   }
-  if (all.end == rt::ExploreEnd::Complete && !(asks_errors ? all.has_error : all.has_deadlock)) {
+  if (all.end == rt::ExploreEnd::Complete && !has_bad) {
     d_.outcome = Outcome::Holds;
     d_.method = Method::Exhaustive;
     is_exhausted_ = true;
@@ -203,6 +208,30 @@ std::vector<std::vector<Signal>> Decider::structural_clauses() {
   return clauses;
 }
 
+// What was known of this very system, as far as it holds. Nothing: all are found anew.
+std::optional<LinearFacts> Decider::known_facts(Clock::time_point end) {
+  if (memory_ == nullptr || !memory_->counts.is_whole || known_.equations.empty()) return std::nullopt;
+  std::vector<LinearEquation> equations = equations_that_hold(net_, *machine_, image_, equations_of(known_), end);
+  memory_->counts.equations = equations.size();
+  return with_bounds(net_, *machine_, image_, structural_clauses(), end, std::move(equations));
+}
+
+// First without the bounds: a certificate is easier to check without.
+bool Decider::is_proved_with(LinearFacts facts, const ReachProblem& problem) {
+  for (const bool with_bounds : {false, true}) {
+    if (with_bounds && facts.bounds.empty()) continue;
+    d_.linear = with_bounds ? facts : LinearFacts{facts.equations, {}};
+    const std::vector<std::vector<Signal>> known = linear_clauses();
+    if (!strengthen(net_, *machine_, image_, problem.bad, known, problem.end, d_.proof)) continue;
+    if (wants_needed(Way::Induction, d_.proof)) keep_needed(net_, *machine_, image_, problem.bad, known, limits_.end, d_.proof);
+    note_found(Way::Induction, net_, d_.proof);
+    d_.outcome = Outcome::Holds;
+    d_.method = Method::Induction;
+    return true;
+  }
+  return false;
+}
+
 Decider::Tried Decider::try_induction(double seconds) {
   if (is_stopped() || induction_failed_) return Tried::Open;
   if (!machine_) machine_ = build_machine(system_, image_);
@@ -231,25 +260,23 @@ Decider::Tried Decider::try_induction(double seconds) {
     add_reason("the ranges of data could not be confirmed");
     return Tried::Open;
   }
+  KnownLemmas known;
   if (d_.has_structure && !is_strengthened_) {
     report_("invariants", d_.proof.invariants.size(), "found");
     is_strengthened_ = true;
-    const LinearFacts linear = find_linear_facts(net_, *machine_, image_, structural_clauses(), problem.end);
-    // First without the bounds: a certificate is easier to check without.
-    for (const bool with_bounds : {false, true}) {
-      if (with_bounds && linear.bounds.empty()) continue;
-      d_.linear = with_bounds ? linear : LinearFacts{linear.equations, {}};
-      const std::vector<std::vector<Signal>> known = linear_clauses();
-      if (!strengthen(net_, *machine_, image_, problem.bad, known, problem.end, d_.proof)) continue;
-      if (wants_needed(Way::Induction, d_.proof)) keep_needed(net_, *machine_, image_, problem.bad, known, limits_.end, d_.proof);
-      note_found(Way::Induction, net_, d_.proof);
-      d_.outcome = Outcome::Holds;
-      d_.method = Method::Induction;
-      return Tried::Done;
+    // Equations of an earlier proof first: with its lemmas they are mostly enough.
+    if (std::optional<LinearFacts> facts = known_facts(problem.end)) {
+      if (is_proved_with(std::move(*facts), problem)) return Tried::Done;
+      problem.invariants = structural_clauses();
+      known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
+    }
+    if (!known.is_enough) {
+      d_.linear = {};
+      if (is_proved_with(find_linear_facts(net_, *machine_, image_, structural_clauses(), problem.end), problem)) return Tried::Done;
     }
   }
   problem.invariants = structural_clauses();
-  KnownLemmas known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
+  if (!known.is_enough) known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
   if (memory_ != nullptr) memory_->counts.lemmas = known.lemmas.size();
   for (const Cube& cube : known.lemmas) problem.invariants.push_back(clause_of(cube, *machine_));
   ReachAnswer answer;

@@ -59,6 +59,7 @@ void Decider::note_found(Way way, const Net& net, const Proof& proof) {
   if (way != Way::Induction && proof.candidates <= kFewCandidates && memory_->keeps() != Keeps::All) return;
   found_.way = way;
   for (const TokenInvariant& invariant : proof.invariants) found_.invariants.push_back(kept(net, invariant, way == Way::Told));
+  for (const LinearEquation& equation : d_.linear.equations) found_.equations.push_back(equation.terms);
   for (const Cube& lemma : d_.lemmas) found_.lemmas.push_back(kept(*machine_, lemma));
 }
 

@@ -13,6 +13,8 @@ namespace bip::verify {
 namespace {
 
 constexpr std::size_t kMaxTerms = 20000;
+// Of equations that come from elsewhere: no sum of theirs leaves 64 bits.
+constexpr std::int64_t kMaxKeptWeight = 1 << 16;
 
 using Term = SparseSystem::Term;
 using Row = SparseSystem::Row;
@@ -34,18 +36,8 @@ class Finder {
   }
 
   std::vector<LinearEquation> run(Clock::time_point end) {
-    if (std::find(is_counter_.begin(), is_counter_.end(), 1) == is_counter_.end()) return {};
     SparseSystem system(first_slot_ + image_.slot_count, first_slot_, end);
-    Spread reachable(net_, Direction::Forward, nullptr);
-    Proof proof;
-    spread_from_initial(net_, reachable, proof);
-    for (u32 atom = 0; atom < system_.atoms.size(); ++atom) add_atom(atom, reachable);
-    for (std::size_t c = 0; c < system_.connectors.size(); ++c) {
-      const Connector& connector = system_.connectors[ConnectorId(c)];
-      if (!is_simple(connector)) leave_out(connector);
-    }
-    add_step_equations(net_, reachable, system, equations_, [this](u32 node) { return transfers(node); });
-    if (is_too_large_) return {};
+    if (!collect(system)) return {};
     system.solve(equations_);
     std::vector<LinearEquation> found;
     for (u32 slot = 0; slot < image_.slot_count && !system.is_given_up(); ++slot) {
@@ -59,7 +51,39 @@ class Finder {
     return found;
   }
 
+  // Those that no step changes the sum of: what a port changes follows from what its transitions do.
+  std::vector<LinearEquation> those_that_hold(const std::vector<LinearEquation>& candidates, Clock::time_point end) {
+    SparseSystem system(first_slot_ + image_.slot_count, first_slot_, end);
+    if (!collect(system) || system.is_given_up()) return {};
+    std::vector<LinearEquation> found;
+    for (const LinearEquation& candidate : candidates) {
+      if (seconds_until(end) <= 0) return {};
+      std::optional<std::vector<Term>> values = values_in(candidate);
+      if (values && solves(*values)) found.push_back(candidate);
+    }
+    return found;
+  }
+
  private:
+  // What all steps and transitions change. False: nothing is to be found.
+  bool collect(SparseSystem& system) {
+    if (std::find(is_counter_.begin(), is_counter_.end(), 1) == is_counter_.end()) return false;
+    Spread reachable(net_, Direction::Forward, nullptr);
+    Proof proof;
+    spread_from_initial(net_, reachable, proof);
+    for (u32 atom = 0; atom < system_.atoms.size(); ++atom) add_atom(atom, reachable);
+    for (std::size_t c = 0; c < system_.connectors.size(); ++c) {
+      const Connector& connector = system_.connectors[ConnectorId(c)];
+      if (!is_simple(connector)) leave_out(connector);
+    }
+    add_step_equations(net_, reachable, system, equations_, [this](u32 node) { return transfers(node); });
+    if (is_too_large_) return false;
+    rows_with_.assign(first_slot_ + image_.slot_count, {});
+    for (u32 row = 0; row < equations_.size(); ++row) {
+      for (const Term& term : equations_[row]) rows_with_[term.unknown].push_back(row);
+    }
+    return true;
+  }
   [[nodiscard]] const AtomType& type_of(u32 atom) const { return system_.atom_types[system_.atoms[AtomId(std::size_t{atom})].type]; }
   [[nodiscard]] u32 unknown_of(u32 atom, u32 slot) const { return first_slot_ + image_.atoms[atom].slot_base + slot; }
 
@@ -232,21 +256,61 @@ class Finder {
     return alternatives;
   }
 
-  // Once more, by itself: all equations hold.
+  // Once more, by itself: all equations hold. Those in which everything is 0 do.
   [[nodiscard]] bool solves(const std::vector<Term>& solution) const {
     std::map<u32, std::int64_t> values;
+    std::vector<u32> rows;
     for (const Term& term : solution) {
       if (std::abs(term.factor) > SparseSystem::kMaxNumber) return false;
       values[term.unknown] = term.factor;
+      rows.insert(rows.end(), rows_with_[term.unknown].begin(), rows_with_[term.unknown].end());
     }
-    return std::all_of(equations_.begin(), equations_.end(), [&](const Row& row) {
-      std::int64_t sum = 0;
-      for (const Term& term : row) {
-        const auto found = values.find(term.unknown);
-        if (found != values.end()) sum += term.factor * found->second;
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    return std::all_of(rows.begin(), rows.end(), [&](u32 row) { return sum_of(equations_[row], values) == 0; });
+  }
+  [[nodiscard]] static std::int64_t sum_of(const Row& row, const std::map<u32, std::int64_t>& values) {
+    std::int64_t sum = 0;
+    for (const Term& term : row) {
+      const auto found = values.find(term.unknown);
+      if (found != values.end()) sum += term.factor * found->second;
+    }
+    return sum;
+  }
+
+  // The weights of an equation that may come from anywhere, and by how much each port changes its sum. Nothing: it speaks of what is not there.
+  [[nodiscard]] std::optional<std::vector<Term>> values_in(const LinearEquation& candidate) const {
+    std::map<u32, std::int64_t> values;
+    for (const LinearEquation::Term& term : candidate.terms) {
+      if (term.atom >= system_.atoms.size() || term.weight == 0 || std::abs(std::int64_t{term.weight}) > kMaxKeptWeight) return std::nullopt;
+      const AtomType& type = type_of(term.atom);
+      if (term.row >= (term.is_place ? type.places.size() : type.slots.size())) return std::nullopt;
+      const u32 unknown = term.is_place ? place_base_[term.atom] + term.row : unknown_of(term.atom, term.row);
+      // An automaton's first place has no unknown; what is no counter has none either.
+      if (term.is_place ? machine_.is_automaton[term.atom] != 0 && term.row == 0 : is_counter_[unknown - first_slot_] == 0) return std::nullopt;
+      if (!values.emplace(unknown, term.weight).second) return std::nullopt;
+    }
+    std::map<u32, std::int64_t> changes;
+    for (const auto& [unknown, weight] : values) {
+      for (u32 row : rows_with_[unknown]) {
+        const u32 port = port_given_by(equations_[row]);
+        if (port != kNoRow) changes.try_emplace(port, sum_of(equations_[row], values));
       }
-      return sum == 0;
-    });
+    }
+    std::vector<Term> result;
+    for (const auto& [unknown, value] : values) result.push_back({unknown, value});
+    for (const auto& [port, change] : changes) result.push_back({port, change});
+    return result;
+  }
+  // A transition's row: what it does to places and ints, less what its port changes the sum by.
+  [[nodiscard]] u32 port_given_by(const Row& row) const {
+    u32 port = kNoRow;
+    for (const Term& term : row) {
+      if (term.unknown >= first_place_) continue;
+      if (port != kNoRow || term.factor != -1) return kNoRow;
+      port = term.unknown;
+    }
+    return port;
   }
 
   [[nodiscard]] LinearEquation equation_of(std::vector<Term> values) const {
@@ -282,10 +346,17 @@ class Finder {
   std::vector<std::uint8_t> is_counter_;   // by slot among all: an int that changes and is followed
   std::vector<AffineValues> start_;        // by atom, by slot
   std::vector<Row> equations_;
+  std::vector<std::vector<u32>> rows_with_;  // by unknown: equations that it stands in
   bool is_too_large_ = false;
 };
 
 }  // namespace
+
+std::vector<LinearEquation> equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
+                                                Clock::time_point end) {
+  if (candidates.empty()) return {};
+  return Finder(net, machine, image).those_that_hold(candidates, end);
+}
 
 LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end) {
   return with_bounds(net, machine, image, known, end, Finder(net, machine, image).run(end));

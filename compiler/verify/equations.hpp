@@ -18,6 +18,7 @@ struct LinearEquation {
     u32 atom = 0, row = 0;  // place or slot of its type
     bool is_place = false;
     std::int32_t weight = 0;
+    friend auto operator<=>(const Term&, const Term&) = default;
   };
   std::vector<Term> terms;
   std::int32_t total = 0;
@@ -36,6 +37,9 @@ struct LinearFacts {
 /// `known`: clauses that hold in every reachable state. The net must be usable.
 [[nodiscard]] LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known,
                                             Clock::time_point end);
+/// Those of the candidates, which may come from anywhere, whose sum no step changes; their totals are still to be found.
+[[nodiscard]] std::vector<LinearEquation> equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
+                                                              Clock::time_point end);
 /// Their totals, and the bounds that the solver shows. Equations whose first value is not known are left out.
 [[nodiscard]] LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end,
                                       std::vector<LinearEquation> equations);

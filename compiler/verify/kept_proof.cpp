@@ -2,11 +2,12 @@
 //
 //   bipc kept proof 1                  way WAY                         steps CHOICE...
 //   atom HASH PATH                     trap|one|sum TOLD TOTAL ATOM MODE WEIGHT ...
-//   never ATOM PLACE? ROW POSITION VALUE ...
+//   never ATOM PLACE? ROW POSITION VALUE ...                          equation ATOM PLACE? ROW WEIGHT ...
 #include "compiler/verify/kept_proof.hpp"
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -97,6 +98,19 @@ class Parser {
       if (is_known_ && !lemma.empty()) proof_.lemmas.push_back(std::move(lemma));
       return !words.has_failed();
     }
+    if (first == "equation") {
+      KeptEquation equation;
+      while (!words.at_end() && !words.has_failed()) {
+        LinearEquation::Term term;
+        term.atom = atom(words);
+        term.is_place = words.flag();
+        term.row = words.row();
+        term.weight = words.number(std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
+        equation.push_back(term);
+      }
+      if (is_known_ && !equation.empty()) proof_.equations.push_back(std::move(equation));
+      return !words.has_failed();
+    }
     const auto kind = row_of(kKinds, first);
     if (!kind) return false;
     KeptInvariant invariant;
@@ -172,6 +186,12 @@ std::vector<TokenInvariant> invariants_of(const KeptProof& proof, const Net& net
   return result;
 }
 
+std::vector<LinearEquation> equations_of(const KeptProof& proof) {
+  std::vector<LinearEquation> result;
+  for (const KeptEquation& terms : proof.equations) result.push_back({terms, 0});
+  return result;
+}
+
 std::vector<std::vector<u32>> lemmas_of(const KeptProof& proof, const Machine& machine) {
   if (proof.lemmas.empty()) return {};
   std::map<std::tuple<u32, bool, u32, u32>, u32> rows;
@@ -208,6 +228,9 @@ std::string print_kept(const KeptProof& proof, const NameOfAtom& name_of) {
   for (const KeptInvariant& invariant : proof.invariants) {
     for (const KeptTerm& term : invariant.terms) add_atom(term.atom);
   }
+  for (const KeptEquation& equation : proof.equations) {
+    for (const LinearEquation::Term& term : equation) add_atom(term.atom);
+  }
   for (const KeptLemma& lemma : proof.lemmas) {
     for (const KeptLiteral& literal : lemma) add_atom(literal.atom);
   }
@@ -219,6 +242,16 @@ std::string print_kept(const KeptProof& proof, const NameOfAtom& name_of) {
     for (const KeptTerm& term : invariant.terms) {
       number(rows[term.atom]);
       number(term.mode);
+      number(term.weight);
+    }
+    out += '\n';
+  }
+  for (const KeptEquation& equation : proof.equations) {
+    out += "equation";
+    for (const LinearEquation::Term& term : equation) {
+      number(rows[term.atom]);
+      out += term.is_place ? " 1" : " 0";
+      number(term.row);
       number(term.weight);
     }
     out += '\n';

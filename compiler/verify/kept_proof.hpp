@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/verify/equations.hpp"
 #include "compiler/verify/machine.hpp"
 #include "compiler/verify/net.hpp"
 #include "compiler/verify/traps.hpp"
@@ -46,10 +47,13 @@ struct KeptLiteral {
   friend auto operator<=>(const KeptLiteral&, const KeptLiteral&) = default;
 };
 using KeptLemma = std::vector<KeptLiteral>;
+/// Weights of places and ints; what they add up to is the system's.
+using KeptEquation = std::vector<LinearEquation::Term>;
 
 struct KeptProof {
   Way way = Way::None;
   std::vector<KeptInvariant> invariants;  // in the order of finding
+  std::vector<KeptEquation> equations;
   std::vector<KeptLemma> lemmas;
   std::vector<std::uint64_t> choices;     // Steps
   friend bool operator==(const KeptProof&, const KeptProof&) = default;
@@ -59,6 +63,7 @@ struct KeptProof {
 [[nodiscard]] KeptLemma kept(const Machine& machine, const std::vector<u32>& cube);
 /// Those that speak of modes that the net has, in its numbers; `is_told` says which are meant.
 [[nodiscard]] std::vector<TokenInvariant> invariants_of(const KeptProof& proof, const Net& net, bool is_told);
+[[nodiscard]] std::vector<LinearEquation> equations_of(const KeptProof& proof);
 /// As cubes of the machine, sorted; those that it has bits for.
 [[nodiscard]] std::vector<std::vector<u32>> lemmas_of(const KeptProof& proof, const Machine& machine);
 

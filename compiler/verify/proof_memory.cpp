@@ -87,6 +87,7 @@ void ProofMemory::recall_below(const Net& net, CompoundId compound, const std::s
   if (into.way == Way::None) into.way = proof->way;
   into.invariants.insert(into.invariants.end(), proof->invariants.begin(), proof->invariants.end());
   into.lemmas.insert(into.lemmas.end(), proof->lemmas.begin(), proof->lemmas.end());
+  into.equations.insert(into.equations.end(), proof->equations.begin(), proof->equations.end());
   into.choices = std::move(proof->choices);
 }
 
@@ -107,6 +108,8 @@ KeptProof ProofMemory::recall(const Net& net, const std::string& question) {
       if (const auto text = cache_.load(*last)) recall_below(net, root, *text, result);
     }
     result.choices.clear();
+    // Those of another system are found anew: they are solved for all of it at once.
+    result.equations.clear();
     std::map<std::string_view, std::vector<CompoundId>> equal;
     for (std::size_t row = 1; row < net.system->compounds.size(); ++row) equal[content_.of_compound[row]].emplace_back(row);
     for (CompoundId part : parts(net)) {
@@ -125,7 +128,7 @@ KeptProof ProofMemory::recall(const Net& net, const std::string& question) {
     keep_first(result.invariants);
     keep_first(result.lemmas);
   }
-  counts.recalled = result.invariants.size() + result.lemmas.size() + (result.choices.empty() ? 0 : 1);
+  counts.recalled = result.invariants.size() + result.equations.size() + result.lemmas.size() + (result.choices.empty() ? 0 : 1);
   return result;
 }
 

@@ -18,7 +18,7 @@ struct ReuseCounts {
   std::size_t files = 0;     // that were read and could be used
   std::size_t recalled = 0;  // invariants, lemmas and ways in them
   // Of these what was checked and holds here.
-  std::size_t invariants = 0, lemmas = 0;
+  std::size_t invariants = 0, equations = 0, lemmas = 0;
   bool has_way = false;
   std::size_t stored = 0;    // files
 };

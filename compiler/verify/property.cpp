@@ -130,14 +130,25 @@ Signal broken_signal(const Property& property, Machine& machine, const rt::Image
   return machine.circuit.both(negated(machine.state_fault), property.is_never ? holds : negated(holds));
 }
 
-std::vector<std::uint32_t> atoms_of(const Property& property) {
-  std::vector<std::uint32_t> atoms;
+namespace {
+template <class Test>
+std::vector<std::uint32_t> owners_of(const Property& property, const Test& test) {
+  std::vector<std::uint32_t> owners;
   for (const PropertyNode& node : property.nodes) {
-    if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data || node.kind == PropertyKind::CanPort) atoms.push_back(node.owner);
+    if (test(node.kind)) owners.push_back(node.owner);
   }
-  std::sort(atoms.begin(), atoms.end());
-  atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
-  return atoms;
+  std::sort(owners.begin(), owners.end());
+  owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+  return owners;
+}
+}  // namespace
+
+std::vector<std::uint32_t> atoms_of(const Property& property) {
+  return owners_of(property, [](PropertyKind kind) { return kind == PropertyKind::At || kind == PropertyKind::Data || kind == PropertyKind::CanPort; });
+}
+
+std::vector<std::uint32_t> connectors_of(const Property& property) {
+  return owners_of(property, [](PropertyKind kind) { return kind == PropertyKind::CanConnector; });
 }
 
 std::string certificate_text(const Property& property, const System& system) {

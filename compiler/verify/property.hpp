@@ -43,6 +43,8 @@ struct Property {
 [[nodiscard]] Signal broken_signal(const Property& property, Machine& machine, const rt::Image& image);
 /// The components that it speaks of, each once, in the order of the system.
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const Property& property);
+/// The connectors that it asks for, each once.
+[[nodiscard]] std::vector<std::uint32_t> connectors_of(const Property& property);
 /// For certificates: "(and (at ROOT.a EATS) (lt (data ROOT.a n) 3))".
 [[nodiscard]] std::string certificate_text(const Property& property, const System& system);
 

@@ -7,8 +7,9 @@
 namespace bip::verify {
 
 namespace {
-// So many modes without weight are told one by one.
-constexpr std::size_t kFew = 16;
+// So many modes without weight are told one by one. More are "none of those that have one": one clause, and the solver sees what follows
+// before it has decided which of them it is.
+constexpr std::ptrdiff_t kFew = 1;
 }  // namespace
 
 bool build_weighted_sum(const Net& net, const TokenInvariant& invariant, const std::vector<std::uint8_t>& is_reachable, WeightedSum& sum) {
@@ -26,7 +27,9 @@ bool build_weighted_sum(const Net& net, const TokenInvariant& invariant, const s
     Level& level = levels.back();
     std::size_t end = k;
     while (end < invariant.modes.size() && net.atom_of_mode[invariant.modes[end]] == atom) ++end;
-    if (net.mode_base[atom + 1] - net.mode_base[atom] > end - k + kFew) {
+    std::ptrdiff_t others = std::count(is_reachable.begin() + net.mode_base[atom], is_reachable.begin() + net.mode_base[atom + 1], 1);
+    for (std::size_t in = k; in < end; ++in) others -= is_reachable[invariant.modes[in]];
+    if (others > kFew) {
       level.first_but = static_cast<u32>(sum.buts.size());
       level.modes.emplace_back(kNoRow, 0);
       for (; k < end; ++k) {

@@ -145,6 +145,8 @@ void Expander::remember(u32 slot, const u64* state, u32 outcome) {
 }
 
 bool Expander::enter(Core& core, const u64* state) {
+  // Without rules both are one.
+  if (&core == plain_) entered_.clear();
   scratch_numbers_.resize(space_.locals->atoms(), kNone);
   for (u32 atom = 0; atom < space_.locals->atoms(); ++atom) {
     const u32 number = space_.layout.get(state, atom);

@@ -29,7 +29,7 @@ std::size_t Search::kept_bytes() const {
   std::size_t sum = space_.locals->bytes();
   for (const auto& owner : owners_) sum += owner->bytes();
   for (const Worker& worker : workers_) {
-    sum += worker.expander->bytes();
+    sum += worker.expander->bytes() + (worker.judge ? worker.judge->bytes() : 0);
     for (const auto& list : worker.out.words) sum += list.capacity() * sizeof(u64);
   }
   return sum;
@@ -67,6 +67,7 @@ void Search::begin() {
   workers_.resize(team_.size());
   for (Worker& worker : workers_) {
     worker.expander = std::make_unique<Expander>(space_, team_.size());
+    if (options_.is_broken) worker.judge = std::make_unique<StateJudge>(space_, options_);
     worker.out.words.resize(team_.size());
   }
   std::vector<u64> state(space_.layout.words()), scratch;
@@ -86,6 +87,7 @@ bool Search::widen() {
   make_owners();
   for (Worker& worker : workers_) {
     worker.expander->relayout();
+    if (worker.judge) worker.judge->relayout();
     worker.out.clear();
     worker.counts = {};
   }
@@ -186,6 +188,7 @@ bool Search::run_batch(u64 frontier, u64& done) {
         at.counts.steps += result.steps;
         at.counts.deadlocks += result.is_deadlock ? 1 : 0;
         at.counts.errors += result.has_error ? 1 : 0;
+        at.counts.broken += at.judge && at.judge->is_broken(state, *at.expander) ? 1 : 0;
         return !at.expander->is_too_narrow();
       });
       if (worker.expander->is_too_narrow() || worker.out.size() > kBatchWords) is_batch_full_.store(true, std::memory_order_relaxed);
@@ -218,11 +221,13 @@ bool Search::run_batch(u64 frontier, u64& done) {
     counts_.steps += worker.counts.steps;
     counts_.deadlocks += worker.counts.deadlocks;
     counts_.errors += worker.counts.errors;
+    counts_.broken += worker.counts.broken;
     worker.counts = {};
     worker.out.clear();
   }
   if (counts_.deadlocks != 0) deadlock_level_ = std::min(deadlock_level_, level_);
   if (counts_.errors != 0) error_level_ = std::min(error_level_, level_);
+  if (counts_.broken != 0) broken_level_ = std::min(broken_level_, level_);
   done = std::min(cursor_.load(), end);
   return report_.end == ExploreEnd::Complete;
 }
@@ -232,7 +237,7 @@ void Search::tell(u64 expanded_of_level) const {
   std::size_t bytes = 0;
   for (const auto& owner : owners_) bytes += owner->bytes();
   options_.tell({.states = states(), .expanded = expanded_before_ + expanded_of_level, .steps = counts_.steps, .deadlocks = counts_.deadlocks,
-                 .errors = counts_.errors, .depth = level_, .bytes = bytes});
+                 .errors = counts_.errors, .broken = counts_.broken, .depth = level_, .bytes = bytes});
 }
 
 void Search::run_levels() {

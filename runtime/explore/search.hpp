@@ -11,6 +11,7 @@
 
 #include "runtime/explore/expander.hpp"
 #include "runtime/explore/explore.hpp"
+#include "runtime/explore/judge.hpp"
 #include "runtime/explore/state_store.hpp"
 #include "runtime/core/team.hpp"
 
@@ -23,16 +24,17 @@ class Search {
 
  private:
   struct Counts {
-    u64 steps = 0, deadlocks = 0, errors = 0;
+    u64 steps = 0, deadlocks = 0, errors = 0, broken = 0;
   };
   struct Worker {
     std::unique_ptr<Expander> expander;
+    std::unique_ptr<StateJudge> judge;  // null: no states are looked for
     Outbox out;
     Counts counts;
     std::vector<u64> state, scratch;
     std::vector<u64> hits;  // states, while ways are looked for
   };
-  enum class Goal : std::uint8_t { Deadlock, Error };
+  enum class Goal : std::uint8_t { Deadlock, Error, Broken };
 
   // search.cpp
   void begin();
@@ -71,7 +73,7 @@ class Search {
   u32 level_ = 0;                 // the one that is expanded
   Counts counts_, counts_before_level_;
   u64 expanded_before_ = 0;       // states of the levels before
-  u32 deadlock_level_ = kNone, error_level_ = kNone;
+  u32 deadlock_level_ = kNone, error_level_ = kNone, broken_level_ = kNone;
   bool is_one_by_one_ = false;    // the limit of states is near
   std::atomic<u64> cursor_{0};
   std::atomic<bool> is_batch_full_{false};

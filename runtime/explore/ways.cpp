@@ -55,6 +55,7 @@ bool Search::find_way(Goal goal, u32 level, Way& way) {
     if (options_.bytes != 0 && used >= allowed) return false;
     near[at] = std::make_unique<StateStore>(space_.layout.words(), options_.bytes == 0 ? 0 : allowed - used);
     const bool is_done = collect(at, *near[at], [&](Worker& worker, const u64* state) {
+      if (at == level && goal == Goal::Broken) return worker.judge->is_broken(state, *worker.expander);
       worker.out.clear();
       const Expander::Result result = worker.expander->expand(state, worker.out);
       if (at == level) return goal == Goal::Deadlock ? result.is_deadlock : result.has_error;
@@ -93,6 +94,7 @@ bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& nea
     here = core.snapshot();
   }
   if (goal == Goal::Deadlock) return core.candidate_count() == 0;
+  if (goal == Goal::Broken) return options_.is_broken(core);
   const u64 count = core.candidate_count();
   for (u64 k = 0; k < count; ++k) {
     if (!core.fire(k)) {
@@ -120,8 +122,10 @@ void Search::find_ways() {
   };
   report_.has_deadlock = deadlock_level_ != kNone;
   report_.has_error = error_level_ != kNone;
+  report_.has_broken = broken_level_ != kNone;
   if (report_.has_deadlock) find(Goal::Deadlock, deadlock_level_, report_.deadlock);
   if (report_.has_error) find(Goal::Error, error_level_, report_.error);
+  if (report_.has_broken) find(Goal::Broken, broken_level_, report_.broken);
 }
 
 }  // namespace bip::rt

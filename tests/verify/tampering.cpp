@@ -47,8 +47,8 @@ class Forger {
       case 1: rows.push_back(rows[row]); return;
       case 2: std::swap(rows[row], rows[below(rows.size())]); return;
       case 3: {
-        static const char* const kWords[] = {"trap", "one", "sum", "never", "atom", "steps", "way induction", "way plain", "way told", "way steps", "0", "x"};
-        rows[row] = kWords[below(12)] + rows[row].substr(std::min(rows[row].find(' '), rows[row].size()));
+        static const char* const kWords[] = {"trap", "one", "sum", "never", "equation", "atom", "steps", "way induction", "way plain", "way told", "way steps", "0", "x"};
+        rows[row] = kWords[below(13)] + rows[row].substr(std::min(rows[row].find(' '), rows[row].size()));
         return;
       }
       case 4: rows[row].resize(below(rows[row].size() + 1)); return;
@@ -57,9 +57,9 @@ class Forger {
   }
   // Says more than it did: without some of its components.
   void shorten(std::string& row) {
-    const bool is_lemma = row.starts_with("never ");
-    if (!is_lemma && !row.starts_with("trap ") && !row.starts_with("one ") && !row.starts_with("sum ")) return change_number(row);
-    const std::size_t head = is_lemma ? 1 : 3, each = is_lemma ? 5 : 3;
+    const bool is_lemma = row.starts_with("never "), is_equation = row.starts_with("equation ");
+    if (!is_lemma && !is_equation && !row.starts_with("trap ") && !row.starts_with("one ") && !row.starts_with("sum ")) return change_number(row);
+    const std::size_t head = is_lemma || is_equation ? 1 : 3, each = is_lemma ? 5 : is_equation ? 4 : 3;
     std::vector<std::size_t> ends;
     for (std::size_t k = 0; k <= row.size(); ++k) {
       if (k == row.size() || row[k] == ' ') ends.push_back(k);

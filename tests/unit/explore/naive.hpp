@@ -14,15 +14,17 @@ struct Naive {
   std::vector<std::uint64_t> deadlock, error;  // the ways to the first ones
   bool has_error_way = false;
   std::vector<State> all;
+  std::vector<std::pair<std::size_t, std::uint64_t>> origins;  // by state: the one before, the candidate taken
+
+  [[nodiscard]] std::vector<std::uint64_t> way_to(std::size_t row) const {
+    std::vector<std::uint64_t> way;
+    for (; row != 0; row = origins[row].first) way.insert(way.begin(), origins[row].second);
+    return way;
+  }
 };
 
 inline Naive explore_naively(const Image& image, MaximalProgress progress, std::uint64_t limit) {
   using Key = std::tuple<std::vector<u32>, std::vector<u64>, std::vector<u64>>;
-  struct Origin {
-    std::size_t parent;
-    std::uint64_t candidate;
-    std::uint32_t depth;
-  };
   Naive found;
   Core core(image, {.progress = progress});
   if (!core.initialize()) {
@@ -31,35 +33,31 @@ inline Naive explore_naively(const Image& image, MaximalProgress progress, std::
     return found;
   }
   std::map<Key, std::size_t> rows;
-  std::vector<Origin> origins;
+  std::vector<std::uint32_t> depths;
   const auto add = [&](std::size_t parent, std::uint64_t candidate) {
     State state = core.snapshot();
     const Key key{state.places, state.marks, state.data};
     if (rows.count(key) != 0) return true;
     if (rows.size() >= limit) return false;
     rows.emplace(key, rows.size());
-    origins.push_back({parent, candidate, origins.empty() ? 0 : origins[parent].depth + 1});
+    depths.push_back(depths.empty() ? 0 : depths[parent] + 1);
+    found.origins.emplace_back(parent, candidate);
     found.all.push_back(std::move(state));
     return true;
-  };
-  const auto way_to = [&](std::size_t row) {
-    std::vector<std::uint64_t> way;
-    for (; row != 0; row = origins[row].parent) way.insert(way.begin(), origins[row].candidate);
-    return way;
   };
   (void)add(0, 0);
   for (std::size_t row = 0; row < found.all.size() && found.is_complete; ++row) {
     (void)core.restore(found.all[row]);
-    found.depth = origins[row].depth;
+    found.depth = depths[row];
     const std::uint64_t count = core.candidate_count();
-    if (count == 0 && found.deadlocks++ == 0) found.deadlock = way_to(row);
+    if (count == 0 && found.deadlocks++ == 0) found.deadlock = found.way_to(row);
     bool has_error = false;
     for (std::uint64_t k = 0; k < count && found.is_complete; ++k) {
       if (k != 0) (void)core.restore(found.all[row]);
       if (!core.fire(k)) {
         if (!found.has_error_way) {
           found.has_error_way = true;
-          found.error = way_to(row);
+          found.error = found.way_to(row);
           found.error.push_back(k);
         }
         found.errors += has_error ? 0 : 1;

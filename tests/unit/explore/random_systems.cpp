@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "compiler/interp/interp.hpp"
@@ -26,7 +28,7 @@ std::uint64_t count_of_runs(std::uint64_t usual) {
 }
 
 struct Tally {
-  int compared = 0, partial = 0, skipped = 0, with_error = 0, with_deadlock = 0, reduced = 0;
+  int compared = 0, partial = 0, skipped = 0, with_error = 0, with_deadlock = 0, reduced = 0, broken = 0, unbroken = 0;
   std::uint64_t states = 0;
 };
 
@@ -80,6 +82,50 @@ void compare_successors(const rt::Image& image, rt::MaximalProgress progress, co
   }
 }
 
+// States that are looked for: by what two atoms are in, and by what a connector offers.
+void compare_broken(const rt::Image& image, rt::ExploreOptions options, const Naive& naive, Tally& tally) {
+  const auto look = [&](const std::function<bool(const rt::Core&)>& is_so) {
+    rt::Core core(image, {.progress = options.progress});
+    REQUIRE(core.initialize());
+    std::optional<std::size_t> first;
+    for (std::size_t row = 0; row < naive.all.size() && !first; ++row) {
+      REQUIRE(core.restore(naive.all[row]));
+      if (is_so(core)) first = row;
+    }
+    options.is_broken = is_so;
+    for (const std::uint32_t threads : {1u, 3u}) {
+      options.threads = threads;
+      const rt::ExploreReport found = rt::explore_states(image, options);
+      CHECK(found.end == rt::ExploreEnd::Complete);
+      CHECK(found.states == naive.states);
+      CHECK(found.has_broken == first.has_value());
+      if (first) CHECK(found.broken == naive.way_to(*first));
+    }
+    ++(first ? tally.broken : tally.unbroken);
+  };
+  const rt::u32 a = 0, b = image.atoms.size - 1;
+  // The place that the walk has come to at its end, so that it is reached at least there, and a value that may never be.
+  rt::Core last(image, {.progress = options.progress});
+  REQUIRE(last.restore(naive.all.back()));
+  const auto place_of = [&](rt::u32 atom) {
+    rt::u32 place = 0;
+    while (place + 1 < image.atom_types[image.atoms[atom].type].places.size && !last.is_marked(atom, place)) ++place;
+    return place;
+  };
+  const rt::u32 at_a = place_of(a), at_b = image.atom_types[image.atoms[b].type].places.size - 1;
+  options.read_atoms = {a, b};
+  look([=](const rt::Core& core) { return core.is_marked(a, at_a) && core.is_marked(b, at_b); });
+  options.read_atoms.clear();
+  const rt::u32 connector = image.connectors.size - 1;
+  options.asked_connectors = {connector};
+  look([=](const rt::Core& core) {
+    for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
+      if (core.candidate(k).connector == connector) return true;
+    }
+    return false;
+  });
+}
+
 void compare(const std::vector<std::string>& texts, rt::MaximalProgress progress, Tally& tally) {
   const gen::Compiled c = gen::compile_texts(texts);
   if (!is_fit(c)) {
@@ -123,6 +169,7 @@ void compare(const std::vector<std::string>& texts, rt::MaximalProgress progress
   }
   if (naive.initial_fault) return;
   compare_successors(image, progress, naive);
+  if (image.atoms.size != 0 && image.connectors.size != 0) compare_broken(image, {.progress = progress}, naive, tally);
   options.reduction = rt::Reduction::Por;
   if (naive.errors != 0 || !rt::reduction_problem(image, options).empty()) return;
   ++tally.reduced;
@@ -140,7 +187,9 @@ TEST_CASE("random systems are explored as the core would, one state at a time") 
     compare(gen::print_packages(gen::generate(seed)), seed % 4 == 0 ? rt::MaximalProgress::Off : rt::MaximalProgress::On, tally);
   }
   WARN("compared " << tally.compared << " (" << tally.states << " states), up to a limit " << tally.partial << ", with errors " << tally.with_error
-                   << ", with deadlocks " << tally.with_deadlock << ", reduced " << tally.reduced << ", skipped " << tally.skipped);
+                   << ", with deadlocks " << tally.with_deadlock << ", reduced " << tally.reduced << ", states looked for " << tally.broken << ", in vain " << tally.unbroken << ", skipped " << tally.skipped);
   CHECK(tally.compared > static_cast<int>(runs) / 8);
   CHECK(tally.with_deadlock > 0);
+  CHECK(tally.broken > 0);
+  CHECK(tally.unbroken > 0);
 }
