@@ -213,13 +213,14 @@ std::optional<LinearFacts> Decider::known_facts(Clock::time_point end) {
   if (memory_ == nullptr || !memory_->counts.is_whole || known_.equations.empty()) return std::nullopt;
   std::vector<LinearEquation> equations = equations_that_hold(net_, *machine_, image_, equations_of(known_), end);
   memory_->counts.equations = equations.size();
+  if (!known_.uses_bounds) return with_totals(*machine_, image_, std::move(equations));
   return with_bounds(net_, *machine_, image_, structural_clauses(), end, std::move(equations));
 }
 
-// First without the bounds: a certificate is easier to check without.
-bool Decider::is_proved_with(LinearFacts facts, const ReachProblem& problem) {
+// First without the bounds, a certificate is easier to check without; unless they are known to be needed.
+bool Decider::is_proved_with(LinearFacts facts, const ReachProblem& problem, bool needs_bounds) {
   for (const bool with_bounds : {false, true}) {
-    if (with_bounds && facts.bounds.empty()) continue;
+    if (with_bounds ? facts.bounds.empty() : needs_bounds && !facts.bounds.empty()) continue;
     d_.linear = with_bounds ? facts : LinearFacts{facts.equations, {}};
     const std::vector<std::vector<Signal>> known = linear_clauses();
     if (!strengthen(net_, *machine_, image_, problem.bad, known, problem.end, d_.proof)) continue;
@@ -266,13 +267,13 @@ Decider::Tried Decider::try_induction(double seconds) {
     is_strengthened_ = true;
     // Equations of an earlier proof first: with its lemmas they are mostly enough.
     if (std::optional<LinearFacts> facts = known_facts(problem.end)) {
-      if (is_proved_with(std::move(*facts), problem)) return Tried::Done;
+      if (is_proved_with(std::move(*facts), problem, known_.uses_bounds)) return Tried::Done;
       problem.invariants = structural_clauses();
       known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
     }
     if (!known.is_enough) {
       d_.linear = {};
-      if (is_proved_with(find_linear_facts(net_, *machine_, image_, structural_clauses(), problem.end), problem)) return Tried::Done;
+      if (is_proved_with(find_linear_facts(net_, *machine_, image_, structural_clauses(), problem.end), problem, false)) return Tried::Done;
     }
   }
   problem.invariants = structural_clauses();

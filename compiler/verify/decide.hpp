@@ -80,7 +80,7 @@ class Decider {
   void look_for_evidence();
   void look_for_stuck();
   Tried try_induction(double seconds);
-  bool is_proved_with(LinearFacts facts, const ReachProblem& problem);
+  bool is_proved_with(LinearFacts facts, const ReachProblem& problem, bool needs_bounds);
   [[nodiscard]] std::optional<LinearFacts> known_facts(Clock::time_point end);
   void recall();
   Tried try_known();

@@ -60,6 +60,7 @@ void Decider::note_found(Way way, const Net& net, const Proof& proof) {
   found_.way = way;
   for (const TokenInvariant& invariant : proof.invariants) found_.invariants.push_back(kept(net, invariant, way == Way::Told));
   for (const LinearEquation& equation : d_.linear.equations) found_.equations.push_back(equation.terms);
+  found_.uses_bounds = !d_.linear.bounds.empty();
   for (const Cube& lemma : d_.lemmas) found_.lemmas.push_back(kept(*machine_, lemma));
 }
 

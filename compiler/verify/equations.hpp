@@ -40,7 +40,8 @@ struct LinearFacts {
 /// Those of the candidates, which may come from anywhere, whose sum no step changes; their totals are still to be found.
 [[nodiscard]] std::vector<LinearEquation> equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
                                                               Clock::time_point end);
-/// Their totals, and the bounds that the solver shows. Equations whose first value is not known are left out.
+/// Their totals; equations whose first value is not known are left out. And the bounds that the solver shows.
+[[nodiscard]] LinearFacts with_totals(Machine& machine, const rt::Image& image, std::vector<LinearEquation> equations);
 [[nodiscard]] LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end,
                                       std::vector<LinearEquation> equations);
 [[nodiscard]] Signal equation_signal(const LinearEquation& equation, Machine& machine, const rt::Image& image);

@@ -3,6 +3,7 @@
 //   bipc kept proof 1                  way WAY                         steps CHOICE...
 //   atom HASH PATH                     trap|one|sum TOLD TOTAL ATOM MODE WEIGHT ...
 //   never ATOM PLACE? ROW POSITION VALUE ...                          equation ATOM PLACE? ROW WEIGHT ...
+//   bounds
 #include "compiler/verify/kept_proof.hpp"
 
 #include <algorithm>
@@ -97,6 +98,10 @@ class Parser {
       }
       if (is_known_ && !lemma.empty()) proof_.lemmas.push_back(std::move(lemma));
       return !words.has_failed();
+    }
+    if (first == "bounds") {
+      proof_.uses_bounds = true;
+      return words.at_end();
     }
     if (first == "equation") {
       KeptEquation equation;
@@ -246,6 +251,7 @@ std::string print_kept(const KeptProof& proof, const NameOfAtom& name_of) {
     }
     out += '\n';
   }
+  if (proof.uses_bounds) out += "bounds\n";
   for (const KeptEquation& equation : proof.equations) {
     out += "equation";
     for (const LinearEquation::Term& term : equation) {

@@ -54,6 +54,7 @@ struct KeptProof {
   Way way = Way::None;
   std::vector<KeptInvariant> invariants;  // in the order of finding
   std::vector<KeptEquation> equations;
+  bool uses_bounds = false;               // that follow from the equations: they are shown anew
   std::vector<KeptLemma> lemmas;
   std::vector<std::uint64_t> choices;     // Steps
   friend bool operator==(const KeptProof&, const KeptProof&) = default;

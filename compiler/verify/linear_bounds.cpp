@@ -214,13 +214,18 @@ class Question {
 
 }  // namespace
 
-LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, std::vector<LinearEquation> equations) {
-  OnMachine on_machine(machine, image);
+LinearFacts with_totals(Machine& machine, const rt::Image& image, std::vector<LinearEquation> equations) {
+  const OnMachine on_machine(machine, image);
   std::erase_if(equations, [&](LinearEquation& one) {
     const bool has_words = std::all_of(one.terms.begin(), one.terms.end(), [&](const LinearEquation::Term& term) { return !on_machine.now(term).empty(); });
     return !has_words || !on_machine.set_total(one);
   });
-  LinearFacts facts{std::move(equations), {}};
+  return {std::move(equations), {}};
+}
+
+LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, std::vector<LinearEquation> equations) {
+  LinearFacts facts = with_totals(machine, image, std::move(equations));
+  OnMachine on_machine(machine, image);
   facts.bounds = on_machine.likely_bounds(facts.equations);
   std::erase_if(facts.bounds, [&](const SlotBound& bound) { return !on_machine.holds_at_first(bound); });
   std::set<u32> atoms, bounded;

@@ -88,6 +88,7 @@ void ProofMemory::recall_below(const Net& net, CompoundId compound, const std::s
   into.invariants.insert(into.invariants.end(), proof->invariants.begin(), proof->invariants.end());
   into.lemmas.insert(into.lemmas.end(), proof->lemmas.begin(), proof->lemmas.end());
   into.equations.insert(into.equations.end(), proof->equations.begin(), proof->equations.end());
+  into.uses_bounds = proof->uses_bounds;
   into.choices = std::move(proof->choices);
 }
 
@@ -110,6 +111,7 @@ KeptProof ProofMemory::recall(const Net& net, const std::string& question) {
     result.choices.clear();
     // Those of another system are found anew: they are solved for all of it at once.
     result.equations.clear();
+    result.uses_bounds = false;
     std::map<std::string_view, std::vector<CompoundId>> equal;
     for (std::size_t row = 1; row < net.system->compounds.size(); ++row) equal[content_.of_compound[row]].emplace_back(row);
     for (CompoundId part : parts(net)) {

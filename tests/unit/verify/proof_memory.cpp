@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <atomic>
+#include <limits>
 #include <thread>
 
 #include "compiler/interp/interp.hpp"
@@ -89,6 +90,35 @@ const char* const kEven = R"(package even
   compound type Root()
     component Counter c()
     connector One more(c.more), less(c.less), odd(c.odd)
+  end
+end
+)";
+
+// A door that counts who is inside.
+const char* const kDoor = R"(package door
+  port type Signal()
+  connector type Two(Signal a, Signal b)
+    define a b
+  end
+  atom type Door()
+    data int n = 0
+    export port Signal enter(), leave()
+    place S
+    initial to S
+    on enter from S to S do { n = n + 1; }
+    on leave from S to S provided (n != 77) do { n = n - 1; }
+  end
+  atom type User()
+    export port Signal enter(), leave()
+    place OUT, IN
+    initial to OUT
+    on enter from OUT to IN
+    on leave from IN to OUT
+  end
+  compound type Root()
+    component Door d()
+    component User u[3]()
+    for i in 0..3 connector Two enter[i](u[i].enter, d.enter), leave[i](u[i].leave, d.leave)
   end
 end
 )";
@@ -203,6 +233,60 @@ TEST_CASE("lemmas come back, are checked, and those of another model go") {
   CHECK(fourth.counts.has_way);
   CHECK(fourth.decision.choices == third.decision.choices);
   CHECK(ask(kEven, folder.path(), property).decision.outcome == Outcome::Holds);
+}
+
+TEST_CASE("equations come back, are checked, and those of another model go") {
+  const testing::ScratchFolder folder;
+  const std::string property = "never u[0]@IN && d.n == 0";
+  const Asked first = ask(kDoor, folder.path(), property);
+  REQUIRE(first.decision.outcome == Outcome::Holds);
+  REQUIRE(first.decision.linear.equations.size() == 1);
+  const Asked second = ask(kDoor, folder.path(), property);
+  CHECK(second.counts.is_whole);
+  CHECK(second.counts.equations == 1);
+  CHECK(second.decision.outcome == Outcome::Holds);
+  CHECK(second.decision.linear.equations[0].terms == first.decision.linear.equations[0].terms);
+  CHECK(second.decision.linear.equations[0].total == first.decision.linear.equations[0].total);
+  // Who leaves counts twice: the network is the same, the equation is none.
+  std::string twice = kDoor;
+  twice.replace(twice.find("n = n - 1"), 9, "n = n - 2");
+  const Asked third = ask(twice, folder.path(), property);
+  CHECK(third.counts.is_whole);
+  CHECK(third.counts.equations == 0);
+  CHECK(third.decision.outcome == Outcome::Violated);
+}
+
+TEST_CASE("forged equations are not believed") {
+  const gen::Compiled c = gen::compile_texts({kDoor});
+  REQUIRE(c.problem.empty());
+  const verify::Net net = verify::build_net(*c.system);
+  const verify::u32 door = 0, user = 1, in = 1;
+  using Terms = verify::KeptEquation;
+  const std::vector<Terms> forged = {
+      {{door, 0, false, 1}},                                              // n is always 0
+      {{user, in, true, 1}},                                              // nobody is ever inside
+      {{door, 0, false, 1}, {user, in, true, -1}},                        // n is who is inside, of one user
+      {{door, 0, false, 0}, {user, in, true, 1}},                         // a weight of 0
+      {{door, 7, false, 1}},                                              // no such int
+      {{door, 0, false, 1}, {door, 0, false, -1}, {user, in, true, 1}},   // n twice
+      {{user, 0, true, 1}},                                               // the first place of an automaton
+      {{door, 0, false, std::numeric_limits<std::int32_t>::min()}}};
+  for (const Terms& terms : forged) {
+    const testing::ScratchFolder folder;
+    ContentCache cache(KeptKind::Proof, folder.path(), std::uint64_t{1} << 30);
+    verify::ProofMemory memory(cache, "unit", Keeps::All);
+    const std::string property = "never u[0]@IN";
+    const std::string question = "state " + property;
+    (void)memory.recall(net, question);
+    verify::KeptProof proof;
+    proof.way = verify::Way::Induction;
+    proof.equations = {terms};
+    memory.keep(net, question, proof);
+    const Asked asked = ask(kDoor, folder.path(), property);
+    CHECK(asked.counts.is_whole);
+    CHECK(asked.counts.equations == 0);
+    CHECK(asked.decision.outcome == Outcome::Violated);
+  }
 }
 
 TEST_CASE("of candidates for lemmas the largest part is taken that no step leaves") {
