@@ -130,8 +130,9 @@ std::string neighbourhoods_text(const verify::TimeProof& proof) {
   return rt::counted(proof.neighbourhoods, "neighbourhood") + " of at most " + rt::counted(proof.largest, "component");
 }
 
-std::string proof_text(const verify::TimeProof& proof) {
+std::string proof_text(const verify::TimeProof& proof, const verify::Question& question) {
   const std::string invariants = rt::counted(proof.invariants, "invariant");
+  if (question.what == verify::Asked::State) return fmt::format("holds: `{}`: by {} and the zones of {}\n", question.property.text, invariants, neighbourhoods_text(proof));
   if (proof.neighbourhoods == 0) return "deadlock-free: no deadlock, by " + invariants + ", and no time lock, for nothing holds time up\n";
   return "deadlock-free: no deadlock and no time lock, by " + invariants + " and the zones of " + neighbourhoods_text(proof) + '\n';
 }
@@ -207,16 +208,19 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   const verify::Clock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   std::string stats;
-  if (question.what == verify::Asked::DeadlockFreedom) {
+  const bool asks_state = question.what == verify::Asked::State;
+  if (asks_state) json["property"] = question.property.text;
+  if (asks_state || question.what == verify::Asked::DeadlockFreedom) {
     const rt::InterruptGuard guard;
-    const verify::TimeProof proof = verify::prove_time(*c.system, explore_system, verify::seconds_from_now(static_cast<double>(arguments.timeout) / kShareOfParts));
+    const verify::Clock::time_point soon = verify::seconds_from_now(static_cast<double>(arguments.timeout) / kShareOfParts);
+    const verify::TimeProof proof = asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon) : verify::prove_time(*c.system, explore_system, soon);
     if (arguments.stats) {
       stats = stats_text(proof);
       json["parts"] = parts_json(proof);
     }
     if (proof.is_proved) {
-      const std::string text = proof_text(proof);
-      json["verdict"] = "deadlock-free";
+      const std::string text = proof_text(proof, question);
+      json["verdict"] = asks_state ? "holds" : "deadlock-free";
       json["method"] = "parts";
       json["text"] = text;
       return write_verdict(arguments, json, text + stats, kOk);
@@ -226,7 +230,6 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   const bool may_start = executor.prepare(c, arguments.backend, Optimisation::Auto);
   if (const int code = report(c); code != 0 || !may_start) return code;
   const rt::Image& image = c.lowered->image;
-  const bool asks_state = question.what == verify::Asked::State;
   rt::ZoneReport found;
   {
     const rt::InterruptGuard guard;
@@ -241,7 +244,6 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   if (asks_errors) json["property"] = "errors";
-  if (asks_state) json["property"] = question.property.text;
   json["zones"] = found.zones;
   std::string text;
   int exit_code = kUnknown;

@@ -37,18 +37,12 @@ struct Explored {
 
 class TimeProver {
  public:
-  TimeProver(const System& system, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits)
-      : is_read_(find_read_data(system)), simple_(without_unread_data(system, is_read_)), neighbours_(simple_), explore_(explore), end_(end), limits_(limits) {}
+  TimeProver(const System& system, const std::vector<DataRef>& asked, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits)
+      : is_read_(find_read_data(system, asked)), simple_(without_unread_data(system, is_read_)), neighbours_(simple_), explore_(explore), end_(end), limits_(limits) {}
 
   TimeProof prove() {
-    far_ = at_the_end_of_time(simple_);
-    net_ = build_net(far_);
-    if (net_.too_large_atom != kNoRow) return fail("`" + path_of(net_.too_large_atom) + "` has too many local states");
-    std::vector<std::vector<AbstractValue>> constants;
-    for (const ModeClass& row : net_.classes) constants.push_back(constants_of(row));
-    constant_ = [this, constants](u32 atom, u32 slot) { return constants[net_.class_of[atom]][slot]; };
+    if (!prepare()) return std::move(proof_);
     if (has_deadlock()) return fail("a deadlock is not excluded by invariants");
-    facts_ = std::make_unique<ModeFacts>(net_, Encoded::Nothing, end_);
     for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
       if (!holds_time_up(simple_, AtomId(std::size_t{atom}))) continue;
       ++proof_.neighbourhoods;
@@ -59,7 +53,43 @@ class TimeProver {
     return std::move(proof_);
   }
 
+  TimeProof prove(const Property& property) {
+    if (!prepare()) return std::move(proof_);
+    std::vector<u32> about = atoms_of(property);
+    // Zones need a clock, whosever it is.
+    const auto has_clock = [&](u32 atom) { return !simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].clocks.empty(); };
+    if (std::none_of(about.begin(), about.end(), has_clock)) {
+      u32 first = 0;
+      while (first < simple_.atoms.size() && !has_clock(first)) ++first;
+      if (first == simple_.atoms.size()) return fail("nobody has a clock");
+      about.push_back(first);
+    }
+    proof_.neighbourhoods = 1;
+    proof_.is_proved = settles({.property = &property}, std::move(about));
+    proof_.invariants += facts_->invariants();
+    return std::move(proof_);
+  }
+
  private:
+  // What is asked of a part: whether the target, in one of its states only or in all, ever stands still; or a property.
+  struct Asking {
+    u32 target = 0;
+    const LocalState* only = nullptr;
+    const Property* property = nullptr;
+  };
+
+  bool prepare() {
+    far_ = at_the_end_of_time(simple_);
+    net_ = build_net(far_);
+    if (net_.too_large_atom != kNoRow) proof_.reason = "`" + path_of(net_.too_large_atom) + "` has too many local states";
+    if (net_.too_large_atom != kNoRow) return false;
+    std::vector<std::vector<AbstractValue>> constants;
+    for (const ModeClass& row : net_.classes) constants.push_back(constants_of(row));
+    constant_ = [this, constants](u32 atom, u32 slot) { return constants[net_.class_of[atom]][slot]; };
+    facts_ = std::make_unique<ModeFacts>(net_, Encoded::Nothing, end_);
+    return true;
+  }
+
   TimeProof fail(const std::string& reason) {
     proof_.reason = reason;
     return std::move(proof_);
@@ -114,8 +144,9 @@ class TimeProver {
     return !facts_->may_be(sets, kRoundsPerLocation);
   }
 
-  // A part that is like one from before has the same zones, if the same states are impossible. only: the target's state that is asked about.
-  const rt::PartReport& explore(const Part& part, u32 target, const LocalState* only) {
+  // A part that is like one from before has the same zones, if the same states are impossible. target: its row in the part.
+  const rt::PartReport& explore(const Part& part, u32 target, const Asking& asking) {
+    const LocalState* only = asking.only;
     std::string key = system::print(part.system) + std::to_string(target);
     if (only != nullptr) {
       for (const u32 place : only->places) key += ' ' + std::to_string(place);
@@ -129,9 +160,13 @@ class TimeProver {
     Explored found;
     rt::PartQuestion question{.atom = target, .is_whole = part.is_whole, .is_impossible = {}, .is_asked = {}};
     const auto state_of = [&](const rt::Core& core, u32 row) { return local_state(core, row, part.system.atom_types[part.system.atoms[AtomId(std::size_t{row})].type]); };
+    if (asking.property != nullptr) {
+      question.asks_places = true;
+      question.is_asked = [mine = in_part(*asking.property, part.members)](const rt::Core& core) { return is_broken(mine, core); };
+    }
     if (only != nullptr) question.is_asked = [&](const rt::Core& core) { return state_of(core, target) == *only; };
-    // One alone is in what modes it is.
-    if (part.members.size() > 1) {
+    // One alone is in what modes it is; of properties structure may say more.
+    if (part.members.size() > 1 || asking.property != nullptr) {
       question.is_impossible = [&](const rt::Core& core) {
         std::vector<LocalState> states;
         for (u32 row = 0; row < part.members.size(); ++row) states.push_back(state_of(core, row));
@@ -151,7 +186,7 @@ class TimeProver {
   // Is somebody always able to go on where this component holds time up? If a few neighbours do not show it for all of its states, then
   // each of these may have its own.
   bool goes_on(u32 target) {
-    if (goes_on(target, nullptr)) return true;
+    if (settles({.target = target}, {target})) return true;
     if (!is_too_large_) return false;
     const std::string reason = proof_.reason;
     const Part alone = cut_out(simple_, neighbours_, is_read_, constant_, {target});
@@ -171,7 +206,7 @@ class TimeProver {
       ++proof_.explored;
       proof_.zones += found.zones;
       if (!found.is_open) return found.is_complete;
-      if (!goes_on(target, &open)) return false;
+      if (!settles({.target = target, .only = &open}, {target})) return false;
       done.insert(std::move(open));
     }
     proof_.reason = reason;
@@ -185,8 +220,17 @@ class TimeProver {
     return options;
   }
 
-  bool goes_on(u32 target, const LocalState* only) {
-    std::vector<u32> joined{target};
+  // The property, of a part: its components have other rows there.
+  static Property in_part(Property property, const std::vector<u32>& members) {
+    for (PropertyNode& node : property.nodes) {
+      if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data) node.owner = static_cast<u32>(std::lower_bound(members.begin(), members.end(), node.owner) - members.begin());
+    }
+    return property;
+  }
+
+  // joined: whom it is about. Others join while it is open.
+  bool settles(const Asking& asking, std::vector<u32> joined) {
+    const std::string about = asking.property != nullptr ? "the property may be broken" : "time may stand still at `" + path_of(asking.target) + "`";
     is_too_large_ = false;
     while (joined.size() <= limits_.members) {
       std::vector<u32> members = joined;
@@ -198,21 +242,21 @@ class TimeProver {
         join(part.needed, joined);
         continue;
       }
-      const rt::PartReport& found = explore(part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), target) - members.begin()), only);
+      const rt::PartReport& found = explore(part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), asking.target) - members.begin()), asking);
       proof_.largest = std::max<std::uint64_t>(proof_.largest, members.size());
       if (!found.is_open) {
         is_too_large_ = !found.is_complete;
         if (seconds_until(end_) <= 0) proof_.reason = "the time is over";
-        else if (!found.is_complete) proof_.reason = found.inexact.empty() ? "the neighbourhood of `" + path_of(target) + "` has too many zones" : found.inexact;
+        else if (!found.is_complete) proof_.reason = found.inexact.empty() ? "a neighbourhood of `" + path_of(joined[0]) + "` has too many zones" : found.inexact;
         return found.is_complete;
       }
       if (!add_neighbour(part, found.open, joined)) {
-        proof_.reason = "time may stand still at `" + path_of(target) + "`, and nobody else is there to wait for";
+        proof_.reason = about + ", and nobody else is there to look at";
         return false;
       }
     }
     is_too_large_ = true;
-    proof_.reason = "time may stand still at `" + path_of(target) + "`, as far as it and " + std::to_string(limits_.members - 1) + " neighbours show";
+    proof_.reason = about + ", as far as " + std::to_string(limits_.members) + " components show";
     return false;
   }
 
@@ -285,7 +329,20 @@ TimeProof prove_time(const System& system, const ExplorePart& explore, Clock::ti
   TimeProof proof;
   proof.reason = what_far_time_cannot_follow(system);
   if (!proof.reason.empty()) return proof;
-  return TimeProver(system, explore, end, limits).prove();
+  return TimeProver(system, {}, explore, end, limits).prove();
+}
+
+TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits) {
+  TimeProof proof;
+  proof.reason = what_far_time_cannot_follow(system);
+  std::vector<DataRef> asked;
+  for (const PropertyNode& node : property.nodes) {
+    if (node.kind == PropertyKind::Data) asked.push_back({AtomId(std::size_t{node.owner}), node.row});
+    if (node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort) proof.reason = "what `can` asks depends on the instant";
+  }
+  if (atoms_of(property).empty()) proof.reason = "the property speaks of no component";
+  if (!proof.reason.empty()) return proof;
+  return TimeProver(system, asked, explore, end, limits).prove(property);
 }
 
 }  // namespace bip::verify

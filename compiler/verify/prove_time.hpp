@@ -13,7 +13,7 @@
 #include <functional>
 #include <string>
 
-#include "compiler/system/system.hpp"
+#include "compiler/verify/property.hpp"
 #include "compiler/verify/solver/clock.hpp"
 #include "runtime/explore/zones.hpp"
 
@@ -37,6 +37,10 @@ struct PartLimits {
   std::uint64_t zones = 20000;         // of its graph
 };
 
+/// Neither deadlock nor time lock.
 [[nodiscard]] TimeProof prove_time(const System& system, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits = {});
+
+/// A property of places and data, from the components that it speaks of and neighbours. `can` is about instants: that is left to the whole.
+[[nodiscard]] TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits = {});
 
 }  // namespace bip::verify

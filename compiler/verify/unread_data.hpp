@@ -8,8 +8,9 @@
 
 namespace bip::verify {
 
-/// By atom type, by slot: is it read? Hidden slots of time are. Linear in the code, times the longest chain of assignments.
-[[nodiscard]] std::vector<std::vector<std::uint8_t>> find_read_data(const System& system);
+/// By atom type, by slot: is it read? Hidden slots of time are, and those that are `asked` for. Linear in the code, times the longest chain of
+/// assignments.
+[[nodiscard]] std::vector<std::vector<std::uint8_t>> find_read_data(const System& system, const std::vector<DataRef>& asked = {});
 /// The same system without assignments to data that is not read. Faults that they would have ended in do not occur.
 [[nodiscard]] System without_unread_data(const System& system, const std::vector<std::vector<std::uint8_t>>& is_read);
 

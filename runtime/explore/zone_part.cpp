@@ -19,9 +19,13 @@ bool ZoneSearch::is_impossible(u32 row) {
   return at.asked_whole == Asked::Impossible;
 }
 
+bool ZoneSearch::is_asked_for(u32 node) {
+  return part_->asks_places && enter_core(locations_[nodes_[node].location], nodes_[node].zone.least_point()) && part_->is_asked(core_);
+}
+
 // rest: where no step of the part alone can be taken.
 bool ZoneSearch::is_held_up(const Location& at, const std::vector<Zone>& rest) {
-  if (rest.empty()) return false;
+  if (rest.empty() || part_->asks_places) return false;
   if (part_->is_asked && enter_core(at, rest[0].least_point()) && !part_->is_asked(core_)) return false;
   if (!at.may_go_on) return true;
   const AtomTime* time = image_.atom_types[image_.atoms[part_->atom].type].time;

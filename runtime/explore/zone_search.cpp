@@ -312,6 +312,10 @@ void ZoneSearch::go_on(u32 node) {
 void ZoneSearch::expand(u32 node) {
   is_node_faulty_ = false;
   if (find_broken(node)) return;
+  if (part_ != nullptr && is_asked_for(node)) {
+    open_ = nodes_[node].location;
+    return;
+  }
   if (nodes_[node].is_waking) {
     go_on(node);
     return;

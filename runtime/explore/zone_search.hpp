@@ -66,6 +66,7 @@ class ZoneSearch {
   void judge(u32 node, const std::vector<Zone>& rest);
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
+  [[nodiscard]] bool is_asked_for(u32 node);
   [[nodiscard]] bool is_held_up(const Location& at, const std::vector<Zone>& rest);
 
   // zone_way.cpp

@@ -45,6 +45,7 @@ struct PartQuestion {
   std::vector<std::uint8_t> is_whole;                 // by connector: a candidate in the part is one in the whole; so are internal ports
   std::function<bool(const Core&)> is_impossible;     // no state of the whole has these markings and data; asked once each
   std::function<bool(const Core&)> is_asked;          // only there; empty: everywhere
+  bool asks_places = false;                           // else: is there a state where is_asked says so, whatever time does?
 };
 struct PartReport {
   bool is_complete = false;       // all zones were seen, or an open one was found

@@ -29,7 +29,7 @@ rt::PartReport explore(const System& part, const rt::ExploreOptions& options, co
 }
 
 struct Tally {
-  int compared = 0, proved = 0, free = 0, with_parts = 0, smaller = 0, walks = 0;
+  int compared = 0, proved = 0, free = 0, with_parts = 0, smaller = 0, walks = 0, asked = 0, holding = 0, broken = 0;
 };
 
 // Markings and who holds which clocks are a point of some node of the part.
@@ -50,6 +50,34 @@ bool has_point(rt::ZoneSearch& search, const std::vector<u32>& members, const rt
     if (fits) return true;
   }
   return false;
+}
+
+// Two components are never in two places at once, or with these data.
+void ask(const System& system, const rt::Image& image, u64 seed, Tally& tally) {
+  rt::Prng random(seed);
+  const auto literal = [&](u32 atom) {
+    const rt::AtomType& type = image.atom_types[image.atoms[atom].type];
+    const std::string path = std::string(image.atoms[atom].path).substr(5);
+    std::vector<std::string> ints;
+    for (const rt::Var& var : type.slots) {
+      if (var.type == rt::SlotType::Int && std::string(var.name).find('(') == std::string::npos) ints.emplace_back(var.name);
+    }
+    if (!ints.empty() && random.below(3) == 0) return path + '.' + ints[random.below(ints.size())] + (random.below(2) == 0 ? " > " : " == ") + std::to_string(random.below(4));
+    return path + '@' + type.places[random.below(type.places.size)];
+  };
+  const u32 first = static_cast<u32>(random.below(image.atoms.size)), second = static_cast<u32>(random.below(image.atoms.size));
+  const std::string text = "never " + literal(first) + (random.below(2) == 0 ? " && " : " && !(") + literal(second);
+  const Result<verify::Property> property = verify::parse_property(text + (text.find("!(") == std::string::npos ? "" : ")"), system);
+  if (!property) return;
+  const rt::ZoneReport whole = rt::explore_zones(image, {.limit = 20000, .is_broken = [&](const rt::Core& core) { return verify::is_broken(*property, core); }});
+  ++tally.asked;
+  for (const std::size_t members : {std::size_t{2}, std::size_t{6}}) {
+    const verify::TimeProof proof = verify::prove_state_in_time(system, *property, explore, verify::seconds_from_now(60), {.members = members, .zones = 20000});
+    INFO((*property).text << ", members " << members << ", reason: " << proof.reason);
+    if (proof.is_proved) REQUIRE_FALSE(whole.has_broken);
+    if (members == 6) tally.holding += proof.is_proved ? 1 : 0;
+  }
+  tally.broken += whole.has_broken ? 1 : 0;
 }
 
 // Random runs of the whole, seen through two components.
@@ -113,6 +141,7 @@ void compare(const std::vector<std::string>& texts, u64 seed, Tally& tally) {
     tally.with_parts += members == 6 && proof.neighbourhoods != 0 ? 1 : 0;
     tally.smaller += proof.largest > 1 && proof.largest < image.atoms.size ? 1 : 0;
   }
+  for (u64 k = 1; k <= 4; ++k) ask(*c.system, image, seed * 16 + k, tally);
   for (u64 k = 1; k <= 3 && image.atoms.size > 1; ++k) walk(*c.system, image, seed * 8 + k, tally);
 }
 
@@ -123,7 +152,7 @@ u64 wanted_runs(u64 usual) {
 
 void tell(const Tally& tally) {
   WARN("compared " << tally.compared << ", free " << tally.free << ", proved " << tally.proved << ", of these with neighbourhoods " << tally.with_parts
-                   << ", with small ones " << tally.smaller << "; states walked " << tally.walks);
+                   << ", with small ones " << tally.smaller << "; states walked " << tally.walks << "; properties " << tally.asked << ", proved " << tally.holding << ", broken " << tally.broken);
 }
 
 }  // namespace
@@ -137,6 +166,8 @@ TEST_CASE("what parts prove of random timed systems holds in their zone graphs")
   CHECK(tally.with_parts > 0);
   CHECK(tally.smaller > 0);
   CHECK(tally.walks > 1000);
+  CHECK(tally.holding > 0);
+  CHECK(tally.broken > 0);
 }
 
 // With data, guards, transfers, hierarchies, merged ports, Petri nets.
