@@ -40,6 +40,16 @@ std::vector<std::string> texts(const rt::Span<const char*>& items) {
 
 }  // namespace
 
+std::string TableWriter::ranges(const std::string& name, const rt::Span<rt::RangeOp>& code) {
+  static constexpr const char* kKinds[] = {"Constant", "Any", "Own", "Bound", "Neg", "Add", "Sub", "Mul", "Not", "And", "Or", "Eq", "Ne", "Lt", "Le", "Store", "Branch"};
+  std::vector<std::string> rows;
+  for (const rt::RangeOp& op : code) {
+    rows.push_back(braces({std::string("RangeOpKind::") + kKinds[static_cast<std::size_t>(op.kind)], slot_type_text(op.type), row_text(op.row),
+                           row_text(op.otherwise), float_literal(op.number)}));
+  }
+  return table("RangeOp", name, rows);
+}
+
 TableWriter::TableWriter(const lower::LoweredSystem& lowered, Writer& out)
     : lowered_(lowered), image_(lowered.image), out_(out) {
   for (const lower::CodeUnit& unit : lowered.units) names_.reserve(unit.name);
@@ -149,14 +159,16 @@ void TableWriter::connector_type(const rt::ConnectorType& type) {
   rows.clear();
   for (const rt::Clause& c : type.clauses) {
     const std::string clause_params = list(name + "_clause_params", c.params);
-    rows.push_back(braces({clause_params, row_text(c.guard), row_text(c.up), row_text(c.down), loc_text(c.loc),
-                           bool_text(c.may_fault)}));
+    std::string rest = bool_text(c.may_fault);
+    if (c.has_ranges) rest += ", true, " + ranges(name + "_guard_ranges", c.guard_ranges) + ", " + ranges(name + "_up_ranges", c.up_ranges);
+    rows.push_back(braces({clause_params, row_text(c.guard), row_text(c.up), row_text(c.down), loc_text(c.loc), rest}));
   }
   const std::string clauses = table("Clause", name + "_clauses", rows);
   const std::string export_slots = list(name + "_export_slots", type.export_slots);
   connector_rows_.push_back(braces({string_literal(name), params, slots, define, clauses, bool_text(type.exports),
                                     string_literal(type.export_name), row_text(type.export_type), export_slots,
-                                    loc_text(type.loc) + (type.resume_sync ? ", true" : "")}));
+                                    loc_text(type.loc) + (type.resume_sync || type.is_total ? ", " + bool_text(type.resume_sync) : "") +
+                                        (type.is_total ? ", true" : "")}));
 }
 
 void TableWriter::image() {

@@ -38,6 +38,7 @@ class TableWriter {
   std::string array(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
   /// The expression for a list of rows: in place if it is short.
   std::string list(const std::string& name, const rt::Span<std::uint32_t>& items);
+  std::string ranges(const std::string& name, const rt::Span<rt::RangeOp>& code);
   std::string vars(const std::string& name, const rt::Span<rt::Var>& items);
   std::string pattern(const std::string& name, const rt::Pattern& pattern);
 

@@ -3,6 +3,8 @@
 // Cost: linear in the text of the types; instances play no part.
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/pools.hpp"
+#include "compiler/lower/ranges.hpp"
+#include "compiler/model/model.hpp"
 
 namespace bip::lower {
 
@@ -72,7 +74,17 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   l.pools.atom_types.push_back(to);
 }
 
-void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& type) {
+// Are there searches of maximal interactions? Then the runtime wants to know code over ranges of values.
+bool has_searches(const System& system) {
+  bool trigger = false, guard = false;
+  for (const ConnectorType& type : system.connector_types) {
+    for (const DefineNode& node : type.define) trigger |= node.trigger;
+    for (const Clause& clause : type.clauses) guard |= clause.guard.is_valid();
+  }
+  return trigger && guard;
+}
+
+void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& type, bool wants_ranges) {
   rt::ConnectorType to{};
   to.name = type.name.c_str();
   std::vector<rt::ConnectorParam> params;
@@ -95,6 +107,11 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
     out.loc = loc_of(clause.loc);
     // Then it runs while interactions are computed.
     out.may_fault = code_facts(l.system.code, ExprId{}, clause.up).may_fault;
+    if (const std::optional<ClauseRanges> ranges = wants_ranges ? clause_ranges(l.system.code, clause) : std::nullopt) {
+      out.has_ranges = true;
+      out.guard_ranges = l.pools.list(ranges->guard);
+      out.up_ranges = l.pools.list(ranges->up);
+    }
     clauses.push_back(out);
   }
   to.clauses = l.pools.list(clauses);
@@ -104,6 +121,7 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
   to.export_slots = l.pools.list(type.export_slots);
   to.loc = loc_of(type.loc);
   to.resume_sync = type.resume == ResumeMode::Sync;
+  to.is_total = wants_ranges && static_cast<double>(type.clauses.size()) >= model::interaction_count(type);
   l.pools.connector_types.push_back(to);
 }
 
@@ -115,7 +133,8 @@ void lower_types(Lowering& l) {
   std::uint32_t row = 0;
   for (const AtomType& type : s.atom_types) lower_atom_type(l, row++, type);
   row = 0;
-  for (const ConnectorType& type : s.connector_types) lower_connector_type(l, row++, type);
+  const bool wants_ranges = has_searches(s);
+  for (const ConnectorType& type : s.connector_types) lower_connector_type(l, row++, type, wants_ranges);
 }
 
 }  // namespace bip::lower

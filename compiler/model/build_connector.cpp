@@ -211,22 +211,6 @@ struct BodyBuilder {
     return {};
   }
 
-  // How many interactions there are, as a double: it may be 2^1000.
-  [[nodiscard]] double count(std::uint32_t n) const {
-    const DefineNode& node = out.define[n];
-    if (node.is_leaf) return 1;
-    bool has_triggers = false;
-    double all = 1, any = 1, without = 1;
-    for (const std::uint32_t child : node.children) {
-      const double c = count(child);
-      all *= c;
-      any *= 1 + c;
-      if (out.define[child].trigger) has_triggers = true;
-      else without *= 1 + c;
-    }
-    return has_triggers ? any - without : all;
-  }
-
   void build(SourceRange range, syntax::Annotations annotations) {
     down_scope.owner = is_inline ? fmt::format("connector `{}`", out.name) : fmt::format("connector type `{}`", out.name);
     const std::size_t errors_at_start = b.diags.error_count();
@@ -245,7 +229,7 @@ struct BodyBuilder {
       }
       return;
     }
-    if (!out.export_slots.empty() && b.diags.error_count() == errors_at_start && count(0) > static_cast<double>(out.clauses.size()) &&
+    if (!out.export_slots.empty() && b.diags.error_count() == errors_at_start && interaction_count(out) > static_cast<double>(out.clauses.size()) &&
         !is_silent("missinginteraction")) {
       auto d = b.diags.report(Diag::kB2016, range, down_scope.owner, out.export_name);
       if (const std::string missing = without_clause(); !missing.empty()) d.note(fmt::format("interaction `{}` has none", missing));

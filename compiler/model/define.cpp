@@ -43,6 +43,21 @@ bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>&
   return !params.empty() && largest_interaction(type, params) == params;
 }
 
+double interaction_count(const ConnectorType& type, std::uint32_t n) {
+  const DefineNode& node = type.define[n];
+  if (node.is_leaf) return 1;
+  bool has_triggers = false;
+  double all = 1, any = 1, without = 1;
+  for (const std::uint32_t child : node.children) {
+    const double c = interaction_count(type, child);
+    all *= c;
+    any *= 1 + c;
+    if (type.define[child].trigger) has_triggers = true;
+    else without *= 1 + c;
+  }
+  return has_triggers ? any - without : all;
+}
+
 std::string interaction_text(const ConnectorType& type, const std::vector<std::uint32_t>& params) {
   std::string text;
   for (const std::uint32_t p : params) {

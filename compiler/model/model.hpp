@@ -193,6 +193,8 @@ namespace model {
 [[nodiscard]] bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
 /// The largest interaction within `params` (sorted); empty if there is none.
 [[nodiscard]] std::vector<std::uint32_t> largest_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
+/// How many interactions a `define` gives, as a double: it may be 2^1000.
+[[nodiscard]] double interaction_count(const ConnectorType& type, std::uint32_t node = 0);
 /// True if a port of type `given` can be used where `wanted` is asked for.
 [[nodiscard]] bool fits(const Model& model, PortTypeId given, PortTypeId wanted);
 /// "of port type `T`", or what an anonymous one carries, for messages.

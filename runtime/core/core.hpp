@@ -8,14 +8,14 @@
 #include <map>
 #include <memory>
 #include <tuple>
-#include <utility>
 #include <vector>
 
+#include "bip/prng.hpp"
+#include "runtime/core/bits.hpp"
 #include "runtime/core/core_rows.hpp"
 #include "runtime/core/extern_data.hpp"
 #include "runtime/core/fault.hpp"
 #include "runtime/core/partial.hpp"
-#include "bip/prng.hpp"
 #include "runtime/core/priorities.hpp"
 #include "runtime/core/select.hpp"
 #include "runtime/core/state.hpp"
@@ -297,7 +297,6 @@ class Core {
   u64 run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u32>& fired);
 
   // search.cpp: configurations of plans
-  using Bits = std::vector<u64>;
   void look_at_availability(const Plan& plan, u32 root);
   void choose_largest(const Plan& plan, u32 root);
   void choose_bits(const Plan& plan, const u64* bits);
@@ -310,6 +309,8 @@ class Core {
   bool choice_alternatives(const Plan& plan, u32 choice, std::vector<Bits>& found);
   bool initial_configurations(const Plan& plan, u32 root, std::vector<Bits>& out);
   void smaller(const Plan& plan, u32 root, u32 failed, const Bits& bits, std::vector<Bits>& out);
+  bool may_hold(const Plan& plan, u32 root, const std::vector<Bits>& largest);
+  bool search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest, std::vector<Bits>& found);
   bool enumerate(const Plan& plan, std::vector<Bits>& found);
   bool list(u32 slot);
   void choose(const Candidate& candidate, const Plan& plan);
@@ -391,7 +392,7 @@ class Core {
   std::vector<std::uint8_t> available_, chosen_;  // by plan node
   std::vector<u32> node_scratch_, use_clause_, params_;
   std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links and choices
-  std::vector<Evaluated> evaluated_;       // by use of the plan that is searched
+  EvaluatedUses evaluated_;
   SearchWork search_work_;
   std::vector<std::pair<u32, u32>> use_stack_;
 };

@@ -45,14 +45,36 @@ struct Listing {
   std::vector<std::uint8_t> hidden;  // by configuration; empty: none
 };
 
-/// What a connector of a plan was evaluated for last: its sub-choice, and whether its guard held.
-struct Evaluated {
-  u64 leaves = 0;  // 0: nothing
-  bool holds = false;
+/// By use of the plan that is searched: the sub-choice for which it was evaluated last, and whether its guard held then.
+struct EvaluatedUses {
+  struct Use {
+    bool is_known = false, holds = false;
+  };
+  std::vector<Use> uses;
+  std::vector<u64> bits;  // plan.words a use; of the leaves below it
+  void forget(const Plan& plan) {
+    uses.assign(plan.use_count, {});
+    bits.resize(std::size_t{plan.use_count} * plan.words);
+  }
+  /// Was it evaluated for the same leaves? Else from now on it is, and holds unless one says otherwise.
+  [[nodiscard]] bool knows(const Plan& plan, u32 row, const PlanUse& use, const u64* now) {
+    u64* const last = bits.data() + std::size_t{row} * plan.words;
+    bool same = uses[row].is_known;
+    for (u32 w = use.first_leaf / 64; w * 64 < use.end_leaf; ++w) {
+      u64 mask = ~u64{0};
+      if (w * 64 < use.first_leaf) mask &= ~u64{0} << (use.first_leaf & 63);
+      if (use.end_leaf - w * 64 < 64) mask &= ~(~u64{0} << (use.end_leaf & 63));
+      same = same && last[w] == (now[w] & mask);
+      last[w] = now[w] & mask;
+    }
+    if (!same) uses[row] = {true, true};
+    return same;
+  }
 };
 /// What searches have cost so far.
 struct SearchWork {
   u64 searches = 0, configurations = 0, connectors = 0;  // configurations looked at, connectors evaluated
+  u64 range_looks = 0;                                   // sets of configurations looked at as ranges
 };
 
 /// The guard of a flat rendezvous, found without a look at the image.

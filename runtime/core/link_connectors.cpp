@@ -197,11 +197,16 @@ void link_plans(Tables& tables) {
     for (u32 i = 0; i < plan.use_count; ++i) {
       PlanUse& use = tables.plan_uses[plan.first_use + i];
       connectors.push_back(use.connector);
-      if (plan.leaves > 64) continue;
-      for (u32 k = use.root; k < nodes[use.root].end; ++k) use.leaves |= nodes[k].kind == NodeKind::Leaf ? u64{1} << nodes[k].leaf : 0;
+      const u32 end = nodes[use.root].end;
+      use.first_leaf = nodes[use.root].leaf;
+      use.end_leaf = end == plan.node_count ? plan.leaves : nodes[end].leaf;
     }
     std::sort(connectors.begin(), connectors.end());
     plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
+    plan.has_ranges = plan.guarded && !plan.rigid && !plan.has_choice && plan.is_tree;
+    for (u32 i = 0; i < plan.use_count && plan.has_ranges; ++i) {
+      for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses) plan.has_ranges &= clause.has_ranges;
+    }
     // Alternatives of one parameter are several candidates: they are listed.
     info.searched |= plan.guarded || plan.has_choice;
     tables.any_searched |= info.searched;

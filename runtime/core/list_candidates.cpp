@@ -37,7 +37,7 @@ bool Core::list(u32 slot) {
   std::vector<Bits> found;
   ++search_work_.searches;
   // Data have changed since.
-  evaluated_.assign(plan.use_count, {});
+  evaluated_.forget(plan);
   if (!search_links(plan)) return false;
   const bool listed = options_.progress == MaximalProgress::Off ? enumerate(plan, found) : search(plan, 0, found);
   link_alternatives_.clear();

@@ -4,14 +4,20 @@
 // the connector's own frame). If a guard fails for a sub-choice, every configuration with the same sub-choice fails, so
 // only configurations that change it are looked at next: one step smaller, or without it where it cannot shrink. Enabled
 // ones stop the descent. With k guarded clauses this looks at O(k * ports) configurations where guards are independent;
-// exponential only where data of a hierarchy make it inherent (a bound turns that into a fault). From one configuration to the
-// next a connector is evaluated again only if its own sub-choice is another one: in a tree those above what went.
+// where data of a hierarchy decide and the descent goes on for long, search_ranges.cpp goes on from above with bounds (a limit turns
+// what is inherently exponential into a fault). From one configuration to the next a connector is evaluated again only if its own
+// sub-choice is another one: in a tree those above what went.
 #include <algorithm>
 #include <set>
 
 #include "runtime/core/core.hpp"
 
 namespace bip::rt {
+
+namespace {
+// So many guards were false before ranges are asked whether any could hold.
+constexpr u32 kFirstRanges = 32;
+}  // namespace
 
 void Core::look_at_availability(const Plan& plan, u32 root) {
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
@@ -81,7 +87,7 @@ u32 Core::chosen_clause(const Plan& plan, u32 use_row) {
 // Guards and `up`s of the choice below root, bottom up. failed: the use whose guard is false, or kNone. False: a fault.
 bool Core::evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed) {
   // What a use computes follows from its sub-choice, and is still in its frame.
-  const bool remembers = plan.leaves <= 64 && plan.is_tree && !plan.has_choice;
+  const bool remembers = plan.is_tree && !plan.has_choice;
   ++search_work_.configurations;
   const u32 end = tables_.plan_nodes[plan.first_node + root].end;
   failed = kNone;
@@ -89,13 +95,11 @@ bool Core::evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed) {
     const PlanUse& use = tables_.plan_uses[plan.first_use + i];
     if (use.root < root || use.root >= end || chosen_[use.root] == 0) continue;
     if (remembers) {
-      Evaluated& last = evaluated_[i];
-      if (last.leaves == (bits[0] & use.leaves)) {
-        if (last.holds) continue;
+      if (evaluated_.knows(plan, i, use, bits.data())) {
+        if (evaluated_.uses[i].holds) continue;
         failed = i;
         return true;
       }
-      last = {bits[0] & use.leaves, true};
     }
     ++search_work_.connectors;
     zero_frame(use.connector);
@@ -110,7 +114,7 @@ bool Core::evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed) {
                                            binds_ + connector.binds);
       if (status >= 2) return fail_code(status, kNone, use.connector, nullptr);
       if (status == 0) {
-        if (remembers) evaluated_[i].holds = false;
+        if (remembers) evaluated_.uses[i].holds = false;
         failed = i;
         return true;
       }
@@ -122,14 +126,6 @@ bool Core::evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed) {
 
 namespace {
 
-using Bits = std::vector<u64>;
-
-bool contains(const Bits& big, const Bits& small) {
-  for (std::size_t i = 0; i < big.size(); ++i) {
-    if ((small[i] & ~big[i]) != 0) return false;
-  }
-  return true;
-}
 // Canonical order: at the first leaf in which two configurations differ, the one that has it comes first.
 bool comes_first(const Bits& a, const Bits& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -237,6 +233,7 @@ void Core::smaller(const Plan& plan, u32 root, u32 failed, const Bits& bits, std
 bool Core::search(const Plan& plan, u32 root, std::vector<Bits>& found) {
   std::vector<Bits> todo;
   if (!initial_configurations(plan, root, todo)) return false;
+  const std::vector<Bits> largest = plan.has_ranges ? todo : std::vector<Bits>();
   std::set<Bits> seen;
   while (!todo.empty()) {
     const Bits bits = std::move(todo.back());
@@ -251,6 +248,11 @@ bool Core::search(const Plan& plan, u32 root, std::vector<Bits>& found) {
       continue;
     }
     if (!seen.insert(bits).second) continue;
+    if (plan.has_ranges && found.empty() && seen.size() == std::min(kFirstRanges, options_.descent_bound) && !may_hold(plan, root, largest)) return true;
+    if (plan.has_ranges && seen.size() > options_.descent_bound) {
+      if (!search_ranges(plan, root, largest, found)) return false;
+      break;
+    }
     if (seen.size() > std::size_t{options_.enumeration_bound} * 16) {
       return fail_connector(FaultCode::TooManyInteractions, plan.connector);
     }

@@ -10,6 +10,7 @@ struct CoreOptions {
   MaximalProgress progress = MaximalProgress::On;
   std::uint32_t internal_bound = 1000000;   // internal transitions in a row
   std::uint32_t enumeration_bound = 1u << 16;  // interactions of one connector, when they must be listed
+  std::uint32_t descent_bound = 1u << 8;      // configurations whose guards were false after which a search goes by ranges
 };
 
 /// A step that may be taken: an interaction of a connector, or an internal port of an atom (connector == kNone).

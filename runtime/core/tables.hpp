@@ -91,7 +91,7 @@ struct PlanUse {
   u32 link = kNone;            // node
   u32 clause = kNone;          // for all of its parameters
   bool has_choice = false;     // a parameter is bound to a merged port: where its variables are depends on the alternative
-  u64 leaves = 0;              // of its part of the plan, as bits, if the plan has at most 64
+  u32 first_leaf = 0, end_leaf = 0;  // of its part of the plan
 };
 struct Plan {
   u32 connector = 0;
@@ -102,6 +102,7 @@ struct Plan {
   bool rigid = true;           // no triggers and no choices: one configuration, everybody
   bool has_choice = false;
   bool is_tree = true;         // no connector has two uses
+  bool has_ranges = false;     // what its clauses do is known over ranges of values, and it has configurations to choose from
 };
 
 struct Tables {

@@ -99,9 +99,9 @@ void print_stats(std::FILE* err, const Core& core, const EnabledSizes& enabled, 
                  static_cast<unsigned long long>(enabled.least), static_cast<unsigned long long>(enabled.most), static_cast<unsigned long long>(enabled.looks));
   }
   if (const SearchWork& work = core.search_work(); work.searches != 0) {
-    std::fprintf(err, "searches of maximal interactions %llu, configurations looked at %llu, connectors evaluated %llu\n",
+    std::fprintf(err, "searches of maximal interactions %llu, configurations looked at %llu, connectors evaluated %llu, sets looked at as ranges %llu\n",
                  static_cast<unsigned long long>(work.searches), static_cast<unsigned long long>(work.configurations),
-                 static_cast<unsigned long long>(work.connectors));
+                 static_cast<unsigned long long>(work.connectors), static_cast<unsigned long long>(work.range_looks));
   }
 }
 

@@ -138,11 +138,29 @@ struct ConnectorParam {
   std::uint32_t type;
   std::uint32_t first_bind;
 };
+/// A clause's code over ranges of values (runtime/core/ranges.hpp), in postfix form; operands have no effects.
+enum class RangeOpKind : std::uint8_t {
+  Constant,                      // number
+  Any,                           // a value of which nothing is known
+  Own, Bound,                    // row: of the connector's slots, of its bound variables
+  Neg, Add, Sub, Mul,
+  Not, And, Or, Eq, Ne, Lt, Le,
+  Store,                         // row: of the connector's slots
+  Branch                         // the next `row` operations if so, the `otherwise` ones after them if not
+};
+struct RangeOp {
+  RangeOpKind kind;
+  SlotType type;                 // of the result; Store: of the slot
+  std::uint32_t row = 0, otherwise = 0;
+  double number = 0;
+};
 struct Clause {
   Span<std::uint32_t> params;  // sorted
   std::uint32_t guard, up, down;
   Loc loc;
   bool may_fault = false;  // its `up` can end in a fault: it runs while interactions are computed
+  bool has_ranges = false; // guard_ranges and up_ranges say what the code does; else it may fault
+  Span<RangeOp> guard_ranges = {}, up_ranges = {};  // empty: no code
 };
 struct ConnectorType {
   const char* name;
@@ -156,6 +174,7 @@ struct ConnectorType {
   Span<std::uint32_t> export_slots;
   Loc loc;
   bool resume_sync = false;  // the ports of an interaction resume together
+  bool is_total = false;     // each interaction has a clause
 };
 
 struct Compound {
