@@ -83,8 +83,9 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
     return false;
   }
   const std::string parent = std::filesystem::path(runtime.directory).parent_path().string();
+  // At a fixed address: the tables need no relocation, so their pages stay the file's own.
   for (const std::string& word : {std::string("-std=c++20"), std::string(flag_of(arguments.optimisation)), std::string("-pthread"),
-                                  "-I" + runtime.directory + "/include", "-I" + parent, source}) {
+                                  std::string("-fno-pie"), std::string("-no-pie"), "-I" + runtime.directory + "/include", "-I" + parent, source}) {
     command.push_back(word);
   }
   if (runtime.library.empty()) {

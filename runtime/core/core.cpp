@@ -24,14 +24,14 @@ Core::Core(const Image& image, CoreOptions options)
   ports_.resize(tables_.port_atom.size());
   for (u32 i = 0; i < ports_.size(); ++i) {
     const Span<u32> out = tables_.port_out[i];
-    ports_[i] = {kNone, kNone, tables_.port_atom[i], out.size == 1 ? out[0] : tables_.port_out.first[i], out.size};
+    ports_[i] = {kNone, kNone, tables_.port_atom[i], out.size == 1 ? out[0] : static_cast<u32>(out.begin() - tables_.port_out.items.data()), out.size};
   }
   is_direct_.resize(slot_count);
   for (u32 i = 0; i < slot_count; ++i) {
     is_direct_[i] = !tables_.slots[i].searched && (rules_.count == 0 || rules_.slot_involved[i] == 0);
   }
   is_dirty_.assign(slot_count, 0);
-  listing_of_.assign(slot_count, kNone);
+  listing_of_.assign(tables_.any_searched ? slot_count : 0, kNone);
   for (u32 i = 0; i < slot_count; ++i) {
     if (!tables_.slots[i].searched) continue;
     listing_of_[i] = static_cast<u32>(listings_.size());
@@ -169,8 +169,9 @@ Candidate Core::candidate(EnabledSet::Position at) const {
   }
   candidate.connector = info.row;
   candidate.config = at.rank;
-  if (listing_of_[at.slot] == kNone) return candidate;
-  const std::vector<std::uint8_t>& hidden = listings_[listing_of_[at.slot]].hidden;
+  const u32 listing = listing_of(at.slot);
+  if (listing == kNone) return candidate;
+  const std::vector<std::uint8_t>& hidden = listings_[listing].hidden;
   if (hidden.empty()) return candidate;
   u32 left = at.rank;
   for (candidate.config = 0; hidden[candidate.config] != 0 || left-- > 0;) ++candidate.config;

@@ -27,7 +27,6 @@ namespace bip::rt {
 struct BatchPlan;
 struct BatchPart;
 class Team;
-
 /// Has an atom to do with time?
 [[nodiscard]] bool has_time(const Image& image);
 
@@ -195,6 +194,7 @@ class Core {
   FlatGuard flat_guard(const SlotInfo& info);
   void forget();
   bool settle_anew();
+  [[nodiscard]] u32 listing_of(u32 slot) const { return listing_of_.empty() ? kNone : listing_of_[slot]; }
   void remember(u32 slot) {
     history_[history_at_] = slot;
     history_at_ = (history_at_ + 1) % kHistory;
@@ -365,7 +365,7 @@ class Core {
 
   std::vector<u32> dirty_;
   std::vector<std::uint8_t> is_dirty_;     // by slot
-  std::vector<u32> listing_of_;            // by slot; kNone: not searched
+  std::vector<u32> listing_of_;            // by slot; kNone: not searched. Empty: none is
   std::vector<Listing> listings_;
   std::vector<FlatGuard> flat_guards_;     // by listing; code == kNone: not that simple
 

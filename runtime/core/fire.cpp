@@ -114,8 +114,8 @@ bool Core::fire_star(const SlotInfo& info) {
 }
 
 void Core::choose(const Candidate& candidate, const Plan& plan) {
-  if (listing_of_[candidate.slot] != kNone) {
-    choose_bits(plan, listings_[listing_of_[candidate.slot]].configs.data() + std::size_t{candidate.config} * plan.words);
+  if (listing_of(candidate.slot) != kNone) {
+    choose_bits(plan, listings_[listing_of(candidate.slot)].configs.data() + std::size_t{candidate.config} * plan.words);
     return;
   }
   if (plan.rigid) {

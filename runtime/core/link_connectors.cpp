@@ -54,6 +54,18 @@ void link_slots(Tables& tables, MaximalProgress progress) {
   }
 
   tables.slot_of_connector.assign(image.connectors.size, kNone);
+  std::size_t slots = 0, ports = 0;
+  for (const Connector& connector : image.connectors) {
+    const ConnectorType& type = image.connector_types[connector.type];
+    slots += type.exports ? 0 : 1;
+    ports += type.exports ? 0 : type.params.size;
+  }
+  for (const Atom& atom : image.atoms) {
+    const Span<Port>& all = image.atom_types[atom.type].ports;
+    slots += static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [](const Port& port) { return !port.exported; }));
+  }
+  tables.slots.reserve(slots);
+  tables.flat_ports.reserve(ports);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
     const ConnectorType& type = tables.connector_type(connector);
     if (type.exports) continue;

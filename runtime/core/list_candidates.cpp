@@ -6,12 +6,12 @@ namespace bip::rt {
 
 // Lists the slot's candidates anew.
 bool Core::list(u32 slot) {
-  Listing& listing = listings_[listing_of_[slot]];
+  Listing& listing = listings_[listing_of(slot)];
   const SlotInfo& info = tables_.slots[slot];
   listing.count = 0;
   listing.configs.clear();
   if (values_[slot] < 0) return true;
-  if (const FlatGuard& guard = flat_guards_[listing_of_[slot]]; guard.code != kNone) {
+  if (const FlatGuard& guard = flat_guards_[listing_of(slot)]; guard.code != kNone) {
     const ProgramCode& code = codes_[guard.code];
     Slot* own = all_.data() + guard.own;
     for (u32 i = 0; i < code.zeroed; ++i) own[i] = Slot{0};

@@ -232,7 +232,7 @@ bool Core::settle_partial() {
   dirty_rules_.swap(p.looked_at);
   bool sound = true;
   for (const u32 slot : dirty_) {
-    if (listing_of_[slot] == kNone || list(slot)) continue;
+    if (listing_of(slot) == kNone || list(slot)) continue;
     note_fault(last_step_of(slot), kAfterAll);
     sound = false;
   }

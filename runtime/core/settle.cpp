@@ -7,7 +7,7 @@
 namespace bip::rt {
 
 u32 Core::base_count(u32 slot) const {
-  if (listing_of_[slot] != kNone) return listings_[listing_of_[slot]].count;
+  if (listing_of(slot) != kNone) return listings_[listing_of(slot)].count;
   return values_[slot] >= 0 ? 1 : 0;
 }
 
@@ -17,7 +17,7 @@ bool Core::settle() {
     return true;
   }
   for (u32 slot : dirty_) {
-    if (listing_of_[slot] != kNone && !list(slot)) return false;
+    if (listing_of(slot) != kNone && !list(slot)) return false;
   }
   if (rules_.count != 0) {
     if (!settle_priorities()) return false;
@@ -35,13 +35,13 @@ void Core::direct_params(u32 slot, u32 config, std::vector<u32>& out) const {
   out.clear();
   const SlotInfo& info = tables_.slots[slot];
   const u32 count = tables_.connector_type(info.row).params.size;
-  if (info.kind != SlotKind::Planned || listing_of_[slot] == kNone) {
+  if (info.kind != SlotKind::Planned || listing_of(slot) == kNone) {
     for (u32 param = 0; param < count; ++param) out.push_back(param);
     return;
   }
   const Plan& plan = tables_.plans[info.plan];
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
-  const u64* bits = listings_[listing_of_[slot]].configs.data() + std::size_t{config} * plan.words;
+  const u64* bits = listings_[listing_of(slot)].configs.data() + std::size_t{config} * plan.words;
   for (u32 param = 0; param < count; ++param) {
     const u32 node = tables_.plan_params[tables_.plan_uses[plan.first_use].first_param + param];
     if (node == kNone) continue;
@@ -158,7 +158,7 @@ bool Core::recompute_component(u32 component) {
 void Core::weigh(u32 slot) {
   const Image& image = *tables_.image;
   const u32 count = base_count(slot);
-  Listing* listing = listing_of_[slot] == kNone ? nullptr : &listings_[listing_of_[slot]];
+  Listing* listing = listing_of(slot) == kNone ? nullptr : &listings_[listing_of(slot)];
   if (listing != nullptr) listing->hidden.clear();
   bool any_active = false;
   for (u32 rule : rules_.low_of_slot[slot]) any_active |= rule_states_[rule].active;

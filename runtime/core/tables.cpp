@@ -7,6 +7,7 @@ namespace bip::rt {
 
 Csr Csr::build(std::size_t rows, const std::vector<Pair>& pairs) {
   Csr csr;
+  if (pairs.empty()) return csr;
   csr.first.assign(rows + 1, 0);
   for (const Pair& pair : pairs) ++csr.first[pair.from + 1];
   for (std::size_t i = 0; i < rows; ++i) csr.first[i + 1] += csr.first[i];
@@ -114,6 +115,11 @@ void link_atoms(Tables& tables) {
     if (tables.types[i].fixed) add_deltas(tables, image.atom_types[i], tables.types[i]);
   }
 
+  std::size_t ports = 0;
+  for (const Atom& atom : image.atoms) ports += image.atom_types[atom.type].ports.size;
+  tables.port_atom.reserve(ports);
+  tables.port_base.reserve(std::size_t{image.atoms.size} + 1);
+  tables.mark_base.reserve(image.atoms.size);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const Atom& row = image.atoms[atom];
     const AtomType& type = image.atom_types[row.type];

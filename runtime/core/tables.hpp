@@ -14,11 +14,14 @@ namespace bip::rt {
 using u32 = std::uint32_t;
 using u64 = std::uint64_t;
 
-/// Rows [first[i], first[i + 1]) of `items` belong to i.
+/// Rows [first[i], first[i + 1]) of `items` belong to i. Without items there is no `first` either: many tables are empty.
 struct Csr {
-  std::vector<u32> first{0};
+  std::vector<u32> first;
   std::vector<u32> items;
-  [[nodiscard]] Span<u32> operator[](std::size_t i) const { return {items.data() + first[i], first[i + 1] - first[i]}; }
+  [[nodiscard]] Span<u32> operator[](std::size_t i) const {
+    if (items.empty()) return {};
+    return {items.data() + first[i], first[i + 1] - first[i]};
+  }
   struct Pair {
     u32 from, to;
   };
