@@ -208,14 +208,6 @@ bool load_cpp_side(Compilation& c) {
   }
   const auto* classes = static_cast<const rt::EventClass*>(::dlsym(library, "bip_event_classes"));
   for (std::size_t row = 0; row < lowered.event_classes.size(); ++row) lowered.event_classes[row] = classes[row];
-  // Results of extern types need a place between a call and its use; calls do not nest in themselves.
-  const CodeTable& code = c.system->code;
-  if (!lowered.extern_types.empty()) lowered.temporaries.assign(code.exprs.size(), rt::Slot{});
-  for (std::size_t row = 0; row < lowered.temporaries.size(); ++row) {
-    const Expr& e = code.exprs[ExprId(row)];
-    if (e.op != Op::Call || !code.functions[e.index].has_result || !is_extern(code.functions[e.index].result)) continue;
-    lowered.temporaries[row] = rt::object_slot(lowered.extern_types[extern_row(code.functions[e.index].result)].make());
-  }
   return true;
 }
 

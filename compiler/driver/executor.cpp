@@ -22,13 +22,7 @@ jit::OptLevel opt_level(const lower::LoweredSystem& lowered, Optimisation optimi
 
 Executor::~Executor() {
   tiers_.reset();
-  if (lowered_ == nullptr) return;
-  const CodeTable& code = lowered_->system->code;
-  for (std::size_t row = 0; row < lowered_->temporaries.size(); ++row) {
-    if (lowered_->temporaries[row].bits == 0) continue;
-    const Type type = code.functions[code.exprs[ExprId(row)].index].result;
-    lowered_->extern_types[extern_row(type)].destroy(&rt::object_in<char>(lowered_->temporaries[row]));
-  }
+  if (lowered_ != nullptr) lowered_->results.clear();
 }
 
 namespace {

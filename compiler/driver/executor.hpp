@@ -34,7 +34,7 @@ class Executor {
   [[nodiscard]] std::string summary();
 
  private:
-  lower::LoweredSystem* lowered_ = nullptr;  // its temporaries are objects that C++ made
+  lower::LoweredSystem* lowered_ = nullptr;  // the results of its calls are objects that C++ made
   std::unique_ptr<interp::Interpreter> interpreter_;
   JitCode jit_;
   jit::MadeCode made_;

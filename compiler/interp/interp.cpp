@@ -156,7 +156,7 @@ rt::Slot Evaluator::call(ExprId id, const Expr& e) {
     slots.push_back(&values[k]);
   }
   rt::Slot result{};
-  if (function.has_result && is_extern(function.result)) result = lowered_.temporaries[id.value];
+  if (function.has_result && is_extern(function.result)) result = *lowered_.results.slot(id.value, lowered_.extern_types[extern_row(function.result)]);
   if (lowered_.functions[e.index](&lowered_.outside, &result, slots.data()) != 0) {
     status_ = rt::fault_status(lowered_.site_of_expr[id.value], rt::FaultKind{});
   }

@@ -113,6 +113,15 @@ class UnitBuilder {
     return start.CreateAlloca(llvm::ArrayType::get(type, size == 0 ? 1 : size));
   }
 
+  /// The slot of the object that an extern result is assigned to: the thread's own.
+  llvm::Value* result_object(ExprId call, Type result) {
+    auto* type = llvm::FunctionType::get(b_.getPtrTy(), {b_.getPtrTy(), i32_, i32_}, false);
+    llvm::Value* row = b_.getInt32(static_cast<std::uint32_t>(extern_row(result)));
+    llvm::CallInst* slot = b_.CreateCall(type, outside(kResultName), {outside(kLoweredName), b_.getInt32(call.value), row});
+    slot->setDoesNotThrow();
+    return slot;
+  }
+
   /// As rt::ForeignFn wants it. Arguments by value get slots of their own.
   llvm::Value* call(ExprId id, const Expr& e) {
     const Function& function = code_.functions[e.index];
@@ -134,7 +143,7 @@ class UnitBuilder {
       b_.CreateStore(slot, b_.CreateConstInBoundsGEP1_64(pointer, slots, k));
     }
     llvm::Value* result = values;
-    if (function.has_result && is_extern(function.result)) result = outside(kTemporaryName + std::to_string(id.value));
+    if (function.has_result && is_extern(function.result)) result = result_object(id, function.result);
     auto* type = llvm::FunctionType::get(i32_, {pointer, pointer, pointer}, false);
     llvm::CallInst* status = b_.CreateCall(type, outside(kFunctionName + std::to_string(e.index)), {outside(kOutsideName), result, slots});
     status->setDoesNotThrow();

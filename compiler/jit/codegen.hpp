@@ -12,9 +12,8 @@ namespace bip::jit {
 
 class DebugInfo;
 
-/// C++ functions and data of the process, declared by name; a number follows some: row of functions, of extern types, of
-/// expressions (the slot of a call's extern result).
-inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kTemporaryName = "bip_temporary_", kOutsideName = "bip_outside",
+/// C++ functions and data of the process, declared by name; a number follows some: row of functions, of extern types.
+inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kOutsideName = "bip_outside", kResultName = "bip_result", kLoweredName = "bip_lowered",
                          kCodesName = "bip_codes", kDrawName = "bip_draw";
 
 /// A module with the functions of units [first, first + count), named as the units, each a rt::CodeFn.

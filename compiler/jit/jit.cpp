@@ -40,6 +40,11 @@ std::string own_build() {
 // For the loop over steps.
 std::uint64_t draw(rt::Prng* prng, std::uint64_t below) { return prng->below(below); }
 
+// For calls that give a value of an extern type.
+rt::Slot* result_slot(lower::LoweredSystem* lowered, std::uint32_t call, std::uint32_t type) {
+  return lowered->results.slot(call, lowered->extern_types[type]);
+}
+
 llvm::Error stopped() { return llvm::createStringError(llvm::inconvertibleErrorCode(), "stopped"); }
 
 // One compilation, module by module. Its product is the engine, which owns the code.
@@ -64,12 +69,13 @@ struct Compiler {
     const auto number = [](std::size_t k) { return std::to_string(k); };
     add(kCodesName, lowered.codes.data());
     add(kDrawName, reinterpret_cast<const void*>(&draw));
-    if (lowered.image.outside != nullptr) add(kOutsideName, &lowered.outside);
+    if (lowered.image.outside != nullptr) {
+      add(kOutsideName, &lowered.outside);
+      add(kLoweredName, &lowered);
+      add(kResultName, reinterpret_cast<const void*>(&result_slot));
+    }
     for (std::size_t k = 0; k < lowered.functions.size(); ++k) add(kFunctionName + number(k), reinterpret_cast<const void*>(lowered.functions[k]));
     for (std::size_t k = 0; k < lowered.extern_types.size(); ++k) add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.extern_types[k].copy));
-    for (std::size_t k = 0; k < lowered.temporaries.size(); ++k) {
-      if (lowered.temporaries[k].bits != 0) add(kTemporaryName + number(k), &lowered.temporaries[k]);
-    }
     return engine->getMainJITDylib().define(llvm::orc::absoluteSymbols(std::move(symbols)));
   }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/lower/results.hpp"
 #include "compiler/lower/steps.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/image_time.hpp"
@@ -33,12 +34,11 @@ struct LoweredSystem {
   std::vector<rt::Code> codes;     // one a unit
   std::vector<std::uint32_t> site_of_expr;  // by ExprId: row of Image::sites, or rt::kNone if it cannot fault
   rt::Image image;                 // image.codes points to `codes`
-  // The C++ side. Whoever compiles it fills `functions` (one a row of CodeTable::functions), `extern_types` and
-  // `temporaries` (one an expression, empty if no call gives an extern value: the object that holds its result).
+  // The C++ side. Whoever compiles it fills `functions` (one a row of CodeTable::functions) and `extern_types`.
   std::vector<rt::ForeignFn> functions;
   std::vector<rt::ExternType> extern_types;
   std::vector<rt::EventClass> event_classes;  // one an EventClassUse
-  std::vector<rt::Slot> temporaries;
+  Results results;
   rt::Outside outside;
   // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.
   Steps steps;

@@ -30,35 +30,20 @@ std::int32_t answer_empty(rt::Outside* outside, rt::Slot* result, rt::Slot* cons
 // The object that the slot points to stays as it is.
 std::int32_t answer_object(rt::Outside*, rt::Slot*, rt::Slot* const*) { return 0; }
 
-/// Stands in for the C++ side; owns the objects that hold the results of calls.
-class StandIn {
- public:
-  StandIn(lower::LoweredSystem& lowered, const CodeTable& code) {
-    for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
-      const Function& function = code.functions[row];
-      const bool gives = function.has_result;
-      lowered.functions[row] = gives && is_extern(function.result) ? &answer_object : gives && function.result == Type::String ? &answer_empty : &answer_zero;
-    }
-    if (lowered.extern_types.empty()) return;
-    for (rt::ExternType& type : lowered.extern_types) type = rt::extern_type_of<int>(type.name);
-    lowered.temporaries.assign(code.exprs.size(), rt::Slot{});
-    for (std::size_t row = 0; row < lowered.temporaries.size(); ++row) {
-      const Expr& e = code.exprs[ExprId(row)];
-      if (e.op != Op::Call || !code.functions[e.index].has_result || !is_extern(code.functions[e.index].result)) continue;
-      results_.push_back(std::make_unique<int>(0));
-      lowered.temporaries[row] = rt::object_slot(results_.back().get());
-    }
+void stand_in(lower::LoweredSystem& lowered, const CodeTable& code) {
+  for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
+    const Function& function = code.functions[row];
+    const bool gives = function.has_result;
+    lowered.functions[row] = gives && is_extern(function.result) ? &answer_object : gives && function.result == Type::String ? &answer_empty : &answer_zero;
   }
-
- private:
-  std::vector<std::unique_ptr<int>> results_;
-};
+  for (rt::ExternType& type : lowered.extern_types) type = rt::extern_type_of<int>(type.name);
+}
 
 }  // namespace
 
 std::string try_running(const System& system) {
   const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(system, "fuzz");
-  const StandIn foreign(*lowered, system.code);
+  stand_in(*lowered, system.code);
   const interp::Interpreter interpreter(*lowered);
   rt::Core core(lowered->image, kBounds);
   if (!core.initialize()) return core.fault().what.empty() ? "a fault without words" : std::string();

@@ -115,8 +115,8 @@ const std::map<std::string, rt::ForeignFn>& adapters() {
 
 }  // namespace
 
-OutsideObjects bind_outside(lower::LoweredSystem& lowered, std::string& missing) {
-  OutsideObjects objects;
+std::string bind_outside(lower::LoweredSystem& lowered) {
+  std::string missing;
   const CodeTable& code = lowered.system->code;
   for (std::size_t row = 0; row < code.functions.size(); ++row) {
     const Function& f = code.functions[row];
@@ -130,16 +130,7 @@ OutsideObjects bind_outside(lower::LoweredSystem& lowered, std::string& missing)
   for (rt::ExternType& type : lowered.extern_types) {
     type = std::string_view(type.name) == "Pair" ? rt::extern_type_of<Pair>("Pair") : rt::extern_type_of<Wide>("Wide");
   }
-  if (lowered.extern_types.empty()) return objects;
-  lowered.temporaries.assign(code.exprs.size(), rt::Slot{});
-  for (std::size_t row = 0; row < lowered.temporaries.size(); ++row) {
-    const Expr& e = code.exprs[ExprId(row)];
-    if (e.op != Op::Call || !code.functions[e.index].has_result || !is_extern(code.functions[e.index].result)) continue;
-    const rt::ExternType& type = lowered.extern_types[extern_row(code.functions[e.index].result)];
-    objects.emplace_back(type.make(), type.destroy);
-    lowered.temporaries[row] = rt::object_slot(objects.back().get());
-  }
-  return objects;
+  return missing;
 }
 
 }  // namespace bip::gen

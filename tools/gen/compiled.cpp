@@ -24,8 +24,7 @@ void lower_sound(Compiled& c) {
     return;
   }
   c.lowered = lower::lower(*c.system, "Root()");
-  std::string missing;
-  c.objects = bind_outside(*c.lowered, missing);
+  const std::string missing = bind_outside(*c.lowered);
   if (!missing.empty()) c.problem = "outside: no C++ function " + missing;
 }
 

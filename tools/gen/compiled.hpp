@@ -13,7 +13,6 @@ struct Compiled {
   std::string problem;  // empty: sound. Else the first stage that failed and what it said
   std::unique_ptr<System> system;
   std::unique_ptr<lower::LoweredSystem> lowered;
-  OutsideObjects objects;
   std::vector<std::string> formatted;  // the texts as `fmt` writes them
 };
 
