@@ -17,8 +17,13 @@ namespace bip::verify {
 namespace {
 // The first search is a second's work at most: states times what is in one.
 constexpr std::uint64_t kFirstStates = 20000, kFirstValues = 4000000;
+// Lemmas and the visit of all states take turns, each turn longer: a share of the time that is left, at most so many seconds.
+struct Turn {
+  double share, seconds;
+};
+constexpr Turn kTurns[] = {{1.0 / 64, 1}, {1.0 / 12, 6}};
 // Once all states are known to be fine, lemmas are a shorter evidence than they are, but not at any price.
-constexpr double kLemmaSeconds = 2;
+constexpr double kLemmaSeconds = 4;
 std::string state_count(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " state" : " states"); }
 
 // Empty if the steps end in none.
@@ -118,10 +123,11 @@ Decider::Tried Decider::try_search(std::uint64_t states) {
 }
 
 // The explorer stores states in a tenth of the memory and visits many times as many a second.
-Decider::Tried Decider::try_all_states() {
+Decider::Tried Decider::try_all_states(double seconds) {
   if (!limits_.may_search || is_exhausted_ || !ready()) return Tried::Open;
   const bool asks_errors = question_.what == Asked::NoErrors, asks_state = question_.what == Asked::State;
   std::atomic<bool> is_found{false};
+  const Clock::time_point end = std::min(limits_.end, seconds_from_now(seconds));
   rt::ExploreOptions options;
   options.threads = limits_.threads;
   // 0 would be no limit.
@@ -135,7 +141,7 @@ Decider::Tried Decider::try_all_states() {
     options.read_atoms = atoms_of(question_.property);
     options.asked_connectors = connectors_of(question_.property);
   }
-  options.is_stopped = [&] { return is_found || is_stopped(); };
+  options.is_stopped = [&] { return is_found || seconds_until(end) <= 0; };
   rt::ExploreReport all = rt::explore_states(image_, options);
   d_.states = all.states;
   if (!asks_errors && all.has_error && d_.fault.empty()) d_.fault = fault_at(image_, all.error);
@@ -156,16 +162,16 @@ Decider::Tried Decider::try_all_states() {
     is_exhausted_ = true;
     return Tried::Done;
   }
-  add_reason(std::string("the search met its limit of ") + (all.end == rt::ExploreEnd::Memory ? "memory" : "time") + " after " + state_count(all.states));
+  if (all.end == rt::ExploreEnd::Memory || is_stopped()) add_reason(std::string("the search met its limit of ") + (all.end == rt::ExploreEnd::Memory ? "memory" : "time") + " after " + state_count(all.states));
   return Tried::Open;
 }
 
-// All states are fine: lemmas of a proof, or the states themselves.
+// All states are fine: lemmas of a proof, or, for a certificate, the states themselves.
 void Decider::look_for_evidence() {
   d_.reason.clear();
-  if (d_.outcome == Outcome::Violated || !limits_.wants_certificate) return;
+  if (d_.outcome == Outcome::Violated || !limits_.wants_few) return;
   const bool is_proved = try_induction(std::min(seconds_until(limits_.end) / 2, kLemmaSeconds)) == Tried::Done;
-  if (!is_proved) {
+  if (!is_proved && limits_.wants_certificate) {
     StateCollector states(system_, image_);
     const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
     if (states.can_tell() && search(net_, image_, {}, {}, limits).end == SearchEnd::Exhausted) d_.reached = states.diagram();
@@ -233,7 +239,7 @@ bool Decider::is_proved_with(LinearFacts facts, const ReachProblem& problem, boo
   return false;
 }
 
-Decider::Tried Decider::try_induction(double seconds) {
+Decider::Tried Decider::try_induction(double seconds, Effort effort) {
   if (is_stopped() || induction_failed_) return Tried::Open;
   if (!machine_) machine_ = build_machine(system_, image_);
   if (!machine_->unsupported.empty()) {
@@ -256,7 +262,8 @@ Decider::Tried Decider::try_induction(double seconds) {
     d_.frames = frame;
     report_("induction", lemmas, "lemmas");
   };
-  if (!ranges_hold(*machine_, seconds_until(problem.end))) {
+  are_ranges_confirmed_ = are_ranges_confirmed_ || ranges_hold(*machine_, seconds_until(problem.end));
+  if (!are_ranges_confirmed_) {
     induction_failed_ = true;
     add_reason("the ranges of data could not be confirmed");
     return Tried::Open;
@@ -276,6 +283,7 @@ Decider::Tried Decider::try_induction(double seconds) {
       if (is_proved_with(find_linear_facts(net_, *machine_, image_, structural_clauses(), problem.end), problem, false)) return Tried::Done;
     }
   }
+  if (effort == Effort::Facts && !known.is_enough) return Tried::Open;
   problem.invariants = structural_clauses();
   if (!known.is_enough) known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
   if (memory_ != nullptr) memory_->counts.lemmas = known.lemmas.size();
@@ -326,9 +334,17 @@ void Decider::decide_in_order() {
   // What each engine gets of the time that is left.
   if (try_search(std::min(kFirstStates, kFirstValues / (image_.atoms.size + image_.slot_count + 1) + 1)) == Tried::Done) return look_for_evidence();
   const double left = seconds_until(limits_.end);
+  if (try_induction(can_run_ ? left / 3 : left, Effort::Facts) == Tried::Done) return;
+  // A few hundred thousand states are visited sooner than lemmas count to a hundred; other systems have few lemmas and no end of states.
+  for (const Turn& turn : kTurns) {
+    const double seconds = std::min(left * turn.share, turn.seconds);
+    if (is_stopped() || !can_run_ || !limits_.may_search) break;
+    if (try_all_states(seconds) == Tried::Done) return look_for_evidence();
+    if (try_induction(seconds) == Tried::Done) return;
+  }
   if (try_induction(can_run_ ? left / 3 : left) == Tried::Done) return;
   if (d_.has_structure && question_.what == Asked::DeadlockFreedom && !has_seen_uses_ && look_at_uses()) return;
-  if (!is_stopped() && try_all_states() == Tried::Done) return look_for_evidence();
+  if (!is_stopped() && try_all_states(seconds_until(limits_.end)) == Tried::Done) return look_for_evidence();
   // The search gave up for memory: what is left of the time belongs to the proof.
   if (!is_stopped() && try_induction(seconds_until(limits_.end)) == Tried::Done) return;
   if (rt::is_interrupted()) d_.reason = "interrupted";
@@ -343,7 +359,7 @@ Decision Decider::decide(const Question& question, const DecideLimits& limits) {
   d_ = {};
   told_.reset();
   evidence_.reset();
-  is_exhausted_ = induction_failed_ = is_strengthened_ = has_seen_uses_ = false;
+  is_exhausted_ = induction_failed_ = is_strengthened_ = are_ranges_confirmed_ = has_seen_uses_ = false;
   if (question.what == Asked::NobodyStuck) {
     look_for_stuck();
     return std::move(d_);

@@ -76,10 +76,12 @@ class Decider {
   void look_at_structure();
   bool look_at_uses();
   Tried try_search(std::uint64_t states);
-  Tried try_all_states();
+  Tried try_all_states(double seconds);
   void look_for_evidence();
   void look_for_stuck();
-  Tried try_induction(double seconds);
+  /// Facts: what structure and equations give, without looking for lemmas.
+  enum class Effort : std::uint8_t { Facts, Lemmas };
+  Tried try_induction(double seconds, Effort effort = Effort::Lemmas);
   bool is_proved_with(LinearFacts facts, const ReachProblem& problem, bool needs_bounds);
   [[nodiscard]] std::optional<LinearFacts> known_facts(Clock::time_point end);
   void recall();
@@ -108,7 +110,8 @@ class Decider {
   Decision d_;
   ProofMemory* memory_ = nullptr;
   KeptProof known_, found_;  // from before; now
-  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, is_strengthened_ = false, induction_failed_ = false, has_seen_uses_ = false;
+  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, is_strengthened_ = false, are_ranges_confirmed_ = false;
+  bool induction_failed_ = false, has_seen_uses_ = false;
 };
 
 /// "m.bip:12: a call of `f`", a line each, at most `count`.

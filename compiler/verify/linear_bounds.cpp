@@ -103,24 +103,21 @@ class OnMachine {
     return result;
   }
 
-  // An int is likely to be at most what the places of an equation weigh; two bits more than that has, so that the sum's own bits show
-  // it and nothing has to be counted.
+  // An int is likely to be at most what the places of an equation weigh, with the ints on the other side at their most; two bits more than that
+  // has, so that the sum's own bits show it and nothing has to be counted. Where nothing says how large the other side is ("a = b"), nothing is likely.
   [[nodiscard]] std::vector<SlotBound> likely_bounds(const std::vector<LinearEquation>& equations) const {
-    std::map<std::pair<u32, u32>, std::int32_t> bounds;
-    for (const LinearEquation& one : equations) {
-      std::int64_t most = std::abs(std::int64_t{one.total});
-      for (const LinearEquation::Term& term : one.terms) most += term.is_place ? std::abs(std::int64_t{term.weight}) : 0;
-      if (most > SparseSystem::kMaxNumber) continue;
-      const auto high = static_cast<std::int32_t>(4 * std::bit_ceil(static_cast<std::uint32_t>(most) + 1) - 1);
-      for (const LinearEquation::Term& term : one.terms) {
-        if (term.is_place) continue;
-        std::int32_t& known = bounds[{term.atom, term.row}];
-        known = std::max(known, high);
-      }
+    std::map<std::pair<u32, u32>, std::int64_t> most;
+    for (bool is_new = true; is_new;) {
+      // Of the equations of a round the one that allows most counts.
+      std::map<std::pair<u32, u32>, std::int64_t> found;
+      for (const LinearEquation& one : equations) add_most(one, most, found);
+      is_new = !found.empty();
+      most.merge(found);
     }
     std::vector<SlotBound> result;
-    for (const auto& [slot, high] : bounds) {
-      const Range& range = m_.ranges[image_.atoms[slot.first].slot_base + slot.second];
+    for (const auto& [slot, number] : most) {
+      const auto high = static_cast<std::int32_t>(4 * std::bit_ceil(static_cast<std::uint32_t>(number) + 1) - 1);
+      const Range& range = range_of(slot);
       if (range.low < 0 || range.high > high) result.push_back({slot.first, slot.second, high});
     }
     return result;
@@ -136,6 +133,31 @@ class OnMachine {
   }
 
  private:
+  [[nodiscard]] const Range& range_of(const std::pair<u32, u32>& slot) const { return m_.ranges[image_.atoms[slot.first].slot_base + slot.second]; }
+  // For ints that nothing is known of yet.
+  void add_most(const LinearEquation& equation, const std::map<std::pair<u32, u32>, std::int64_t>& known, std::map<std::pair<u32, u32>, std::int64_t>& found) const {
+    // Of all places and the constant; of the ints with positive and with negative weight. Of a side with an int that may be anything: too much.
+    std::int64_t most = std::abs(std::int64_t{equation.total}), sides[2] = {0, 0};
+    for (const LinearEquation::Term& term : equation.terms) {
+      const std::int64_t weight = std::abs(std::int64_t{term.weight});
+      if (term.is_place) {
+        most += weight;
+        continue;
+      }
+      const auto at = known.find({term.atom, term.row});
+      const Range& range = range_of({term.atom, term.row});
+      const std::int64_t high = at != known.end() ? at->second : range.low >= 0 && range.high <= SparseSystem::kMaxNumber ? range.high : SparseSystem::kMaxNumber + 1;
+      std::int64_t& side = sides[term.weight > 0 ? 0 : 1];
+      side = std::min(side + weight * high, SparseSystem::kMaxNumber + 1);
+    }
+    for (const LinearEquation::Term& term : equation.terms) {
+      const std::pair slot(term.atom, term.row);
+      const std::int64_t number = most + sides[term.weight > 0 ? 1 : 0];
+      if (term.is_place || number > SparseSystem::kMaxNumber || known.contains(slot)) continue;
+      std::int64_t& here = found[slot];
+      here = std::max(here, number);
+    }
+  }
   [[nodiscard]] static u32 bits_of(const SlotBound& bound) { return static_cast<u32>(std::bit_width(static_cast<std::uint32_t>(bound.high))); }
   // Terms that are added, and those that are taken away: so nothing is ever negated, which would cost the solver much.
   struct Sides {
@@ -230,9 +252,13 @@ LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image
   std::erase_if(facts.bounds, [&](const SlotBound& bound) { return !on_machine.holds_at_first(bound); });
   std::set<u32> atoms, bounded;
   std::vector<Signal> now;
-  for (const LinearEquation& one : facts.equations) {
-    for (const LinearEquation::Term& term : one.terms) atoms.insert(term.atom);
-    now.push_back(on_machine.holds(one, nullptr));
+  std::map<u32, std::vector<u32>> equations_of;  // by atom: rows
+  for (u32 row = 0; row < facts.equations.size() && !facts.bounds.empty(); ++row) {
+    for (const LinearEquation::Term& term : facts.equations[row].terms) {
+      atoms.insert(term.atom);
+      equations_of[term.atom].push_back(row);
+    }
+    now.push_back(on_machine.holds(facts.equations[row], nullptr));
   }
   std::optional<Question> question;
   for (bool is_kept = false; !is_kept && !facts.bounds.empty();) {
@@ -249,7 +275,10 @@ LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image
       if (taken.fine == kFalse) continue;
       std::vector<Signal> all = now;
       all.push_back(taken.fine);
-      for (const LinearEquation& one : facts.equations) all.push_back(on_machine.holds(one, &taken));
+      // Of the others nothing changes.
+      std::set<u32> changed;
+      for (u32 atom : taken.atoms) changed.insert(equations_of[atom].begin(), equations_of[atom].end());
+      for (u32 row : changed) all.push_back(on_machine.holds(facts.equations[row], &taken));
       for (const SlotBound& bound : facts.bounds) all.push_back(on_machine.holds(bound, nullptr));
       for (std::size_t k = 0; k < facts.bounds.size(); ++k) {
         if (is_shown[k] == 0 || !taken.atoms.contains(facts.bounds[k].atom)) continue;
