@@ -124,7 +124,7 @@ Decider::Tried Decider::try_search(std::uint64_t states) {
 
 // The explorer stores states in a tenth of the memory and visits many times as many a second.
 Decider::Tried Decider::try_all_states(double seconds) {
-  if (!limits_.may_search || is_exhausted_ || !ready()) return Tried::Open;
+  if (!limits_.may_search || is_exhausted_ || is_memory_over_ || !ready()) return Tried::Open;
   const bool asks_errors = question_.what == Asked::NoErrors, asks_state = question_.what == Asked::State;
   std::atomic<bool> is_found{false};
   const Clock::time_point end = std::min(limits_.end, seconds_from_now(seconds));
@@ -162,7 +162,9 @@ Decider::Tried Decider::try_all_states(double seconds) {
     is_exhausted_ = true;
     return Tried::Done;
   }
-  if (all.end == rt::ExploreEnd::Memory || is_stopped()) add_reason(std::string("the search met its limit of ") + (all.end == rt::ExploreEnd::Memory ? "memory" : "time") + " after " + state_count(all.states));
+  // What a longer turn would do again.
+  is_memory_over_ = all.end == rt::ExploreEnd::Memory;
+  if (is_memory_over_ || is_stopped()) add_reason(std::string("the search met its limit of ") + (is_memory_over_ ? "memory" : "time") + " after " + state_count(all.states));
   return Tried::Open;
 }
 
@@ -359,7 +361,7 @@ Decision Decider::decide(const Question& question, const DecideLimits& limits) {
   d_ = {};
   told_.reset();
   evidence_.reset();
-  is_exhausted_ = induction_failed_ = is_strengthened_ = are_ranges_confirmed_ = has_seen_uses_ = false;
+  is_exhausted_ = induction_failed_ = is_strengthened_ = are_ranges_confirmed_ = has_seen_uses_ = is_memory_over_ = false;
   if (question.what == Asked::NobodyStuck) {
     look_for_stuck();
     return std::move(d_);
