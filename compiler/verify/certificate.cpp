@@ -111,7 +111,7 @@ std::string certificate(const Decider& decider, const Question& question, const 
   if (question.what == Asked::DeadlockFreedom) out += "deadlock-free";
   else if (question.what == Asked::NoErrors) out += "error-free";
   else out += "never " + certificate_text(question.property, system);
-  if (d.method == Method::Exhaustive && !d.reached.nodes.empty()) return out + "\nmethod induction\n" + diagram_text(d.reached, system) + "end\n";
+  if (d.method == Method::Exhaustive && !d.reached.empty()) return out + "\nmethod induction\n" + d.reached + "end\n";
   if (d.method == Method::Exhaustive) {
     return out + "\nmethod exhaustive\ncomponents " + std::to_string(system.atoms.size()) + "\nstates " + std::to_string(d.states) + "\nend\n";
   }

@@ -176,8 +176,8 @@ void Decider::look_for_evidence() {
   if (!is_proved && limits_.wants_certificate) {
     StateCollector states(system_, image_);
     const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
-    if (states.can_tell() && search(net_, image_, {}, {}, limits).end == SearchEnd::Exhausted) d_.reached = states.diagram();
-    d_.is_only_counted = d_.reached.nodes.empty();
+    if (states.can_tell() && search(net_, image_, {}, {}, limits).end == SearchEnd::Exhausted) d_.reached = states.rows();
+    d_.is_only_counted = d_.reached.empty();
   }
   d_.reason.clear();
 }

@@ -7,8 +7,8 @@
 #include "compiler/verify/proof_memory.hpp"
 #include "compiler/verify/property.hpp"
 #include "compiler/verify/prove.hpp"
+#include "compiler/verify/reached_states.hpp"
 #include "compiler/verify/search.hpp"
-#include "compiler/verify/state_diagram.hpp"
 
 namespace bip::verify {
 
@@ -36,8 +36,8 @@ struct Decision {
   std::vector<std::uint64_t> choices;  // Violated
   std::vector<u32> stuck;              // Violated, NobodyStuck: rows of atoms
   std::uint64_t states = 0;            // visited by the last search
-  StateDiagram reached;                // Exhaustive, with a certificate wanted: the states
-  bool is_only_counted = false;        // Exhaustive, with a certificate wanted: no such diagram could be made
+  std::string reached;                 // Exhaustive, with a certificate wanted: the states, as its rows
+  bool is_only_counted = false;        // Exhaustive, with a certificate wanted: there are no such rows
   std::string fault;                   // a run-time error that a search met and that was not asked about
   std::string reason;                  // Unknown
   u32 frames = 0;

@@ -16,9 +16,9 @@
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/certificate.hpp"
 #include "compiler/verify/tell.hpp"
-#include "compiler/verify/state_diagram.hpp"
+#include "compiler/verify/reached_states.hpp"
 #include "tests/verify/clauses.hpp"
-#include "tests/verify/diagram.hpp"
+#include "tests/verify/listed_states.hpp"
 #include "tests/verify/mutation.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/small_net.hpp"
@@ -39,7 +39,7 @@ struct Options {
 constexpr std::uint64_t kFewStates = 300;
 enum class Told { Accepted, Rejected, NotCheckable };
 struct Totals {
-  unsigned long long diagrams = 0, proofs = 0, refused_proofs = 0, skipped = 0, same = 0;
+  unsigned long long lists = 0, proofs = 0, refused_proofs = 0, skipped = 0, same = 0;
   unsigned long long insufficient = 0, rejected = 0, not_checkable = 0, malformed = 0, sufficient = 0, accepted = 0, failed = 0;
 };
 
@@ -100,11 +100,11 @@ class Run {
     const verify::SearchLimits few{.end = verify::Clock::now() + std::chrono::seconds(2), .states = kFewStates, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
     if (!states.can_tell() || verify::search(decider.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted) return;
     d.method = verify::Method::Exhaustive;
-    d.reached = states.diagram();
-    if (d.reached.nodes.empty()) return;
-    ++t_.diagrams;
+    d.reached = states.rows();
+    if (d.reached.empty()) return;
+    ++t_.lists;
     judge(model, name + "-states", verify::certificate(decider, question, d, *c.system, "Root()"),
-          [&](const std::string& text) { return verify::test::diagram_worth(text, *c.system, c.lowered->image, goal, o_.states); },
+          [&](const std::string& text) { return verify::test::listed_worth(text, *c.system, c.lowered->image, goal, o_.states); },
           seed * 3 + static_cast<std::uint64_t>(question.what) + 1000003);
   }
 
@@ -177,7 +177,7 @@ int main(int argc, char** argv) {
   }
   std::printf("proofs %llu (%llu of states; %llu refused, %llu more have too many states); changed so that they do not suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "
               "they still do: %llu (accepted %llu); nothing changed: %llu\n",
-              t.proofs, t.diagrams, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed, t.sufficient, t.accepted, t.same);
+              t.proofs, t.lists, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed, t.sufficient, t.accepted, t.same);
   std::printf("mutations: %llu passed, %llu failed\n", t.insufficient + t.malformed - t.failed, t.failed);
-  return t.failed == 0 && t.insufficient > 0 && t.diagrams > 0 ? 0 : 1;
+  return t.failed == 0 && t.insufficient > 0 && t.lists > 0 ? 0 : 1;
 }

@@ -39,57 +39,36 @@ void change_number(std::string& word, gen::Prng& random) {
   word = word.substr(0, begin) + std::to_string(std::max(other, 0));
 }
 
-// The conditions of a case, which are joined by `&`.
-Row parts_of(const std::string& word) {
-  Row parts;
-  std::istringstream in(word);
-  for (std::string part; std::getline(in, part, '&');) parts.push_back(part);
-  return parts;
-}
-std::string joined(const Row& parts) {
-  std::string word;
-  for (const std::string& part : parts) word += (word.empty() ? "" : "&") + part;
-  return word;
-}
-
-// Of a diagram of states: a way lost, opened, leading elsewhere, telling another state, one more way.
-void change_diagram(Rows& rows, gen::Prng& random) {
-  const auto is_node = [](const Row& one) { return one[0] == "node" && one.size() > 2; };
-  Row* row = pick(rows, random, is_node);
+// Of a list of states: one lost, told otherwise (so may be those after it), with what another one says, once more.
+void change_states(Rows& rows, gen::Prng& random) {
+  const auto is_told = [](const Row& one) { return one[0] == "state" && one.size() > 1; };
+  Row* row = pick(rows, random, is_told);
   if (row == nullptr) return;
-  const std::size_t word = 2 + random.below(row->size() - 2);
-  Row parts = parts_of((*row)[word]);
-  std::string& part = parts[random.below(parts.size())];
-  switch (random.below(6)) {
+  const std::size_t at = 1 + random.below(row->size() - 1);
+  switch (random.below(5)) {
     case 0: {
-      row->erase(row->begin() + static_cast<long>(word));
+      rows.erase(rows.begin() + (row - rows.data()));
       return;
     }
     case 1: {
-      if (parts.size() == 1) return;
-      parts.erase(parts.begin() + (&part - parts.data()));
-      break;
-    }
-    case 2: {
-      change_number(part, random);
-      break;
-    }
-    case 3: {  // a condition of another case, or its place in the diagram
-      const Row* other = pick(rows, random, is_node);
-      part = random.pick(parts_of((*other)[2 + random.below(other->size() - 2)]));
-      break;
-    }
-    case 4: {  // the same case once more, a little different
-      row->push_back((*row)[word]);
-      change_number(part, random);
-      break;
-    }
-    default: {
-      if (Row* last = pick(rows, random, [](const Row& one) { return one[0] == "lemma"; })) change_number(last->back(), random);
+      row->erase(row->begin() + static_cast<long>(at));
       return;
     }
+    case 2: {
+      change_number((*row)[at], random);
+      return;
+    }
+    case 3: {
+      const Row* other = pick(rows, random, is_told);
+      row->push_back((*other)[1 + random.below(other->size() - 1)]);
+      return;
+    }
+    default: {  // a little different
+      Row more = *row;
+      change_number(more[at], random);
+      rows.insert(rows.begin() + (row - rows.data()) + static_cast<long>(random.below(2)), std::move(more));
+    }
   }
-  (*row)[word] = joined(parts);
 }
 
 void change(Rows& rows, gen::Prng& random) {
@@ -159,8 +138,8 @@ std::string mutate(const std::string& certificate, gen::Prng& random) {
     rows.emplace_back();
     for (std::string word; words >> word;) rows.back().push_back(word);
   }
-  const bool is_diagram = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row[0] == "node"; });
-  for (std::size_t left = 1 + random.below(3); left > 0; --left) (is_diagram ? change_diagram : change)(rows, random);
+  const bool is_list = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row[0] == "state"; });
+  for (std::size_t left = 1 + random.below(3); left > 0; --left) (is_list ? change_states : change)(rows, random);
   std::string out;
   for (const Row& row : rows) {
     for (std::size_t k = 0; k < row.size(); ++k) out += (k == 0 ? "" : " ") + row[k];

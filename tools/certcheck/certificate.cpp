@@ -12,6 +12,10 @@ class Reader {
  public:
   explicit Reader(const Model& model) : m_(model) {
     for (std::size_t k = 0; k < m_.atoms.size(); ++k) atoms_.emplace(m_.atoms[k].path, k);
+    for (std::size_t k = 0; k < m_.atoms.size(); ++k) {
+      state_.emplace_back();
+      for (const Variable& variable : m_.type_of(k).variables) state_[k].push_back(variable.is_param ? std::optional(0) : std::nullopt);
+    }
     c_.class_of.assign(m_.atoms.size(), kNone);
     c_.reachable.resize(m_.atoms.size());
   }
@@ -33,12 +37,10 @@ class Reader {
       if (line_ != 1 && !has_end) row(line);
     }
     if (!has_end) throw Rejected("the certificate has no end");
-    if (c_.claim.empty() || method_.empty()) throw Rejected("the certificate does not say what it proves and how");
-    c_.is_induction = method_ == "induction";
-    if (!c_.is_induction && c_.claim != "deadlock-free") throw Rejected("invariants alone prove no such claim");
-    if (!c_.is_induction && !c_.facts.empty()) throw Rejected("invariants are of modes");
-    const bool has_modes = !c_.is_induction || !c_.classes.empty() || !c_.sets.empty();
+    if (c_.claim.empty()) throw Rejected("the certificate does not say what it proves");
+    const bool has_modes = !c_.classes.empty() || !c_.sets.empty();
     if (has_modes && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
+    if (!c_.states.empty() && (has_modes || !c_.facts.empty())) throw Rejected("more is said than which states there are");
     return std::move(c_);
   }
 
@@ -48,9 +50,10 @@ class Reader {
     static const std::map<Text, std::pair<std::size_t, void (Reader::*)()>> kForms{
         {"class", {3, &Reader::class_row}}, {"mode", {3, &Reader::mode_row}}, {"component", {5, &Reader::component_row}},
         {"trap", {1, &Reader::set_row}}, {"one-token", {1, &Reader::set_row}}, {"sum", {2, &Reader::set_row}},
-        {"node", {2, &Reader::node_row}}, {"lemma", {1, &Reader::lemma_row}}, {"equation", {3, &Reader::equation_row}}, {"method", {2, &Reader::method_row}}};
+        {"state", {1, &Reader::state_row}}, {"lemma", {1, &Reader::lemma_row}}, {"equation", {3, &Reader::equation_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
-    if (head == "root") return;
+    if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
+    if (head == "root" || head == "method") return;
     if (head == "claim") {
       need(c_.claim.empty() && line.size() > 6, "one claim is expected");
       c_.claim = line.substr(6);
@@ -60,13 +63,6 @@ class Reader {
     need(form != kForms.end(), "an unknown row");
     need(words_.size() >= form->second.first, "a word is missing");
     (this->*form->second.second)();
-  }
-
-  void method_row() {
-    need(method_.empty() && words_.size() == 2, "one method is expected");
-    method_ = words_[1];
-    if (method_ == "exhaustive") throw NotCheckable("the evidence is a search of all states");
-    need(method_ == "invariants" || method_ == "induction", "an unknown method");
   }
 
   void class_row() {
@@ -121,9 +117,18 @@ class Reader {
     }
   }
 
-  void node_row() {
-    need(words_[1] == std::to_string(c_.nodes.size()), "not the number of the next node");
-    c_.nodes.push_back({line(), cases(2, false), {}});
+  // The state of the row before but for what this one says.
+  void state_row() {
+    for (std::size_t k = 1; k < words_.size(); ++k) {
+      const Literal l = literal(words_[k]);
+      const AtomType& type = m_.type_of(l.atom);
+      const bool is_place = l.variable < type.places;
+      need(!l.bit && l.low == l.high && (is_place || !l.is_negated) && !type.variables[l.variable].is_param, "does not tell a value", words_[k]);
+      if (is_place && type.is_automaton) std::fill_n(state_[l.atom].begin(), type.places, 0);
+      state_[l.atom][l.variable] = l.is_negated ? 0 : l.low;
+    }
+    need(std::none_of(state_.begin(), state_.end(), [](const Values& local) { return contains(local, std::nullopt); }), "the state is not told in full");
+    c_.states.insert(state_);
   }
   void lemma_row() { c_.facts.push_back({line(), cases(1, false), {}}); }
   void equation_row() { c_.facts.push_back({line(), cases(2, true), number(words_[1], Limits::min(), Limits::max())}); }
@@ -134,7 +139,7 @@ class Reader {
       Case& one = result.emplace_back();
       const auto [text, weight] = is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
       one.weight = number(weight, -kMostWeight, kMostWeight);
-      one.is_value = is_sum && text.find_first_of("@=:#&") == Text::npos;
+      one.is_value = is_sum && text.find_first_of("@=:&") == Text::npos;
       for (std::size_t at = 0, end = 0; at <= text.size(); at = end + 1) {
         end = std::min(text.find('&', at), text.size());
         one.literals.push_back(one.is_value ? about(text) : literal(text.substr(at, end - at)));
@@ -143,15 +148,12 @@ class Reader {
     }
     return result;
   }
-  // "ROOT.a@PLACE", "ROOT.a.n=-5", "ROOT.a.n=1..4", "ROOT.a.n:3", "#7"; or "!" and one of these
+  // "ROOT.a@PLACE", "ROOT.a.n=-5", "ROOT.a.n=1..4", "ROOT.a.n:3"; or "!" and one of these
   [[nodiscard]] Literal literal(Text name) const {
     Literal one;
     const bool is_negated = name.starts_with('!');
     if (is_negated) name.remove_prefix(1);
-    if (name.starts_with('#')) {
-      one.node = number(name.substr(1));
-      need(one.node < c_.nodes.size(), "no node before this row has that number");
-    } else if (contains(name, '@')) {
+    if (contains(name, '@')) {
       one = about(name);
     } else {
       const auto [owner, what] = split(name, name.find_last_of(":="));
@@ -212,8 +214,8 @@ class Reader {
   const Model& m_;
   Certificate c_;
   std::map<Text, std::size_t> atoms_;
+  std::vector<Values> state_;  // of the row before
   std::vector<Text> words_;
-  Text method_;
   std::size_t line_ = 0;
 };
 

@@ -25,9 +25,9 @@ struct Set {
   int total = 1;
   std::map<std::pair<std::size_t, std::size_t>, int> weights;  // by atom and mode
 };
-/// A variable is between two values, or one of its bits is set, or node `node` holds: or not.
+/// A variable is between two values, or one of its bits is set: or not.
 struct Literal {
-  std::size_t atom = kNone, variable = 0, node = kNone;
+  std::size_t atom = 0, variable = 0;
   int low = 1, high = 1;
   std::optional<unsigned> bit;
   bool is_negated = false;
@@ -46,9 +46,8 @@ struct Fact {
 };
 struct Certificate {
   std::string claim;
-  bool is_induction = false;
   std::vector<Fact> facts;
-  std::vector<Fact> nodes;     // do not hold always; speak of those before them
+  std::set<std::vector<Values>> states;  // all that a search has reached: by atom, parameters as 0
   std::vector<Class> classes;  // none: the certificate says nothing of modes
   Rows class_of;               // by atom
   std::vector<Modes> reachable;

@@ -6,13 +6,11 @@
 
 #include "tools/certcheck/certificate.hpp"
 
-namespace {
-std::string read_file(const char* path) {
+static std::string read_file(const char* path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw certcheck::Rejected("cannot read " + certcheck::quoted(path));
   return {std::istreambuf_iterator<char>(in), {}};
 }
-}  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 3) return std::fputs("usage: certcheck SYSTEM.bsys CERTIFICATE\n", stderr), 2;

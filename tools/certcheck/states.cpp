@@ -14,29 +14,33 @@ class States {
   }
 
   void run() {
+    const bool no_errors = c_.claim == "error-free", wants_steps = no_errors || !c_.facts.empty() || !c_.states.empty();
+    expr fault = terms_.truth(false);
+    State first;
+    for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, fault));
+    if (no_errors) demand(fault, "the run ends before its first state");
+    for (const Fact& fact : c_.facts) demand(both(no(fault), no(says(fact, {first}))), fact.line + ": does not hold at first");
+    if (c_.states.empty()) return check_from(allowed(), wants_steps, nullptr);
+    std::map<std::size_t, Local> all;
+    for (const Local& local : first) all.emplace(all.size(), local);
+    if (!is(fault, true) && !is_listed(*c_.states.begin(), all)) throw Rejected("the first state is not among those that the certificate lists");
+    for (const std::vector<Values>& state : c_.states) {
+      for (std::size_t a = 0; a < first.size(); ++a) {
+        first[a] = terms_.local(m_.atoms[a], [&](std::size_t k) { return terms_.constant(m_.type_of(a).variables[k].type, *state[a][k]); });
+      }
+      check_from(first, true, &state);
+    }
+  }
+
+ private:
+  // No such state is bad, and no step leads out of what the rows allow. `values`: it is one state.
+  void check_from(const State& now, bool wants_steps, const std::vector<Values>* values) {
     const bool no_errors = c_.claim == "error-free";
-    if (c_.is_induction) {
-      expr fault = terms_.truth(false);
-      State first;
-      for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, fault));
-      if (no_errors) demand(fault, "the run ends before its first state");
-      const View view = seen(first);
-      for (const Fact& fact : c_.facts) demand(both(no(fault), no(says(fact, view))), fact.line + ": does not hold at first");
-    }
-    State now = allowed();
-    // Between steps no internal transition is left.
-    for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
-    const View before = seen(now);
-    std::map<std::size_t, std::set<std::size_t>> facts_of;  // by atom; kNone: of nodes
-    for (std::size_t k = 0; k < c_.facts.size(); ++k) {
-      std::set<std::size_t> atoms;
-      for (const Case& one : c_.facts[k].cases) for (const Literal& l : one.literals) atoms.insert(l.atom);
-      for (std::size_t atom : atoms) facts_of[atom].insert(k);
-      assume(c_.facts[k], before, atoms.size() == 1 ? *atoms.begin() : kNone);
-    }
-    system_.look_at(now, c_.is_induction);
+    system_.look_at(now, wants_steps || !claim_.items.empty());
     if (no_errors) demand(either(system_.state_fault(), system_.guard_fault()), "a state that the certificate allows ends with an error");
     // Where the run has ended with an error nothing follows.
+    if (is(system_.state_fault(), true)) return;
+    if (values != nullptr && !is(system_.state_fault(), false)) throw NotCheckable("what a state does depends on values that are not followed");
     terms_.assume(no(system_.state_fault()));
     const auto check_step = [&](const Step& step) {
       // First without what priorities hide, and only for the atoms that move.
@@ -44,51 +48,52 @@ class States {
       if (no_errors && can(step.fault)) throw Rejected("a step ends with an error");
       const expr goes_on = no(step.fault);
       if (is(both(step.possible, goes_on), false)) return;
-      std::set<std::size_t> touched = facts_of[kNone];
+      std::set<std::size_t> touched;
       for (const auto& [atom, local] : step.next) {
         const bool is_same = std::equal(local.begin(), local.end(), now[atom].begin(), [](const expr& a, const expr& b) { return z3::eq(a, b); });
-        if (!is_same) touched.insert(facts_of[atom].begin(), facts_of[atom].end());
+        if (!is_same) touched.insert(facts_of_[atom].begin(), facts_of_[atom].end());
       }
-      const View from{now, &step.now, before.nodes}, after = seen(now, &step.next);
-      if (can(both(goes_on, terms_.some(touched, [&](std::size_t k) { return no(says(c_.facts[k], after, &from)); })))) {
-        throw Rejected("a step leads out of what the certificate allows");
-      }
+      const View from{now, &step.now}, after{now, &step.next};
+      expr leaves = terms_.some(touched, [&](std::size_t k) { return no(says(c_.facts[k], after, &from)); });
+      if (values != nullptr) leaves = terms_.truth(!is_listed(*values, step.next));
+      if (can(both(goes_on, leaves))) throw Rejected("a step leads out of what the certificate allows");
     };
-    if (c_.is_induction) system_.each_step(check_step);
+    if (wants_steps) system_.each_step(check_step);
     if (c_.claim == "deadlock-free") demand(no(system_.has_step()), "a state that the certificate allows has no step");
     if (!claim_.items.empty()) demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
   }
-
- private:
+  // Is it a listed state, for sure, but for some atoms what `values` says?
+  [[nodiscard]] bool is_listed(std::vector<Values> values, const std::map<std::size_t, Local>& others) const {
+    for (const auto& [atom, local] : others) {
+      for (std::size_t k = 0; k < local.size(); ++k) {
+        if (!m_.type_of(atom).variables[k].is_param) values[atom][k] = value_of(local[k]);
+      }
+    }
+    return c_.states.contains(values);
+  }
   // There is no state like that.
   void demand(const expr& bad, const std::string& otherwise) {
     if (terms_.may_be(bad)) throw Rejected(otherwise);
   }
-  // A state, of some atoms another one, and which nodes hold in it.
+  // A state, of some atoms another one.
   struct View {
     const State& state;
     const std::map<std::size_t, Local>* others = nullptr;
-    Local nodes = {};
 
-    [[nodiscard]] bool is_other(const Literal& l) const { return l.node != kNone || (others != nullptr && others->contains(l.atom)); }
-    [[nodiscard]] const expr& of(const Literal& l) const {
-      if (l.node != kNone) return nodes[l.node];
-      return (is_other(l) ? others->at(l.atom) : state[l.atom])[l.variable];
-    }
+    [[nodiscard]] bool is_other(const Literal& l) const { return others != nullptr && others->contains(l.atom); }
+    [[nodiscard]] const expr& of(const Literal& l) const { return (is_other(l) ? others->at(l.atom) : state[l.atom])[l.variable]; }
   };
-  [[nodiscard]] View seen(const State& state, const std::map<std::size_t, Local>* others = nullptr) const {
-    View view{state, others};
-    for (const Fact& node : c_.nodes) view.nodes.push_back(says(node, view));
-    return view;
-  }
   // Of a sum after a step: that the step does not change it.
   [[nodiscard]] expr says(const Fact& fact, const View& view, const View* from = nullptr) const {
     if (!fact.total) return terms_.some(fact.cases, [&](const Case& one) { return holds(one, view); });
     const expr nothing = terms_.constant("int", 0);
     expr sum = nothing;
+    unsigned known = 0;
     const auto add = [&](const Case& one, const expr& e, int weight) {
       const expr times = terms_.constant("int", weight);
-      sum = sum + (one.is_value ? times * e : choose(e, times, nothing));
+      const std::optional<int> value = value_of(e);
+      if (value) known += static_cast<unsigned>(weight) * static_cast<unsigned>(*value);
+      else sum = sum + (one.is_value ? times * e : choose(e, times, nothing));
     };
     const auto is_other = [&](const Literal& l) { return view.is_other(l); };
     for (const Case& one : fact.cases) {
@@ -99,7 +104,7 @@ class States {
       add(one, is, one.weight);
       if (from != nullptr) add(one, was, -one.weight);
     }
-    return equals(sum.simplify(), from == nullptr ? *fact.total : 0);
+    return equals(sum.simplify(), static_cast<int>((from == nullptr ? static_cast<unsigned>(*fact.total) : 0) - known));
   }
   [[nodiscard]] expr holds(const Case& one, const View& view) const {
     return terms_.all(one.literals, [&](const Literal& l) {
@@ -136,7 +141,7 @@ class States {
     terms_.assume(z3::mk_or(all), atom);
     for (unsigned k = 0; k < all.size(); ++k) for (unsigned j = 0; j < k; ++j) terms_.assume(!all[j] || !all[k], atom);
   }
-  // All states of which what has been found holds: a mode for each atom, which says where it is; the sets.
+  // All states of which what has been found holds: a mode for each atom, which says where it is; the sets; the facts.
   State allowed() {
     State now;
     const bool has_modes = !c_.classes.empty();
@@ -178,6 +183,14 @@ class States {
       if (set.is_trap) terms_.assume(z3::mk_or(members));
       else assume_sum(members, weights, set.total, kNone);
     }
+    // Between steps no internal transition is left.
+    for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
+    for (std::size_t k = 0; k < c_.facts.size(); ++k) {
+      std::set<std::size_t> atoms;
+      for (const Case& one : c_.facts[k].cases) for (const Literal& l : one.literals) atoms.insert(l.atom);
+      for (std::size_t atom : atoms) facts_of_[atom].insert(k);
+      assume(c_.facts[k], {now}, atoms.size() == 1 ? *atoms.begin() : kNone);
+    }
     return now;
   }
 
@@ -187,6 +200,7 @@ class States {
   Terms terms_;
   System system_;
   Tree claim_;
+  std::map<std::size_t, std::set<std::size_t>> facts_of_;  // by atom
 };
 
 }  // namespace
@@ -197,7 +211,8 @@ std::string check(const Model& model, const std::string& text, z3::context& z) {
   if (!c.classes.empty()) check_structure(model, c, z);
   States(model, c, z).run();
   const auto count = [](std::size_t number, const std::string& what) { return std::to_string(number) + " " + what + (number == 1 ? "" : "s"); };
-  return components + count(c.sets.size(), "invariant") + (c.is_induction ? ", " + count(c.facts.size(), "fact") : "");
+  if (!c.states.empty()) return components + count(c.states.size(), "state");
+  return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));
 }
 
 }  // namespace certcheck

@@ -3,6 +3,8 @@
 // are not known, Z3 tells which modes can be met and that there is no other way. Then reachable modes are closed under steps, sets are
 // marked at first and kept by steps: judged bottom up on the connectors' trees, without listing interactions, by what a subtree's
 // choices can do to the set.
+#include <numeric>
+
 #include "tools/certcheck/terms.hpp"
 
 namespace certcheck {
@@ -72,23 +74,19 @@ class Structure {
     const auto found = row.numbers.find(clear);
     if (found != row.numbers.end() && reachable.contains(found->second)) return {found->second};
     Modes result;
-    // First, by where it is, the mode that knows most of those that know nothing but what is so: as the values would lead there.
-    std::vector<std::size_t> order(reachable.begin(), reachable.end());
-    const auto unknown = [&](std::size_t mode) { return std::count(row.modes[mode].begin(), row.modes[mode].end(), std::nullopt); };
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return unknown(a) < unknown(b); });
-    for (std::size_t mode : order) {
-      Values places = row.modes[mode];
-      std::fill(places.begin() + static_cast<long>(m_.atom_types[row.type].places), places.end(), std::nullopt);
-      const expr there = both(other, terms_.has(local, places));
-      if (!terms_.may_be(there) || terms_.may_be(both(there, no(terms_.has(local, row.modes[mode]))))) continue;
-      result.insert(mode);
-      other = both(other, no(there));
-    }
-    for (const bool is_liked : {true, false}) {
-      for (std::size_t mode = 0; mode < row.modes.size(); ++mode) {
-        if (reachable.contains(mode) != is_liked) continue;
-        const expr here = both(other, terms_.has(local, row.modes[mode]));
-        if (!terms_.may_be(here)) continue;
+    // First, by where it is, the mode that knows most of those that know nothing but what is so: as the values would lead there. Then
+    // any; none that the component cannot be in while there is another.
+    std::vector<std::size_t> order(row.modes.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto rank = [&](std::size_t mode) { return std::pair(!reachable.contains(mode), std::count(row.modes[mode].begin(), row.modes[mode].end(), std::nullopt)); };
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+    for (const bool is_whole : {true, false}) {
+      for (std::size_t mode : order) {
+        Values said = row.modes[mode];
+        if (is_whole) std::fill(said.begin() + static_cast<long>(m_.atom_types[row.type].places), said.end(), std::nullopt);
+        const expr here = both(other, terms_.has(local, said));
+        if ((is_whole && !reachable.contains(mode)) || !terms_.may_be(here)) continue;
+        if (is_whole && terms_.may_be(both(here, no(terms_.has(local, row.modes[mode]))))) continue;
         result.insert(mode);
         other = both(other, no(here));
       }
@@ -126,8 +124,7 @@ class Structure {
 
   void check_set(const Set& set) {
     const auto weight = [&](std::size_t atom, std::size_t mode) -> long {
-      const auto at = set.weights.find({atom, mode});
-      return at == set.weights.end() ? 0 : at->second;
+      return set.weights.contains({atom, mode}) ? set.weights.at({atom, mode}) : 0;
     };
     std::set<std::size_t> atoms, touched;
     for (const auto& [member, w] : set.weights) atoms.insert(member.first);

@@ -46,7 +46,7 @@ class System {
     (void)t_.hide(rules, on);
     for (std::size_t k = 0; k < all_.size(); ++k) all_[k].possible = on[k];
   }
-  /// Is there a step? What has too many interactions is seen by its smallest ones. Priorities only hide what something else outdoes.
+  /// Is there a step? Priorities only hide what something else outdoes.
   [[nodiscard]] expr has_step() const {
     z3::expr_vector some(state_fault_.ctx());
     for (const Candidate& c : all_) some.push_back(c.offered);
@@ -55,7 +55,6 @@ class System {
   /// All steps, one by one.
   void each_step(const std::function<void(const Step&)>& visit) {
     for (const Candidate& c : all_) {
-      if (!shape_of(c.node, false).is_complete) throw NotCheckable("a connector has too many interactions");
       if (is(c.possible, false)) continue;
       Step step{c.possible, c.offered, t_.truth(false), {}, {}};
       // What takes part in any case does so for sure.
@@ -75,7 +74,7 @@ class System {
   [[nodiscard]] expr guard_fault() const { return guard_fault_; }
 
  private:
-  static constexpr std::size_t kMaxConfigurations = 512;
+  static constexpr std::size_t kMaxConfigurations = 1024;
 
   using Parts = std::set<std::size_t>;         // nodes that take part in a configuration
   using Chosen = std::map<std::size_t, expr>;  // by node of a connector's tree: does it take part?
@@ -93,8 +92,7 @@ class System {
   struct Shape {
     Rows tree;
     bool is_plain = false;  // its largest configurations, as terms, are all that matter
-    bool is_listed = false, is_complete = true;
-    std::vector<Parts> all;  // configurations; only the smallest, where it is not complete
+    std::vector<Parts> all;  // configurations
   };
 
   const Shape& shape_of(std::size_t node, bool wants_list) {
@@ -106,11 +104,7 @@ class System {
       tree.erase(std::unique(tree.begin(), tree.end()), tree.end());
       shape.is_plain = is_plain(tree);
     }
-    if (shape.is_listed || (shape.is_plain && !wants_list)) return shape;
-    shape.is_listed = true;
-    shape.is_complete = list(node, false, shape.all);
-    if (!shape.is_complete) shape.all.clear();
-    if (!shape.is_complete && !list(node, true, shape.all)) shape.all.clear();
+    if (shape.all.empty() && (wants_list || !shape.is_plain)) list(node, shape.all);
     return shape;
   }
   // No guards, no errors, free choices at which no code looks. Free: any alternatives fit each other, for what two children of a node
@@ -135,30 +129,26 @@ class System {
     }
     return true;
   }
-  // False: there are too many.
-  [[nodiscard]] bool list(std::size_t row, bool only_smallest, std::vector<Parts>& out) const {
+  void list(std::size_t row, std::vector<Parts>& out) const {
     const Node& node = m_.nodes[row];
-    const bool is_one = node.kind == Kind::Any || (node.kind == Kind::Trigger && only_smallest);
     std::vector<std::pair<Parts, bool>> found{{{row}, node.kind == Kind::Port || node.kind == Kind::All}};
     for (const Edge& edge : node.children) {
-      if (is_one && node.kind == Kind::Trigger && !edge.is_trigger) continue;
       std::vector<Parts> inner;
-      if (!list(edge.node, only_smallest, inner)) return false;
+      list(edge.node, inner);
       std::vector<std::pair<Parts, bool>> next;
       if (node.kind != Kind::All) next = found;
       for (const auto& [parts, is_good] : found) {
-        if (is_one && parts.size() > 1) break;
+        if (node.kind == Kind::Any && parts.size() > 1) break;
         for (const Parts& more : inner) {
-          Parts& with = next.emplace_back(parts, is_good || edge.is_trigger || is_one).first;
+          Parts& with = next.emplace_back(parts, is_good || edge.is_trigger || node.kind == Kind::Any).first;
           with.insert(more.begin(), more.end());
           if (with.size() != parts.size() + more.size()) throw NotCheckable("a connector reaches a port in two ways");
         }
       }
-      if (next.size() > 2 * kMaxConfigurations) return false;
+      if (next.size() > kMaxConfigurations) throw NotCheckable("a connector has too many interactions");
       found = std::move(next);
     }
     for (auto& [parts, is_good] : found) if (is_good) out.push_back(std::move(parts));
-    return out.size() <= kMaxConfigurations;
   }
   static bool is_larger(const Parts& a, const Parts& b) { return a.size() > b.size() && std::includes(a.begin(), a.end(), b.begin(), b.end()); }
 
@@ -207,7 +197,7 @@ class System {
       c.offered = c.possible = enabled(shape.tree, !shape.is_plain, c.chosen, c.store);
     }
     // Maximal progress: nothing larger is enabled.
-    for (std::size_t k = 0; k < count && !shape.is_plain && shape.is_complete; ++k) {
+    for (std::size_t k = 0; k < count && !shape.is_plain; ++k) {
       for (std::size_t j = 0; j < count; ++j) {
         if (is_larger(shape.all[j], shape.all[k])) all_[first + k].possible = both(all_[first + k].possible, no(all_[first + j].offered));
       }
@@ -244,7 +234,6 @@ class System {
       for (const Edge& edge : m_.nodes[row].children) {
         if (!edge.is_maximal || is(chosen.at(edge.node), false)) continue;
         const Shape& inner = shape_of(edge.node, true);
-        if (!inner.is_complete) throw NotCheckable("a connector has too many interactions");
         Parts own;
         std::copy_if(inner.tree.begin(), inner.tree.end(), std::inserter(own, own.end()), [&](std::size_t part) { return is(chosen.at(part), true); });
         for (const Parts& larger : inner.all) {

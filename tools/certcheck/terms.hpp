@@ -12,7 +12,7 @@ namespace certcheck {
 
 using z3::expr;
 
-[[nodiscard]] inline bool is(const expr& e, bool value) { return value ? e.is_true() : e.is_false(); }
+[[nodiscard]] inline bool is(const expr& e, bool value) { return Z3_get_bool_value(e.ctx(), e) == (value ? Z3_L_TRUE : Z3_L_FALSE); }
 // Connectives that fold constants; `simplify` of large terms is slow.
 [[nodiscard]] inline expr both(const expr& a, const expr& b) { return is(a, true) || is(b, false) ? b : is(b, true) || is(a, false) ? a : a && b; }
 [[nodiscard]] inline expr either(const expr& a, const expr& b) { return is(a, false) || is(b, true) ? b : is(b, false) || is(a, true) ? a : a || b; }
