@@ -92,22 +92,31 @@ AbstractValue evaluate(const CodeTable& code, ExprId id, std::span<const Abstrac
 }
 
 void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self) {
+  std::vector<AbstractValue> bind;
+  execute(code, body, self, bind);
+}
+
+void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self, std::vector<AbstractValue>& bind) {
   for (StmtId id = body; id.is_valid(); id = code.stmts[id].next) {
     const Stmt& s = code.stmts[id];
-    if (s.op == StmtOp::StoreSelf) {
+    if (s.op == StmtOp::StoreSelf || s.op == StmtOp::StoreBind) {
       const bool is_exact = s.type == Type::Int || s.type == Type::Bool || s.type == Type::String;
-      if (s.index < self.size()) self[s.index] = is_exact ? evaluate(code, s.value, self, {}) : AbstractValue{};
+      std::vector<AbstractValue>& values = s.op == StmtOp::StoreSelf ? self : bind;
+      if (s.index < values.size()) values[s.index] = is_exact ? evaluate(code, s.value, self, bind) : AbstractValue{};
     } else if (s.op == StmtOp::If) {
-      const AbstractValue condition = evaluate(code, s.value, self, {});
+      const AbstractValue condition = evaluate(code, s.value, self, bind);
       if (condition.is_known) {
-        execute(code, condition.value != 0 ? s.then_body : s.else_body, self);
+        execute(code, condition.value != 0 ? s.then_body : s.else_body, self, bind);
         continue;
       }
-      std::vector<AbstractValue> other = self;
-      execute(code, s.then_body, self);
-      execute(code, s.else_body, other);
+      std::vector<AbstractValue> other = self, other_bind = bind;
+      execute(code, s.then_body, self, bind);
+      execute(code, s.else_body, other, other_bind);
       for (std::size_t k = 0; k < self.size(); ++k) {
         if (self[k] != other[k]) self[k] = {};
+      }
+      for (std::size_t k = 0; k < bind.size(); ++k) {
+        if (bind[k] != other_bind[k]) bind[k] = {};
       }
     }
   }

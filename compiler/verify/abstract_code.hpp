@@ -27,6 +27,8 @@ struct AbstractValue {
 
 /// Runs the body over Self. What is stored into Bind is nobody's business here.
 void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self);
+/// Over both: a transfer.
+void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self, std::vector<AbstractValue>& bind);
 
 /// True, also for no guard at all, if the guard is true whatever its variables are.
 [[nodiscard]] bool is_always_true(const CodeTable& code, ExprId guard);

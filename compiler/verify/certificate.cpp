@@ -128,6 +128,11 @@ std::string certificate(const Decider& decider, const Question& question, const 
     const Atom& atom = system.atoms[AtomId(std::size_t{bound.atom})];
     out += "lemma " + atom.path + '.' + system.atom_types[atom.type].slots[bound.slot].name + "=0.." + std::to_string(bound.high) + '\n';
   }
+  for (const PlaceValue& one : d.linear.places) {
+    const Atom& atom = system.atoms[AtomId(std::size_t{one.atom})];
+    const AtomType& type = system.atom_types[atom.type];
+    out += "lemma !" + atom.path + '@' + type.places[one.place] + ' ' + atom.path + '.' + type.slots[one.slot].name + '=' + std::to_string(one.value) + '\n';
+  }
   if (d.method == Method::Induction) add_lemmas(*decider.machine(), d.lemmas, system, out);
   return out + "end\n";
 }

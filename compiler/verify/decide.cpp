@@ -206,6 +206,7 @@ std::vector<std::vector<Signal>> Decider::linear_clauses() {
   std::vector<std::vector<Signal>> clauses;
   for (const LinearEquation& equation : d_.linear.equations) clauses.push_back({equation_signal(equation, *machine_, image_)});
   for (const SlotBound& bound : d_.linear.bounds) clauses.push_back({bound_signal(bound, *machine_, image_)});
+  for (const PlaceValue& one : d_.linear.places) clauses.push_back(place_clause(one, *machine_, image_));
   return clauses;
 }
 
@@ -219,17 +220,17 @@ std::vector<std::vector<Signal>> Decider::structural_clauses() {
 // What was known of this very system, as far as it holds. Nothing: all are found anew.
 std::optional<LinearFacts> Decider::known_facts(Clock::time_point end) {
   if (memory_ == nullptr || !memory_->counts.is_whole || known_.equations.empty()) return std::nullopt;
-  std::vector<LinearEquation> equations = equations_that_hold(net_, *machine_, image_, equations_of(known_), end);
-  memory_->counts.equations = equations.size();
-  if (!known_.uses_bounds) return with_totals(*machine_, image_, std::move(equations));
-  return with_bounds(net_, *machine_, image_, structural_clauses(), end, std::move(equations));
+  LinearFacts facts = equations_that_hold(net_, *machine_, image_, equations_of(known_), end);
+  memory_->counts.equations = facts.equations.size();
+  if (!known_.uses_bounds) return with_totals(*machine_, image_, std::move(facts));
+  return with_bounds(net_, *machine_, image_, structural_clauses(), end, std::move(facts));
 }
 
 // First without the bounds, a certificate is easier to check without; unless they are known to be needed.
 bool Decider::is_proved_with(LinearFacts facts, const ReachProblem& problem, bool needs_bounds) {
   for (const bool with_bounds : {false, true}) {
     if (with_bounds ? facts.bounds.empty() : needs_bounds && !facts.bounds.empty()) continue;
-    d_.linear = with_bounds ? facts : LinearFacts{facts.equations, {}};
+    d_.linear = with_bounds ? facts : LinearFacts{facts.equations, {}, facts.places};
     const std::vector<std::vector<Signal>> known = linear_clauses();
     if (!strengthen(net_, *machine_, image_, problem.bad, known, problem.end, d_.proof)) continue;
     if (wants_needed(Way::Induction, d_.proof)) keep_needed(net_, *machine_, image_, problem.bad, known, limits_.end, d_.proof);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 
 #include "compiler/verify/affine.hpp"
 #include "compiler/verify/step_equations.hpp"
@@ -35,11 +36,12 @@ class Finder {
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) start_.push_back(values_of(atom));
   }
 
-  std::vector<LinearEquation> run(Clock::time_point end) {
+  LinearFacts run(Clock::time_point end) {
     SparseSystem system(first_slot_ + image_.slot_count, first_slot_, end);
     if (!collect(system)) return {};
     system.solve(equations_);
-    std::vector<LinearEquation> found;
+    LinearFacts facts;
+    std::vector<LinearEquation>& found = facts.equations;
     for (u32 slot = 0; slot < image_.slot_count && !system.is_given_up(); ++slot) {
       const u32 unknown = first_slot_ + slot;
       if (is_counter_[slot] == 0 || !system.is_free(unknown) || system.uses(unknown) == 0) continue;
@@ -48,20 +50,22 @@ class Finder {
       LinearEquation equation = equation_of(solution);
       if (!equation.terms.empty() && equation.terms.size() <= kMaxTerms) found.push_back(std::move(equation));
     }
-    return found;
+    if (!found.empty()) facts.places = places_.rows;
+    return facts;
   }
 
   // Those that no step changes the sum of: what a port changes follows from what its transitions do.
-  std::vector<LinearEquation> those_that_hold(const std::vector<LinearEquation>& candidates, Clock::time_point end) {
+  LinearFacts those_that_hold(const std::vector<LinearEquation>& candidates, Clock::time_point end) {
     SparseSystem system(first_slot_ + image_.slot_count, first_slot_, end);
     if (!collect(system) || system.is_given_up()) return {};
-    std::vector<LinearEquation> found;
+    LinearFacts facts;
     for (const LinearEquation& candidate : candidates) {
       if (seconds_until(end) <= 0) return {};
       std::optional<std::vector<Term>> values = values_in(candidate);
-      if (values && solves(*values)) found.push_back(candidate);
+      if (values && solves(*values)) facts.equations.push_back(candidate);
     }
-    return found;
+    if (!facts.equations.empty()) facts.places = places_.rows;
+    return facts;
   }
 
  private:
@@ -71,10 +75,12 @@ class Finder {
     Spread reachable(net_, Direction::Forward, nullptr);
     Proof proof;
     spread_from_initial(net_, reachable, proof);
+    places_ = find_place_values(net_, machine_.is_automaton);
+    std::erase_if(places_.rows, [&](const PlaceValue& one) { return is_counter_[image_.atoms[one.atom].slot_base + one.slot] == 0 || std::abs(std::int64_t{one.value}) > AffineForm::kMaxNumber; });
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) add_atom(atom, reachable);
     for (std::size_t c = 0; c < system_.connectors.size(); ++c) {
       const Connector& connector = system_.connectors[ConnectorId(c)];
-      if (!is_simple(connector)) leave_out(connector);
+      if (!has_plain_transfer(system_, connector)) leave_out(connector);
     }
     add_step_equations(net_, reachable, system, equations_, [this](u32 node) { return transfers(node); });
     if (is_too_large_) return false;
@@ -151,6 +157,32 @@ class Finder {
     if (!row.empty()) equations_.push_back(std::move(row));
   }
 
+  [[nodiscard]] AffineForm zero_of(const PlaceValue& one) const { return {{{unknown_of(one.atom, one.slot), 1}}, -std::int64_t{one.value}}; }
+  [[nodiscard]] std::span<const PlaceValue> values_at(u32 atom, u32 place) const {
+    const auto before = [](const PlaceValue& one, const std::pair<u32, u32>& key) { return std::pair(one.atom, one.place) < key; };
+    const auto first = std::lower_bound(places_.rows.begin(), places_.rows.end(), std::pair(atom, place), before);
+    const auto last = std::lower_bound(first, places_.rows.end(), std::pair(atom, place + 1), before);
+    return {first, last};
+  }
+  void assume_place(u32 atom, u32 place, AffinePath& path) const {
+    for (const PlaceValue& one : values_at(atom, place)) path.zeros.push_back(zero_of(one));
+  }
+  // What is so at each place where the port may be enabled.
+  void assume_port(u32 atom, u32 port, AffinePath& path) const {
+    if (places_.is_reached[atom].empty()) return;
+    std::map<u32, std::int32_t> values;
+    bool is_first = true;
+    for (const Transition& t : type_of(atom).transitions) {
+      if (t.port != port || places_.is_reached[atom][t.from[0]] == 0) continue;
+      std::map<u32, std::int32_t> here;
+      for (const PlaceValue& one : values_at(atom, t.from[0])) here.emplace(one.slot, one.value);
+      if (is_first) values = std::move(here);
+      else std::erase_if(values, [&](const auto& one) { return !here.contains(one.first) || here.at(one.first) != one.second; });
+      is_first = false;
+    }
+    for (const auto& [slot, value] : values) path.zeros.push_back(zero_of({atom, 0, slot, value}));
+  }
+
   void add_atom(u32 atom, const Spread& reachable) {
     const AtomType& type = type_of(atom);
     const TypeAccess& access = net_.access[net_.class_at(atom).type.value];
@@ -169,6 +201,7 @@ class Finder {
       if (has_port) constant.push_back({net_.port_base[atom] + t.port, -1});
       std::vector<AffinePath> paths(1);
       paths[0].self = start_[atom];
+      if (t.from.size() == 1) assume_place(atom, t.from[0], paths[0]);
       code_.assume(t.guard, paths[0]);
       // A transfer may change the data between the guard and the action.
       for (u32 slot : has_port ? access.written[t.port] : std::vector<u32>()) {
@@ -188,25 +221,6 @@ class Finder {
     }
   }
 
-  static bool stores(const CodeTable& code, StmtId body) {
-    bool found = false;
-    for_each_stmt(code, body, [&](const Stmt& s) { found = found || s.op == StmtOp::StoreBind; });
-    return found;
-  }
-  // A rendezvous of different atoms with one transfer; or no transfer at all.
-  [[nodiscard]] bool is_simple(const Connector& connector) const {
-    const ConnectorType& type = system_.connector_types[connector.type];
-    if (std::none_of(type.clauses.begin(), type.clauses.end(), [&](const Clause& clause) { return stores(system_.code, clause.down); })) return true;
-    if (type.clauses.size() != 1 || type.clauses[0].params.size() != type.params.size() || type.clauses[0].up.is_valid()) return false;
-    if (std::any_of(type.define.begin(), type.define.end(), [](const DefineNode& node) { return node.trigger; })) return false;
-    std::set<u32> atoms;
-    for (const PortRef& ref : connector.ports) {
-      if (ref.kind != PortRef::Kind::Atom || !atoms.insert(ref.atom.value).second) return false;
-      const std::vector<u32>& slots = type_of(ref.atom.value).ports[ref.port].slots;
-      if (std::set<u32>(slots.begin(), slots.end()).size() != slots.size()) return false;
-    }
-    return true;
-  }
   // What its transfers may write has no weight.
   void leave_out(const Connector& connector) {
     for (const PortRef& ref : connector.ports) leave_out(ref);
@@ -224,7 +238,7 @@ class Finder {
     if (net_.nodes[node].connector == kNoRow) return {};
     const Connector& connector = system_.connectors[ConnectorId(std::size_t{net_.nodes[node].connector})];
     const ConnectorType& type = system_.connector_types[connector.type];
-    if (!is_simple(connector) || type.clauses.empty() || !stores(system_.code, type.clauses[0].down)) return {};
+    if (!has_plain_transfer(system_, connector) || type.clauses.empty() || !stores_into_ports(system_.code, type.clauses[0].down)) return {};
     std::vector<AffinePath> paths(1);
     std::vector<u32> unknowns;
     paths[0].self.resize(type.slots.size());
@@ -238,6 +252,7 @@ class Finder {
         paths[0].bind[type.params[p].first_bind + v] = start_[ref.atom.value][slots[v]];
       }
     }
+    for (const PortRef& ref : connector.ports) assume_port(ref.atom.value, ref.port, paths[0]);
     for (const DataRef& ref : connector.data) paths[0].bind.push_back(start_[ref.atom.value][ref.slot]);
     // Transfers of connectors around it come between its guard and its own.
     if (!type.exports) code_.assume(type.clauses[0].guard, paths[0]);
@@ -347,12 +362,13 @@ class Finder {
   std::vector<AffineValues> start_;        // by atom, by slot
   std::vector<Row> equations_;
   std::vector<std::vector<u32>> rows_with_;  // by unknown: equations that it stands in
+  PlaceValues places_;
   bool is_too_large_ = false;
 };
 
 }  // namespace
 
-std::vector<LinearEquation> equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
+LinearFacts equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
                                                 Clock::time_point end) {
   if (candidates.empty()) return {};
   return Finder(net, machine, image).those_that_hold(candidates, end);

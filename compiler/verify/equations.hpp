@@ -9,6 +9,7 @@
 #include <string>
 
 #include "compiler/verify/machine.hpp"
+#include "compiler/verify/place_values.hpp"
 #include "compiler/verify/prove.hpp"
 
 namespace bip::verify {
@@ -31,20 +32,22 @@ struct SlotBound {
 };
 struct LinearFacts {
   std::vector<LinearEquation> equations;
-  std::vector<SlotBound> bounds;  // true together, with the equations
+  std::vector<SlotBound> bounds = {};   // true together, with the equations
+  std::vector<PlaceValue> places = {};  // none if the equations were found without
 };
 
 /// `known`: clauses that hold in every reachable state. The net must be usable.
 [[nodiscard]] LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known,
                                             Clock::time_point end);
 /// Those of the candidates, which may come from anywhere, whose sum no step changes; their totals are still to be found.
-[[nodiscard]] std::vector<LinearEquation> equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
+[[nodiscard]] LinearFacts equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
                                                               Clock::time_point end);
 /// Their totals; equations whose first value is not known are left out. And the bounds that the solver shows.
-[[nodiscard]] LinearFacts with_totals(Machine& machine, const rt::Image& image, std::vector<LinearEquation> equations);
+[[nodiscard]] LinearFacts with_totals(Machine& machine, const rt::Image& image, LinearFacts facts);
 [[nodiscard]] LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end,
-                                      std::vector<LinearEquation> equations);
+                                      LinearFacts facts);
 [[nodiscard]] Signal equation_signal(const LinearEquation& equation, Machine& machine, const rt::Image& image);
+[[nodiscard]] std::vector<Signal> place_clause(const PlaceValue& fact, Machine& machine, const rt::Image& image);
 [[nodiscard]] Signal bound_signal(const SlotBound& bound, Machine& machine, const rt::Image& image);
 
 /// "equation 0 ROOT.m.n*1 ROOT.c@BUSY*-1"

@@ -236,17 +236,17 @@ class Question {
 
 }  // namespace
 
-LinearFacts with_totals(Machine& machine, const rt::Image& image, std::vector<LinearEquation> equations) {
+LinearFacts with_totals(Machine& machine, const rt::Image& image, LinearFacts facts) {
   const OnMachine on_machine(machine, image);
-  std::erase_if(equations, [&](LinearEquation& one) {
+  std::erase_if(facts.equations, [&](LinearEquation& one) {
     const bool has_words = std::all_of(one.terms.begin(), one.terms.end(), [&](const LinearEquation::Term& term) { return !on_machine.now(term).empty(); });
     return !has_words || !on_machine.set_total(one);
   });
-  return {std::move(equations), {}};
+  return facts;
 }
 
-LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, std::vector<LinearEquation> equations) {
-  LinearFacts facts = with_totals(machine, image, std::move(equations));
+LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, LinearFacts from) {
+  LinearFacts facts = with_totals(machine, image, std::move(from));
   OnMachine on_machine(machine, image);
   facts.bounds = on_machine.likely_bounds(facts.equations);
   std::erase_if(facts.bounds, [&](const SlotBound& bound) { return !on_machine.holds_at_first(bound); });
@@ -262,14 +262,18 @@ LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image
   }
   std::optional<Question> question;
   for (bool is_kept = false; !is_kept && !facts.bounds.empty();) {
-    if (!question) question.emplace(machine, known);
+    if (!question) {
+      std::vector<std::vector<Signal>> all = known;
+      for (const PlaceValue& one : facts.places) all.push_back(place_clause(one, machine, image));
+      question.emplace(machine, all);
+    }
     is_kept = true;
     on_machine.fix(facts.bounds);
     bounded.clear();
     for (const SlotBound& bound : facts.bounds) bounded.insert(bound.atom);
     std::vector<std::uint8_t> is_shown(facts.bounds.size(), 1);
     for (const MachineStep& step : machine.steps) {
-      if (seconds_until(end) <= 0) return {std::move(facts.equations), {}};
+      if (seconds_until(end) <= 0) return {std::move(facts.equations), {}, std::move(facts.places)};
       if (!OnMachine::moves_one_of(net, step, bounded)) continue;
       const OnMachine::Taken taken = on_machine.take(net, step, atoms);
       if (taken.fine == kFalse) continue;
@@ -294,6 +298,10 @@ LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image
 }
 
 Signal equation_signal(const LinearEquation& equation, Machine& machine, const rt::Image& image) { return OnMachine(machine, image).holds(equation, nullptr); }
+std::vector<Signal> place_clause(const PlaceValue& fact, Machine& machine, const rt::Image& image) {
+  const Word& word = machine.words[image.atoms[fact.atom].slot_base + fact.slot];
+  return {negated(machine.marks[fact.atom][fact.place]), word.empty() ? kTrue : equal(machine.circuit, word, word_of(fact.value))};
+}
 Signal bound_signal(const SlotBound& bound, Machine& machine, const rt::Image& image) { return OnMachine(machine, image).holds(bound, nullptr); }
 
 namespace {

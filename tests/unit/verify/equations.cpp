@@ -80,3 +80,16 @@ TEST_CASE("a guard says how much an assignment takes away, but not after a compa
   CHECK(rows[0].find("9") != std::string::npos);
   CHECK(facts_of("on leave from S to S do { n = n - 2; }\n    on reset from S to T provided (n >= 9) do { n = 0; }", none).equations.empty());
 }
+
+TEST_CASE("an assignment takes away what the variable is wherever the atom is at that place") {
+  std::vector<std::string> rows, none;
+  const std::string leave = "on leave from S to S do { n = n - 2; }\n    on reset from S to T provided (n == 9) do { n = 0; }\n    on reset from T to S do { n = 9; }";
+  const verify::LinearFacts facts = facts_of(leave, rows);
+  REQUIRE(facts.equations.size() == 1);
+  CHECK(rows[0].find("ROOT.c@T*9") != std::string::npos);
+  REQUIRE(facts.places.size() == 1);
+  CHECK(facts.places[0].value == 0);
+  // Not if it may be something else there.
+  CHECK(facts_of(leave + "\n    on enter from T to T do { n = n + 1; }", none).equations.empty());
+  CHECK(facts_of("on leave from S to S do { n = n - 2; }\n    on reset from S to T do { n = n - 9; }\n    on reset from T to S do { n = 9; }", none).places.empty());
+}
