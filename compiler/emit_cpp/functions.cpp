@@ -26,15 +26,15 @@ std::string LocalNames::make(std::string_view name) {
 
 namespace {
 
-std::string variable_type(const ForeignNames& foreign, Type type) {
+std::string variable_type(const ForeignNames& foreign, Type type, bool on_cells) {
   if (is_extern(type)) return "ExternVar<" + foreign.type(type) + ">";
   switch (type) {
-    case Type::Bool: return "BoolVar";
+    case Type::Bool: return on_cells ? "BoolCell" : "BoolVar";
     case Type::Float: return "FloatVar";
-    case Type::String: return "StringVar";
+    case Type::String: return on_cells ? "StringCell" : "StringVar";
     case Type::Int: break;
   }
-  return "IntVar";
+  return on_cells ? "IntCell" : "IntVar";
 }
 
 // The model's names of all Bind variables of a unit's owner, in order.
@@ -130,8 +130,9 @@ class Uses {
 
 class FunctionEmitter {
  public:
-  FunctionEmitter(const lower::LoweredSystem& lowered, Writer& out)
-      : lowered_(lowered), code_(lowered.system->code), out_(out), faults_(lowered), foreign_(lowered.system->code) {}
+  /// distance: 0 for functions on slots, else on cells, with self's variables so far from each other.
+  FunctionEmitter(const lower::LoweredSystem& lowered, Writer& out, std::uint32_t distance = 0)
+      : lowered_(lowered), code_(lowered.system->code), out_(out), distance_(distance), faults_(lowered), foreign_(lowered.system->code) {}
 
   void emit(const lower::CodeUnit& unit);
 
@@ -144,6 +145,7 @@ class FunctionEmitter {
   const lower::LoweredSystem& lowered_;
   const CodeTable& code_;
   Writer& out_;
+  std::uint32_t distance_;
   FaultInfo faults_;
   ForeignNames foreign_;
 };
@@ -151,9 +153,9 @@ class FunctionEmitter {
 void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
   for (const Local& local : locals) {
     if (!Uses::used(local)) continue;
-    const std::string row = std::to_string(local.index);
+    const std::string row = std::to_string(local.index) + (is_bind || distance_ < 2 ? "" : " * " + std::to_string(distance_));
     const std::string slot = is_bind ? "all[bind[" + row + "]]" : "self[" + row + "]";
-    indented(1, std::string(local.written ? "" : "const ") + variable_type(foreign_, local.type) + " " + local.name + "{" + slot + "};");
+    indented(1, std::string(local.written ? "" : "const ") + variable_type(foreign_, local.type, distance_ != 0) + " " + local.name + "{" + slot + "};");
   }
 }
 
@@ -207,9 +209,10 @@ void FunctionEmitter::emit(const lower::CodeUnit& unit) {
   const bool has_self = Uses::any(uses.self);
   const bool has_bind = Uses::any(uses.bind);
 
-  std::string head = "std::int32_t " + unit.name + "(const void*, Slot*";
+  const std::string cells = distance_ != 0 ? "Cell*" : "Slot*";
+  std::string head = "std::int32_t " + unit.name + "(const void*, " + cells;
   head += has_self ? " self" : "";
-  head += has_bind ? ", Slot* all, const std::uint32_t* bind)" : ", Slot*, const std::uint32_t*)";
+  head += ", " + cells + (has_bind ? " all, const std::uint32_t* bind)" : ", const std::uint32_t*)");
   out_.line();
   if (!out_.has_line_directives()) out_.line("// " + out_.place(unit.loc));
   out_.at(unit.loc);
@@ -238,6 +241,10 @@ void emit_functions(const lower::LoweredSystem& lowered, Writer& out) {
   FunctionEmitter emitter(lowered, out);
   for (const lower::CodeUnit& unit : lowered.units) emitter.emit(unit);
   out.at_emitted();
+}
+
+void emit_on_cells(const lower::LoweredSystem& lowered, std::uint32_t unit, std::uint32_t distance, Writer& out) {
+  FunctionEmitter(lowered, out, distance).emit(lowered.units[unit]);
 }
 
 }  // namespace bip::emit_cpp

@@ -4,6 +4,9 @@
 // loops positions are pointers that move by constants: then compilers make vectors of them.
 #include "compiler/emit_cpp/steps.hpp"
 
+#include <algorithm>
+
+#include "compiler/emit_cpp/functions.hpp"
 #include "compiler/model/code_uses.hpp"
 
 namespace bip::emit_cpp {
@@ -28,13 +31,12 @@ const char* name_of(lower::Reduction reduction) {
 
 class ShapeWriter {
  public:
-  ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, Writer& out)
-      : lowered_(lowered), shape_(shape), out_(out) {}
+  ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, bool on_cells, Writer& out)
+      : lowered_(lowered), shape_(shape), out_(out), all_(on_cells ? "s.cells" : "s.all"), slot_(on_cells ? "Cell" : "Slot") {}
 
-  void write(std::size_t number) {
+  void write(const std::string& specifiers, const std::string& name) {
     out_.line();
-    if (shape_.has_loops()) out_.line("BIP_FOR_PROCESSORS");
-    out_.line(std::string(shape_.is_inlined() ? "BIP_INLINE " : "") + "void shape_" + std::to_string(number) + "(StepState& state, [[maybe_unused]] const StepOperand* operands, [[maybe_unused]] std::uint32_t i) {");
+    out_.line(specifiers + "void " + name + "(StepState& state, [[maybe_unused]] const StepOperand* operands, [[maybe_unused]] std::uint32_t i) {");
     out_.line("  StepState s = state;");
     for (std::size_t k = 0; k < shape_.strides.size(); ++k) {
       const std::string cell = "operands[" + std::to_string(k) + "]";
@@ -90,7 +92,7 @@ class ShapeWriter {
   [[nodiscard]] std::string call(const StepOp& op, std::uint32_t k, std::string& before) const {
     const lower::CodeUnit& unit = lowered_.units[op.unit];
     const std::vector<std::uint32_t>& binds = lowered_.steps.binds[op.unit];
-    std::string bind = "nullptr", all = "s.all";
+    std::string bind = "nullptr", all = all_;
     if (!binds.empty()) {
       bool together = true;
       for (std::uint32_t b = 0; b < binds.size(); ++b) together = together && stride(op, k + 1 + b) == stride(op, k + 1);
@@ -104,11 +106,11 @@ class ShapeWriter {
       before = "const std::uint32_t " + bind + "[] = {" + cells.substr(0, cells.size() - 2) + "};";
       if (together && stride(op, k + 1) != 0) all += " + " + std::to_string(stride(op, k + 1)) + " * t";
     }
-    return unit.name + "(nullptr, s.all + (" + at(op, k) + "), " + all + ", " + bind + ")";
+    return unit.name + "(nullptr, " + all_ + " + (" + at(op, k) + "), " + all + ", " + bind + ")";
   }
 
   void reduce(const StepOp& op) {
-    const std::string by = std::string("bip::rt::reduce<bip::rt::") + name_of(op.reduction) + ">(s.all[" + at(op, 0) + "], s.all + ";
+    const std::string by = std::string("bip::rt::reduce<bip::rt::") + name_of(op.reduction) + ">(" + all_ + "[" + at(op, 0) + "], " + all_ + " + ";
     const std::string from = "v" + std::to_string(operand(op, 1));
     if (op.repeats && stride(op, 0) == 0) {
       out_.line("  " + by + from + ", " + std::to_string(stride(op, 1)) + ", v" + std::to_string(op.first_ref) + ");");
@@ -127,22 +129,22 @@ class ShapeWriter {
 
   // What stays where it is, is read once; with a code, in its loop.
   void copy(const StepOp& op) {
-    if (stride(op, 1) != 0 || !op.repeats) return loop(op, "s.all[" + at(op, 0) + "] = s.all[" + at(op, 1) + "];");
+    if (stride(op, 1) != 0 || !op.repeats) return loop(op, all_ + "[" + at(op, 0) + "] = " + all_ + "[" + at(op, 1) + "];");
     const std::string name = "moved" + std::to_string(op.first_ref);
-    out_.line("  const Slot " + name + " = s.all[" + at(op, 1) + "];");
-    if (!op.inlined) return loop(op, "s.all[" + at(op, 0) + "] = " + name + ";");
+    out_.line("  const " + slot_ + " " + name + " = " + all_ + "[" + at(op, 1) + "];");
+    if (!op.inlined) return loop(op, all_ + "[" + at(op, 0) + "] = " + name + ";");
     inlined_ += "self[" + std::to_string(op.offset) + "] = " + name + "; ";
   }
   void code_with_copies(const StepOp& op) {
     unroll(op);
-    loop(op, "{ Slot* const self = s.all + (" + at(op, 0) + "); " + inlined_ + lowered_.units[op.unit].name + "(nullptr, self, s.all, nullptr); }");
+    loop(op, "{ " + slot_ + "* const self = " + all_ + " + (" + at(op, 0) + "); " + inlined_ + lowered_.units[op.unit].name + "(nullptr, self, " + all_ + ", nullptr); }");
     inlined_.clear();
   }
 
   void code(const StepOp& op) {
     if (!inlined_.empty()) return code_with_copies(op);
     std::string body, before;
-    for (std::uint32_t k = 0; k < op.zeroed; ++k) body += "s.all[" + at(op, 0) + " + " + std::to_string(k) + "] = Slot{0}; ";
+    for (std::uint32_t k = 0; k < op.zeroed; ++k) body += all_ + "[" + at(op, 0) + " + " + std::to_string(k) + "] = " + slot_ + "{0}; ";
     if (op.unit != rt::kNone) {
       const std::string text = call(op, 0, before);
       body += text + ";";
@@ -181,7 +183,7 @@ class ShapeWriter {
     std::string is_on = "s.values[" + at(op, 0) + "] >= 0";
     for (std::uint32_t k = refs(op) - op.hiders; k < refs(op); ++k) is_on += " && s.values[" + at(op, k) + "] < 0";
     if (op.unit != rt::kNone) {
-      for (std::uint32_t k = 0; k < op.zeroed; ++k) zeroes += "s.all[" + at(op, 1) + " + " + std::to_string(k) + "] = Slot{0}; ";
+      for (std::uint32_t k = 0; k < op.zeroed; ++k) zeroes += all_ + "[" + at(op, 1) + " + " + std::to_string(k) + "] = " + slot_ + "{0}; ";
       is_on += " && " + call(op, 1, before) + " != 0";
     }
     loop(op, "{ " + before + (before.empty() ? "" : " ") + zeroes + "slot_is(s, " + slot + ", " + is_on + "); }");
@@ -190,39 +192,86 @@ class ShapeWriter {
   const lower::LoweredSystem& lowered_;
   const lower::StepShape& shape_;
   Writer& out_;
+  std::string all_, slot_;
   std::string inlined_;  // copies, for the next code
 };
+
+// The units that shapes on cells call, each at its own distance.
+void emit_units_on_cells(const lower::LoweredSystem& lowered, Writer& out) {
+  const lower::StepCells& cells = lowered.steps.cells;
+  std::vector<bool> is_called(lowered.units.size(), false);
+  for (const lower::StepShape& shape : cells.shapes) {
+    for (const StepOp& op : shape.ops) {
+      if (op.unit != rt::kNone) is_called[op.unit] = true;
+    }
+  }
+  out.line();
+  out.line("// The same on cells: data in columns while a loop over steps runs (bip/steps.hpp).");
+  for (const char* name : {"BoolCell", "Cell", "IntCell", "StringCell"}) out.line(std::string("using bip::rt::") + name + ";");
+  for (std::uint32_t unit = 0; unit < is_called.size(); ++unit) {
+    if (is_called[unit]) emit_on_cells(lowered, unit, cells.self_distance[unit], out);
+  }
+  out.at_emitted();
+}
+
+bool is_in_loop(const lower::Steps& steps, std::size_t shape) {
+  return steps.shapes[shape].is_inlined() && std::any_of(steps.loop.begin(), steps.loop.end(), [&](const rt::StepRun& run) { return run.shape == shape; });
+}
 
 }  // namespace
 
 std::string step_name(std::size_t shape) { return "steps::shape_" + std::to_string(shape); }
 
 void emit_steps(const lower::LoweredSystem& lowered, Writer& out) {
-  if (lowered.steps.shapes.empty()) return;
+  const lower::Steps& steps = lowered.steps;
+  if (steps.shapes.empty()) return;
+  const lower::StepCells& cells = steps.cells;
+  if (!cells.empty()) emit_units_on_cells(lowered, out);
   out.line();
   out.line("// Whole steps, one function a shape of interaction; bip/steps.hpp says what they work on.");
   out.line("namespace steps {");
-  for (const char* name : {"StepState", "StepOperand", "slot_enters", "slot_leaves", "slot_is"}) {
+  for (const char* name : {"Cell", "StepState", "StepOperand", "slot_enters", "slot_leaves", "slot_is"}) {
     out.line(std::string("using bip::rt::") + name + ";");
   }
-  std::size_t number = 0;
-  for (const lower::StepShape& shape : lowered.steps.shapes) ShapeWriter(lowered, shape, out).write(number++);
+  for (std::size_t k = 0; k < steps.shapes.size(); ++k) {
+    const lower::StepShape& shape = steps.shapes[k];
+    const std::string name = "shape_" + std::to_string(k);
+    ShapeWriter writer(lowered, shape, false, out);
+    if (!shape.has_loops()) {
+      writer.write(shape.is_inlined() ? "BIP_INLINE " : "", name);
+    } else if (cells.empty() && is_in_loop(steps, k)) {
+      writer.write("BIP_INLINE ", name + "_inlined");
+      out.line();
+      out.line("BIP_FOR_PROCESSORS void " + name + "(StepState& state, const StepOperand* operands, std::uint32_t i) { " + name + "_inlined(state, operands, i); }");
+    } else {
+      writer.write("BIP_FOR_PROCESSORS ", name);
+    }
+  }
+  for (std::size_t k = 0; k < cells.shapes.size(); ++k) ShapeWriter(lowered, cells.shapes[k], true, out).write("BIP_INLINE ", "cells_" + std::to_string(k));
   out.line();
   out.line("}  // namespace steps");
 }
 
 // One comparison after the other.
 bool emit_step_loop(const lower::LoweredSystem& lowered, const std::string& name, const std::string& operands, Writer& out) {
-  if (lowered.steps.loop.empty()) return false;
+  const lower::Steps& steps = lowered.steps;
+  if (steps.loop.empty()) return false;
+  const std::vector<lower::StepShape>& shapes = steps.cells.empty() ? steps.shapes : steps.cells.shapes;
+  const bool has_loops = std::any_of(steps.loop.begin(), steps.loop.end(), [&](const rt::StepRun& run) { return shapes[run.shape].is_inlined() && shapes[run.shape].has_loops(); });
   out.line();
+  if (has_loops) out.line("BIP_FOR_PROCESSORS");
   out.line("bip::rt::StepsTaken " + name + "(bip::rt::StepState& state, bip::rt::Prng& prng, bip::rt::StepHistory& history, std::uint64_t limit) {");
-  out.line("  return bip::rt::take_steps(state, prng, history, limit, [](bip::rt::StepState& s, std::uint32_t slot) {");
+  out.line("  return bip::rt::take_steps(state, prng, history, limit, [](bip::rt::StepState& s, std::uint32_t slot) BIP_INLINED {");
   out.line("    std::uint32_t i = 0;");
-  for (const rt::StepRun& run : lowered.steps.loop) {
+  for (const rt::StepRun& run : steps.loop) {
     const auto number = [](std::uint32_t value) { return std::to_string(value) + "u"; };
-    const std::string function = step_name(run.shape), row = operands + " + " + std::to_string(run.operands);
+    const lower::StepShape& shape = shapes[run.shape];
+    std::string function = step_name(run.shape);
+    if (!steps.cells.empty()) function = "steps::cells_" + std::to_string(run.shape);
+    else if (shape.is_inlined() && shape.has_loops()) function += "_inlined";
+    const std::string row = operands + " + " + std::to_string(run.operands);
     out.line("    if (bip::rt::is_in_run(slot, " + number(run.first) + ", " + number(run.count) + ", " + number(run.distance) + ", i)) {");
-    if (lowered.steps.shapes[run.shape].is_inlined()) out.line("      " + function + "(s, " + row + ", i);");
+    if (shape.is_inlined()) out.line("      " + function + "(s, " + row + ", i);");
     else out.line("      bip::rt::call_step(&" + function + ", s, " + row + ", i);");
     out.line("      return true;");
     out.line("    }");

@@ -39,6 +39,7 @@ class TableWriter {
   /// The expression for a list of rows: in place if it is short.
   std::string list(const std::string& name, const rt::Span<std::uint32_t>& items);
   std::string ranges(const std::string& name, const rt::Span<rt::RangeOp>& code);
+  std::string cell_operands();
   std::string vars(const std::string& name, const rt::Span<rt::Var>& items);
   std::string pattern(const std::string& name, const rt::Pattern& pattern);
 
@@ -49,7 +50,7 @@ class TableWriter {
   std::vector<std::string> atom_rows_, connector_rows_;
   // Spans of the finished tables, for image().
   std::string port_types_, atom_types_, connector_types_, compounds_, atoms_, args_, connectors_, port_refs_, binds_,
-      priorities_, choices_, step_fns_, step_runs_, step_operands_, steps_fn_;
+      priorities_, choices_, step_fns_, step_runs_, step_operands_, step_columns_, steps_fn_;
 };
 
 }  // namespace bip::emit_cpp

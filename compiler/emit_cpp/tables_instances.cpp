@@ -97,7 +97,22 @@ void TableWriter::steps() {
   const std::string rows = array("StepOperand", "step_operands", operands);
   step_operands_ = "span(" + rows + ")";
   const std::string loop = names_.make("take_many_steps");
-  if (emit_step_loop(lowered_, loop, rows, out_)) steps_fn_ = loop;
+  const lower::StepCells& cells = lowered_.steps.cells;
+  if (emit_step_loop(lowered_, loop, cells.empty() ? rows : cell_operands(), out_)) steps_fn_ = loop;
+}
+
+// Where data are in columns: what the loop over steps knows there.
+std::string TableWriter::cell_operands() {
+  const lower::StepCells& cells = lowered_.steps.cells;
+  std::vector<std::string> operands, columns;
+  for (const rt::StepOperand& operand : cells.operands) {
+    operands.push_back(braces({std::to_string(operand.base) + "u", std::to_string(operand.stride) + "u"}));
+  }
+  for (const rt::StepColumn& column : cells.columns) {
+    columns.push_back(braces({std::to_string(column.slot), std::to_string(column.distance), std::to_string(column.cell), std::to_string(column.count)}));
+  }
+  step_columns_ = table("StepColumn", "step_columns", columns);
+  return array("StepOperand", "step_cell_operands", operands);
 }
 
 void TableWriter::choices() {

@@ -97,7 +97,7 @@ const std::vector<std::string_view>& reserved_words() {
       // macros that are not in capitals
       "assert", "errno", "linux", "stderr", "stdin", "stdout", "unix",
       // what emitted functions call
-      "all", "bind", "self", "Slot", "IntVar", "BoolVar", "FloatVar", "StringVar", "CodeFault", "divide", "modulo",
+      "all", "bind", "self", "Slot", "IntVar", "BoolVar", "FloatVar", "StringVar", "Cell", "IntCell", "BoolCell", "StringCell", "CodeFault", "divide", "modulo",
       "ExternVar", "outside", "wrap_add", "wrap_sub", "wrap_mul", "wrap_neg"};
   return kWords;
 }

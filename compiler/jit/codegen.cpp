@@ -18,9 +18,10 @@ namespace {
 
 class UnitBuilder {
  public:
-  UnitBuilder(llvm::Function* function, const lower::LoweredSystem& lowered, DebugInfo* debug)
+  UnitBuilder(llvm::Function* function, const lower::LoweredSystem& lowered, DebugInfo* debug, std::uint32_t distance)
       : code_(lowered.system->code), sites_(lowered.site_of_expr), function_(function),
-        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)), i32_(b_.getInt32Ty()), debug_(debug) {
+        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)), i32_(b_.getInt32Ty()), debug_(debug),
+        on_cells_(distance != 0), distance_(on_cells_ ? distance : 1), slot_type_(on_cells_ ? i32_ : b_.getInt64Ty()), slot_align_(on_cells_ ? 4 : 8) {
     self_ = function->getArg(1);
     all_ = function->getArg(2);
     bind_ = function->getArg(3);
@@ -42,8 +43,6 @@ class UnitBuilder {
   }
 
  private:
-  const llvm::Align slot_align_{8};
-
   // InstCombine's time over conditions that dominate one another grows faster than their square: 600 divisions in one
   // expression took 4 s, 2,000 a minute. A unit with so many stays as it is.
   static constexpr std::size_t kMaxDivisions = 64;
@@ -56,24 +55,24 @@ class UnitBuilder {
   llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
 
   llvm::Value* self_slot(std::uint32_t index) {
-    return b_.CreateConstInBoundsGEP1_64(b_.getInt64Ty(), self_, index);
+    return b_.CreateConstInBoundsGEP1_64(slot_type_, self_, std::uint64_t{index} * distance_);
   }
   llvm::Value* bind_slot(std::uint32_t index) {
     llvm::Value* entry = b_.CreateConstInBoundsGEP1_64(i32_, bind_, index);
     llvm::Value* row = b_.CreateZExt(b_.CreateAlignedLoad(i32_, entry, llvm::Align(4)), b_.getInt64Ty());
-    return b_.CreateInBoundsGEP(b_.getInt64Ty(), all_, row);
+    return b_.CreateInBoundsGEP(slot_type_, all_, row);
   }
   llvm::Value* load(Type type, llvm::Value* slot) {
     if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), slot, slot_align_);
     // The address of the object.
     if (is_extern(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), slot, slot_align_);
     // All of the slot, as it is stored: loops over neighbouring slots become vectors.
-    llvm::Value* low = b_.CreateTrunc(b_.CreateAlignedLoad(b_.getInt64Ty(), slot, slot_align_), i32_);
+    llvm::Value* low = b_.CreateTrunc(b_.CreateAlignedLoad(slot_type_, slot, slot_align_), i32_);
     return type == Type::Bool ? b_.CreateICmpNE(low, b_.getInt32(0)) : low;
   }
   void store(Type type, llvm::Value* value, llvm::Value* slot) {
     // Unused bits of a slot are zero.
-    if (type != Type::Float && !is_extern(type)) value = b_.CreateZExt(value, b_.getInt64Ty());
+    if (type != Type::Float && !is_extern(type)) value = b_.CreateZExt(value, slot_type_);
     b_.CreateAlignedStore(value, slot, slot_align_);
   }
 
@@ -264,6 +263,10 @@ class UnitBuilder {
   llvm::IRBuilder<> b_;
   llvm::Type* i32_;
   DebugInfo* debug_;
+  bool on_cells_;
+  std::uint64_t distance_;
+  llvm::Type* slot_type_;
+  llvm::Align slot_align_;
   llvm::Value* self_ = nullptr;
   llvm::Value* all_ = nullptr;
   llvm::Value* bind_ = nullptr;
@@ -287,11 +290,11 @@ llvm::Function* declare(llvm::Module& module, const std::string& name) {
 
 }  // namespace
 
-llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row, const std::string& name, DebugInfo* debug) {
+llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row, const std::string& name, DebugInfo* debug, std::uint32_t distance) {
   const lower::CodeUnit& unit = lowered.units[row];
   llvm::Function* function = declare(module, name);
   if (debug != nullptr) debug->enter(*function, lowered.units[row].name, lowered.units[row].loc);
-  UnitBuilder builder(function, lowered, debug);
+  UnitBuilder builder(function, lowered, debug, distance);
   builder.place(lowered.units[row].loc);
   if (unit.kind == lower::CodeKind::Guard) builder.guard(unit.expr);
   else builder.action(unit.body);

@@ -23,9 +23,10 @@ enum class Lines : std::uint8_t { No, Yes };
 [[nodiscard]] std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
                                                          std::size_t first, std::size_t count, Lines lines = Lines::No);
 
-/// One unit as a function of the module, called `name`.
+/// One unit as a function of the module, called `name`. Its variables are slots; with a distance cells, self's so far from each
+/// other.
 llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t unit, const std::string& name,
-                           DebugInfo* debug);
+                           DebugInfo* debug, std::uint32_t distance = 0);
 
 /// A module with a rt::StepFn for each shape of lowered.steps, named step_name(shape), and perhaps a rt::StepsFn, the loop over them.
 [[nodiscard]] std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered, Lines lines = Lines::No);

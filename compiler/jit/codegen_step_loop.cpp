@@ -6,6 +6,7 @@
 // of bip/prng.hpp; the one case in 2^64 / n in which it may draw again is left to it.
 #include <llvm/IR/MDBuilder.h>
 
+#include <algorithm>
 #include <cstddef>
 
 #include "bip/prng.hpp"
@@ -70,6 +71,7 @@ class LoopBuilder {
     b_.SetInsertPoint(llvm::BasicBlock::Create(module_.getContext(), "entry", outer));
     std::vector<Value*> arguments;
     for (unsigned k = 0; k < kArrays; ++k) arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(0), k * sizeof(void*))));
+    if (!lowered_.steps.cells.empty()) arguments[0] = b_.CreateLoad(pointer, at(outer->getArg(0), offsetof(rt::StepState, cells)));
     for (unsigned k = 0; k < 4; ++k) arguments.push_back(outer->getArg(k));
     arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(2), offsetof(rt::StepHistory, slots))));
     b_.CreateRet(b_.CreateCall(function_, arguments));
@@ -192,18 +194,27 @@ class LoopBuilder {
     b_.CreateCondBr(is_inside, inside, outside);
     b_.SetInsertPoint(inside);
     Value* i = run.distance == 1 ? offset : b_.CreateExactUDiv(offset, number(run.distance));
-    const lower::StepShape& shape = lowered_.steps.shapes[run.shape];
-    const rt::StepOperand* rows = lowered_.steps.operands.data() + run.operands;
-    if (shape.is_inlined()) {
+    const lower::StepCells& cells = lowered_.steps.cells;
+    const lower::StepShape& shape = cells.empty() ? lowered_.steps.shapes[run.shape] : cells.shapes[run.shape];
+    const rt::StepOperand* rows = (cells.empty() ? lowered_.steps.operands : cells.operands).data() + run.operands;
+    if (shape.is_inlined() && (!cells.empty() || !looks_at_many(shape, rows))) {
       std::vector<StepOperandValue> operands;
       for (std::size_t k = 0; k < shape.strides.size(); ++k) operands.push_back(operand(run, rows[k], i));
-      const StepFrame frame{function_->getArg(0), function_->getArg(1), function_->getArg(2), function_->getArg(3), function_->getArg(4), function_->getArg(5), count_};
+      const StepFrame frame{function_->getArg(0), function_->getArg(1), function_->getArg(2), function_->getArg(3), function_->getArg(4), function_->getArg(5), count_, !cells.empty()};
       write_step(b_, lowered_, shape, frame, operands, nullptr);
     } else {
       call(run, shape.strides.size(), rows, i);
     }
     b_.CreateBr(taken_);
     b_.SetInsertPoint(outside);
+  }
+
+  // Beside a long pass over who is ready a call is cheap, and what the loop has at hand stays in registers for the other steps.
+  static bool looks_at_many(const lower::StepShape& shape, const rt::StepOperand* rows) {
+    constexpr std::uint32_t kMany = 64;
+    return std::any_of(shape.ops.begin(), shape.ops.end(), [&](const lower::StepOp& op) {
+      return op.kind == lower::StepOpKind::Ready && op.repeats && rows[op.first_ref].base > kMany;
+    });
   }
 
   // Of a step that is not inlined: the function of its shape, which finds its row in this module.

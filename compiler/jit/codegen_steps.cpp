@@ -21,7 +21,7 @@ class StepBuilder {
  public:
   StepBuilder(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug)
       : b_(b), function_(b.GetInsertBlock()->getParent()), module_(*function_->getParent()), lowered_(lowered), shape_(shape), i32_(b.getInt32Ty()), i64_(b.getInt64Ty()),
-        debug_(debug), all_(frame.all), places_(frame.places), values_(frame.values), members_(frame.members), position_(frame.position), scratch_(frame.scratch), count_(frame.count), operands_(operands) {}
+        on_cells_(frame.on_cells), slot_type_(on_cells_ ? i32_ : i64_), slot_align_(on_cells_ ? 4 : 8), debug_(debug), all_(frame.all), places_(frame.places), values_(frame.values), members_(frame.members), position_(frame.position), scratch_(frame.scratch), count_(frame.count), operands_(operands) {}
 
   void build() {
     for (const StepOp& op : shape_.ops) {
@@ -57,7 +57,7 @@ class StepBuilder {
   }
   Value* cell(Value* array, const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(i32_, array, index(op, k, t)); }
   Value* cell(Value* array, Value* row) { return b_.CreateInBoundsGEP(i32_, array, b_.CreateZExt(row, i64_)); }
-  Value* data(const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(i64_, all_, index(op, k, t)); }
+  Value* data(const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(slot_type_, all_, index(op, k, t)); }
 
   // Vectors of rows that are no neighbours would be gathered and scattered, which costs more than it saves.
   [[nodiscard]] bool has_neighbours(const StepOp& op) const {
@@ -96,9 +96,9 @@ class StepBuilder {
 
   // ---- units
   llvm::Function* unit(std::uint32_t row) {
-    const std::string name = "inline." + lowered_.units[row].name;
+    const std::string name = (on_cells_ ? "cells." : "inline.") + lowered_.units[row].name;
     if (llvm::Function* known = module_.getFunction(name)) return known;
-    llvm::Function* function = build_unit(module_, lowered_, row, name, debug_);
+    llvm::Function* function = build_unit(module_, lowered_, row, name, debug_, on_cells_ ? lowered_.steps.cells.self_distance[row] : 0);
     function->setLinkage(llvm::Function::InternalLinkage);
     if (!function->hasFnAttribute(llvm::Attribute::OptimizeNone)) function->addFnAttr(llvm::Attribute::AlwaysInline);
     return function;
@@ -127,7 +127,7 @@ class StepBuilder {
         b_.CreateStore(number(op, k + 1 + n, together ? nullptr : t), b_.CreateConstInBoundsGEP1_64(i32_, bind, binds[n]));
       }
       if (together && t != nullptr && stride(op, k + 1) != 0) {
-        all = b_.CreateInBoundsGEP(i64_, all_, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
+        all = b_.CreateInBoundsGEP(slot_type_, all_, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
       }
     }
     if (lowered_.calls_rows) return call_row(op.unit, data(op, k, t), all, bind);
@@ -137,14 +137,14 @@ class StepBuilder {
     if (op.zeroed == 0) return;
     Value* self = data(op, k, t);
     for (std::uint32_t n = 0; n < op.zeroed; ++n) {
-      b_.CreateAlignedStore(llvm::ConstantInt::get(i64_, 0), b_.CreateConstInBoundsGEP1_64(i64_, self, n), llvm::Align(8));
+      b_.CreateAlignedStore(llvm::ConstantInt::get(slot_type_, 0), b_.CreateConstInBoundsGEP1_64(slot_type_, self, n), slot_align_);
     }
   }
-  // As wide as slots are; the largest and the least by the low half moved up, so that the sign is in its place.
+  // As wide as slots, or cells, are; of slots the largest and the least by the low half moved up, so that the sign is in its place.
   Value* to_word(const StepOp& op, Value* slot) {
     const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
-    Value* bits = b_.CreateAlignedLoad(i64_, slot, llvm::Align(8));
-    return compares ? b_.CreateShl(bits, 32) : bits;
+    Value* bits = b_.CreateAlignedLoad(slot_type_, slot, slot_align_);
+    return compares && !on_cells_ ? b_.CreateShl(bits, 32) : bits;
   }
   Value* joined(const StepOp& op, Value* a, Value* b) {
     switch (op.reduction) {
@@ -159,6 +159,7 @@ class StepBuilder {
     return a;
   }
   void store_word(const StepOp& op, Value* word, Value* slot) {
+    if (on_cells_) return void(b_.CreateAlignedStore(word, slot, slot_align_));
     const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
     Value* bits = compares ? b_.CreateLShr(word, 32) : b_.CreateAnd(word, llvm::ConstantInt::get(i64_, 0xffffffffu));
     b_.CreateAlignedStore(bits, slot, llvm::Align(8));
@@ -172,23 +173,23 @@ class StepBuilder {
       return;
     }
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
-    Value* word = start.CreateAlloca(i64_);
+    Value* word = start.CreateAlloca(slot_type_);
     b_.CreateStore(to_word(op, data(op, 0, nullptr)), word);
-    count_up(operands_[op.first_ref].index, [&](Value* t) { b_.CreateStore(joined(op, b_.CreateLoad(i64_, word), to_word(op, data(op, 1, t))), word); });
-    store_word(op, b_.CreateLoad(i64_, word), data(op, 0, nullptr));
+    count_up(operands_[op.first_ref].index, [&](Value* t) { b_.CreateStore(joined(op, b_.CreateLoad(slot_type_, word), to_word(op, data(op, 1, t))), word); });
+    store_word(op, b_.CreateLoad(slot_type_, word), data(op, 0, nullptr));
   }
 
   // What stays where it is, is read once; with a code, in its loop.
   void copy(const StepOp& op) {
-    const auto read = [&](Value* t) { return b_.CreateAlignedLoad(i64_, data(op, 1, t), llvm::Align(8)); };
+    const auto read = [&](Value* t) { return b_.CreateAlignedLoad(slot_type_, data(op, 1, t), slot_align_); };
     Value* moved = stride(op, 1) == 0 ? read(nullptr) : nullptr;
     if (op.inlined) return inlined_.push_back({op.offset, moved});
-    loop(op, [&](Value* t) { b_.CreateAlignedStore(moved != nullptr ? moved : read(t), data(op, 0, t), llvm::Align(8)); });
+    loop(op, [&](Value* t) { b_.CreateAlignedStore(moved != nullptr ? moved : read(t), data(op, 0, t), slot_align_); });
   }
 
   void code(const StepOp& op, Value* t) {
     zero(op, 0, t);
-    for (const auto& [offset, value] : inlined_) b_.CreateAlignedStore(value, b_.CreateConstInBoundsGEP1_64(i64_, data(op, 0, t), offset), llvm::Align(8));
+    for (const auto& [offset, value] : inlined_) b_.CreateAlignedStore(value, b_.CreateConstInBoundsGEP1_64(slot_type_, data(op, 0, t), offset), slot_align_);
     inlined_.clear();
     if (op.unit != rt::kNone) call(op, 0, t);
   }
@@ -271,6 +272,9 @@ class StepBuilder {
   const lower::StepShape& shape_;
   llvm::Type* i32_;
   llvm::Type* i64_;
+  bool on_cells_;
+  llvm::Type* slot_type_;
+  llvm::Align slot_align_;
   DebugInfo* debug_;
   Value *all_, *places_, *values_, *members_, *position_, *scratch_, *count_;
   const std::vector<StepOperandValue>& operands_;

@@ -11,9 +11,10 @@ namespace bip::jit {
 
 class DebugInfo;
 
-/// What a step works on: rt::StepState's arrays; `count` is the address of a variable.
+/// What a step works on: rt::StepState's arrays; `count` is the address of a variable. `all` may be its cells.
 struct StepFrame {
   llvm::Value *all, *places, *values, *members, *position, *scratch, *count;
+  bool on_cells = false;
 };
 /// An operand with 32 bits, and with 64 (zero above).
 struct StepOperandValue {

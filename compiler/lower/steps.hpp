@@ -51,13 +51,26 @@ struct StepShape {
   /// Into a loop over steps; else called by it, so that what the loop has at hand stays in registers.
   [[nodiscard]] bool is_inlined() const {
     constexpr std::size_t kMostOps = 24;
-    return ops.size() <= kMostOps && !has_loops();
+    return ops.size() <= kMostOps;
   }
+};
+/// Data while a loop over steps runs, if all of them have 32 bits: a column for each variable of each type of atoms, so that
+/// interactions of many go over neighbours. What the loop knows works on these, then.
+struct StepCells {
+  std::uint32_t count = 0;                     // 0: it works on slots
+  std::uint32_t pay = 0;                       // steps after which filling the columns has paid
+  std::vector<rt::StepColumn> columns;
+  std::vector<StepShape> shapes;
+  std::vector<rt::StepOperand> operands;
+  std::vector<std::uint32_t> self_distance;    // by unit: from one variable of self to the next
+
+  [[nodiscard]] bool empty() const { return count == 0; }
 };
 struct Steps {
   std::vector<StepShape> shapes;
   std::vector<rt::StepRun> runs;
   std::vector<rt::StepRun> loop;     // those that a loop over steps (rt::StepsFn) knows, in the order in which it asks; empty: no loop
+  StepCells cells;                   // if not empty, shapes and operands of the rows of `loop` are those there
   std::vector<rt::StepOperand> operands;
   std::vector<std::vector<std::uint32_t>> binds;  // by unit: its bound variables, as CodeFacts has them
 };

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/steps/columns.hpp"
 #include "compiler/steps/deriver.hpp"
 
 namespace bip::steps {
@@ -150,9 +151,11 @@ void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std:
   }
 }
 
-void derive_steps(lower::LoweredSystem& lowered) {
+void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.steps = {};
   lowered.image.step_runs = {};
+  lowered.image.step_columns = {};
+  lowered.image.step_cells = 0;
   // Objects of C++ types are no data of ours.
   if (lowered.image.outside != nullptr) return;
   Deriver deriver(lowered);
@@ -162,6 +165,7 @@ void derive_steps(lower::LoweredSystem& lowered) {
   std::vector<Runs> runs;
   Instance instance, folded;
   std::vector<std::int32_t> strides;
+  bool has_all = true;
   for (u32 slot = 0; slot < deriver.slots(); ++slot) {
     Deriver::Found found = deriver.describe(slot, instance);
     if (found == Deriver::Found::Yes) {
@@ -171,6 +175,7 @@ void derive_steps(lower::LoweredSystem& lowered) {
       if (folded.ops.size() > kMostOps) found = Deriver::Found::No;
     }
     if (found == Deriver::Found::No && deriver.needs_all()) return;
+    has_all = has_all && found != Deriver::Found::No;
     if (found != Deriver::Found::Yes) continue;
     const auto [at, is_new] = known.try_emplace(key_of(folded, strides), static_cast<u32>(runs.size()));
     if (is_new) {
@@ -183,8 +188,12 @@ void derive_steps(lower::LoweredSystem& lowered) {
   split_by_strides(steps);
   steps.loop = choose_loop(steps);
   for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
+  if (has_all || columns == Columns::WherePossible) lay_out_columns(lowered, deriver.atom_slots(), columns, steps);
   lowered.steps = std::move(steps);
   lowered.image.step_runs = {lowered.steps.runs.data(), static_cast<u32>(lowered.steps.runs.size())};
+  lowered.image.step_columns = {lowered.steps.cells.columns.data(), static_cast<u32>(lowered.steps.cells.columns.size())};
+  lowered.image.step_cells = lowered.steps.cells.count;
+  lowered.image.step_cells_pay = lowered.steps.cells.pay;
   lowered.image.step_operands = {lowered.steps.operands.data(), static_cast<u32>(lowered.steps.operands.size())};
 }
 

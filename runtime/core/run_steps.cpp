@@ -22,6 +22,23 @@ struct Unwatched {
   void end_step(u32) const {}
 };
 
+void fill_cells(const Image& image, const Slot* slots, std::vector<Cell>& cells) {
+  cells.resize(image.step_cells);
+  for (const StepColumn& column : image.step_columns) {
+    const Slot* const from = slots + column.slot;
+    Cell* const to = cells.data() + column.cell;
+    for (std::size_t k = 0; k < column.count; ++k) to[k].bits = static_cast<u32>(from[k * column.distance].bits);
+  }
+}
+
+void empty_cells(const Image& image, const std::vector<Cell>& cells, Slot* slots) {
+  for (const StepColumn& column : image.step_columns) {
+    const Cell* const from = cells.data() + column.cell;
+    Slot* const to = slots + column.slot;
+    for (std::size_t k = 0; k < column.count; ++k) to[k * column.distance].bits = from[k].bits;
+  }
+}
+
 }  // namespace
 
 // Finds the runs. A slot without one is fired by the core; if somebody might look at rules then, all slots that can fire have
@@ -70,7 +87,11 @@ u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& s
   u64 done = 0;
   u64 look = 0;
   sound = true;
-  const StepsFn takes_many = std::is_same_v<Watch, Unwatched> ? tables_.image->steps_fn : nullptr;
+  const Image& image = *tables_.image;
+  const bool has_cells = image.step_cells != 0;
+  const StepsFn takes_many = std::is_same_v<Watch, Unwatched> && (!has_cells || limit >= image.step_cells_pay) ? image.steps_fn : nullptr;
+  std::vector<Cell> cells;
+  bool in_cells = false;  // are data there, and not in all_?
   while (done < limit && s.count != 0) {
     if (done >= look) {
       if (is_stopped()) break;
@@ -78,12 +99,19 @@ u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& s
     }
     u32 slot = kAbsentSlot;
     if (takes_many != nullptr) {
+      if (has_cells && !in_cells) {
+        fill_cells(image, all_.data(), cells);
+        s.cells = cells.data();
+        in_cells = true;
+      }
       StepHistory recent{history, history_at};
       const StepsTaken taken = takes_many(s, numbers, recent, std::min(limit, look) - done);
       history_at = recent.at;
       done += taken.count;
       slot = taken.slot;
       if (slot == kAbsentSlot) continue;
+      if (in_cells) empty_cells(image, cells, all_.data());
+      in_cells = false;
     } else {
       slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
     }
@@ -106,6 +134,7 @@ u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& s
     watch.end_step(slot);
     ++done;
   }
+  if (in_cells) empty_cells(image, cells, all_.data());
   prng = numbers;
   history_at_ = history_at;
   if (!sound) return done;

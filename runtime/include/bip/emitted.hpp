@@ -131,28 +131,35 @@ constexpr auto operator<=>(const A& a, const B& b) { return ordered(bits_of(a)) 
 // What `reduce` does with the ints, or bools, of many slots: on words as wide as slots, in any order with the same result.
 struct Sum {
   static std::uint64_t word(const Slot& slot) { return read_slot<std::uint64_t>(slot); }
-  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a + b; }
+  template <class T>
+  static constexpr T join(T a, T b) { return a + b; }
   static constexpr Slot slot(std::uint64_t word) { return Slot{.bits = word & 0xffffffffu}; }
 };
 struct Product : Sum {
-  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a * b; }
+  template <class T>
+  static constexpr T join(T a, T b) { return a * b; }
 };
 struct BitAnd : Sum {
-  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a & b; }
+  template <class T>
+  static constexpr T join(T a, T b) { return a & b; }
 };
 struct BitOr : Sum {
-  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a | b; }
+  template <class T>
+  static constexpr T join(T a, T b) { return a | b; }
 };
 struct BitXor : Sum {
-  static constexpr std::uint64_t join(std::uint64_t a, std::uint64_t b) { return a ^ b; }
+  template <class T>
+  static constexpr T join(T a, T b) { return a ^ b; }
 };
 struct Largest {
   static std::int64_t word(const Slot& slot) { return ordered(read_slot<std::uint64_t>(slot)); }
-  static constexpr std::int64_t join(std::int64_t a, std::int64_t b) { return a > b ? a : b; }
+  template <class T>
+  static constexpr T join(T a, T b) { return a > b ? a : b; }
   static constexpr Slot slot(std::int64_t word) { return Slot{.bits = static_cast<std::uint64_t>(word) >> 32}; }
 };
 struct Least : Largest {
-  static constexpr std::int64_t join(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
+  template <class T>
+  static constexpr T join(T a, T b) { return a < b ? a : b; }
 };
 /// Joins from[0], from[stride], ... (count of them) to what `to` holds.
 template <class Op>
@@ -192,6 +199,52 @@ class FloatVar {
  private:
   Slot& slot_;
 };
+
+/// An int variable, or a row of strings, in a cell.
+class IntCell {
+ public:
+  constexpr explicit IntCell(Cell& cell) : cell_(cell) {}
+  IntCell(const IntCell&) = delete;
+  IntCell& operator=(std::int32_t value) {
+    cell_.bits = static_cast<std::uint32_t>(value);
+    return *this;
+  }
+  IntCell& operator=(const IntCell& other) { return *this = static_cast<std::int32_t>(other); }
+  operator std::int32_t() const { return static_cast<std::int32_t>(cell_.bits); }
+
+ private:
+  Cell& cell_;
+};
+using StringCell = IntCell;
+
+class BoolCell {
+ public:
+  constexpr explicit BoolCell(Cell& cell) : cell_(cell) {}
+  BoolCell(const BoolCell&) = delete;
+  BoolCell& operator=(bool value) {
+    cell_.bits = value ? 1u : 0u;
+    return *this;
+  }
+  BoolCell& operator=(const BoolCell& other) { return *this = static_cast<bool>(other); }
+  operator bool() const { return cell_.bits != 0; }
+
+ private:
+  Cell& cell_;
+};
+
+/// The same of cells, 32 bits a value: the low halves of what is joined above.
+template <class Op>
+inline void reduce(Cell& to, const Cell* from, std::ptrdiff_t stride, std::ptrdiff_t count) {
+  if constexpr (std::is_base_of_v<Largest, Op>) {
+    auto value = static_cast<std::int32_t>(to.bits);
+    for (std::ptrdiff_t t = 0; t < count; ++t) value = Op::join(value, static_cast<std::int32_t>(from[stride * t].bits));
+    to.bits = static_cast<std::uint32_t>(value);
+  } else {
+    std::uint32_t value = to.bits;
+    for (std::ptrdiff_t t = 0; t < count; ++t) value = Op::join(value, from[stride * t].bits);
+    to.bits = value;
+  }
+}
 
 template <class T, std::size_t N>
 constexpr Span<T> span(const T (&items)[N]) {

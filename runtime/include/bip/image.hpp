@@ -251,6 +251,9 @@ struct Image {
   Span<StepRun> step_runs = {};
   Span<StepOperand> step_operands = {};
   StepsFn steps_fn = nullptr;            // takes many steps; what it does step_fns do, too
+  Span<StepColumn> step_columns = {};    // not empty: steps_fn works on cells, and knows all slots that can fire
+  std::uint32_t step_cells = 0;          // how many
+  std::uint32_t step_cells_pay = 0;      // after so many steps filling the columns has paid
 };
 
 }  // namespace bip::rt

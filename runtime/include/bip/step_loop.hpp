@@ -1,5 +1,5 @@
 // The loop of compiled steps, for programs that know their runs of slots when they are compiled: a draw, then code that is
-// inlined with its operands as constants. Half the instructions of what the core does by tables, one step after the other
+// inlined with its operands as constants. It is inlined itself, into a function that may be made for several processors. Half the instructions of what the core does by tables, one step after the other
 // (core/run_steps.cpp): the same draws, the same steps.
 #pragma once
 #include <cstdint>
@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define BIP_INLINE [[gnu::always_inline]] inline
+#define BIP_INLINED __attribute__((always_inline))  // a lambda
 #else
 #define BIP_INLINE inline
+#define BIP_INLINED
 #endif
 
 namespace bip::rt {
@@ -32,7 +34,7 @@ inline void call_step(StepFn step, StepState& s, const StepOperand* operands, st
 
 /// See StepsFn. `take(state, slot)` takes a step, or returns false if it does not know the slot.
 template <class Take>
-StepsTaken take_steps(StepState& state, Prng& prng, StepHistory& history, std::uint64_t limit, Take take) {
+BIP_INLINE StepsTaken take_steps(StepState& state, Prng& prng, StepHistory& history, std::uint64_t limit, Take take) {
   StepState s = state;
   Prng numbers = prng;
   std::uint32_t at = history.at, slot = kAbsentSlot;

@@ -11,6 +11,11 @@ namespace bip::rt {
 
 union Slot;
 
+/// A variable of 32 bits while a loop over steps has the data in columns: an int, a bool as 0 or 1, a row of strings.
+struct Cell {
+  std::uint32_t bits;
+};
+
 /// The core's arrays; a function changes what they hold, and `count`.
 struct StepState {
   Slot* all;                 // data
@@ -20,6 +25,7 @@ struct StepState {
   std::uint32_t* position;   // by slot: where it is in members, or kAbsentSlot
   std::uint32_t* scratch;    // room for as many as an interaction has parameters
   std::uint32_t count;
+  Cell* cells = nullptr;     // data in columns, for the function for many steps of an image that has columns; then `all` rests
 };
 inline constexpr std::uint32_t kAbsentSlot = 0xffffffffu;
 
@@ -34,6 +40,11 @@ struct StepRun {
   std::uint32_t first, count, distance;
   std::uint32_t shape;
   std::uint32_t operands;
+};
+
+/// `count` cells in a row are slots at equal distances: one variable of the atoms of one type.
+struct StepColumn {
+  std::uint32_t slot, distance, cell, count;
 };
 
 /// The slots that fired last: a ring.
