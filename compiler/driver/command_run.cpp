@@ -1,5 +1,8 @@
 // `bipc run`: compile, choose an executor, run to the end that comes first. A folder is run by its own program `run`, which finds us as $BIPC.
 #include <unistd.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include <cstdio>
 #include <cstdlib>
@@ -80,6 +83,15 @@ bool begins_interpreted(const Compilation& c, const RunArguments& a) {
          !(a.run.speed > 0) && !a.run.explore && !a.run.interactive && !has_cpp_side(c);
 }
 
+// The image has all of the instances; what is compiled or told from now on asks for types and code.
+void release_instances(Compilation& c) {
+  c.system->atoms = {};
+  c.system->connectors = {};
+#if defined(__GLIBC__)
+  ::malloc_trim(0);
+#endif
+}
+
 }  // namespace
 
 int command_run(const RunArguments& arguments) {
@@ -97,6 +109,7 @@ int command_run(const RunArguments& arguments) {
   ready = ready && (tiered ? executor.prepare_tiered(c)
                            : executor.prepare(c, arguments.backend, arguments.optimisation, arguments.for_debuggers ? ForDebuggers::Yes : ForDebuggers::No));
   if (const int code = report(c); code != 0 || !ready) return code;
+  release_instances(c);
   rt::RunOptions options = arguments.run;
   options.new_code = executor.new_code();
   const int code = profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, options, stdout, stderr).exit_code;

@@ -24,6 +24,12 @@ std::string with_owner(const std::string& row, const std::string& owner) {
   return "/* " + comment_text(owner) + " */ " + row;
 }
 
+// A number that is no row: none is missing.
+std::string number(std::uint32_t value) { return std::to_string(value) + "u"; }
+
+// The last column of rows that stand for several.
+std::string index_text(std::uint32_t index) { return index == rt::kNone ? "" : ", " + std::to_string(index); }
+
 std::string joined(const std::vector<std::string>& cells) {
   std::string out;
   for (const std::string& cell : cells) {
@@ -35,6 +41,18 @@ std::string joined(const std::vector<std::string>& cells) {
 
 }  // namespace
 
+template <class T, class SlopeText>
+std::string TableWriter::folded(const std::string& type, const std::string& name, const std::vector<std::string>& rows, const rt::Rows<T>& table_rows,
+                                SlopeText slope_text) {
+  const std::string stand = table(type, name + "s", rows);
+  if (table_rows.repeats.size == 0) return stand;
+  std::vector<std::string> repeats, slopes;
+  for (const rt::Repeat& r : table_rows.repeats) repeats.push_back(braces({row_text(r.first), row_text(r.period), row_text(r.row), row_text(r.slope)}));
+  for (const typename T::Slope& slope : table_rows.slopes) slopes.push_back(slope_text(slope));
+  const std::string repeat_span = table("Repeat", name + "_repeats", repeats);
+  return braces({stand, repeat_span, table(type + "::Slope", name + "_slopes", slopes), std::to_string(table_rows.size)});
+}
+
 void TableWriter::instances() {
   const System& system = *lowered_.system;
   out_.line();
@@ -45,36 +63,44 @@ void TableWriter::instances() {
 
   rows.clear();
   std::vector<std::string> args;
+  for (const rt::Atom& a : image_.atoms.rows) {
+    rows.push_back(braces({string_literal(a.name), row_text(a.type), row_text(a.slot_base), row_text(a.args), loc_text(a.loc) + index_text(a.index)}));
+  }
+  atoms_ = folded("Atom", "atom", rows, image_.atoms, [](const rt::Atom::Slope& s) { return braces({number(s.slot_base), number(s.args)}); });
   for (std::uint32_t row = 0; row < image_.atoms.size; ++row) {
-    const rt::Atom& a = image_.atoms[row];
-    rows.push_back(braces({string_literal(a.path), row_text(a.type), row_text(a.slot_base), row_text(a.args), loc_text(a.loc)}));
+    const rt::Atom a = image_.atoms[row];
     const std::vector<Value>& values = system.atoms[AtomId(row)].args;
     std::vector<std::string> cells;
     for (std::size_t k = 0; k < values.size(); ++k) cells.push_back(slot_text(image_.args[a.args + k], values[k].type));
-    if (!cells.empty()) args.push_back(with_owner(joined(cells), a.path));
+    if (!cells.empty()) args.push_back(with_owner(joined(cells), a.path()));
   }
-  atoms_ = table("Atom", "atoms", rows);
   args_ = table("Slot", "args", args);
 
   rows.clear();
   std::vector<std::string> refs, binds;
-  for (const rt::Connector& c : image_.connectors) {
-    rows.push_back(braces({string_literal(c.path), row_text(c.type), row_text(c.slot_base), row_text(c.ports),
+  for (const rt::Connector& c : image_.connectors.rows) {
+    rows.push_back(braces({string_literal(c.name), row_text(c.type), row_text(c.slot_base), row_text(c.ports),
                            row_text(c.binds), row_text(c.bind_count), bool_text(c.bound), loc_text(c.loc),
-                           row_text(c.parent)}));
+                           row_text(c.parent) + index_text(c.index)}));
+  }
+  connectors_ = folded("Connector", "connector", rows, image_.connectors, [](const rt::Connector::Slope& s) {
+    return braces({number(s.slot_base), number(s.ports), number(s.binds), number(s.parent)});
+  });
+  const bool are_folded = image_.port_refs.repeats.size != 0;
+  for (std::uint32_t k = 0; are_folded && k < image_.port_refs.rows.size; ++k) refs.push_back(port_ref_text(image_.port_refs.rows[k]));
+  for (const rt::Connector& c : image_.connectors) {
     const rt::ConnectorType& type = image_.connector_types[c.type];
-    for (std::uint32_t k = 0; k < type.params.size; ++k) {
-      const rt::PortRef& ref = image_.port_refs[c.ports + k];
-      const std::string owner = std::string(c.path) + " " + type.params[k].name;
-      refs.push_back(with_owner(port_ref_text(ref), owner));
+    for (std::uint32_t k = 0; !are_folded && k < type.params.size; ++k) {
+      refs.push_back(with_owner(port_ref_text(image_.port_refs[c.ports + k]), c.path() + " " + type.params[k].name));
     }
-    if (c.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + c.binds, c.bind_count}), c.path));
+    if (c.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + c.binds, c.bind_count}), c.path()));
   }
   for (const rt::Priority& p : image_.priorities) {
     if (p.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + p.binds, p.bind_count}), p.name));
   }
-  connectors_ = table("Connector", "connectors", rows);
-  port_refs_ = table("PortRef", "port_refs", refs);
+  port_refs_ = folded("PortRef", "port_ref", refs, image_.port_refs, [](const rt::PortRef::Slope& s) {
+    return braces({number(s.atom), number(s.connector), number(s.choice)});
+  });
   binds_ = table("std::uint32_t", "binds", binds);
   choices();
   priorities();

@@ -70,10 +70,10 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.atom_types = span_of(pools.atom_types);
   image.connector_types = span_of(pools.connector_types);
   image.compounds = span_of(pools.compounds);
-  image.atoms = span_of(pools.atoms);
+  image.atoms = pools.atoms.view();
   image.args = span_of(pools.args);
-  image.connectors = span_of(pools.connectors);
-  image.port_refs = span_of(pools.port_refs);
+  image.connectors = pools.connectors.view();
+  image.port_refs = pools.port_refs.view();
   image.binds = span_of(pools.binds);
   image.choices = span_of(pools.choices);
   image.extern_types = span_of(out.extern_types);

@@ -28,22 +28,22 @@ std::uint32_t size_of(const std::vector<Row>& rows) {
 
 void lower_atoms(Lowering& l) {
   const System& s = l.system;
-  l.pools.atoms.reserve(s.atoms.size());
+  l.pools.atoms.rows.reserve(s.atoms.size());
   for (const Atom& atom : s.atoms) {
     rt::Atom to{};
-    to.path = atom.path.c_str();
+    to.name = atom.path.c_str();
     to.type = atom.type.value;
     to.slot_base = l.out.image.slot_count;
     to.args = size_of(l.pools.args);
     to.loc = loc_of(atom.loc);
     for (const Value& arg : atom.args) l.pools.args.push_back(slot_of(arg));
     l.out.image.slot_count += size_of(s.atom_types[atom.type].slots);
-    l.pools.atoms.push_back(to);
+    l.pools.atoms.rows.push_back(to);
   }
 }
 
 std::uint32_t data_row(const Lowering& l, const DataRef& ref) {
-  return l.pools.atoms[ref.atom.value].slot_base + ref.slot;
+  return l.pools.atoms.rows[ref.atom.value].slot_base + ref.slot;
 }
 
 rt::PortRef port_ref(const PortRef& ref) {
@@ -62,15 +62,15 @@ rt::PortRef port_ref(const PortRef& ref) {
 // The port reference of one parameter, and the rows of its variables; of a choice those of its first port.
 void lower_port_ref(Lowering& l, const PortRef& bound) {
   const System& s = l.system;
-  l.pools.port_refs.push_back(port_ref(bound));
+  l.pools.port_refs.rows.push_back(port_ref(bound));
   const PortRef& ref = bound.kind == PortRef::Kind::Choice ? s.choices[bound.choice].ports[0] : bound;
   if (ref.kind == PortRef::Kind::Atom) {
-    const std::uint32_t base = l.pools.atoms[ref.atom.value].slot_base;
+    const std::uint32_t base = l.pools.atoms.rows[ref.atom.value].slot_base;
     for (const std::uint32_t slot : s.atom_types[s.atoms[ref.atom].type].ports[ref.port].slots) {
       l.pools.binds.push_back(base + slot);
     }
   } else {
-    const std::uint32_t base = l.pools.connectors[ref.connector.value].slot_base;
+    const std::uint32_t base = l.pools.connectors.rows[ref.connector.value].slot_base;
     for (const std::uint32_t slot : s.connector_types[s.connectors[ref.connector].type].export_slots) {
       l.pools.binds.push_back(base + slot);
     }
@@ -114,14 +114,14 @@ std::vector<std::uint32_t> frame_rows(Lowering& l) {
 
 void lower_connectors(Lowering& l) {
   const System& s = l.system;
-  l.pools.connectors.reserve(s.connectors.size());
+  l.pools.connectors.rows.reserve(s.connectors.size());
   const std::vector<std::uint32_t> frames = frame_rows(l);
   for (const Connector& connector : s.connectors) {
     rt::Connector to{};
-    to.path = connector.path.c_str();
+    to.name = connector.path.c_str();
     to.type = connector.type.value;
-    to.slot_base = frames[l.pools.connectors.size()];
-    to.ports = size_of(l.pools.port_refs);
+    to.slot_base = frames[l.pools.connectors.rows.size()];
+    to.ports = size_of(l.pools.port_refs.rows);
     to.binds = size_of(l.pools.binds);
     to.bound = connector.bound;
     set_parent(to, connector.parent.value);
@@ -129,7 +129,7 @@ void lower_connectors(Lowering& l) {
     for (const PortRef& ref : connector.ports) lower_port_ref(l, ref);
     for (const DataRef& ref : connector.data) l.pools.binds.push_back(data_row(l, ref));
     to.bind_count = size_of(l.pools.binds) - to.binds;
-    l.pools.connectors.push_back(to);
+    l.pools.connectors.rows.push_back(to);
   }
 }
 
@@ -169,6 +169,9 @@ void lower_instances(Lowering& l) {
   lower_choices(l);
   lower_connectors(l);
   lower_priorities(l);
+  fold(l.pools.atoms, l.pools.arena);
+  fold(l.pools.connectors, l.pools.arena);
+  fold(l.pools.port_refs, l.pools.arena);
 }
 
 }  // namespace bip::lower

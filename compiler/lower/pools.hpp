@@ -1,13 +1,14 @@
 // What an Image points to, and the context of one lowering. Private to lower/.
 //
 // Small arrays of types live in an arena, the instance tables in vectors that are sized before anything points to them.
-// Names are not copied: the System owns them and outlives the image.
+// Names of types and compounds are not copied: the System owns them and outlives the image. Of atoms and connectors nothing is needed later.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "compiler/base/arena.hpp"
 #include "compiler/lower/event_classes.hpp"
+#include "compiler/lower/fold.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/lower/unit_names.hpp"
 
@@ -22,10 +23,10 @@ struct LoweredSystem::Pools {
   std::vector<rt::AtomType> atom_types;
   std::vector<rt::ConnectorType> connector_types;
   std::vector<rt::Compound> compounds;
-  std::vector<rt::Atom> atoms;
+  Table<rt::Atom> atoms;
   std::vector<rt::Slot> args;
-  std::vector<rt::Connector> connectors;
-  std::vector<rt::PortRef> port_refs;
+  Table<rt::Connector> connectors;
+  Table<rt::PortRef> port_refs;
   std::vector<rt::Choice> choices;
   std::vector<std::uint32_t> binds;
   std::vector<rt::Priority> priorities;

@@ -40,7 +40,7 @@ const char* type_name(rt::SlotType type) {
   return "object";
 }
 
-std::string path_of(const rt::Atom& atom, const rt::Port& port) { return std::string(atom.path) + "." + port.name; }
+std::string path_of(const rt::Atom& atom, const rt::Port& port) { return atom.path() + "." + port.name; }
 
 Json ports_of(const rt::Image& image) {
   Json ports = Json::array();
@@ -70,7 +70,7 @@ bool value_of(const Json& json, rt::SlotType type, EventValue& out, std::string&
 const rt::PortType* type_of_port(const rt::Image& image, const std::string& port) {
   const std::string wanted = (port.starts_with("ROOT.") ? "" : "ROOT.") + port;
   for (const rt::Atom& atom : image.atoms) {
-    if (!wanted.starts_with(atom.path)) continue;
+    if (!wanted.starts_with(atom.path())) continue;
     const rt::AtomType& type = image.atom_types[atom.type];
     for (const rt::Port& p : type.ports) {
       if (path_of(atom, p) == wanted) return &image.port_types[p.type];
@@ -110,13 +110,13 @@ Json state_of(const Controller& controller, const std::set<std::string>& wanted)
   const embed::System& system = controller.system();
   Json atoms = Json::object();
   for (const rt::Atom& atom : image.atoms) {
-    if (!wanted.empty() && !wanted.contains(atom.path)) continue;
+    if (!wanted.empty() && !wanted.contains(atom.path())) continue;
     if (atoms.size() == kMaxAtoms) break;
     const rt::AtomType& type = image.atom_types[atom.type];
     const std::uint32_t hidden = type.time != nullptr && type.time->clocks.size != 0 ? type.time->clocks[0].slot : type.slots.size;
     Json data = Json::object();
     for (std::uint32_t k = 0; k < hidden; ++k) {
-      const std::string path = std::string(atom.path) + "." + type.slots[k].name;
+      const std::string path = atom.path() + "." + type.slots[k].name;
       std::int32_t whole = 0;
       bool truth = false;
       double real = 0;
@@ -126,7 +126,7 @@ Json state_of(const Controller& controller, const std::set<std::string>& wanted)
       else if (system.read(path, real)) data[type.slots[k].name] = real;
       else if (system.read(path, text)) data[type.slots[k].name] = text;
     }
-    atoms[atom.path] = {{"place", system.place(atom.path)}, {"data", std::move(data)}};
+    atoms[atom.path()] = {{"place", system.place(atom.path())}, {"data", std::move(data)}};
   }
   return atoms;
 }

@@ -51,10 +51,10 @@ bool Deriver::add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out)
 }
 
 bool Deriver::add_connector_codes(const rt::SlotInfo& info, Instance& out) {
-  if (info.clause == kNone) return true;
+  if (info.clause() == kNone) return true;
   const rt::Connector& row = image_.connectors[info.row];
   const rt::ConnectorType& type = tables_.connector_type(info.row);
-  const rt::Clause& clause = type.clauses[info.clause];
+  const rt::Clause& clause = type.clauses[info.clause()];
   if (clause.may_fault || (clause.guard != kNone && facts_[clause.guard].may_fault)) return false;
   u32 zeroed = type.slots.size;
   for (const u32 unit : {clause.up, clause.down}) {
@@ -87,7 +87,7 @@ Deriver::Found Deriver::describe(u32 slot, Instance& out) {
   out.clear();
   ports_.clear();
   if (info.kind == SlotKind::Planned) {
-    const rt::Plan& plan = tables_.plans[info.plan];
+    const rt::Plan& plan = tables_.plans[info.plan()];
     if (info.searched || !plan.rigid || plan.guarded || plan.has_choice) return Found::No;
     for (u32 i = 0; i < plan.node_count; ++i) {
       const rt::PlanNode& node = tables_.plan_nodes[plan.first_node + i];
@@ -108,7 +108,7 @@ Deriver::Found Deriver::describe(u32 slot, Instance& out) {
   bool done = false;
   switch (info.kind) {
     case SlotKind::Flat: done = add_connector_codes(info, out) && add_actions(out) && add_effects(slot, out); break;
-    case SlotKind::Planned: done = add_plan_codes(tables_.plans[info.plan], out) && add_actions(out) && add_effects(slot, out); break;
+    case SlotKind::Planned: done = add_plan_codes(tables_.plans[info.plan()], out) && add_actions(out) && add_effects(slot, out); break;
     case SlotKind::Port: done = add_actions(out) && add_effects(slot, out); break;
     case SlotKind::Star: done = tables_.clause_order[image_.connectors[info.row].type].empty() && add_star(out); break;
   }

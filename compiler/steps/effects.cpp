@@ -105,16 +105,16 @@ bool Deriver::add_slot(Effect effect, u32 fired, Instance& out) {
   StepOp& op = out.add(StepOpKind::Slot);
   op.delta = effect.delta;
   out.ref(effect.slot);
-  const rt::Connector* connector = info.kind == SlotKind::Port ? nullptr : &image_.connectors[info.row];
   if (info.searched) {
-    if (info.kind != SlotKind::Flat || info.clause == kNone) return false;
+    if (info.kind != SlotKind::Flat || info.clause() == kNone) return false;
+    const rt::Connector connector = image_.connectors[info.row];
     const rt::ConnectorType& type = tables_.connector_type(info.row);
-    const rt::Clause& clause = type.clauses[info.clause];
+    const rt::Clause& clause = type.clauses[info.clause()];
     if (clause.guard == kNone || clause.may_fault || facts_[clause.guard].may_fault) return false;
     op.unit = clause.guard;
     op.zeroed = type.slots.size;
-    out.ref(connector->slot_base);
-    for (const u32 bound : facts_[clause.guard].binds) out.ref(image_.binds[connector->binds + bound]);
+    out.ref(connector.slot_base);
+    for (const u32 bound : facts_[clause.guard].binds) out.ref(image_.binds[connector.binds + bound]);
   }
   if (const auto hiders = hiders_.find(effect.slot); hiders != hiders_.end()) {
     for (const u32 slot : hiders->second) out.ref(slot);

@@ -32,7 +32,7 @@ std::string stuck_text(const rt::Core& core, const std::vector<u32>& stuck, std:
   for (std::size_t k = 0; k < stuck.size() && k < kStuckShown; ++k) {
     const rt::Atom& row = core.image().atoms[stuck[k]];
     const rt::AtomType& type = core.image().atom_types[row.type];
-    out += std::string("  ") + rt::relative(row.path) + " at `" + rt::places_of(core, stuck[k]) + "`  ";
+    out += std::string("  ") + rt::relative(row.path().c_str()) + " at `" + rt::places_of(core, stuck[k]) + "`  ";
     rt::append_line(out, core.image(), row.loc);
     const char* before = "   wants ";
     for (u32 port = 0; port < type.ports.size; ++port) {
@@ -59,7 +59,7 @@ std::string broken_state(const rt::Core& core, const Property& property, std::si
   std::string out = "violated[V0002]: `" + property.text + "`   (" + where(core, steps) + '\n';
   for (u32 atom : atoms_of(property)) {
     const rt::Atom& row = core.image().atoms[atom];
-    out += std::string("  ") + rt::relative(row.path) + " at `" + rt::places_of(core, atom) + "`  ";
+    out += std::string("  ") + rt::relative(row.path().c_str()) + " at `" + rt::places_of(core, atom) + "`  ";
     rt::append_line(out, core.image(), row.loc);
     const std::string data = rt::data_of(core, atom);
     out += (data.empty() ? "" : "  " + data) + '\n';

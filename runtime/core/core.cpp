@@ -22,10 +22,6 @@ Core::Core(const Image& image, CoreOptions options)
     binds_ = own_binds_.data();
   }
   ports_.resize(tables_.port_atom.size());
-  for (u32 i = 0; i < ports_.size(); ++i) {
-    const Span<u32> out = tables_.port_out[i];
-    ports_[i] = {kNone, kNone, tables_.port_atom[i], out.size == 1 ? out[0] : static_cast<u32>(out.begin() - tables_.port_out.items.data()), out.size};
-  }
   is_direct_.resize(slot_count);
   for (u32 i = 0; i < slot_count; ++i) {
     is_direct_[i] = !tables_.slots[i].searched && (rules_.count == 0 || rules_.slot_involved[i] == 0);
@@ -56,8 +52,8 @@ Core::Core(const Image& image, CoreOptions options)
 }
 
 FlatGuard Core::flat_guard(const SlotInfo& info) {
-  if (info.kind != SlotKind::Flat || info.clause == kNone || !extern_data_.empty()) return {};
-  const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
+  if (info.kind != SlotKind::Flat || info.clause() == kNone || !extern_data_.empty()) return {};
+  const Clause& clause = tables_.connector_type(info.row).clauses[info.clause()];
   const Code guard = tables_.code(clause.guard);
   if (guard.fn == nullptr || clause.may_fault) return {};
   const Connector& row = tables_.image->connectors[info.row];
@@ -72,7 +68,7 @@ void Core::forget() {
   history_at_ = 0;
   marks_.assign(tables_.mark_words, 0);
   for (u32 i = 0; i < ports_.size(); ++i) {
-    const u32 atom = ports_[i].atom;
+    const u32 atom = tables_.port_atom[i];
     const LinkedType& type = tables_.types[atoms_[atom].type];
     ports_[i].transition = ports_[i].place = kNone;
     if (!type.simple) continue;
@@ -119,7 +115,7 @@ bool Core::initialize() {
       places_[atom] = type.initial[0];
     } else {
       places_[atom] = 0;
-      u64* marks = marks_.data() + tables_.mark_base[atom];
+      u64* marks = marks_.data() + tables_.first_mark(atom);
       for (u32 place : type.initial) marks[place >> 6] |= u64{1} << (place & 63);
     }
     if (time_ != nullptr) start_clocks(atom);
@@ -207,7 +203,7 @@ bool Core::restore(const State& state) {
     const AtomInfo& now = atoms_[atom];
     const u32 slots = tables_.atom_type(atom).slots.size;
     const u32 words = tables_.types[now.type].mark_words;
-    const u32 mark = tables_.mark_base[atom];
+    const u32 mark = tables_.first_mark(atom);
     const bool same_data = slots == 0 || std::memcmp(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot)) == 0;
     const bool same_marks = words == 0 || std::memcmp(&marks_[mark], &state.marks[mark], words * sizeof(u64)) == 0;
     // What a timed atom offers depends on the instant.
@@ -228,7 +224,7 @@ bool Core::restore(const State& state) {
 
 bool Core::is_marked(u32 atom, u32 place) const {
   if (tables_.types[atoms_[atom].type].mark_words == 0) return places_[atom] == place;
-  return (marks_[tables_.mark_base[atom] + (place >> 6)] >> (place & 63) & 1) != 0;
+  return (marks_[tables_.first_mark(atom) + (place >> 6)] >> (place & 63) & 1) != 0;
 }
 
 u32 Core::enabled_transition(u32 atom, u32 port) const {
@@ -244,8 +240,8 @@ std::vector<u32> Core::last_slots() const {
     const SlotInfo& info = tables_.slots[slot];
     if (info.kind == SlotKind::Port) last[tables_.port_atom[info.row]] = slot;
     for (u32 port = 0; port < info.count; ++port) last[tables_.port_atom[tables_.flat_ports[info.first + port]]] = slot;
-    if (info.plan == kNone) continue;
-    const Plan& plan = tables_.plans[info.plan];
+    if (info.plan() == kNone) continue;
+    const Plan& plan = tables_.plans[info.plan()];
     for (u32 node = plan.first_node; node < plan.first_node + plan.node_count; ++node) {
       if (tables_.plan_nodes[node].kind == NodeKind::Leaf) last[tables_.port_atom[tables_.plan_nodes[node].ref]] = slot;
     }
@@ -260,7 +256,7 @@ std::vector<u32> Core::recent_slots(u64 count) const {
 }
 
 u32 Core::listed_count(u32 connector) const {
-  const u32 slot = tables_.slot_of_connector[connector];
+  const u32 slot = tables_.slot_of(connector);
   if (slot == kNone) return 0;
   // Compiled steps keep the list of the enabled alone.
   return rules_.count == 0 ? enabled_.weight(slot) : base_count(slot);

@@ -74,7 +74,7 @@ class Core {
     return *program != kNone ? run_program(program, at.slot) : fire(candidate(at));
   }
   /// Has the image step functions for this system, and is the list kept?
-  [[nodiscard]] bool has_steps() const { return !run_of_.empty() && keeps_list_; }
+  [[nodiscard]] bool has_steps() const { return !run_of_.blocks.empty() && keeps_list_; }
   /// The image has other code now, which means the same, or compiled steps that it had not. `before`: its rows as they were.
   void take_new_code(const std::vector<Code>& before);
   /// Up to `limit` steps, drawn as `drawn` does; returns how many. Asks is_stopped now and then. sound: false after a fault.
@@ -201,7 +201,7 @@ class Core {
   }
   [[nodiscard]] u32 enabled_row(u32 instance) const {
     const PortState& port = ports_[instance];
-    return port.place == kNone || places_[port.atom] == port.place ? port.transition : kNone;
+    return port.place == kNone || places_[tables_.port_atom[instance]] == port.place ? port.transition : kNone;
   }
 
   // enabled.cpp
@@ -359,8 +359,7 @@ class Core {
   EnabledSet enabled_;
   bool keeps_list_ = false;
   std::vector<CompiledRun> runs_;                  // the image's runs of step functions
-  std::vector<u32> run_of_;                // by slot: row of runs_, or kNone
-  std::vector<u32> run_of_block_;          // by 64 slots: row of runs_, kNone, or kSlotsDiffer: small enough to stay at hand
+  RunRows run_of_;                         // by slot: row of runs_, or kNone
   std::vector<u32> step_scratch_;
 
   std::vector<u32> dirty_;

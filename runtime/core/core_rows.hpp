@@ -34,9 +34,6 @@ struct PortState {
   // from which it is enabled: their ports change with the atom's place, without being written to.
   u32 transition = kNone;
   u32 place = kNone;
-  u32 atom = 0;
-  u32 edge = 0;            // edge_count == 1: the node; else first row of port_out's items
-  u32 edge_count = 0;
 };
 /// The candidates of a searched slot.
 struct Listing {
@@ -89,6 +86,19 @@ struct CompiledRun {
   const StepOperand* operands;
   u32 first;
   u64 inverse;
+};
+
+/// A number for each slot, by 64 slots if those have the same: small enough to stay at hand.
+struct RunRows {
+  static constexpr u32 kSlotsDiffer = 1u << 31;
+  std::vector<u32> blocks;         // a number, or kSlotsDiffer and where theirs are in `rows`
+  std::vector<u32> rows;
+  [[nodiscard]] u32 operator[](u32 slot) const { return find(blocks.data(), rows.data(), slot); }
+  static u32 find(const u32* blocks, const u32* rows, u32 slot) {
+    const u32 row = blocks[slot >> 6];
+    if (row < kSlotsDiffer || row == kNone) return row;
+    return rows[row - kSlotsDiffer + (slot & 63)];
+  }
 };
 
 // ---- programs (programs.cpp)

@@ -80,7 +80,7 @@ bool Core::move_tokens(u32 atom, const LinkedTransition& transition) {
   if (transition.to != kNone) {
     places_[atom] = transition.to;
   } else {
-    u64* marks = marks_.data() + tables_.mark_base[atom];
+    u64* marks = marks_.data() + tables_.first_mark(atom);
     for (u32 place : transition.source->from) marks[place >> 6] &= ~(u64{1} << (place & 63));
     for (u32 place : transition.source->to) {
       const u64 bit = u64{1} << (place & 63);
@@ -223,7 +223,7 @@ bool Core::settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired
 bool Core::fire_port(u32 instance) {
   if (collects_) return begin_port(instance);
   const PortState& port = ports_[instance];
-  const u32 atom = port.atom;
+  const u32 atom = tables_.port_atom[instance];
   const AtomInfo& info = atoms_[atom];
   const LinkedType& type = tables_.types[info.type];
   const LinkedTransition& transition = tables_.transitions[port.transition];

@@ -88,7 +88,7 @@ bool Core::fail_event(u32 row) {
   fault_.loc = declared.loc;
   fault_.places = places_of(*this, port.atom);
   fault_.data = data_of(*this, port.atom);
-  fault_.what = "an event waits at port `" + std::string(image().atoms[port.atom].path) + '.' + declared.name + "` at ";
+  fault_.what = "an event waits at port `" + image().atoms[port.atom].path() + '.' + declared.name + "` at ";
   append_time(fault_.what, now());
   fault_.what += ", and no transition of the port is enabled at `" + fault_.places + "`";
   if (time_->busy_until[port.atom] > now()) {

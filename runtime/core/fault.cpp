@@ -50,7 +50,7 @@ void append_position(std::string& out, const Image& image, Loc loc) {
   out += ':';
   append_number(out, loc.column);
 }
-std::string quoted(const char* name) { return std::string("`") + name + "`"; }
+std::string quoted(const std::string& name) { return '`' + name + '`'; }
 
 }  // namespace
 
@@ -93,7 +93,7 @@ bool Core::fail(FaultCode code, u32 atom, const Transition* transition, const Tr
   if (other != nullptr) fault_.other = other->loc;
   fault_.places = places_of(*this, atom);
   fault_.data = data_of(*this, atom);
-  const std::string where = quoted(image().atoms[atom].path) + " at `" + fault_.places + "`";
+  const std::string where = quoted(image().atoms[atom].path()) + " at `" + fault_.places + "`";
   const std::string port = transition->port == kNone ? "an internal transition" : "port " + quoted(type.ports[transition->port].name);
   switch (code) {
     case FaultCode::TwoTransitions: fault_.what = "two transitions of " + port + " are enabled in " + where; break;
@@ -136,7 +136,7 @@ bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transit
     const AtomType& type = tables_.atom_type(atom);
     fault_.places = places_of(*this, atom);
     fault_.data = data_of(*this, atom);
-    fault_.what += " in " + quoted(image().atoms[atom].path) + " at `" + fault_.places + "`";
+    fault_.what += " in " + quoted(image().atoms[atom].path()) + " at `" + fault_.places + "`";
     if (rule != nullptr) {
       fault_.rule = rule;
       fault_.what += ", in " + quoted(rule);
@@ -149,7 +149,7 @@ bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transit
       fault_.what += ", port " + quoted(type.ports[transition->port].name);
     }
   } else if (connector != kNone) {
-    fault_.what += " in connector " + quoted(image().connectors[connector].path);
+    fault_.what += " in connector " + quoted(image().connectors[connector].path());
     // What the code read: the variables of the ports that are bound.
     const Tables& t = tables_;
     const ConnectorType& type = t.connector_type(connector);
@@ -176,7 +176,7 @@ bool Core::fail_invariant(u32 atom, const Invariant& invariant, const Transition
   fault_.rule = invariant.name;
   fault_.places = places_of(*this, atom);
   fault_.data = data_of(*this, atom);
-  fault_.what = "invariant " + quoted(invariant.name) + " is violated in " + quoted(image().atoms[atom].path) + " at `" + fault_.places + "`, ";
+  fault_.what = "invariant " + quoted(invariant.name) + " is violated in " + quoted(image().atoms[atom].path()) + " at `" + fault_.places + "`, ";
   if (fired == nullptr) {
     fault_.what += "after it is initialized";
   } else {
@@ -201,7 +201,7 @@ bool Core::fail_atom_rules(u32 atom, const std::vector<u32>& rules) {
     fault_.what += quoted(rule.name);
     fault_.rule += (fault_.rule.empty() ? "" : ", ") + std::string(rule.name);
   }
-  fault_.what += " in " + quoted(image().atoms[atom].path) + " at `" + fault_.places + "`";
+  fault_.what += " in " + quoted(image().atoms[atom].path()) + " at `" + fault_.places + "`";
   return false;
 }
 
@@ -210,7 +210,7 @@ bool Core::fail_connector(FaultCode code, u32 connector) {
   fault_.code = code;
   fault_.connector = connector;
   fault_.loc = image().connectors[connector].loc;
-  fault_.what = "too many interactions to enumerate in connector " + quoted(image().connectors[connector].path) + " (bound ";
+  fault_.what = "too many interactions to enumerate in connector " + quoted(image().connectors[connector].path()) + " (bound ";
   append_number(fault_.what, options_.enumeration_bound);
   fault_.what += ")";
   return false;

@@ -77,7 +77,7 @@ bool Core::run_transfer(const SlotInfo& info, u32 row) {
 }
 
 bool Core::fire_flat(const SlotInfo& info) {
-  if (info.clause != kNone && !run_transfer(info, info.clause)) return false;
+  if (info.clause() != kNone && !run_transfer(info, info.clause())) return false;
   const u32* ports = tables_.flat_ports.data() + info.first;
   for (u32 i = 0; i < info.count; ++i) {
     if (!fire_port(ports[i])) return false;
@@ -103,7 +103,7 @@ bool Core::fire_star(const SlotInfo& info) {
     u64 ready = 0;
     for (u32 i = 0; i < count; ++i) {
       const PortState& port = ports_[ports[first + i]];
-      const bool is_there = (port.place == kNone) | (places_[port.atom] == port.place);
+      const bool is_there = (port.place == kNone) | (places_[tables_.port_atom[ports[first + i]]] == port.place);
       ready |= static_cast<u64>(is_there & (port.transition != kNone)) << i;
     }
     for (; ready != 0; ready &= ready - 1) {
@@ -142,7 +142,7 @@ bool Core::run_ups(const Plan& plan) {
 }
 
 bool Core::fire_planned(const Candidate& candidate, const SlotInfo& info) {
-  const Plan& plan = tables_.plans[info.plan];
+  const Plan& plan = tables_.plans[info.plan()];
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
   choose(candidate, plan);
   if (!run_ups(plan)) return false;
@@ -191,7 +191,7 @@ void Core::participants(const Candidate& candidate, std::vector<Participant>& ou
     }
     return;
   }
-  const Plan& plan = tables_.plans[info.plan];
+  const Plan& plan = tables_.plans[info.plan()];
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
   choose(candidate, plan);
   use_stack_.clear();
@@ -218,7 +218,7 @@ void Core::direct_participants(const Candidate& candidate, std::vector<Participa
     return;
   }
   out.clear();
-  const Plan& plan = tables_.plans[info.plan];
+  const Plan& plan = tables_.plans[info.plan()];
   choose(candidate, plan);
   // The same `up`s ran when the candidate was listed or will when it fires; a fault shows there.
   const Fault before = fault_;

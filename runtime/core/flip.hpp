@@ -13,13 +13,7 @@ inline void Core::bump(u32 node, bool on) {
 }
 
 inline void Core::flip(u32 instance, bool on) {
-  const PortState& port = ports_[instance];
-  if (port.edge_count == 1) {
-    bump(port.edge, on);
-  } else {
-    const u32* edges = tables_.port_out.items.data() + port.edge;
-    for (u32 i = 0; i < port.edge_count; ++i) bump(edges[i], on);
-  }
+  for (const u32 node : tables_.port_out[instance]) bump(node, on);
   if (tables_.any_port_watch) {
     for (u32 slot : tables_.port_watch[instance]) {
       if (values_[slot] >= 0) mark_dirty(slot);

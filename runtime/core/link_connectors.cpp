@@ -53,7 +53,8 @@ void link_slots(Tables& tables, MaximalProgress progress) {
     });
   }
 
-  tables.slot_of_connector.assign(image.connectors.size, kNone);
+  const bool any_exports = std::any_of(image.connector_types.begin(), image.connector_types.end(), [](const ConnectorType& type) { return type.exports; });
+  if (any_exports) tables.slot_of_connector.assign(image.connectors.size, kNone);
   std::size_t slots = 0, ports = 0;
   for (const Connector& connector : image.connectors) {
     const ConnectorType& type = image.connector_types[connector.type];
@@ -69,7 +70,7 @@ void link_slots(Tables& tables, MaximalProgress progress) {
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
     const ConnectorType& type = tables.connector_type(connector);
     if (type.exports) continue;
-    tables.slot_of_connector[connector] = static_cast<u32>(tables.slots.size());
+    if (!tables.slot_of_connector.empty()) tables.slot_of_connector[connector] = static_cast<u32>(tables.slots.size());
     const Shape shape = shape_of(tables, connector);
     SlotInfo slot;
     slot.row = connector;
@@ -88,7 +89,7 @@ void link_slots(Tables& tables, MaximalProgress progress) {
     if (slot.kind != SlotKind::Planned) {
       // Parameter order, for it is the order of firing.
       slot.first = static_cast<u32>(tables.flat_ports.size());
-      slot.count = type.params.size;
+      slot.count = type.params.size & SlotInfo::kMostPorts;
       std::vector<u32> params;
       for (u32 param = 0; param < type.params.size; ++param) {
         const PortRef& ref = tables.port_ref(connector, param);
@@ -96,7 +97,7 @@ void link_slots(Tables& tables, MaximalProgress progress) {
         params.push_back(param);
       }
       if (slot.kind == SlotKind::Flat) {
-        slot.clause = tables.clause_of(image.connectors[connector].type, {params.data(), slot.count});
+        slot.ref = tables.clause_of(image.connectors[connector].type, {params.data(), slot.count});
       }
     }
     tables.any_searched |= slot.searched;
@@ -222,7 +223,7 @@ void link_plans(Tables& tables) {
     // Alternatives of one parameter are several candidates: they are listed.
     info.searched |= plan.guarded || plan.has_choice;
     tables.any_searched |= info.searched;
-    info.plan = static_cast<u32>(tables.plans.size());
+    info.ref = static_cast<u32>(tables.plans.size());
     tables.plans.push_back(plan);
   }
 }
@@ -233,6 +234,7 @@ void link_network(Tables& tables) {
   std::vector<u32> root_node(image.connectors.size);
   tables.node_start.assign(tables.slots.size(), -1);
   std::vector<Csr::Pair> from_ports, from_nodes;
+  from_ports.reserve(tables.slots.size() - tables.connector_slots + image.port_refs.size);
   for (u32 slot = tables.connector_slots; slot < tables.slots.size(); ++slot) from_ports.push_back({tables.slots[slot].row, slot});
 
   // A choice is available if one of its ports is: a node that counts them.
@@ -246,8 +248,8 @@ void link_network(Tables& tables) {
     for (u32 i = 0; i < type.define.size; ++i) {
       // A root that is a leaf counts as a group of one.
       if (type.define[i].is_leaf && i != 0) continue;
-      if (i == 0 && tables.slot_of_connector[connector] != kNone) {
-        group[i] = tables.slot_of_connector[connector];
+      if (i == 0 && tables.slot_of(connector) != kNone) {
+        group[i] = tables.slot_of(connector);
       } else {
         group[i] = static_cast<u32>(tables.node_start.size());
         tables.node_start.push_back(0);
@@ -328,7 +330,7 @@ void link_watches(Tables& tables) {
       watch_reads(info.row, slot);
       continue;
     }
-    const Plan& plan = tables.plans[info.plan];
+    const Plan& plan = tables.plans[info.plan()];
     for (u32 i = 0; i < plan.node_count; ++i) {
       const PlanNode& node = tables.plan_nodes[plan.first_node + i];
       if (node.kind != NodeKind::Leaf) continue;

@@ -22,9 +22,9 @@ bool Core::list(u32 slot) {
   }
   if (info.kind == SlotKind::Flat) {
     listing.count = 1;
-    if (info.clause == kNone) return true;
+    if (info.clause() == kNone) return true;
     const Connector& row = tables_.image->connectors[info.row];
-    const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
+    const Clause& clause = tables_.connector_type(info.row).clauses[info.clause()];
     const Code guard = tables_.code(clause.guard);
     zero_frame(info.row);
     const std::int32_t status =
@@ -33,7 +33,7 @@ bool Core::list(u32 slot) {
     listing.count = status != 0 ? 1 : 0;
     return status == 0 || !clause.may_fault || run_code(tables_.code(clause.up), info.row);
   }
-  const Plan& plan = tables_.plans[info.plan];
+  const Plan& plan = tables_.plans[info.plan()];
   std::vector<Bits> found;
   ++search_work_.searches;
   // Data have changed since.

@@ -14,7 +14,7 @@ namespace {
 constexpr u32 kAfterAll = kNone;  // order of faults that show when all of a step's atoms are at rest
 
 bool is_plain(const Tables& tables, const SlotInfo& info) {
-  return info.kind == SlotKind::Flat || info.kind == SlotKind::Port || (info.kind == SlotKind::Planned && tables.plans[info.plan].rigid);
+  return info.kind == SlotKind::Flat || info.kind == SlotKind::Port || (info.kind == SlotKind::Planned && tables.plans[info.plan()].rigid);
 }
 
 void sort_pairs(std::vector<Csr::Pair>& pairs) {
@@ -29,8 +29,8 @@ void atoms_of_slot(const Tables& tables, const SlotInfo& info, std::vector<u32>&
   out.clear();
   if (info.kind == SlotKind::Port) out.push_back(tables.port_atom[info.row]);
   for (u32 i = 0; i < info.count; ++i) out.push_back(tables.port_atom[tables.flat_ports[info.first + i]]);
-  if (info.plan != kNone) {
-    const Plan& plan = tables.plans[info.plan];
+  if (info.plan() != kNone) {
+    const Plan& plan = tables.plans[info.plan()];
     for (u32 i = 0; i < plan.node_count; ++i) {
       const PlanNode& node = tables.plan_nodes[plan.first_node + i];
       if (node.kind == NodeKind::Leaf) out.push_back(tables.port_atom[node.ref]);
@@ -146,7 +146,7 @@ bool Core::begin(EnabledSet::Position at, u64 step, std::vector<Work>& works) {
 // Until it is finished the atom offers nothing. A simple type's ports follow its place, so it is nowhere.
 bool Core::begin_port(u32 instance) {
   PartialState& p = *partial_;
-  const u32 atom = ports_[instance].atom;
+  const u32 atom = tables_.port_atom[instance];
   const AtomInfo& info = atoms_[atom];
   const LinkedType& type = tables_.types[info.type];
   const LinkedTransition& transition = tables_.transitions[ports_[instance].transition];

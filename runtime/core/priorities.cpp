@@ -109,7 +109,7 @@ bool meet_at(const Tables& tables, const Priority& from, const Priority& to, u32
 std::vector<u32> slots_of(const Tables& tables, const Priority& rule, const Pattern& pattern, const Pattern& other) {
   std::vector<u32> slots;
   if (!pattern.any_connector) {
-    const u32 slot = tables.slot_of_connector[pattern.connector];
+    const u32 slot = tables.slot_of(pattern.connector);
     if (slot != kNone) slots.push_back(slot);
     return slots;
   }

@@ -92,11 +92,11 @@ void Profile::start(const Tables& tables) {
       row.atom_type = image.atoms[atom].type;
       row.port = info.row - tables.port_base[atom];
       row.loc = tables.atom_type(atom).ports[row.port].loc;
-      path = std::string(image.atoms[atom].path) + "." + tables.atom_type(atom).ports[row.port].name;
+      path = image.atoms[atom].path() + "." + tables.atom_type(atom).ports[row.port].name;
     } else {
       row.connector_type = image.connectors[info.row].type;
       row.loc = image.connectors[info.row].loc;
-      path = image.connectors[info.row].path;
+      path = image.connectors[info.row].path();
     }
     const bool is_port = info.kind == SlotKind::Port;
     const Key key{is_port, is_port ? row.atom_type : row.connector_type, is_port ? row.port : 0, row.loc.file, row.loc.line, row.loc.column};

@@ -44,12 +44,13 @@ void Core::list_code(u32 connector, Code code, bool zeroes, ProgramCodes& out) {
 
 void Core::list_port(u32 instance, ProgramParts& parts) {
   const PortState& port = ports_[instance];
+  const u32 atom = tables_.port_atom[instance];
   parts.instances.push_back(instance);
   if (port.transition == kNone) return;
   const LinkedTransition& transition = tables_.transitions[port.transition];
-  if (transition.from != transition.to) parts.places.insert(parts.places.end(), {port.atom, transition.to});
+  if (transition.from != transition.to) parts.places.insert(parts.places.end(), {atom, transition.to});
   if (transition.action.fn != nullptr) {
-    parts.after.words.insert(parts.after.words.end(), {code_row(transition.action, 0), atoms_[port.atom].slot_base, 0});
+    parts.after.words.insert(parts.after.words.end(), {code_row(transition.action, 0), atoms_[atom].slot_base, 0});
     parts.after.owners.push_back({true, instance});
   }
 }
@@ -88,11 +89,12 @@ bool Core::list_effects(ProgramParts& parts) {
   std::vector<std::pair<u32, std::int32_t>>& deltas = parts.deltas;
   for (u32 instance : parts.instances) {
     const PortState& port = ports_[instance];
-    const AtomInfo& atom = atoms_[port.atom];
+    const u32 row = tables_.port_atom[instance];
+    const AtomInfo& atom = atoms_[row];
     if (port.place == kNone) return false;
-    atoms.push_back(port.atom);
+    atoms.push_back(row);
     if (atom.watched != 0) {
-      for (u32 item : tables_.atom_watch[port.atom]) {
+      for (u32 item : tables_.atom_watch[row]) {
         // Rules of priorities follow another way.
         if (item >= tables_.slots.size()) return false;
         parts.touched.push_back(item);
@@ -128,9 +130,9 @@ bool Core::list_program(u32 slot, ProgramParts& parts) {
   parts = {};
   if (info.kind == SlotKind::Flat) {
     if (info.count > kOpsKept) return false;
-    if (info.clause != kNone) {
+    if (info.clause() != kNone) {
       if (!extern_data_.empty()) return false;
-      const Clause& clause = tables_.connector_type(info.row).clauses[info.clause];
+      const Clause& clause = tables_.connector_type(info.row).clauses[info.clause()];
       const Code up = tables_.code(clause.up), down = tables_.code(clause.down);
       if (up.fn != nullptr) list_code(info.row, up, true, parts.before);
       if (down.fn != nullptr) list_code(info.row, down, up.fn == nullptr, parts.before);
@@ -138,7 +140,7 @@ bool Core::list_program(u32 slot, ProgramParts& parts) {
     for (u32 i = 0; i < info.count; ++i) list_port(tables_.flat_ports[info.first + i], parts);
   } else {
     if (info.kind != SlotKind::Planned || info.searched || !extern_data_.empty()) return false;
-    const Plan& plan = tables_.plans[info.plan];
+    const Plan& plan = tables_.plans[info.plan()];
     if (!plan.rigid || plan.guarded || plan.has_choice || plan.node_count > kOpsKept) return false;
     list_plan(plan, parts);
   }

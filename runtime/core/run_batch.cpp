@@ -25,7 +25,10 @@ void wait_a_little(u64 seed) {
 
 bool Core::can_batch() const {
   if (!has_steps()) return false;
-  return std::none_of(run_of_.begin(), run_of_.end(), [](u32 row) { return row == kNone; });
+  for (u32 slot = 0; slot < tables_.slots.size(); ++slot) {
+    if (run_of_[slot] == kNone) return false;
+  }
+  return true;
 }
 
 // The part's share: whom it draws among the shared ones is left to the end of the epoch.

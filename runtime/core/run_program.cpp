@@ -10,7 +10,7 @@ bool Core::fail_program(std::int32_t status, u32 slot, bool is_before, u32 index
   (void)list_program(slot, parts);
   const auto [is_port, row] = (is_before ? parts.before : parts.after).owners[index];
   if (!is_port) return fail_code(status, kNone, row, nullptr);
-  return fail_code(status, ports_[row].atom, kNone, tables_.transitions[ports_[row].transition].source);
+  return fail_code(status, tables_.port_atom[row], kNone, tables_.transitions[ports_[row].transition].source);
 }
 
 inline bool Core::run_codes(const u32* word, u32 count, u32 slot, bool is_before) {

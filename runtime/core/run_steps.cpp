@@ -15,8 +15,6 @@ namespace bip::rt {
 
 namespace {
 
-constexpr u32 kSlotsDiffer = kNone - 1;
-
 struct Unwatched {
   void begin_step() const {}
   void end_step(u32) const {}
@@ -46,27 +44,24 @@ void empty_cells(const Image& image, const std::vector<Cell>& cells, Slot* slots
 void Core::link_steps() {
   const Image& image = *tables_.image;
   runs_.clear();
-  run_of_.clear();
-  run_of_block_.clear();
+  run_of_ = {};
   if (image.step_fns.size == 0 || options_.progress == MaximalProgress::Off || is_weighted_) return;
-  run_of_.assign(tables_.slots.size(), kNone);
+  std::vector<u32> rows(tables_.slots.size(), kNone);
   u32 most = 0;
   for (u32 row = 0; row < image.step_runs.size; ++row) {
     const StepRun& run = image.step_runs[row];
     // Division by the distance as a multiplication, which is exact for offsets up to 2^32 / distance.
     const u64 inverse = ((u64{1} << 32) + run.distance - 1) / run.distance;
-    if (u64{run.count} * run.distance * run.distance > std::numeric_limits<u32>::max()) {
-      run_of_.clear();
-      return;
-    }
+    if (u64{run.count} * run.distance * run.distance > std::numeric_limits<u32>::max()) return;
     runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, inverse});
-    for (u32 i = 0; i < run.count; ++i) run_of_[run.first + i * run.distance] = row;
+    for (u32 i = 0; i < run.count; ++i) rows[run.first + i * run.distance] = row;
   }
-  for (std::size_t first = 0; first < run_of_.size(); first += 64) {
-    const auto begin = run_of_.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = run_of_.begin() + static_cast<std::ptrdiff_t>(std::min(first + 64, run_of_.size()));
+  for (std::size_t first = 0; first < rows.size(); first += 64) {
+    const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = rows.begin() + static_cast<std::ptrdiff_t>(std::min(first + 64, rows.size()));
     const bool same = std::all_of(begin, end, [&](u32 row) { return row == *begin; });
-    run_of_block_.push_back(same ? *begin : kSlotsDiffer);
+    run_of_.blocks.push_back(same ? *begin : RunRows::kSlotsDiffer + static_cast<u32>(run_of_.rows.size()));
+    if (!same) run_of_.rows.insert(run_of_.rows.end(), begin, end);
   }
   for (const ConnectorType& type : image.connector_types) most = std::max(most, type.params.size);
   step_scratch_.assign(std::size_t{most} + 1, 0);
@@ -81,8 +76,8 @@ u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& s
   Prng numbers = prng;
   u32* const history = history_.data();
   u32 history_at = history_at_;
-  const u32* const run_of = run_of_.data();
-  const u32* const run_of_block = run_of_block_.data();
+  const u32* const blocks = run_of_.blocks.data();
+  const u32* const rows = run_of_.rows.data();
   const CompiledRun* const runs = runs_.data();
   u64 done = 0;
   u64 look = 0;
@@ -115,8 +110,7 @@ u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& s
     } else {
       slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
     }
-    u32 row = run_of_block[slot >> 6];
-    if (row == kSlotsDiffer) row = run_of[slot];
+    const u32 row = RunRows::find(blocks, rows, slot);
     watch.begin_step();
     if (row != kNone) {
       const CompiledRun& run = runs[row];

@@ -39,7 +39,7 @@ void Core::direct_params(u32 slot, u32 config, std::vector<u32>& out) const {
     for (u32 param = 0; param < count; ++param) out.push_back(param);
     return;
   }
-  const Plan& plan = tables_.plans[info.plan];
+  const Plan& plan = tables_.plans[info.plan()];
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
   const u64* bits = listings_[listing_of(slot)].configs.data() + std::size_t{config} * plan.words;
   for (u32 param = 0; param < count; ++param) {

@@ -68,9 +68,9 @@ class Story {
           out += "… -> ";
           i = cycle.size() - kEndsShown;
         }
-        out += std::string(relative(image_.atoms[cycle[i]].path)) + " -> ";
+        out += relative(image_.atoms[cycle[i]].path().c_str()) + std::string(" -> ");
       }
-      out += std::string(relative(image_.atoms[cycle[0]].path)) + '\n';
+      out += relative(image_.atoms[cycle[0]].path().c_str()) + std::string("\n");
       return out + listeners();
     }
     append_number(out, waiting_.size());
@@ -81,7 +81,7 @@ class Story {
     }
     append_rest(out, waiting_.size());
     for (std::size_t i = 0; i < guards_.size() && i < kLinesShown; ++i) {
-      out += std::string("  connector ") + image_.connectors[guards_[i]].path + ": its guard is false";
+      out += "  connector " + image_.connectors[guards_[i]].path() + ": its guard is false";
       append_place(out, image_.connectors[guards_[i]].loc);
       out += '\n';
     }
@@ -102,7 +102,8 @@ class Story {
   }
   // "phil[0] at `has_left`"
   void append_atom(std::string& out, u32 atom) const {
-    out += std::string(relative(image_.atoms[atom].path)) + " at `" + places_of(core_, atom) + '`';
+    append_relative(out, image_.atoms[atom]);
+    out += " at `" + places_of(core_, atom) + '`';
   }
   // Where the atom could go from here.
   [[nodiscard]] Loc way_out(u32 atom) const {
@@ -264,8 +265,8 @@ class Story {
     const SlotInfo& info = tables_.slots[slot];
     std::vector<u32> met;
     for (u32 i = 0; i < std::min(info.count, kMetKept); ++i) met.push_back(tables_.port_atom[tables_.flat_ports[info.first + i]]);
-    if (info.plan != kNone) {
-      const Plan& plan = tables_.plans[info.plan];
+    if (info.plan() != kNone) {
+      const Plan& plan = tables_.plans[info.plan()];
       for (u32 i = 0; i < std::min(plan.node_count, kMetKept); ++i) {
         const PlanNode& node = tables_.plan_nodes[plan.first_node + i];
         if (node.kind == NodeKind::Leaf) met.push_back(tables_.port_atom[node.ref]);

@@ -119,13 +119,13 @@ void link_atoms(Tables& tables) {
   for (const Atom& atom : image.atoms) ports += image.atom_types[atom.type].ports.size;
   tables.port_atom.reserve(ports);
   tables.port_base.reserve(std::size_t{image.atoms.size} + 1);
-  tables.mark_base.reserve(image.atoms.size);
+  if (std::any_of(tables.types.begin(), tables.types.end(), [](const LinkedType& type) { return type.mark_words != 0; })) tables.mark_base.resize(image.atoms.size);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const Atom& row = image.atoms[atom];
     const AtomType& type = image.atom_types[row.type];
     tables.port_base.push_back(static_cast<u32>(tables.port_atom.size()));
     tables.port_atom.insert(tables.port_atom.end(), type.ports.size, atom);
-    tables.mark_base.push_back(tables.mark_words);
+    if (!tables.mark_base.empty()) tables.mark_base[atom] = tables.mark_words;
     tables.mark_words += tables.types[row.type].mark_words;
     tables.atom_slots = std::max(tables.atom_slots, row.slot_base + type.slots.size);
   }

@@ -63,13 +63,19 @@ enum class SlotKind : std::uint8_t {
 };
 /// A slot of the candidate order: a connector that exports no port, or an internal port of an atom.
 struct SlotInfo {
-  SlotKind kind = SlotKind::Flat;
-  bool searched = false;       // may have several candidates, or guards: its candidates are listed when something changed
+  static constexpr u32 kMostPorts = (1u << 28) - 1;
   u32 row = 0;                 // Image::connectors, or the port instance
-  u32 first = 0, count = 0;    // Flat, Star: rows of flat_ports, in parameter order
-  u32 clause = kNone;          // Flat: row in the connector type's clauses
-  u32 plan = kNone;            // Planned: row of plans
+  u32 first = 0;               // Flat, Star: rows of flat_ports, `count` of them, in parameter order
+  u32 ref = kNone;             // see clause, plan
+  u32 count : 28 = 0;
+  SlotKind kind : 3 = SlotKind::Flat;
+  bool searched : 1 = false;   // may have several candidates, or guards: its candidates are listed when something changed
+  /// Flat: row in the connector type's clauses. Else kNone.
+  [[nodiscard]] u32 clause() const { return kind == SlotKind::Flat ? ref : kNone; }
+  /// Planned: row of plans. Else kNone.
+  [[nodiscard]] u32 plan() const { return kind == SlotKind::Planned ? ref : kNone; }
 };
+static_assert(sizeof(SlotInfo) == 16);  // one a connector
 
 enum class NodeKind : std::uint8_t { Group, Leaf, Link, Choice };
 /// A node of a plan, preorder. A Link is a parameter bound to a connector; its one child is that connector's root group.
@@ -118,13 +124,13 @@ struct Tables {
   Csr place_internals;         // the same, internal ones
   std::vector<u32> port_base;  // by atom, and the total: number of its port 0 among all port instances
   std::vector<u32> port_atom;  // by port instance
-  std::vector<u32> mark_base;  // by atom (Petri types): first word
+  std::vector<u32> mark_base;  // by atom (Petri types): first word. Empty: there are none
   u32 mark_words = 0;
   u32 atom_slots = 0;          // slots [0, atom_slots) belong to atoms
 
   std::vector<SlotInfo> slots;
   std::vector<u32> flat_ports;
-  std::vector<u32> slot_of_connector;  // kNone if it exports a port
+  std::vector<u32> slot_of_connector;  // kNone if it exports a port. Empty: none does, and slots are rows of connectors
   u32 connector_slots = 0;             // slots below are connectors, the rest internal ports
 
   // Availability network. Nodes [0, slots.size()) are the slots, the rest inner groups.
@@ -146,9 +152,12 @@ struct Tables {
   [[nodiscard]] const ConnectorType& connector_type(u32 connector) const {
     return image->connector_types[image->connectors[connector].type];
   }
-  [[nodiscard]] const PortRef& port_ref(u32 connector, u32 param) const {
+  [[nodiscard]] PortRef port_ref(u32 connector, u32 param) const {
     return image->port_refs[image->connectors[connector].ports + param];
   }
+  [[nodiscard]] u32 first_mark(u32 atom) const { return mark_base.empty() ? 0 : mark_base[atom]; }
+  /// kNone if it exports a port.
+  [[nodiscard]] u32 slot_of(u32 connector) const { return slot_of_connector.empty() ? connector : slot_of_connector[connector]; }
   [[nodiscard]] u32 instance(u32 atom, u32 port) const { return port_base[atom] + port; }
   /// The clause of a type for exactly these sorted parameters, or kNone. O(log clauses * params).
   [[nodiscard]] u32 clause_of(u32 connector_type_row, Span<u32> params) const;

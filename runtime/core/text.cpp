@@ -74,6 +74,17 @@ void append_line(std::string& out, const Image& image, Loc loc) {
   append_number(out, loc.line);
 }
 
+void append_name(std::string& out, const char* name, u32 index) {
+  if (index == kNone) {
+    out += name;
+    return;
+  }
+  const char* mark = std::strchr(name, '#');
+  out.append(name, mark);
+  append_number(out, index);
+  out += mark + 1;
+}
+
 const char* relative(const char* path) { return std::strncmp(path, "ROOT.", 5) == 0 ? path + 5 : path; }
 
 std::string places_of(const Core& core, u32 atom) {

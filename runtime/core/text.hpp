@@ -16,8 +16,15 @@ void append_quoted(std::string& out, const char* text);
 void append_value(std::string& out, const Image& image, SlotType type, Slot value);
 /// `dine.bip:21`; nothing if there is no location.
 void append_line(std::string& out, const Image& image, Loc loc);
+/// A name with the index where `#` is (rows.hpp).
+void append_name(std::string& out, const char* name, u32 index);
 /// The path without "ROOT.".
 [[nodiscard]] const char* relative(const char* path);
+/// The path of an atom or a connector, as path() gives it; the same without "ROOT.".
+template <class Row>
+void append_path(std::string& out, const Row& row) { append_name(out, row.name, row.index); }
+template <class Row>
+void append_relative(std::string& out, const Row& row) { append_name(out, relative(row.name), row.index); }
 /// The marked places, "A, B".
 [[nodiscard]] std::string places_of(const Core& core, u32 atom);
 /// `x = 1, b = true`, or empty.

@@ -38,7 +38,7 @@ bool Core::fail_clock(u32 atom, const Clock& clock, const Transition* fired, con
   fault_.loc = fired != nullptr ? fired->loc : clock.loc;
   fault_.places = places_of(*this, atom);
   fault_.data = data_of(*this, atom);
-  fault_.what = std::string("clock `") + clock.name + "` of `" + image().atoms[atom].path + "` gets the " + what + " ";
+  fault_.what = std::string("clock `") + clock.name + "` of `" + image().atoms[atom].path() + "` gets the " + what + " ";
   append_double(fault_.what, value);
   fault_.what += " at ";
   append_time(fault_.what, now());
@@ -52,10 +52,10 @@ bool Core::fail_late(const Candidate& candidate, i64 last, i64 actual) {
   fault_.atom = candidate.atom;
   if (candidate.connector != kNone) {
     fault_.loc = image().connectors[candidate.connector].loc;
-    fault_.what = "connector `" + std::string(image().connectors[candidate.connector].path);
+    fault_.what = "connector `" + image().connectors[candidate.connector].path();
   } else {
     fault_.loc = tables_.atom_type(candidate.atom).ports[candidate.port].loc;
-    fault_.what = "port `" + std::string(image().atoms[candidate.atom].path) + '.' + tables_.atom_type(candidate.atom).ports[candidate.port].name;
+    fault_.what = "port `" + image().atoms[candidate.atom].path() + '.' + tables_.atom_type(candidate.atom).ports[candidate.port].name;
   }
   fault_.what += "`, planned for ";
   append_time(fault_.what, now());
@@ -89,7 +89,7 @@ bool Core::fail_time_lock() {
     fault_.rule = type.invariants[row].name;
     fault_.loc = type.invariants[row].loc;
   }
-  fault_.what += "invariant `" + fault_.rule + "` of `" + image().atoms[atom].path + "` at `" + fault_.places + "` lets no time pass";
+  fault_.what += "invariant `" + fault_.rule + "` of `" + image().atoms[atom].path() + "` at `" + fault_.places + "` lets no time pass";
   return false;
 }
 

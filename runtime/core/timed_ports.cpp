@@ -131,7 +131,7 @@ CandidateTime Core::time_of(const Candidate& candidate) {
 inline bool Core::begin_timed(u32 instance) {
   const PortState& port = ports_[instance];
   if (const u32 other = time_->ports[instance].other; other != kNone) {
-    return fail(FaultCode::TwoTransitions, port.atom, tables_.transitions[port.transition].source, tables_.transitions[other].source);
+    return fail(FaultCode::TwoTransitions, tables_.port_atom[instance], tables_.transitions[port.transition].source, tables_.transitions[other].source);
   }
   if (!time_->event_row.empty()) take_event(instance);
   return true;

@@ -245,7 +245,7 @@ void append_event(std::string& out, const EventPorts& ports, const Event& event)
   }
   if (event.kind != EventKind::Port) {
     out += event.kind == EventKind::Return ? R"(,"return":)" : R"(,"overrun":)";
-    append_quoted(out, ports.atom_path(event.row));
+    append_quoted(out, ports.atom_path(event.row).c_str());
     out += "}\n";
     return;
   }

@@ -39,7 +39,7 @@ EventPorts::EventPorts(const Core& core) : image_(core.image()), rows_(core.even
 
 std::string EventPorts::path(u32 row) const {
   const Atom& atom = image_.atoms[rows_[row].atom];
-  return std::string(atom.path) + '.' + image_.atom_types[atom.type].ports[rows_[row].port].name;
+  return atom.path() + '.' + image_.atom_types[atom.type].ports[rows_[row].port].name;
 }
 
 u32 EventPorts::find(std::string_view text) const {
@@ -51,7 +51,7 @@ u32 EventPorts::find(std::string_view text) const {
 u32 EventPorts::find_atom(std::string_view text) const {
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
     const AtomTime* time = image_.atom_types[image_.atoms[atom].type].time;
-    if (time == nullptr || text != image_.atoms[atom].path) continue;
+    if (time == nullptr || text != image_.atoms[atom].path()) continue;
     for (const TransitionTime& transition : time->transitions) {
       if (transition.async.present) return atom;
     }

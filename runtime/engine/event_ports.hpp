@@ -20,7 +20,7 @@ class EventPorts {
   [[nodiscard]] std::string path(u32 row) const;
   /// `ROOT.planner`, of those with actions that run beside the others; kNone: there is none. O(atoms).
   [[nodiscard]] u32 find_atom(std::string_view path) const;
-  [[nodiscard]] const char* atom_path(u32 atom) const { return image_.atoms[atom].path; }
+  [[nodiscard]] std::string atom_path(u32 atom) const { return image_.atoms[atom].path(); }
   /// Its variables.
   [[nodiscard]] const Span<Var>& vars(u32 row) const;
   /// Empty, or what is wrong with these values for the port; ints become floats where those are wanted.

@@ -32,7 +32,7 @@ std::string overrun_text(const Core& core, u32 atom) {
   const AtomType& type = core.tables().atom_type(atom);
   const Transition& transition = type.transitions[row_of(core, atom)];
   const i64 budget = type.time->transitions[row_of(core, atom)].async.budget;
-  std::string text = "the action of port `" + std::string(core.image().atoms[atom].path) + '.' + type.ports[transition.port].name + "`, begun at ";
+  std::string text = "the action of port `" + core.image().atoms[atom].path() + '.' + type.ports[transition.port].name + "`, begun at ";
   append_time(text, core.work_of(atom).until - budget);
   text += ", is beyond its budget of ";
   append_time(text, budget);

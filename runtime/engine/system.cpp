@@ -49,7 +49,7 @@ struct System::Impl {
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
     std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
-      return std::strcmp(image.atoms[a].path, image.atoms[b].path) < 0;
+      return image.atoms[a].path() < image.atoms[b].path();
     });
     if (image.outside != nullptr) std::srand(static_cast<unsigned>(options.seed));
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
@@ -64,8 +64,8 @@ struct System::Impl {
   [[nodiscard]] rt::u32 find_atom(const std::string& path) const {
     const rt::Image& image = core.image();
     const auto at = std::lower_bound(by_path.begin(), by_path.end(), path,
-                                     [&](rt::u32 atom, const std::string& key) { return image.atoms[atom].path < key; });
-    return at != by_path.end() && image.atoms[*at].path == path ? *at : rt::kNone;
+                                     [&](rt::u32 atom, const std::string& key) { return image.atoms[atom].path() < key; });
+    return at != by_path.end() && image.atoms[*at].path() == path ? *at : rt::kNone;
   }
   [[nodiscard]] const rt::Slot* find_slot(const std::string& path, rt::SlotType type) const {
     const std::size_t dot = path.rfind('.');
@@ -99,7 +99,7 @@ struct System::Impl {
       core.participants(candidate, participants);
       for (const rt::Participant& p : participants) {
         const rt::Port& port = core.tables().atom_type(p.atom).ports[p.port];
-        step.ports.push_back(std::string(core.image().atoms[p.atom].path) + "." + port.name);
+        step.ports.push_back(core.image().atoms[p.atom].path() + "." + port.name);
         const rt::PortType& type = core.image().port_types[port.type];
         for (rt::u32 i = 0; i < port.slots.size; ++i) {
           step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name, value_of(type.vars[i].type, core.shown(p.atom, p.port, i))});

@@ -39,7 +39,7 @@ Locals::Locals(const Core& core) : image_(core.image()) {
     }
     const auto [found, is_new] = rows.try_emplace(std::move(key), static_cast<u32>(classes_.size()));
     class_of_.push_back(found->second);
-    mark_base_.push_back(tables.mark_base[atom]);
+    mark_base_.push_back(tables.first_mark(atom));
     object_base_.push_back(objects);
     objects += own_objects;
     if (!is_new) continue;

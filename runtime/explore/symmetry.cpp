@@ -66,7 +66,7 @@ class Finder {
     std::map<std::string, Family> found;
     if (is_too_deep_) return {};
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
-      const std::string path = image_.atoms[atom].path;
+      const std::string path = image_.atoms[atom].path();
       for (std::size_t at = path.find('['); at != std::string::npos; at = path.find('[', at + 1)) {
         const std::size_t end = path.find(']', at);
         const std::string name = path.substr(0, at);

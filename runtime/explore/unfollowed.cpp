@@ -17,11 +17,11 @@ std::string what_zones_cannot_follow(const Image& image) {
     for (u32 row = 0; row < type.transitions.size; ++row) {
       const Transition& transition = type.transitions[row];
       if (!type.time->transitions[row].async.present) continue;
-      return "what port `" + std::string(type.ports[transition.port].name) + "` of `" + atom.path + "` does" + at(image, transition.loc) + " runs beside the others (`@async`)";
+      return "what port `" + std::string(type.ports[transition.port].name) + "` of `" + atom.path() + "` does" + at(image, transition.loc) + " runs beside the others (`@async`)";
     }
     if (type.time->events.size == 0) continue;
     const Port& port = type.ports[type.time->events[0].port];
-    return "port `" + std::string(port.name) + "` of `" + atom.path + "`" + at(image, port.loc) + " waits for events from outside";
+    return "port `" + std::string(port.name) + "` of `" + atom.path() + "`" + at(image, port.loc) + " waits for events from outside";
   }
   return {};
 }

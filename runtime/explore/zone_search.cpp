@@ -31,7 +31,7 @@ ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const 
   if (part_ == nullptr) return;
   is_sure_.assign(locations_.shapes().slots.size(), 1);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
-    const u32 slot = core_.tables().slot_of_connector[connector];
+    const u32 slot = core_.tables().slot_of(connector);
     if (slot != kNone) is_sure_[slot] = part_->is_whole[connector];
   }
 }
@@ -46,7 +46,7 @@ bool ZoneSearch::follow_clocks(Zone& zone) {
       const bool is_far = std::max(clock.value, -clock.value) > kFarLimit;
       if (clock.speed == kUnitSpeed && !is_far) continue;
       const Loc& loc = time->clocks[k].loc;
-      report_.inexact = "clock `" + std::string(time->clocks[k].name) + "` of `" + image_.atoms[atom].path + "` (" + image_.files[loc.file] + ":" +
+      report_.inexact = "clock `" + std::string(time->clocks[k].name) + "` of `" + image_.atoms[atom].path() + "` (" + image_.files[loc.file] + ":" +
                         std::to_string(loc.line) + ") " + (is_far ? "is set to a value beyond 18 years" : "runs at another speed than 1");
       return false;
     }

@@ -79,14 +79,14 @@ void Bip2Writer::append_body(std::string& out, Core& core, const Candidate& cand
     if (participant.connector != kNone) {
       const Connector& below = image.connectors[participant.connector];
       const ConnectorType& type = image.connector_types[below.type];
-      out += seen_from(image, compound, below.path);
+      out += seen_from(image, compound, below.path().c_str());
       out += '.';
       out += type.export_name;
       append_values(out, core, image.port_types[type.export_type], below.slot_base, type.export_slots);
     } else {
       const Atom& atom = image.atoms[participant.atom];
       const Port& port = image.atom_types[atom.type].ports[participant.port];
-      out += seen_from(image, compound, atom.path);
+      out += seen_from(image, compound, atom.path().c_str());
       out += '.';
       out += port.name;
       append_values(out, core, image.port_types[port.type], atom.slot_base, port.slots);
@@ -180,7 +180,7 @@ void Bip2Writer::foreseen(std::string& out, Core& core, std::uint64_t number, co
 void Bip2Writer::fault(std::string& out, const Core& core) {
   const Fault& fault = core.fault();
   const Image& image = core.image();
-  const std::string atom = fault.atom == kNone ? "" : image.atoms[fault.atom].path;
+  const std::string atom = fault.atom == kNone ? "" : image.atoms[fault.atom].path();
   std::string text;
   switch (fault.code) {
     case FaultCode::TwoTransitions:

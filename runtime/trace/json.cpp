@@ -38,7 +38,7 @@ struct Pen {
 // `{"port":"ROOT.a.p"}`, or the beginning up to the first variable.
 void append_port_head(std::string& out, const Core& core, const Participant& participant) {
   const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
-  std::string name = core.image().atoms[participant.atom].path;
+  std::string name = core.image().atoms[participant.atom].path();
   name += '.';
   name += port.name;
   out += R"({"port":)";

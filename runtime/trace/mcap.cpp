@@ -166,7 +166,7 @@ void McapWriter::step(std::string& out, Core& core, const Candidate& candidate, 
   for (const Participant& participant : participants_) {
     const Atom& atom = image.atoms[participant.atom];
     const Port& port = image.atom_types[atom.type].ports[participant.port];
-    name_ = atom.path;
+    name_ = atom.path();
     name_ += '.';
     name_ += port.name;
     ports_ += ports_.empty() ? R"({"port":)" : R"(,{"port":)";
@@ -183,7 +183,7 @@ void McapWriter::step(std::string& out, Core& core, const Candidate& candidate, 
       // The last channel is kept free for the end.
       if (channels_.size() + 1 >= kMostChannels) continue;
       // ROOT.a.b is /a/b; a single atom /ROOT.
-      name_ = relative(image.atoms[participant.atom].path);
+      name_ = relative(image.atoms[participant.atom].path().c_str());
       std::replace(name_.begin(), name_.end(), '.', '/');
       channel = open_channel('/' + name_, Schema::Part, {});
     }

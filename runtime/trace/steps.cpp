@@ -34,10 +34,10 @@ const char* name_of(Engine engine) {
 
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate) {
   if (candidate.connector != kNone) {
-    out += core.image().connectors[candidate.connector].path;
+    append_path(out, core.image().connectors[candidate.connector]);
     return;
   }
-  out += core.image().atoms[candidate.atom].path;
+  append_path(out, core.image().atoms[candidate.atom]);
   out += '.';
   out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
 }
@@ -65,7 +65,7 @@ void StepWriter::append_values(std::string& out, const Core& core, u32 atom, u32
 void StepWriter::append_ports(std::string& out, Core& core, const Candidate& candidate) {
   const Image& image = core.image();
   if (candidate.connector == kNone) {
-    out += relative(image.atoms[candidate.atom].path);
+    append_relative(out, image.atoms[candidate.atom]);
     out += '.';
     out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
     if (core.is_event_port(candidate.atom, candidate.port)) {
@@ -82,7 +82,7 @@ void StepWriter::append_ports(std::string& out, Core& core, const Candidate& can
   for (const Participant& participant : participants_) {
     const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
     out += ' ';
-    out += relative(image.atoms[participant.atom].path);
+    append_relative(out, image.atoms[participant.atom]);
     out += '.';
     out += port.name;
     append_values(out, core, participant.atom, participant.port);

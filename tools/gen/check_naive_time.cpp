@@ -107,7 +107,7 @@ class TimedComparison {
     }
     sound = core_.deliver(row, slots.data());
     std::size_t a = 0;
-    while (naive_.world().atoms[a].path != atom.path) ++a;
+    while (naive_.world().atoms[a].path != atom.path()) ++a;
     naive_.deliver(a, declared.name, std::move(values));
     return true;
   }

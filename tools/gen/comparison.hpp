@@ -41,7 +41,7 @@ inline bool is_equal(const rt::Image& image, rt::Slot slot, const Value& value) 
 class Comparison {
  public:
   Comparison(const rt::Image& image, rt::Core& core, NaiveEngine& naive) : image_(image), core_(core), naive_(naive) {
-    for (std::uint32_t a = 0; a < image.atoms.size; ++a) row_of_[image.atoms[a].path] = a;
+    for (std::uint32_t a = 0; a < image.atoms.size; ++a) row_of_[image.atoms[a].path()] = a;
   }
 
   /// Empty if the states are equal.
@@ -96,13 +96,13 @@ class Comparison {
     for (std::uint32_t c = 0; time != nullptr && c < time->clocks.size; ++c) {
       const std::int64_t wanted = naive_.clock_value(atom, time->clocks[c].name);
       if (core_.clock_value(row, c) == wanted) continue;
-      return fmt::format("clock {}.{} is {}, the oracle says {}", image_.atoms[row].path, time->clocks[c].name, static_cast<std::int64_t>(core_.clock_value(row, c)), wanted);
+      return fmt::format("clock {}.{} is {}, the oracle says {}", image_.atoms[row].path(), time->clocks[c].name, static_cast<std::int64_t>(core_.clock_value(row, c)), wanted);
     }
     return "";
   }
   std::string port_name(std::uint32_t atom, std::uint32_t port) const {
     const rt::Atom& row = image_.atoms[atom];
-    return std::string(row.path) + "." + image_.atom_types[row.type].ports[port].name;
+    return row.path() + "." + image_.atom_types[row.type].ports[port].name;
   }
   std::string key_of(const rt::Candidate& candidate) {
     if (candidate.connector == rt::kNone) return port_name(candidate.atom, candidate.port);
@@ -111,7 +111,7 @@ class Comparison {
     std::vector<std::string> leaves;
     for (const rt::Participant& p : participants) leaves.push_back(port_name(p.atom, p.port));
     std::sort(leaves.begin(), leaves.end());
-    std::string text = std::string(image_.connectors[candidate.connector].path) + ":";
+    std::string text = image_.connectors[candidate.connector].path() + ":";
     for (const std::string& leaf : leaves) text += " " + leaf;
     return text;
   }

@@ -124,7 +124,7 @@ inline std::string events_text(const rt::Image& image, std::uint64_t seed) {
     const rt::EventPortRow& row = core.event_ports()[draw(core.event_ports().size())];
     const rt::AtomType& type = image.atom_types[image.atoms[row.atom].type];
     time += draw(3) == 0 ? 0 : draw(9) * 500'000;
-    text += "{\"time\":" + std::to_string(time) + ",\"port\":\"" + image.atoms[row.atom].path + "." + type.ports[row.port].name + "\",\"values\":[";
+    text += "{\"time\":" + std::to_string(time) + ",\"port\":\"" + image.atoms[row.atom].path() + "." + type.ports[row.port].name + "\",\"values\":[";
     const rt::Span<rt::Var>& vars = image.port_types[type.ports[row.port].type].vars;
     for (std::uint32_t v = 0; v < vars.size; ++v) {
       const std::string number = std::to_string(draw(12));

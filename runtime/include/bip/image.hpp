@@ -6,19 +6,13 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
+#include "bip/rows.hpp"
 #include "bip/steps.hpp"
 
 namespace bip::rt {
 
-template <class T>
-struct Span {
-  const T* data = nullptr;
-  std::uint32_t size = 0;
-  const T& operator[](std::size_t i) const { return data[i]; }
-  const T* begin() const { return data; }
-  const T* end() const { return data + size; }
-};
 /// Rows [first, first + count) of a pool that the comment names.
 struct Slice {
   std::uint32_t first = 0;
@@ -45,7 +39,6 @@ struct Code {
   CodeFn fn = nullptr;
   const void* context = nullptr;
 };
-inline constexpr std::uint32_t kNone = 0xffffffffu;  // no row, no code
 
 enum class FaultKind : std::uint8_t { DivisionByZero, DivisionOverflow };
 /// The status of a fault at row `site` of Image::sites.
@@ -182,11 +175,20 @@ struct Compound {
   std::uint32_t parent;  // kNone for the root
 };
 struct Atom {
-  const char* path;
+  const char* name;         // its path; with an index that stands where `#` is
   std::uint32_t type;
   std::uint32_t slot_base;  // row in `all` of its slot 0
   std::uint32_t args;       // first row of Image::args; one a parameter
   Loc loc;
+  std::uint32_t index = kNone;
+  [[nodiscard]] std::string path() const { return path_text(name, index); }  // "ROOT.phil[3]"
+
+  struct Slope {
+    std::uint32_t slot_base, args;
+  };
+  [[nodiscard]] constexpr Atom after(const Slope& slope, std::uint32_t k) const {
+    return {name, type, slot_base + k * slope.slot_base, args + k * slope.args, loc, index + k};
+  }
 };
 struct PortRef {
   std::uint32_t atom;        // kNone: a connector's exported port
@@ -194,6 +196,13 @@ struct PortRef {
   std::uint32_t connector;
   bool maximal_only;         // through a compound's exported port
   std::uint32_t choice = kNone;  // a merged port, row of Image::choices; atom, port and connector are kNone then
+
+  struct Slope {
+    std::uint32_t atom, connector, choice;
+  };
+  [[nodiscard]] constexpr PortRef after(const Slope& slope, std::uint32_t k) const {
+    return {atom + k * slope.atom, port, connector + k * slope.connector, maximal_only, choice + k * slope.choice};
+  }
 };
 /// A merged port: each enabled one of its ports is an alternative. No choice is among them.
 struct Choice {
@@ -201,7 +210,7 @@ struct Choice {
   Span<PortRef> ports;
 };
 struct Connector {
-  const char* path;
+  const char* name;          // as an atom's
   std::uint32_t type;
   std::uint32_t slot_base;   // of its own data in `all`
   std::uint32_t ports;       // first row of Image::port_refs; one a parameter
@@ -210,6 +219,16 @@ struct Connector {
   bool bound;                // its exported port is bound by another connector
   Loc loc;
   std::uint32_t parent = 0;  // row of Image::compounds: the compound that declares it
+  std::uint32_t index = kNone;
+  [[nodiscard]] std::string path() const { return path_text(name, index); }
+
+  struct Slope {
+    std::uint32_t slot_base, ports, binds, parent;
+  };
+  [[nodiscard]] constexpr Connector after(const Slope& slope, std::uint32_t k) const {
+    return {name, type, slot_base + k * slope.slot_base, ports + k * slope.ports, binds + k * slope.binds, bind_count, bound, loc,
+            parent + k * slope.parent, index + k};
+  }
 };
 struct Pattern {
   bool any_connector;
@@ -236,10 +255,10 @@ struct Image {
   Span<AtomType> atom_types;
   Span<ConnectorType> connector_types;
   Span<Compound> compounds;              // row 0: the root
-  Span<Atom> atoms;
+  Rows<Atom> atoms;
   Span<Slot> args;
-  Span<Connector> connectors;            // a connector comes after those it is bound to
-  Span<PortRef> port_refs;
+  Rows<Connector> connectors;            // a connector comes after those it is bound to
+  Rows<PortRef> port_refs;
   Span<std::uint32_t> binds;             // variables of a parameter bound to a choice: rows of its first alternative
   Span<Priority> priorities;
   std::uint32_t slot_count = 0;          // of all atoms, then of all connectors

@@ -199,7 +199,7 @@ TEST_CASE("emitted tables are the image") {
   CHECK(b.atom_types[1].transitions[1].port == rt::kNone);
   REQUIRE(b.atoms.size == a.atoms.size);
   for (std::size_t k = 0; k < a.atoms.size; ++k) {
-    CHECK(std::strcmp(a.atoms[k].path, b.atoms[k].path) == 0);
+    CHECK(a.atoms[k].path() == b.atoms[k].path());
     CHECK(a.atoms[k].slot_base == b.atoms[k].slot_base);
     CHECK(a.atoms[k].args == b.atoms[k].args);
   }
@@ -218,6 +218,25 @@ TEST_CASE("emitted tables are the image") {
   REQUIRE(b.priorities.size == 1);
   CHECK(b.priorities[0].low.params.size == 3);
   CHECK(b.priorities[0].high.connector == rt::kNone);
+}
+
+TEST_CASE("emitted tables that are folded are the image") {
+  const System s = test::producers(700);
+  const auto lowered = lower::lower(s, "Root");
+  const test::Compiled compiled(emit_cpp::emit(*lowered, {.with_main = false}), "-O0");
+  REQUIRE(compiled.image() != nullptr);
+  const rt::Image& a = lowered->image;
+  const rt::Image& b = *compiled.image();
+  REQUIRE(b.atoms.size == a.atoms.size);
+  CHECK(b.atoms.rows.size < 10);
+  for (std::size_t k = 0; k < a.atoms.size; ++k) {
+    CHECK(a.atoms[k].path() == b.atoms[k].path());
+    CHECK(a.atoms[k].slot_base == b.atoms[k].slot_base);
+    CHECK(a.atoms[k].args == b.atoms[k].args);
+    CHECK(a.atoms[k].loc.line == b.atoms[k].loc.line);
+  }
+  REQUIRE(b.port_refs.size == a.port_refs.size);
+  for (std::size_t k = 0; k < a.port_refs.size; ++k) CHECK((a.port_refs[k].atom == b.port_refs[k].atom && a.port_refs[k].connector == b.port_refs[k].connector));
 }
 
 TEST_CASE("several models fit in one translation unit") {

@@ -123,7 +123,7 @@ class Builder {
   u32 atom(const std::string& name, const std::string& type_name, const std::vector<std::int32_t>& args = {}) {
     const u32 type = atom_type_rows_.at(type_name);
     Atom row{};
-    row.path = keep("ROOT." + name);
+    row.name = keep("ROOT." + name);
     row.type = type;
     row.slot_base = slots_;
     row.args = static_cast<u32>(args_.size());
@@ -185,7 +185,7 @@ class Builder {
   u32 connector(const std::string& name, const std::string& type_name, const std::vector<std::string>& ports,
                 const std::vector<std::string>& reads = {}, u32 parent = 0) {
     Connector row{};
-    row.path = keep("ROOT." + name);
+    row.name = keep("ROOT." + name);
     row.type = connector_type_rows_.at(type_name);
     row.ports = static_cast<u32>(port_refs_.size());
     row.binds = static_cast<u32>(binds_.size());

@@ -11,13 +11,13 @@ namespace bip::rt::testing {
 
 /// "c: a.p b.q", or "a.p" for an internal port; names without ROOT.
 inline std::string text_of(Core& core, const Candidate& candidate) {
-  const auto strip = [](const char* path) { return std::string(path).substr(5); };
+  const auto strip = [](const std::string& path) { return path.substr(5); };
   std::vector<Participant> who;
   core.participants(candidate, who);
-  std::string out = candidate.connector == kNone ? "" : strip(core.image().connectors[candidate.connector].path) + ":";
+  std::string out = candidate.connector == kNone ? "" : strip(core.image().connectors[candidate.connector].path()) + ":";
   for (const Participant& p : who) {
     if (!out.empty()) out += ' ';
-    out += strip(core.image().atoms[p.atom].path) + "." + core.tables().atom_type(p.atom).ports[p.port].name;
+    out += strip(core.image().atoms[p.atom].path()) + "." + core.tables().atom_type(p.atom).ports[p.port].name;
   }
   return out;
 }

@@ -57,7 +57,7 @@ void ask(const System& system, const rt::Image& image, u64 seed, Tally& tally) {
   rt::Prng random(seed);
   const auto literal = [&](u32 atom) {
     const rt::AtomType& type = image.atom_types[image.atoms[atom].type];
-    const std::string path = std::string(image.atoms[atom].path).substr(5);
+    const std::string path = image.atoms[atom].path().substr(5);
     std::vector<std::string> ints;
     for (const rt::Var& var : type.slots) {
       if (var.type == rt::SlotType::Int && std::string(var.name).find('(') == std::string::npos) ints.emplace_back(var.name);
