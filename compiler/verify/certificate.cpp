@@ -8,8 +8,6 @@ namespace bip::verify {
 
 namespace {
 
-std::string value_text(const AbstractValue& value) { return value.is_known ? std::to_string(value.value) : "?"; }
-
 // A parameter of the compiler's own ("initial x") has a name that no row can hold; its value is told by the system.
 bool is_told(const ModeClass& mode_class, const Slot& slot, std::size_t k) { return mode_class.followed[k] != 0 && slot.name.find(' ') == std::string::npos; }
 
@@ -43,16 +41,13 @@ void add_structure(const Net& net, const Proof& proof, std::string& out) {
   for (std::size_t row = 0; row < net.classes.size(); ++row) {
     const ModeClass& mode_class = net.classes[row];
     const AtomType& type = system.atom_types[mode_class.type];
-    out += "class " + std::to_string(row) + ' ' + type.name;
-    for (std::size_t k = 0; k < type.slots.size(); ++k) {
-      if (is_told(mode_class, type.slots[k], k)) out += ' ' + type.slots[k].name;
-    }
-    out += '\n';
+    out += "class " + std::to_string(row) + ' ' + type.name + '\n';
     for (std::size_t m = 0; m < mode_class.modes.size(); ++m) {
-      out += "  mode " + std::to_string(m) + " at";
-      for (u32 place : mode_class.modes[m].places) out += ' ' + type.places[place];
+      out += "  mode " + std::to_string(m);
+      for (u32 place : mode_class.modes[m].places) out += " @" + type.places[place];
       for (std::size_t k = 0; k < type.slots.size(); ++k) {
-        if (is_told(mode_class, type.slots[k], k)) out += ' ' + type.slots[k].name + '=' + value_text(mode_class.modes[m].values[k]);
+        const AbstractValue& value = mode_class.modes[m].values[k];
+        if (value.is_known && is_told(mode_class, type.slots[k], k)) out += " ." + type.slots[k].name + '=' + std::to_string(value.value);
       }
       out += '\n';
     }

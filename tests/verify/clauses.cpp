@@ -79,24 +79,23 @@ bool Clauses::read_mode(const std::vector<std::string>& words, Rows& rows) const
   if (rows.classes.empty()) return false;
   Class& row = rows.classes.back();
   const AtomType& type = system_.atom_types[row.type];
-  if (words.size() < 4 || words[1] != std::to_string(row.modes.size()) || words[2] != "at") return false;
+  if (words.size() < 3 || words[1] != std::to_string(row.modes.size())) return false;
   Mode mode;
   std::size_t places = 0;
-  for (std::size_t k = 3; k < words.size(); ++k) {
-    const std::size_t equals = words[k].find('=');
+  for (std::size_t k = 2; k < words.size(); ++k) {
+    const std::string& word = words[k];
+    const std::size_t equals = std::min(word.find('='), word.size());
     std::uint32_t found = 0;
-    if (equals == std::string::npos) {
-      if (!find_name(type.places, words[k], mode.place, own_name)) return false;
+    if (word[0] == '@') {
+      if (!find_name(type.places, word.substr(1), mode.place, own_name)) return false;
       ++places;
       continue;
     }
-    if (!find_name(type.slots, words[k].substr(0, equals), found, slot_name)) return false;
-    if (std::find(row.slots.begin(), row.slots.end(), found) == row.slots.end()) return false;
-    const std::string value = words[k].substr(equals + 1);
+    if (word[0] != '.' || !find_name(type.slots, word.substr(1, equals - 1), found, slot_name)) return false;
     std::int64_t number = 0;
-    if (value != "?" && !read_number(value, number)) return false;
-    if (value == "?" || type.slots[found].type == Type::String) rows.is_listable = false;
-    if (value != "?") mode.values[found] = static_cast<std::int32_t>(number);
+    if (equals == word.size() || !read_number(word.substr(equals + 1), number)) return false;
+    if (type.slots[found].type == Type::String) rows.is_listable = false;
+    mode.values[found] = static_cast<std::int32_t>(number);
   }
   // Data that the modes don't know can be anything.
   const bool knows_all = std::all_of(type.slots.begin(), type.slots.end(), [&](const Slot& slot) {
@@ -115,13 +114,8 @@ bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const 
     std::uint32_t type = 0;
     std::vector<std::string> names;
     for (const AtomType& one : system_.atom_types) names.push_back(one.name);
-    if (words.size() < 3 || words[1] != std::to_string(rows.classes.size()) || !find_name(names, words[2], type, own_name)) return false;
+    if (words.size() != 3 || words[1] != std::to_string(rows.classes.size()) || !find_name(names, words[2], type, own_name)) return false;
     row.type = AtomTypeId(std::size_t{type});
-    for (std::size_t k = 3; k < words.size(); ++k) {
-      std::uint32_t slot = 0;
-      if (!find_name(system_.atom_types[row.type].slots, words[k], slot, slot_name)) return false;
-      row.slots.push_back(slot);
-    }
     rows.classes.push_back(std::move(row));
     return true;
   }

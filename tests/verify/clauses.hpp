@@ -44,7 +44,6 @@ class Clauses {
   };
   struct Class {
     AtomTypeId type;
-    std::vector<std::uint32_t> slots;
     std::vector<Mode> modes;
   };
   struct Member {

@@ -18,7 +18,7 @@ bool is_clause(const Row& row) { return is_set(row) || row[0] == "lemma" || row[
 bool is_component(const Row& row) { return row[0] == "component"; }
 bool is_mode(const Row& row) { return row[0] == "mode"; }
 // Where the words begin that may come and go.
-std::size_t first_word(const Row& row) { return is_component(row) ? 5 : is_mode(row) ? 3 : 1; }
+std::size_t first_word(const Row& row) { return is_component(row) ? 5 : is_mode(row) ? 2 : 1; }
 
 // A row for which `fits`; null: there is none.
 Row* pick(Rows& rows, gen::Prng& random, const std::function<bool(const Row&)>& fits) {

@@ -18,18 +18,11 @@ struct Class {
   std::vector<Values> modes;
   std::map<Values, std::size_t> numbers;
 };
-/// A trap, or modes of which the weights of those that hold add up to a total (one-token: 1, of weights 1).
-struct Set {
-  std::string line;
-  bool is_trap = false;
-  int total = 1;
-  std::map<std::pair<std::size_t, std::size_t>, int> weights;  // by atom and mode
-};
-/// A variable is between two values, or one of its bits is set: or not.
+/// A variable is between two values, or one of its bits is set: or not. Of a set: the atom is in a mode.
 struct Literal {
   std::size_t atom = 0, variable = 0;
   int low = 1, high = 1;
-  std::optional<unsigned> bit;
+  std::optional<unsigned> bit = {};
   bool is_negated = false;
 };
 /// All literals hold; or, in a sum, a variable's value. Times its weight.
@@ -46,12 +39,11 @@ struct Fact {
 };
 struct Certificate {
   std::string claim;
-  std::vector<Fact> facts;
+  std::vector<Fact> facts, sets;  // sets: of modes; without total: traps
   std::set<std::vector<Values>> states;  // all that a search has reached: by atom, parameters as 0
   std::vector<Class> classes;  // none: the certificate says nothing of modes
   Rows class_of;               // by atom
   std::vector<Modes> reachable;
-  std::vector<Set> sets;
 };
 
 [[nodiscard]] Certificate read_certificate(const Model& model, const std::string& text);

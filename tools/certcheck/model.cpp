@@ -33,7 +33,7 @@ class Reader {
 
  private:
   void atom_type(const Tree& row) {
-    AtomType type{row.at(2).text, &row, 0, {}, {}, {}, {}, row.all("priority"), row.all("invariant"), false};
+    AtomType type{row.at(2).text, 0, {}, {}, {}, {}, row.all("priority"), row.all("invariant"), false};
     only(row, {"slot", "port", "place", "initial", "do", "transition", "priority", "invariant", "merged"}, 3, type.name);
     for (const Tree* place : row.all("place")) type.variables.push_back({place->at(2).text, "bool"});
     type.places = type.variables.size();
@@ -49,8 +49,8 @@ class Reader {
       for (std::size_t& variable : type.ports.back().variables) variable += type.places;
     }
     for (const Tree* one : type.invariants) (void)places((*one)["places"]);
-    type.initial = places(row["initial"]);
-    type.is_automaton = type.initial.size() == 1;
+    type.initial = {kNone, {}, places(row["initial"]), nullptr, &row["do"]};
+    type.is_automaton = type.initial.to.size() == 1;
     for (const Tree* t : row.all("transition")) {
       only(*t, {"on", "from", "to", "guard", "do"}, 2, type.name);
       const Rows on = (*t)["on"].rows();

@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <set>
+#include <span>
 
 #include "tools/certcheck/tree.hpp"
 
@@ -25,21 +26,18 @@ struct Transition {
 };
 struct AtomType {
   Text name;
-  const Tree* row = nullptr;
   std::size_t places = 0;  // so many of the variables are places; data follows
   std::vector<Variable> variables;
   std::vector<Port> ports;
-  Rows initial;
+  Transition initial;  // from nowhere
   std::vector<Transition> transitions;
   std::vector<const Tree*> priorities, invariants;
   bool is_automaton = false;  // always exactly one place is marked
 
-  /// The place or data of that name, or kNone.
-  [[nodiscard]] std::size_t find(Text name_of, bool is_place) const {
-    std::size_t row_of = is_place ? 0 : places;
-    const std::size_t end = is_place ? places : variables.size();
-    while (row_of < end && variables[row_of].name != name_of) ++row_of;
-    return row_of < end ? row_of : kNone;
+  /// The place or data of that name.
+  [[nodiscard]] std::size_t find(Text variable, bool is_place) const {
+    const std::span all(variables);
+    return is_place ? row_of(all.first(places), variable, &Variable::name) : places + row_of(all.subspan(places), variable, &Variable::name);
   }
 };
 struct Atom {

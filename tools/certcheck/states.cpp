@@ -25,9 +25,7 @@ class States {
     for (const Local& local : first) all.emplace(all.size(), local);
     if (!is(fault, true) && !is_listed(*c_.states.begin(), all)) throw Rejected("the first state is not among those that the certificate lists");
     for (const std::vector<Values>& state : c_.states) {
-      for (std::size_t a = 0; a < first.size(); ++a) {
-        first[a] = terms_.local(m_.atoms[a], [&](std::size_t k) { return terms_.constant(m_.type_of(a).variables[k].type, *state[a][k]); });
-      }
+      for (std::size_t a = 0; a < first.size(); ++a) first[a] = terms_.local(m_.atoms[a], state[a]);
       check_from(first, true, &state);
     }
   }
@@ -145,7 +143,7 @@ class States {
   State allowed() {
     State now;
     const bool has_modes = !c_.classes.empty();
-    std::vector<std::map<std::size_t, expr>> modes(m_.atoms.size());
+    State modes(m_.atoms.size());  // by number
     for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
       const AtomType& type = m_.type_of(a);
       // What is the same in all modes is known.
@@ -154,35 +152,22 @@ class States {
       if (!c_.reachable[a].empty()) same = values_of(*c_.reachable[a].begin());
       for (std::size_t number : c_.reachable[a])
         for (std::size_t k = 0; k < same.size(); ++k) same[k] = same[k] == values_of(number)[k] ? same[k] : std::nullopt;
-      const auto unknown = [&](std::size_t k) {
-        if (has_modes && k < type.places) return terms_.truth(false);
-        return same[k] ? terms_.constant(type.variables[k].type, *same[k]) : terms_.fresh(type.variables[k].type);
-      };
-      Local& local = now.emplace_back(terms_.local(m_.atoms[a], unknown));
+      if (has_modes) std::fill_n(same.begin(), type.places, 0);
+      Local& local = now.emplace_back(terms_.local(m_.atoms[a], same));
+      if (has_modes) modes[a].resize(c_.classes[c_.class_of[a]].modes.size(), terms_.truth(false));
       z3::expr_vector all(z_);
       for (std::size_t p = 0; p < type.places && !has_modes && type.is_automaton; ++p) all.push_back(local[p]);
       for (std::size_t number : c_.reachable[a]) {
         const Values& values = values_of(number);
         const bool is_other = c_.reachable[a].size() == 2 && all.size() == 1;
-        const expr mode = modes[a].emplace(number, is_other ? !all[0] : terms_.fresh("bool")).first->second;
+        const expr mode = modes[a][number] = is_other ? !all[0] : terms_.fresh("bool");
         all.push_back(mode);
         for (std::size_t p = 0; p < type.places; ++p) local[p] = *values[p] != 0 ? either(local[p], mode) : local[p];
         terms_.assume(either(no(mode), terms_.has(local, values, type.places)), a);
       }
       if (has_modes ? all.size() != 2 : type.is_automaton) assume_sum(all, std::vector<int>(all.size(), 1), 1, a);
     }
-    for (const Set& set : c_.sets) {
-      z3::expr_vector members(z_);
-      std::vector<int> weights;
-      for (const auto& [member, weight] : set.weights) {
-        const auto found = modes[member.first].find(member.second);
-        if (found == modes[member.first].end()) continue;
-        members.push_back(found->second);
-        weights.push_back(weight);
-      }
-      if (set.is_trap) terms_.assume(z3::mk_or(members));
-      else assume_sum(members, weights, set.total, kNone);
-    }
+    for (const Fact& set : c_.sets) assume(set, {modes}, kNone);
     // Between steps no internal transition is left.
     for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
     for (std::size_t k = 0; k < c_.facts.size(); ++k) {

@@ -22,7 +22,7 @@ class Structure {
   void run() {
     for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) group(m_.atoms[atom], c_.classes[c_.class_of[atom]], c_.reachable[atom]);
     check_reachable();
-    for (const Set& set : c_.sets) check_set(set);
+    for (const Fact& set : c_.sets) check_set(set);
   }
 
  private:
@@ -49,11 +49,7 @@ class Structure {
     std::vector<Moves>& by_port = found->second.by_port;
     by_port.resize(type.ports.size());
     for (std::size_t from : reachable) {
-      const Values& values = row.modes[from];
-      Local local;
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        local.push_back(values[k] ? terms_.constant(type.variables[k].type, *values[k]) : terms_.fresh(type.variables[k].type));
-      }
+      Local local = terms_.local(atom, row.modes[from]);
       const Offer offer = terms_.offer(type, local, fault);
       for (std::size_t t = 0; t < type.transitions.size(); ++t) {
         const std::size_t port = type.transitions[t].port;
@@ -122,21 +118,21 @@ class Structure {
     }
   }
 
-  void check_set(const Set& set) {
-    const auto weight = [&](std::size_t atom, std::size_t mode) -> long {
-      return set.weights.contains({atom, mode}) ? set.weights.at({atom, mode}) : 0;
-    };
-    std::set<std::size_t> atoms, touched;
-    for (const auto& [member, w] : set.weights) atoms.insert(member.first);
+  void check_set(const Fact& set) {
+    const bool is_trap = !set.total;
+    std::map<std::size_t, std::map<std::size_t, long>> weights;  // by atom and mode
+    for (const Case& one : set.cases) weights[one.literals[0].atom][one.literals[0].variable] += one.weight;
+    const auto weight = [](const std::map<std::size_t, long>& its, std::size_t mode) { return its.contains(mode) ? its.at(mode) : 0; };
+    std::set<std::size_t> touched;
     long least = 0, most = 0;
-    for (std::size_t atom : atoms) {
+    for (const auto& [atom, its] : weights) {
       Effects begins;
-      for (std::size_t mode : group_of_[atom]->first) begins.insert(weight(atom, mode));
+      for (std::size_t mode : group_of_[atom]->first) begins.insert(weight(its, mode));
       least += begins.empty() ? 0 : *begins.begin();
       most += begins.empty() ? 0 : *begins.rbegin();
       for (std::size_t port = m_.first_port[atom]; port < m_.first_port[atom + 1]; ++port) touched.insert(port);
     }
-    if (set.is_trap ? least == 0 : least != set.total || most != set.total) throw Rejected(set.line + ": not marked at first as it should be");
+    if (is_trap ? least == 0 : least != *set.total || most != *set.total) throw Rejected(set.line + ": not marked at first as it should be");
     std::map<std::size_t, Effects> effects;
     // Children have smaller rows than parents.
     for (; !touched.empty(); touched.erase(touched.begin())) {
@@ -144,23 +140,24 @@ class Structure {
       const Node& node = m_.nodes[row];
       if (!used_[row]) continue;
       Effects& effect = effects[row];
-      if (node.kind != Kind::Port) effect = combine(set, node, effects);
+      if (node.kind != Kind::Port) effect = combine(is_trap, node, effects);
       for (const auto& [from, to] : moves(row)) {
-        const long was = weight(m_.atom_of_port[row], from), is = weight(m_.atom_of_port[row], to);
-        effect.insert(!set.is_trap ? is - was : is != 0 ? 2 : was != 0 ? 1 : 0);
+        const auto& its = weights[m_.atom_of_port[row]];
+        const long was = weight(its, from), is = weight(its, to);
+        effect.insert(!is_trap ? is - was : is != 0 ? 2 : was != 0 ? 1 : 0);
       }
-      if (node.is_step && set.is_trap && effect.contains(1)) throw Rejected(set.line + ": a step takes the last token out of the trap");
-      if (node.is_step && !set.is_trap && effect != Effects{0}) throw Rejected(set.line + ": a step changes the sum");
+      if (node.is_step && is_trap && effect.contains(1)) throw Rejected(set.line + ": a step takes the last token out of the trap");
+      if (node.is_step && !is_trap && effect != Effects{0}) throw Rejected(set.line + ": a step changes the sum");
       touched.insert(node.parents.begin(), node.parents.end());
     }
   }
 
-  [[nodiscard]] Effects combine(const Set& set, const Node& node, const std::map<std::size_t, Effects>& effects) const {
+  [[nodiscard]] Effects combine(bool is_trap, const Node& node, const std::map<std::size_t, Effects>& effects) const {
     const auto join = [&](const Effects& some, const Effects& more, Effects into) {
       for (long one : some) {
         for (long other : more) {
           // Two changes of a sum that differ do so whatever else takes part, and are enough to know.
-          if (set.is_trap || into.size() < 3) into.insert(set.is_trap ? std::max(one, other) : one + other);
+          if (is_trap || into.size() < 3) into.insert(is_trap ? std::max(one, other) : one + other);
         }
       }
       return into;

@@ -215,7 +215,7 @@ class System {
       if (connector == kNone || is(chosen.at(*row), false)) continue;
       const Connector& c = m_.connectors[connector];
       Local& frame = store.frames[connector];
-      for (Text slot : c.type->slots) frame.push_back(t_.first(slot));
+      for (Text slot : c.type->slots) frame.push_back(is_exact(slot) ? t_.constant(slot, 0) : t_.fresh(slot));
       for (const Clause& clause : c.type->clauses) {
         const expr here = clause_is(c, clause, chosen);
         if (is(here, false) || clause.guard->items.size() + clause.up->items.size() == 0) continue;
@@ -326,19 +326,14 @@ class System {
   // (at PATH PLACE), (data PATH SLOT), (can-port PATH PORT), (can CONNECTOR)
   expr about(const Tree& e) {
     const Text what = e.head(), path = e.at(1).text;
-    const auto is_called = [&](const auto& one) { return one.path == path; };
-    const auto atom = std::find_if(m_.atoms.begin(), m_.atoms.end(), is_called);
-    const auto connector = std::find_if(m_.connectors.begin(), m_.connectors.end(), is_called);
-    if (what == "can" && connector != m_.connectors.end()) {
-      return t_.some(all_, [&](const Candidate& c) { return c.node == connector->root ? c.possible : t_.truth(false); });
+    if (what == "can") {
+      const std::size_t root = m_.connectors[row_of(m_.connectors, path, &Connector::path)].root;
+      return t_.some(all_, [&](const Candidate& c) { return c.node == root ? c.possible : t_.truth(false); });
     }
-    if (what == "can" || atom == m_.atoms.end()) throw Rejected("the claim is of `" + std::string(path) + "`, which there is not");
-    const std::size_t a = static_cast<std::size_t>(atom - m_.atoms.begin());
-    const AtomType& type = m_.type_of(a);
-    for (std::size_t port = 0; port < type.ports.size() && what == "can-port"; ++port) {
-      if (type.ports[port].name == e.at(2).text) return on_[m_.first_port[a] + port];
-    }
-    return what != "can-port" ? now_[a].at(type.find(e.at(2).text, what == "at")) : throw Rejected("the claim is of a port that there is not");
+    const std::size_t atom = row_of(m_.atoms, path, &Atom::path);
+    const AtomType& type = m_.type_of(atom);
+    if (what == "can-port") return on_[m_.first_port[atom] + row_of(type.ports, e.at(2).text, &Port::name)];
+    return now_[atom].at(type.find(e.at(2).text, what == "at"));
   }
 
   const Model& m_;

@@ -16,7 +16,7 @@ using z3::expr;
 // Connectives that fold constants; `simplify` of large terms is slow.
 [[nodiscard]] inline expr both(const expr& a, const expr& b) { return is(a, true) || is(b, false) ? b : is(b, true) || is(a, false) ? a : a && b; }
 [[nodiscard]] inline expr either(const expr& a, const expr& b) { return is(a, false) || is(b, true) ? b : is(b, false) || is(a, true) ? a : a || b; }
-[[nodiscard]] inline expr no(const expr& a) { return is(a, true) || is(a, false) ? a.ctx().bool_val(is(a, false)) : !a; }
+[[nodiscard]] inline expr no(const expr& a) { return is(a, true) || is(a, false) ? a.ctx().bool_val(is(a, false)) : a.is_not() ? a.arg(0) : !a; }
 [[nodiscard]] inline expr choose(const expr& when, const expr& yes, const expr& otherwise) {
   return z3::eq(yes, otherwise) || is(when, true) ? yes : is(when, false) ? otherwise : z3::ite(when, yes, otherwise).simplify();
 }
@@ -97,9 +97,7 @@ class Terms {
   }
   template <class Range, class Of>
   [[nodiscard]] expr some(const Range& range, const Of& of) const {
-    expr result = truth(false);
-    for (auto one = range.begin(); one != range.end() && !is(result, true); ++one) result = either(result, of(*one));
-    return result;
+    return no(all(range, [&](const auto& one) { return no(of(one)); }));
   }
   /// A constant of its own, of a type of variables.
   [[nodiscard]] expr fresh(Text type) const {
@@ -107,8 +105,6 @@ class Terms {
   }
   /// An int, a bool or the row of a string.
   [[nodiscard]] expr constant(Text type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
-  /// The value that a variable begins with.
-  [[nodiscard]] expr first(Text type) const { return is_exact(type) ? constant(type, 0) : fresh(type); }
   /// From variable `first` on, the values that are told.
   [[nodiscard]] expr has(const Local& local, const Values& values, std::size_t first = 0) const {
     expr result = truth(true);
@@ -181,23 +177,24 @@ class Terms {
       }
     }
   }
+  /// The value that is told, or any.
+  [[nodiscard]] expr known(Text type, std::optional<int> value) const { return value ? constant(type, *value) : fresh(type); }
   /// Parameters as the system says, and the others.
-  [[nodiscard]] Local local(const Atom& atom, const std::function<expr(std::size_t)>& others) const {
+  [[nodiscard]] Local local(const Atom& atom, const Values& others) const {
     Local local;
     std::size_t arg = 0;
     expr fault = truth(false);
     for (const Variable& variable : m_.atom_types[atom.type].variables) {
-      local.push_back(variable.is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : others(local.size()));
+      local.push_back(variable.is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : known(variable.type, others[local.size()]));
     }
     return local;
   }
   [[nodiscard]] Local initial(const Atom& atom, expr& fault) const {
     const AtomType& type = m_.atom_types[atom.type];
-    Local start = local(atom, [&](std::size_t k) { return first(type.variables[k].type); });
-    for (std::size_t place : type.initial) start[place] = truth(true);
-    execute((*type.row)["do"], own(type, start), truth(true), fault);
-    check_invariants(type, start, truth(true), fault);
-    settle(type, start, truth(true), fault);
+    Values first;
+    for (const Variable& variable : type.variables) first.push_back(is_exact(variable.type) ? std::optional(0) : std::nullopt);
+    Local start = local(atom, first);
+    take(type, type.initial, start, truth(true), fault);
     return start;
   }
   [[nodiscard]] Offer offer(const AtomType& type, Local& local, expr& fault) const {

@@ -23,6 +23,12 @@ template <class Range, class Value>
 [[nodiscard]] bool contains(const Range& range, const Value& value) {
   return std::find(range.begin(), range.end(), value) != range.end();
 }
+/// The row that is called so.
+template <class Range, class Member>
+[[nodiscard]] std::size_t row_of(const Range& rows, Text name, Member member) {
+  const auto found = std::ranges::find(rows, name, member);
+  return found != rows.end() ? static_cast<std::size_t>(found - rows.begin()) : throw Rejected(quoted(name) + " is not there");
+}
 
 struct Tree {
   bool is_list = false, is_string = false;
