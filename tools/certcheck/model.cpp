@@ -13,7 +13,7 @@ void only(const Tree& list, const std::vector<Text>& known, std::size_t first, T
 
 class Reader {
  public:
-  explicit Reader(Model& model) : m_(model), port_types_(m_.tree.all("port-type")), choices_(m_.tree.all("choice")), choice_node_(choices_.size(), kNone) {}
+  explicit Reader(Model& model) : m_(model), port_types_(m_.tree.all("port-type")), connector_types_(m_.tree.all("connector-type")), choices_(m_.tree.all("choice")), choice_node_(choices_.size(), kNone) {}
 
   void run() {
     if (m_.tree.items.empty() || m_.tree.items[0].head() != "bsys" || m_.tree.items[0].at(1).text != "1") throw Rejected("not `(bsys 1)`");
@@ -23,8 +23,7 @@ class Reader {
     for (const Tree* row : m_.tree.all("atom-type")) atom_type(*row);
     for (const Tree* row : m_.tree.all("atom")) atom(*row);
     m_.first_port.push_back(m_.nodes.size());
-    for (const Tree* row : m_.tree.all("connector-type")) connector_type(*row);
-    for (const Tree* row : m_.tree.all("connector")) connector(*row, m_.connector_types.at(row->at(3).row()));
+    for (const Tree* row : m_.tree.all("connector")) connector(*row, *connector_types_.at(row->at(3).row()));
     m_.priorities = m_.tree.all("priority");
     for (std::size_t row = 0; row < m_.nodes.size(); ++row) {
       for (const Edge& edge : m_.nodes[row].children) m_.nodes[edge.node].parents.push_back(row);
@@ -62,13 +61,6 @@ class Reader {
       if (type.variables.at(type.places + set->at(1).row()).is_param) throw Rejected(quoted(type.name) + " writes to a parameter");
     }
     m_.atom_types.push_back(std::move(type));
-  }
-
-  void connector_type(const Tree& row) {
-    ConnectorType type{&row, {}, {}, row["export"]["slots"].rows()};
-    for (const Tree* slot : row.all("slot")) type.slots.push_back(slot->at(3).text);
-    for (const Tree* one : row.all("clause")) type.clauses.push_back({(*one)["params"].rows(), &(*one)["guard"], &(*one)["up"], &(*one)["down"]});
-    m_.connector_types.push_back(std::move(type));
   }
 
   void atom(const Tree& row) {
@@ -120,10 +112,11 @@ class Reader {
     return {add(kind, std::move(children))};
   }
 
-  void connector(const Tree& row, const ConnectorType& type) {
-    Connector c{row.at(2).text, &type, 0, row["in"].at(1).row(), {}, {}, &row["data"]};
-    const std::vector<const Tree*> params = type.row->all("param");
-    const Tree &ports = row["ports"], &define = (*type.row)["define"].at(1);
+  void connector(const Tree& row, const Tree& type) {
+    Connector c{row.at(2).text, 0, row["in"].at(1).row(), {}, {}, &row["data"], {}, type["export"]["slots"].rows(), {}};
+    for (const Tree* slot : type.all("slot")) c.slots.push_back(slot->at(3).text);
+    const std::vector<const Tree*> params = type.all("param");
+    const Tree &ports = row["ports"], &define = type["define"].at(1);
     if (ports.items.size() != params.size() + 1) throw Rejected("a connector with another number of ports than its type");
     for (std::size_t p = 0; p < params.size(); ++p) {
       c.params.push_back(binding(ports.items[p + 1]));
@@ -133,11 +126,12 @@ class Reader {
     const Edge whole = group(define, c);
     c.root = define.at(1).is_list ? whole.node : add(Kind::All, {whole});
     m_.nodes[c.root].connector = m_.connectors.size();
-    m_.nodes[c.root].is_step = (*type.row)["export"].items.empty();
-    for (const Clause& clause : type.clauses) {
+    m_.nodes[c.root].is_step = type["export"].items.empty();
+    for (const Tree* one : type.all("clause")) {
+      const Clause& clause = c.clauses.emplace_back(Clause{(*one)["params"].rows(), &(*one)["guard"], &(*one)["up"], &(*one)["down"]});
       if (!clause.up->find({"set-bind"}).empty()) throw Rejected("an `up` writes to a port");
-      for (const Tree* one : clause.down->find({"set-bind"})) {
-        const Bound& bound = c.bound.at(one->at(1).row());
+      for (const Tree* set : clause.down->find({"set-bind"})) {
+        const Bound& bound = c.bound.at(set->at(1).row());
         if (!contains(clause.params, bound.param)) throw NotCheckable("a transfer writes to a port that does not take part");
         write(c.params[bound.param].node, bound.variable);
       }
@@ -156,7 +150,7 @@ class Reader {
   }
 
   Model& m_;
-  const std::vector<const Tree*> port_types_, choices_;
+  const std::vector<const Tree*> port_types_, connector_types_, choices_;
   Rows choice_node_;
 };
 

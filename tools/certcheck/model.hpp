@@ -50,12 +50,6 @@ struct Clause {
   Rows params;
   const Tree *guard = nullptr, *up = nullptr, *down = nullptr;
 };
-struct ConnectorType {
-  const Tree* row = nullptr;
-  std::vector<Text> slots;  // their types
-  std::vector<Clause> clauses;
-  Rows exported;  // slots of the port that it exports
-};
 /// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports), each of which is a rendezvous of one.
 enum class Kind { Port, All, Trigger, Any };
 struct Edge {
@@ -77,11 +71,13 @@ struct Bound {
 };
 struct Connector {
   Text path;
-  const ConnectorType* type = nullptr;
   std::size_t root = 0, compound = 0;
   std::vector<Edge> params;
   std::vector<Bound> bound;
   const Tree* data = nullptr;
+  std::vector<Text> slots;  // their types
+  Rows exported;            // slots of the port that it exports
+  std::vector<Clause> clauses;
 };
 
 struct Model {
@@ -89,7 +85,6 @@ struct Model {
   Tree tree;
   std::map<Text, int> strings;
   std::vector<AtomType> atom_types;
-  std::vector<ConnectorType> connector_types;
   std::vector<const Tree*> functions, priorities;
   std::vector<Atom> atoms;
   Rows first_port;  // by atom, and the total: node of its port 0

@@ -84,25 +84,19 @@ class States {
   // Of a sum after a step: that the step does not change it.
   [[nodiscard]] expr says(const Fact& fact, const View& view, const View* from = nullptr) const {
     if (!fact.total) return terms_.some(fact.cases, [&](const Case& one) { return holds(one, view); });
+    const auto is_other = [&](const Literal& l) { return view.is_other(l); };
     const expr nothing = terms_.constant("int", 0);
     expr sum = nothing;
-    unsigned known = 0;
-    const auto add = [&](const Case& one, const expr& e, int weight) {
-      const expr times = terms_.constant("int", weight);
-      const std::optional<int> value = value_of(e);
-      if (value) known += static_cast<unsigned>(weight) * static_cast<unsigned>(*value);
-      else sum = sum + (one.is_value ? times * e : choose(e, times, nothing));
-    };
-    const auto is_other = [&](const Literal& l) { return view.is_other(l); };
     for (const Case& one : fact.cases) {
       if (from != nullptr && std::none_of(one.literals.begin(), one.literals.end(), is_other)) continue;
-      const auto worth = [&](const View& at) { return one.is_value ? at.of(one.literals[0]) : holds(one, at); };
-      const expr is = worth(view), was = from == nullptr ? nothing : worth(*from);
-      if (z3::eq(is, was)) continue;
-      add(one, is, one.weight);
-      if (from != nullptr) add(one, was, -one.weight);
+      const auto worth = [&](const View& at, int weight) {
+        const expr times = terms_.constant("int", weight);
+        return one.is_value ? times * at.of(one.literals[0]) : choose(holds(one, at), times, nothing);
+      };
+      sum = sum + worth(view, one.weight);
+      if (from != nullptr) sum = sum + worth(*from, -one.weight);
     }
-    return equals(sum.simplify(), static_cast<int>((from == nullptr ? static_cast<unsigned>(*fact.total) : 0) - known));
+    return equals(sum.simplify(), from == nullptr ? *fact.total : 0);
   }
   [[nodiscard]] expr holds(const Case& one, const View& view) const {
     return terms_.all(one.literals, [&](const Literal& l) {

@@ -122,7 +122,7 @@ class System {
       if (node.connector == kNone) continue;
       const Connector& c = m_.connectors[node.connector];
       const bool chooses = std::any_of(c.params.begin(), c.params.end(), [&](const Edge& edge) { return m_.nodes[edge.node].kind == Kind::Any; });
-      for (const Clause& clause : c.type->clauses) {
+      for (const Clause& clause : c.clauses) {
         if ((!clause.guard->items.empty() && clause.guard->at(1).text != "true") || !clause.up->find({"div", "mod", "call"}).empty()) return false;
         if (chooses && clause.up->items.size() + clause.down->items.size() != 0) return false;
       }
@@ -215,8 +215,8 @@ class System {
       if (connector == kNone || is(chosen.at(*row), false)) continue;
       const Connector& c = m_.connectors[connector];
       Local& frame = store.frames[connector];
-      for (Text slot : c.type->slots) frame.push_back(is_exact(slot) ? t_.constant(slot, 0) : t_.fresh(slot));
-      for (const Clause& clause : c.type->clauses) {
+      for (Text slot : c.slots) frame.push_back(is_exact(slot) ? t_.constant(slot, 0) : t_.fresh(slot));
+      for (const Clause& clause : c.clauses) {
         const expr here = clause_is(c, clause, chosen);
         if (is(here, false) || clause.guard->items.size() + clause.up->items.size() == 0) continue;
         const Scope read = scope_of(connector, chosen, store);
@@ -273,7 +273,7 @@ class System {
       const std::size_t inner = row == kNone ? kNone : m_.nodes[row].connector;
       const auto frame = store.frames.find(inner);
       if (row == kNone || (inner != kNone && frame == store.frames.end())) scope.bind.push_back(&store.any.emplace_back(t_.fresh(type)));
-      else if (inner != kNone) scope.bind.push_back(&frame->second.at(m_.connectors[inner].type->exported.at(variable)));
+      else if (inner != kNone) scope.bind.push_back(&frame->second.at(m_.connectors[inner].exported.at(variable)));
       else scope.bind.push_back(&local_of(m_.atom_of_port.at(row), store).at(m_.port(row).variables.at(variable)));
     }
     for (const Tree* of : c.data->all("of")) scope.bind.push_back(&data(*of, store));
@@ -310,7 +310,7 @@ class System {
       return;
     }
     const Connector& c = m_.connectors[m_.nodes[node].connector];
-    for (const Clause& clause : c.type->clauses) {
+    for (const Clause& clause : c.clauses) {
       if (clause.down->items.empty()) continue;
       t_.execute(*clause.down, scope_of(m_.nodes[node].connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.fault);
     }
