@@ -1,5 +1,5 @@
 // Reads a certificate line by line (compiler/docs/certificate.md), strictly: every word counts.
-#include "tools/certcheck/certificate.hpp"
+#include "tools/certcheck/model.hpp"
 
 #include <limits>
 #include <ranges>
@@ -22,23 +22,20 @@ class Reader {
   }
 
   Certificate run(Text text) {
-    bool has_end = false;
-    if (text.ends_with('\n')) text.remove_suffix(1);
+    if (!text.ends_with("\nend\n")) throw Rejected("the certificate has no end");
+    text.remove_suffix(5);
     for (const auto row_text : std::views::split(text, '\n')) {
       const Text line(row_text.begin(), row_text.end());
       ++line_;
       words_.clear();
       for (const auto word : std::views::split(line, ' ')) if (!word.empty()) words_.emplace_back(word.begin(), word.end());
       try {
-        need(!has_end, "something follows the end");
-        need(line_ != 1 || line == "bipc-certificate 1", "not a certificate of version 1");
-        has_end = line == "end";
-        if (line_ != 1 && !has_end) row(line);
+        if (line_ != 1) row(line);
+        else need(line == "bipc-certificate 1", "not a certificate of version 1");
       } catch (const Rejected& e) {
         throw Rejected(here() + ": " + e.what());
       }
     }
-    if (!has_end) throw Rejected("the certificate has no end");
     if (c_.claim.empty()) throw Rejected("the certificate does not say what it proves");
     if (!c_.classes.empty() && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
     if (!c_.states.empty() && !(c_.classes.empty() && c_.facts.empty())) throw Rejected("more is said than which states there are");
@@ -105,16 +102,13 @@ class Reader {
       Case& one = fact.cases.emplace_back();
       const auto [text, weight] = is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
       one.weight = number(weight, -kMostWeight, kMostWeight);
-      one.is_value = is_equation && text.find_first_of("@=:&") == Text::npos;
+      one.is_value = is_equation && text.find_first_of("@=:&!") == Text::npos;
       if (is_set) {
         const auto [path, number] = split(text, text.rfind(':'));
         one.literals.push_back({atom_of(path), mode(atom_of(path), number)});
-      } else if (one.is_value) {
-        one.literals.push_back(literal(text, true));
-        need(m_.type_of(one.literals[0].atom).variables[one.literals[0].variable].type == "int", "is no int", text);
-      } else {
-        for (const auto part : std::views::split(text, '&')) one.literals.push_back(literal(Text(part.begin(), part.end())));
+        continue;
       }
+      for (const auto part : std::views::split(text, '&')) one.literals.push_back(literal(Text(part.begin(), part.end()), one.is_value));
     }
   }
 
@@ -128,7 +122,7 @@ class Reader {
   // The state of the row before but for what this one says.
   void state_row() {
     for (std::size_t k = 1; k < words_.size(); ++k) {
-      const Literal l = literal(words_[k]);
+      const Literal l = literal(words_[k], false);
       const AtomType& type = m_.type_of(l.atom);
       need(!type.variables[l.variable].is_param, "is a parameter", words_[k]);
       tell(type, l, state_[l.atom]);
@@ -137,7 +131,7 @@ class Reader {
     c_.states.insert(state_);
   }
   // PATH and what is said of the atom; or "!" and that
-  [[nodiscard]] Literal literal(Text name, bool is_value = false) const {
+  [[nodiscard]] Literal literal(Text name, bool is_value) const {
     const bool is_negated = name.starts_with('!');
     if (is_negated) name.remove_prefix(1);
     const std::size_t at = std::min(name.substr(0, name.find_first_of("=:")).find_last_of(".@"), name.size());
@@ -155,7 +149,7 @@ class Reader {
     Literal one;
     one.variable = type.find(what.substr(1, mark - 1), is_place);
     const Variable& variable = type.variables[one.variable];
-    need(is_exact(variable.type), "cannot be followed", what);
+    need(is_value ? variable.type == "int" : is_exact(variable.type), "cannot be followed", what);
     if (mark == what.size()) return one;
     const Text told = what.substr(mark + 1);
     const std::size_t dots = told.find("..");
@@ -193,9 +187,8 @@ class Reader {
   }
   // false and true as 0 and 1; strings as rows, -1 for "" where no row has it.
   [[nodiscard]] int value(const Variable& variable, Text text) const {
-    const bool is_bool = variable.type == "bool";
-    const int value = number(text, is_bool ? 0 : Limits::min(), is_bool ? 1 : Limits::max());
-    return variable.type == "string" ? std::max(value, 0) : value;
+    if (variable.type == "string") return std::max(number(text), 0);
+    return variable.type == "bool" ? number(text, 0, 1) : number(text);
   }
 
   const Model& m_;

@@ -124,14 +124,9 @@ class States {
     if (!fact.total || most >= kMostWeight || std::abs(total) >= kMostWeight) return terms_.assume(says(fact, view), atom);
     assume_sum(all, weights, static_cast<int>(total), atom);
   }
-  // Their weights add up to the total. Few of which one holds are told by clauses, which the solver likes best.
+  // Their weights add up to the total.
   void assume_sum(const z3::expr_vector& all, const std::vector<int>& weights, int total, std::size_t atom) {
-    constexpr unsigned kFew = 8;
-    const bool is_one = total == 1 && std::count(weights.begin(), weights.end(), 1) == static_cast<long>(weights.size());
-    if (all.empty()) return terms_.assume(terms_.truth(total == 0), atom);
-    if (!is_one || all.size() > kFew) return terms_.assume(z3::pbeq(all, weights.data(), total), atom);
-    terms_.assume(z3::mk_or(all), atom);
-    for (unsigned k = 0; k < all.size(); ++k) for (unsigned j = 0; j < k; ++j) terms_.assume(!all[j] || !all[k], atom);
+    terms_.assume(all.empty() ? terms_.truth(total == 0) : z3::pbeq(all, weights.data(), total), atom);
   }
   // All states of which what has been found holds: a mode for each atom, which says where it is; the sets; the facts.
   State allowed() {

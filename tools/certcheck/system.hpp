@@ -48,9 +48,7 @@ class System {
   }
   /// Is there a step? Priorities only hide what something else outdoes.
   [[nodiscard]] expr has_step() const {
-    z3::expr_vector some(state_fault_.ctx());
-    for (const Candidate& c : all_) some.push_back(c.offered);
-    return std::any_of(all_.begin(), all_.end(), [](const Candidate& c) { return is(c.offered, true); }) ? t_.truth(true) : z3::mk_or(some);
+    return t_.some(all_, [](const Candidate& c) { return c.offered; });
   }
   /// All steps, one by one.
   void each_step(const std::function<void(const Step&)>& visit) {

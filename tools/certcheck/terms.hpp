@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-#include "tools/certcheck/certificate.hpp"
+#include "tools/certcheck/model.hpp"
 
 namespace certcheck {
 
@@ -61,30 +61,12 @@ class Terms {
   }
   /// Throws where the solver gives up.
   [[nodiscard]] bool may_be(const expr& e) { return is(e, true) || (!is(e, false) && can_solve(solver_, e)); }
-  /// With what is assumed of some atoms alone, which is much quicker, and false only where it is without, too. Asked once of all atoms
-  /// and steps that are alike: constants are told apart by where they stand.
+  /// With what is assumed of some atoms alone, which is much quicker, and false only where it is without, too.
   [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>& alone) {
     expr whole = e;
     for (const auto& [atom, local] : alone) for (const expr& one : assumed_[atom]) whole = both(whole, one);
-    z3::expr_vector constants(z_), names(z_);
-    std::set<unsigned> seen;
-    for (std::vector<expr> open{whole}; !open.empty();) {
-      const expr one = open.back();
-      open.pop_back();
-      if (!seen.insert(one.id()).second) continue;
-      for (unsigned k = 0; k < one.num_args(); ++k) open.push_back(one.arg(k));
-      if (one.decl().decl_kind() != Z3_OP_UNINTERPRETED) continue;
-      names.push_back(z_.constant(z_.int_symbol(static_cast<int>(constants.size())), one.get_sort()));
-      constants.push_back(one);
-    }
-    const expr alike = whole.substitute(constants, names);
-    const auto [known, is_new] = answers_.try_emplace(alike.id(), alike, false);
-    bool& answer = known->second.second;
-    if (is_new) {
-      z3::solver few(z_, "QF_BV");
-      answer = can_solve(few, alike);
-    }
-    return answer;
+    z3::solver few(z_, "QF_BV");
+    return is(whole, true) || (!is(whole, false) && can_solve(few, whole));
   }
 
   [[nodiscard]] expr truth(bool b) const { return z_.bool_val(b); }
@@ -362,7 +344,6 @@ class Terms {
   z3::context& z_;
   z3::solver solver_;
   std::map<std::size_t, std::vector<expr>> assumed_;  // by atom
-  std::map<unsigned, std::pair<expr, bool>> answers_;  // by what is asked, which stays: may it be?
 };
 
 }  // namespace certcheck
