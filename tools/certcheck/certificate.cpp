@@ -7,8 +7,6 @@
 namespace certcheck {
 namespace {
 
-using Limits = std::numeric_limits<int>;
-
 class Reader {
  public:
   explicit Reader(const Model& model) : m_(model) {
@@ -179,7 +177,7 @@ class Reader {
     return mode;
   }
   // Between two ends, written in the one way.
-  [[nodiscard]] int number(Text text, int least = Limits::min(), int most = Limits::max()) const {
+  [[nodiscard]] int number(Text text, int least = std::numeric_limits<int>::min(), int most = std::numeric_limits<int>::max()) const {
     int value = 0;
     (void)std::from_chars(text.data(), text.data() + text.size(), value);
     need(std::to_string(value) == text && value >= least && value <= most, "is no number here", text);

@@ -13,7 +13,7 @@ void only(const Tree& list, const std::vector<Text>& known, std::size_t first, T
 
 class Reader {
  public:
-  explicit Reader(Model& model) : m_(model), port_types_(m_.tree.all("port-type")), connector_types_(m_.tree.all("connector-type")), choices_(m_.tree.all("choice")), choice_node_(choices_.size(), kNone) {}
+  explicit Reader(Model& model) : m_(model) {}
 
   void run() {
     if (m_.tree.items.empty() || m_.tree.items[0].head() != "bsys" || m_.tree.items[0].at(1).text != "1") throw Rejected("not `(bsys 1)`");
@@ -131,9 +131,9 @@ class Reader {
       const Clause& clause = c.clauses.emplace_back(Clause{(*one)["params"].rows(), &(*one)["guard"], &(*one)["up"], &(*one)["down"]});
       if (!clause.up->find({"set-bind"}).empty()) throw Rejected("an `up` writes to a port");
       for (const Tree* set : clause.down->find({"set-bind"})) {
-        const Bound& bound = c.bound.at(set->at(1).row());
-        if (!contains(clause.params, bound.param)) throw NotCheckable("a transfer writes to a port that does not take part");
-        write(c.params[bound.param].node, bound.variable);
+        const auto& [param, variable, of_type] = c.bound.at(set->at(1).row());
+        if (!contains(clause.params, param)) throw NotCheckable("a transfer writes to a port that does not take part");
+        write(c.params[param].node, variable);
       }
     }
     m_.connectors.push_back(std::move(c));
@@ -150,8 +150,8 @@ class Reader {
   }
 
   Model& m_;
-  const std::vector<const Tree*> port_types_, connector_types_, choices_;
-  Rows choice_node_;
+  const std::vector<const Tree*> port_types_ = m_.tree.all("port-type"), connector_types_ = m_.tree.all("connector-type"), choices_ = m_.tree.all("choice");
+  Rows choice_node_ = Rows(choices_.size(), kNone);
 };
 
 }  // namespace

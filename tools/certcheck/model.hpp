@@ -68,11 +68,8 @@ struct Node {
   bool is_step = false;
   std::size_t connector = kNone;  // whose root group it is
 };
-/// A variable of a port that a connector binds.
-struct Bound {
-  std::size_t param = 0, variable = 0;
-  Text type;
-};
+/// A variable of a port that a connector binds: of which parameter, which one, its type.
+using Bound = std::tuple<std::size_t, std::size_t, Text>;
 struct Connector {
   Text path;
   std::size_t root = 0, compound = 0;

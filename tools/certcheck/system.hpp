@@ -96,11 +96,11 @@ class System {
   const Shape& shape_of(std::size_t node, bool wants_list) {
     Shape& shape = shapes_[node];
     if (shape.tree.empty()) {
-      Rows& tree = shape.tree = {node};
-      for (std::size_t k = 0; k < tree.size(); ++k) for (const Edge& edge : m_.nodes[tree[k]].children) tree.push_back(edge.node);
-      std::sort(tree.rbegin(), tree.rend());
-      tree.erase(std::unique(tree.begin(), tree.end()), tree.end());
-      shape.is_plain = is_plain(tree);
+      // Children have smaller rows, and so come later.
+      std::set<std::size_t, std::greater<>> tree{node};
+      for (std::size_t row : tree) for (const Edge& edge : m_.nodes[row].children) tree.insert(edge.node);
+      shape.tree.assign(tree.begin(), tree.end());
+      shape.is_plain = is_plain(shape.tree);
     }
     if (shape.all.empty() && (wants_list || !shape.is_plain)) list(node, shape.all);
     return shape;

@@ -159,15 +159,15 @@ class Terms {
       }
     }
   }
-  /// The value that is told, or any.
-  [[nodiscard]] expr known(Text type, std::optional<int> value) const { return value ? constant(type, *value) : fresh(type); }
   /// Parameters as the system says, and the others.
   [[nodiscard]] Local local(const Atom& atom, const Values& others) const {
     Local local;
     std::size_t arg = 0;
     expr fault = truth(false);
     for (const Variable& variable : m_.atom_types[atom.type].variables) {
-      local.push_back(variable.is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : known(variable.type, others[local.size()]));
+      const std::optional<int> value = others[local.size()];
+      const expr other = value ? constant(variable.type, *value) : fresh(variable.type);
+      local.push_back(variable.is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : other);
     }
     return local;
   }
@@ -240,10 +240,34 @@ class Terms {
       return t.port != kNone ? truth(false) : both(marked(local, t.from), holds(*t.guard, own(type, local), truth(true), ignored));
     });
   }
-  /// Takes the transition and the internal ones that follow, from where `when` holds.
-  void take(const AtomType& type, const Transition& t, Local& local, const expr& when, expr& fault) const {
-    move(type, t, local, when, fault);
-    settle(type, local, when, fault);
+  /// Takes the transition and the internal ones that follow, from where `when` holds. Where those do not come to an end nothing is
+  /// known, not even whether that is an error.
+  void take(const AtomType& type, const Transition& first, Local& local, const expr& when, expr& fault) const {
+    move(type, first, local, when, fault);
+    Local now = local;
+    expr active = when;
+    for (int round = 0; !is(active, false); ++round) {
+      expr any = truth(false);
+      Local next = now;
+      const bool is_lost = round > (is(active, true) ? kMaxClear : kMaxInternals);
+      if (is_lost) fault = either(fault, both(active, fresh("bool")));
+      for (std::size_t k = 0; k < now.size() && is_lost; ++k) now[k] = fresh(type.variables[k].type);
+      for (const Transition& t : type.transitions) {
+        if (t.port != kNone || is_lost) continue;
+        const expr there = both(active, marked(now, t.from));
+        const expr on = is(there, false) ? there : both(there, holds(*t.guard, own(type, now), there, fault));
+        if (is(on, false)) continue;
+        Local moved = now;
+        move(type, t, moved, on, fault);
+        if (is(any, false)) next = std::move(moved);
+        else merge(on, moved, next);
+        fault = either(fault, both(any, on));
+        any = either(any, on);
+      }
+      merge(both(active, no(any)), now, local);
+      active = any;
+      now = std::move(next);
+    }
   }
   /// Fires a port of the offer. If that is for sure, and in one way only, it is known where an automaton is before.
   void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& now, Local& local, const expr& when, expr& fault) const {
@@ -291,16 +315,6 @@ class Terms {
     for (std::size_t k = 0; k < into.size(); ++k) into[k] = choose(when, from[k], into[k]);
   }
 
-  void check_invariants(const AtomType& type, Local& local, const expr& when, expr& fault) const {
-    for (const Tree* row : type.invariants) {
-      const Rows places = (*row)["places"].rows();
-      const Text scope = row->at(3).text;
-      expr here = scope == "always" ? when : both(when, marked(local, places));
-      for (std::size_t p = 0; p < type.places && scope == "at"; ++p) here = contains(places, p) ? here : both(here, no(local[p]));
-      fault = either(fault, both(here, no(holds((*row)["guard"], own(type, local), here, fault))));
-    }
-  }
-
   void move(const AtomType& type, const Transition& t, Local& local, const expr& when, expr& fault) const {
     // An automaton is where the transition leads to, and nowhere else.
     if (type.is_automaton) std::fill_n(local.begin(), type.places, truth(false));
@@ -310,33 +324,12 @@ class Terms {
       local[place] = truth(true);
     }
     execute(*t.action, own(type, local), when, fault);
-    check_invariants(type, local, when, fault);
-  }
-  // Internal transitions. Where they do not come to an end nothing is known, not even whether that is an error.
-  void settle(const AtomType& type, Local& local, const expr& when, expr& fault) const {
-    Local now = local;
-    expr active = when;
-    for (int round = 0; !is(active, false); ++round) {
-      expr any = truth(false);
-      Local next = now;
-      const bool is_lost = round > (is(active, true) ? kMaxClear : kMaxInternals);
-      if (is_lost) fault = either(fault, both(active, fresh("bool")));
-      for (std::size_t k = 0; k < now.size() && is_lost; ++k) now[k] = fresh(type.variables[k].type);
-      for (const Transition& t : type.transitions) {
-        if (t.port != kNone || is_lost) continue;
-        const expr there = both(active, marked(now, t.from));
-        const expr on = is(there, false) ? there : both(there, holds(*t.guard, own(type, now), there, fault));
-        if (is(on, false)) continue;
-        Local moved = now;
-        move(type, t, moved, on, fault);
-        if (is(any, false)) next = std::move(moved);
-        else merge(on, moved, next);
-        fault = either(fault, both(any, on));
-        any = either(any, on);
-      }
-      merge(both(active, no(any)), now, local);
-      active = any;
-      now = std::move(next);
+    for (const Tree* row : type.invariants) {
+      const Rows places = (*row)["places"].rows();
+      const Text scope = row->at(3).text;
+      expr here = scope == "always" ? when : both(when, marked(local, places));
+      for (std::size_t p = 0; p < type.places && scope == "at"; ++p) here = contains(places, p) ? here : both(here, no(local[p]));
+      fault = either(fault, both(here, no(holds((*row)["guard"], own(type, local), here, fault))));
     }
   }
 
