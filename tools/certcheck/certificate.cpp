@@ -74,7 +74,7 @@ class Reader {
     const AtomType& type = m_.atom_types[row.type];
     Values mode(type.variables.size());
     std::fill_n(mode.begin(), type.places, 0);
-    for (std::size_t k = 2; k < words_.size(); ++k) tell(type, said(type, words_[k]), mode);
+    for (std::size_t k = 2; k < words_.size(); ++k) tell(type, said(type, words_[k]), mode, words_[k]);
     for (std::size_t k = 0; k < mode.size(); ++k) row.followed[k] = row.followed[k] || mode[k];
     need(row.numbers.emplace(mode, row.modes.size()).second, "a mode twice");
     row.modes.push_back(std::move(mode));
@@ -111,9 +111,9 @@ class Reader {
   }
 
   // One value; of an automaton, all of its places.
-  void tell(const AtomType& type, const Literal& l, Values& values) const {
+  void tell(const AtomType& type, const Literal& l, Values& values, Text word) const {
     const bool is_place = l.variable < type.places;
-    need(!l.bit && l.low == l.high && (is_place || !l.is_negated), "a value is expected");
+    need(!l.bit && l.low == l.high && (is_place || !l.is_negated), "does not tell a value", word);
     if (is_place && type.is_automaton) std::fill_n(values.begin(), type.places, 0);
     values[l.variable] = l.is_negated ? 0 : l.low;
   }
@@ -123,7 +123,7 @@ class Reader {
       const Literal l = literal(words_[k], false);
       const AtomType& type = m_.type_of(l.atom);
       need(!type.variables[l.variable].is_param, "is a parameter", words_[k]);
-      tell(type, l, state_[l.atom]);
+      tell(type, l, state_[l.atom], words_[k]);
     }
     need(std::none_of(state_.begin(), state_.end(), [](const Values& local) { return contains(local, std::nullopt); }), "the state is not told in full");
     c_.states.insert(state_);
