@@ -40,7 +40,7 @@ class Layout {
 
   bool make() {
     number_cells();
-    if (cells_.count == 0) return false;
+    if (cells_.columns.empty()) return false;
     set_distances();
     std::vector<rt::StepRun> loop;
     u32 least_work = kNone;

@@ -93,7 +93,8 @@ std::string check_model(const Description& model, std::uint64_t seed, const Chec
   Compiled c = compile_texts(print_packages(model));
   if (!c.problem.empty()) return "compile " + c.problem;
   // Functions for them come with the JIT and emitted C++; the interpreter goes without.
-  steps::derive_steps(*c.lowered, seed % 2 == 0 ? steps::Columns::WherePossible : steps::Columns::WhereOfUse);
+  steps::derive_steps(*c.lowered, seed % 4 != 0 ? steps::Columns::WherePossible : steps::Columns::WhereOfUse);
+  counts.in_columns += c.lowered->steps.cells.count != 0 ? 1 : 0;
   const rt::Image& image = c.lowered->image;
   std::vector<std::string> traces;
   if (options.engine_runs != 0) {

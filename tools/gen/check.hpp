@@ -26,6 +26,7 @@ struct OracleCounts {
 };
 struct Counts {
   OracleCounts oracle;
+  std::uint64_t in_columns = 0;  // systems whose loop over steps has data in columns
   EngineCounts engines;
 };
 

@@ -25,6 +25,7 @@ Description generate(std::uint64_t seed, Features features) {
   if (style.regular) {
     style.faults = style.merged = style.atom_rules = style.invariants = false;
     style.calls = style.outside = style.objects = false;
+    style.narrow = Prng(seed ^ 0x6e6172726f77u).percent(80);
   }
   if (style.large) style.max_weight = 3000;
   CodeMaker code(random, style);

@@ -128,9 +128,9 @@ int check(Arguments& a) {
     std::printf("not supported yet (B1900), checked without: %llu systems\n", static_cast<unsigned long long>(totals.unsupported));
   }
   if (a.options.engine_runs == 0) {
-    std::printf("oracle: %llu states, %llu systems too large for it; emitted C++: %llu systems\n",
+    std::printf("oracle: %llu states, %llu systems too large for it; emitted C++: %llu systems; data in columns: %llu\n",
                 static_cast<unsigned long long>(totals.counts.oracle.states), static_cast<unsigned long long>(totals.counts.oracle.too_large),
-                static_cast<unsigned long long>(totals.emitted));
+                static_cast<unsigned long long>(totals.emitted), static_cast<unsigned long long>(totals.counts.in_columns));
   }
   const EngineCounts& engines = totals.counts.engines;
   std::printf("engines: %llu runs with several threads, %llu of them in parts, %llu steps\n", static_cast<unsigned long long>(engines.runs),

@@ -34,7 +34,8 @@ Ty CodeMaker::type() {
 
 Ty CodeMaker::native_type() {
   static const std::vector<Ty> kinds = {Ty::Int, Ty::Int, Ty::Int, Ty::Bool, Ty::Float, Ty::String};
-  return random_->pick(kinds);
+  const Ty type = random_->pick(kinds);
+  return style_->narrow && type == Ty::Float ? Ty::Int : type;
 }
 
 Expr CodeMaker::literal(Ty type) {

@@ -57,7 +57,8 @@ class Worker {
       SupportedModel supported = supported_model(seed);
       std::string failure = check_model(supported.model, seed, options_, counts, options_.emit_cpp ? &emitted : nullptr);
       limit_time(0);
-      std::fprintf(out_, "M %llu %llu\n", static_cast<unsigned long long>(counts.oracle.states), static_cast<unsigned long long>(counts.oracle.too_large));
+      std::fprintf(out_, "M %llu %llu %llu\n", static_cast<unsigned long long>(counts.oracle.states), static_cast<unsigned long long>(counts.oracle.too_large),
+                   static_cast<unsigned long long>(counts.in_columns));
       tell(counts.engines);
       if (supported.is_plain) std::fprintf(out_, "U 1\n");
       if (!failure.empty()) {
@@ -106,7 +107,8 @@ void read_results(std::FILE* in, Totals& totals) {
     if (line[0] == 'M') {
       ++totals.models;
       totals.counts.oracle.states += first;
-      totals.counts.oracle.too_large += std::strtoull(rest, nullptr, 10);
+      totals.counts.oracle.too_large += std::strtoull(rest, &rest, 10);
+      totals.counts.in_columns += std::strtoull(rest, nullptr, 10);
     } else if (line[0] == 'R') {
       const std::uint64_t steps = std::strtoull(rest, &rest, 10);
       totals.counts.engines.add({first, steps, std::strtoull(rest, nullptr, 10)});

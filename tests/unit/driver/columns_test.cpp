@@ -168,6 +168,12 @@ TEST_CASE("systems without columns") {
   CHECK(Prepared(guarded).cells().empty());
   // A division that may fault: the same.
   CHECK(Prepared(tree("int", "m = a.v / b.v;", kBoth)).cells().empty());
+  // Nobody has data but connectors, and theirs are gone after a step.
+  const std::string none =
+      "  port type S()\n  connector type One(S a)\n    data int z\n    define a\n  end\n"
+      "  atom type A()\n    export port S p()\n    place P\n    initial to P\n    on p from P to P\n  end\n"
+      "  compound type Root()\n    component A a()\n    connector One one(a.p)\n  end\n";
+  CHECK(Prepared(none, steps::Columns::WherePossible).cells().empty());
   // More kinds of steps than the loop asks for.
   std::string many = pairs(20);
   many.replace(many.rfind("  end\n"), 6, "");
