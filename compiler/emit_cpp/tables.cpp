@@ -221,10 +221,10 @@ void TableWriter::image() {
     field("step_runs", step_runs_);
     field("step_operands", step_operands_);
     if (!steps_fn_.empty()) field("steps_fn", "&" + steps_fn_);
-    if (const lower::StepCells& cells = lowered_.steps.cells; !cells.empty()) {
+    if (!step_columns_.empty()) {
       field("step_columns", step_columns_);
-      field("step_cells", std::to_string(cells.count));
-      field("step_cells_pay", std::to_string(cells.pay));
+      field("step_cells", std::to_string(lowered_.steps.cells.count));
+      field("step_cells_pay", std::to_string(lowered_.steps.cells.pay));
     }
   }
   if (image_.outside != nullptr) {
