@@ -201,16 +201,17 @@ bool Core::restore(const State& state) {
   if (!extern_data_.empty()) extern_data_.load(all_.data(), state.objects);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomInfo& now = atoms_[atom];
-    const u32 slots = tables_.atom_type(atom).slots.size;
+    const AtomType& type = image.atom_types[now.type];
+    const u32 slots = type.slots.size;
     const u32 words = tables_.types[now.type].mark_words;
     const u32 mark = tables_.first_mark(atom);
     const bool same_data = slots == 0 || std::memcmp(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot)) == 0;
     const bool same_marks = words == 0 || std::memcmp(&marks_[mark], &state.marks[mark], words * sizeof(u64)) == 0;
     // What a timed atom offers depends on the instant.
-    const bool is_still = time_ == nullptr || tables_.atom_type(atom).time == nullptr;
+    const bool is_still = time_ == nullptr || type.time == nullptr;
     if (is_still && same_data && same_marks && places_[atom] == state.places[atom]) continue;
     for (u32 i = 0; i < slots; ++i) {
-      if (!is_extern(tables_.atom_type(atom).slots[i].type)) all_[now.slot_base + i].bits = state.data[now.slot_base + i];
+      if (!is_extern(type.slots[i].type)) all_[now.slot_base + i].bits = state.data[now.slot_base + i];
     }
     if (words != 0) std::memcpy(&marks_[mark], &state.marks[mark], words * sizeof(u64));
     const u32 before = places_[atom];

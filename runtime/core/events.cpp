@@ -75,7 +75,8 @@ bool Core::refuse_events(u32 atom, const u32* transition_of_port) {
 const Slot& Core::shown(u32 atom, u32 port, u32 variable) const {
   const u32 row = time_ == nullptr ? kNone : event_row(tables_.instance(atom, port));
   if (row != kNone && time_->queues[row].count != 0) return time_->queues[row].values[time_->queues[row].first + variable];
-  return all_[atoms_[atom].slot_base + tables_.atom_type(atom).ports[port].slots[variable]];
+  const AtomInfo& info = atoms_[atom];
+  return all_[info.slot_base + image().atom_types[info.type].ports[port].slots[variable]];
 }
 
 bool Core::fail_event(u32 row) {

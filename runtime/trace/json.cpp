@@ -50,7 +50,7 @@ void append_port_head(std::string& out, const Core& core, const Participant& par
 
 void append_json_values(std::string& out, const Core& core, u32 atom, u32 port) {
   const Image& image = core.image();
-  const Port& declared = image.atom_types[image.atoms[atom].type].ports[port];
+  const Port& declared = core.tables().atom_type(atom).ports[port];
   const PortType& type = image.port_types[declared.type];
   out += '{';
   for (u32 i = 0; i < declared.slots.size; ++i) {
