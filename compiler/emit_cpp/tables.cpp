@@ -159,7 +159,7 @@ void TableWriter::connector_type(const rt::ConnectorType& type) {
   rows.clear();
   for (const rt::Clause& c : type.clauses) {
     const std::string clause_params = list(name + "_clause_params", c.params);
-    std::string rest = bool_text(c.may_fault);
+    std::string rest = bool_text(c.may_fault) + ", " + bool_text(c.guard_may_fault);
     if (c.has_ranges) rest += ", true, " + ranges(name + "_guard_ranges", c.guard_ranges) + ", " + ranges(name + "_up_ranges", c.up_ranges);
     rows.push_back(braces({clause_params, row_text(c.guard), row_text(c.up), row_text(c.down), loc_text(c.loc), rest}));
   }

@@ -107,6 +107,7 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
     out.loc = loc_of(clause.loc);
     // Then it runs while interactions are computed.
     out.may_fault = code_facts(l.system.code, ExprId{}, clause.up).may_fault;
+    out.guard_may_fault = code_facts(l.system.code, clause.guard, StmtId{}).may_fault;
     if (const std::optional<ClauseRanges> ranges = wants_ranges ? clause_ranges(l.system.code, clause) : std::nullopt) {
       out.has_ranges = true;
       out.guard_ranges = l.pools.list(ranges->guard);

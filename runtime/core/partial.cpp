@@ -13,8 +13,19 @@ namespace {
 
 constexpr u32 kAfterAll = kNone;  // order of faults that show when all of a step's atoms are at rest
 
+// A guard or an `up` can end in a fault, which comes when its ports are first ready in such a state.
+bool can_fault(const Tables& tables, u32 connector) {
+  const Span<Clause>& clauses = tables.connector_type(connector).clauses;
+  return std::any_of(clauses.begin(), clauses.end(), [](const Clause& clause) { return clause.may_fault || clause.guard_may_fault; });
+}
+
 bool is_plain(const Tables& tables, const SlotInfo& info) {
-  return info.kind == SlotKind::Flat || info.kind == SlotKind::Port || (info.kind == SlotKind::Planned && tables.plans[info.plan()].rigid);
+  if (info.kind == SlotKind::Port) return true;
+  if (info.kind == SlotKind::Flat) return !can_fault(tables, info.row);
+  if (info.kind != SlotKind::Planned || !tables.plans[info.plan()].rigid) return false;
+  const Plan& plan = tables.plans[info.plan()];
+  const auto first = tables.plan_uses.begin() + plan.first_use;
+  return std::none_of(first, first + plan.use_count, [&](const PlanUse& use) { return can_fault(tables, use.connector); });
 }
 
 void sort_pairs(std::vector<Csr::Pair>& pairs) {

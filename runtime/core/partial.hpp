@@ -4,10 +4,12 @@
 //
 // Begun in this order, the steps are a run of the sequential semantics: who takes part is in the state that the completed
 // steps before left it in, and what else the step depends on must be at rest. That is said in *groups* of atoms:
-// - of a connector that is no plain rendezvous (a larger interaction might come), all atoms below it;
+// - of a connector that is no plain rendezvous (a larger interaction might come, or its guard or `up` may fault), all atoms
+//   below it;
 // - of priorities that chain, the atoms of all high sides and of all guards.
-// A step may begin if no atom of the groups it depends on is at work. A group with guards is strict: whoever touches one of its
-// atoms depends on it, so that every state of the group is looked at and its faults are the sequential ones.
+// A step may begin if no atom of the groups it depends on is at work. A group with guards, or of what may fault, is strict:
+// whoever touches one of its atoms depends on it, so that every state of the group is looked at and its faults are the
+// sequential ones.
 #pragma once
 #include <vector>
 

@@ -6,7 +6,7 @@ namespace bip::gen {
 Description generate(std::uint64_t seed, Features features) {
   Prng random(seed);
   Style style;
-  style.faults = random.percent(6);
+  style.faults = random.percent(12);
   style.large = random.percent(3);
   style.paper = random.percent(15);
   style.odd_names = random.percent(5);

@@ -152,6 +152,7 @@ struct Clause {
   std::uint32_t guard, up, down;
   Loc loc;
   bool may_fault = false;  // its `up` can end in a fault: it runs while interactions are computed
+  bool guard_may_fault = false;
   bool has_ranges = false; // guard_ranges and up_ranges say what the code does; else it may fault
   Span<RangeOp> guard_ranges = {}, up_ranges = {};  // empty: no code
 };

@@ -37,6 +37,7 @@ struct AtomTypeSpec {
 struct ClauseSpec {
   std::vector<std::string> params = {};
   Fn guard = nullptr, up = nullptr, down = nullptr;
+  bool may_fault = false;  // guard and `up`
 };
 struct ConnectorTypeSpec {
   std::string name = {};
@@ -154,7 +155,7 @@ class Builder {
       std::vector<u32> rows;
       for (const std::string& name : clause.params) rows.push_back(param_row(spec, name));
       std::sort(rows.begin(), rows.end());
-      clauses.push_back({keep(rows), code(clause.guard), code(clause.up), code(clause.down), {0, line_++, 5}});
+      clauses.push_back({keep(rows), code(clause.guard), code(clause.up), code(clause.down), {0, line_++, 5}, clause.may_fault, clause.may_fault});
     }
     std::vector<u32> exported;
     for (const std::string& name : spec.exported_data) {

@@ -138,6 +138,45 @@ TEST_CASE("a fault ends the run at the step where a sequential one meets it") {
   }
 }
 
+TEST_CASE("a connector's fault ends the run at the step where a sequential one meets it") {
+  // When one of two atoms is a step ahead; they could step at a time and never be seen so.
+  const Fn fault = [](Slot*, Slot* all, const u32* bind) { return all[bind[0]].i + all[bind[1]].i == 1 ? fault_status(0, FaultKind::DivisionByZero) : 0; };
+  const Fn pass = [](Slot* self, Slot* all, const u32* bind) { return self[0].i = all[bind[0]].i, 1; };
+  for (const char* where : {"guard", "up", "guard above"}) {
+    INFO(where);
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      Builder b;
+      b.atom_type({.name = "Worker",
+                   .data = {"n"},
+                   .ports = {{.name = "go"}, {.name = "look", .vars = {"n"}}},
+                   .places = {"S"},
+                   .initial = {"S"},
+                   .transitions = {{.port = "go", .from = {"S"}, .to = {"S"}, .action = [](Slot* self, Slot*, const u32*) { return ++self[0].i, 1; }},
+                                   {.port = "look", .from = {"S"}, .to = {"S"}}}});
+      b.connector_type({.name = "One", .params = {{"p", 0}}, .define = "p"});
+      b.connector_type({.name = "Pass", .params = {{"p", 1}}, .define = "p", .clauses = {{.params = {"p"}, .up = pass}}, .data = {"n"}, .exports = true, .exported_data = {"n"}});
+      const bool is_up = std::string_view(where) == "up", is_above = std::string_view(where) == "guard above";
+      b.connector_type({.name = "Both",
+                        .params = {{"p", 1}, {"q", 1}},
+                        .define = "p q",
+                        .clauses = {{.params = {"p", "q"}, .guard = is_up ? nullptr : fault, .up = is_up ? fault : nullptr, .may_fault = true}}});
+      for (const std::string name : {"v", "w"}) {
+        b.atom(name, "Worker");
+        b.connector("go_" + name, "One", {name + ".go"});
+      }
+      if (is_above) b.connector("pass", "Pass", {"v.look"});
+      b.connector("both", "Both", {is_above ? "pass" : "v.look", "w.look"});
+      const Recorded run = recorded(b.image(), seed, 100, Engine::Threads, seed);
+      CHECK(run.result.end == End::Fault);
+      const Followed check = followed(b.image(), run.trace);
+      INFO(check.problem);
+      CHECK(check.problem.empty());
+      CHECK(check.end == End::Fault);
+      CHECK(check.steps == run.result.steps);
+    }
+  }
+}
+
 TEST_CASE("a trace that is no run is refused") {
   Builder b;
   build_philosophers(b, 3, true);
