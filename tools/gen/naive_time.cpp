@@ -153,8 +153,8 @@ std::vector<std::set<std::string>> NaiveEngine::enabled_at(std::int64_t instant)
 
 std::int64_t NaiveEngine::limit(const std::vector<Choice>& choices, std::vector<std::int64_t>& ends) {
   ends.assign(choices.size(), kForever);
-  if (!invariants_hold_at(now_)) return now_;
-  std::int64_t last = kForever;
+  // An action that has returned may find an invariant broken: time stands, and intervals are what guards say all the same.
+  std::int64_t last = invariants_hold_at(now_) ? kForever : now_;
   bool is_eager = false;
   const std::set<std::int64_t> turns = turning_points();
   for (const std::int64_t instant : turns) {
