@@ -11,10 +11,7 @@
 
 namespace bip::test {
 
-/// The repository, as seen from this file.
-inline std::filesystem::path repository() {
-  return std::filesystem::absolute(__FILE__).parent_path().parent_path().parent_path().parent_path();
-}
+inline std::filesystem::path repository() { return BIP_TEST_SOURCE_DIR; }
 
 /// A directory that goes with the object.
 class ScratchDir {

@@ -91,7 +91,7 @@ void collect(const std::string& text, bool is_root, std::set<std::string>& rules
 }  // namespace
 
 TEST_CASE("the reference names each rule where an example uses it, and shows each token") {
-  const std::filesystem::path root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path().parent_path();
+  const std::filesystem::path root = BIP_TEST_SOURCE_DIR;
   std::ifstream in(root / "grammar" / "README.md");
   REQUIRE(in);
   std::set<std::string> covered, named, tokens;

@@ -35,7 +35,7 @@ std::string without_comments(const std::string& text) {
 }  // namespace
 
 TEST_CASE("the example in the docs holds") {
-  const std::filesystem::path root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path().parent_path();
+  const std::filesystem::path root = BIP_TEST_SOURCE_DIR;
   std::ifstream file(root / "compiler" / "docs" / "bsys.md");
   REQUIRE(file);
   std::stringstream content;
