@@ -24,10 +24,16 @@ void append_json_value(std::string& out, const Image& image, SlotType type, Slot
 constexpr std::size_t kRoom = 2048, kHeadRoom = 192, kValueRoom = 12, kNumberRoom = 20;  // of a line; before its name; of an int or bool; of any
 // Writes where there is room.
 struct Pen {
+  static constexpr std::size_t kBlock = 32;
   char* at;
   void put(std::string_view text) {
     std::memcpy(at, text.data(), text.size());
     at += text.size();
+  }
+  /// The same in whole blocks, which is quicker: behind both there must be as much again.
+  void put_blocks(const char* text, std::size_t size) {
+    for (std::size_t k = 0; k < size; k += kBlock) std::memcpy(at + k, text + k, kBlock);
+    at += size;
   }
   template <class Number>
   void number(Number value) {
@@ -85,7 +91,7 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
   if (lines_.empty()) begin_lines(core);
   Line& line = lines_[candidate.slot];
   if (line.text.empty()) begin_line(line, core, candidate);
-  char room[kRoom + kNumberRoom];
+  char room[kRoom + kNumberRoom + Pen::kBlock];
   Pen pen{room};
   pen.put(R"({"step":)");
   pen.number(number);
@@ -109,13 +115,13 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
     append_ports(out, core, candidate);
     return;
   }
-  const std::string_view text = line.text;
+  const char* const text = line.text.data();
   std::size_t from = 0;
   for (u32 row = line.first_value; row < line.first_value + line.values; ++row) {
     const Value& value = values_[row];
-    pen.put(text.substr(from, value.at - from));
+    pen.put_blocks(text + from, value.at - from);
     from = value.at;
-    const Slot& slot = core.shown(value.atom, value.port, value.variable);
+    const Slot& slot = core.is_timed() ? core.shown(value.atom, value.port, value.variable) : core.slot(value.slot);
     if (value.type == SlotType::Int) {
       pen.number(slot.i);
     } else if (value.type == SlotType::Bool) {
@@ -125,7 +131,7 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
       append_json_value(out, core.image(), value.type, slot);
     }
   }
-  pen.put(text.substr(from));
+  pen.put_blocks(text + from, line.text.size() - Pen::kBlock - from);
   flush();
 }
 
@@ -160,11 +166,13 @@ void JsonWriter::begin_line(Line& line, Core& core, const Candidate& candidate) 
     for (u32 i = 0; i < port.slots.size; ++i) {
       if (i != 0) whole += ',';
       whole += variables_[first_variable_[port.type] + i];
-      values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, core.image().port_types[port.type].vars[i].type});
+      const u32 slot = core.is_timed() ? kNone : static_cast<u32>(&core.shown(participant.atom, participant.port, i) - &core.slot(0));
+      values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, slot, core.image().port_types[port.type].vars[i].type});
     }
     if (port.slots.size != 0) whole += "}}";
   }
   whole += "]}\n";
+  whole.append(Pen::kBlock, ' ');
   line.values = static_cast<u32>(values_.size()) - line.first_value;
   line.is_whole = kHeadRoom + whole.size() + line.values * kValueRoom <= kRoom;
   if (line.is_whole) line.text = std::move(whole);

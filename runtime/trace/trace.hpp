@@ -77,13 +77,14 @@ class JsonWriter {
  private:
   /// What a step of a slot writes: all after the number of candidates, values left out, or, if who takes part differs, the name.
   struct Line {
-    std::string text;
+    std::string text;                    // if it is whole with some room behind it
     u32 first_value = 0, values = 0;     // rows of values_
     bool is_whole = false;
   };
   /// Of a variable of a port: it comes before the character `at`.
   struct Value {
     u32 at, atom, port, variable;
+    u32 slot;                            // without time: where it is
     SlotType type;
   };
   void begin_lines(const Core& core);
