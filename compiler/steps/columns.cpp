@@ -52,6 +52,7 @@ class Layout {
       if (!move(run)) return false;
       least_work = std::min(least_work, work_);
     }
+    if (cells_.operands.empty()) return false;
     // Filling and emptying cost as much as a few looks at each cell.
     constexpr std::uint64_t kLooks = 4;
     const std::uint64_t steps = 1 + kLooks * cells_.count / least_work;

@@ -1,9 +1,9 @@
 // The short way: steps by the image's step functions (bip/steps.hpp), one after the other, drawn uniformly.
 //
-// A step costs a draw, two loads to find its run, one indirect call; less if the image has a function for many steps. Meanwhile ranks and rules are not kept up to date; rules
-// are brought up to date at the end, which costs as much as the system is large if it has priorities. What flat connectors with
-// guards offer the list of the enabled says; nothing else that is searched depends on an atom that a compiled step moves
-// (compiler/steps), so a slot without step function is fired by the core in between.
+// A step costs a draw, two loads to find its run, one indirect call; less if the image has a function for many steps. Meanwhile
+// ranks and rules are not kept up to date; rules are brought up to date at the end, which costs as much as the system is large if
+// it has priorities. What flat connectors with guards offer the list of the enabled says; nothing else that is searched depends on
+// an atom that a compiled step moves (compiler/steps), so a slot without step function is fired by the core in between.
 #include <algorithm>
 #include <limits>
 #include <type_traits>

@@ -1,6 +1,6 @@
 // The loop of compiled steps, for programs that know their runs of slots when they are compiled: a draw, then code that is
-// inlined with its operands as constants. It is inlined itself, into a function that may be made for several processors. Half the instructions of what the core does by tables, one step after the other
-// (core/run_steps.cpp): the same draws, the same steps.
+// inlined with its operands as constants. It is inlined itself, into a function that may be made for several processors. Half
+// the instructions of what the core does by tables, one step after the other (core/run_steps.cpp): the same draws, the same steps.
 #pragma once
 #include <cstdint>
 
