@@ -132,7 +132,7 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_option("--record", a.run.record_path, "write the events that come to PATH, for --replay")->type_name("PATH");
   command->add_option("--replay", a.run.replay_path, "repeat the run that was recorded, in logical time, with its seed and policy")->type_name("PATH");
   command->add_flag("--silent", a.run.silent, "no step lines; seed and end are still told");
-  command->add_flag("--stats", a.run.stats, "steps, seconds and time a step at the end");
+  command->add_flag("--stats", a.run.stats, "steps, seconds, time a step and bytes at the end");
   command->add_flag("--debug", a.run.debug, "print every state's possible steps");
   command->add_flag("--interactive", a.run.interactive, "choose each step by its number, read from standard input");
   command->add_flag("--explore", a.run.explore, "count all reachable states, deadlocks and errors; --limit is of states");

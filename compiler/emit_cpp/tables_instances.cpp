@@ -30,6 +30,12 @@ std::string number(std::uint32_t value) { return std::to_string(value) + "u"; }
 // The last column of rows that stand for several.
 std::string index_text(std::uint32_t index) { return index == rt::kNone ? "" : ", " + std::to_string(index); }
 
+std::string bind_texts(const rt::Bind* first, std::uint32_t count) {
+  std::string text;
+  for (std::uint32_t k = 0; k < count; ++k) text += (k == 0 ? "{" : ", {") + row_text(first[k].slot) + "}";
+  return text;
+}
+
 std::string joined(const std::vector<std::string>& cells) {
   std::string out;
   for (const std::string& cell : cells) {
@@ -86,22 +92,23 @@ void TableWriter::instances() {
   connectors_ = folded("Connector", "connector", rows, image_.connectors, [](const rt::Connector::Slope& s) {
     return braces({number(s.slot_base), number(s.ports), number(s.binds), number(s.parent)});
   });
-  const bool are_folded = image_.port_refs.repeats.size != 0;
+  const bool are_folded = image_.port_refs.repeats.size != 0, are_binds_folded = image_.binds.repeats.size != 0;
   for (std::uint32_t k = 0; are_folded && k < image_.port_refs.rows.size; ++k) refs.push_back(port_ref_text(image_.port_refs.rows[k]));
   for (const rt::Connector& c : image_.connectors) {
     const rt::ConnectorType& type = image_.connector_types[c.type];
     for (std::uint32_t k = 0; !are_folded && k < type.params.size; ++k) {
       refs.push_back(with_owner(port_ref_text(image_.port_refs[c.ports + k]), c.path() + " " + type.params[k].name));
     }
-    if (c.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + c.binds, c.bind_count}), c.path()));
+    if (c.bind_count > 0 && !are_binds_folded) binds.push_back(with_owner(bind_texts(image_.binds.rows.data + c.binds, c.bind_count), c.path()));
   }
   for (const rt::Priority& p : image_.priorities) {
-    if (p.bind_count > 0) binds.push_back(with_owner(join({image_.binds.data + p.binds, p.bind_count}), p.name));
+    if (p.bind_count > 0 && !are_binds_folded) binds.push_back(with_owner(bind_texts(image_.binds.rows.data + p.binds, p.bind_count), p.name));
   }
+  for (std::uint32_t k = 0; are_binds_folded && k < image_.binds.rows.size; ++k) binds.push_back(bind_texts(image_.binds.rows.data + k, 1));
   port_refs_ = folded("PortRef", "port_ref", refs, image_.port_refs, [](const rt::PortRef::Slope& s) {
     return braces({number(s.atom), number(s.connector), number(s.choice)});
   });
-  binds_ = table("std::uint32_t", "binds", binds);
+  binds_ = folded("Bind", "bind", binds, image_.binds, [](const rt::Bind::Slope& s) { return braces({number(s.slot)}); });
   choices();
   priorities();
   steps();

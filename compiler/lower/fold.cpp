@@ -27,12 +27,14 @@ bool is_same(const rt::Connector& a, const rt::Connector& b) {
 bool is_same(const rt::PortRef& a, const rt::PortRef& b) {
   return a.atom == b.atom && a.port == b.port && a.connector == b.connector && a.maximal_only == b.maximal_only && a.choice == b.choice;
 }
+bool is_same(const rt::Bind& a, const rt::Bind& b) { return a.slot == b.slot; }
 
 rt::Atom::Slope slope(const rt::Atom& a, const rt::Atom& b) { return {b.slot_base - a.slot_base, b.args - a.args}; }
 rt::Connector::Slope slope(const rt::Connector& a, const rt::Connector& b) {
   return {b.slot_base - a.slot_base, b.ports - a.ports, b.binds - a.binds, b.parent - a.parent};
 }
 rt::PortRef::Slope slope(const rt::PortRef& a, const rt::PortRef& b) { return {b.atom - a.atom, b.connector - a.connector, b.choice - a.choice}; }
+rt::Bind::Slope slope(const rt::Bind& a, const rt::Bind& b) { return {b.slot - a.slot}; }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -156,5 +158,6 @@ class Folder {
 void fold(Table<rt::Atom>& table, Arena& arena) { Folder(table, arena).fold(); }
 void fold(Table<rt::Connector>& table, Arena& arena) { Folder(table, arena).fold(); }
 void fold(Table<rt::PortRef>& table, Arena& arena) { Folder(table, arena).fold(); }
+void fold(Table<rt::Bind>& table, Arena& arena) { Folder(table, arena).fold(); }
 
 }  // namespace bip::lower

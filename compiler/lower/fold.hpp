@@ -29,5 +29,6 @@ inline constexpr std::size_t kFewRows = 256;
 void fold(Table<rt::Atom>& table, Arena& arena);
 void fold(Table<rt::Connector>& table, Arena& arena);
 void fold(Table<rt::PortRef>& table, Arena& arena);
+void fold(Table<rt::Bind>& table, Arena& arena);
 
 }  // namespace bip::lower

@@ -74,7 +74,7 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.args = span_of(pools.args);
   image.connectors = pools.connectors.view();
   image.port_refs = pools.port_refs.view();
-  image.binds = span_of(pools.binds);
+  image.binds = pools.binds.view();
   image.choices = span_of(pools.choices);
   image.extern_types = span_of(out.extern_types);
   image.event_classes = span_of(out.event_classes);

@@ -67,12 +67,12 @@ void lower_port_ref(Lowering& l, const PortRef& bound) {
   if (ref.kind == PortRef::Kind::Atom) {
     const std::uint32_t base = l.pools.atoms.rows[ref.atom.value].slot_base;
     for (const std::uint32_t slot : s.atom_types[s.atoms[ref.atom].type].ports[ref.port].slots) {
-      l.pools.binds.push_back(base + slot);
+      l.pools.binds.rows.push_back({base + slot});
     }
   } else {
     const std::uint32_t base = l.pools.connectors.rows[ref.connector.value].slot_base;
     for (const std::uint32_t slot : s.connector_types[s.connectors[ref.connector].type].export_slots) {
-      l.pools.binds.push_back(base + slot);
+      l.pools.binds.rows.push_back({base + slot});
     }
   }
 }
@@ -122,13 +122,13 @@ void lower_connectors(Lowering& l) {
     to.type = connector.type.value;
     to.slot_base = frames[l.pools.connectors.rows.size()];
     to.ports = size_of(l.pools.port_refs.rows);
-    to.binds = size_of(l.pools.binds);
+    to.binds = size_of(l.pools.binds.rows);
     to.bound = connector.bound;
     set_parent(to, connector.parent.value);
     to.loc = loc_of(connector.loc);
     for (const PortRef& ref : connector.ports) lower_port_ref(l, ref);
-    for (const DataRef& ref : connector.data) l.pools.binds.push_back(data_row(l, ref));
-    to.bind_count = size_of(l.pools.binds) - to.binds;
+    for (const DataRef& ref : connector.data) l.pools.binds.rows.push_back({data_row(l, ref)});
+    to.bind_count = size_of(l.pools.binds.rows) - to.binds;
     l.pools.connectors.rows.push_back(to);
   }
 }
@@ -150,10 +150,10 @@ void lower_priorities(Lowering& l) {
     to.high = lower_pattern(l, priority.high);
     const std::string name = s.compounds[priority.parent].type + "_" + priority.name + "_guard";
     to.guard = l.guard(CodeOwner::Priority, row++, name, priority.guard);
-    to.binds = size_of(l.pools.binds);
+    to.binds = size_of(l.pools.binds.rows);
     to.bind_count = size_of(priority.data);
     to.loc = loc_of(priority.loc);
-    for (const DataRef& ref : priority.data) l.pools.binds.push_back(data_row(l, ref));
+    for (const DataRef& ref : priority.data) l.pools.binds.rows.push_back({data_row(l, ref)});
     l.pools.priorities.push_back(to);
   }
 }
@@ -172,6 +172,7 @@ void lower_instances(Lowering& l) {
   fold(l.pools.atoms, l.pools.arena);
   fold(l.pools.connectors, l.pools.arena);
   fold(l.pools.port_refs, l.pools.arena);
+  fold(l.pools.binds, l.pools.arena);
 }
 
 }  // namespace bip::lower

@@ -28,7 +28,7 @@ struct LoweredSystem::Pools {
   Table<rt::Connector> connectors;
   Table<rt::PortRef> port_refs;
   std::vector<rt::Choice> choices;
-  std::vector<std::uint32_t> binds;
+  Table<rt::Bind> binds;
   std::vector<rt::Priority> priorities;
 
   /// A copy of `items` that stays where it is.

@@ -85,6 +85,7 @@ class Deriver {
   const lower::LoweredSystem& lowered_;
   const rt::Image& image_;
   rt::Tables tables_;
+  rt::Binds binds_;
   rt::PriorityTables rules_;
   std::vector<lower::CodeFacts> facts_;             // by unit
   std::vector<u32> first_port_;                     // by atom type: its rows of transitions_

@@ -15,6 +15,7 @@ using rt::SlotKind;
 Deriver::Deriver(const lower::LoweredSystem& lowered)
     : lowered_(lowered), image_(lowered.image), tables_(rt::link(image_, rt::MaximalProgress::On)), rules_(rt::link_priorities(tables_)),
       values_(lowered.system->code, image_.slot_count) {
+  binds_.make(image_);
   for (const lower::CodeUnit& unit : lowered.units) facts_.push_back(lower::code_facts(lowered.system->code, unit.expr, unit.body));
   for (u32 type = 0; type < image_.atom_types.size; ++type) {
     const rt::LinkedType& linked = tables_.types[type];
@@ -29,7 +30,7 @@ Deriver::Deriver(const lower::LoweredSystem& lowered)
 
 u32 Deriver::transition_of(u32 instance) const {
   const u32 atom = tables_.port_atom[instance];
-  return transitions_[first_port_[image_.atoms[atom].type] + instance - tables_.port_base[atom]];
+  return transitions_[first_port_[tables_.atoms[atom].type] + instance - tables_.port_base(atom)];
 }
 
 bool Deriver::have_distinct_atoms() {
@@ -46,7 +47,7 @@ bool Deriver::add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out)
   op.zeroed = zeroed;
   out.ref(self);
   if (unit == kNone) return true;
-  for (const u32 bound : facts_[unit].binds) out.ref(image_.binds[binds + bound]);
+  for (const u32 bound : facts_[unit].binds) out.ref(binds_.rows[binds + bound]);
   return true;
 }
 
@@ -70,7 +71,7 @@ bool Deriver::add_actions(Instance& out) {
   for (const u32 port : ports_) {
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
     if (transition.source->action == kNone) continue;
-    if (!add_code(transition.source->action, 0, image_.atoms[tables_.port_atom[port]].slot_base, 0, out)) return false;
+    if (!add_code(transition.source->action, 0, tables_.atoms[tables_.port_atom[port]].slot_base, 0, out)) return false;
   }
   for (const u32 port : ports_) {
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
@@ -83,7 +84,7 @@ bool Deriver::add_actions(Instance& out) {
 }
 
 Deriver::Found Deriver::describe(u32 slot, Instance& out) {
-  const rt::SlotInfo& info = tables_.slots[slot];
+  const rt::SlotInfo info = tables_.slots[slot];
   out.clear();
   ports_.clear();
   if (info.kind == SlotKind::Planned) {
@@ -100,7 +101,7 @@ Deriver::Found Deriver::describe(u32 slot, Instance& out) {
   }
   for (const u32 port : ports_) {
     const u32 atom = tables_.port_atom[port];
-    if (!tables_.types[image_.atoms[atom].type].simple) return Found::No;
+    if (!tables_.types[tables_.atoms[atom].type].simple) return Found::No;
     // A port without a transition: never ready. In a broadcast others go on without it; those are rare.
     if (transition_of(port) == kNone) return info.kind == SlotKind::Star ? Found::No : Found::Never;
   }

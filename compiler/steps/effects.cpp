@@ -19,7 +19,7 @@ constexpr std::size_t kMaxHiders = 8;
 bool Deriver::link_priorities() {
   std::vector<u32> all;
   const auto matches = [&](u32 rule, u32 slot, bool high) {
-    const u32 connector = tables_.slots[slot].row;
+    const u32 connector = tables_.connector_of(slot);
     all.clear();
     for (u32 k = 0; k < tables_.connector_type(connector).params.size; ++k) all.push_back(k);
     const rt::Priority& row = image_.priorities[rule];
@@ -27,7 +27,7 @@ bool Deriver::link_priorities() {
   };
   std::vector<std::vector<u32>> highs(rules_.count);
   for (const rt::HighEdge& edge : rules_.high_edges) {
-    const rt::SlotInfo& info = tables_.slots[edge.slot];
+    const rt::SlotInfo info = tables_.slots[edge.slot];
     if (info.kind != SlotKind::Flat || info.searched) return false;
     if (matches(edge.rule, edge.slot, true)) highs[edge.rule].push_back(edge.slot);
   }
@@ -70,7 +70,7 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
     for (u32 d = 0; d < transition.delta_count; ++d) {
       const rt::PortDelta& delta = tables_.deltas[transition.delta_first + d];
-      const u32 moved = tables_.port_base[atom] + delta.port;
+      const u32 moved = tables_.port_base(atom) + delta.port;
       if (tables_.port_watch[moved].size != 0) return false;
       for (const u32 node : tables_.port_out[moved]) {
         if (node >= slots()) return false;
@@ -100,7 +100,7 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
 }
 
 bool Deriver::add_slot(Effect effect, u32 fired, Instance& out) {
-  const rt::SlotInfo& info = tables_.slots[effect.slot];
+  const rt::SlotInfo info = tables_.slots[effect.slot];
   const bool exact = info.kind == SlotKind::Flat || info.kind == SlotKind::Port;  // its value is never above 0
   StepOp& op = out.add(StepOpKind::Slot);
   op.delta = effect.delta;
@@ -114,14 +114,14 @@ bool Deriver::add_slot(Effect effect, u32 fired, Instance& out) {
     op.unit = clause.guard;
     op.zeroed = type.slots.size;
     out.ref(connector.slot_base);
-    for (const u32 bound : facts_[clause.guard].binds) out.ref(image_.binds[connector.binds + bound]);
+    for (const u32 bound : facts_[clause.guard].binds) out.ref(binds_.rows[connector.binds + bound]);
   }
   if (const auto hiders = hiders_.find(effect.slot); hiders != hiders_.end()) {
     for (const u32 slot : hiders->second) out.ref(slot);
     out.ops.back().hiders = static_cast<u32>(hiders->second.size());
   }
   StepOp& made = out.ops.back();
-  const std::int32_t all = -tables_.node_start[effect.slot];
+  const std::int32_t all = -tables_.slot_start(effect.slot);
   if (exact && effect.delta < 0 && effect.slot == fired) made.change = SlotChange::Leaves;
   if (exact && made.unit == kNone && made.hiders == 0) {
     if (effect.delta == all) made.change = SlotChange::Enters;
@@ -140,7 +140,7 @@ bool Deriver::add_star(Instance& out) {
     Effect effect{kNone, 0};
     for (u32 d = 0; d < transition.delta_count; ++d) {
       const rt::PortDelta& delta = tables_.deltas[transition.delta_first + d];
-      const u32 moved = tables_.port_base[atom] + delta.port;
+      const u32 moved = tables_.port_base(atom) + delta.port;
       if (tables_.port_watch[moved].size != 0) return false;
       for (const u32 node : tables_.port_out[moved]) {
         if (node >= slots() || effect.slot != kNone) return false;
@@ -148,10 +148,10 @@ bool Deriver::add_star(Instance& out) {
       }
     }
     if (effect.slot != kNone) {
-      const rt::SlotInfo& info = tables_.slots[effect.slot];
+      const rt::SlotInfo info = tables_.slots[effect.slot];
       const bool exact = info.kind == SlotKind::Flat || info.kind == SlotKind::Port;
       if (!exact || info.searched || hiders_.contains(effect.slot) || hidden_.contains(effect.slot)) return false;
-      if (effect.delta != -tables_.node_start[effect.slot]) return false;
+      if (effect.delta != -tables_.slot_start(effect.slot)) return false;
     }
     const u32 action = transition.source->action;
     if (action != kNone && facts_[action].may_fault) return false;

@@ -57,7 +57,7 @@ void Deriver::evaluate_uses() {
   values_.begin();
   const auto run = [&](u32 use, bool is_up) {
     const rt::Connector& row = image_.connectors[uses_[use].connector];
-    if (const u32 unit = unit_of(use, is_up); unit != kNone) values_.run(lowered_.units[unit].body, row.slot_base, image_.binds.data + row.binds);
+    if (const u32 unit = unit_of(use, is_up); unit != kNone) values_.run(lowered_.units[unit].body, row.slot_base, binds_.rows + row.binds);
   };
   for (const u32 use : ups_) {
     values_.zero(image_.connectors[uses_[use].connector].slot_base, tables_.connector_type(uses_[use].connector).slots.size);

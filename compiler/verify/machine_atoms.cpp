@@ -134,7 +134,7 @@ void MachineBuilder::add_ports() {
       if (t.port != Transition::kInternal) {
         const Signal there = marked(now_[a], t.from);
         on = c_.both(there, code_.test(t.guard, variables, there, state_fault_));
-        Signal& port = m_.port_is_on[tables_.port_base[a] + t.port];
+        Signal& port = m_.port_is_on[tables_.port_base(a) + t.port];
         state_fault_ = c_.either(state_fault_, c_.both(port, on));
         port = c_.either(port, on);
       } else {
@@ -165,7 +165,7 @@ void MachineBuilder::hide_ports(u32 a) {
       }
     }
   }
-  const Signal* on = m_.port_is_on.data() + tables_.port_base[a];
+  const Signal* on = m_.port_is_on.data() + tables_.port_base(a);
   std::vector<Signal> covered(ports, kFalse), on_cycle(ports, kTrue);
   for (std::size_t round = 0; round < ports; ++round) {
     std::vector<Signal> covers(ports, kFalse), cycles(ports, kFalse);
@@ -181,7 +181,7 @@ void MachineBuilder::hide_ports(u32 a) {
   }
   state_fault_ = c_.either(state_fault_, c_.any(on_cycle));
   for (std::size_t p = 0; p < ports; ++p) {
-    Signal& port = m_.port_is_on[tables_.port_base[a] + p];
+    Signal& port = m_.port_is_on[tables_.port_base(a) + p];
     port = c_.both(port, negated(covered[p]));
   }
 }
@@ -254,7 +254,7 @@ MachineBuilder::Post MachineBuilder::fire(u32 port, const Local& before) {
   Post post{before, kFalse, kFalse};
   for (std::size_t t = 0; t < type.transitions.size(); ++t) {
     const Signal on = enabled_[a][t];
-    if (on == kFalse || type.transitions[t].port != port - tables_.port_base[a]) continue;
+    if (on == kFalse || type.transitions[t].port != port - tables_.port_base(a)) continue;
     Local local = before;
     if (alone) {
       local.marks.assign(type.places.size(), kFalse);
@@ -276,7 +276,7 @@ void MachineBuilder::finish_state() {
   std::size_t at = 0;
   for (u32 a = 0; a < now_.size(); ++a) {
     Local next = now_[a];
-    for (u32 port = tables_.port_base[a]; port < tables_.port_base[a + 1]; ++port) {
+    for (u32 port = tables_.port_base(a); port < tables_.port_base(a + 1); ++port) {
       if (fired_plainly_[port] != kFalse) merge(fired_plainly_[port], posts_[port]->local, next);
     }
     for (const Move& one : moves_[a]) merge(one.when, one.to, next);

@@ -31,7 +31,7 @@ Variables MachineBuilder::variables_of(const Tree& tree, const Use& use, const s
         rows->push_back(kNoRow);
       } else if (tree.nodes[node].kind == Kind::Leaf) {
         const u32 atom = tables_.port_atom[tree.nodes[node].port];
-        rows->push_back(image_.atoms[atom].slot_base + type_of(atom).ports[tree.nodes[node].port - tables_.port_base[atom]].slots[v]);
+        rows->push_back(image_.atoms[atom].slot_base + type_of(atom).ports[tree.nodes[node].port - tables_.port_base(atom)].slots[v]);
       } else {
         const u32 below = tree.uses[tree.nodes[node].use].connector;
         const ConnectorType& below_type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{below})].type];

@@ -34,7 +34,7 @@ void MachineBuilder::apply_priorities() {
     const rt::Priority& rule = image_.priorities[r];
     Variables variables;
     variables.bind = [&](u32 k) {
-      const u32 row = image_.binds[rule.binds + k];
+      const u32 row = image_.binds[rule.binds + k].slot;
       return now_[atom_of_slot_[row]].slots[row - image_.atoms[atom_of_slot_[row]].slot_base];
     };
     guard.push_back(code_.test(system_.priorities[PriorityId(std::size_t{r})].guard, variables, kTrue, state_fault_));

@@ -9,31 +9,24 @@ namespace bip::rt {
 Core::Core(const Image& image, CoreOptions options)
     : tables_(link(image, options.progress)), options_(options), rules_(link_priorities(tables_)), extern_data_(image) {
   const u32 slot_count = static_cast<u32>(tables_.slots.size());
-  atoms_.resize(image.atoms.size);
-  for (u32 i = 0; i < image.atoms.size; ++i) {
-    const Atom& atom = image.atoms[i];
-    atoms_[i] = {tables_.port_base[i], atom.slot_base, atom.type, tables_.atom_watch[i].size != 0 ? 1u : 0u};
-  }
+  atoms_ = {tables_.atoms.data(), image.atoms.size};
   all_.assign(image.slot_count, Slot{0});
   for (u32 i = 0; !extern_data_.empty() && i < image.connectors.size; ++i) zero_frame(i);
-  binds_ = image.binds.data;
-  if (image.choices.size != 0) {
-    own_binds_.assign(image.binds.begin(), image.binds.end());
-    binds_ = own_binds_.data();
-  }
   ports_.resize(tables_.port_atom.size());
-  is_direct_.resize(slot_count);
-  for (u32 i = 0; i < slot_count; ++i) {
-    is_direct_[i] = !tables_.slots[i].searched && (rules_.count == 0 || rules_.slot_involved[i] == 0);
+  const auto is_direct = [&](u32 slot) { return !tables_.slots[slot].searched && (rules_.count == 0 || rules_.slot_involved[slot] == 0); };
+  while (direct_.below < slot_count && is_direct(direct_.below)) ++direct_.below;
+  if (direct_.below != slot_count) {
+    for (u32 i = 0; i < slot_count; ++i) direct_.is_direct.push_back(is_direct(i) ? 1 : 0);
+    is_dirty_.assign(slot_count, 0);
   }
-  is_dirty_.assign(slot_count, 0);
   listing_of_.assign(tables_.any_searched ? slot_count : 0, kNone);
-  for (u32 i = 0; i < slot_count; ++i) {
-    if (!tables_.slots[i].searched) continue;
+  for (u32 i = 0; tables_.any_searched && i < slot_count; ++i) {
+    const SlotInfo info = tables_.slots[i];
+    if (!info.searched) continue;
     listing_of_[i] = static_cast<u32>(listings_.size());
     listings_.emplace_back();
-    flat_guards_.push_back(flat_guard(tables_.slots[i]));
-    is_weighted_ |= tables_.slots[i].kind != SlotKind::Flat;
+    flat_guards_.push_back(flat_guard(info));
+    is_weighted_ |= info.kind != SlotKind::Flat;
   }
   u32 ports = 0, nodes = 0, uses = 0;
   for (const AtomType& type : image.atom_types) ports = std::max(ports, type.ports.size);
@@ -47,6 +40,7 @@ Core::Core(const Image& image, CoreOptions options)
   node_scratch_.assign(nodes, 0);
   use_clause_.assign(uses, kNone);
   build_time();
+  if (looks_at_binds()) binds_.make(image);
   forget();
   link_steps();
 }
@@ -63,7 +57,7 @@ FlatGuard Core::flat_guard(const SlotInfo& info) {
 // To no state at all: no atom is anywhere, no port enabled.
 void Core::forget() {
   const u32 slot_count = static_cast<u32>(tables_.slots.size());
-  places_.assign(atoms_.size(), kNone);
+  places_.assign(atoms_.size, kNone);
   history_.assign(kHistory, kNone);
   history_at_ = 0;
   marks_.assign(tables_.mark_words, 0);
@@ -73,12 +67,14 @@ void Core::forget() {
     ports_[i].transition = ports_[i].place = kNone;
     if (!type.simple) continue;
     for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
-      if (tables_.transitions[row].port != i - tables_.port_base[atom]) continue;
+      if (tables_.transitions[row].port != i - tables_.port_base(atom)) continue;
       ports_[i].transition = row;
       ports_[i].place = tables_.transitions[row].from;
     }
   }
-  values_ = tables_.node_start;
+  values_.resize(tables_.node_count());
+  for (u32 slot = 0; slot < slot_count; ++slot) values_[slot] = tables_.slot_start(slot);
+  std::copy(tables_.inner_start.begin(), tables_.inner_start.end(), values_.begin() + slot_count);
   if (time_ != nullptr) forget_time();
   enabled_.reset(slot_count, is_weighted_);
   for (Listing& listing : listings_) listing = {};
@@ -102,7 +98,7 @@ bool Core::initialize() {
   forget();
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomType& type = tables_.atom_type(atom);
-    const LinkedType& linked = tables_.types[image.atoms[atom].type];
+    const LinkedType& linked = tables_.types[atoms_[atom].type];
     const AtomInfo& state = atoms_[atom];
     Slot* slots = all_.data() + state.slot_base;
     u32 args = image.atoms[atom].args;
@@ -155,15 +151,15 @@ void Core::set_list_order(const std::vector<u32>& order) {
 }
 
 Candidate Core::candidate(EnabledSet::Position at) const {
-  const SlotInfo& info = tables_.slots[at.slot];
   Candidate candidate;
   candidate.slot = at.slot;
-  if (info.kind == SlotKind::Port) {
-    candidate.atom = tables_.port_atom[info.row];
-    candidate.port = info.row - tables_.port_base[candidate.atom];
+  if (at.slot >= tables_.connector_slots) {
+    const u32 instance = tables_.slots[at.slot].row;
+    candidate.atom = tables_.port_atom[instance];
+    candidate.port = instance - tables_.port_base(candidate.atom);
     return candidate;
   }
-  candidate.connector = info.row;
+  candidate.connector = tables_.connector_of(at.slot);
   candidate.config = at.rank;
   const u32 listing = listing_of(at.slot);
   if (listing == kNone) return candidate;
@@ -229,16 +225,16 @@ bool Core::is_marked(u32 atom, u32 place) const {
 }
 
 u32 Core::enabled_transition(u32 atom, u32 port) const {
-  const u32 row = enabled_row(tables_.port_base[atom] + port);
+  const u32 row = enabled_row(tables_.port_base(atom) + port);
   return row == kNone ? kNone : row - tables_.types[atoms_[atom].type].first_transition;
 }
 
 std::vector<u32> Core::last_slots() const {
-  std::vector<u32> last(atoms_.size(), kNone);
+  std::vector<u32> last(atoms_.size, kNone);
   for (u32 i = 0; i < kHistory; ++i) {
     const u32 slot = history_[(history_at_ + i) % kHistory];
     if (slot == kNone) continue;
-    const SlotInfo& info = tables_.slots[slot];
+    const SlotInfo info = tables_.slots[slot];
     if (info.kind == SlotKind::Port) last[tables_.port_atom[info.row]] = slot;
     for (u32 port = 0; port < info.count; ++port) last[tables_.port_atom[tables_.flat_ports[info.first + port]]] = slot;
     if (info.plan() == kNone) continue;

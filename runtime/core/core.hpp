@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "bip/prng.hpp"
@@ -71,8 +72,9 @@ class Core {
   bool take(EnabledSet::Position at) {
     if (rows_.empty()) build_programs();
     const u32* program = rows_.data() + std::size_t{at.slot} * row_words_;
-    return *program != kNone ? run_program(program, at.slot) : fire(candidate(at));
+    return *program != kNone ? run_program(program, at.slot) : fire_parts(candidate(at));
   }
+  void drop_programs();  // if all steps are compiled; `take` and `fire` make them anew
   /// Has the image step functions for this system, and is the list kept?
   [[nodiscard]] bool has_steps() const { return !run_of_.blocks.empty() && keeps_list_; }
   /// The image has other code now, which means the same, or compiled steps that it had not. `before`: its rows as they were.
@@ -187,18 +189,17 @@ class Core {
   [[nodiscard]] bool is_available(u32 node) const { return values_[node] >= 0; }
   /// Candidates of the connector before priorities; 0 also if it exports a port.
   [[nodiscard]] u32 listed_count(u32 connector) const;
+  [[nodiscard]] MemoryUse memory() const;  // by count of rows
   /// Of connectors whose candidates are searched.
   [[nodiscard]] const SearchWork& search_work() const { return search_work_; }
 
  private:
   FlatGuard flat_guard(const SlotInfo& info);
+  [[nodiscard]] bool looks_at_binds() const { return tables_.any_searched || rules_.count != 0 || time_ != nullptr || image().choices.size != 0; }
   void forget();
   bool settle_anew();
   [[nodiscard]] u32 listing_of(u32 slot) const { return listing_of_.empty() ? kNone : listing_of_[slot]; }
-  void remember(u32 slot) {
-    history_[history_at_] = slot;
-    history_at_ = (history_at_ + 1) % kHistory;
-  }
+  void remember(u32 slot) { history_[std::exchange(history_at_, (history_at_ + 1) % kHistory)] = slot; }
   [[nodiscard]] u32 enabled_row(u32 instance) const {
     const PortState& port = ports_[instance];
     return port.place == kNone || places_[tables_.port_atom[instance]] == port.place ? port.transition : kNone;
@@ -275,6 +276,7 @@ class Core {
   bool fail_program(std::int32_t status, u32 slot, bool is_before, u32 index);
 
   // fire.cpp
+  bool fire_parts(const Candidate& candidate);
   bool run_program(const u32* word, u32 slot);
   bool fire_port(u32 instance);
   bool fire_flat(const SlotInfo& info);
@@ -338,18 +340,17 @@ class Core {
   PriorityTables rules_;
   Fault fault_;
 
-  std::vector<AtomInfo> atoms_;
+  Span<AtomInfo> atoms_;                   // the tables'
   std::vector<u32> places_;                // by atom: automata
   std::vector<u32> history_;               // the slots fired last, a ring; only for telling stories
   u32 history_at_ = 0;
   std::vector<u64> marks_;
   std::vector<Slot, InCacheLines<Slot>> all_;
   ExternData extern_data_;
-  std::vector<u32> own_binds_;             // a copy of the image's, if choices move rows of it
-  const u32* binds_ = nullptr;
+  Binds binds_;                            // made when code that needs them may run
   std::vector<PortState> ports_;
   std::vector<std::int32_t> values_;       // by node of the availability network
-  std::vector<std::uint8_t> is_direct_;    // by slot: that its value crosses zero is all there is to know
+  DirectSlots direct_;
   std::vector<u32> rows_;                  // by slot, row_words_ each: its program; kNone: it has none. Made when needed
   std::vector<u32> programs_;              // those longer than a row
   u32 row_words_ = 1;
@@ -363,7 +364,7 @@ class Core {
   std::vector<u32> step_scratch_;
 
   std::vector<u32> dirty_;
-  std::vector<std::uint8_t> is_dirty_;     // by slot
+  std::vector<std::uint8_t> is_dirty_;     // by slot; empty: all are direct
   std::vector<u32> listing_of_;            // by slot; kNone: not searched. Empty: none is
   std::vector<Listing> listings_;
   std::vector<FlatGuard> flat_guards_;     // by listing; code == kNone: not that simple

@@ -1,4 +1,4 @@
-// The rows of the core's own tables: atoms, ports, searched slots, programs. Nobody else needs them.
+// The rows of the core's own tables: ports, searched slots, programs. Nobody else needs them.
 #pragma once
 #include <cstddef>
 #include <new>
@@ -24,16 +24,17 @@ struct InCacheLines {
   friend bool operator==(const InCacheLines&, const InCacheLines&) { return true; }
 };
 
-struct AtomInfo {
-  u32 port_base = 0, slot_base = 0;
-  u32 type = 0;
-  u32 watched = 0;
-};
 struct PortState {
   // Row of Tables::transitions: the enabled one, or kNone. For simple types the only one of the port, and the place
   // from which it is enabled: their ports change with the atom's place, without being written to.
   u32 transition = kNone;
   u32 place = kNone;
+};
+/// Slots of which all there is to know is that their value crosses zero: without guards and rules.
+struct DirectSlots {
+  u32 below = 0;                        // all slots below
+  std::vector<std::uint8_t> is_direct;  // by slot; empty: all are
+  [[nodiscard]] bool has(u32 node) const { return node < below || (node < is_direct.size() && is_direct[node] != 0); }
 };
 /// The candidates of a searched slot.
 struct Listing {
@@ -68,6 +69,15 @@ struct EvaluatedUses {
     return same;
   }
 };
+/// Bytes of rows: of the image, the tables and the core.
+struct MemoryUse {
+  u64 atoms = 0;       // atoms and their ports, without data
+  u64 connectors = 0;  // connectors and internal ports, what counts them and the enabled ones
+  u64 data = 0;        // of atoms and connectors
+  u64 rest = 0;        // compounds, and what there is once or once a type; code is not counted
+  [[nodiscard]] u64 all() const { return atoms + connectors + data + rest; }
+};
+
 /// What searches have cost so far.
 struct SearchWork {
   u64 searches = 0, configurations = 0, connectors = 0;  // configurations looked at, connectors evaluated
@@ -88,7 +98,7 @@ struct CompiledRun {
   u64 inverse;
 };
 
-/// A number for each slot, by 64 slots if those have the same: small enough to stay at hand.
+/// A number for each slot, by 64 slots if those have the same, or the same as 64 others: small enough to stay at hand.
 struct RunRows {
   static constexpr u32 kSlotsDiffer = 1u << 31;
   std::vector<u32> blocks;         // a number, or kSlotsDiffer and where theirs are in `rows`

@@ -15,9 +15,9 @@ void Core::mark_dirty(u32 slot) {
 }
 
 void Core::crossed(u32 node, bool on) {
-  const u32 slot_count = static_cast<u32>(is_dirty_.size());
+  const u32 slot_count = static_cast<u32>(tables_.slots.size());
   if (node < slot_count) {
-    if (is_direct_[node] == 0) {
+    if (!direct_.has(node)) {
       mark_dirty(node);
     } else if (tables_.any_searched) {
       enabled_.set(node, on ? 1 : 0);
@@ -45,7 +45,7 @@ void Core::crossed(u32 node, bool on) {
 }
 
 void Core::touch(u32 atom) {
-  const u32 slot_count = static_cast<u32>(is_dirty_.size());
+  const u32 slot_count = static_cast<u32>(tables_.slots.size());
   for (u32 item : tables_.atom_watch[atom]) {
     if (item < slot_count) {
       // What is not available has nothing to evaluate; becoming available marks it.
@@ -195,7 +195,7 @@ bool Core::update_ports(u32 atom, u32 place_before) {
     }
     return true;
   }
-  const u32 ports = tables_.port_base[atom + 1] - state.port_base;
+  const u32 ports = tables_.port_base(atom + 1) - state.port_base;
   for (u32 port = 0; port < ports; ++port) now[port] = kNone;
   if (type.mark_words == 0) {
     for (u32 row : tables_.place_transitions[type.first_place + place_now]) {

@@ -151,6 +151,7 @@ bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transit
   } else if (connector != kNone) {
     fault_.what += " in connector " + quoted(image().connectors[connector].path());
     // What the code read: the variables of the ports that are bound.
+    binds_.make(image());
     const Tables& t = tables_;
     const ConnectorType& type = t.connector_type(connector);
     for (u32 param = 0; param < type.params.size; ++param) {
@@ -159,7 +160,7 @@ bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transit
         if (!fault_.data.empty()) fault_.data += ", ";
         fault_.data += std::string(type.params[param].name) + "." + port.vars[i].name + " = ";
         const u32 bind = image().connectors[connector].binds + type.params[param].first_bind + i;
-        append_value(fault_.data, image(), port.vars[i].type, all_[binds_[bind]]);
+        append_value(fault_.data, image(), port.vars[i].type, all_[binds_.rows[bind]]);
       }
     }
   } else {

@@ -10,12 +10,16 @@
 namespace bip::rt {
 
 bool Core::fire(const Candidate& candidate) {
-  const SlotInfo& info = tables_.slots[candidate.slot];
   if (partial_ == nullptr) {
     if (rows_.empty()) build_programs();
     const u32* program = rows_.data() + std::size_t{candidate.slot} * row_words_;
     if (*program != kNone) return run_program(program, candidate.slot);
   }
+  return fire_parts(candidate);
+}
+
+bool Core::fire_parts(const Candidate& candidate) {
+  const SlotInfo info = tables_.slots[candidate.slot];
   remember(candidate.slot);
   bool done = false;
   switch (info.kind) {
@@ -38,7 +42,7 @@ bool Core::run_code(Code code, u32 connector) {
   if (code.fn == nullptr) return true;
   const Connector& row = tables_.image->connectors[connector];
   const std::int32_t status =
-      code.fn(code.context, all_.data() + row.slot_base, all_.data(), binds_ + row.binds);
+      code.fn(code.context, all_.data() + row.slot_base, all_.data(), binds_.rows + row.binds);
   return status < 2 || fail_code(status, kNone, connector, nullptr);
 }
 
@@ -58,10 +62,10 @@ void Core::bind_choices(const Plan& plan, const PlanUse& use) {
     const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
     if (node == kNone || nodes[node].kind != NodeKind::Choice || chosen_[node] == 0) continue;
     const PlanNode& chosen = nodes[chosen_alternative(plan, node)];
-    u32* row = own_binds_.data() + image.connectors[use.connector].binds + type.params[param].first_bind;
+    u32* row = binds_.own.data() + image.connectors[use.connector].binds + type.params[param].first_bind;
     if (chosen.kind == NodeKind::Leaf) {
       const u32 atom = tables_.port_atom[chosen.ref];
-      const Port& port = tables_.atom_type(atom).ports[chosen.ref - tables_.port_base[atom]];
+      const Port& port = tables_.atom_type(atom).ports[chosen.ref - tables_.port_base(atom)];
       for (u32 slot : port.slots) *row++ = atoms_[atom].slot_base + slot;
     } else {
       for (u32 slot : tables_.connector_type(chosen.ref).export_slots) *row++ = image.connectors[chosen.ref].slot_base + slot;
@@ -175,10 +179,10 @@ bool Core::fire_planned(const Candidate& candidate, const SlotInfo& info) {
 
 void Core::participants(const Candidate& candidate, std::vector<Participant>& out) {
   out.clear();
-  const SlotInfo& info = tables_.slots[candidate.slot];
+  const SlotInfo info = tables_.slots[candidate.slot];
   const auto add = [&](u32 param, u32 instance) {
     const u32 atom = tables_.port_atom[instance];
-    out.push_back({param, atom, instance - tables_.port_base[atom], kNone});
+    out.push_back({param, atom, instance - tables_.port_base(atom), kNone});
   };
   if (info.kind == SlotKind::Port) {
     add(0, info.row);
@@ -212,7 +216,7 @@ void Core::participants(const Candidate& candidate, std::vector<Participant>& ou
 }
 
 void Core::direct_participants(const Candidate& candidate, std::vector<Participant>& out) {
-  const SlotInfo& info = tables_.slots[candidate.slot];
+  const SlotInfo info = tables_.slots[candidate.slot];
   if (info.kind != SlotKind::Planned) {
     participants(candidate, out);
     return;
@@ -222,6 +226,7 @@ void Core::direct_participants(const Candidate& candidate, std::vector<Participa
   choose(candidate, plan);
   // The same `up`s ran when the candidate was listed or will when it fires; a fault shows there.
   const Fault before = fault_;
+  binds_.make(*tables_.image);
   (void)run_ups(plan);
   fault_ = before;
   const PlanUse& use = tables_.plan_uses[plan.first_use];
@@ -235,7 +240,7 @@ void Core::direct_participants(const Candidate& candidate, std::vector<Participa
       out.push_back({param, kNone, kNone, nodes[node].ref});
     } else {
       const u32 atom = tables_.port_atom[nodes[node].ref];
-      out.push_back({param, atom, nodes[node].ref - tables_.port_base[atom], kNone});
+      out.push_back({param, atom, nodes[node].ref - tables_.port_base(atom), kNone});
     }
   }
 }

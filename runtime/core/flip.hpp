@@ -7,7 +7,7 @@ namespace bip::rt {
 
 inline void Core::bump(u32 node, bool on) {
   if (on ? ++values_[node] != 0 : values_[node]-- != 0) return;
-  if (node >= is_direct_.size() || is_direct_[node] == 0 || tables_.any_searched) crossed(node, on);
+  if (!direct_.has(node) || tables_.any_searched) crossed(node, on);
   else if (on) enabled_.insert(node);
   else enabled_.erase(node);
 }

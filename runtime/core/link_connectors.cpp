@@ -29,13 +29,127 @@ Shape shape_of(const Tables& tables, u32 connector) {
   const ConnectorType& type = tables.connector_type(connector);
   Shape shape;
   for (const DefineNode& node : type.define) shape.trigger |= node.trigger;
-  shape.one_level = !type.define[0].is_leaf;
+  shape.one_level = !type.define[0].is_leaf && type.define[0].children.size == type.params.size;
   for (u32 child : type.define[0].children) {
     shape.one_level &= type.define[child].is_leaf && tables.port_ref(connector, type.define[child].param).atom != kNone;
   }
   // An `up` that may fault runs while interactions are computed, like a guard.
   for (const Clause& clause : type.clauses) shape.guard |= clause.guard != kNone || clause.may_fault;
   return shape;
+}
+
+// The value of a group, or a root that is a leaf, with every port disabled.
+std::int32_t group_start(const ConnectorType& type, u32 row) {
+  const Span<u32>& children = type.define[row].children;
+  const bool by_trigger = std::any_of(children.begin(), children.end(), [&](u32 child) { return type.define[child].trigger; });
+  return by_trigger || children.size == 0 ? -1 : -static_cast<std::int32_t>(children.size);
+}
+
+// The plan of a slot that is Planned: the connector with what lies below.
+void add_plan(Tables& tables, SlotInfo& info) {
+  // What is still to be added, last first: a define node of a use, below a node of the plan.
+  struct Todo {
+    u32 use, define, parent;
+    bool trigger;
+    const PortRef* alternative = nullptr;  // one of the ports of the choice `parent`, not a define node
+  };
+  std::vector<Todo> todo;
+  std::vector<u32> all_params;
+  Plan plan;
+  plan.connector = info.row;
+  plan.first_node = static_cast<u32>(tables.plan_nodes.size());
+  plan.first_use = static_cast<u32>(tables.plan_uses.size());
+  const auto add_use = [&](u32 connector, u32 link) {
+    const ConnectorType& type = tables.connector_type(connector);
+    for (const Clause& clause : type.clauses) plan.guarded |= clause.guard != kNone || clause.may_fault;
+    all_params.resize(type.params.size);
+    std::iota(all_params.begin(), all_params.end(), 0u);
+    const u32 clause_row = tables.clause_of(tables.image->connectors[connector].type, {all_params.data(), type.params.size});
+    tables.plan_uses.push_back({connector, 0, static_cast<u32>(tables.plan_params.size()), link, clause_row});
+    tables.plan_params.resize(tables.plan_params.size() + type.params.size, kNone);
+    const u32 use = static_cast<u32>(tables.plan_uses.size()) - 1 - plan.first_use;
+    todo.push_back({use, 0, link, false, nullptr});
+  };
+  add_use(info.row, kNone);
+  while (!todo.empty()) {
+    const Todo next = todo.back();
+    todo.pop_back();
+    PlanUse& use = tables.plan_uses[plan.first_use + next.use];
+    const DefineNode& define = tables.connector_type(use.connector).define[next.define];
+    const bool is_group = next.alternative == nullptr && !define.is_leaf;
+    const u32 row = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
+    PlanNode node;
+    node.trigger = next.trigger;
+    node.parent = next.parent;
+    node.leaf = plan.leaves;
+    node.use = next.use;
+    if (next.define == 0 && next.alternative == nullptr) use.root = row;
+    if (is_group) {
+      node.kind = NodeKind::Group;
+      node.children = define.children.size;
+      for (u32 i = define.children.size; i-- > 0;) {
+        const u32 child = define.children[i];
+        const bool trigger = tables.connector_type(use.connector).define[child].trigger;
+        node.has_trigger |= trigger;
+        plan.rigid &= !trigger;
+        todo.push_back({next.use, child, row, trigger, nullptr});
+      }
+      tables.plan_nodes.push_back(node);
+      continue;
+    }
+    if (next.alternative == nullptr) tables.plan_params[use.first_param + define.param] = row;
+    const PortRef& ref = next.alternative != nullptr ? *next.alternative : tables.port_ref(use.connector, define.param);
+    if (ref.choice != kNone) {
+      const Span<PortRef>& ports = tables.image->choices[ref.choice].ports;
+      node.kind = NodeKind::Choice;
+      node.maximal_only = true;
+      node.children = ports.size;
+      node.ref = ref.choice;
+      use.has_choice = plan.has_choice = true;
+      plan.rigid = false;
+      for (u32 i = ports.size; i-- > 0;) todo.push_back({next.use, next.define, row, false, &ports[i]});
+      tables.plan_nodes.push_back(node);
+    } else if (ref.atom != kNone) {
+      node.kind = NodeKind::Leaf;
+      node.ref = tables.instance(ref.atom, ref.port);
+      ++plan.leaves;
+      tables.plan_nodes.push_back(node);
+    } else {
+      node.kind = NodeKind::Link;
+      node.maximal_only = ref.maximal_only;
+      node.children = 1;
+      node.ref = ref.connector;
+      node.use = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
+      tables.plan_nodes.push_back(node);
+      add_use(ref.connector, row);
+    }
+  }
+  plan.node_count = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
+  plan.use_count = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
+  plan.words = (plan.leaves + 63) / 64;
+  PlanNode* nodes = tables.plan_nodes.data() + plan.first_node;
+  for (u32 i = plan.node_count; i-- > 0;) {
+    nodes[i].end = std::max(nodes[i].end, i + 1);
+    if (nodes[i].parent != kNone) nodes[nodes[i].parent].end = std::max(nodes[nodes[i].parent].end, nodes[i].end);
+  }
+  std::vector<u32> connectors;
+  for (u32 i = 0; i < plan.use_count; ++i) {
+    PlanUse& use = tables.plan_uses[plan.first_use + i];
+    connectors.push_back(use.connector);
+    const u32 end = nodes[use.root].end;
+    use.first_leaf = nodes[use.root].leaf;
+    use.end_leaf = end == plan.node_count ? plan.leaves : nodes[end].leaf;
+  }
+  std::sort(connectors.begin(), connectors.end());
+  plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
+  plan.has_ranges = plan.guarded && !plan.rigid && !plan.has_choice && plan.is_tree;
+  for (u32 i = 0; i < plan.use_count && plan.has_ranges; ++i) {
+    for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses) plan.has_ranges &= clause.has_ranges;
+  }
+  // Alternatives of one parameter are several candidates: they are listed.
+  info.searched |= plan.guarded || plan.has_choice;
+  info.ref = static_cast<u32>(tables.plans.size());
+  tables.plans.push_back(plan);
 }
 
 }  // namespace
@@ -55,18 +169,13 @@ void link_slots(Tables& tables, MaximalProgress progress) {
 
   const bool any_exports = std::any_of(image.connector_types.begin(), image.connector_types.end(), [](const ConnectorType& type) { return type.exports; });
   if (any_exports) tables.slot_of_connector.assign(image.connectors.size, kNone);
-  std::size_t slots = 0, ports = 0;
+  std::size_t ports = 0;
   for (const Connector& connector : image.connectors) {
     const ConnectorType& type = image.connector_types[connector.type];
-    slots += type.exports ? 0 : 1;
     ports += type.exports ? 0 : type.params.size;
   }
-  for (const Atom& atom : image.atoms) {
-    const Span<Port>& all = image.atom_types[atom.type].ports;
-    slots += static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [](const Port& port) { return !port.exported; }));
-  }
-  tables.slots.reserve(slots);
   tables.flat_ports.reserve(ports);
+  SlotPacker slots(tables.slots);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
     const ConnectorType& type = tables.connector_type(connector);
     if (type.exports) continue;
@@ -74,6 +183,7 @@ void link_slots(Tables& tables, MaximalProgress progress) {
     const Shape shape = shape_of(tables, connector);
     SlotInfo slot;
     slot.row = connector;
+    slot.first = static_cast<u32>(tables.flat_ports.size());
     // A group under a trigger that may be chosen in several ways is listed when maximal progress is off, or by name.
     const bool listed = shape.trigger && (progress == MaximalProgress::Off || named[connector]);
     if (shape.one_level && !shape.trigger) {
@@ -83,12 +193,11 @@ void link_slots(Tables& tables, MaximalProgress progress) {
       slot.kind = SlotKind::Star;
     } else {
       slot.kind = SlotKind::Planned;
-      // Hierarchy: link_plans adds what lies below.
       slot.searched = shape.guard || progress == MaximalProgress::Off || named[connector];
+      add_plan(tables, slot);
     }
     if (slot.kind != SlotKind::Planned) {
       // Parameter order, for it is the order of firing.
-      slot.first = static_cast<u32>(tables.flat_ports.size());
       slot.count = type.params.size & SlotInfo::kMostPorts;
       std::vector<u32> params;
       for (u32 param = 0; param < type.params.size; ++param) {
@@ -101,7 +210,7 @@ void link_slots(Tables& tables, MaximalProgress progress) {
       }
     }
     tables.any_searched |= slot.searched;
-    tables.slots.push_back(slot);
+    slots.add(slot);
   }
   tables.connector_slots = static_cast<u32>(tables.slots.size());
 
@@ -112,134 +221,32 @@ void link_slots(Tables& tables, MaximalProgress progress) {
       SlotInfo slot;
       slot.kind = SlotKind::Port;
       slot.row = tables.instance(atom, port);
-      tables.slots.push_back(slot);
+      slot.first = static_cast<u32>(tables.flat_ports.size());
+      slots.add(slot);
     }
   }
+  slots.finish();
 }
 
-void link_plans(Tables& tables) {
-  // What is still to be added, last first: a define node of a use, below a node of the plan.
-  struct Todo {
-    u32 use, define, parent;
-    bool trigger;
-    const PortRef* alternative = nullptr;  // one of the ports of the choice `parent`, not a define node
-  };
-  std::vector<Todo> todo;
-  std::vector<u32> all_params;
-  for (u32 slot = 0; slot < tables.connector_slots; ++slot) {
-    SlotInfo& info = tables.slots[slot];
-    if (info.kind != SlotKind::Planned) continue;
-    Plan plan;
-    plan.connector = info.row;
-    plan.first_node = static_cast<u32>(tables.plan_nodes.size());
-    plan.first_use = static_cast<u32>(tables.plan_uses.size());
-    const auto add_use = [&](u32 connector, u32 link) {
-      const ConnectorType& type = tables.connector_type(connector);
-      for (const Clause& clause : type.clauses) plan.guarded |= clause.guard != kNone || clause.may_fault;
-      all_params.resize(type.params.size);
-      std::iota(all_params.begin(), all_params.end(), 0u);
-      const u32 clause_row = tables.clause_of(tables.image->connectors[connector].type, {all_params.data(), type.params.size});
-      tables.plan_uses.push_back({connector, 0, static_cast<u32>(tables.plan_params.size()), link, clause_row});
-      tables.plan_params.resize(tables.plan_params.size() + type.params.size, kNone);
-      const u32 use = static_cast<u32>(tables.plan_uses.size()) - 1 - plan.first_use;
-      todo.push_back({use, 0, link, false, nullptr});
-    };
-    add_use(info.row, kNone);
-    while (!todo.empty()) {
-      const Todo next = todo.back();
-      todo.pop_back();
-      PlanUse& use = tables.plan_uses[plan.first_use + next.use];
-      const DefineNode& define = tables.connector_type(use.connector).define[next.define];
-      const bool is_group = next.alternative == nullptr && !define.is_leaf;
-      const u32 row = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
-      PlanNode node;
-      node.trigger = next.trigger;
-      node.parent = next.parent;
-      node.leaf = plan.leaves;
-      node.use = next.use;
-      if (next.define == 0 && next.alternative == nullptr) use.root = row;
-      if (is_group) {
-        node.kind = NodeKind::Group;
-        node.children = define.children.size;
-        for (u32 i = define.children.size; i-- > 0;) {
-          const u32 child = define.children[i];
-          const bool trigger = tables.connector_type(use.connector).define[child].trigger;
-          node.has_trigger |= trigger;
-          plan.rigid &= !trigger;
-          todo.push_back({next.use, child, row, trigger, nullptr});
-        }
-        tables.plan_nodes.push_back(node);
-        continue;
-      }
-      if (next.alternative == nullptr) tables.plan_params[use.first_param + define.param] = row;
-      const PortRef& ref = next.alternative != nullptr ? *next.alternative : tables.port_ref(use.connector, define.param);
-      if (ref.choice != kNone) {
-        const Span<PortRef>& ports = tables.image->choices[ref.choice].ports;
-        node.kind = NodeKind::Choice;
-        node.maximal_only = true;
-        node.children = ports.size;
-        node.ref = ref.choice;
-        use.has_choice = plan.has_choice = true;
-        plan.rigid = false;
-        for (u32 i = ports.size; i-- > 0;) todo.push_back({next.use, next.define, row, false, &ports[i]});
-        tables.plan_nodes.push_back(node);
-      } else if (ref.atom != kNone) {
-        node.kind = NodeKind::Leaf;
-        node.ref = tables.instance(ref.atom, ref.port);
-        ++plan.leaves;
-        tables.plan_nodes.push_back(node);
-      } else {
-        node.kind = NodeKind::Link;
-        node.maximal_only = ref.maximal_only;
-        node.children = 1;
-        node.ref = ref.connector;
-        node.use = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
-        tables.plan_nodes.push_back(node);
-        add_use(ref.connector, row);
-      }
-    }
-    plan.node_count = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
-    plan.use_count = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
-    plan.words = (plan.leaves + 63) / 64;
-    PlanNode* nodes = tables.plan_nodes.data() + plan.first_node;
-    for (u32 i = plan.node_count; i-- > 0;) {
-      nodes[i].end = std::max(nodes[i].end, i + 1);
-      if (nodes[i].parent != kNone) nodes[nodes[i].parent].end = std::max(nodes[nodes[i].parent].end, nodes[i].end);
-    }
-    std::vector<u32> connectors;
-    for (u32 i = 0; i < plan.use_count; ++i) {
-      PlanUse& use = tables.plan_uses[plan.first_use + i];
-      connectors.push_back(use.connector);
-      const u32 end = nodes[use.root].end;
-      use.first_leaf = nodes[use.root].leaf;
-      use.end_leaf = end == plan.node_count ? plan.leaves : nodes[end].leaf;
-    }
-    std::sort(connectors.begin(), connectors.end());
-    plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
-    plan.has_ranges = plan.guarded && !plan.rigid && !plan.has_choice && plan.is_tree;
-    for (u32 i = 0; i < plan.use_count && plan.has_ranges; ++i) {
-      for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses) plan.has_ranges &= clause.has_ranges;
-    }
-    // Alternatives of one parameter are several candidates: they are listed.
-    info.searched |= plan.guarded || plan.has_choice;
-    tables.any_searched |= info.searched;
-    info.ref = static_cast<u32>(tables.plans.size());
-    tables.plans.push_back(plan);
-  }
+std::int32_t Tables::slot_start(u32 slot) const {
+  const SlotInfo info = slots[slot];
+  if (info.kind == SlotKind::Planned) return group_start(connector_type(info.row), 0);
+  return info.kind == SlotKind::Flat && info.count != 0 ? -static_cast<std::int32_t>(info.count) : -1;
 }
 
 void link_network(Tables& tables) {
   const Image& image = *tables.image;
   // A node for each group that is not the root of a slot's connector.
   std::vector<u32> root_node(image.connectors.size);
-  tables.node_start.assign(tables.slots.size(), -1);
+  const u32 slot_count = static_cast<u32>(tables.slots.size());
+  std::vector<std::int32_t>& starts = tables.inner_start;
   std::vector<Csr::Pair> from_ports, from_nodes;
-  from_ports.reserve(tables.slots.size() - tables.connector_slots + image.port_refs.size);
-  for (u32 slot = tables.connector_slots; slot < tables.slots.size(); ++slot) from_ports.push_back({tables.slots[slot].row, slot});
+  from_ports.reserve(slot_count - tables.connector_slots + image.port_refs.size);
+  for (u32 slot = tables.connector_slots; slot < slot_count; ++slot) from_ports.push_back({tables.slots[slot].row, slot});
 
   // A choice is available if one of its ports is: a node that counts them.
-  const u32 first_choice = static_cast<u32>(tables.node_start.size());
-  tables.node_start.resize(tables.node_start.size() + image.choices.size, -1);
+  const u32 first_choice = slot_count;
+  starts.assign(image.choices.size, -1);
 
   std::vector<u32> group;  // by define node of the connector at hand
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
@@ -251,8 +258,8 @@ void link_network(Tables& tables) {
       if (i == 0 && tables.slot_of(connector) != kNone) {
         group[i] = tables.slot_of(connector);
       } else {
-        group[i] = static_cast<u32>(tables.node_start.size());
-        tables.node_start.push_back(0);
+        group[i] = slot_count + static_cast<u32>(starts.size());
+        starts.push_back(group_start(type, i));
       }
     }
     root_node[connector] = group[0];
@@ -265,16 +272,11 @@ void link_network(Tables& tables) {
     for (u32 i = 0; i < type.define.size; ++i) {
       const DefineNode& node = type.define[i];
       if (node.is_leaf) {
-        if (i == 0) {
-          tables.node_start[group[0]] = -1;
-          bind(node.param, group[0]);
-        }
+        if (i == 0) bind(node.param, group[0]);
         continue;
       }
       bool has_trigger = false;
       for (u32 child : node.children) has_trigger |= type.define[child].trigger;
-      const bool by_trigger = has_trigger || node.children.size == 0;
-      tables.node_start[group[i]] = by_trigger ? -1 : -static_cast<std::int32_t>(node.children.size);
       for (u32 child : node.children) {
         if (has_trigger && !type.define[child].trigger) continue;
         if (type.define[child].is_leaf) bind(type.define[child].param, group[i]);
@@ -289,7 +291,7 @@ void link_network(Tables& tables) {
     }
   }
   tables.port_out = Csr::build(tables.port_atom.size(), from_ports);
-  tables.node_out = Csr::build(tables.node_start.size(), from_nodes);
+  tables.node_out = Csr::build(tables.node_count(), from_nodes);
 }
 
 void link_watches(Tables& tables) {
@@ -297,7 +299,7 @@ void link_watches(Tables& tables) {
   std::vector<Csr::Pair> ports, atoms;
   // Bound rows beyond the parameters' variables are data of components that take part: whose they are is found by slot.
   std::vector<u32> bases;
-  for (const Atom& atom : image.atoms) bases.push_back(atom.slot_base);
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) bases.push_back(tables.atoms[atom].slot_base);
   const bool sorted = std::is_sorted(bases.begin(), bases.end());
   const auto atom_of = [&](u32 row) {
     if (sorted) return static_cast<u32>(std::upper_bound(bases.begin(), bases.end(), row) - bases.begin()) - 1;
@@ -314,15 +316,15 @@ void link_watches(Tables& tables) {
     for (const ConnectorParam& param : type.params) {
       first = std::max(first, param.first_bind + image.port_types[param.type].vars.size);
     }
-    for (u32 i = first; i < row.bind_count; ++i) atoms.push_back({atom_of(image.binds[row.binds + i]), slot});
+    for (u32 i = first; i < row.bind_count; ++i) atoms.push_back({atom_of(image.binds[row.binds + i].slot), slot});
   };
   const auto watch_data = [&](u32 instance, u32 slot) {
     const u32 atom = tables.port_atom[instance];
-    const Port& port = tables.atom_type(atom).ports[instance - tables.port_base[atom]];
+    const Port& port = tables.atom_type(atom).ports[instance - tables.port_base(atom)];
     if (port.slots.size != 0) atoms.push_back({atom, slot});
   };
   for (u32 slot = 0; slot < tables.connector_slots; ++slot) {
-    const SlotInfo& info = tables.slots[slot];
+    const SlotInfo info = tables.slots[slot];
     if (!info.searched) continue;
     if (info.kind == SlotKind::Flat) {
       // Its counter tells of flips; only the guard looks at data.
@@ -344,7 +346,7 @@ void link_watches(Tables& tables) {
     const Priority& row = image.priorities[rule];
     if (row.guard == kNone) continue;
     for (u32 i = 0; i < row.bind_count; ++i) {
-      atoms.push_back({atom_of(image.binds[row.binds + i]), static_cast<u32>(tables.slots.size()) + rule});
+      atoms.push_back({atom_of(image.binds[row.binds + i].slot), static_cast<u32>(tables.slots.size()) + rule});
     }
   }
   const auto tidy = [](std::vector<Csr::Pair>& pairs) {
@@ -358,6 +360,7 @@ void link_watches(Tables& tables) {
   tables.any_port_watch = !ports.empty();
   tables.port_watch = Csr::build(tables.port_atom.size(), ports);
   tables.atom_watch = Csr::build(image.atoms.size, atoms);
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) tables.atoms[atom].watched = tables.atom_watch[atom].size != 0 ? 1 : 0;
 }
 
 }  // namespace bip::rt

@@ -7,7 +7,6 @@ namespace bip::rt {
 // Lists the slot's candidates anew.
 bool Core::list(u32 slot) {
   Listing& listing = listings_[listing_of(slot)];
-  const SlotInfo& info = tables_.slots[slot];
   listing.count = 0;
   listing.configs.clear();
   if (values_[slot] < 0) return true;
@@ -15,11 +14,12 @@ bool Core::list(u32 slot) {
     const ProgramCode& code = codes_[guard.code];
     Slot* own = all_.data() + guard.own;
     for (u32 i = 0; i < code.zeroed; ++i) own[i] = Slot{0};
-    const std::int32_t status = code.code.fn(code.code.context, own, all_.data(), binds_ + guard.binds);
-    if (status >= 2) return fail_code(status, kNone, info.row, nullptr);
+    const std::int32_t status = code.code.fn(code.code.context, own, all_.data(), binds_.rows + guard.binds);
+    if (status >= 2) return fail_code(status, kNone, tables_.connector_of(slot), nullptr);
     listing.count = status != 0 ? 1 : 0;
     return true;
   }
+  const SlotInfo info = tables_.slots[slot];
   if (info.kind == SlotKind::Flat) {
     listing.count = 1;
     if (info.clause() == kNone) return true;
@@ -28,7 +28,7 @@ bool Core::list(u32 slot) {
     const Code guard = tables_.code(clause.guard);
     zero_frame(info.row);
     const std::int32_t status =
-        guard.fn == nullptr ? 1 : guard.fn(guard.context, all_.data() + row.slot_base, all_.data(), binds_ + row.binds);
+        guard.fn == nullptr ? 1 : guard.fn(guard.context, all_.data() + row.slot_base, all_.data(), binds_.rows + row.binds);
     if (status >= 2) return fail_code(status, kNone, info.row, nullptr);
     listing.count = status != 0 ? 1 : 0;
     return status == 0 || !clause.may_fault || run_code(tables_.code(clause.up), info.row);

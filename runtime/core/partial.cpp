@@ -109,7 +109,10 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
   return p;
 }
 
-void Core::allow_partial() { partial_ = std::make_unique<PartialState>(link_partial(tables_, rules_)); }
+void Core::allow_partial() {
+  binds_.make(*tables_.image);
+  partial_ = std::make_unique<PartialState>(link_partial(tables_, rules_));
+}
 
 bool Core::end_partial() {
   fault_ = std::move(partial_->fault);
@@ -165,7 +168,7 @@ bool Core::begin_port(u32 instance) {
     for (const u32 row : tables_.place_transitions[type.first_place + places_[atom]]) flip(info.port_base + tables_.transitions[row].port, false);
     places_[atom] = kNone;
   } else {
-    for (u32 port = info.port_base; port < tables_.port_base[atom + 1]; ++port) set_port(port, kNone);
+    for (u32 port = info.port_base; port < tables_.port_base(atom + 1); ++port) set_port(port, kNone);
   }
   p.last_step[atom] = p.step;
   p.order[atom] = p.begun;

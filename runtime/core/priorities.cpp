@@ -114,7 +114,7 @@ std::vector<u32> slots_of(const Tables& tables, const Priority& rule, const Patt
     return slots;
   }
   for (u32 slot = 0; slot < tables.connector_slots; ++slot) {
-    const u32 connector = tables.slots[slot].row;
+    const u32 connector = tables.connector_of(slot);
     if (tables.image->connectors[connector].parent != rule.parent) continue;
     if (!other.any_connector && other.any_interaction && other.connector == connector) continue;
     slots.push_back(slot);
@@ -223,7 +223,7 @@ PriorityTables link_priorities(const Tables& tables) {
       if (!next.low.any_connector) {
         met = meet_at(tables, rule, next, next.low.connector);
       } else if (next.parent == rule.parent) {
-        for (u32 slot = 0; slot < tables.connector_slots && !met; ++slot) met = meet_at(tables, rule, next, tables.slots[slot].row);
+        for (u32 slot = 0; slot < tables.connector_slots && !met; ++slot) met = meet_at(tables, rule, next, tables.connector_of(slot));
       }
       if (met) add_chain(from, to);
     }

@@ -84,13 +84,14 @@ void Profile::start(const Tables& tables) {
   // Type, file, line, column; an internal port has no connector's type.
   using Key = std::tuple<bool, u32, u32, u32, u32, u32>;
   std::map<Key, u32> known;
-  for (const SlotInfo& info : tables.slots) {
+  for (u32 slot = 0; slot < tables.slots.size(); ++slot) {
+    const SlotInfo info = tables.slots[slot];
     InteractionProfile row;
     std::string path;
     if (info.kind == SlotKind::Port) {
       const u32 atom = tables.port_atom[info.row];
       row.atom_type = image.atoms[atom].type;
-      row.port = info.row - tables.port_base[atom];
+      row.port = info.row - tables.port_base(atom);
       row.loc = tables.atom_type(atom).ports[row.port].loc;
       path = image.atoms[atom].path() + "." + tables.atom_type(atom).ports[row.port].name;
     } else {

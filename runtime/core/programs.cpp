@@ -126,7 +126,7 @@ bool Core::list_effects(ProgramParts& parts) {
 }
 
 bool Core::list_program(u32 slot, ProgramParts& parts) {
-  const SlotInfo& info = tables_.slots[slot];
+  const SlotInfo info = tables_.slots[slot];
   parts = {};
   if (info.kind == SlotKind::Flat) {
     if (info.count > kOpsKept) return false;
@@ -148,13 +148,14 @@ bool Core::list_program(u32 slot, ProgramParts& parts) {
 }
 
 void Core::build_programs() {
+  binds_.make(*tables_.image);
   std::vector<u32> words;  // all programs, each after its slot and length
   std::size_t longest = 1;
   ProgramParts parts;
   for (u32 slot = 0; slot < tables_.connector_slots && values_.size() < kNodesKept; ++slot) {
     if (!list_program(slot, parts)) continue;
     bool pure = !tables_.any_searched && parts.touched.empty();
-    for (const auto& [node, by] : parts.deltas) pure = pure && node < is_direct_.size() && is_direct_[node] != 0;
+    for (const auto& [node, by] : parts.deltas) pure = pure && direct_.has(node);
     const std::size_t start = words.size();
     words.insert(words.end(), {slot, 0});
     const u32 before = static_cast<u32>(parts.before.owners.size()), after = static_cast<u32>(parts.after.owners.size());
@@ -187,6 +188,13 @@ void Core::build_programs() {
       programs_.insert(programs_.end(), program, program + length);
     }
   }
+}
+
+void Core::drop_programs() {
+  if (!can_batch()) return;
+  rows_ = {};
+  programs_ = {};
+  if (!looks_at_binds()) binds_ = {};
 }
 
 }  // namespace bip::rt

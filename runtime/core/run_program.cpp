@@ -16,7 +16,7 @@ bool Core::fail_program(std::int32_t status, u32 slot, bool is_before, u32 index
 inline bool Core::run_codes(const u32* word, u32 count, u32 slot, bool is_before) {
   // Locals: a call might change members, for all that the compiler knows.
   Slot* all = all_.data();
-  const u32* binds = binds_;
+  const u32* binds = binds_.rows;
   const ProgramCode* codes = codes_.data();
   for (u32 i = 0; i < count; ++i, word += 3) {
     const ProgramCode& row = codes[word[0]];

@@ -6,6 +6,7 @@
 // an atom that a compiled step moves (compiler/steps), so a slot without step function is fired by the core in between.
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <type_traits>
 
 #include "runtime/core/core.hpp"
@@ -56,12 +57,17 @@ void Core::link_steps() {
     runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, inverse});
     for (u32 i = 0; i < run.count; ++i) rows[run.first + i * run.distance] = row;
   }
+  std::map<std::vector<u32>, u32> known;  // connectors that take turns are alike in block after block
   for (std::size_t first = 0; first < rows.size(); first += 64) {
     const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(first);
     const auto end = rows.begin() + static_cast<std::ptrdiff_t>(std::min(first + 64, rows.size()));
-    const bool same = std::all_of(begin, end, [&](u32 row) { return row == *begin; });
-    run_of_.blocks.push_back(same ? *begin : RunRows::kSlotsDiffer + static_cast<u32>(run_of_.rows.size()));
-    if (!same) run_of_.rows.insert(run_of_.rows.end(), begin, end);
+    if (std::all_of(begin, end, [&](u32 row) { return row == *begin; })) {
+      run_of_.blocks.push_back(*begin);
+      continue;
+    }
+    const auto [at, is_new] = known.try_emplace(std::vector<u32>(begin, end), static_cast<u32>(run_of_.rows.size()));
+    run_of_.blocks.push_back(RunRows::kSlotsDiffer + at->second);
+    if (is_new) run_of_.rows.insert(run_of_.rows.end(), begin, end);
   }
   for (const ConnectorType& type : image.connector_types) most = std::max(most, type.params.size);
   step_scratch_.assign(std::size_t{most} + 1, 0);
@@ -133,8 +139,8 @@ u64 Core::run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& s
   history_at_ = history_at;
   if (!sound) return done;
   enabled_.close_list(s.count);
-  for (u32 slot = 0; slot < is_direct_.size() && rules_.count != 0; ++slot) {
-    if (is_direct_[slot] == 0) mark_dirty(slot);
+  for (u32 slot = direct_.below; slot < direct_.is_direct.size() && rules_.count != 0; ++slot) {
+    if (direct_.is_direct[slot] == 0) mark_dirty(slot);
   }
   sound = settle();
   return done;

@@ -111,7 +111,7 @@ bool Core::evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed) {
     if (guard.fn != nullptr) {
       const Connector& connector = tables_.image->connectors[use.connector];
       const std::int32_t status = guard.fn(guard.context, all_.data() + connector.slot_base, all_.data(),
-                                           binds_ + connector.binds);
+                                           binds_.rows + connector.binds);
       if (status >= 2) return fail_code(status, kNone, use.connector, nullptr);
       if (status == 0) {
         if (remembers) evaluated_.uses[i].holds = false;

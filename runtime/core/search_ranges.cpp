@@ -205,7 +205,7 @@ bool RangeSearch::next() {
 
 // Could a configuration within one of these be enabled?
 bool Core::may_hold(const Plan& plan, u32 root, const std::vector<Bits>& largest) {
-  RangeSearch search(tables_, plan, root, all_.data(), binds_);
+  RangeSearch search(tables_, plan, root, all_.data(), binds_.rows);
   return std::any_of(largest.begin(), largest.end(), [&](const Bits& bits) {
     ++search_work_.range_looks;
     search.start(bits);
@@ -215,7 +215,7 @@ bool Core::may_hold(const Plan& plan, u32 root, const std::vector<Bits>& largest
 
 // Adds enabled configurations within these, the maximal ones among them, to those that were found.
 bool Core::search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest, std::vector<Bits>& found) {
-  RangeSearch search(tables_, plan, root, all_.data(), binds_);
+  RangeSearch search(tables_, plan, root, all_.data(), binds_.rows);
   u64 looks = 0;
   for (const Bits& from : largest) {
     search.start(from);

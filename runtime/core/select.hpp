@@ -41,6 +41,12 @@ class EnabledSet {
     return static_cast<std::uint32_t>(position_[slot] != kAbsent) ^ pending_[slot];
   }
 
+  /// Of all rows.
+  [[nodiscard]] std::size_t bytes() const {
+    return words_.size() * sizeof(std::uint64_t) + pending_.size() +
+           (counts_.size() + weights_.size() + members_.size() + position_.size()) * sizeof(std::uint32_t);
+  }
+
   // ---- the list
   /// Starts the list: all slots with candidates, in slot order.
   void list(std::uint32_t slots) {

@@ -33,13 +33,14 @@ bool Core::settle() {
 // The parameters of a candidate; all of them unless the slot was listed, where only `c:*` and `*:*` can match.
 void Core::direct_params(u32 slot, u32 config, std::vector<u32>& out) const {
   out.clear();
-  const SlotInfo& info = tables_.slots[slot];
-  const u32 count = tables_.connector_type(info.row).params.size;
-  if (info.kind != SlotKind::Planned || listing_of(slot) == kNone) {
+  const u32 count = tables_.connector_type(tables_.connector_of(slot)).params.size;
+  // Only connectors that are searched are told apart further.
+  const u32 plan_row = listing_of(slot) == kNone ? kNone : tables_.slots[slot].plan();
+  if (plan_row == kNone) {
     for (u32 param = 0; param < count; ++param) out.push_back(param);
     return;
   }
-  const Plan& plan = tables_.plans[info.plan()];
+  const Plan& plan = tables_.plans[plan_row];
   const PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
   const u64* bits = listings_[listing_of(slot)].configs.data() + std::size_t{config} * plan.words;
   for (u32 param = 0; param < count; ++param) {
@@ -55,12 +56,13 @@ void Core::direct_params(u32 slot, u32 config, std::vector<u32>& out) const {
 // How many candidates of the slot match the high sides of its rules.
 void Core::recount(u32 slot) {
   const Image& image = *tables_.image;
+  const u32 connector = tables_.connector_of(slot);
   for (u32 edge : rules_.high_of_slot[slot]) {
     const u32 rule = rules_.high_edges[edge].rule;
     u32 count = 0;
     for (u32 config = 0; config < base_count(slot); ++config) {
       direct_params(slot, config, params_);
-      count += matches_high(tables_, image.priorities[rule], tables_.slots[slot].row, params_) ? 1u : 0u;
+      count += matches_high(tables_, image.priorities[rule], connector, params_) ? 1u : 0u;
     }
     RuleState& state = rule_states_[rule];
     const u32 before = state.high_count;
@@ -81,7 +83,7 @@ bool Core::evaluate_rule_guards() {
     bool holds = true;
     if (row.guard != kNone) {
       const Code guard = image.codes[row.guard];
-      const std::int32_t status = guard.fn(guard.context, nullptr, all_.data(), binds_ + row.binds);
+      const std::int32_t status = guard.fn(guard.context, nullptr, all_.data(), binds_.rows + row.binds);
       if (status >= 2) return fail_code(status, kNone, kNone, nullptr);
       holds = status != 0;
     }
@@ -166,12 +168,13 @@ void Core::weigh(u32 slot) {
     enabled_.set(slot, count);
     return;
   }
+  const u32 connector = tables_.connector_of(slot);
   u32 visible = 0;
   for (u32 config = 0; config < count; ++config) {
     direct_params(slot, config, params_);
     bool hidden = false;
     for (u32 rule : rules_.low_of_slot[slot]) {
-      hidden |= rule_states_[rule].active && matches_low(tables_, image.priorities[rule], tables_.slots[slot].row, params_);
+      hidden |= rule_states_[rule].active && matches_low(tables_, image.priorities[rule], connector, params_);
     }
     visible += hidden ? 0u : 1u;
     if (listing != nullptr) listing->hidden.push_back(hidden ? 1 : 0);

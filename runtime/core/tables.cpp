@@ -22,7 +22,6 @@ Tables link(const Image& image, MaximalProgress progress) {
   tables.image = &image;
   link_atoms(tables);
   link_slots(tables, progress);
-  link_plans(tables);
   link_network(tables);
   link_watches(tables);
   return tables;
@@ -118,18 +117,29 @@ void link_atoms(Tables& tables) {
   std::size_t ports = 0;
   for (const Atom& atom : image.atoms) ports += image.atom_types[atom.type].ports.size;
   tables.port_atom.reserve(ports);
-  tables.port_base.reserve(std::size_t{image.atoms.size} + 1);
+  tables.atoms.reserve(std::size_t{image.atoms.size} + 1);
   if (std::any_of(tables.types.begin(), tables.types.end(), [](const LinkedType& type) { return type.mark_words != 0; })) tables.mark_base.resize(image.atoms.size);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
-    const Atom& row = image.atoms[atom];
+    const Atom row = image.atoms[atom];
     const AtomType& type = image.atom_types[row.type];
-    tables.port_base.push_back(static_cast<u32>(tables.port_atom.size()));
+    tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), row.slot_base, row.type, 0});
     tables.port_atom.insert(tables.port_atom.end(), type.ports.size, atom);
     if (!tables.mark_base.empty()) tables.mark_base[atom] = tables.mark_words;
     tables.mark_words += tables.types[row.type].mark_words;
     tables.atom_slots = std::max(tables.atom_slots, row.slot_base + type.slots.size);
   }
-  tables.port_base.push_back(static_cast<u32>(tables.port_atom.size()));
+  tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), 0, 0, 0});
+}
+
+void Binds::make(const Image& image) {
+  if (rows != nullptr || image.binds.size == 0) return;
+  if (image.choices.size == 0 && image.binds.repeats.size == 0) {
+    rows = &image.binds.rows.data->slot;
+    return;
+  }
+  own.reserve(image.binds.size);
+  for (const Bind& bind : image.binds) own.push_back(bind.slot);
+  rows = own.data();
 }
 
 u32 Tables::clause_of(u32 connector_type_row, Span<u32> params) const {

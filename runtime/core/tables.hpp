@@ -8,11 +8,9 @@
 #include <vector>
 
 #include "bip/image.hpp"
+#include "runtime/core/slots.hpp"
 
 namespace bip::rt {
-
-using u32 = std::uint32_t;
-using u64 = std::uint64_t;
 
 /// Rows [first[i], first[i + 1]) of `items` belong to i. Without items there is no `first` either: many tables are empty.
 struct Csr {
@@ -30,6 +28,12 @@ struct Csr {
 };
 
 // ---- atoms -------------------------------------------------------------------------------------------------------
+struct AtomInfo {
+  u32 port_base = 0;  // number of its port 0 among all port instances
+  u32 slot_base = 0;
+  u32 type = 0;
+  u32 watched = 0;    // does somebody read its data?
+};
 struct LinkedTransition {
   Code guard, action;  // fn null: none
   u32 port;            // of the type; kNone: internal
@@ -55,28 +59,6 @@ struct LinkedType {
 };
 
 // ---- connectors --------------------------------------------------------------------------------------------------
-enum class SlotKind : std::uint8_t {
-  Flat,     // rendezvous of atom ports
-  Star,     // one level with triggers, atom ports only, no guard
-  Planned,  // everything else
-  Port      // an internal port
-};
-/// A slot of the candidate order: a connector that exports no port, or an internal port of an atom.
-struct SlotInfo {
-  static constexpr u32 kMostPorts = (1u << 28) - 1;
-  u32 row = 0;                 // Image::connectors, or the port instance
-  u32 first = 0;               // Flat, Star: rows of flat_ports, `count` of them, in parameter order
-  u32 ref = kNone;             // see clause, plan
-  u32 count : 28 = 0;
-  SlotKind kind : 3 = SlotKind::Flat;
-  bool searched : 1 = false;   // may have several candidates, or guards: its candidates are listed when something changed
-  /// Flat: row in the connector type's clauses. Else kNone.
-  [[nodiscard]] u32 clause() const { return kind == SlotKind::Flat ? ref : kNone; }
-  /// Planned: row of plans. Else kNone.
-  [[nodiscard]] u32 plan() const { return kind == SlotKind::Planned ? ref : kNone; }
-};
-static_assert(sizeof(SlotInfo) == 16);  // one a connector
-
 enum class NodeKind : std::uint8_t { Group, Leaf, Link, Choice };
 /// A node of a plan, preorder. A Link is a parameter bound to a connector; its one child is that connector's root group.
 /// A Choice is a parameter bound to a merged port; of its children, Leaves and Links, exactly one is chosen.
@@ -122,19 +104,19 @@ struct Tables {
   std::vector<PortDelta> deltas;
   Csr place_transitions;       // by first_place + place: rows of transitions with a port
   Csr place_internals;         // the same, internal ones
-  std::vector<u32> port_base;  // by atom, and the total: number of its port 0 among all port instances
+  std::vector<AtomInfo> atoms;  // and one more, whose port_base is the number of port instances
   std::vector<u32> port_atom;  // by port instance
   std::vector<u32> mark_base;  // by atom (Petri types): first word. Empty: there are none
   u32 mark_words = 0;
   u32 atom_slots = 0;          // slots [0, atom_slots) belong to atoms
 
-  std::vector<SlotInfo> slots;
+  Slots slots;
   std::vector<u32> flat_ports;
   std::vector<u32> slot_of_connector;  // kNone if it exports a port. Empty: none does, and slots are rows of connectors
   u32 connector_slots = 0;             // slots below are connectors, the rest internal ports
 
-  // Availability network. Nodes [0, slots.size()) are the slots, the rest inner groups.
-  std::vector<std::int32_t> node_start;  // value with every port disabled; the node is available iff value >= 0
+  // Availability network. Nodes [0, slots.size()) are the slots, the rest inner groups. A node is available iff its value >= 0.
+  std::vector<std::int32_t> inner_start; // of inner groups: the value with every port disabled; of slots: slot_start
   Csr node_out;                          // by node: nodes that count it
   Csr port_out;                          // by port instance: nodes that count it
   Csr port_watch;                        // by port instance: slots to search again when it flips
@@ -148,7 +130,8 @@ struct Tables {
   std::vector<u32> plan_params;
   std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
 
-  [[nodiscard]] const AtomType& atom_type(u32 atom) const { return image->atom_types[image->atoms[atom].type]; }
+  [[nodiscard]] const AtomType& atom_type(u32 atom) const { return image->atom_types[atoms[atom].type]; }
+  [[nodiscard]] u32 port_base(u32 atom) const { return atoms[atom].port_base; }
   [[nodiscard]] const ConnectorType& connector_type(u32 connector) const {
     return image->connector_types[image->connectors[connector].type];
   }
@@ -158,10 +141,22 @@ struct Tables {
   [[nodiscard]] u32 first_mark(u32 atom) const { return mark_base.empty() ? 0 : mark_base[atom]; }
   /// kNone if it exports a port.
   [[nodiscard]] u32 slot_of(u32 connector) const { return slot_of_connector.empty() ? connector : slot_of_connector[connector]; }
-  [[nodiscard]] u32 instance(u32 atom, u32 port) const { return port_base[atom] + port; }
+  /// Of a slot below connector_slots.
+  [[nodiscard]] u32 connector_of(u32 slot) const { return slot_of_connector.empty() ? slot : slots[slot].row; }
+  [[nodiscard]] std::size_t node_count() const { return slots.size() + inner_start.size(); }
+  /// A slot's value with every port disabled.
+  [[nodiscard]] std::int32_t slot_start(u32 slot) const;
+  [[nodiscard]] u32 instance(u32 atom, u32 port) const { return port_base(atom) + port; }
   /// The clause of a type for exactly these sorted parameters, or kNone. O(log clauses * params).
   [[nodiscard]] u32 clause_of(u32 connector_type_row, Span<u32> params) const;
   [[nodiscard]] Code code(u32 row) const { return row == kNone ? Code{} : image->codes[row]; }
+};
+
+/// What connectors and rules bind, as their code wants it: rows in `all`. The image's own ones, if those are not folded and nobody changes them.
+struct Binds {
+  const u32* rows = nullptr;
+  std::vector<u32> own;  // choices move rows of it
+  void make(const Image& image);
 };
 
 enum class MaximalProgress : std::uint8_t { On, Off };
@@ -171,7 +166,6 @@ enum class MaximalProgress : std::uint8_t { On, Off };
 // The parts of link, in this order.
 void link_atoms(Tables& tables);
 void link_slots(Tables& tables, MaximalProgress progress);
-void link_plans(Tables& tables);
 void link_network(Tables& tables);
 void link_watches(Tables& tables);
 

@@ -25,6 +25,8 @@ class TimeHeap {
   [[nodiscard]] bool empty() const { return first_key() == kForever; }
   [[nodiscard]] i64 first_key() const { return keys_[winners_[1]]; }
   [[nodiscard]] std::uint32_t first_row() const { return winners_[1]; }
+  /// Of all rows.
+  [[nodiscard]] std::size_t bytes() const { return keys_.size() * sizeof(i64) + winners_.size() * sizeof(std::uint32_t); }
 
   void set(std::uint32_t row, i64 key) {
     if (keys_[row] == key) return;

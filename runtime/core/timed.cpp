@@ -91,16 +91,16 @@ void Core::forget_time() {
   TimeState& t = *time_;
   t.now = 0;
   t.clocks.assign(t.clock_base.back(), {});
-  t.busy_until.assign(atoms_.size(), 0);
-  t.may_resume_until.assign(atoms_.size(), kForever);
+  t.busy_until.assign(atoms_.size, 0);
+  t.may_resume_until.assign(atoms_.size, kForever);
   t.ports.assign(ports_.size(), {});
-  t.coming.assign(atoms_.size(), {});
+  t.coming.assign(atoms_.size, {});
   t.queues.assign(t.event_ports.size(), {});
   t.set_clocks.clear();
   t.at_work.assign(t.at_work.size(), {});
   t.working.clear();
-  t.changes.reset(atoms_.size());
-  t.ends.reset(atoms_.size());
+  t.changes.reset(atoms_.size);
+  t.ends.reset(atoms_.size);
 }
 
 Int128 Core::clock_value(u32 atom, u32 clock) const {
@@ -244,7 +244,7 @@ bool Core::resume_together(std::vector<u32>& rows) {
 // port for events how many wait, and their values.
 void Core::save_time(std::vector<i64>& out) const {
   out.push_back(time_->now);
-  for (u32 atom = 0; atom < atoms_.size(); ++atom) {
+  for (u32 atom = 0; atom < atoms_.size; ++atom) {
     for (u32 clock = 0; clock < time_->clock_base[atom + 1] - time_->clock_base[atom]; ++clock) {
       out.push_back(static_cast<i64>(clock_value(atom, clock)));
       out.push_back(time_->clocks[time_->clock_base[atom] + clock].speed);
@@ -266,7 +266,7 @@ void Core::load_time(const std::vector<i64>& in) {
   time_->set_clocks.clear();
   const i64* next = in.data();
   time_->now = *next++;
-  for (u32 atom = 0; atom < atoms_.size(); ++atom) {
+  for (u32 atom = 0; atom < atoms_.size; ++atom) {
     for (u32 clock = time_->clock_base[atom]; clock < time_->clock_base[atom + 1]; ++clock, next += 2) time_->clocks[clock] = {next[0], time_->now, next[1]};
     time_->busy_until[atom] = *next++;
   }

@@ -18,7 +18,7 @@ bool Core::look_at_time(u32 atom) {
   const LinkedType& type = tables_.types[state.type];
   const TypeTime& rules = t.types[state.type];
   const AtomTime& time = *rules.time;
-  const u32 ports = tables_.port_base[atom + 1] - state.port_base;
+  const u32 ports = tables_.port_base(atom + 1) - state.port_base;
   u32* now = port_scratch_.data();
   for (u32 port = 0; port < ports; ++port) now[port] = kNone;
   i64 next = is_busy ? t.busy_until[atom] : kForever;
@@ -115,7 +115,7 @@ CandidateTime Core::time_of(const Candidate& candidate) {
     out.interval.meet(port.interval);
     out.urgency = std::max(out.urgency, port.urgency);
   };
-  const SlotInfo& info = tables_.slots[candidate.slot];
+  const SlotInfo info = tables_.slots[candidate.slot];
   if (info.kind == SlotKind::Port) {
     meet(info.row);
   } else if (info.kind == SlotKind::Flat) {
@@ -139,7 +139,7 @@ inline bool Core::begin_timed(u32 instance) {
 
 bool Core::take_timed(EnabledSet::Position at) {
   time_->set_clocks.clear();
-  const SlotInfo& info = tables_.slots[at.slot];
+  const SlotInfo info = tables_.slots[at.slot];
   const bool is_sync = time_->has_sync && info.kind != SlotKind::Port && tables_.connector_type(info.row).resume_sync;
   if (info.kind == SlotKind::Port) return begin_timed(info.row) && take(at);
   if (info.kind == SlotKind::Flat && !is_sync) {

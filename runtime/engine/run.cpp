@@ -103,6 +103,11 @@ void print_stats(std::FILE* err, const Core& core, const EnabledSizes& enabled, 
                  static_cast<unsigned long long>(work.searches), static_cast<unsigned long long>(work.configurations),
                  static_cast<unsigned long long>(work.connectors), static_cast<unsigned long long>(work.range_looks));
   }
+  const MemoryUse use = core.memory();
+  const auto a_row = [](u64 bytes, std::size_t rows) { return rows == 0 ? 0.0 : static_cast<double>(bytes) / static_cast<double>(rows); };
+  std::fprintf(err, "bytes %.1f an atom beside its data, %.1f a connector; %llu in all, of them %llu data\n", a_row(use.atoms, core.image().atoms.size),
+               a_row(use.connectors, core.image().connectors.size + core.tables().slots.size() - core.tables().connector_slots),
+               static_cast<unsigned long long>(use.all()), static_cast<unsigned long long>(use.data));
 }
 
 // Why such a run cannot be; null: it can.
@@ -236,6 +241,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       core.take_new_code(options.new_code->install());
       options.new_code = nullptr;
       is_compiled = can_be_compiled();
+      if (is_compiled) core.drop_programs();
       continue;
     } else if (output.foresee(core); (due = core.is_timed() ? timed.wait(core, feed) : Due::Step) == Due::Fault) {
       result.end = End::Fault;

@@ -26,7 +26,7 @@ constexpr const char* kHelp =
     "  --replay FILE               repeat the run that was recorded, in logical time\n"
     "  --silent                    no line a step\n"
     "  --debug                     every state's candidates\n"
-    "  --stats                     steps, seconds, ns/step at the end\n"
+    "  --stats                     steps, seconds, ns/step, bytes at the end\n"
     "  --interactive               choose each step by its number, read from standard input\n"
     "  --explore                   count all reachable states, deadlocks and errors (at most --limit states)\n"
     "  --first-enabled             --policy first\n"

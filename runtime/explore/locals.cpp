@@ -129,7 +129,7 @@ u32 Locals::number(u32 atom, const Core& core) {
     for (u32 bit = 0; bit < 64 && word * 64 + bit < row.places; ++bit) marks |= u64{core.is_marked(atom, word * 64 + bit)} << bit;
     *out++ = marks;
   }
-  const u32 base = image_.atoms[atom].slot_base;
+  const u32 base = core.tables().atoms[atom].slot_base;
   for (u32 slot : row.slots) *out++ = core.slot(base + slot).bits;
   std::vector<ExternValue> objects;
   for (u32 slot : row.objects) {

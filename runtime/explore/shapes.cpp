@@ -85,7 +85,7 @@ class Builder {
         tree.has_fault |= clause.guard != kNone || clause.may_fault;
       }
       for (u32 k = 0; k < row.bind_count; ++k) {
-        const u32 atom = owner_[image_.binds[row.binds + k]];
+        const u32 atom = owner_[image_.binds[row.binds + k].slot];
         if (atom != kNone) tree.reads.push_back(atom);
       }
       refs.clear();

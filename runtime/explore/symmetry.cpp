@@ -52,7 +52,7 @@ class Finder {
       }
       is_too_deep_ = is_too_deep_ || depth[connector] > kDeepest;
       for (u32 k = 0; k < row.bind_count; ++k) {
-        const u32 atom = owner_[image.binds[row.binds + k]].first;
+        const u32 atom = owner_[image.binds[row.binds + k].slot].first;
         if (atom != kNone) atoms.push_back(atom);
       }
       std::sort(atoms.begin(), atoms.end());
@@ -155,7 +155,7 @@ class Finder {
       key.insert(key.end(), param.begin(), param.end());
     }
     for (u32 k = 0; k < row.bind_count && !is_plain; ++k) {
-      const auto& [atom, slot] = owner_[image_.binds[row.binds + k]];
+      const auto& [atom, slot] = owner_[image_.binds[row.binds + k].slot];
       // Rows of connectors below say nothing that the parameters do not.
       key.push_back(atom == kNone ? kNone : image_of(atom));
       key.push_back(slot);

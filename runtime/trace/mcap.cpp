@@ -188,7 +188,7 @@ void McapWriter::step(std::string& out, Core& core, const Candidate& candidate, 
       channel = open_channel('/' + name_, Schema::Part, {});
     }
     json_ = head + R"(,"port":)";
-    append_quoted(json_, image.atom_types[image.atoms[participant.atom].type].ports[participant.port].name);
+    append_quoted(json_, core.tables().atom_type(participant.atom).ports[participant.port].name);
     json_ += R"(,"place":)";
     append_quoted(json_, places_of(core, participant.atom).c_str());
     json_ += R"(,"values":)";

@@ -71,7 +71,6 @@ void PerfettoWriter::stay(std::string& out, const Core& core, u32 atom, i64 unti
 }
 
 void PerfettoWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number) {
-  const Image& image = core.image();
   const i64 instant = instant_of_step(core, number);
   name_.clear();
   append_candidate(name_, core, candidate);
@@ -83,7 +82,7 @@ void PerfettoWriter::step(std::string& out, Core& core, const Candidate& candida
   out += "}}";
   core.participants(candidate, participants_);
   for (const Participant& participant : participants_) {
-    const AtomType& type = image.atom_types[image.atoms[participant.atom].type];
+    const AtomType& type = core.tables().atom_type(participant.atom);
     stay(out, core, participant.atom, instant);
     append_event(out, 'i', u64{participant.atom} + 1, instant);
     out += R"(,"s":"t","cat":"port","name":)";

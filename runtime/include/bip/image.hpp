@@ -231,6 +231,15 @@ struct Connector {
             parent + k * slope.parent, index + k};
   }
 };
+/// A bound variable: its row in `all`.
+struct Bind {
+  std::uint32_t slot;
+
+  struct Slope {
+    std::uint32_t slot;
+  };
+  [[nodiscard]] constexpr Bind after(const Slope& slope, std::uint32_t k) const { return {slot + k * slope.slot}; }
+};
 struct Pattern {
   bool any_connector;
   std::uint32_t connector;
@@ -260,7 +269,7 @@ struct Image {
   Span<Slot> args;
   Rows<Connector> connectors;            // a connector comes after those it is bound to
   Rows<PortRef> port_refs;
-  Span<std::uint32_t> binds;             // variables of a parameter bound to a choice: rows of its first alternative
+  Rows<Bind> binds;                      // variables of a parameter bound to a choice: rows of its first alternative
   Span<Priority> priorities;
   std::uint32_t slot_count = 0;          // of all atoms, then of all connectors
   Span<Choice> choices = {};

@@ -36,7 +36,7 @@ struct RunOptions {
   std::string record_path;         // where they are written as they come; empty: nowhere
   std::string replay_path;         // such a record: repeats the run in logical time, its seed and policy too
   bool silent = false;             // no step lines; the seed and the end are still told
-  bool stats = false;              // steps, seconds, ns/step at the end
+  bool stats = false;              // steps, seconds, ns/step, bytes at the end
   NewCode* new_code = nullptr;     // the image's code is replaced when it is ready (runtime/engine/new_code.hpp)
   Profile* profile = nullptr;      // measures the steps (runtime/core/profile.hpp)
   bool debug = false;              // every state's candidates

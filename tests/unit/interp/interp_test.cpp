@@ -155,13 +155,13 @@ TEST_CASE("connector code reads and writes through its bindings") {
   all[3].i = 5;
   const rt::Connector& sum = im.connectors[0];
   const rt::Code up = im.codes[im.connector_types[0].clauses[0].up];
-  CHECK(up.fn(up.context, &all[sum.slot_base], all.data(), im.binds.data + sum.binds) == 1);
+  CHECK(up.fn(up.context, &all[sum.slot_base], all.data(), &im.binds.rows.data[sum.binds].slot) == 1);
   CHECK(all[sum.slot_base].i == 9);
   const rt::Connector& take = im.connectors[1];
   const rt::Clause& clause = im.connector_types[1].clauses[0];
   const rt::Code guard = im.codes[clause.guard];
   const rt::Code down = im.codes[clause.down];
-  CHECK(guard.fn(guard.context, nullptr, all.data(), im.binds.data + take.binds) == 1);
-  CHECK(down.fn(down.context, nullptr, all.data(), im.binds.data + take.binds) == 1);
+  CHECK(guard.fn(guard.context, nullptr, all.data(), &im.binds.rows.data[take.binds].slot) == 1);
+  CHECK(down.fn(down.context, nullptr, all.data(), &im.binds.rows.data[take.binds].slot) == 1);
   CHECK(all[im.atoms[2].slot_base + 1].i == 9);
 }

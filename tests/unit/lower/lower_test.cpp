@@ -35,14 +35,14 @@ TEST_CASE("bindings name the rows of port variables, own and exported ones") {
   const rt::Image& im = l->image;
   const rt::Connector& sum = im.connectors[0];
   REQUIRE(sum.bind_count == 3);
-  CHECK(im.binds[sum.binds] == 1);
-  CHECK(im.binds[sum.binds + 1] == 3);
-  CHECK(im.binds[sum.binds + 2] == 5);
+  CHECK(im.binds[sum.binds].slot == 1);
+  CHECK(im.binds[sum.binds + 1].slot == 3);
+  CHECK(im.binds[sum.binds + 2].slot == 5);
   const rt::Connector& take = im.connectors[1];
   REQUIRE(take.bind_count == 2);
   CHECK(take.bind_count == s.connector_types[ConnectorTypeId(1u)].bind_count(s.port_types));
-  CHECK(im.binds[take.binds] == sum.slot_base);
-  CHECK(im.binds[take.binds + 1] == im.atoms[3].slot_base + 1);
+  CHECK(im.binds[take.binds].slot == sum.slot_base);
+  CHECK(im.binds[take.binds + 1].slot == im.atoms[3].slot_base + 1);
   const rt::PortRef& from = im.port_refs[take.ports];
   CHECK(from.atom == rt::kNone);
   CHECK(from.connector == 0);
@@ -68,10 +68,10 @@ TEST_CASE("data reads follow the port variables, and priority guards bind data")
   const rt::Image& im = l->image;
   const rt::Connector& row = im.connectors[1];
   REQUIRE(row.bind_count == 3);
-  CHECK(im.binds[row.binds + 2] == im.atoms[2].slot_base + 1);
+  CHECK(im.binds[row.binds + 2].slot == im.atoms[2].slot_base + 1);
   REQUIRE(im.priorities.size == 1);
   REQUIRE(im.priorities[0].bind_count == 1);
-  CHECK(im.binds[im.priorities[0].binds] == im.atoms[1].slot_base + 1);
+  CHECK(im.binds[im.priorities[0].binds].slot == im.atoms[1].slot_base + 1);
   CHECK(im.priorities[0].low.connector == rt::kNone);
   CHECK(l->units[im.priorities[0].guard].name == "Root_prio1_guard");
 }

@@ -203,7 +203,7 @@ class Builder {
         // Frames follow the atoms' slots: resolved in image().
         for (u32 slot : connector_types_[connectors_[below].type].export_slots) {
           frame_binds_.push_back({static_cast<u32>(binds_.size()), below});
-          binds_.push_back(slot);
+          binds_.push_back({slot});
         }
         continue;
       }
@@ -212,9 +212,9 @@ class Builder {
       u32 port_row = 0;
       while (type.ports[port_row].name != port.substr(dot + 1)) ++port_row;
       port_refs_.push_back({atom_row, port_row, kNone, false});
-      for (u32 slot : type.ports[port_row].slots) binds_.push_back(atoms_[atom_row].slot_base + slot);
+      for (u32 slot : type.ports[port_row].slots) binds_.push_back({atoms_[atom_row].slot_base + slot});
     }
-    for (const std::string& read : reads) binds_.push_back(slot_row(read));
+    for (const std::string& read : reads) binds_.push_back({slot_row(read)});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     connector_rows_[name] = static_cast<u32>(connectors_.size());
     connectors_.push_back(row);
@@ -229,7 +229,7 @@ class Builder {
     row.high = pattern(high);
     row.guard = code(guard);
     row.binds = static_cast<u32>(binds_.size());
-    for (const std::string& read : reads) binds_.push_back(slot_row(read));
+    for (const std::string& read : reads) binds_.push_back({slot_row(read)});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     row.loc = {0, line_++, 3};
     priorities_.push_back(row);
@@ -243,7 +243,7 @@ class Builder {
       row.slot_base = slots;
       slots += connector_types_[row.type].slots.size;
     }
-    for (const auto& [bind, below] : frame_binds_) binds_[bind] += connectors_[below].slot_base;
+    for (const auto& [bind, below] : frame_binds_) binds_[bind].slot += connectors_[below].slot_base;
     image_.slot_count = slots;
     const auto view = [](const auto& v) { return Span<std::remove_cvref_t<decltype(v[0])>>{v.data(), static_cast<u32>(v.size())}; };
     image_.files = view(files_);
@@ -383,7 +383,7 @@ class Builder {
   std::vector<Slot> args_;
   std::vector<Connector> connectors_;
   std::vector<PortRef> port_refs_;
-  std::vector<u32> binds_;
+  std::vector<Bind> binds_;
   std::vector<Priority> priorities_;
   std::vector<std::pair<u32, u32>> frame_binds_;
   std::vector<Parsed> define_;
