@@ -288,7 +288,7 @@ Decider::Tried Decider::try_induction(double seconds, Effort effort) {
   }
   if (effort == Effort::Facts && !known.is_enough) return Tried::Open;
   problem.invariants = structural_clauses();
-  if (!known.is_enough) known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
+  if (!known.is_enough && !lemmas_mislead_) known = lemmas_that_hold(problem, lemmas_of(known_, *machine_));
   if (memory_ != nullptr) memory_->counts.lemmas = known.lemmas.size();
   for (const Cube& cube : known.lemmas) problem.invariants.push_back(clause_of(cube, *machine_));
   ReachAnswer answer;
@@ -303,7 +303,11 @@ Decider::Tried Decider::try_induction(double seconds, Effort effort) {
     note_found(Way::Induction, net_, d_.proof);
     return Tried::Done;
   }
-  if (answer.end == ReachEnd::Stopped) return Tried::Open;
+  if (answer.end == ReachEnd::Stopped) {
+    // True as they are, they may lead away from those that are enough: the next time without.
+    lemmas_mislead_ = !known.lemmas.empty();
+    return Tried::Open;
+  }
   induction_failed_ = true;
   if (!ready()) {
     add_reason(can_run_ ? "a way to it exists, but no code to replay it" : "a way to such a state exists if C++ gives the right values: it cannot be replayed");

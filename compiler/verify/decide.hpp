@@ -110,7 +110,7 @@ class Decider {
   Decision d_;
   ProofMemory* memory_ = nullptr;
   KeptProof known_, found_;  // from before; now
-  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, is_strengthened_ = false, are_ranges_confirmed_ = false;
+  bool is_ready_ = false, cannot_prepare_ = false, is_exhausted_ = false, is_strengthened_ = false, are_ranges_confirmed_ = false, lemmas_mislead_ = false;
   bool induction_failed_ = false, has_seen_uses_ = false, is_memory_over_ = false;
 };
 

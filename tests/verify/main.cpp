@@ -153,7 +153,7 @@ class Check {
       (is_forged ? t_.forged_rows : t_.rows) += memory.counts.invariants + memory.counts.lemmas + (memory.counts.has_way ? 1 : 0);
       const bool says_violated = d.outcome == verify::Outcome::Violated;
       if (!first) first = d.outcome;
-      else if (d.outcome != *first && *first != verify::Outcome::Unknown) fail(std::string("with proofs ") + state + ": another verdict than without");
+      else if (d.outcome != *first && *first != verify::Outcome::Unknown) fail(std::string("with proofs ") + state + (d.outcome == verify::Outcome::Unknown ? ": no answer, but one without: " + d.reason : ": another verdict than without"));
       // Nothing was kept, or the time was over: there is nothing to compare.
       if (first == verify::Outcome::Unknown) return;
       if (d.outcome == verify::Outcome::Unknown) continue;
