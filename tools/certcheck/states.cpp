@@ -46,13 +46,13 @@ class States {
       if (no_errors && can(step.fault)) throw Rejected("a step ends with an error");
       const expr goes_on = no(step.fault);
       if (is(both(step.possible, goes_on), false)) return;
-      std::set<std::size_t> touched;
+      std::map<std::size_t, std::set<const Case*>> touched;
       for (const auto& [atom, local] : step.next) {
         const bool is_same = std::equal(local.begin(), local.end(), now[atom].begin(), [](const expr& a, const expr& b) { return z3::eq(a, b); });
-        if (!is_same) touched.insert(facts_of_[atom].begin(), facts_of_[atom].end());
+        if (!is_same) for (const auto& [fact, cases] : facts_of_[atom]) touched[fact].insert(cases.begin(), cases.end());
       }
       const View from{now, &step.now}, after{now, &step.next};
-      expr leaves = terms_.some(touched, [&](std::size_t k) { return no(says(c_.facts[k], after, &from)); });
+      expr leaves = terms_.some(touched, [&](const auto& one) { return no(c_.facts[one.first].total ? stays(one.second, from, after) : says(c_.facts[one.first], after)); });
       if (values != nullptr) leaves = terms_.truth(!is_listed(*values, step.next));
       if (can(both(goes_on, leaves))) throw Rejected("a step leads out of what the certificate allows");
     };
@@ -78,25 +78,25 @@ class States {
     const State& state;
     const std::map<std::size_t, Local>* others = nullptr;
 
-    [[nodiscard]] bool is_other(const Literal& l) const { return others != nullptr && others->contains(l.atom); }
-    [[nodiscard]] const expr& of(const Literal& l) const { return (is_other(l) ? others->at(l.atom) : state[l.atom])[l.variable]; }
-  };
-  // Of a sum after a step: that the step does not change it.
-  [[nodiscard]] expr says(const Fact& fact, const View& view, const View* from = nullptr) const {
-    if (!fact.total) return terms_.some(fact.cases, [&](const Case& one) { return holds(one, view); });
-    const auto is_other = [&](const Literal& l) { return view.is_other(l); };
-    const expr nothing = terms_.constant("int", 0);
-    expr sum = nothing;
-    for (const Case& one : fact.cases) {
-      if (from != nullptr && std::none_of(one.literals.begin(), one.literals.end(), is_other)) continue;
-      const auto worth = [&](const View& at, int weight) {
-        const expr times = terms_.constant("int", weight);
-        return one.is_value ? times * at.of(one.literals[0]) : choose(holds(one, at), times, nothing);
-      };
-      sum = sum + worth(view, one.weight);
-      if (from != nullptr) sum = sum + worth(*from, -one.weight);
+    [[nodiscard]] const expr& of(const Literal& l) const {
+      return (others != nullptr && others->contains(l.atom) ? others->at(l.atom) : state[l.atom])[l.variable];
     }
-    return equals(sum.simplify(), from == nullptr ? *fact.total : 0);
+  };
+  [[nodiscard]] expr says(const Fact& fact, const View& view) const {
+    if (!fact.total) return terms_.some(fact.cases, [&](const Case& one) { return holds(one, view); });
+    expr sum = zero_;
+    for (const Case& one : fact.cases) add(one, view, one.weight, sum);
+    return equals(sum.simplify(), *fact.total);
+  }
+  // A sum does if these of its cases are all that a step may change.
+  [[nodiscard]] expr stays(const std::set<const Case*>& cases, const View& from, const View& after) const {
+    expr change = zero_;
+    for (const Case* one : cases) add(*one, after, one->weight, change), add(*one, from, -one->weight, change);
+    return z3::eq(change, zero_) ? terms_.truth(true) : equals(change.simplify(), 0);
+  }
+  void add(const Case& one, const View& view, int weight, expr& sum) const {
+    if (one.is_value) sum = sum + terms_.constant("int", weight) * view.of(one.literals[0]);
+    else if (const expr is_so = holds(one, view); !is(is_so, false)) sum = sum + choose(is_so, terms_.constant("int", weight), zero_);
   }
   [[nodiscard]] expr holds(const Case& one, const View& view) const {
     return terms_.all(one.literals, [&](const Literal& l) {
@@ -161,8 +161,7 @@ class States {
     for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
     for (std::size_t k = 0; k < c_.facts.size(); ++k) {
       std::set<std::size_t> atoms;
-      for (const Case& one : c_.facts[k].cases) for (const Literal& l : one.literals) atoms.insert(l.atom);
-      for (std::size_t atom : atoms) facts_of_[atom].insert(k);
+      for (const Case& one : c_.facts[k].cases) for (const Literal& l : one.literals) atoms.insert(l.atom), facts_of_[l.atom][k].insert(&one);
       assume(c_.facts[k], {now}, atoms.size() == 1 ? *atoms.begin() : kNone);
     }
     return now;
@@ -173,8 +172,9 @@ class States {
   z3::context& z_;
   Terms terms_;
   System system_;
+  const expr zero_ = terms_.constant("int", 0);
   Tree claim_;
-  std::map<std::size_t, std::set<std::size_t>> facts_of_;  // by atom
+  std::map<std::size_t, std::map<std::size_t, std::set<const Case*>>> facts_of_;  // by atom and fact
 };
 
 }  // namespace
