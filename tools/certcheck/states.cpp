@@ -101,9 +101,9 @@ class States {
   [[nodiscard]] expr holds(const Case& one, const View& view) const {
     return terms_.all(one.literals, [&](const Literal& l) {
       const expr& v = view.of(l);
-      const auto within = [&](int value) { return terms_.truth(l.low <= value && value <= l.high); };
+      const auto within = [&](int value) { return l.low <= value && value <= l.high; };
       expr result = v;
-      if (v.is_bool()) result = either(both(within(1), v), both(within(0), no(v)));
+      if (v.is_bool()) result = within(1) == within(0) ? terms_.truth(within(1)) : within(1) ? v : no(v);
       else if (l.bit) result = equals(v.extract(*l.bit, *l.bit).simplify(), 1);
       else result = l.low == l.high ? equals(v, l.low) : (v >= l.low && v <= l.high).simplify();
       return l.is_negated ? no(result) : result;
