@@ -83,7 +83,7 @@ const char* const kEven = R"(package even
     export port Signal more(), less(), odd()
     place S
     initial to S
-    on more from S to S provided (n < 1000000) do { n = n + 2; m = 3 * m + 1; }
+    on more from S to S provided (n < 1000000000) do { n = n + 2; m = 3 * m + 1; }
     on less from S to S provided (n > 0) do { n = n - 2; m = m - 1; }
     on odd from S to S provided (n == 7)
   end
