@@ -15,6 +15,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/terminal.hpp"
 #include "compiler/driver/timed_models.hpp"
 #include "compiler/system/timed.hpp"
 #include "runtime/engine/interrupt.hpp"
@@ -24,13 +25,6 @@ namespace bip::driver {
 
 namespace {
 
-constexpr std::size_t kStepsShown = 100;
-constexpr std::uint64_t kMega = 1000000;
-
-void write(std::FILE* file, const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), file);
-  std::fflush(file);
-}
 
 const char* name_of(rt::Reduction reduction) {
   return reduction == rt::Reduction::None ? "none" : reduction == rt::Reduction::Por ? "por" : "symmetry";
@@ -46,20 +40,20 @@ std::string reduction_text(const rt::ExploreReport& found, rt::Reduction reducti
 }
 
 // Progress for a person who waits: a line that is written over, on a terminal.
-class Progress {
+class ExploreProgressLine {
  public:
-  explicit Progress(bool is_wanted) : is_on_(is_wanted && isatty(STDERR_FILENO) != 0) {}
+  explicit ExploreProgressLine(bool is_wanted) : is_on_(is_wanted && isatty(STDERR_FILENO) != 0) {}
   void tell(const rt::ExploreProgress& now) {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
     if (!is_on_ || spent.count() < next_) return;
     next_ = spent.count() + 0.5;
-    write(stderr, fmt::format("\r{} states, {} to do, depth {}, {} deadlocks, {} errors, {:.2f} million states/s, {} MB   ", now.states,
+    write_now(stderr, fmt::format("\r{} states, {} to do, depth {}, {} deadlocks, {} errors, {:.2f} million states/s, {} MB   ", now.states,
                               now.states - now.expanded, now.depth, now.deadlocks, now.errors, static_cast<double>(now.states) / spent.count() / 1e6,
                               now.bytes / kMega));
     is_shown_ = true;
   }
   void clear() const {
-    if (is_shown_) write(stderr, "\r\x1b[K");
+    if (is_shown_) write_now(stderr, "\r\x1b[K");
   }
 
  private:
@@ -84,12 +78,12 @@ void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const
   }
   if (found.has_deadlock && found.are_ways_known) json["deadlock"] = {{"choices", found.deadlock}, {"text", ways.deadlock.steps}};
   if (found.has_error && found.are_ways_known) json["error"] = {{"choices", found.error}, {"text", ways.error.steps + ways.error.error}};
-  write(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+  write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
 void print_stats(const rt::ExploreReport& found) {
   const auto states = static_cast<double>(std::max<std::uint64_t>(found.states, 1));
-  write(stderr, fmt::format("states/s {:.0f}, bytes/state {:.1f}, bits/state {}, depth {}, seconds {:.3f}, threads {}, MB {}\n",
+  write_now(stderr, fmt::format("states/s {:.0f}, bytes/state {:.1f}, bits/state {}, depth {}, seconds {:.3f}, threads {}, MB {}\n",
                             states / std::max(found.seconds, 1e-9), static_cast<double>(found.bytes) / states, found.bits, found.depth, found.seconds,
                             found.threads, found.bytes / kMega));
 }
@@ -122,14 +116,14 @@ rt::ExploreReport search(const ExploreArguments& a, const rt::Image& image) {
   options.seconds = static_cast<double>(a.seconds);
   options.bytes = a.megabytes == 0 ? available_memory() / 4 * 3 : a.megabytes * kMega;
   options.is_stopped = rt::is_interrupted;
-  Progress progress(!is_bip2);
+  ExploreProgressLine progress(!is_bip2);
   std::uint64_t dots = 0;
-  if (is_bip2) write(stdout, rt::kPublishedBegin);
+  if (is_bip2) write_now(stdout, rt::kPublishedBegin);
   options.tell = [&](const rt::ExploreProgress& now) {
     progress.tell(now);
     std::string text;
     for (; is_bip2 && dots * rt::kStatesPerDot < now.expanded; ++dots) text += '.';
-    if (!text.empty()) write(stdout, text);
+    if (!text.empty()) write_now(stdout, text);
   };
   rt::ExploreReport found = rt::explore_states(image, options);
   progress.clear();
@@ -166,16 +160,16 @@ int command_explore(const ExploreArguments& arguments) {
   if (arguments.json) {
     print_json(arguments, found, ways);
   } else if (arguments.format == rt::TraceFormat::Bip2) {
-    write(stdout, rt::published_line(found));
-    write(stderr, ways.error.error);
+    write_now(stdout, rt::published_line(found));
+    write_now(stderr, ways.error.error);
   } else {
     std::string text;
     if (!arguments.silent) {
       text = ways.deadlock.steps + ways.error.steps + reduction_text(found, arguments.explore.reduction);
       if (!found.are_ways_known) text += "the way to what was found is not known: there was no time left to look for it\n";
     }
-    write(stdout, text + rt::summary_line(found));
-    write(stderr, ways.error.error);
+    write_now(stdout, text + rt::summary_line(found));
+    write_now(stderr, ways.error.error);
   }
   if (arguments.stats) print_stats(found);
   return exit_code_of(found);

@@ -14,7 +14,7 @@ int command_serve(const ServeArguments& arguments) {
   Executor executor;
   const bool ready = compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, Optimisation::Auto);
   if (const int code = report(c); code != 0 || !ready) return code;
-  SystemOptions options;
+  ExecutionOptions options;
   options.seed = arguments.seed;
   options.policy = arguments.policy;
   options.asap = arguments.asap;

@@ -32,12 +32,12 @@ namespace {
 bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.extern_types.empty(); }
 
 // One line on a terminal, rewritten at most ten times a second; nothing elsewhere.
-class Progress {
-  using Clock = std::chrono::steady_clock;
+class ProofProgressLine {
+  using WallClock = std::chrono::steady_clock;
 
  public:
   void show(const char* phase, std::uint64_t count, const char* unit) {
-    const Clock::time_point now = Clock::now();
+    const WallClock::time_point now = WallClock::now();
     if (!is_terminal_ || now < next_) return;
     next_ = now + std::chrono::milliseconds(100);
     const double seconds = std::chrono::duration<double>(now - start_).count();
@@ -50,7 +50,7 @@ class Progress {
     std::fputs(fmt::format("\r\x1b[K{}: {} {}{}   {:.1f} s (Ctrl-C ends it)", phase, count, unit, rate, seconds).c_str(), stderr);
     is_shown_ = true;
   }
-  ~Progress() {
+  ~ProofProgressLine() {
     if (is_shown_) std::fputs("\r\x1b[K", stderr);
   }
 
@@ -58,7 +58,7 @@ class Progress {
   bool is_terminal_ = ::isatty(STDERR_FILENO) == 1;
   bool is_shown_ = false;
   const char* phase_ = nullptr;
-  Clock::time_point start_ = Clock::now(), next_ = start_ + std::chrono::milliseconds(300), phase_start_ = start_;
+  WallClock::time_point start_ = WallClock::now(), next_ = start_ + std::chrono::milliseconds(300), phase_start_ = start_;
 };
 
 // False: the property was no good, and that has been said.
@@ -111,13 +111,13 @@ int command_verify(const VerifyArguments& arguments) {
   VerdictText verdict;
   double seconds = 0;
   {
-    Progress progress;
+    ProofProgressLine progress;
     const auto show = [&](const char* phase, std::uint64_t count, const char* unit) { progress.show(phase, count, unit); };
     verify::Decider decider(*c.system, c.lowered->image, !calls_cpp(*c.system), prepare, show);
     if (arguments.reuses && cache.is_on()) decider.remember_in(&memory);
-    const verify::Clock::time_point start = verify::Clock::now();
+    const verify::ProcessClock::time_point start = verify::ProcessClock::now();
     decision = decider.decide(question, limits);
-    seconds = std::chrono::duration<double>(verify::Clock::now() - start).count();
+    seconds = std::chrono::duration<double>(verify::ProcessClock::now() - start).count();
     if (is_ready) verdict = verdict_text(c, question, decision, decider, arguments.why);
     if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Holds) {
       const Result<bool> written = write_file(arguments.certificate, verify::certificate(decider, question, decision, *c.system, c.root_name));

@@ -15,7 +15,7 @@
 namespace bip::driver {
 namespace {
 
-using verify::Clock;
+using verify::ProcessClock;
 
 class Judge {
  public:
@@ -68,7 +68,7 @@ class Judge {
   const rules::Reduced& reduced_;
   const rules::Checked& checked_;
   std::size_t rules_;
-  Clock::time_point end_;
+  ProcessClock::time_point end_;
 };
 
 // Rules that are enough to keep some services out.

@@ -12,6 +12,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/terminal.hpp"
 #include "compiler/system/timed.hpp"
 #include "compiler/verify/prove_time.hpp"
 #include "compiler/verify/tell.hpp"
@@ -22,16 +23,9 @@ namespace bip::driver {
 
 namespace {
 
-constexpr std::size_t kStepsShown = 100;
-constexpr std::uint64_t kMega = 1000000;
 // Of the time: the rest is the whole zone graph's.
 constexpr double kShareOfParts = 3;
 constexpr const char* kNotReplayed = "the core could not take the way to what was found\n";
-
-void write(std::FILE* file, const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), file);
-  std::fflush(file);
-}
 
 // Of what was found: the error before the deadlock before the time lock, as exit codes have it.
 struct Found {
@@ -71,7 +65,7 @@ void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const To
     if (found.has_time_lock) json["time_lock"] = way_json(found.time_lock, told.time_lock);
     if (found.has_error) json["error"] = way_json(found.error, told.error);
   }
-  write(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+  write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
 int exit_code_of(const rt::ZoneReport& found) {
@@ -150,7 +144,7 @@ nlohmann::ordered_json parts_json(const verify::TimeProof& proof) {
 }
 
 int write_verdict(const VerifyArguments& a, const nlohmann::ordered_json& json, const std::string& text, int exit_code) {
-  write(stdout, a.json ? json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : text);
+  write_now(stdout, a.json ? json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : text);
   return exit_code;
 }
 
@@ -188,16 +182,16 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
   std::string text;
   if (!arguments.silent) {
     text = told.deadlock.steps + told.time_lock.steps;
-    write(stdout, text);
-    write(stderr, told.time_lock.error);
-    write(stdout, told.error.steps);
+    write_now(stdout, text);
+    write_now(stderr, told.time_lock.error);
+    write_now(stdout, told.error.steps);
     text = found.are_ways_known ? "" : kNotReplayed;
     if (!found.inexact.empty()) text += found.inexact + ", which zones cannot follow\n";
   }
-  write(stdout, text + rt::summary_line(found));
-  write(stderr, told.error.error);
+  write_now(stdout, text + rt::summary_line(found));
+  write_now(stderr, told.error.error);
   if (arguments.stats) {
-    write(stderr, fmt::format("zones/s {:.0f}, bytes/zone {:.1f}, depth {}, seconds {:.3f}\n", static_cast<double>(found.zones) / std::max(found.seconds, 1e-9),
+    write_now(stderr, fmt::format("zones/s {:.0f}, bytes/zone {:.1f}, depth {}, seconds {:.3f}\n", static_cast<double>(found.zones) / std::max(found.seconds, 1e-9),
                               static_cast<double>(found.bytes) / static_cast<double>(std::max<std::uint64_t>(found.zones, 1)), found.depth, found.seconds));
   }
   return exit_code_of(found);
@@ -205,14 +199,14 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
 
 int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question) {
   if (!is_answerable(arguments, c, question)) return report(c);
-  const verify::Clock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
+  const verify::ProcessClock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   std::string stats;
   const bool asks_state = question.what == verify::Asked::State;
   if (asks_state) json["property"] = question.property.text;
   if (asks_state || question.what == verify::Asked::DeadlockFreedom) {
     const rt::InterruptGuard guard;
-    const verify::Clock::time_point soon = verify::seconds_from_now(static_cast<double>(arguments.timeout) / kShareOfParts);
+    const verify::ProcessClock::time_point soon = verify::seconds_from_now(static_cast<double>(arguments.timeout) / kShareOfParts);
     const verify::TimeProof proof = asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon) : verify::prove_time(*c.system, explore_system, soon);
     if (arguments.stats) {
       stats = stats_text(proof);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/terminal.hpp"
 #include "compiler/verify/certificate.hpp"
 #include "compiler/verify/tell.hpp"
 
@@ -14,7 +15,7 @@ namespace bip::driver {
 
 namespace {
 
-constexpr std::size_t kInvariantsShown = 20, kComponentsShown = 20, kStepsShown = 100, kPlacesShown = 8;
+constexpr std::size_t kInvariantsShown = 20, kComponentsShown = 20, kPlacesShown = 8;
 
 std::string count_of(std::size_t count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 

@@ -22,7 +22,7 @@ bool has_places(const lower::LoweredSystem& lowered) {
 }  // namespace
 
 std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
-  Writer out(lowered.system->files, options.line_directives && has_places(lowered));
+  CppWriter out(lowered.system->files, options.line_directives && has_places(lowered));
   out.line("// " + comment_text(lowered.image.name) + ": emitted by bipc; the source is in the .bip that the rows name.");
   out.line("// First the code of the types, then the constant tables that bip::rt reads.");
   out.line("// Compile with -ffp-contract=off: floats are IEEE doubles, rounded after each operation.");

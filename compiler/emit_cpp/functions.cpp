@@ -131,7 +131,7 @@ class Uses {
 class FunctionEmitter {
  public:
   /// distance: 0 for functions on slots, else on cells, with self's variables so far from each other.
-  FunctionEmitter(const lower::LoweredSystem& lowered, Writer& out, std::uint32_t distance = 0)
+  FunctionEmitter(const lower::LoweredSystem& lowered, CppWriter& out, std::uint32_t distance = 0)
       : lowered_(lowered), code_(lowered.system->code), out_(out), distance_(distance), faults_(lowered), foreign_(lowered.system->code) {}
 
   void emit(const lower::CodeUnit& unit);
@@ -144,7 +144,7 @@ class FunctionEmitter {
 
   const lower::LoweredSystem& lowered_;
   const CodeTable& code_;
-  Writer& out_;
+  CppWriter& out_;
   std::uint32_t distance_;
   FaultInfo faults_;
   ForeignNames foreign_;
@@ -237,13 +237,13 @@ void FunctionEmitter::emit(const lower::CodeUnit& unit) {
 
 }  // namespace
 
-void emit_functions(const lower::LoweredSystem& lowered, Writer& out) {
+void emit_functions(const lower::LoweredSystem& lowered, CppWriter& out) {
   FunctionEmitter emitter(lowered, out);
   for (const lower::CodeUnit& unit : lowered.units) emitter.emit(unit);
   out.at_emitted();
 }
 
-void emit_on_cells(const lower::LoweredSystem& lowered, std::uint32_t unit, std::uint32_t distance, Writer& out) {
+void emit_on_cells(const lower::LoweredSystem& lowered, std::uint32_t unit, std::uint32_t distance, CppWriter& out) {
   FunctionEmitter(lowered, out, distance).emit(lowered.units[unit]);
 }
 

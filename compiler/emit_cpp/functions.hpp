@@ -11,10 +11,10 @@
 namespace bip::emit_cpp {
 
 /// Writes the functions of all units, in their order.
-void emit_functions(const lower::LoweredSystem& lowered, Writer& out);
+void emit_functions(const lower::LoweredSystem& lowered, CppWriter& out);
 
 /// Writes the function of a unit once more, on cells: `self` has its variables at that distance.
-void emit_on_cells(const lower::LoweredSystem& lowered, std::uint32_t unit, std::uint32_t distance, Writer& out);
+void emit_on_cells(const lower::LoweredSystem& lowered, std::uint32_t unit, std::uint32_t distance, CppWriter& out);
 
 /// Names for the variables of one function: unique, and nothing that C++ has taken.
 class LocalNames {

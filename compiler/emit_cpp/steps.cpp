@@ -31,7 +31,7 @@ const char* name_of(lower::Reduction reduction) {
 
 class ShapeWriter {
  public:
-  ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, bool on_cells, Writer& out)
+  ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, bool on_cells, CppWriter& out)
       : lowered_(lowered), shape_(shape), out_(out), all_(on_cells ? "s.cells" : "s.all"), slot_(on_cells ? "Cell" : "Slot") {}
 
   void write(const std::string& specifiers, const std::string& name) {
@@ -191,13 +191,13 @@ class ShapeWriter {
 
   const lower::LoweredSystem& lowered_;
   const lower::StepShape& shape_;
-  Writer& out_;
+  CppWriter& out_;
   std::string all_, slot_;
   std::string inlined_;  // copies, for the next code
 };
 
 // The units that shapes on cells call, each at its own distance.
-void emit_units_on_cells(const lower::LoweredSystem& lowered, Writer& out) {
+void emit_units_on_cells(const lower::LoweredSystem& lowered, CppWriter& out) {
   const lower::StepCells& cells = lowered.steps.cells;
   std::vector<bool> is_called(lowered.units.size(), false);
   for (const lower::StepShape& shape : cells.shapes) {
@@ -222,7 +222,7 @@ bool is_in_loop(const lower::Steps& steps, std::size_t shape) {
 
 std::string step_name(std::size_t shape) { return "steps::shape_" + std::to_string(shape); }
 
-void emit_steps(const lower::LoweredSystem& lowered, Writer& out) {
+void emit_steps(const lower::LoweredSystem& lowered, CppWriter& out) {
   const lower::Steps& steps = lowered.steps;
   if (steps.shapes.empty()) return;
   const lower::StepCells& cells = steps.cells;
@@ -253,7 +253,7 @@ void emit_steps(const lower::LoweredSystem& lowered, Writer& out) {
 }
 
 // One comparison after the other.
-bool emit_step_loop(const lower::LoweredSystem& lowered, const std::string& name, const std::string& operands, Writer& out) {
+bool emit_step_loop(const lower::LoweredSystem& lowered, const std::string& name, const std::string& operands, CppWriter& out) {
   const lower::Steps& steps = lowered.steps;
   if (steps.loop.empty()) return false;
   const std::vector<lower::StepShape>& shapes = steps.cells.empty() ? steps.shapes : steps.cells.shapes;

@@ -50,7 +50,7 @@ std::string TableWriter::ranges(const std::string& name, const rt::Span<rt::Rang
   return table("RangeOp", name, rows);
 }
 
-TableWriter::TableWriter(const lower::LoweredSystem& lowered, Writer& out)
+TableWriter::TableWriter(const lower::LoweredSystem& lowered, CppWriter& out)
     : lowered_(lowered), image_(lowered.image), out_(out) {
   for (const lower::CodeUnit& unit : lowered.units) names_.reserve(unit.name);
   for (const char* taken : {"image", "kImage", "main", "span", "rows"}) names_.reserve(taken);

@@ -13,7 +13,7 @@ namespace bip::emit_cpp {
 /// Writes tables with names that are unique in the file. Arrays come before the rows that name them.
 class TableWriter {
  public:
-  TableWriter(const lower::LoweredSystem& lowered, Writer& out);
+  TableWriter(const lower::LoweredSystem& lowered, CppWriter& out);
 
   void types();
   void instances();
@@ -48,7 +48,7 @@ class TableWriter {
 
   const lower::LoweredSystem& lowered_;
   const rt::Image& image_;
-  Writer& out_;
+  CppWriter& out_;
   lower::UniqueNames names_;
   std::vector<std::string> atom_rows_, connector_rows_;
   // Spans of the finished tables, for image().

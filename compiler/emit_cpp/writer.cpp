@@ -7,7 +7,7 @@
 
 namespace bip::emit_cpp {
 
-void Writer::at(const Loc& loc) {
+void CppWriter::at(const Loc& loc) {
   if (!line_directives_ || loc.line == 0 || loc.file >= files_.size()) return;
   const auto lines = std::count(text_.begin() + static_cast<std::ptrdiff_t>(mark_), text_.end(), '\n');
   const bool same_file = in_model_ && file_ == loc.file;
@@ -23,14 +23,14 @@ void Writer::at(const Loc& loc) {
   mark_ = text_.size();
 }
 
-void Writer::at_emitted() {
+void CppWriter::at_emitted() {
   if (!in_model_) return;
   in_model_ = false;
   const auto lines = std::count(text_.begin(), text_.end(), '\n');
   text_ += "#line " + std::to_string(lines + 2) + " \"model.cpp\"\n";
 }
 
-std::string Writer::place(const Loc& loc) const {
+std::string CppWriter::place(const Loc& loc) const {
   if (loc.line == 0 || loc.file >= files_.size()) return {};
   return comment_text(files_[loc.file]) + ":" + std::to_string(loc.line);
 }

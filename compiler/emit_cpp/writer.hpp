@@ -11,9 +11,9 @@
 
 namespace bip::emit_cpp {
 
-class Writer {
+class CppWriter {
  public:
-  Writer(const std::vector<std::string>& files, bool line_directives) : files_(files), line_directives_(line_directives) {}
+  CppWriter(const std::vector<std::string>& files, bool line_directives) : files_(files), line_directives_(line_directives) {}
 
   void line(std::string_view text = {}) {
     text_ += text;

@@ -72,8 +72,7 @@ class NetWriter {
     const AtomType& type = type_of(atom);
     if (!type.priorities.empty()) return refuse(fmt::format("priorities of atom type `{}`", type.name), type.priorities[0].loc);
     if (!type.invariants.empty()) return refuse(fmt::format("invariants of atom type `{}`", type.name), type.invariants[0].loc);
-    const bool is_automaton = type.initial.size() == 1 && std::all_of(type.transitions.begin(), type.transitions.end(),
-                                                                      [](const Transition& t) { return t.from.size() == 1 && t.to.size() == 1; });
+    const bool is_automaton = type.is_automaton();
     const bool has_internals = std::any_of(type.transitions.begin(), type.transitions.end(), [](const Transition& t) { return t.port == Transition::kInternal; });
     if (has_internals && !is_automaton) return refuse(fmt::format("internal transitions of `{}`, which is no automaton", type.name), type.loc);
     for (std::size_t k = 0; k < type.transitions.size(); ++k) {

@@ -24,7 +24,6 @@ class PromelaWriter {
 
   // promela_atoms.cpp
   [[nodiscard]] const AtomType& type_of(AtomId atom) const { return system_.atom_types[system_.atoms[atom].type]; }
-  [[nodiscard]] static bool is_automaton(const AtomType& type);
   [[nodiscard]] std::string slot_name(AtomId atom, u32 slot) const;
   [[nodiscard]] Names names_of(AtomId atom) const;
   [[nodiscard]] std::string marked(AtomId atom, const std::vector<u32>& places) const;

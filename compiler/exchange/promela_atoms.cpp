@@ -12,11 +12,6 @@ namespace {
 const char* type_name(Type type) { return type == Type::Bool ? "bool" : "int"; }
 }  // namespace
 
-bool PromelaWriter::is_automaton(const AtomType& type) {
-  return type.initial.size() == 1 &&
-         std::all_of(type.transitions.begin(), type.transitions.end(), [](const Transition& t) { return t.from.size() == 1 && t.to.size() == 1; });
-}
-
 std::string PromelaWriter::slot_name(AtomId atom, u32 slot) const {
   if (type_of(atom).slots[slot].is_param && type_of(atom).slots[slot].type != Type::Float) {
     const std::int32_t value = system_.atoms[atom].args[slot].int_value;
@@ -33,7 +28,7 @@ Names PromelaWriter::names_of(AtomId atom) const {
 }
 
 std::string PromelaWriter::marked(AtomId atom, const std::vector<u32>& places) const {
-  if (is_automaton(type_of(atom))) return fmt::format("p{} == {}", atom.value, places[0]);
+  if (type_of(atom).is_automaton()) return fmt::format("p{} == {}", atom.value, places[0]);
   std::string all;
   for (u32 place : places) all += fmt::format("{}m{}_{}", all.empty() ? "" : " && ", atom.value, place);
   return all;
@@ -46,7 +41,7 @@ std::string PromelaWriter::enabled(AtomId atom, const Transition& t) {
 
 // Both at once; empty if their places exclude each other.
 std::string PromelaWriter::both(AtomId atom, const Transition& a, const Transition& b) {
-  if (is_automaton(type_of(atom)) && a.from != b.from) return {};
+  if (type_of(atom).is_automaton() && a.from != b.from) return {};
   return fmt::format("({} && {})", enabled(atom, a), enabled(atom, b));
 }
 
@@ -54,7 +49,7 @@ std::string PromelaWriter::both(AtomId atom, const Transition& a, const Transiti
 std::string PromelaWriter::move(AtomId atom, const Transition& t, const std::string& indent) {
   const AtomType& type = type_of(atom);
   std::string out;
-  if (is_automaton(type)) {
+  if (type.is_automaton()) {
     out += fmt::format("{}p{} = {};\n", indent, atom.value, t.to[0]);
   } else {
     for (u32 place : t.from) out += fmt::format("{}m{}_{} = false;\n", indent, atom.value, place);
@@ -73,8 +68,8 @@ void PromelaWriter::declare(AtomId atom) {
   for (std::size_t place = 0; place < type.places.size(); ++place) declarations_ += fmt::format(" {} {}", place, plain(type.places[place]));
   declarations_ += " */\n";
   const auto is_initial = [&](std::size_t place) { return std::find(type.initial.begin(), type.initial.end(), place) != type.initial.end(); };
-  if (is_automaton(type)) declarations_ += fmt::format("{} p{} = {};\n", type.places.size() > 255 ? "int" : "byte", atom.value, type.initial[0]);
-  for (std::size_t place = 0; !is_automaton(type) && place < type.places.size(); ++place) {
+  if (type.is_automaton()) declarations_ += fmt::format("{} p{} = {};\n", type.places.size() > 255 ? "int" : "byte", atom.value, type.initial[0]);
+  for (std::size_t place = 0; !type.is_automaton() && place < type.places.size(); ++place) {
     declarations_ += fmt::format("bool m{}_{} = {};\n", atom.value, place, is_initial(place));
   }
   for (std::size_t k = 0; k < type.slots.size(); ++k) {
@@ -129,9 +124,9 @@ void PromelaWriter::add_settle(AtomId atom) {
     inlines_ += fmt::format("inline keep{}() {{\n", atom.value);
     for (const Invariant& row : type.invariants) {
       std::string here = "true";
-      if (row.scope != InvariantScope::Always && !is_automaton(type)) here = row.places.empty() ? "true" : marked(atom, row.places);
+      if (row.scope != InvariantScope::Always && !type.is_automaton()) here = row.places.empty() ? "true" : marked(atom, row.places);
       else if (row.scope != InvariantScope::Always) here = row.places.size() > 1 ? "false" : row.places.empty() ? (row.scope == InvariantScope::At ? "false" : "true") : marked(atom, row.places);
-      for (u32 place = 0; row.scope == InvariantScope::At && !is_automaton(type) && place < type.places.size(); ++place) {
+      for (u32 place = 0; row.scope == InvariantScope::At && !type.is_automaton() && place < type.places.size(); ++place) {
         if (!std::binary_search(row.places.begin(), row.places.end(), place)) here += fmt::format(" && !m{}_{}", atom.value, place);
       }
       inlines_ += fmt::format("  if\n  :: ({}) && !({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", here, code_.text(row.condition, names_of(atom)));

@@ -12,7 +12,7 @@ struct Operator {
 };
 constexpr Operator kOperators[] = {{"||", 1}, {"&&", 2}, {"|", 3}, {"^", 4}, {"&", 5}, {"==", 6}, {"!=", 6}, {"<", 7}, {">", 7},
                                    {"<=", 7}, {">=", 7}, {"+", 8}, {"-", 8}, {"*", 9}, {"/", 9}, {"%", 9}};
-constexpr int kMaxDepth = 100;
+constexpr int kMaxConditionDepth = 100;
 
 std::int64_t wrap(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
@@ -70,7 +70,7 @@ class Evaluator {
   }
 
   std::int64_t unary(int depth) {
-    if (depth > kMaxDepth || at_ >= tokens_.size()) {
+    if (depth > kMaxConditionDepth || at_ >= tokens_.size()) {
       failed_ = true;
       return 0;
     }

@@ -36,9 +36,9 @@ Yield yield_of(std::string_view word) {
   return {Next::State, {std::string(word), {}}, 0};
 }
 
-class Parser {
+class Genom2Parser {
  public:
-  Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
+  Genom2Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
     module_.is_open = header_missing;
   }
 
@@ -58,10 +58,10 @@ class Parser {
   }
 
  private:
-  using Attribute = bool (Parser::*)(std::string_view word);
+  using Attribute = bool (Genom2Parser::*)(std::string_view word);
 
   bool declaration() {
-    if (in_.at("module")) return block("module", module_.name, &Parser::module_attribute);
+    if (in_.at("module")) return block("module", module_.name, &Genom2Parser::module_attribute);
     if (in_.at("request")) return request();
     if (in_.at("exec_task")) return task();
     if (in_.at("poster")) return poster();
@@ -177,7 +177,7 @@ class Parser {
     type_ = {};
     request_ = {};
     Name name;
-    const bool whole = block("request", name, &Parser::request_attribute);
+    const bool whole = block("request", name, &Genom2Parser::request_attribute);
     if (!name.is_set()) return whole;
     request_.name = name;
     if (!seen_.contains("type")) diags_.report(Diag::kB6007, name.range, owner_, "type").help("`type: exec;`, `type: control;` or `type: init;`");
@@ -261,7 +261,7 @@ class Parser {
   bool task() {
     task_ = {};
     Name name;
-    const bool whole = block("exec_task", name, &Parser::task_attribute);
+    const bool whole = block("exec_task", name, &Genom2Parser::task_attribute);
     if (name.text == "test") diags_.report(Diag::kB6012, name.range, name.text);
     task_.name = name;
     if (name.is_set()) module_.tasks.push_back(std::move(task_));
@@ -288,7 +288,7 @@ class Parser {
   bool poster() {
     poster_ = {};
     Name name;
-    const bool whole = block("poster", name, &Parser::poster_attribute);
+    const bool whole = block("poster", name, &Genom2Parser::poster_attribute);
     poster_.name = name;
     if (!name.is_set()) return whole;
     if (!poster_.task.is_set() && !seen_.contains("exec_task")) diags_.report(Diag::kB6007, name.range, owner_, "exec_task");
@@ -329,7 +329,7 @@ class Parser {
 }  // namespace
 
 Module parse_genom2(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) {
-  return Parser(tokens, header_missing, diags).run();
+  return Genom2Parser(tokens, header_missing, diags).run();
 }
 
 }  // namespace bip::genom

@@ -19,9 +19,9 @@ bool is_one_of(const Token& token, std::initializer_list<std::string_view> words
   return false;
 }
 
-class Parser {
+class Genom3Parser {
  public:
-  Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
+  Genom3Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
     module_.is_open = header_missing;
     module_.generation = 3;
   }
@@ -318,7 +318,7 @@ class Parser {
 }  // namespace
 
 Module parse_genom3(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) {
-  return Parser(tokens, header_missing, diags).run();
+  return Genom3Parser(tokens, header_missing, diags).run();
 }
 
 bool is_genom3(const std::vector<Token>& tokens) {

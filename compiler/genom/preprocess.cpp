@@ -14,7 +14,7 @@ namespace bip::genom {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kMaxIncludeDepth = 64;
 constexpr std::size_t kMaxTokens = 1u << 20;
 constexpr std::size_t kMaxFileBytes = 16u << 20;
 
@@ -75,7 +75,7 @@ class Preprocessor {
   // Replacement is repeated within the replacement; a macro is not replaced within itself.
   void emit(const Token& token, std::size_t depth) {
     const auto macro = token.kind == TokenKind::Word ? macros_.find(token.text) : macros_.end();
-    if (macro == macros_.end() || depth > kMaxDepth || hidden_.contains(token.text) || ++replaced_ > kMaxTokens) {
+    if (macro == macros_.end() || depth > kMaxIncludeDepth || hidden_.contains(token.text) || ++replaced_ > kMaxTokens) {
       result_.tokens.push_back(token);
       return;
     }
@@ -192,8 +192,8 @@ class Preprocessor {
       diags_.report(Diag::kB6004, range, "a file in \"\" or <> has to follow `#include`");
       return;
     }
-    if (open_.size() >= kMaxDepth) {
-      diags_.report(Diag::kB6004, range, fmt::format("files include each other more than {} deep", kMaxDepth));
+    if (open_.size() >= kMaxIncludeDepth) {
+      diags_.report(Diag::kB6004, range, fmt::format("files include each other more than {} deep", kMaxIncludeDepth));
       return;
     }
     const SourceRange where{rest.front().range.file, rest.front().range.begin, rest.back().range.end};

@@ -16,9 +16,9 @@
 namespace bip::genom {
 namespace {
 
-class Writer {
+class ActivityWriter {
  public:
-  Writer(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service)
+  ActivityWriter(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service)
       : out_(out), plan_(plan), activity_(activity), a_(a), service_(service), is_3_(plan.module->generation == 3), places_(a.places) {}
 
   void run(const std::string& comment) {
@@ -249,7 +249,7 @@ class Writer {
 }  // namespace
 
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment) {
-  Writer(out, plan, activity, a, service).run(comment);
+  ActivityWriter(out, plan, activity, a, service).run(comment);
 }
 
 }  // namespace bip::genom

@@ -72,9 +72,9 @@ std::string float_text(double value) {
   return digits;
 }
 
-class Writer {
+class CodeTextWriter {
  public:
-  Writer(const CodeTable& code, const CodeNames& names) : code_(code), names_(names) {}
+  CodeTextWriter(const CodeTable& code, const CodeNames& names) : code_(code), names_(names) {}
 
   void expr(ExprId id, int context) {
     const Expr& e = code_.exprs[id];
@@ -205,13 +205,13 @@ CodeNames names_of(const System& system, const Priority& priority) {
 
 std::string text_of(const CodeTable& code, ExprId expr, const CodeNames& names) {
   if (!expr.is_valid()) return {};
-  Writer writer(code, names);
+  CodeTextWriter writer(code, names);
   writer.expr(expr, kLoosest);
   return writer.take();
 }
 
 std::string text_of(const CodeTable& code, StmtId first, const CodeNames& names) {
-  Writer writer(code, names);
+  CodeTextWriter writer(code, names);
   writer.stmts(first);
   return writer.take();
 }
@@ -229,7 +229,7 @@ std::string condition_of(const CodeTable& code, const AtomType& type, ExprId gua
   const CodeNames names = names_of(type);
   std::string out;
   if (guard.is_valid()) {
-    Writer writer(code, names);
+    CodeTextWriter writer(code, names);
     writer.expr(guard, when.bounds.empty() ? kLoosest : tightness(Op::And));
     out = writer.take();
   }
@@ -241,7 +241,7 @@ std::string condition_of(const CodeTable& code, const AtomType& type, ExprId gua
     out += sign_of(bound.op);
     const ExprId limit = bound.slot == Bound::kNone ? ExprId() : limit_of(code, when.measure, bound.slot);
     if (limit.is_valid()) {
-      Writer writer(code, names);
+      CodeTextWriter writer(code, names);
       writer.expr(limit, tightness(Op::Add));
       out += writer.take();
     } else if (bound.slot != Bound::kNone) {

@@ -10,9 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-class Writer {
+class GraphJsonWriter {
  public:
-  explicit Writer(const System& system) : s_(system) {}
+  explicit GraphJsonWriter(const System& system) : s_(system) {}
 
   Json run(Show show) {
     Json out{{"format", "bipc-graph"}, {"version", 1}, {"files", s_.files}};
@@ -208,7 +208,7 @@ class Writer {
 }  // namespace
 
 std::string json(const System& system, Show show) {
-  return Writer(system).run(show).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return GraphJsonWriter(system).run(show).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace bip::graph

@@ -8,9 +8,9 @@
 
 namespace bip::index {
 
-class Builder {
+class IndexBuilder {
  public:
-  explicit Builder(const SourceMap& sources) : sources_(sources) {}
+  explicit IndexBuilder(const SourceMap& sources) : sources_(sources) {}
   Index run(std::span<const syntax::Syntax* const> files);
 
  private:

@@ -32,7 +32,7 @@ SymbolKind kind_of(DeclKind kind) {
 
 }  // namespace
 
-SymbolId Builder::add(SymbolKind kind, const Name& name, SourceRange range, SymbolId owner, Annotations marks) {
+SymbolId IndexBuilder::add(SymbolKind kind, const Name& name, SourceRange range, SymbolId owner, Annotations marks) {
   if (name.text.empty()) return {};
   for (const Annotation& mark : marks) range.begin = std::min(range.begin, mark.range.begin);
   const Key key{owner.is_valid() ? owner.value : files_[file_].scope, name.text};
@@ -54,7 +54,7 @@ SymbolId Builder::add(SymbolKind kind, const Name& name, SourceRange range, Symb
   return id;
 }
 
-void Builder::declare_file(std::size_t row) {
+void IndexBuilder::declare_file(std::size_t row) {
   file_ = row;
   File& file = files_[row];
   file.scope = kFileScope - static_cast<std::uint32_t>(row);
@@ -73,7 +73,7 @@ void Builder::declare_file(std::size_t row) {
   for (const Decl* d : package.decls) declare(*d, row);
 }
 
-void Builder::declare(const Decl& d, std::size_t file) {
+void IndexBuilder::declare(const Decl& d, std::size_t file) {
   if (d.kind == DeclKind::ConstData) {
     for (const DataDecl& data : d.data) declare_data(data, {}, SymbolKind::Constant, true);
     decls_.push_back({&d, {}, file});
@@ -97,7 +97,7 @@ void Builder::declare(const Decl& d, std::size_t file) {
   }
 }
 
-void Builder::declare_params(std::span<const Param> params, SymbolId owner, bool are_visible) {
+void IndexBuilder::declare_params(std::span<const Param> params, SymbolId owner, bool are_visible) {
   for (const Param& p : params) {
     SourceRange range = p.name.range;
     if (p.type.is_written()) range.begin = std::min(range.begin, p.type.name.range.begin);
@@ -107,7 +107,7 @@ void Builder::declare_params(std::span<const Param> params, SymbolId owner, bool
   }
 }
 
-void Builder::declare_data(const DataDecl& d, SymbolId owner, SymbolKind kind, bool is_visible) {
+void IndexBuilder::declare_data(const DataDecl& d, SymbolId owner, SymbolKind kind, bool is_visible) {
   for (const Var& v : d.vars) {
     const SymbolId id = add(kind, v.name, d.range, owner, d.annotations);
     if (!id.is_valid()) continue;
@@ -120,7 +120,7 @@ void Builder::declare_data(const DataDecl& d, SymbolId owner, SymbolKind kind, b
   }
 }
 
-void Builder::declare_ports(const PortDecl& p, SymbolId owner) {
+void IndexBuilder::declare_ports(const PortDecl& p, SymbolId owner) {
   const bool is_exported = p.role == PortRole::Exported;
   for (const PortItem& item : p.items) {
     const SymbolId id = add(SymbolKind::Port, item.name, p.range, owner, p.annotations);
@@ -139,7 +139,7 @@ void Builder::declare_ports(const PortDecl& p, SymbolId owner) {
   if (merged.is_valid()) out_.symbols[merged].is_visible = true;
 }
 
-void Builder::declare_atom(const Decl& d, SymbolId owner) {
+void IndexBuilder::declare_atom(const Decl& d, SymbolId owner) {
   for (const DataDecl& data : d.data) declare_data(data, owner, SymbolKind::Data, data.exported || d.notation == Notation::Paper);
   for (const PortDecl& p : d.ports) declare_ports(p, owner);
   for (const ClockDecl& c : d.clocks) {
@@ -153,14 +153,14 @@ void Builder::declare_atom(const Decl& d, SymbolId owner) {
   for (const Invariant& i : d.invariants) add(SymbolKind::Invariant, i.name, i.range, owner);
 }
 
-void Builder::declare_connector(const ConnectorBody& body, SymbolId owner) {
+void IndexBuilder::declare_connector(const ConnectorBody& body, SymbolId owner) {
   for (const DataDecl& data : body.data) declare_data(data, owner, SymbolKind::Data, false);
   if (!body.exported.present) return;
   const SymbolId id = add(SymbolKind::ExportedPort, body.exported.name, body.exported.range, owner, body.exported.annotations);
   if (id.is_valid()) out_.symbols[id].is_visible = true;
 }
 
-void Builder::declare_items(std::span<const CompoundItem* const> items, SymbolId owner, Annotations marks) {
+void IndexBuilder::declare_items(std::span<const CompoundItem* const> items, SymbolId owner, Annotations marks) {
   for (const CompoundItem* item : items) {
     if (item->kind == ItemKind::For) {
       // Two loops may both count with `i`: a loop's variable is known in its body only, so it is not in `names_`.

@@ -39,7 +39,7 @@ std::string words(std::string_view comment) {
 
 }  // namespace
 
-std::string Builder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) const {
+std::string IndexBuilder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) const {
   const Syntax& syntax = *files_[file_].syntax;
   const std::string_view text = sources_.text(syntax.file);
   auto next = std::upper_bound(syntax.comments.begin(), syntax.comments.end(), begin, [](std::uint32_t at, const Comment& c) { return at < c.range.begin; });
@@ -67,7 +67,7 @@ std::string Builder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) const
   return doc;
 }
 
-std::string Builder::one_line(SourceRange range) const {
+std::string IndexBuilder::one_line(SourceRange range) const {
   std::string out;
   for (const char c : sources_.text(range)) {
     if (!is_blank(c)) {
@@ -84,7 +84,7 @@ std::string Builder::one_line(SourceRange range) const {
   return out + "…";
 }
 
-std::string Builder::header(const Decl& d) const {
+std::string IndexBuilder::header(const Decl& d) const {
   if (d.kind != DeclKind::ConnectorType && d.kind != DeclKind::AtomType && d.kind != DeclKind::CompoundType) return one_line(d.range);
   std::string out = d.notation == Notation::Paper ? "component " : d.kind == DeclKind::ConnectorType ? "connector type " : d.kind == DeclKind::AtomType ? "atom type " : "compound type ";
   out += d.name.text;

@@ -35,7 +35,7 @@ const char* name_of(SymbolKind kind) {
 }
 
 Index build_index(std::span<const syntax::Syntax* const> files, const SourceMap& sources) {
-  Index index = Builder(sources).run(files);
+  Index index = IndexBuilder(sources).run(files);
   const auto place = [](const Use& u) { return std::tuple(u.range.file.value, u.range.begin, u.range.end); };
   std::stable_sort(index.uses.begin(), index.uses.end(), [&](const Use& a, const Use& b) {
     return std::tuple(place(a), a.kind == UseKind::Declaration ? 0 : 1) < std::tuple(place(b), b.kind == UseKind::Declaration ? 0 : 1);

@@ -12,12 +12,12 @@ constexpr int kMaxExportLevels = 64;
 
 }  // namespace
 
-SymbolId Builder::find(SymbolId owner, std::string_view name) const {
+SymbolId IndexBuilder::find(SymbolId owner, std::string_view name) const {
   const auto known = names_.find({owner.value, name});
   return known == names_.end() ? SymbolId() : known->second;
 }
 
-SymbolId Builder::find_in_files(std::string_view name, std::size_t file) const {
+SymbolId IndexBuilder::find_in_files(std::string_view name, std::size_t file) const {
   if (const auto own = names_.find({files_[file].scope, name}); own != names_.end()) return own->second;
   for (const std::size_t row : files_[file].used) {
     if (const auto used = names_.find({files_[row].scope, name}); used != names_.end()) return used->second;
@@ -25,16 +25,16 @@ SymbolId Builder::find_in_files(std::string_view name, std::size_t file) const {
   return {};
 }
 
-void Builder::use(SourceRange range, SymbolId symbol, UseKind kind) {
+void IndexBuilder::use(SourceRange range, SymbolId symbol, UseKind kind) {
   if (symbol.is_valid() && range.is_valid()) out_.uses.push_back({range, symbol, kind});
 }
 
-void Builder::use_member(SymbolId owner, const Name& name, UseKind kind) {
+void IndexBuilder::use_member(SymbolId owner, const Name& name, UseKind kind) {
   if (name.text.empty() || name.text == "*") return;
   use(name.range, find(owner, name.text), kind);
 }
 
-SymbolId Builder::use_type(const Path& path, std::size_t file) {
+SymbolId IndexBuilder::use_type(const Path& path, std::size_t file) {
   if (path.parts.empty()) return {};
   const Name& last = path.parts.back().name;
   if (path.parts.size() == 1) {
@@ -59,14 +59,14 @@ SymbolId Builder::use_type(const Path& path, std::size_t file) {
   return {};
 }
 
-void Builder::set_type(SymbolId symbol, const TypeRef& type, SymbolId target) {
+void IndexBuilder::set_type(SymbolId symbol, const TypeRef& type, SymbolId target) {
   if (!symbol.is_valid()) return;
   Symbol& row = out_.symbols[symbol];
   if (!row.type.is_valid()) row.type = target;
   if (row.type_text.empty() && type.is_written()) row.type_text = sources_.text(type.name.range);
 }
 
-void Builder::link_body(const ConnectorBody& body, SymbolId owner, std::size_t file) {
+void IndexBuilder::link_body(const ConnectorBody& body, SymbolId owner, std::size_t file) {
   for (const DataDecl& d : body.data) {
     const SymbolId type = use_type(d.type.name, file);
     for (const Var& v : d.vars) set_type(find(owner, v.name.text), d.type, type);
@@ -80,7 +80,7 @@ void Builder::link_body(const ConnectorBody& body, SymbolId owner, std::size_t f
   }
 }
 
-void Builder::link_items(std::span<const CompoundItem* const> items, SymbolId owner, std::size_t file) {
+void IndexBuilder::link_items(std::span<const CompoundItem* const> items, SymbolId owner, std::size_t file) {
   for (const CompoundItem* item : items) {
     if (item->kind == ItemKind::For) {
       link_items(item->items, owner, file);
@@ -93,7 +93,7 @@ void Builder::link_items(std::span<const CompoundItem* const> items, SymbolId ow
   }
 }
 
-void Builder::link_types(const DeclRow& row) {
+void IndexBuilder::link_types(const DeclRow& row) {
   const Decl& d = *row.decl;
   const SymbolId owner = row.symbol;
   use_type(d.result.name, row.file);
@@ -124,7 +124,7 @@ void Builder::link_types(const DeclRow& row) {
   link_items(d.items, owner, row.file);
 }
 
-void Builder::link_exports(const DeclRow& row) {
+void IndexBuilder::link_exports(const DeclRow& row) {
   if (!row.symbol.is_valid()) return;
   for (const CompoundExport& e : row.decl->exports) {
     const SymbolId made = find(row.symbol, e.name.text);
@@ -141,7 +141,7 @@ void Builder::link_exports(const DeclRow& row) {
   }
 }
 
-void Builder::resolve_atom(const Decl& d, SymbolId owner, const Scope& scope) {
+void IndexBuilder::resolve_atom(const Decl& d, SymbolId owner, const Scope& scope) {
   const auto members = [&](std::span<const Name> names) {
     for (const Name& n : names) use_member(owner, n);
   };
@@ -167,7 +167,7 @@ void Builder::resolve_atom(const Decl& d, SymbolId owner, const Scope& scope) {
   }
 }
 
-void Builder::resolve(const DeclRow& row) {
+void IndexBuilder::resolve(const DeclRow& row) {
   const Decl& d = *row.decl;
   Scope scope{.file = row.file, .owners = {}, .loop_variables = {}};
   if (row.symbol.is_valid()) scope.owners.push_back(row.symbol);
@@ -190,7 +190,7 @@ void Builder::resolve(const DeclRow& row) {
   }
 }
 
-Index Builder::run(std::span<const Syntax* const> files) {
+Index IndexBuilder::run(std::span<const Syntax* const> files) {
   std::map<std::string, std::size_t> by_name;
   for (const Syntax* syntax : files) {
     if (syntax == nullptr || syntax->package == nullptr) continue;

@@ -5,7 +5,7 @@ namespace bip::index {
 
 using namespace syntax;
 
-SymbolId Builder::find_in_scope(std::string_view name, const Scope& scope) const {
+SymbolId IndexBuilder::find_in_scope(std::string_view name, const Scope& scope) const {
   for (auto loop = scope.loop_variables.rbegin(); loop != scope.loop_variables.rend(); ++loop) {
     if (out_.symbols[*loop].name == name) return *loop;
   }
@@ -15,7 +15,7 @@ SymbolId Builder::find_in_scope(std::string_view name, const Scope& scope) const
   return find_in_files(name, scope.file);
 }
 
-SymbolId Builder::path(const Path& p, const Scope& scope, UseKind last) {
+SymbolId IndexBuilder::path(const Path& p, const Scope& scope, UseKind last) {
   for (const PathPart& part : p.parts) expr(part.index, scope);
   if (p.parts.empty()) return {};
   SymbolId found = find_in_scope(p.parts.front().name.text, scope);
@@ -29,7 +29,7 @@ SymbolId Builder::path(const Path& p, const Scope& scope, UseKind last) {
   return found;
 }
 
-void Builder::expr(const Expr* e, const Scope& scope) {
+void IndexBuilder::expr(const Expr* e, const Scope& scope) {
   if (e == nullptr) return;
   if (e->kind == ExprKind::Path) path(e->path, scope, UseKind::Read);
   if (e->kind == ExprKind::Call) {
@@ -40,7 +40,7 @@ void Builder::expr(const Expr* e, const Scope& scope) {
   for (const Expr* operand : e->operands) expr(operand, scope);
 }
 
-void Builder::stmts(std::span<const Stmt* const> list, const Scope& scope) {
+void IndexBuilder::stmts(std::span<const Stmt* const> list, const Scope& scope) {
   for (const Stmt* s : list) {
     if (s->kind == StmtKind::Assign) path(s->target, scope, UseKind::Write);
     expr(s->value, scope);

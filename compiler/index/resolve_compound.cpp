@@ -5,12 +5,12 @@ namespace bip::index {
 
 using namespace syntax;
 
-void Builder::port_expr(const PortExpr& e, const Scope& scope) {
+void IndexBuilder::port_expr(const PortExpr& e, const Scope& scope) {
   if (e.kind == PortExprKind::Port) path(e.port, scope, UseKind::Read);
   for (const PortExpr* child : e.children) port_expr(*child, scope);
 }
 
-void Builder::resolve_connector(const ConnectorBody& body, SymbolId /*owner*/, const Scope& scope) {
+void IndexBuilder::resolve_connector(const ConnectorBody& body, SymbolId /*owner*/, const Scope& scope) {
   for (const DataDecl& d : body.data) {
     for (const Var& v : d.vars) expr(v.init, scope);
   }
@@ -24,7 +24,7 @@ void Builder::resolve_connector(const ConnectorBody& body, SymbolId /*owner*/, c
   }
 }
 
-void Builder::resolve_items(std::span<const CompoundItem* const> items, SymbolId owner, Scope& scope) {
+void IndexBuilder::resolve_items(std::span<const CompoundItem* const> items, SymbolId owner, Scope& scope) {
   for (const CompoundItem* item : items) {
     if (item->kind == ItemKind::For) {
       expr(item->low, scope);
@@ -54,7 +54,7 @@ void Builder::resolve_items(std::span<const CompoundItem* const> items, SymbolId
   }
 }
 
-void Builder::resolve_pattern(const InteractionPattern& p, const Scope& scope) {
+void IndexBuilder::resolve_pattern(const InteractionPattern& p, const Scope& scope) {
   if (!p.any_connector) path(p.connector, scope, UseKind::Read);
   for (const Path& port : p.ports) path(port, scope, UseKind::Read);
 }

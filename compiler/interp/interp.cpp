@@ -11,6 +11,13 @@
 
 namespace bip::interp {
 
+/// What a code unit's function gets as its context.
+struct UnitContext {
+  lower::LoweredSystem* lowered;
+  ExprId expr;
+  StmtId body;
+};
+
 namespace {
 
 rt::Slot int_slot(std::int32_t value) {
@@ -189,21 +196,15 @@ void Evaluator::execute(StmtId first) {
   }
 }
 
-struct Context {
-  lower::LoweredSystem* lowered;
-  ExprId expr;
-  StmtId body;
-};
-
 std::int32_t run_guard(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
-  const auto& c = *static_cast<const Context*>(context);
+  const auto& c = *static_cast<const UnitContext*>(context);
   Evaluator evaluator(*c.lowered, self, all, bind);
   const rt::Slot value = evaluator.eval(c.expr);
   return evaluator.status() != 0 ? evaluator.status() : value.i;
 }
 
 std::int32_t run_action(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
-  const auto& c = *static_cast<const Context*>(context);
+  const auto& c = *static_cast<const UnitContext*>(context);
   Evaluator evaluator(*c.lowered, self, all, bind);
   evaluator.execute(c.body);
   return evaluator.status() != 0 ? evaluator.status() : 1;
@@ -212,7 +213,7 @@ std::int32_t run_action(const void* context, rt::Slot* self, rt::Slot* all, cons
 }  // namespace
 
 struct Interpreter::Impl {
-  std::vector<Context> contexts;  // one a unit
+  std::vector<UnitContext> contexts;  // one a unit
 };
 
 Interpreter::Interpreter(lower::LoweredSystem& lowered) : impl_(std::make_unique<Impl>()) {

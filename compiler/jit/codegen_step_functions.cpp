@@ -12,7 +12,7 @@ namespace {
 
 using llvm::Value;
 
-llvm::Function* declare(llvm::Module& module, const std::string& name) {
+llvm::Function* declare_step(llvm::Module& module, const std::string& name) {
   llvm::LLVMContext& context = module.getContext();
   llvm::Type* pointer = llvm::PointerType::getUnqual(context);
   auto* type = llvm::FunctionType::get(llvm::Type::getVoidTy(context), {pointer, pointer, llvm::Type::getInt32Ty(context)}, false);
@@ -25,7 +25,7 @@ llvm::Function* declare(llvm::Module& module, const std::string& name) {
 }
 
 void build_shape(llvm::Module& module, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const std::string& name, const Place& place, DebugInfo* debug) {
-  llvm::Function* function = declare(module, name);
+  llvm::Function* function = declare_step(module, name);
   llvm::IRBuilder<> b(llvm::BasicBlock::Create(module.getContext(), "entry", function));
   if (debug != nullptr) {
     debug->enter(*function, place.name, place.loc);

@@ -12,6 +12,8 @@ namespace bip::lower {
 
 namespace {
 
+bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
+
 using u32 = std::uint32_t;
 constexpr u32 kMostPeriod = 64;
 constexpr u32 kLeastTimes = 8;  // fewer are not worth a row of Repeat
@@ -36,7 +38,6 @@ rt::Connector::Slope slope(const rt::Connector& a, const rt::Connector& b) {
 rt::PortRef::Slope slope(const rt::PortRef& a, const rt::PortRef& b) { return {b.atom - a.atom, b.connector - a.connector, b.choice - a.choice}; }
 rt::Bind::Slope slope(const rt::Bind& a, const rt::Bind& b) { return {b.slot - a.slot}; }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // A name as text around an index.
 struct IndexedName {
@@ -54,7 +55,7 @@ struct IndexedName {
 std::optional<IndexedName> indexed(std::string_view a, std::string_view b) {
   std::size_t at = 0;
   while (at < a.size() && at < b.size() && a[at] == b[at]) ++at;
-  while (at > 0 && is_digit(a[at - 1])) --at;
+  while (at > 0 && is_decimal_digit(a[at - 1])) --at;
   if (at == 0 || a[at - 1] != '[' || a.find('#') != std::string_view::npos) return std::nullopt;
   IndexedName name{.before = a.substr(0, at), .after = {}};
   const auto [end, error] = std::from_chars(a.data() + at, a.data() + a.size(), name.index);

@@ -12,9 +12,9 @@ using rt::RangeOpKind;
 
 rt::SlotType type_of(Type type) { return static_cast<rt::SlotType>(type); }
 
-class Writer {
+class RangeCodeWriter {
  public:
-  Writer(const CodeTable& code, std::vector<RangeOp>& out) : code_(code), out_(out) {}
+  RangeCodeWriter(const CodeTable& code, std::vector<RangeOp>& out) : code_(code), out_(out) {}
 
   void value(ExprId id) {
     const Expr& e = code_.exprs[id];
@@ -90,8 +90,8 @@ std::optional<ClauseRanges> clause_ranges(const CodeTable& code, const Clause& c
     if (facts.may_fault || facts.writes_binds) return std::nullopt;
   }
   ClauseRanges ranges;
-  if (clause.guard.is_valid()) Writer(code, ranges.guard).value(clause.guard);
-  Writer(code, ranges.up).body(clause.up);
+  if (clause.guard.is_valid()) RangeCodeWriter(code, ranges.guard).value(clause.guard);
+  RangeCodeWriter(code, ranges.up).body(clause.up);
   return ranges;
 }
 

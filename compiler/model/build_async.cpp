@@ -31,7 +31,7 @@ std::int64_t ticks_of(std::string_view text) {
   return total > 0 && total <= kMaxTicks ? total : -1;
 }
 
-std::uint32_t overrun_port(Builder& b, const syntax::AnnotationArg& arg, const AtomType& atom) {
+std::uint32_t overrun_port(ModelBuilder& b, const syntax::AnnotationArg& arg, const AtomType& atom) {
   std::vector<std::string> known;
   for (std::uint32_t port = 0; port < atom.ports.size(); ++port) {
     const Port& p = atom.ports[port];
@@ -45,7 +45,7 @@ std::uint32_t overrun_port(Builder& b, const syntax::AnnotationArg& arg, const A
 
 }  // namespace
 
-Async build_async(Builder& b, const syntax::Transition& t, const AtomType& atom) {
+Async build_async(ModelBuilder& b, const syntax::Transition& t, const AtomType& atom) {
   Async out;
   for (const syntax::Annotation& a : t.annotations) {
     if (a.name.text != "async") continue;

@@ -9,7 +9,7 @@ namespace bip::model {
 namespace {
 
 struct AtomBuilder {
-  Builder& b;
+  ModelBuilder& b;
   const syntax::Decl& decl;
   AtomType out{};
   NameSpace names;
@@ -26,7 +26,7 @@ struct AtomBuilder {
   };
   std::vector<Init> inits;
 
-  AtomBuilder(Builder& builder, const syntax::Decl& d)
+  AtomBuilder(ModelBuilder& builder, const syntax::Decl& d)
       : b(builder), decl(d), names(builder.diags, fmt::format("atom type `{}`", d.name.text)), time(builder, out, scope) {
     out.name = b.key(decl);
     out.loc = b.loc(decl.name.range);
@@ -308,7 +308,7 @@ struct AtomBuilder {
 
 }  // namespace
 
-void build_atom_types(Builder& b) {
+void build_atom_types(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != syntax::DeclKind::AtomType) continue;
     AtomType atom = AtomBuilder(b, *decl).build();

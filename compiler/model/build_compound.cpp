@@ -8,7 +8,7 @@
 namespace bip::model {
 
 // A component of the paper's notation that an instance does not initialise keeps its declared value.
-ExprId Builder::initial_value(const ComponentFamily& family, const std::string& param, Type type) {
+ExprId ModelBuilder::initial_value(const ComponentFamily& family, const std::string& param, Type type) {
   const Scope empty{.names = {}, .owner = "an initial value"};
   CodeBuilder code(model, diags, empty);
   if (!family.atom.is_valid() || !param.starts_with("initial ")) return code.poison(type);
@@ -101,7 +101,7 @@ void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
   if (p.guard != nullptr) {
     // Every exported datum of every component is in scope; those that are read become Bind rows.
     Scope data{.names = {}, .owner = fmt::format("priority `{}`", p.name.text)};
-    struct Reader {
+    struct AtomTypeReader {
       CompoundBuilder& self;
       Scope& data;
       PriorityRule& row;
@@ -129,7 +129,7 @@ void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
         row.data_names.push_back(name);
       }
     };
-    Reader{*this, data, row}.visit(p.guard);
+    AtomTypeReader{*this, data, row}.visit(p.guard);
     row.guard = CodeBuilder(b.model, b.diags, data).guard(p.guard);
     row.guard_syntax = p.guard;
   }
@@ -196,7 +196,7 @@ void CompoundBuilder::warn_unbound() {
   }
 }
 
-void build_compound_types(Builder& b) {
+void build_compound_types(ModelBuilder& b) {
   CompoundBuilders all{.b = b, .decls = {}, .atom_decls = {}, .connector_decls = {}, .modified = {}, .states = {}, .heights = {}};
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind == syntax::DeclKind::AtomType) all.atom_decls.push_back(decl);

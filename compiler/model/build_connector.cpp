@@ -8,7 +8,7 @@ namespace bip::model {
 namespace {
 
 struct BodyBuilder {
-  Builder& b;
+  ModelBuilder& b;
   const syntax::ConnectorBody& body;
   const ConnectorPorts& ports;
   bool is_inline;
@@ -239,14 +239,14 @@ struct BodyBuilder {
 
 }  // namespace
 
-void build_connector_body(Builder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
+void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
                           syntax::Annotations annotations, ConnectorType& out) {
   out.params = ports.params;
   out.data_reads = ports.data_reads;
   BodyBuilder{b, body, ports, is_inline, out}.build(range, annotations);
 }
 
-void build_connector_types(Builder& b) {
+void build_connector_types(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != syntax::DeclKind::ConnectorType) continue;
     ConnectorType out{.name = b.key(*decl), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(decl->name.range)};

@@ -47,7 +47,7 @@ void help_similar(DiagnosticBuilder d, std::string_view wrong, SourceRange at, s
   for (const std::string& name : similar_names(wrong, known)) d.help(fmt::format("`{}` has a similar name", name), at, name);
 }
 
-std::optional<std::uint32_t> Builder::type_row(const syntax::TypeRef& type, TypeName::Kind kind, const char* what) {
+std::optional<std::uint32_t> ModelBuilder::type_row(const syntax::TypeRef& type, TypeName::Kind kind, const char* what) {
   const std::string name = text(type.name);
   const TypeName* found = find_type(type.name);
   if (found == nullptr) {
@@ -67,26 +67,26 @@ std::optional<std::uint32_t> Builder::type_row(const syntax::TypeRef& type, Type
   return found->row;
 }
 
-std::string Builder::key(const syntax::Decl& decl) const { return package_of(model, decl.name.range.file).prefix + std::string(decl.name.text); }
+std::string ModelBuilder::key(const syntax::Decl& decl) const { return package_of(model, decl.name.range.file).prefix + std::string(decl.name.text); }
 
-const TypeName* Builder::find_type(const syntax::Path& path) { return find_visible(model, model.type_names, text(path), path.range, diags); }
+const TypeName* ModelBuilder::find_type(const syntax::Path& path) { return find_visible(model, model.type_names, text(path), path.range, diags); }
 
-SourceRange Builder::declared(const syntax::Path& type) {
+SourceRange ModelBuilder::declared(const syntax::Path& type) {
   const TypeName* found = find_type(type);
   return found == nullptr ? SourceRange{} : found->range;
 }
 
-PortTypeId Builder::port_type(const syntax::TypeRef& type) {
+PortTypeId ModelBuilder::port_type(const syntax::TypeRef& type) {
   const auto row = type_row(type, TypeName::Kind::Port, "port type");
   return row ? PortTypeId(*row) : PortTypeId{};
 }
 
-SourceRange Builder::declared(const std::string& type) const {
+SourceRange ModelBuilder::declared(const std::string& type) const {
   const auto it = model.type_names.find(type);
   return it == model.type_names.end() ? SourceRange{} : it->second.range;
 }
 
-PortTypeId Builder::anonymous_port_type(const std::vector<Variable>& variables) {
+PortTypeId ModelBuilder::anonymous_port_type(const std::vector<Variable>& variables) {
   std::string key;
   for (const Variable& v : variables) key += fmt::format("{} {},", model.code.type_name(v.type), v.name);
   const auto [it, is_new] = model.anonymous_port_types.try_emplace(key);
@@ -112,7 +112,7 @@ std::string port_type_text(const Model& model, PortTypeId type) {
   return text;
 }
 
-void build_port_types(Builder& b) {
+void build_port_types(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::PortType) continue;
     PortType type{.name = b.key(*decl), .variables = {}, .loc = b.loc(decl->name.range)};
@@ -128,7 +128,7 @@ void build_port_types(Builder& b) {
 namespace {
 
 // Rows are given in declaration order, kind by kind, before anything is built: names may be used before their declaration.
-void declare_names(Builder& b) {
+void declare_names(ModelBuilder& b) {
   struct Spaces {
     NameSpace types, values, functions;
   };
@@ -162,7 +162,7 @@ void declare_names(Builder& b) {
   }
 }
 
-void build_constants(Builder& b) {
+void build_constants(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::ConstData) continue;
     const PackageScope& package = package_of(b.model, decl->range.file);
@@ -182,7 +182,7 @@ void build_constants(Builder& b) {
 }
 
 // A function is checked by calling it with default values.
-void check_functions(Builder& b) {
+void check_functions(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::Function) continue;
     Scope scope{.names = {}, .owner = fmt::format("function `{}`", decl->name.text)};
@@ -200,7 +200,7 @@ void check_functions(Builder& b) {
 }
 
 // component lines of the paper's notation that give initial values to data by name
-void collect_initialised_data(Builder& b, std::span<const syntax::CompoundItem* const> items) {
+void collect_initialised_data(ModelBuilder& b, std::span<const syntax::CompoundItem* const> items) {
   for (const syntax::CompoundItem* item : items) {
     collect_initialised_data(b, item->items);
     if (item->args.empty() || !item->type.is_written()) continue;
@@ -214,7 +214,7 @@ void collect_initialised_data(Builder& b, std::span<const syntax::CompoundItem* 
 }
 
 // Fills what says who sees whom. A package that is not there is reported; its names are missing then.
-void declare_packages(Builder& b, const std::vector<const syntax::Syntax*>& packages) {
+void declare_packages(ModelBuilder& b, const std::vector<const syntax::Syntax*>& packages) {
   Model& model = b.model;
   model.package_of_file.assign(b.sources.size(), static_cast<std::uint32_t>(packages.size() - 1));
   for (const syntax::Syntax* syntax : packages) {
@@ -255,7 +255,7 @@ std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packa
   for (const syntax::Syntax* syntax : packages) {
     if (syntax->package == nullptr) return std::nullopt;
   }
-  Builder b{model, diags, sources, {}};
+  ModelBuilder b{model, diags, sources, {}};
   declare_packages(b, packages);
   declare_names(b);
   declare_extern_types(b);

@@ -15,7 +15,7 @@ struct TimedCondition {
 /// Builds an atom type's clocks and conditions. The scope must know the clocks; hidden slots are added to `atom`.
 class TimeBuilder {
  public:
-  TimeBuilder(Builder& b, AtomType& atom, Scope& scope) : b_(b), atom_(atom), scope_(scope) {}
+  TimeBuilder(ModelBuilder& b, AtomType& atom, Scope& scope) : b_(b), atom_(atom), scope_(scope) {}
 
   /// A clock and its hidden slots. All slots of data must be there.
   void add_clock(const syntax::Name& name, const syntax::Name& unit);
@@ -35,14 +35,14 @@ class TimeBuilder {
   [[nodiscard]] bool is_constant(ExprId e) const;
   ExprId make(Op op, Type type, ExprId left, ExprId right, SourceRange at);
 
-  Builder& b_;
+  ModelBuilder& b_;
   AtomType& atom_;
   Scope& scope_;
   std::vector<std::uint32_t> limit_slots_;  // hidden slots for limits, shared by all conditions
 };
 
 /// What `@async` says, all ports of `atom` being there.
-[[nodiscard]] Async build_async(Builder& b, const syntax::Transition& t, const AtomType& atom);
+[[nodiscard]] Async build_async(ModelBuilder& b, const syntax::Transition& t, const AtomType& atom);
 
 /// True if constants alone say that the two never hold together.
 [[nodiscard]] bool are_disjoint(const TimeGuard& a, const TimeGuard& b);

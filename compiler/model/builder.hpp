@@ -1,4 +1,4 @@
-// What the passes of build_model share. One Builder a model; each pass is a function in its own file.
+// What the passes of build_model share. One ModelBuilder a model; each pass is a function in its own file.
 #pragma once
 #include <string>
 #include <unordered_map>
@@ -8,7 +8,7 @@
 
 namespace bip::model {
 
-struct Builder {
+struct ModelBuilder {
   Model& model;
   Diagnostics& diags;
   const SourceMap& sources;
@@ -57,16 +57,16 @@ void check_suppressions(Diagnostics& diags, const syntax::Decl& decl);
 /// Adds a help for each name similar to `wrong`.
 void help_similar(DiagnosticBuilder d, std::string_view wrong, SourceRange at, std::vector<std::string> known);
 
-void build_port_types(Builder& b);
-void build_atom_types(Builder& b);
-void build_connector_types(Builder& b);
-void build_compound_types(Builder& b);
+void build_port_types(ModelBuilder& b);
+void build_atom_types(ModelBuilder& b);
+void build_connector_types(ModelBuilder& b);
+void build_compound_types(ModelBuilder& b);
 /// Warnings about an atom type as a whole: what cannot be reached, two transitions of one port, ports without one.
-void check_atom(Builder& b, const AtomType& atom, const syntax::Decl& decl);
+void check_atom(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl);
 /// What its net cannot do, or does and must not.
-void check_atom_net(Builder& b, const AtomType& atom, const syntax::Decl& decl);
+void check_atom_net(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl);
 /// Cycles of an atom type's priorities: an error without guards, else a warning.
-void check_atom_priorities(Builder& b, const AtomType& atom, const syntax::Decl& decl);
+void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl);
 /// The merged port that the port is part of, or null.
 [[nodiscard]] const MergedPort* merged_with(const AtomType& atom, std::uint32_t port);
 
@@ -78,9 +78,9 @@ struct ConnectorPorts {
   std::vector<DataRead> data_reads;
 };
 /// Warnings about the clauses of a connector: a `down` without effect, a guard that reads the connector's own data.
-void check_clauses(Builder& b, const syntax::ConnectorBody& body, const ConnectorType& type, syntax::Annotations annotations);
+void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorType& type, syntax::Annotations annotations);
 /// Checks a connector's body and fills everything but name and params' origin.
-void build_connector_body(Builder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
+void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
                           syntax::Annotations annotations, ConnectorType& out);
 
 // ---- the `define` tree ---------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ namespace bip::model {
 
 namespace {
 
-void check_uninitialised(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+void check_uninitialised(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   const CodeTable& code = b.model.code;
   std::vector<bool> read(atom.slots.size()), written(atom.slots.size());
   const auto look = [&](ExprId expr) { mark_reads(code, expr, Op::LoadSelf, read); };
@@ -47,7 +47,7 @@ void check_uninitialised(Builder& b, const AtomType& atom, const syntax::Decl& d
   }
 }
 
-void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+void check_nondeterminism(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   std::map<std::pair<std::uint32_t, std::vector<std::uint32_t>>, std::size_t> firsts;  // transitions by port and places
   for (std::size_t j = 0; j < atom.transitions.size(); ++j) {
     const Transition& second = atom.transitions[j];
@@ -69,7 +69,7 @@ void check_nondeterminism(Builder& b, const AtomType& atom, const syntax::Decl& 
   }
 }
 
-void check_clocks(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+void check_clocks(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   std::vector<bool> used(atom.clocks.size());
   const auto look = [&](const TimeGuard& when) {
     for (const Bound& bound : when.bounds) {
@@ -93,7 +93,7 @@ void check_clocks(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
 
 }  // namespace
 
-void check_atom(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+void check_atom(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   if (b.diags.has_errors()) return;
   for (std::size_t p = 0; p < atom.ports.size(); ++p) {
     const bool used = std::any_of(atom.transitions.begin(), atom.transitions.end(), [&](const Transition& t) { return t.port == p; });

@@ -19,7 +19,7 @@ using Places = std::vector<std::uint32_t>;
 constexpr std::size_t kMaxWork = 2'000'000;  // markings times transitions and places
 
 struct NetCheck {
-  Builder& b;
+  ModelBuilder& b;
   const AtomType& atom;
   const syntax::Decl& decl;
   std::set<Marking> markings{};
@@ -28,7 +28,7 @@ struct NetCheck {
   std::vector<std::uint32_t> second_token;        // by transition: a place that would get a second one
   std::set<std::pair<std::size_t, std::size_t>> together{};  // transitions of one port that one marking enables
 
-  NetCheck(Builder& builder, const AtomType& a, const syntax::Decl& d)
+  NetCheck(ModelBuilder& builder, const AtomType& a, const syntax::Decl& d)
       : b(builder), atom(a), decl(d), enabled(a.transitions.size()), unsafe(a.transitions.size()), forestalled(a.transitions.size()), second_token(a.transitions.size()) {}
 
   [[nodiscard]] std::string name(std::size_t t) const {
@@ -227,7 +227,7 @@ struct NetCheck {
 
 }  // namespace
 
-void check_atom_net(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+void check_atom_net(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   NetCheck check(b, atom, decl);
   const std::vector<bool> reached = check.reachable_places();
   check.check_places(reached);

@@ -73,7 +73,7 @@ std::string cycle_text(const AtomType& atom, const std::vector<Edge>& cycle) {
 
 }  // namespace
 
-void check_atom_priorities(Builder& b, const AtomType& atom, const syntax::Decl& decl) {
+void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   std::vector<Edge> cycle = find_cycle(edges_of(atom, false));
   const bool sure = !cycle.empty();
   if (!sure) cycle = find_cycle(edges_of(atom, true));

@@ -18,7 +18,7 @@ std::size_t bind_count(const Model& model, const ConnectorType& type) {
 
 }  // namespace
 
-void check_clauses(Builder& b, const syntax::ConnectorBody& body, const ConnectorType& type, syntax::Annotations annotations) {
+void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorType& type, syntax::Annotations annotations) {
   const CodeTable& code = b.model.code;
   const std::size_t binds = bind_count(b.model, type);
   for (std::size_t c = 0; c < type.clauses.size(); ++c) {

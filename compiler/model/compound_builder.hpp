@@ -14,7 +14,7 @@ enum class BuildState : std::uint8_t { Untouched, Building, Done };
 
 /// All compound types: a compound is built after those it contains.
 struct CompoundBuilders {
-  Builder& b;
+  ModelBuilder& b;
   std::vector<const syntax::Decl*> decls;  // by CompoundTypeId
   std::vector<const syntax::Decl*> atom_decls, connector_decls;  // by AtomTypeId; by ConnectorTypeId, typed ones
   std::set<std::array<std::uint32_t, 4>> modified;  // clauses (file, offset), atom types and ports that warn_modified has seen
@@ -28,7 +28,7 @@ struct CompoundBuilders {
 
 struct CompoundBuilder {
   CompoundBuilders& all;
-  Builder& b;
+  ModelBuilder& b;
   const syntax::Decl& decl;
   CompoundType& out;
   Scope scope{};  // parameters and loop variables
@@ -83,7 +83,7 @@ using OuterBindings = std::unordered_map<std::string, Binding>;
 
 /// Builds the type of an inline connector. `counts[k]`: how many parameters path k stands for (1 without [*]).
 /// `paths` are the connector's resolved ports, `reads` the data of components that its code names, `values` its outer values.
-void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
+void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
                             const std::vector<DataRead>& reads, const OuterBindings& values, ConnectorType& out);
 
 }  // namespace bip::model

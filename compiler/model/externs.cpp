@@ -143,7 +143,7 @@ bool calls_cpp(const CodeTable& code, ExprId expr) {
   return false;
 }
 
-void declare_extern_types(Builder& b) {
+void declare_extern_types(ModelBuilder& b) {
   CodeTable& code = b.model.code;
   std::vector<const syntax::Decl*> decls;
   for (const syntax::Decl* decl : b.model.decls) {
@@ -165,7 +165,7 @@ void declare_extern_types(Builder& b) {
   }
 }
 
-void check_prototypes(Builder& b) {
+void check_prototypes(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::ExternFunction && decl->kind != DeclKind::ExternOperator) continue;
     for (const syntax::Param& p : decl->params) (void)data_type(b.model, p.type, b.diags);
@@ -183,7 +183,7 @@ void check_prototypes(Builder& b) {
   }
 }
 
-void collect_cpp(Builder& b, const std::vector<const syntax::Syntax*>& packages) {
+void collect_cpp(ModelBuilder& b, const std::vector<const syntax::Syntax*>& packages) {
   CppSide& cpp = b.model.code.cpp;
   for (const syntax::Syntax* syntax : packages) {
     const std::string file = b.sources.name(syntax->file);

@@ -33,9 +33,9 @@ struct Argument {
 [[nodiscard]] bool calls_cpp(const CodeTable& code, ExprId expr);
 
 /// Rows of all extern types; what they refine; cycles are reported.
-void declare_extern_types(Builder& b);
+void declare_extern_types(ModelBuilder& b);
 /// Types of all prototypes, and `@cpp` of all packages.
-void check_prototypes(Builder& b);
-void collect_cpp(Builder& b, const std::vector<const syntax::Syntax*>& packages);
+void check_prototypes(ModelBuilder& b);
+void collect_cpp(ModelBuilder& b, const std::vector<const syntax::Syntax*>& packages);
 
 }  // namespace bip::model

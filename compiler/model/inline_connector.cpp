@@ -59,7 +59,7 @@ std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i,
   return reads;
 }
 
-void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
+void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
                             const std::vector<DataRead>& reads, const OuterBindings& values, ConnectorType& out) {
   ConnectorPorts ports;
   ports.data = values;
@@ -88,7 +88,7 @@ void build_inline_connector(Builder& b, const syntax::CompoundItem& item, const 
 
 ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts,
                                         const std::vector<Value>& self) {
-  Builder b{model, diags, *model.sources, {}};
+  ModelBuilder b{model, diags, *model.sources, {}};
   const std::vector<DataRead> reads = model.connector_types[item.type].data_reads;
   ConnectorType type{.name = model.connector_types[item.type].name, .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = model.connector_types[item.type].loc};
   build_inline_connector(b, *item.syntax, item.ports, counts, reads, outer_bindings(model.code, item.values, &self), type);

@@ -5,7 +5,7 @@ namespace bip::model {
 
 namespace {
 
-std::vector<std::string> port_names(const Builder& b, const ComponentFamily& family) {
+std::vector<std::string> port_names(const ModelBuilder& b, const ComponentFamily& family) {
   std::vector<std::string> names;
   if (family.atom.is_valid()) {
     const AtomType& atom = b.model.atom_types[family.atom];
@@ -19,7 +19,7 @@ std::vector<std::string> port_names(const Builder& b, const ComponentFamily& fam
   return names;
 }
 
-const std::string& type_name(const Builder& b, const ComponentFamily& family) {
+const std::string& type_name(const ModelBuilder& b, const ComponentFamily& family) {
   return family.is_compound ? b.model.compound_types[family.compound].name : b.model.atom_types[family.atom].name;
 }
 

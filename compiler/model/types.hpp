@@ -3,6 +3,7 @@
 // Names are resolved, expressions are typed, all checks that need no instance are done. `model` builds them, `system`
 // carries them unchanged, executors read them.
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -102,6 +103,11 @@ struct AtomType {
   std::vector<Clock> clocks{};
   Resume initial_resume{};
 
+  /// Returns whether exactly one place is marked at any time: one initial place, one place on each side of each transition.
+  [[nodiscard]] bool is_automaton() const {
+    return initial.size() == 1 &&
+           std::all_of(transitions.begin(), transitions.end(), [](const Transition& t) { return t.from.size() == 1 && t.to.size() == 1; });
+  }
   /// The first hidden slot: none of the model's own.
   [[nodiscard]] std::size_t visible_slots() const { return clocks.empty() ? slots.size() : clocks.front().slot; }
 };

@@ -16,9 +16,9 @@
 namespace bip::rules {
 namespace {
 
-class Parser {
+class RulesParser {
  public:
-  Parser(const std::vector<genom::Token>& tokens, Diagnostics& diags) : at_(tokens, diags) {}
+  RulesParser(const std::vector<genom::Token>& tokens, Diagnostics& diags) : at_(tokens, diags) {}
 
   RuleFile run() {
     if (!at_.expect("rules") || !at_.name(file_.package, "a name") || !at_.expect(";")) at_.skip_past_semicolon();
@@ -255,7 +255,7 @@ bool parse_span(genom::Cursor& at, genom::Span& into) {
 
 RuleFile parse_rules(const SourceMap& sources, FileId file, Diagnostics& diags) {
   const std::vector<genom::Token> tokens = genom::lex(sources, file, diags);
-  return Parser(tokens, diags).run();
+  return RulesParser(tokens, diags).run();
 }
 
 }  // namespace bip::rules

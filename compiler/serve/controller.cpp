@@ -5,7 +5,7 @@
 
 namespace bip::serve {
 
-Controller::Controller(const rt::Image& image, const SystemOptions& options, bool begins_paused)
+Controller::Controller(const rt::Image& image, const ExecutionOptions& options, bool begins_paused)
     : image_(image), system_(image, options), is_paused_(begins_paused) {}
 
 Controller::~Controller() { halt(); }

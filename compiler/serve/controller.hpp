@@ -20,7 +20,7 @@ class Controller {
   using Command = std::function<void(Controller&)>;
   static constexpr std::size_t kMaxSnapshots = 16;
 
-  Controller(const rt::Image& image, const SystemOptions& options, bool begins_paused);
+  Controller(const rt::Image& image, const ExecutionOptions& options, bool begins_paused);
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
   ~Controller();
@@ -39,11 +39,11 @@ class Controller {
 
   // ---- any thread
   [[nodiscard]] const rt::Image& image() const { return image_; }
-  [[nodiscard]] embed::System& events() { return system_; }  // post() and event_port() only
+  [[nodiscard]] Execution& events() { return system_; }  // post() and event_port() only
   void ask(Command command);
 
   // ---- in a command
-  [[nodiscard]] const embed::System& system() const { return system_; }
+  [[nodiscard]] const Execution& system() const { return system_; }
   [[nodiscard]] bool is_paused() const { return is_paused_; }
   [[nodiscard]] bool has_ended() const { return has_ended_; }
   void pause() { is_paused_ = true; }
@@ -58,8 +58,8 @@ class Controller {
   void end(Outcome outcome);
 
   const rt::Image& image_;
-  embed::System system_;
-  std::vector<embed::System::Snapshot> snapshots_;
+  Execution system_;
+  std::vector<Execution::Snapshot> snapshots_;
   bool is_paused_;
   bool has_ended_ = false;
   std::uint64_t steps_left_ = 0;  // 0: no end

@@ -107,7 +107,7 @@ std::string post(Controller& controller, const Json& request) {
 
 Json state_of(const Controller& controller, const std::set<std::string>& wanted) {
   const rt::Image& image = controller.image();
-  const embed::System& system = controller.system();
+  const Execution& system = controller.system();
   Json atoms = Json::object();
   for (const rt::Atom& atom : image.atoms) {
     if (!wanted.empty() && !wanted.contains(atom.path())) continue;

@@ -6,7 +6,7 @@
 namespace bip::syntax {
 namespace {
 
-class Finder {
+class DeprecatedFormFinder {
  public:
   std::vector<Edit> edits;
 
@@ -37,7 +37,7 @@ class Finder {
 }  // namespace
 
 std::vector<Edit> deprecated_spellings(const Syntax& syntax) {
-  Finder finder;
+  DeprecatedFormFinder finder;
   if (syntax.package != nullptr) {
     for (const Decl* decl : syntax.package->decls) finder.decl(*decl);
   }

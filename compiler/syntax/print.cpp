@@ -8,37 +8,37 @@
 
 namespace bip::syntax {
 
-std::string print(const Syntax& syntax, const SourceMap& sources) { return Printer(syntax, sources).run(); }
+std::string print(const Syntax& syntax, const SourceMap& sources) { return SyntaxPrinter(syntax, sources).run(); }
 
-std::string Printer::run() {
+std::string SyntaxPrinter::run() {
   if (syntax_.package != nullptr) package(*syntax_.package);
   lead_in(static_cast<std::uint32_t>(source_.size()), static_cast<std::uint32_t>(source_.size()));
   return std::move(out_);
 }
 
-void Printer::print_in_order(std::vector<Piece>& pieces) {
+void SyntaxPrinter::print_in_order(std::vector<Piece>& pieces) {
   std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.begin < b.begin; });
   for (const Piece& piece : pieces) piece.print();
 }
 
-void Printer::begin_line() {
+void SyntaxPrinter::begin_line() {
   line_start_ = out_.size();
   out_.append(static_cast<std::size_t>(indent_) * 2, ' ');
   first_in_block_ = false;
 }
 
-bool Printer::has_comment_before(std::uint32_t offset) const {
+bool SyntaxPrinter::has_comment_before(std::uint32_t offset) const {
   return next_comment_ < syntax_.comments.size() && syntax_.comments[next_comment_].range.begin < offset;
 }
 
-void Printer::blank_line_if_source_has_one(std::uint32_t begin) {
+void SyntaxPrinter::blank_line_if_source_has_one(std::uint32_t begin) {
   if (first_in_block_ || begin <= last_end_) return;
   const std::string_view gap = source_.substr(last_end_, begin - last_end_);
   if (std::count(gap.begin(), gap.end(), '\n') >= 2 && out_.substr(out_.size() >= 2 ? out_.size() - 2 : 0) != "\n\n") out_ += '\n';
 }
 
 /// The comment with its inner lines re-indented if they begin with `*`, verbatim otherwise; no trailing blanks.
-std::string Printer::comment_text(const Comment& c) const {
+std::string SyntaxPrinter::comment_text(const Comment& c) const {
   std::string_view rest = source(c.range);
   std::string result;
   bool first = true;
@@ -61,7 +61,7 @@ std::string Printer::comment_text(const Comment& c) const {
   }
 }
 
-void Printer::comment_line(const Comment& c) {
+void SyntaxPrinter::comment_line(const Comment& c) {
   blank_line_if_source_has_one(c.range.begin);
   begin_line();
   out_ += comment_text(c);
@@ -70,13 +70,13 @@ void Printer::comment_line(const Comment& c) {
 }
 
 /// The comments before something that begins at `begin`, and those inside it up to `limit`; then its blank line.
-void Printer::lead_in(std::uint32_t begin, std::uint32_t limit) {
+void SyntaxPrinter::lead_in(std::uint32_t begin, std::uint32_t limit) {
   while (has_comment_before(std::max(begin, limit))) comment_line(syntax_.comments[next_comment_++]);
   if (begin < source_.size()) blank_line_if_source_has_one(begin);
 }
 
 /// Ends the line, with the comments that follow on the same line of the source.
-void Printer::end_line(std::uint32_t source_end) {
+void SyntaxPrinter::end_line(std::uint32_t source_end) {
   last_end_ = std::max(last_end_, source_end);
   bool is_full = false;
   // Comments inside what was printed, for which there was no room earlier.
@@ -102,7 +102,7 @@ void Printer::end_line(std::uint32_t source_end) {
 }
 
 /// Ends the first line of a declaration and opens its block.
-void Printer::header_line(std::uint32_t name_end) {
+void SyntaxPrinter::header_line(std::uint32_t name_end) {
   if (has_comment_before(static_cast<std::uint32_t>(std::min(source_.find('\n', name_end), source_.size())))) {
     const Comment& c = syntax_.comments[next_comment_++];
     out_ += "  ";
@@ -117,7 +117,7 @@ void Printer::header_line(std::uint32_t name_end) {
 }
 
 /// The comments left before the `end` of a block, and the end itself.
-void Printer::end_block(std::uint32_t source_end) {
+void SyntaxPrinter::end_block(std::uint32_t source_end) {
   while (has_comment_before(source_end)) comment_line(syntax_.comments[next_comment_++]);
   --indent_;
   begin_line();
@@ -125,7 +125,7 @@ void Printer::end_block(std::uint32_t source_end) {
   end_line(source_end);
 }
 
-void Printer::annotations(Annotations list, std::uint32_t begin) {
+void SyntaxPrinter::annotations(Annotations list, std::uint32_t begin) {
   for (const Annotation& a : list) {
     lead_in(a.range.begin, a.range.end);
     begin_line();

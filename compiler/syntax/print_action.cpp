@@ -7,7 +7,7 @@ constexpr std::size_t kLineWidth = 110;
 }
 
 /// ` do { … }` and the like, appended to the current line.
-void Printer::block(std::string_view word, const Block& b) {
+void SyntaxPrinter::block(std::string_view word, const Block& b) {
   if (!b.present) return;
   out_.append(" ").append(word);
   const bool has_comments = has_comment_before(b.range.end);
@@ -34,11 +34,11 @@ void Printer::block(std::string_view word, const Block& b) {
   out_ += "}";
 }
 
-void Printer::stmts(std::span<const Stmt* const> list) {
+void SyntaxPrinter::stmts(std::span<const Stmt* const> list) {
   for (const Stmt* s : list) stmt(*s);
 }
 
-void Printer::stmt(const Stmt& s) {
+void SyntaxPrinter::stmt(const Stmt& s) {
   lead_in(s.range.begin, s.kind == StmtKind::If ? s.range.begin : s.range.end);
   if (s.kind == StmtKind::If) return if_chain(s);
   begin_line();
@@ -47,7 +47,7 @@ void Printer::stmt(const Stmt& s) {
 }
 
 // Each `if` of the chain that had a `fi` of its own keeps it: the published tools know no other.
-void Printer::if_chain(const Stmt& s) {
+void SyntaxPrinter::if_chain(const Stmt& s) {
   begin_line();
   const Stmt* at = &s;
   std::string ends = "fi";

@@ -5,7 +5,7 @@
 
 namespace bip::syntax {
 
-void Printer::ports(const PortDecl& p) {
+void SyntaxPrinter::ports(const PortDecl& p) {
   annotations(p.annotations, p.range.begin);
   lead_in(p.range.begin, p.range.end);
   begin_line();
@@ -25,13 +25,13 @@ void Printer::ports(const PortDecl& p) {
   end_line(p.range.end);
 }
 
-void Printer::initial_parts(const Initial& i) {
+void SyntaxPrinter::initial_parts(const Initial& i) {
   put("initial to " + text(i.to));
   block("do", i.action);
   if (i.resumes) put(i.resume == nullptr ? " resume" : " resume (" + text(i.resume, true) + ")");
 }
 
-void Printer::transition(const Transition& t, bool in_state) {
+void SyntaxPrinter::transition(const Transition& t, bool in_state) {
   annotations(t.annotations, t.range.begin);
   lead_in(t.range.begin, t.action.present ? t.action.range.begin : t.range.end);
   begin_line();
@@ -50,7 +50,7 @@ void Printer::transition(const Transition& t, bool in_state) {
   end_line(t.range.end);
 }
 
-bool Printer::has_state_form(const Decl& d) {
+bool SyntaxPrinter::has_state_form(const Decl& d) {
   if (d.notation != Notation::Paper) return false;
   std::size_t next = 0;
   for (const Name& place : d.places) {
@@ -60,7 +60,7 @@ bool Printer::has_state_form(const Decl& d) {
 }
 
 /// Where the next `word` outside comments ends. The tree does not record the `end` of a behavior.
-std::uint32_t Printer::end_of_word(std::string_view word, std::uint32_t from) const {
+std::uint32_t SyntaxPrinter::end_of_word(std::string_view word, std::uint32_t from) const {
   std::size_t comment = next_comment_;
   while (true) {
     const std::size_t at = source_.find(word, from);
@@ -71,7 +71,7 @@ std::uint32_t Printer::end_of_word(std::string_view word, std::uint32_t from) co
   }
 }
 
-void Printer::behavior(const Decl& d) {
+void SyntaxPrinter::behavior(const Decl& d) {
   const std::uint32_t begin = d.initial.present ? d.initial.range.begin : d.places.front().range.begin;
   const std::uint32_t limit = d.initial.present && d.initial.action.present ? d.initial.action.range.begin : begin;
   lead_in(begin, limit);
@@ -104,7 +104,7 @@ void Printer::behavior(const Decl& d) {
   end_block(end_of_word("end", std::max(end, last_end_)));
 }
 
-void Printer::atom(const Decl& d) {
+void SyntaxPrinter::atom(const Decl& d) {
   std::vector<Piece> pieces;
   for (const DataDecl& x : d.data) pieces.push_back({x.range.begin, [this, &x] { data(x); }});
   for (const PortDecl& p : d.ports) pieces.push_back({p.range.begin, [this, &p] { ports(p); }});

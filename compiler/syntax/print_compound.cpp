@@ -3,7 +3,7 @@
 
 namespace bip::syntax {
 
-void Printer::item_group(std::span<const CompoundItem* const> group, bool in_line) {
+void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, bool in_line) {
   const CompoundItem& first = *group.front();
   const std::uint32_t end = group.back()->range.end;
   if (!in_line) {
@@ -52,7 +52,7 @@ void Printer::item_group(std::span<const CompoundItem* const> group, bool in_lin
   --indent_;
 }
 
-void Printer::priority(const CompoundPriority& p) {
+void SyntaxPrinter::priority(const CompoundPriority& p) {
   out_.append("priority ").append(p.name.text);
   if (p.index != nullptr) put("[" + text(p.index) + "]");
   out_.append(" ").append(text(p.low)).append(" < ").append(text(p.high));
@@ -60,7 +60,7 @@ void Printer::priority(const CompoundPriority& p) {
   end_line(p.range.end);
 }
 
-void Printer::items(std::span<const CompoundItem* const> list, std::vector<Piece>& pieces) {
+void SyntaxPrinter::items(std::span<const CompoundItem* const> list, std::vector<Piece>& pieces) {
   for (std::size_t i = 0; i < list.size();) {
     std::size_t n = 1;
     const CompoundItem& first = *list[i];
@@ -75,7 +75,7 @@ void Printer::items(std::span<const CompoundItem* const> list, std::vector<Piece
   }
 }
 
-void Printer::compound(const Decl& d) {
+void SyntaxPrinter::compound(const Decl& d) {
   std::vector<Piece> pieces;
   for (const DataDecl& x : d.data) pieces.push_back({x.range.begin, [this, &x] { data(x); }});
   items(d.items, pieces);

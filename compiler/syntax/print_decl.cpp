@@ -11,7 +11,7 @@ bool has_block(const Decl& d) {
 
 }  // namespace
 
-void Printer::package(const Package& p) {
+void SyntaxPrinter::package(const Package& p) {
   const bool named = !p.name.parts.empty();
   if (named) {
     annotations(p.annotations, p.name.range.begin);
@@ -45,7 +45,7 @@ void Printer::package(const Package& p) {
   end_block(end);
 }
 
-void Printer::data(const DataDecl& d) {
+void SyntaxPrinter::data(const DataDecl& d) {
   annotations(d.annotations, d.range.begin);
   lead_in(d.range.begin, d.range.end);
   begin_line();
@@ -53,7 +53,7 @@ void Printer::data(const DataDecl& d) {
   end_line(d.range.end);
 }
 
-void Printer::one_line_decl(const Decl& d) {
+void SyntaxPrinter::one_line_decl(const Decl& d) {
   const std::string params = "(" + text(d.params) + ")";
   switch (d.kind) {
     case DeclKind::ConstData:
@@ -90,7 +90,7 @@ void Printer::one_line_decl(const Decl& d) {
   end_line(d.range.end);
 }
 
-void Printer::decl(const Decl& d) {
+void SyntaxPrinter::decl(const Decl& d) {
   notation_ = d.notation;
   annotations(d.annotations, d.name.range.begin);
   lead_in(d.annotations.empty() ? d.range.begin : d.name.range.begin, has_block(d) ? d.name.range.begin : d.range.end);
@@ -112,7 +112,7 @@ void Printer::decl(const Decl& d) {
   notation_ = Notation::Bip2;
 }
 
-void Printer::clause(const Clause& c) {
+void SyntaxPrinter::clause(const Clause& c) {
   annotations(c.annotations, c.range.begin);
   std::uint32_t limit = c.range.end;
   for (const Block* b : {&c.up, &c.down, &c.action}) {
@@ -128,7 +128,7 @@ void Printer::clause(const Clause& c) {
   end_line(c.range.end);
 }
 
-void Printer::connector_parts(const ConnectorBody& body) {
+void SyntaxPrinter::connector_parts(const ConnectorBody& body) {
   std::vector<Piece> pieces;
   for (const DataDecl& d : body.data) pieces.push_back({d.range.begin, [this, &d] { data(d); }});
   if (body.exported.present) {

@@ -5,7 +5,7 @@
 
 namespace bip::syntax {
 
-std::string Printer::text(const Path& p) const {
+std::string SyntaxPrinter::text(const Path& p) const {
   std::string out;
   for (const PathPart& part : p.parts) {
     if (!out.empty()) out += '.';
@@ -16,9 +16,9 @@ std::string Printer::text(const Path& p) const {
   return out;
 }
 
-std::string Printer::text(const TypeRef& t) const { return (t.is_const ? "const " : "") + text(t.name); }
+std::string SyntaxPrinter::text(const TypeRef& t) const { return (t.is_const ? "const " : "") + text(t.name); }
 
-std::string Printer::text(std::span<const Name> names) const {
+std::string SyntaxPrinter::text(std::span<const Name> names) const {
   std::string out;
   for (const Name& n : names) {
     if (!out.empty()) out += ", ";
@@ -27,7 +27,7 @@ std::string Printer::text(std::span<const Name> names) const {
   return out;
 }
 
-std::string Printer::text(std::span<const Path> paths, std::string_view separator) const {
+std::string SyntaxPrinter::text(std::span<const Path> paths, std::string_view separator) const {
   std::string out;
   for (const Path& p : paths) {
     if (!out.empty()) out += separator;
@@ -36,7 +36,7 @@ std::string Printer::text(std::span<const Path> paths, std::string_view separato
   return out;
 }
 
-std::string Printer::text(std::span<const Param> params) const {
+std::string SyntaxPrinter::text(std::span<const Param> params) const {
   std::string out;
   for (const Param& p : params) {
     if (!out.empty()) out += ", ";
@@ -46,7 +46,7 @@ std::string Printer::text(std::span<const Param> params) const {
   return out;
 }
 
-std::string Printer::text(std::span<const Var> vars) const {
+std::string SyntaxPrinter::text(std::span<const Var> vars) const {
   std::string out;
   for (const Var& v : vars) {
     if (!out.empty()) out += ", ";
@@ -56,7 +56,7 @@ std::string Printer::text(std::span<const Var> vars) const {
   return out;
 }
 
-std::string Printer::text(std::span<const NamedArg> args) const {
+std::string SyntaxPrinter::text(std::span<const NamedArg> args) const {
   std::string out;
   for (const NamedArg& a : args) {
     if (!out.empty()) out += ", ";
@@ -66,7 +66,7 @@ std::string Printer::text(std::span<const NamedArg> args) const {
   return out;
 }
 
-std::string Printer::text(const Annotation& a) const {
+std::string SyntaxPrinter::text(const Annotation& a) const {
   // As written, blanks outside strings reduced to one.
   std::string out;
   bool in_string = false;
@@ -82,7 +82,7 @@ std::string Printer::text(const Annotation& a) const {
   return out;
 }
 
-std::string Printer::text(const Expr* e, bool without_parentheses) const {
+std::string SyntaxPrinter::text(const Expr* e, bool without_parentheses) const {
   if (e == nullptr) return {};
   std::string out;
   switch (e->kind) {
@@ -135,17 +135,17 @@ std::string Printer::text(const Expr* e, bool without_parentheses) const {
   return e->parenthesised && !without_parentheses ? "(" + out + ")" : out;
 }
 
-std::string Printer::guard(const Expr* e) const {
+std::string SyntaxPrinter::guard(const Expr* e) const {
   if (notation_ == Notation::Paper) return " provided " + text(e, true);
   return " provided (" + text(e, true) + ")";
 }
 
-std::string Printer::simple(const Stmt& s) const {
+std::string SyntaxPrinter::simple(const Stmt& s) const {
   if (s.kind == StmtKind::Call) return text(s.value);
   return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") + text(s.value);
 }
 
-std::string Printer::text(const PortExpr& e, bool is_root) const {
+std::string SyntaxPrinter::text(const PortExpr& e, bool is_root) const {
   const std::string prime = e.trigger ? "'" : "";
   if (e.kind == PortExprKind::Port) return text(e.port) + prime;
   const bool paper = notation_ == Notation::Paper;
@@ -158,7 +158,7 @@ std::string Printer::text(const PortExpr& e, bool is_root) const {
   return is_root ? out : "(" + out + ")" + prime;
 }
 
-std::string Printer::text(const InteractionPattern& p) const {
+std::string SyntaxPrinter::text(const InteractionPattern& p) const {
   if (p.any_connector) return "*:*";
   if (p.any_interaction) return text(p.connector) + (notation_ == Notation::Paper ? "" : ":*");
   return text(p.connector) + ":" + text(p.ports, ",");

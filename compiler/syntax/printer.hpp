@@ -9,9 +9,9 @@
 
 namespace bip::syntax {
 
-class Printer {
+class SyntaxPrinter {
  public:
-  Printer(const Syntax& syntax, const SourceMap& sources) : syntax_(syntax), sources_(sources), source_(sources.text(syntax.file)) {}
+  SyntaxPrinter(const Syntax& syntax, const SourceMap& sources) : syntax_(syntax), sources_(sources), source_(sources.text(syntax.file)) {}
   std::string run();
 
  private:

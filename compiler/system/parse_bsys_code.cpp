@@ -27,16 +27,16 @@ Type result_of(Op op, Type operand) {
 
 }  // namespace
 
-std::uint32_t Reader::variable(List& list, const std::vector<ScopeVariable>& variables) {
+std::uint32_t BsysReader::variable(List& list, const std::vector<ScopeVariable>& variables) {
   return ref(list, variables.size(), "variable", [&](std::uint32_t k) -> const std::string& { return variables[k].name; });
 }
 
-ExprId Reader::expr(List& list, const CodeScope& scope) {
+ExprId BsysReader::expr(List& list, const CodeScope& scope) {
   const std::uint32_t node = next(list, "an expression");
   return node == kNoNode ? ExprId() : expr(node, scope);
 }
 
-ExprId Reader::expr(std::uint32_t node, const CodeScope& scope) {
+ExprId BsysReader::expr(std::uint32_t node, const CodeScope& scope) {
   if (failed()) return {};
   if (tree_.nodes[node].kind != Node::Kind::List) {
     const Value value = literal(node);
@@ -77,7 +77,7 @@ ExprId Reader::expr(std::uint32_t node, const CodeScope& scope) {
   return failed() ? ExprId() : s_.code.exprs.push(e);
 }
 
-StmtId Reader::stmt(std::uint32_t node, const CodeScope& scope) {
+StmtId BsysReader::stmt(std::uint32_t node, const CodeScope& scope) {
   std::string_view head;
   List list = open(node, head);
   Stmt s;
@@ -105,7 +105,7 @@ StmtId Reader::stmt(std::uint32_t node, const CodeScope& scope) {
   return failed() ? StmtId() : s_.code.stmts.push(s);
 }
 
-StmtId Reader::body(List& list, const CodeScope& scope) {
+StmtId BsysReader::body(List& list, const CodeScope& scope) {
   StmtId first, last;
   while (more(list)) {
     const StmtId id = stmt(next(list, "a statement"), scope);

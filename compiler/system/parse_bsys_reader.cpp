@@ -17,13 +17,13 @@ bool to_number(std::string_view text, T& value) {
 
 }  // namespace
 
-void Reader::fail(std::uint32_t node, std::string_view message) {
+void BsysReader::fail(std::uint32_t node, std::string_view message) {
   if (failed()) return;
   const std::size_t offset = node == kNoNode ? tree_.text.size() : tree_.nodes[node].begin;
   failure_ = failure_at(tree_.text, offset, message);
 }
 
-List Reader::open(std::uint32_t node, std::string_view& head) {
+List BsysReader::open(std::uint32_t node, std::string_view& head) {
   head = {};
   if (failed()) return {};
   if (tree_.nodes[node].kind != Node::Kind::List) {
@@ -40,7 +40,7 @@ List Reader::open(std::uint32_t node, std::string_view& head) {
   return list;
 }
 
-bool Reader::more(List& list) {
+bool BsysReader::more(List& list) {
   while (!failed() && list.at != kNoNode) {
     const std::uint32_t node = list.at;
     if (tree_.nodes[node].kind != Node::Kind::Word || tree_.text[tree_.nodes[node].begin] != '@') return true;
@@ -49,7 +49,7 @@ bool Reader::more(List& list) {
   return false;
 }
 
-void Reader::take_loc(List& list, std::uint32_t node) {
+void BsysReader::take_loc(List& list, std::uint32_t node) {
   const std::string_view word = tree_.word(node).substr(1);
   const std::size_t first = word.find(':');
   const std::size_t second = first == std::string_view::npos ? first : word.find(':', first + 1);
@@ -63,7 +63,7 @@ void Reader::take_loc(List& list, std::uint32_t node) {
   list.at = tree_.nodes[node].next;
 }
 
-std::uint32_t Reader::next(List& list, std::string_view wanted) {
+std::uint32_t BsysReader::next(List& list, std::string_view wanted) {
   if (!more(list)) {
     if (!failed()) fail(list.node, fmt::format("the list ends where {} should be", wanted));
     return kNoNode;
@@ -73,7 +73,7 @@ std::uint32_t Reader::next(List& list, std::string_view wanted) {
   return node;
 }
 
-std::string Reader::text_of(std::uint32_t node) {
+std::string BsysReader::text_of(std::uint32_t node) {
   std::string text;
   std::size_t bad = 0;
   if (!unquote(tree_.word(node), text, bad)) {
@@ -83,7 +83,7 @@ std::string Reader::text_of(std::uint32_t node) {
   return text;
 }
 
-std::string Reader::name(List& list) {
+std::string BsysReader::name(List& list) {
   const std::uint32_t node = next(list, "a name");
   if (node == kNoNode) return {};
   if (tree_.nodes[node].kind == Node::Kind::Quoted) return text_of(node);
@@ -92,7 +92,7 @@ std::string Reader::name(List& list) {
   return {};
 }
 
-std::string Reader::quoted(List& list) {
+std::string BsysReader::quoted(List& list) {
   const std::uint32_t node = next(list, "a string");
   if (node == kNoNode) return {};
   if (tree_.nodes[node].kind == Node::Kind::Quoted) return text_of(node);
@@ -100,7 +100,7 @@ std::string Reader::quoted(List& list) {
   return {};
 }
 
-Type Reader::type(List& list) {
+Type BsysReader::type(List& list) {
   const std::uint32_t node = next(list, "a type");
   if (node == kNoNode) return Type::Int;
   const std::optional<Type> type = tree_.nodes[node].kind == Node::Kind::Word ? type_of(tree_.word(node)) : std::nullopt;
@@ -112,14 +112,14 @@ Type Reader::type(List& list) {
   return type.value_or(Type::Int);
 }
 
-void Reader::row(List& list, std::size_t expected) {
+void BsysReader::row(List& list, std::size_t expected) {
   const std::uint32_t node = next(list, "the row's number");
   std::size_t number = 0;
   if (node != kNoNode && (!to_number(tree_.word(node), number) || number != expected))
     fail(node, fmt::format("this row's number is {}", expected));
 }
 
-std::uint32_t Reader::number_of_ref(List& list, std::size_t count, const char* what, std::string_view& hint,
+std::uint32_t BsysReader::number_of_ref(List& list, std::size_t count, const char* what, std::string_view& hint,
                                     std::uint32_t& node) {
   node = next(list, what);
   if (node == kNoNode) return 0;
@@ -140,13 +140,13 @@ std::uint32_t Reader::number_of_ref(List& list, std::size_t count, const char* w
   return number;
 }
 
-bool Reader::flag(List& list, std::string_view word) {
+bool BsysReader::flag(List& list, std::string_view word) {
   if (!more(list) || tree_.nodes[list.at].kind != Node::Kind::Word || tree_.word(list.at) != word) return false;
   list.at = tree_.nodes[list.at].next;
   return true;
 }
 
-std::optional<List> Reader::sub(List& list, std::string_view head) {
+std::optional<List> BsysReader::sub(List& list, std::string_view head) {
   if (!more(list) || tree_.nodes[list.at].kind != Node::Kind::List) return std::nullopt;
   const std::uint32_t first = tree_.nodes[list.at].first;
   if (first == kNoNode || tree_.nodes[first].kind != Node::Kind::Word || tree_.word(first) != head) return std::nullopt;
@@ -155,17 +155,17 @@ std::optional<List> Reader::sub(List& list, std::string_view head) {
   return List{.node = node, .at = tree_.nodes[first].next, .loc = {}};
 }
 
-List Reader::need(List& list, const char* head) {
+List BsysReader::need(List& list, const char* head) {
   const std::optional<List> found = sub(list, head);
   if (!found) fail(list.at == kNoNode ? list.node : list.at, fmt::format("expected `({} …)` here", head));
   return found.value_or(List{});
 }
 
-void Reader::close(List& list) {
+void BsysReader::close(List& list) {
   if (more(list)) fail(list.at, "unexpected here");
 }
 
-Value Reader::literal(std::uint32_t node) {
+Value BsysReader::literal(std::uint32_t node) {
   if (failed() || node == kNoNode) return {};
   if (tree_.nodes[node].kind == Node::Kind::Quoted) {
     const std::string text = text_of(node);
@@ -187,7 +187,7 @@ Value Reader::literal(std::uint32_t node) {
   return {};
 }
 
-bool Reader::add_string(const std::string& text) {
+bool BsysReader::add_string(const std::string& text) {
   if (!strings_.emplace(text, static_cast<std::uint32_t>(s_.code.strings.size())).second) return false;
   s_.code.strings.push_back(text);
   return true;

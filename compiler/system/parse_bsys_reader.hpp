@@ -20,9 +20,9 @@ struct List {
   Loc loc{};
 };
 
-class Reader {
+class BsysReader {
  public:
-  Reader(const Tree& tree, System& system) : tree_(tree), s_(system) {}
+  BsysReader(const Tree& tree, System& system) : tree_(tree), s_(system) {}
 
   void fail(std::uint32_t node, std::string_view message);
   [[nodiscard]] bool failed() const { return failure_.has_value(); }

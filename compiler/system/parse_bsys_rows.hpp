@@ -23,7 +23,7 @@ class RowParser {
  protected:
   const Tree& tree_;
   System s_;
-  Reader r_;
+  BsysReader r_;
 
  private:
   PortTypeId port_type_ref(List& list);

@@ -8,7 +8,7 @@ namespace bip::system::text {
 namespace {
 
 // "5000000ns"
-std::int64_t ticks(Reader& r, const Tree& tree, List& list) {
+std::int64_t ticks(BsysReader& r, const Tree& tree, List& list) {
   std::int64_t value = 0;
   const std::uint32_t node = r.next(list, "a time in ns");
   if (r.failed()) return value;

@@ -15,9 +15,9 @@ namespace {
 
 using namespace text;
 
-class Printer {
+class BsysPrinter {
  public:
-  explicit Printer(const System& system) : s_(system) {}
+  explicit BsysPrinter(const System& system) : s_(system) {}
 
   std::string run() {
     out_ = "(bsys 1)\n";
@@ -392,6 +392,6 @@ class Printer {
 
 }  // namespace
 
-std::string print(const System& system) { return Printer(system).run(); }
+std::string print(const System& system) { return BsysPrinter(system).run(); }
 
 }  // namespace bip::system

@@ -9,7 +9,7 @@ namespace bip::verify {
 namespace {
 
 // Nested as deep as the source, which the parser limits; beyond this a guard is not looked at.
-constexpr u32 kMaxDepth = 500;
+constexpr u32 kMaxGuardDepth = 500;
 
 // The guard of a connector of atoms' ports, if it decides the rendezvous and reads nothing but their variables. Else null.
 const Clause* clause_of(const System& system, const Neighbours::Top& top) {
@@ -51,7 +51,7 @@ class Reducer {
   // Invalid: nothing is left.
   ExprId weaker(ExprId id, std::vector<std::int64_t>& text, u32 depth) {
     const Expr e = code_.exprs[id];
-    if (depth > kMaxDepth) return {};
+    if (depth > kMaxGuardDepth) return {};
     if (e.op != Op::And) {
       std::vector<std::int64_t> mine;
       const ExprId same = exact(id, mine, depth);
@@ -70,7 +70,7 @@ class Reducer {
  private:
   ExprId exact(ExprId id, std::vector<std::int64_t>& text, u32 depth) {
     Expr e = code_.exprs[id];
-    if (depth > kMaxDepth) return {};
+    if (depth > kMaxGuardDepth) return {};
     switch (e.op) {
       case Op::Call:
       case Op::LoadSelf:

@@ -51,7 +51,7 @@ bool Decider::look_at_uses() {
   if (!uses.has_some) return false;
   told_ = build_net(net_, uses, UsesAs::Ports);
   if (told_->too_large_atom == kNoRow) {
-    const Clock::time_point end = std::min(limits_.end, seconds_from_now(seconds_until(limits_.end) / 4));
+    const ProcessClock::time_point end = std::min(limits_.end, seconds_from_now(seconds_until(limits_.end) / 4));
     Proof proof = prove_deadlock_freedom(*told_, end, [](const std::vector<u32>&) { return true; }, invariants_of(known_, *told_, true));
     if (proof.end == ProofEnd::Free) {
       if (wants_needed(Way::Told, proof)) keep_needed(*told_, end, proof);
@@ -127,7 +127,7 @@ Decider::Tried Decider::try_all_states(double seconds) {
   if (!limits_.may_search || is_exhausted_ || is_memory_over_ || !ready()) return Tried::Open;
   const bool asks_errors = question_.what == Asked::NoErrors, asks_state = question_.what == Asked::State;
   std::atomic<bool> is_found{false};
-  const Clock::time_point end = std::min(limits_.end, seconds_from_now(seconds));
+  const ProcessClock::time_point end = std::min(limits_.end, seconds_from_now(seconds));
   rt::ExploreOptions options;
   options.threads = limits_.threads;
   // 0 would be no limit.
@@ -218,7 +218,7 @@ std::vector<std::vector<Signal>> Decider::structural_clauses() {
 }
 
 // What was known of this very system, as far as it holds. Nothing: all are found anew.
-std::optional<LinearFacts> Decider::known_facts(Clock::time_point end) {
+std::optional<LinearFacts> Decider::known_facts(ProcessClock::time_point end) {
   if (memory_ == nullptr || !memory_->counts.is_whole || known_.equations.empty()) return std::nullopt;
   LinearFacts facts = equations_that_hold(net_, *machine_, image_, equations_of(known_), end);
   memory_->counts.equations = facts.equations.size();
@@ -260,7 +260,7 @@ Decider::Tried Decider::try_induction(double seconds, Effort effort) {
   if (question_.what == Asked::NoErrors) bad = machine_->error;
   if (question_.what == Asked::State) bad = broken_signal(question_.property, *machine_, image_);
   problem.bad = machine_->circuit.either(bad, machine_->lost);
-  problem.end = std::min(limits_.end, Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+  problem.end = std::min(limits_.end, ProcessClock::now() + std::chrono::duration_cast<ProcessClock::duration>(std::chrono::duration<double>(seconds)));
   problem.report = [&](u32 frame, std::size_t lemmas) {
     d_.frames = frame;
     report_("induction", lemmas, "lemmas");

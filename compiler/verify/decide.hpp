@@ -47,7 +47,7 @@ struct Decision {
 using Report = std::function<void(const char* phase, std::uint64_t count, const char* unit)>;
 
 struct DecideLimits {
-  Clock::time_point end;
+  ProcessClock::time_point end;
   std::size_t megabytes = 2048;
   bool wants_few = false;          // of a proof's invariants only those that it needs
   bool wants_certificate = false;  // an exhaustive search is followed by a proof, or keeps what it has reached
@@ -83,7 +83,7 @@ class Decider {
   enum class Effort : std::uint8_t { Facts, Lemmas };
   Tried try_induction(double seconds, Effort effort = Effort::Lemmas);
   bool is_proved_with(LinearFacts facts, const ReachProblem& problem, bool needs_bounds);
-  [[nodiscard]] std::optional<LinearFacts> known_facts(Clock::time_point end);
+  [[nodiscard]] std::optional<LinearFacts> known_facts(ProcessClock::time_point end);
   void recall();
   Tried try_known();
   void decide_in_order();

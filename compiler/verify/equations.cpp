@@ -22,9 +22,9 @@ using Row = SparseSystem::Row;
 /// By how much code changes a variable, or nothing known.
 using Stored = std::vector<std::pair<u32, std::optional<AffineForm>>>;
 
-class Finder {
+class AffineAnalysis {
  public:
-  Finder(const Net& net, const Machine& machine, const rt::Image& image)
+  AffineAnalysis(const Net& net, const Machine& machine, const rt::Image& image)
       : net_(net), system_(*net.system), machine_(machine), image_(image), code_(system_.code) {
     first_place_ = net.port_count();
     first_slot_ = first_place_;
@@ -36,7 +36,7 @@ class Finder {
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) start_.push_back(values_of(atom));
   }
 
-  LinearFacts run(Clock::time_point end) {
+  LinearFacts run(ProcessClock::time_point end) {
     SparseSystem system(first_slot_ + image_.slot_count, first_slot_, end);
     if (!collect(system)) return {};
     system.solve(equations_);
@@ -55,7 +55,7 @@ class Finder {
   }
 
   // Those that no step changes the sum of: what a port changes follows from what its transitions do.
-  LinearFacts those_that_hold(const std::vector<LinearEquation>& candidates, Clock::time_point end) {
+  LinearFacts those_that_hold(const std::vector<LinearEquation>& candidates, ProcessClock::time_point end) {
     SparseSystem system(first_slot_ + image_.slot_count, first_slot_, end);
     if (!collect(system) || system.is_given_up()) return {};
     LinearFacts facts;
@@ -369,13 +369,13 @@ class Finder {
 }  // namespace
 
 LinearFacts equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
-                                                Clock::time_point end) {
+                                                ProcessClock::time_point end) {
   if (candidates.empty()) return {};
-  return Finder(net, machine, image).those_that_hold(candidates, end);
+  return AffineAnalysis(net, machine, image).those_that_hold(candidates, end);
 }
 
-LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end) {
-  return with_bounds(net, machine, image, known, end, Finder(net, machine, image).run(end));
+LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end) {
+  return with_bounds(net, machine, image, known, end, AffineAnalysis(net, machine, image).run(end));
 }
 
 }  // namespace bip::verify

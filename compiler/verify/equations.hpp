@@ -38,13 +38,13 @@ struct LinearFacts {
 
 /// `known`: clauses that hold in every reachable state. The net must be usable.
 [[nodiscard]] LinearFacts find_linear_facts(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known,
-                                            Clock::time_point end);
+                                            ProcessClock::time_point end);
 /// Those of the candidates, which may come from anywhere, whose sum no step changes; their totals are still to be found.
 [[nodiscard]] LinearFacts equations_that_hold(const Net& net, const Machine& machine, const rt::Image& image, const std::vector<LinearEquation>& candidates,
-                                                              Clock::time_point end);
+                                                              ProcessClock::time_point end);
 /// Their totals; equations whose first value is not known are left out. And the bounds that the solver shows.
 [[nodiscard]] LinearFacts with_totals(Machine& machine, const rt::Image& image, LinearFacts facts);
-[[nodiscard]] LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end,
+[[nodiscard]] LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end,
                                       LinearFacts facts);
 [[nodiscard]] Signal equation_signal(const LinearEquation& equation, Machine& machine, const rt::Image& image);
 [[nodiscard]] std::vector<Signal> place_clause(const PlaceValue& fact, Machine& machine, const rt::Image& image);

@@ -16,9 +16,9 @@ constexpr std::int64_t kMaxWeight = 1'000'000;
 // Modes at one place, and what they count for.
 using Weighted = std::vector<std::pair<const Mode*, std::int64_t>>;
 
-class Finder {
+class EvidenceCollector {
  public:
-  Finder(const Net& plain, const Net& told, const Proof& proof) : told_(told), proof_(proof) {
+  EvidenceCollector(const Net& plain, const Net& told, const Proof& proof) : told_(told), proof_(proof) {
     evidence_.net = build_net(plain, told.uses, UsesAs::Hidden);
   }
 
@@ -232,7 +232,7 @@ class Finder {
 }  // namespace
 
 std::optional<Evidence> find_evidence(const Net& plain, const Net& told, const Proof& proof) {
-  return Finder(plain, told, proof).run();
+  return EvidenceCollector(plain, told, proof).run();
 }
 
 }  // namespace bip::verify

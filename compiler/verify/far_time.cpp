@@ -12,12 +12,12 @@ namespace bip::verify {
 
 namespace {
 
-constexpr u32 kMaxDepth = 100;
+constexpr u32 kMaxTreeDepth = 100;
 // Well below what the core takes for infinite, as limits are computed here in another way than there.
-constexpr std::int64_t kFar = rt::kFarLimit / 2;
+constexpr std::int64_t kFarInstant = rt::kFarLimit / 2;
 
 std::optional<double> value_of(const CodeTable& code, ExprId id, const std::vector<Value>& args, u32 depth) {
-  if (depth > kMaxDepth || !id.is_valid()) return std::nullopt;
+  if (depth > kMaxTreeDepth || !id.is_valid()) return std::nullopt;
   const Expr& e = code.exprs[id];
   switch (e.op) {
     case Op::ConstInt: return e.int_value;
@@ -63,7 +63,7 @@ bool comes_true(const System& system, const AtomType& type, const std::vector<co
     if (bound.minus != Bound::kNone || (bound.op != BoundOp::Ge && bound.op != BoundOp::Gt)) return false;
     return std::all_of(atoms.begin(), atoms.end(), [&](const Atom* atom) {
       const std::optional<std::int64_t> limit = limit_of(system, type, atom->args, when, bound);
-      return limit && *limit <= kFar;
+      return limit && *limit <= kFarInstant;
     });
   });
 }
@@ -163,7 +163,7 @@ std::vector<u32> bounded_modes(const Net& net, u32 atom) {
     return std::any_of(invariant.when.bounds.begin(), invariant.when.bounds.end(), [&](const Bound& bound) {
       if (bound.minus != Bound::kNone || bound.op == BoundOp::Ge || bound.op == BoundOp::Gt) return false;
       const std::optional<std::int64_t> limit = limit_of(system, type, row.args, invariant.when, bound);
-      return limit && *limit <= kFar;
+      return limit && *limit <= kFarInstant;
     });
   };
   for (u32 mode = 0; mode < row.modes.size(); ++mode) {

@@ -10,7 +10,7 @@ namespace bip::verify {
 
 namespace {
 
-using Word = std::uint64_t;
+using BitWord = std::uint64_t;
 
 // What follows each state, and who moves there and wants to.
 class Graph {
@@ -24,9 +24,9 @@ class Graph {
   // Of the states in their order: the state whose steps come now.
   void begin_steps() { first_.push_back(static_cast<u32>(next_.size())); }
   void add_step(u32 to) { next_.push_back(to); }
-  void set_moves(u32 state, u32 atom) { moves_[state * words_ + atom / 64] |= Word{1} << atom % 64; }
-  void set_wants(u32 state, u32 atom) { wants_[state * words_ + atom / 64] |= Word{1} << atom % 64; }
-  [[nodiscard]] std::size_t bytes() const { return (moves_.size() + wants_.size()) * sizeof(Word) + (next_.size() + first_.size()) * sizeof(u32); }
+  void set_moves(u32 state, u32 atom) { moves_[state * words_ + atom / 64] |= BitWord{1} << atom % 64; }
+  void set_wants(u32 state, u32 atom) { wants_[state * words_ + atom / 64] |= BitWord{1} << atom % 64; }
+  [[nodiscard]] std::size_t bytes() const { return (moves_.size() + wants_.size()) * sizeof(BitWord) + (next_.size() + first_.size()) * sizeof(u32); }
 
   // All steps are there. The first state with an atom that wants to move and never will; kNoRow: none.
   u32 find(std::vector<u32>& atoms) {
@@ -35,7 +35,7 @@ class Graph {
     const u32 states = static_cast<u32>(first_.size() - 1);
     for (u32 state = 0; state < states; ++state) {
       for (std::size_t w = 0; w < words_; ++w) {
-        Word left = wants_[state * words_ + w] & ~later_[component_[state] * words_ + w];
+        BitWord left = wants_[state * words_ + w] & ~later_[component_[state] * words_ + w];
         for (; left != 0; left &= left - 1) atoms.push_back(static_cast<u32>(w * 64) + static_cast<u32>(std::countr_zero(left)));
       }
       if (!atoms.empty()) return state;
@@ -88,15 +88,15 @@ class Graph {
     }
     open.resize(begin);
   }
-  void join(u32 row, const std::vector<Word>& from, u32 from_row) {
+  void join(u32 row, const std::vector<BitWord>& from, u32 from_row) {
     for (std::size_t w = 0; w < words_; ++w) later_[row * words_ + w] |= from[from_row * words_ + w];
   }
 
   std::size_t words_;
-  std::vector<Word> moves_, wants_;       // by state
+  std::vector<BitWord> moves_, wants_;       // by state
   std::vector<u32> first_, next_;         // by state: its steps
   std::vector<u32> component_;            // by state
-  std::vector<Word> later_;               // by component: who can still move
+  std::vector<BitWord> later_;               // by component: who can still move
 };
 
 class Visit {

@@ -20,7 +20,7 @@ constexpr std::string_view kFirstLine = "bipc kept proof 1";
 constexpr std::string_view kWays[] = {"none", "plain", "told", "induction", "steps"};
 constexpr std::string_view kKinds[] = {"trap", "one", "sum"};
 // No sum of what a file says leaves 64 bits. The finder's own numbers (linear.hpp) are below these.
-constexpr std::int64_t kMaxWeight = std::int64_t{1} << 25, kMaxTotal = std::int64_t{1} << 48;
+constexpr std::int64_t kMaxCoefficient = std::int64_t{1} << 25, kMaxTotal = std::int64_t{1} << 48;
 
 class Words {
  public:
@@ -60,9 +60,9 @@ std::optional<std::size_t> row_of(const std::string_view (&names)[count], std::s
   return found == std::end(names) ? std::nullopt : std::optional(static_cast<std::size_t>(found - std::begin(names)));
 }
 
-class Parser {
+class ProofCacheParser {
  public:
-  explicit Parser(const AtomOfName& atom_of) : atom_of_(atom_of) {}
+  explicit ProofCacheParser(const AtomOfName& atom_of) : atom_of_(atom_of) {}
 
   // False: the line is none of the form.
   bool line(std::string_view text) {
@@ -126,7 +126,7 @@ class Parser {
       KeptTerm term;
       term.atom = atom(words);
       term.mode = words.row();
-      term.weight = words.number(-kMaxWeight, kMaxWeight);
+      term.weight = words.number(-kMaxCoefficient, kMaxCoefficient);
       invariant.terms.push_back(term);
     }
     if (is_known_ && !invariant.terms.empty()) proof_.invariants.push_back(std::move(invariant));
@@ -282,7 +282,7 @@ std::string print_kept(const KeptProof& proof, const NameOfAtom& name_of) {
 }
 
 std::optional<KeptProof> parse_kept(std::string_view text, const AtomOfName& atom_of) {
-  Parser parser(atom_of);
+  ProofCacheParser parser(atom_of);
   bool is_first = true;
   while (!text.empty()) {
     const std::size_t end = text.find('\n');

@@ -16,7 +16,7 @@ namespace bip::verify {
 
 class LinearFinder {
  public:
-  LinearFinder(const Net& net, const Spread& reachable, Clock::time_point end)
+  LinearFinder(const Net& net, const Spread& reachable, ProcessClock::time_point end)
       : net_(net), reachable_(reachable), system_(net.port_count(), net.port_count(), end) {}
 
   /// Invariants that the candidate (by mode: 1 if marked) breaks; none twice.

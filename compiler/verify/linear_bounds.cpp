@@ -214,14 +214,14 @@ class OnMachine {
 namespace {
 
 // A state, for the solver.
-class Question {
+class InductionQuery {
  public:
-  Question(const Machine& machine, const std::vector<std::vector<Signal>>& known) : cnf_(machine.circuit, solver_) {
+  InductionQuery(const Machine& machine, const std::vector<std::vector<Signal>>& known) : cnf_(machine.circuit, solver_) {
     cnf_.add_state(machine);
     for (const std::vector<Signal>& clause : known) cnf_.add(clause);
   }
   // Is `bad` never true with all of the others?
-  bool excludes(const std::vector<Signal>& others, Signal bad, Clock::time_point end) {
+  bool excludes(const std::vector<Signal>& others, Signal bad, ProcessClock::time_point end) {
     if (bad == kFalse) return true;
     for (Signal s : others) solver_.assume(cnf_.literal(s));
     solver_.assume(cnf_.literal(bad));
@@ -245,7 +245,7 @@ LinearFacts with_totals(Machine& machine, const rt::Image& image, LinearFacts fa
   return facts;
 }
 
-LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, Clock::time_point end, LinearFacts from) {
+LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image, const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end, LinearFacts from) {
   LinearFacts facts = with_totals(machine, image, std::move(from));
   OnMachine on_machine(machine, image);
   facts.bounds = on_machine.likely_bounds(facts.equations);
@@ -260,7 +260,7 @@ LinearFacts with_bounds(const Net& net, Machine& machine, const rt::Image& image
     }
     now.push_back(on_machine.holds(facts.equations[row], nullptr));
   }
-  std::optional<Question> question;
+  std::optional<InductionQuery> question;
   for (bool is_kept = false; !is_kept && !facts.bounds.empty();) {
     if (!question) {
       std::vector<std::vector<Signal>> all = known;

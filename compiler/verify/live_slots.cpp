@@ -8,9 +8,7 @@ namespace bip::verify {
 std::vector<std::vector<std::uint8_t>> find_live_slots(const System& system, AtomTypeId id, const TypeAccess& access, const AtomUses& uses) {
   const AtomType& type = system.atom_types[id];
   const CodeTable& code = system.code;
-  bool is_automaton = type.initial.size() == 1;
-  for (const Transition& t : type.transitions) is_automaton = is_automaton && t.from.size() == 1 && t.to.size() == 1;
-  if (!is_automaton) return {};
+  if (!type.is_automaton()) return {};
   const std::size_t slots = type.slots.size();
   const auto mark = [&](ExprId expr, std::vector<std::uint8_t>& read) {
     for_each_expr(code, expr, [&](const Expr& e) {

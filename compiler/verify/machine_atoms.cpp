@@ -7,15 +7,6 @@
 
 namespace bip::verify {
 
-namespace {
-bool is_followed(Type type) { return type == Type::Int || type == Type::Bool || type == Type::String; }
-bool is_automaton(const AtomType& type) {
-  return type.initial.size() == 1 && std::all_of(type.transitions.begin(), type.transitions.end(), [](const Transition& t) {
-           return t.from.size() == 1 && t.to.size() == 1;
-         });
-}
-}  // namespace
-
 Variables MachineBuilder::variables_of(Local& local) const {
   Variables v;
   v.self = [&local](u32 k) { return local.slots[k]; };
@@ -48,7 +39,7 @@ void MachineBuilder::add_state() {
   for (u32 a = 0; a < system_.atoms.size(); ++a) {
     const AtomType& type = type_of(a);
     const u32 base = image_.atoms[a].slot_base;
-    const bool alone = is_automaton(type);
+    const bool alone = type.is_automaton();
     m_.is_automaton.push_back(alone ? 1 : 0);
     Local now;
     std::vector<u32> group;
@@ -215,7 +206,7 @@ void MachineBuilder::move(u32 a, const Transition& t, Local& local, Signal when,
 // `active` is where all transitions so far were taken; where it ends, what is there is the result.
 void MachineBuilder::run_internals(u32 a, Local& local, Signal& fault, Signal& lost) {
   const AtomType& type = type_of(a);
-  const bool alone = is_automaton(type);
+  const bool alone = type.is_automaton();
   Local now = local;
   Signal active = kTrue;
   for (u32 round = 0;; ++round) {
@@ -250,7 +241,7 @@ void MachineBuilder::run_internals(u32 a, Local& local, Signal& fault, Signal& l
 MachineBuilder::Post MachineBuilder::fire(u32 port, const Local& before) {
   const u32 a = tables_.port_atom[port];
   const AtomType& type = type_of(a);
-  const bool alone = is_automaton(type);
+  const bool alone = type.is_automaton();
   Post post{before, kFalse, kFalse};
   for (std::size_t t = 0; t < type.transitions.size(); ++t) {
     const Signal on = enabled_[a][t];

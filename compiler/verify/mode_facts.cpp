@@ -6,11 +6,10 @@
 namespace bip::verify {
 
 namespace {
-constexpr std::size_t kOneTokenBatch = 16;
 constexpr double kOneTokenSeconds = 2;
 }  // namespace
 
-ModeFacts::ModeFacts(const Net& net, Encoded what, Clock::time_point end) : net_(net), end_(end), reachable_(net, Direction::Forward, nullptr) {
+ModeFacts::ModeFacts(const Net& net, Encoded what, ProcessClock::time_point end) : net_(net), end_(end), reachable_(net, Direction::Forward, nullptr) {
   Proof ignored;
   spread_from_initial(net, reachable_, ignored);
   encoding_ = std::make_unique<Encoding>(net, reachable_, what);
@@ -53,7 +52,7 @@ bool ModeFacts::may_be(const std::vector<std::vector<u32>>& sets, u32 rounds) {
     const std::vector<std::uint8_t> marked = encoding_->marked();
     if (add_all(traps_->find(marked)) || add_all(sums_->find(*traps_, marked))) continue;
     if (sums_->satisfies_all()) return true;
-    const Clock::time_point until = std::min(end_, seconds_from_now(kOneTokenSeconds));
+    const ProcessClock::time_point until = std::min(end_, seconds_from_now(kOneTokenSeconds));
     if (!add_all(one_tokens_->find(*traps_, marked, kOneTokenBatch, until))) return true;
   }
 }

@@ -16,7 +16,7 @@ namespace bip::verify {
 class ModeFacts {
  public:
   /// The net is usable and outlives this. NoStep: states without a sure step are asked about, else all.
-  ModeFacts(const Net& net, Encoded what, Clock::time_point end);
+  ModeFacts(const Net& net, Encoded what, ProcessClock::time_point end);
 
   /// Not in this mode, from now on.
   void exclude(u32 mode);
@@ -29,7 +29,7 @@ class ModeFacts {
   [[nodiscard]] Lit one_of(const std::vector<u32>& modes);
 
   const Net& net_;
-  Clock::time_point end_;
+  ProcessClock::time_point end_;
   Spread reachable_;
   std::unique_ptr<Encoding> encoding_;
   std::unique_ptr<TrapFinder> traps_;

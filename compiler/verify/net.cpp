@@ -8,13 +8,13 @@ namespace bip::verify {
 
 namespace {
 
-class Builder {
+class NetBuilder {
  public:
-  explicit Builder(const System& system) {
+  explicit NetBuilder(const System& system) {
     net_.system = &system;
     net_.access = look_outside(system);
   }
-  Builder(const Net& plain, const PortUses& uses, UsesAs as) : plain_(&plain), uses_(&uses), as_(as) {
+  NetBuilder(const Net& plain, const PortUses& uses, UsesAs as) : plain_(&plain), uses_(&uses), as_(as) {
     net_.system = plain.system;
     net_.access = plain.access;
     if (as == UsesAs::Ports) net_.uses = uses;
@@ -154,8 +154,8 @@ class Builder {
 
 }  // namespace
 
-Net build_net(const System& system) { return Builder(system).build(); }
-Net build_net(const Net& plain, const PortUses& uses, UsesAs as) { return Builder(plain, uses, as).build(); }
+Net build_net(const System& system) { return NetBuilder(system).build(); }
+Net build_net(const Net& plain, const PortUses& uses, UsesAs as) { return NetBuilder(plain, uses, as).build(); }
 
 std::string Net::mode_name(u32 mode) const {
   const u32 atom = atom_of_mode[mode];

@@ -50,9 +50,9 @@ std::string hash_of(const ModeClass& row) {
   return bytes.hash();
 }
 
-class Reader {
+class NetContentReader {
  public:
-  explicit Reader(const Net& net) : net_(net), system_(*net.system), texts_(system_.compounds.size()), first_(system_.compounds.size(), kNoRow) {}
+  explicit NetContentReader(const Net& net) : net_(net), system_(*net.system), texts_(system_.compounds.size()), first_(system_.compounds.size(), kNoRow) {}
 
   NetContent read() {
     NetContent content;
@@ -115,7 +115,7 @@ class Reader {
 
 }  // namespace
 
-NetContent content_of(const Net& net) { return Reader(net).read(); }
+NetContent content_of(const Net& net) { return NetContentReader(net).read(); }
 
 std::string path_below(const std::string& compound, const std::string& path) {
   return path.size() > compound.size() && path.starts_with(compound) && path[compound.size()] == '.' ? path.substr(compound.size() + 1) : path;

@@ -126,7 +126,7 @@ void OneTokenFinder::build() {
 }
 
 std::vector<TokenInvariant> OneTokenFinder::find(TrapFinder& checker, const std::vector<std::uint8_t>& marked, std::size_t count,
-                                                 Clock::time_point end) {
+                                                 ProcessClock::time_point end) {
   std::vector<TokenInvariant> found;
   // The solver looks at the clock between decisions. With so many assumed one by one it may not come to that for minutes.
   if (net_.mode_count() > kMostModes) return found;

@@ -11,13 +11,16 @@
 
 namespace bip::verify {
 
+/// Sets that one search asks the solver for at most.
+inline constexpr std::size_t kOneTokenBatch = 16;
+
 class OneTokenFinder {
  public:
   static constexpr std::size_t kMostModes = 40'000;
   OneTokenFinder(const Net& net, const Spread& reachable) : net_(net), reachable_(reachable) {}
   /// Sets of which the candidate marks at least two modes, at most `count`; none in nets of more modes than kMostModes.
   [[nodiscard]] std::vector<TokenInvariant> find(TrapFinder& checker, const std::vector<std::uint8_t>& marked, std::size_t count,
-                                                 Clock::time_point end);
+                                                 ProcessClock::time_point end);
 
  private:
   struct Effect {

@@ -10,9 +10,9 @@ namespace bip::verify {
 
 namespace {
 
-class Look {
+class DataAccessScan {
  public:
-  explicit Look(const System& system) : system_(system), code_(system.code) {
+  explicit DataAccessScan(const System& system) : system_(system), code_(system.code) {
     for (const AtomType& type : system.atom_types) {
       TypeAccess access;
       access.written.resize(type.ports.size());
@@ -237,6 +237,6 @@ class Look {
 
 }  // namespace
 
-std::vector<TypeAccess> look_outside(const System& system) { return Look(system).all(); }
+std::vector<TypeAccess> look_outside(const System& system) { return DataAccessScan(system).all(); }
 
 }  // namespace bip::verify

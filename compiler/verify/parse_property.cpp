@@ -9,7 +9,7 @@ namespace bip::verify {
 
 namespace {
 
-constexpr int kMaxDepth = 200;
+constexpr int kMaxPropertyDepth = 200;
 
 struct Binary {
   std::string_view sign;
@@ -24,9 +24,9 @@ constexpr std::array<Binary, 14> kBinaries{{{"||", Op::Or, 1}, {"&&", Op::And, 2
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-class Reader {
+class PropertyParser {
  public:
-  Reader(const std::string& text, const System& system) : text_(text), system_(system) { property_.text = text; }
+  PropertyParser(const std::string& text, const System& system) : text_(text), system_(system) { property_.text = text; }
 
   Result<Property> run() {
     const std::string word = path();
@@ -167,7 +167,7 @@ class Reader {
   }
 
   std::uint32_t operand(int depth) {
-    if (depth > kMaxDepth) {
+    if (depth > kMaxPropertyDepth) {
       set_problem("nested too deeply");
       return 0;
     }
@@ -258,6 +258,6 @@ class Reader {
 
 }  // namespace
 
-Result<Property> parse_property(const std::string& text, const System& system) { return Reader(text, system).run(); }
+Result<Property> parse_property(const std::string& text, const System& system) { return PropertyParser(text, system).run(); }
 
 }  // namespace bip::verify

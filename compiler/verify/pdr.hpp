@@ -20,7 +20,7 @@ struct ReachProblem {
   const Machine* machine = nullptr;
   Signal bad = kFalse;                           // may depend on the chosen step
   std::vector<std::vector<Signal>> invariants;   // clauses over what is now, true in every reachable state
-  Clock::time_point end;
+  ProcessClock::time_point end;
   std::function<void(u32 frame, std::size_t lemmas)> report;  // called now and then; may be empty
 };
 struct ReachAnswer {

@@ -19,9 +19,9 @@ using Values = std::vector<AbstractValue>;
 /// What one connector writes before a port fires.
 using Writes = std::vector<std::pair<u32, AbstractValue>>;
 
-class Finder {
+class PlaceValueAnalysis {
  public:
-  Finder(const Net& net, const std::vector<std::uint8_t>& is_automaton) : net_(net), system_(*net.system), code_(system_.code), ways_(net.port_count()), has_connector_(net.port_count(), 0) {
+  PlaceValueAnalysis(const Net& net, const std::vector<std::uint8_t>& is_automaton) : net_(net), system_(*net.system), code_(system_.code), ways_(net.port_count()), has_connector_(net.port_count(), 0) {
     at_.resize(system_.atoms.size());
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) {
       stored_.push_back(stored_of(atom));
@@ -250,7 +250,7 @@ class Finder {
 
 }  // namespace
 
-PlaceValues find_place_values(const Net& net, const std::vector<std::uint8_t>& is_automaton) { return Finder(net, is_automaton).run(); }
+PlaceValues find_place_values(const Net& net, const std::vector<std::uint8_t>& is_automaton) { return PlaceValueAnalysis(net, is_automaton).run(); }
 
 bool stores_into_ports(const CodeTable& code, StmtId body) {
   bool found = false;

@@ -10,9 +10,9 @@ namespace bip::verify {
 
 namespace {
 
-class Finder {
+class PortUseAnalysis {
  public:
-  explicit Finder(const Net& net) : net_(net), system_(*net.system) {
+  explicit PortUseAnalysis(const Net& net) : net_(net), system_(*net.system) {
     for (const ModeClass& row : net.classes) constants_.push_back(constants_of(row));
   }
 
@@ -185,6 +185,6 @@ class Finder {
 
 }  // namespace
 
-PortUses find_port_uses(const Net& net) { return Finder(net).run(); }
+PortUses find_port_uses(const Net& net) { return PortUseAnalysis(net).run(); }
 
 }  // namespace bip::verify

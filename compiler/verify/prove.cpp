@@ -10,7 +10,6 @@
 namespace bip::verify {
 
 namespace {
-constexpr std::size_t kOneTokenBatch = 16;
 // Candidates that the caller is asked about.
 constexpr int kQuestions = 3;
 }
@@ -32,7 +31,7 @@ Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& kn
   return proof;
 }
 
-Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at, const std::vector<TokenInvariant>& known) {
+Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const StopAt& stop_at, const std::vector<TokenInvariant>& known) {
   Proof proof;
   if (net.too_large_atom != kNoRow) {
     proof.end = ProofEnd::TooLarge;
@@ -96,7 +95,7 @@ Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt
   }
 }
 
-void keep_needed(const Net& net, Clock::time_point end, Proof& proof) {
+void keep_needed(const Net& net, ProcessClock::time_point end, Proof& proof) {
   Proof again;
   Spread reachable(net, Direction::Forward, nullptr);
   spread_from_initial(net, reachable, again);

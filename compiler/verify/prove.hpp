@@ -36,8 +36,8 @@ void spread_from_initial(const Net& net, Spread& reachable, Proof& proof);
 /// Nothing but that, and of the invariants that are said to be `known` those that hold.
 [[nodiscard]] Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& known = {});
 /// Begins with those that are said to be `known` and hold.
-[[nodiscard]] Proof prove_deadlock_freedom(const Net& net, Clock::time_point end, const StopAt& stop_at = {}, const std::vector<TokenInvariant>& known = {});
+[[nodiscard]] Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const StopAt& stop_at = {}, const std::vector<TokenInvariant>& known = {});
 /// Leaves of a proof that is Free the invariants that it needs.
-void keep_needed(const Net& net, Clock::time_point end, Proof& proof);
+void keep_needed(const Net& net, ProcessClock::time_point end, Proof& proof);
 
 }  // namespace bip::verify

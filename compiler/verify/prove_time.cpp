@@ -37,7 +37,7 @@ struct Explored {
 
 class TimeProver {
  public:
-  TimeProver(const System& system, const std::vector<DataRef>& asked, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits)
+  TimeProver(const System& system, const std::vector<DataRef>& asked, const ExplorePart& explore, ProcessClock::time_point end, const PartLimits& limits)
       : is_read_(find_read_data(system, asked)), simple_(without_unread_data(system, is_read_)), neighbours_(simple_), explore_(explore), end_(end), limits_(limits) {}
 
   TimeProof prove() {
@@ -313,7 +313,7 @@ class TimeProver {
   System simple_, far_;
   Neighbours neighbours_;
   const ExplorePart& explore_;
-  Clock::time_point end_;
+  ProcessClock::time_point end_;
   PartLimits limits_;
   Net net_;
   KnownSlot constant_;
@@ -325,14 +325,14 @@ class TimeProver {
 
 }  // namespace
 
-TimeProof prove_time(const System& system, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits) {
+TimeProof prove_time(const System& system, const ExplorePart& explore, ProcessClock::time_point end, const PartLimits& limits) {
   TimeProof proof;
   proof.reason = what_far_time_cannot_follow(system);
   if (!proof.reason.empty()) return proof;
   return TimeProver(system, {}, explore, end, limits).prove();
 }
 
-TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore, Clock::time_point end, const PartLimits& limits) {
+TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore, ProcessClock::time_point end, const PartLimits& limits) {
   TimeProof proof;
   proof.reason = what_far_time_cannot_follow(system);
   std::vector<DataRef> asked;

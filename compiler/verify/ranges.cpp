@@ -195,9 +195,9 @@ class Code {
   const CodeTable& code_;
 };
 
-class Finder {
+class IntervalAnalysis {
  public:
-  Finder(const System& system, const rt::Image& image) : system_(system), image_(image), code_(system.code) {
+  IntervalAnalysis(const System& system, const rt::Image& image) : system_(system), image_(image), code_(system.code) {
     ranges_.assign(image.slot_count, {0, 0});
     growths_.assign(image.slot_count, 0);
     for (const Expr& e : system.code.exprs) {
@@ -346,6 +346,6 @@ class Finder {
 
 }  // namespace
 
-std::vector<Range> find_ranges(const System& system, const rt::Image& image) { return Finder(system, image).run(); }
+std::vector<Range> find_ranges(const System& system, const rt::Image& image) { return IntervalAnalysis(system, image).run(); }
 
 }  // namespace bip::verify

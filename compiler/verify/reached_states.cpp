@@ -11,10 +11,6 @@ using u32 = std::uint32_t;
 // 400 MB of states; and a text that the checker would not be done with.
 constexpr std::size_t kMaxValues = 100'000'000, kMaxWords = 1'000'000;
 
-bool is_automaton(const AtomType& type) {
-  return type.initial.size() == 1 && std::all_of(type.transitions.begin(), type.transitions.end(), [](const Transition& t) { return t.from.size() == 1 && t.to.size() == 1; });
-}
-
 }  // namespace
 
 StateCollector::StateCollector(const System& system, const rt::Image& image) {
@@ -23,24 +19,24 @@ StateCollector::StateCollector(const System& system, const rt::Image& image) {
     const Atom& instance = system.atoms[AtomId(a)];
     const AtomType& type = system.atom_types[instance.type];
     const u32 atom = static_cast<u32>(a);
-    if (is_automaton(type)) {
-      questions_.push_back({About::Automaton, atom, instance.path + '@', &type.places});
+    if (type.is_automaton()) {
+      columns_.push_back({About::Automaton, atom, instance.path + '@', &type.places});
     } else {
-      for (std::size_t p = 0; p < type.places.size(); ++p) questions_.push_back({About::Place, mark_word * 64 + static_cast<u32>(p), instance.path + '@' + type.places[p]});
+      for (std::size_t p = 0; p < type.places.size(); ++p) columns_.push_back({About::Place, mark_word * 64 + static_cast<u32>(p), instance.path + '@' + type.places[p]});
       mark_word += static_cast<u32>((type.places.size() + 63) / 64);
     }
     for (std::size_t k = 0; k < type.slots.size(); ++k) {
       const Type of = type.slots[k].type;
       if (type.slots[k].is_param) continue;
       can_tell_ = can_tell_ && (of == Type::Int || of == Type::Bool || of == Type::String);
-      questions_.push_back({About::Value, image.atoms[atom].slot_base + static_cast<u32>(k), instance.path + '.' + type.slots[k].name + '='});
+      columns_.push_back({About::Value, image.atoms[atom].slot_base + static_cast<u32>(k), instance.path + '.' + type.slots[k].name + '='});
     }
   }
 }
 
 void StateCollector::add(const rt::State& state) {
   if (!can_tell_ || values_.size() > kMaxValues) return;
-  for (const Question& q : questions_) {
+  for (const StateColumn& q : columns_) {
     const u32 at = q.position;
     if (q.about == About::Automaton) values_.push_back(static_cast<std::int32_t>(state.places[at]));
     else if (q.about == About::Place) values_.push_back(static_cast<std::int32_t>(state.marks[at / 64] >> (at % 64) & 1));
@@ -49,7 +45,7 @@ void StateCollector::add(const rt::State& state) {
 }
 
 std::string StateCollector::rows() const {
-  const std::size_t width = questions_.size(), count = width == 0 ? 0 : values_.size() / width;
+  const std::size_t width = columns_.size(), count = width == 0 ? 0 : values_.size() / width;
   if (!can_tell_ || values_.size() > kMaxValues) return {};
   std::vector<const std::int32_t*> states(count);
   for (std::size_t s = 0; s < count; ++s) states[s] = values_.data() + s * width;
@@ -61,7 +57,7 @@ std::string StateCollector::rows() const {
     for (std::size_t q = 0; q < width; ++q) {
       const std::int32_t value = states[s][q];
       if (s != 0 && states[s - 1][q] == value) continue;
-      const Question& question = questions_[q];
+      const StateColumn& question = columns_[q];
       out += question.about == About::Place && value == 0 ? " !" : " ";
       out += question.name;
       if (question.about == About::Automaton) out += (*question.places)[static_cast<std::size_t>(value)];

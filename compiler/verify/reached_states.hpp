@@ -24,7 +24,7 @@ class StateCollector {
  private:
   /// What is told of a state: the place of an automaton, whether a place of a Petri net atom is marked, a value.
   enum class About : std::uint8_t { Automaton, Place, Value };
-  struct Question {
+  struct StateColumn {
     About about = About::Automaton;
     std::uint32_t position = 0;                       // row of places or data, bit of the marks
     std::string name;                                 // "ROOT.a@", "ROOT.a@P", "ROOT.a.n="
@@ -32,7 +32,7 @@ class StateCollector {
   };
 
   bool can_tell_ = true;
-  std::vector<Question> questions_;
+  std::vector<StateColumn> columns_;
   std::vector<std::int32_t> values_;  // a row of all questions a state
 };
 

@@ -12,7 +12,7 @@ namespace bip::verify {
 
 namespace {
 
-constexpr u32 kFar = 1u << 12;
+constexpr u32 kUnreachable = 1u << 12;
 constexpr std::uint64_t kMaxRank = 4096;  // candidates of a state that are weighed on the walk
 constexpr std::uint64_t kStepsPerLook = 16;  // at the clock
 
@@ -38,17 +38,17 @@ class Distances {
  private:
   // By first place of the marking: good enough a guide.
   std::vector<u32> table(const ModeClass& row, u32 target) const {
-    std::vector<u32> distance(row.modes.size(), kFar);
+    std::vector<u32> distance(row.modes.size(), kUnreachable);
     std::vector<u32> queue{target};
     distance[target] = 0;
     for (std::size_t head = 0; head < queue.size(); ++head) {
       for (const PortMove& move : row.in[queue[head]]) {
-        if (distance[move.other] != kFar) continue;
+        if (distance[move.other] != kUnreachable) continue;
         distance[move.other] = distance[queue[head]] + 1;
         queue.push_back(move.other);
       }
     }
-    std::vector<u32> by_place(net_.system->atom_types[row.type].places.size(), kFar);
+    std::vector<u32> by_place(net_.system->atom_types[row.type].places.size(), kUnreachable);
     for (u32 mode = 0; mode < row.modes.size(); ++mode) {
       if (row.modes[mode].places.size() != 1) return {};
       u32& best = by_place[row.modes[mode].places[0]];

@@ -25,7 +25,7 @@ struct SearchResult {
 };
 
 struct SearchLimits {
-  Clock::time_point end;
+  ProcessClock::time_point end;
   std::size_t megabytes = 2048;
   std::uint64_t states = ~std::uint64_t{0};
   bool only_walk = false;  // towards the candidate, no more

@@ -11,7 +11,6 @@
 namespace bip::verify {
 
 namespace {
-constexpr std::size_t kOneTokenBatch = 16;
 
 // "Bad, and what is known", which invariants are added to.
 struct Contradiction {
@@ -54,7 +53,7 @@ struct Contradiction {
 
 }  // namespace
 
-bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, Clock::time_point end, Proof& proof) {
+bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end, Proof& proof) {
   if (bad == kFalse) return true;
   Contradiction question(net, machine, image, bad, known, proof);
   for (const TokenInvariant& invariant : proof.invariants) (void)question.add(invariant);
@@ -88,7 +87,7 @@ bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal
   }
 }
 
-void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, Clock::time_point end, Proof& proof) {
+void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end, Proof& proof) {
   Contradiction question(net, machine, image, bad, known, proof);
   std::vector<Lit> on;
   for (const TokenInvariant& invariant : proof.invariants) {

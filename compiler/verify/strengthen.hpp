@@ -10,8 +10,8 @@ namespace bip::verify {
 /// Adds to `proof.invariants` what excludes bad states. True: none is left, the property is proved. False: one is left that
 /// no such invariant excludes, or the time is over.
 [[nodiscard]] bool strengthen(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known,
-                              Clock::time_point end, Proof& proof);
+                              ProcessClock::time_point end, Proof& proof);
 /// Leaves the invariants that such a proof needs.
-void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, Clock::time_point end, Proof& proof);
+void keep_needed(const Net& net, Machine& machine, const rt::Image& image, Signal bad, const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end, Proof& proof);
 
 }  // namespace bip::verify

@@ -5,10 +5,6 @@
 
 namespace bip::verify {
 
-namespace {
-bool is_followed(Type type) { return type == Type::Int || type == Type::Bool || type == Type::String; }
-}
-
 Word SymbolicCode::any(Type type) {
   if (!is_followed(type)) return {};
   if (type == Type::Bool) return word_of_bool(c_.input());

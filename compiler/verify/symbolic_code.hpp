@@ -16,6 +16,8 @@ struct Variables {
   std::function<Word(std::uint32_t)> self, bind;
   std::function<void(std::uint32_t, Word)> set_self, set_bind;
 };
+/// Returns whether circuits follow values of the type exactly, as words of 32 bits (a bool: two).
+[[nodiscard]] constexpr bool is_followed(Type type) { return type == Type::Int || type == Type::Bool || type == Type::String; }
 /// What circuits do not follow exactly.
 struct Vague {
   Loc loc{};

@@ -7,9 +7,9 @@ namespace bip::verify {
 
 namespace {
 
-class Readers {
+class DataReaders {
  public:
-  Readers(const System& system, const std::vector<DataRef>& asked) : system_(system), code_(system.code) {
+  DataReaders(const System& system, const std::vector<DataRef>& asked) : system_(system), code_(system.code) {
     for (const AtomType& type : system.atom_types) {
       rows_.emplace_back(type.slots.size(), 0);
       for (std::size_t k = type.visible_slots(); k < type.slots.size(); ++k) rows_.back()[k] = 1;
@@ -117,7 +117,7 @@ StmtId strip(CodeTable& code, StmtId body, const std::vector<std::uint8_t>& is_r
 
 }  // namespace
 
-std::vector<std::vector<std::uint8_t>> find_read_data(const System& system, const std::vector<DataRef>& asked) { return Readers(system, asked).all(); }
+std::vector<std::vector<std::uint8_t>> find_read_data(const System& system, const std::vector<DataRef>& asked) { return DataReaders(system, asked).all(); }
 
 System without_unread_data(const System& system, const std::vector<std::vector<std::uint8_t>>& is_read) {
   System result = system;

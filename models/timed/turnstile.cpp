@@ -19,7 +19,7 @@ const bip::rt::Image& image();
 
 int main() {
   constexpr int kVisitors = 4, kCoins = 25;
-  bip::System system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .speed = 20});
+  bip::Execution system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .speed = 20});
   std::atomic<int> full{0};
 
   std::vector<std::thread> visitors;

@@ -11,12 +11,6 @@
 
 namespace bip::rt {
 
-namespace {
-
-const ExternType& type_of(const Image& image, SlotType type) { return image.extern_types[static_cast<u32>(type) - kFirstExtern]; }
-
-}  // namespace
-
 void Core::await_returns(ActionPool* pool) {
   if (!has_async()) return;
   time_->waits_for_returns = true;
@@ -43,7 +37,7 @@ void Core::begin_job(u32 atom) {
   const Slot* self = all_.data() + atoms_[atom].slot_base;
   job.self.assign(self, self + vars.size);
   for (u32 i = 0; i < vars.size; ++i) {
-    if (is_extern(vars[i].type)) job.objects.emplace_back(type_of(image(), vars[i].type), reinterpret_cast<const void*>(static_cast<std::uintptr_t>(self[i].bits)));
+    if (is_extern(vars[i].type)) job.objects.emplace_back(extern_type(image(), vars[i].type), reinterpret_cast<const void*>(static_cast<std::uintptr_t>(self[i].bits)));
   }
   std::size_t object = 0;
   for (u32 i = 0; i < vars.size; ++i) {
@@ -84,7 +78,7 @@ bool Core::finish_action(u32 atom) {
     std::size_t object = 0;
     for (u32 i = 0; i < vars.size; ++i) {
       if (!is_extern(vars[i].type)) self[i] = job.self[i];
-      else type_of(image(), vars[i].type).copy(reinterpret_cast<void*>(static_cast<std::uintptr_t>(self[i].bits)), job.objects[object++].object());
+      else extern_type(image(), vars[i].type).copy(reinterpret_cast<void*>(static_cast<std::uintptr_t>(self[i].bits)), job.objects[object++].object());
     }
   } else if (transition.action.fn != nullptr) {
     status = transition.action.fn(transition.action.context, self, all_.data(), nullptr);

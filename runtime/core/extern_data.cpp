@@ -5,14 +5,6 @@
 
 namespace bip::rt {
 
-namespace {
-
-const ExternType& type_of(const Image& image, SlotType type) {
-  return image.extern_types[static_cast<std::uint32_t>(type) - kFirstExtern];
-}
-
-}  // namespace
-
 ExternData::ExternData(const Image& image) {
   if (image.outside != nullptr) image.outside->attach(image.strings);
   if (image.extern_types.size == 0) return;
@@ -29,7 +21,7 @@ ExternData::~ExternData() {
 void ExternData::add(const Image& image, const Span<Var>& vars, std::uint32_t base) {
   for (std::uint32_t i = 0; i < vars.size; ++i) {
     if (!is_extern(vars[i].type)) continue;
-    const ExternType& type = type_of(image, vars[i].type);
+    const ExternType& type = extern_type(image, vars[i].type);
     row_of_[base + i] = static_cast<std::uint32_t>(objects_.size());
     objects_.push_back({base + i, &type, type.make()});
   }

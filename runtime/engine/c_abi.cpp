@@ -6,11 +6,11 @@
 
 #include "bip/bip.hpp"
 
-struct bip_system {
-  bip::System system;
+struct bip_execution {
+  bip::Execution system;
 };
 struct bip_snapshot {
-  bip::System::Snapshot snapshot;
+  bip::Execution::Snapshot snapshot;
 };
 
 namespace {
@@ -31,27 +31,27 @@ static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED && static_c
 
 extern "C" {
 
-bip_system* bip_create(const bip_image* image, uint64_t seed, int policy) {
+bip_execution* bip_create(const bip_image* image, uint64_t seed, int policy) {
   if (image == nullptr || policy < BIP_UNIFORM || policy > BIP_FAIR) return nullptr;
-  bip::SystemOptions options;
+  bip::ExecutionOptions options;
   options.seed = seed;
   options.policy = static_cast<bip::rt::Policy>(policy);
-  return std::make_unique<bip_system>(bip_system{bip::System(*reinterpret_cast<const bip::rt::Image*>(image), options)}).release();
+  return std::make_unique<bip_execution>(bip_execution{bip::Execution(*reinterpret_cast<const bip::rt::Image*>(image), options)}).release();
 }
-void bip_destroy(bip_system* system) { const std::unique_ptr<bip_system> owner(system); }
+void bip_destroy(bip_execution* system) { const std::unique_ptr<bip_execution> owner(system); }
 
-int bip_status(const bip_system* system) { return code_of(system->system.outcome()); }
-int bip_step(bip_system* system) { return code_of(system->system.step()); }
-uint64_t bip_run(bip_system* system, uint64_t steps) { return system->system.run(steps); }
-uint64_t bip_steps(const bip_system* system) { return system->system.steps(); }
+int bip_status(const bip_execution* system) { return code_of(system->system.outcome()); }
+int bip_step(bip_execution* system) { return code_of(system->system.step()); }
+uint64_t bip_run(bip_execution* system, uint64_t steps) { return system->system.run(steps); }
+uint64_t bip_steps(const bip_execution* system) { return system->system.steps(); }
 
-uint64_t bip_candidate_count(const bip_system* system) { return system->system.candidate_count(); }
-size_t bip_candidate(const bip_system* system, uint64_t k, char* buffer, size_t size) {
+uint64_t bip_candidate_count(const bip_execution* system) { return system->system.candidate_count(); }
+size_t bip_candidate(const bip_execution* system, uint64_t k, char* buffer, size_t size) {
   return copy_out(k < system->system.candidate_count() ? system->system.candidate(k) : std::string(), buffer, size);
 }
-int bip_fire(bip_system* system, uint64_t k) { return code_of(system->system.fire(k)); }
+int bip_fire(bip_execution* system, uint64_t k) { return code_of(system->system.fire(k)); }
 
-void bip_on_step(bip_system* system, bip_callback callback, void* user) {
+void bip_on_step(bip_execution* system, bip_callback callback, void* user) {
   if (callback == nullptr) {
     system->system.on_step(nullptr);
     return;
@@ -59,30 +59,30 @@ void bip_on_step(bip_system* system, bip_callback callback, void* user) {
   system->system.on_step([callback, user](const bip::Step& step) { callback(user, step.number, step.interaction.c_str()); });
 }
 
-int bip_read_int(const bip_system* system, const char* path, int32_t* value) { return system->system.read(path, *value) ? 1 : 0; }
-int bip_read_bool(const bip_system* system, const char* path, int* value) {
+int bip_read_int(const bip_execution* system, const char* path, int32_t* value) { return system->system.read(path, *value) ? 1 : 0; }
+int bip_read_bool(const bip_execution* system, const char* path, int* value) {
   bool truth = false;
   if (!system->system.read(path, truth)) return 0;
   *value = truth ? 1 : 0;
   return 1;
 }
-int bip_read_float(const bip_system* system, const char* path, double* value) { return system->system.read(path, *value) ? 1 : 0; }
-size_t bip_read_string(const bip_system* system, const char* path, char* buffer, size_t size) {
+int bip_read_float(const bip_execution* system, const char* path, double* value) { return system->system.read(path, *value) ? 1 : 0; }
+size_t bip_read_string(const bip_execution* system, const char* path, char* buffer, size_t size) {
   std::string value;
   (void)system->system.read(path, value);
   return copy_out(value, buffer, size);
 }
-size_t bip_place(const bip_system* system, const char* atom_path, char* buffer, size_t size) {
+size_t bip_place(const bip_execution* system, const char* atom_path, char* buffer, size_t size) {
   return copy_out(system->system.place(atom_path), buffer, size);
 }
 
-bip_snapshot* bip_save(const bip_system* system) {
+bip_snapshot* bip_save(const bip_execution* system) {
   return std::make_unique<bip_snapshot>(bip_snapshot{system->system.snapshot()}).release();
 }
-void bip_restore(bip_system* system, const bip_snapshot* snapshot) { system->system.restore(snapshot->snapshot); }
+void bip_restore(bip_execution* system, const bip_snapshot* snapshot) { system->system.restore(snapshot->snapshot); }
 void bip_free_snapshot(bip_snapshot* snapshot) { const std::unique_ptr<bip_snapshot> owner(snapshot); }
 
-size_t bip_fault(const bip_system* system, char* buffer, size_t size) { return copy_out(system->system.fault(), buffer, size); }
-size_t bip_story(const bip_system* system, char* buffer, size_t size) { return copy_out(system->system.story(), buffer, size); }
+size_t bip_fault(const bip_execution* system, char* buffer, size_t size) { return copy_out(system->system.fault(), buffer, size); }
+size_t bip_story(const bip_execution* system, char* buffer, size_t size) { return copy_out(system->system.story(), buffer, size); }
 
 }  // extern "C"

@@ -7,7 +7,6 @@ namespace bip::rt {
 
 namespace {
 
-constexpr u64 kPiece = 128;                 // states that a thread takes at a time
 constexpr u64 kSmall = 512;                 // a frontier that one thread does alone
 constexpr u64 kStatesPerLook = 16;          // at the clock: where the core is asked, a state can take milliseconds
 constexpr std::size_t kBatchWords = 1u << 18;  // of successors a thread: a batch ends, limits are looked at
@@ -176,9 +175,9 @@ bool Search::run_batch(u64 frontier, u64& done) {
     Worker& worker = workers_[k];
     u64 looked = 0;
     while (!is_batch_full_.load(std::memory_order_relaxed)) {
-      const u64 from = cursor_.fetch_add(kPiece);
+      const u64 from = cursor_.fetch_add(kStatesPerPiece);
       if (from >= end) break;
-      each_state(worker, level_, from, std::min(from + kPiece, end), [&](Worker& at, const u64* state) {
+      each_state(worker, level_, from, std::min(from + kStatesPerPiece, end), [&](Worker& at, const u64* state) {
         // Whatever of the batch is done then counts; the search is over after it.
         if (++looked % kStatesPerLook == 0 && end_by_now() != ExploreEnd::Complete) {
           is_batch_full_.store(true, std::memory_order_relaxed);

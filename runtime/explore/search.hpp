@@ -17,6 +17,9 @@
 
 namespace bip::rt {
 
+/// States that a thread takes at a time.
+inline constexpr u64 kStatesPerPiece = 128;
+
 class Search {
  public:
   Search(const Image& image, const ExploreOptions& options);

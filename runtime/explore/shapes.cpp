@@ -25,9 +25,9 @@ struct Tree {
   bool has_trigger = false, has_choice = false, has_code = false, has_fault = false;
 };
 
-class Builder {
+class ShapeBuilder {
  public:
-  Builder(const Core& core, MaximalProgress progress) : core_(core), image_(core.image()), progress_(progress) {
+  ShapeBuilder(const Core& core, MaximalProgress progress) : core_(core), image_(core.image()), progress_(progress) {
     for (const AtomType& type : image_.atom_types) only_moves_.push_back(only_moves(type));
     owner_.assign(image_.slot_count, kNone);
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
@@ -195,6 +195,6 @@ class Builder {
 
 }  // namespace
 
-Shapes shapes_of(const Core& core, MaximalProgress progress) { return Builder(core, progress).build(); }
+Shapes shapes_of(const Core& core, MaximalProgress progress) { return ShapeBuilder(core, progress).build(); }
 
 }  // namespace bip::rt

@@ -9,7 +9,7 @@ namespace bip::rt {
 namespace {
 
 constexpr std::size_t kAheadBucket = 24, kAheadWord = 10;
-constexpr std::size_t kPiece = 4096;
+constexpr std::size_t kRootsPerPiece = 4096;
 
 }  // namespace
 
@@ -58,16 +58,16 @@ bool StateStore::fold(const u64* state, u64& root) {
 
 bool StateStore::add(const u64* states, std::size_t count, std::uint8_t* is_new) {
   WordSet& root = sets_.back();
-  roots_.resize(2 * kPiece);
-  u64* hashes = roots_.data() + kPiece;
-  for (std::size_t first = 0; first < count; first += kPiece) {
+  roots_.resize(2 * kRootsPerPiece);
+  u64* hashes = roots_.data() + kRootsPerPiece;
+  for (std::size_t first = 0; first < count; first += kRootsPerPiece) {
     if (limit_ != 0) {
       std::size_t others = 0;
       for (std::size_t k = 0; k + 1 < sets_.size(); ++k) others += sets_[k].bytes();
       if (others >= limit_) return false;
       root.set_limit(limit_ - others);
     }
-    const std::size_t size = std::min(kPiece, count - first);
+    const std::size_t size = std::min(kRootsPerPiece, count - first);
     for (std::size_t i = 0; i < size; ++i) {
       if (!fold(states + (first + i) * words_, roots_[i])) return false;
       hashes[i] = WordSet::hash_of(roots_[i]);

@@ -24,9 +24,9 @@ struct Family {
   std::map<u32, std::vector<std::pair<std::string, u32>>> members;
 };
 
-class Finder {
+class SymmetryDetector {
  public:
-  Finder(const Image& image, const Locals& locals) : image_(image), locals_(locals) {
+  SymmetryDetector(const Image& image, const Locals& locals) : image_(image), locals_(locals) {
     owner_.assign(image.slot_count, {kNone, 0});
     for (u32 atom = 0; atom < image.atoms.size; ++atom) {
       for (u32 slot = 0; slot < image.atom_types[image.atoms[atom].type].slots.size; ++slot) {
@@ -187,7 +187,7 @@ class Finder {
 
 Symmetry::Symmetry(const Image& image, const Locals& locals) {
   if (image.priorities.size != 0) return;
-  const Finder finder(image, locals);
+  const SymmetryDetector finder(image, locals);
   const std::vector<Family> families = finder.families();
   std::set<u32> taken;
   const auto try_together = [&](const std::vector<const Family*>& together) {

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kGraceSeconds = 5;  // for the ways, when the time was over before
 constexpr std::size_t kShareOfWays = 4;   // of the memory that is allowed: a quarter more for the ways
-constexpr u64 kPiece = 128;
 
 }  // namespace
 
@@ -26,9 +25,9 @@ bool Search::collect(u32 level, StateStore& hits, const IsHit& is_hit) {
     Worker& worker = workers_[k];
     worker.hits.clear();
     while (!is_batch_full_.load(std::memory_order_relaxed)) {
-      const u64 from = cursor_.fetch_add(kPiece);
+      const u64 from = cursor_.fetch_add(kStatesPerPiece);
       if (from >= size) break;
-      each_state(worker, level, from, std::min(from + kPiece, size), [&](Worker& at, const u64* state) {
+      each_state(worker, level, from, std::min(from + kStatesPerPiece, size), [&](Worker& at, const u64* state) {
         if (is_hit(at, state)) at.hits.insert(at.hits.end(), state, state + space_.layout.words());
         return !at.expander->is_too_narrow();
       });
@@ -37,7 +36,7 @@ bool Search::collect(u32 level, StateStore& hits, const IsHit& is_hit) {
       if (worker.expander->is_too_narrow() || is_late) is_batch_full_.store(true, std::memory_order_relaxed);
     }
   };
-  if (size <= kPiece) job(0);
+  if (size <= kStatesPerPiece) job(0);
   else team_.run(job);
   bool has_room = true;
   for (Worker& worker : workers_) {

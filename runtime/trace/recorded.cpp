@@ -10,7 +10,7 @@ namespace bip::rt {
 
 namespace {
 
-constexpr std::string_view kMagic = "BIPTRC1\n";
+constexpr std::string_view kRecordMagic = "BIPTRC1\n";
 
 void append_leb(std::string& out, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) out += static_cast<char>(value | 0x80);
@@ -37,7 +37,7 @@ class Digest {
 }  // namespace
 
 void append_recorded_begin(std::string& out, const RecordedBegin& begin) {
-  out += kMagic;
+  out += kRecordMagic;
   append_leb(out, (begin.maximal_progress ? 1u : 0u) | static_cast<unsigned>(begin.policy) << 1 | static_cast<unsigned>(begin.engine) << 3);
   append_leb(out, begin.seed);
   append_leb(out, begin.name.size());
@@ -90,9 +90,9 @@ bool RecordedReader::number(std::uint64_t& value) {
 
 bool RecordedReader::open(std::string_view bytes, RecordedBegin& begin) {
   bytes_ = bytes;
-  at_ = kMagic.size();
+  at_ = kRecordMagic.size();
   std::uint64_t flags = 0, size = 0;
-  if (!bytes.starts_with(kMagic) || !number(flags) || !number(begin.seed) || !number(size)) return false;
+  if (!bytes.starts_with(kRecordMagic) || !number(flags) || !number(begin.seed) || !number(size)) return false;
   if (flags >= 1u << 5 || (flags >> 1 & 3) > static_cast<unsigned>(Policy::Fair) || flags >> 3 > static_cast<unsigned>(Engine::Batch)) return false;
   begin.maximal_progress = (flags & 1) != 0;
   begin.policy = static_cast<Policy>(flags >> 1 & 3);

@@ -4,15 +4,6 @@
 #include "tests/fuzz/targets.hpp"
 
 namespace bip::fuzz {
-namespace {
-
-std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
-
-// More says no more: a check costs what the text is long.
-constexpr std::size_t kMaxBip = 400'000;
-
-}  // namespace
-
 Verdict try_genom(std::string_view input) {
   SourceMap sources;
   Diagnostics diags;

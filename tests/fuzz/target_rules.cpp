@@ -21,10 +21,6 @@ constexpr const char* kModules[] = {
     "request SetSpeed { type: exec; exec_task: Joint; codel_main: setArmSpeed; };\n"
     "request Lift { type: exec; exec_task: Joint; codel_main: lift; };\n"
     "exec_task Joint { period: 5; };\n"};
-constexpr std::size_t kMaxBip = 400'000;
-
-std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
-
 }  // namespace
 
 Verdict try_rules(std::string_view input) {

@@ -13,8 +13,6 @@
 namespace bip::fuzz {
 namespace {
 
-std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
-
 std::string unsound(const System& system) {
   const std::vector<std::string> broken = system::validate(system);
   return broken.empty() ? std::string() : "unsound system: " + broken.front();

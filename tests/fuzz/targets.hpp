@@ -14,6 +14,11 @@ struct Verdict {
   bool is_accepted = false; // the input was good, so that all of the target was tried
 };
 
+/// Longest generated BIP text, in bytes, that a target checks: a check costs time linear in the text.
+inline constexpr std::size_t kMaxBip = 400'000;
+/// Returns the text up to its first line break.
+[[nodiscard]] inline std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
 /// `check` of a text: errors that can be read, or acceptance, never both, never neither. The system of each root is sound,
 /// can be written and read back, and runs 20 steps in the interpreter.
 [[nodiscard]] Verdict try_text(std::string_view input);

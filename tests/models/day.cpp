@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   constexpr std::size_t kLook = 4096;
   const std::uint64_t most = argc == 3 && std::atoll(argv[2]) != 0 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : UINT64_MAX;
   const auto day = static_cast<std::int64_t>(std::atof(argv[1]) * 3600e9);
-  bip::System system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .asap = true});
+  bip::Execution system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .asap = true});
   std::unordered_map<std::string, std::uint32_t> names;
   std::vector<Taken> steps;
   Taken now{};

@@ -2,7 +2,6 @@
 #include "tests/verify/clauses.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <sstream>
 
 namespace bip::verify::test {
@@ -11,10 +10,6 @@ namespace {
 
 constexpr std::size_t kNone = ~std::size_t{0};
 
-bool read_number(const std::string& word, std::int64_t& number) {
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  return error == std::errc{} && end == word.data() + word.size() && std::to_string(number) == word;
-}
 bool read_row_number(const std::string& word, std::size_t count, std::uint32_t& row) {
   std::int64_t number = 0;
   if (!read_number(word, number) || number < 0 || static_cast<std::size_t>(number) >= count) return false;

@@ -4,6 +4,7 @@
 // Only for small systems whose atoms are automata and whose modes know the values of all data: then the states that satisfy the
 // rows can be listed, reachable or not, and each is tried on the engine's core.
 #pragma once
+#include <charconv>
 #include <map>
 #include <set>
 #include <string>
@@ -12,6 +13,12 @@
 #include "compiler/verify/search.hpp"
 
 namespace bip::verify::test {
+
+/// Reads a decimal number that is written as std::to_string writes it. Returns whether the word is one.
+inline bool read_number(const std::string& word, std::int64_t& number) {
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  return error == std::errc{} && end == word.data() + word.size() && std::to_string(number) == word;
+}
 
 enum class Worth : std::uint8_t { Suffices, Insufficient, Malformed, TooLarge };
 

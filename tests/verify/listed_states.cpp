@@ -2,7 +2,6 @@
 #include "tests/verify/listed_states.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <sstream>
 
@@ -12,10 +11,6 @@ namespace {
 
 using Numbers = std::vector<std::int64_t>;
 using Open = std::vector<std::optional<std::int64_t>>;
-bool read_number(const std::string& word, std::int64_t& number) {
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  return error == std::errc{} && end == word.data() + word.size() && std::to_string(number) == word;
-}
 
 class List {
  public:

@@ -84,7 +84,7 @@ class Run {
  private:
   void one(const gen::Compiled& c, const certcheck::Model& model, const verify::Question& question, const std::string& name, std::uint64_t seed) {
     verify::DecideLimits limits;
-    limits.end = verify::Clock::now() + std::chrono::seconds(2);
+    limits.end = verify::ProcessClock::now() + std::chrono::seconds(2);
     limits.may_search = false;
     limits.wants_certificate = true;
     verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
@@ -97,7 +97,7 @@ class Run {
 
     // The same claim once more, by the states that a search reaches.
     verify::StateCollector states(*c.system, c.lowered->image);
-    const verify::SearchLimits few{.end = verify::Clock::now() + std::chrono::seconds(2), .states = kFewStates, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
+    const verify::SearchLimits few{.end = verify::ProcessClock::now() + std::chrono::seconds(2), .states = kFewStates, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
     if (!states.can_tell() || verify::search(decider.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted) return;
     d.method = verify::Method::Exhaustive;
     d.reached = states.rows();

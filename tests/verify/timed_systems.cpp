@@ -11,9 +11,9 @@ namespace bip::rt::testing {
 
 namespace {
 
-class Writer {
+class TimedSystemWriter {
  public:
-  Writer(std::uint64_t seed, std::uint64_t more) : random_(seed * 2654435761u + 1), more_(more) {}
+  TimedSystemWriter(std::uint64_t seed, std::uint64_t more) : random_(seed * 2654435761u + 1), more_(more) {}
 
   std::string write() {
     text_ = "package t\n  port type P(int v)\n  connector type One(P a)\n    define a\n  end\n  connector type Two(P a, P b)\n    define a b\n  end\n"
@@ -96,6 +96,6 @@ class Writer {
 
 }  // namespace
 
-std::string random_timed_system(std::uint64_t seed, std::uint64_t more) { return Writer(seed, more).write(); }
+std::string random_timed_system(std::uint64_t seed, std::uint64_t more) { return TimedSystemWriter(seed, more).write(); }
 
 }  // namespace bip::rt::testing

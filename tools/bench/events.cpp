@@ -22,7 +22,7 @@ double micros(Clock::duration d) { return std::chrono::duration<double, std::mic
 
 // One at a time, the engine asleep in between.
 void latency(int count) {
-  bip::System system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .speed = 1});
+  bip::Execution system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .speed = 1});
   std::vector<double> took;
   std::atomic<std::int64_t> posted{0};
   system.on_step([&](const bip::Step&) { took.push_back(micros(Clock::now() - Clock::time_point(Clock::duration(posted.load())))); });
@@ -46,7 +46,7 @@ void latency(int count) {
 
 void rate(int total) {
   constexpr int kThreads = 8;
-  bip::System system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .speed = 1});
+  bip::Execution system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .speed = 1});
   std::atomic<long> full{0};
   const Clock::time_point begin = Clock::now();
   std::vector<std::thread> posters;

@@ -7,9 +7,9 @@
 namespace certcheck {
 namespace {
 
-class Reader {
+class CertificateReader {
  public:
-  explicit Reader(const Model& model) : m_(model) {
+  explicit CertificateReader(const Model& model) : m_(model) {
     for (std::size_t k = 0; k < m_.atoms.size(); ++k) atoms_.emplace(m_.atoms[k].path, k);
     for (std::size_t k = 0; k < m_.atoms.size(); ++k) {
       state_.emplace_back();
@@ -43,10 +43,10 @@ class Reader {
  private:
   void row(Text line) {
     // Each with the least number of its words.
-    static const std::map<Text, std::pair<std::size_t, void (Reader::*)()>> kForms{
-        {"class", {3, &Reader::class_row}}, {"mode", {3, &Reader::mode_row}}, {"component", {5, &Reader::component_row}},
-        {"trap", {1, &Reader::fact_row}}, {"one-token", {1, &Reader::fact_row}}, {"sum", {2, &Reader::fact_row}},
-        {"lemma", {1, &Reader::fact_row}}, {"equation", {2, &Reader::fact_row}}, {"state", {1, &Reader::state_row}}};
+    static const std::map<Text, std::pair<std::size_t, void (CertificateReader::*)()>> kForms{
+        {"class", {3, &CertificateReader::class_row}}, {"mode", {3, &CertificateReader::mode_row}}, {"component", {5, &CertificateReader::component_row}},
+        {"trap", {1, &CertificateReader::fact_row}}, {"one-token", {1, &CertificateReader::fact_row}}, {"sum", {2, &CertificateReader::fact_row}},
+        {"lemma", {1, &CertificateReader::fact_row}}, {"equation", {2, &CertificateReader::fact_row}}, {"state", {1, &CertificateReader::state_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -199,6 +199,6 @@ class Reader {
 
 }  // namespace
 
-Certificate read_certificate(const Model& model, const std::string& text) { return Reader(model).run(text); }
+Certificate read_certificate(const Model& model, const std::string& text) { return CertificateReader(model).run(text); }
 
 }  // namespace certcheck

@@ -11,9 +11,9 @@ void only(const Tree& list, const std::vector<Text>& known, std::size_t first, T
   }
 }
 
-class Reader {
+class ModelReader {
  public:
-  explicit Reader(Model& model) : m_(model) {}
+  explicit ModelReader(Model& model) : m_(model) {}
 
   void run() {
     if (m_.tree.items.empty() || m_.tree.items[0].head() != "bsys" || m_.tree.items[0].at(1).text != "1") throw Rejected("not `(bsys 1)`");
@@ -159,7 +159,7 @@ class Reader {
 void read_model(std::string text, Model& model) {
   model.text = std::move(text);
   model.tree = read_trees(model.text);
-  Reader(model).run();
+  ModelReader(model).run();
 }
 
 }  // namespace certcheck

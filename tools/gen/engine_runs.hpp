@@ -48,7 +48,7 @@ inline std::string engine_run(const rt::Image& image, rt::RunOptions options, En
   std::string bytes;
   char buffer[4096];
   lseek(file, 0, SEEK_SET);
-  for (ssize_t n; (n = read(file, buffer, sizeof buffer)) > 0;) bytes.append(buffer, static_cast<std::size_t>(n));
+  for (ssize_t n; (n = ::read(file, buffer, sizeof buffer)) > 0;) bytes.append(buffer, static_cast<std::size_t>(n));
   close(file);
   rt::RunOptions quiet;
   quiet.silent = true;

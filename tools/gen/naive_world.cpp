@@ -15,9 +15,9 @@ struct Instance {
   std::map<std::string, std::unique_ptr<Instance>> children;
 };
 
-class Builder {
+class NaiveWorldBuilder {
  public:
-  explicit Builder(const Description& model) : model_(model) {}
+  explicit NaiveWorldBuilder(const Description& model) : model_(model) {}
 
   World build() {
     (void)instantiate(model_.compound_types.back(), "ROOT", {});
@@ -153,7 +153,7 @@ class Builder {
 
 }  // namespace
 
-World build_world(const Description& model) { return Builder(model).build(); }
+World build_world(const Description& model) { return NaiveWorldBuilder(model).build(); }
 
 std::vector<Node> structural_interactions(const World& world, int connector, std::size_t limit) {
   const WorldConnector& row = world.connectors[static_cast<std::size_t>(connector)];

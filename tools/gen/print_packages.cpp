@@ -13,16 +13,16 @@ struct Package {
   std::vector<std::string> uses;
 };
 
-std::string code(const Expr& expr) { return text_of(expr, plain_name, Spelling::Bip2); }
+std::string bip2_code(const Expr& expr) { return text_of(expr, plain_name, Spelling::Bip2); }
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 std::string constants_and_functions(const Description& model) {
   std::string text;
-  for (const Var& var : model.constants) text += std::string("  const data ") + name_of(var.type) + " " + var.name + " = " + code(*var.init) + "\n";
+  for (const Var& var : model.constants) text += std::string("  const data ") + name_of(var.type) + " " + var.name + " = " + bip2_code(*var.init) + "\n";
   for (const InlineFunction& function : model.functions) {
     std::vector<std::string> params;
     for (const Var& var : function.params) params.push_back(std::string(name_of(var.type)) + " " + var.name);
-    text += std::string("  function ") + name_of(function.result) + " " + function.name + "(" + join(params, ", ") + ") = " + code(function.body) + "\n";
+    text += std::string("  function ") + name_of(function.result) + " " + function.name + "(" + join(params, ", ") + ") = " + bip2_code(function.body) + "\n";
   }
   return text;
 }

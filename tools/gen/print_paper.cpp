@@ -7,7 +7,7 @@
 namespace bip::gen {
 namespace {
 
-std::string code(const Expr& expr) { return text_of(expr, plain_name, Spelling::Paper); }
+std::string paper_code(const Expr& expr) { return text_of(expr, plain_name, Spelling::Paper); }
 
 std::string inline_define(const std::vector<std::string>& paths, const Define& define) {
   std::string text;
@@ -51,7 +51,7 @@ std::string print_paper(const AtomType& atom) {
   for (const Port& port : atom.ports) text += "    port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")\n";
   for (const Var& var : atom.data) {
     text += std::string("    data ") + (var.type < Ty::Pair ? "" : "$") + name_of(var.type) + " " + var.name;
-    if (var.init) text += " = " + code(*var.init);
+    if (var.init) text += " = " + paper_code(*var.init);
     text += "\n";
   }
   text += "    behavior initial to " + atom.initial.at(0);
@@ -74,7 +74,7 @@ std::string print_paper(const Description& model, const CompoundType& compound) 
   std::string text = "  component " + compound.name + "\n";
   for (const Component& component : compound.components) {
     std::vector<std::string> args;
-    for (const Expr& arg : component.args) args.push_back(code(arg));
+    for (const Expr& arg : component.args) args.push_back(paper_code(arg));
     text += "    contains $" + component.type + " " + component.name;
     if (!args.empty()) text += "(" + join(args, ", ") + ")";
     text += "\n";

@@ -99,7 +99,7 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
 inline int memory_file(const std::string& text) {
   const int file = memfd_create("bip-gen", 0);
   for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = write(file, text.data() + done, text.size() - done);
+    const ssize_t n = ::write(file, text.data() + done, text.size() - done);
     if (n <= 0) break;
     done += static_cast<std::size_t>(n);
   }
@@ -110,7 +110,7 @@ inline std::string text_of(int file) {
   std::string text;
   char buffer[4096];
   lseek(file, 0, SEEK_SET);
-  for (ssize_t n; (n = read(file, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(n));
+  for (ssize_t n; (n = ::read(file, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(n));
   return text;
 }
 

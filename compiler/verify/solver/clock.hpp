@@ -10,11 +10,11 @@
 
 namespace bip::verify {
 
-struct Clock {
+struct ProcessClock {
   using duration = std::chrono::nanoseconds;
   using rep = duration::rep;
   using period = duration::period;
-  using time_point = std::chrono::time_point<Clock>;
+  using time_point = std::chrono::time_point<ProcessClock>;
   static constexpr bool is_steady = true;
   [[nodiscard]] static time_point now() {
     std::timespec spent{};
@@ -24,12 +24,12 @@ struct Clock {
 };
 
 /// From now on.
-[[nodiscard]] inline Clock::time_point seconds_from_now(double seconds) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+[[nodiscard]] inline ProcessClock::time_point seconds_from_now(double seconds) {
+  return ProcessClock::now() + std::chrono::duration_cast<ProcessClock::duration>(std::chrono::duration<double>(seconds));
 }
 /// None are left after Ctrl-C.
-[[nodiscard]] inline double seconds_until(Clock::time_point end) {
-  return rt::is_interrupted() ? 0 : std::chrono::duration<double>(end - Clock::now()).count();
+[[nodiscard]] inline double seconds_until(ProcessClock::time_point end) {
+  return rt::is_interrupted() ? 0 : std::chrono::duration<double>(end - ProcessClock::now()).count();
 }
 
 }  // namespace bip::verify

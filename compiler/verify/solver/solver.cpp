@@ -17,7 +17,7 @@ class Deadline : public CaDiCaL::Terminator {
   bool terminate() override { return seconds_until(at_) <= 0; }
 
  private:
-  Clock::time_point at_;
+  ProcessClock::time_point at_;
 };
 
 }  // namespace

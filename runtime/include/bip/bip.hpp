@@ -1,7 +1,7 @@
-// Embedding: run a linked image step by step in another program. The image must outlive the System; everything else the
-// System owns. Nothing is thrown; a fault stops it, and fault() has the text.
+// Embedding: run a linked image step by step in another program. The image must outlive the Execution; everything else the
+// Execution owns. Nothing is thrown; a fault stops it, and fault() has the text.
 //
-//   bip::System system(model::image(), {.seed = 42});
+//   bip::Execution system(model::image(), {.seed = 42});
 //   system.on_step([](const bip::Step& step) { std::puts(step.interaction.c_str()); });
 //   while (system.step() == bip::Outcome::Stepped) {}
 #pragma once
@@ -17,7 +17,7 @@
 
 namespace bip {
 
-struct SystemOptions {
+struct ExecutionOptions {
   std::uint64_t seed = 0;
   rt::Policy policy = rt::Policy::Uniform;
   bool maximal_progress = true;
@@ -47,16 +47,13 @@ struct Step {
   std::vector<StepValue> values;   // by port
 };
 
-/// A namespace of its own for the linker: the compiler, which may be linked too, has a bip::System that is something else.
-inline namespace embed {
-
-class System {
+class Execution {
  public:
   /// Initializes; if that faults, outcome() says so.
-  explicit System(const rt::Image& image, SystemOptions options = {});
-  ~System();
-  System(System&&) noexcept;
-  System& operator=(System&&) noexcept;
+  explicit Execution(const rt::Image& image, ExecutionOptions options = {});
+  ~Execution();
+  Execution(Execution&&) noexcept;
+  Execution& operator=(Execution&&) noexcept;
 
   /// How the last call ended; Stepped after a good start.
   [[nodiscard]] Outcome outcome() const;
@@ -119,7 +116,7 @@ class System {
     Snapshot& operator=(Snapshot&&) noexcept;
 
    private:
-    friend class System;
+    friend class Execution;
     Snapshot();
     struct Impl;
     std::unique_ptr<Impl> impl_;
@@ -134,9 +131,8 @@ class System {
 
  private:
   struct Impl;
+  struct TraceFile;
   std::unique_ptr<Impl> impl_;
 };
-
-}  // namespace embed
 
 }  // namespace bip

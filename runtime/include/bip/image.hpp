@@ -285,4 +285,9 @@ struct Image {
   std::uint32_t step_cells_pay = 0;      // after so many steps filling the columns has paid
 };
 
+/// Requires is_extern(type). Returns the row that describes the C++ type.
+inline const ExternType& extern_type(const Image& image, SlotType type) {
+  return image.extern_types[static_cast<std::uint32_t>(type) - kFirstExtern];
+}
+
 }  // namespace bip::rt

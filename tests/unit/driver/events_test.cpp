@@ -11,12 +11,11 @@
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/interp/interp.hpp"
 
-// After the compiler, which has a System of its own.
 #include "bip/bip.hpp"
 
+using bip::Execution;
 using bip::Outcome;
 using bip::Posted;
-using bip::embed::System;
 namespace driver = bip::driver;
 namespace interp = bip::interp;
 namespace rt = bip::rt;
@@ -42,10 +41,10 @@ constexpr const char* kCounter =
     "  compound type R()\n    component Counter c()\n    component Lamp l()\n  end\n"
     "end\n";
 
-struct Loaded {
+struct EventModel {
   driver::Compilation c{driver::CompileOptions{}};
   std::unique_ptr<interp::Interpreter> interpreter;
-  explicit Loaded(const char* text) {
+  explicit EventModel(const char* text) {
     c.open_texts["m.bip"] = text;
     REQUIRE(driver::compile(c, "m.bip", driver::Stage::Image));
     interpreter = std::make_unique<interp::Interpreter>(*c.lowered);
@@ -53,7 +52,7 @@ struct Loaded {
   [[nodiscard]] const rt::Image& image() const { return c.lowered->image; }
 };
 
-std::int32_t count_of(const System& system) {
+std::int32_t count_of(const Execution& system) {
   std::int32_t count = -1;
   REQUIRE(system.read("ROOT.c.count", count));
   return count;
@@ -62,8 +61,8 @@ std::int32_t count_of(const System& system) {
 }  // namespace
 
 TEST_CASE("in logical time an event comes at the next step") {
-  const Loaded model(kCounter);
-  System system(model.image(), {.seed = 1});
+  const EventModel model(kCounter);
+  Execution system(model.image(), {.seed = 1});
   CHECK(system.step() == Outcome::Deadlock);
   CHECK(system.post("c.add", {7}) == Posted::Taken);
   CHECK(system.post("ROOT.c.add", {true}) == Posted::BadValues);
@@ -75,8 +74,8 @@ TEST_CASE("in logical time an event comes at the next step") {
 }
 
 TEST_CASE("a full queue is told, and is free again once the model takes") {
-  const Loaded model(kCounter);
-  System system(model.image(), {.seed = 1, .event_capacity = 3});
+  const EventModel model(kCounter);
+  Execution system(model.image(), {.seed = 1, .event_capacity = 3});
   for (int k = 0; k < 3; ++k) CHECK(system.post("c.add", {k}) == Posted::Taken);
   CHECK(system.post("c.add", {3}) == Posted::Full);
   CHECK(system.post("l.on_", {3}) == Posted::Taken);
@@ -91,11 +90,11 @@ TEST_CASE("a full queue is told, and is free again once the model takes") {
 }
 
 TEST_CASE("a snapshot holds the events that wait") {
-  const Loaded model(kCounter);
-  System system(model.image(), {.seed = 1});
+  const EventModel model(kCounter);
+  Execution system(model.image(), {.seed = 1});
   for (int k = 1; k <= 4; ++k) REQUIRE(system.post("c.add", {k}) == Posted::Taken);
   REQUIRE(system.step() == Outcome::Stepped);
-  const System::Snapshot snapshot = system.snapshot();
+  const Execution::Snapshot snapshot = system.snapshot();
   CHECK(system.run(10) == 3);
   system.restore(snapshot);
   CHECK(count_of(system) == 1);
@@ -106,8 +105,8 @@ TEST_CASE("a snapshot holds the events that wait") {
 }
 
 TEST_CASE("eight threads post, and nothing that was taken in is lost") {
-  const Loaded model(kCounter);
-  System system(model.image(), {.seed = 1, .speed = 1, .event_capacity = 64});
+  const EventModel model(kCounter);
+  Execution system(model.image(), {.seed = 1, .speed = 1, .event_capacity = 64});
   constexpr int kThreads = 8, kEach = 2000;
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
@@ -125,8 +124,8 @@ TEST_CASE("eight threads post, and nothing that was taken in is lost") {
 }
 
 TEST_CASE("who waits for events sleeps, and stop ends it") {
-  const Loaded model(kCounter);
-  System system(model.image(), {.seed = 1, .speed = 1});
+  const EventModel model(kCounter);
+  Execution system(model.image(), {.seed = 1, .speed = 1});
   std::clock_t used = 0;
   std::thread other([&] {
     const std::clock_t before = std::clock();

@@ -13,18 +13,17 @@
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/interp/interp.hpp"
 
-// After the compiler, which has a System of its own.
 #include "bip/bip.hpp"
 
+using bip::Execution;
 using bip::Outcome;
 using bip::Posted;
-using bip::embed::System;
 namespace driver = bip::driver;
-using Clock = std::chrono::steady_clock;
+using WallClock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr const char* kModel =
+constexpr const char* kIdleModel =
     "package m\n"
     "  port type S()\n  port type N(int n)\n"
     "  connector type One(S p)\n    define p\n  end\n"
@@ -44,11 +43,11 @@ constexpr const char* kModel =
     "  compound type Events()\n    component Counter c()\n  end\n"
     "end\n";
 
-struct Loaded {
+struct IdleModel {
   driver::Compilation c;
   std::unique_ptr<bip::interp::Interpreter> interpreter;
-  explicit Loaded(const char* root) : c(driver::CompileOptions{.root = root}) {
-    c.open_texts["m.bip"] = kModel;
+  explicit IdleModel(const char* root) : c(driver::CompileOptions{.root = root}) {
+    c.open_texts["m.bip"] = kIdleModel;
     REQUIRE(driver::compile(c, "m.bip", driver::Stage::Image));
     interpreter = std::make_unique<bip::interp::Interpreter>(*c.lowered);
   }
@@ -60,13 +59,13 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 }  // namespace
 
 TEST_CASE("who waits for a clock uses no processor time") {
-  const Loaded model("Pulses()");
-  System system(model.image(), {.seed = 1, .speed = 1});
-  const auto started = Clock::now();
+  const IdleModel model("Pulses()");
+  Execution system(model.image(), {.seed = 1, .speed = 1});
+  const auto started = WallClock::now();
   const double before = cpu_seconds();
   for (int beat = 0; beat < 4; ++beat) REQUIRE(system.step() == Outcome::Stepped);
   const double used = cpu_seconds() - before;
-  const std::chrono::duration<double> passed = Clock::now() - started;
+  const std::chrono::duration<double> passed = WallClock::now() - started;
   CHECK(system.now() == 1'000'000'000);
   CHECK(passed.count() >= 0.99);
   // A loop that looked at the clock would use all of it; four steps use some ten microseconds.
@@ -75,17 +74,17 @@ TEST_CASE("who waits for a clock uses no processor time") {
 
 TEST_CASE("from an event to its interaction", "[.timing]") {
   constexpr int kEvents = 2000;
-  const Loaded model("Events()");
-  System system(model.image(), {.seed = 1, .speed = 1});
+  const IdleModel model("Events()");
+  Execution system(model.image(), {.seed = 1, .speed = 1});
   const std::uint32_t port = system.event_port("c.add");
-  std::vector<Clock::time_point> posted(kEvents), taken;
+  std::vector<WallClock::time_point> posted(kEvents), taken;
   taken.reserve(kEvents);
-  system.on_step([&](const bip::Step&) { taken.push_back(Clock::now()); });
+  system.on_step([&](const bip::Step&) { taken.push_back(WallClock::now()); });
   std::thread other([&] {
-    for (Clock::time_point& at : posted) {
+    for (WallClock::time_point& at : posted) {
       // Long enough for the engine to be asleep again.
       std::this_thread::sleep_for(std::chrono::microseconds(300));
-      at = Clock::now();
+      at = WallClock::now();
       CHECK(system.post(port, {1}) == Posted::Taken);
     }
   });

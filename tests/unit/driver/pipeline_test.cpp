@@ -14,7 +14,7 @@ using namespace bip::driver;
 
 namespace {
 
-constexpr const char* kModel = R"(package m
+constexpr const char* kPipelineModel = R"(package m
   port type Signal()
   connector type Alone(Signal p) define p end
   atom type A(int n)
@@ -52,7 +52,7 @@ class ModelFile {
 }  // namespace
 
 TEST_CASE("each stage leaves its product, and no later one") {
-  const ModelFile file(kModel);
+  const ModelFile file(kPipelineModel);
   Compilation c(CompileOptions{.root = "Inner(1 + 2)", .verify_each = true});
   REQUIRE(compile(c, file.path(), Stage::Model));
   REQUIRE(c.model);
@@ -66,7 +66,7 @@ TEST_CASE("each stage leaves its product, and no later one") {
 }
 
 TEST_CASE("two compilations never meet") {
-  const ModelFile file(kModel);
+  const ModelFile file(kPipelineModel);
   Compilation good(CompileOptions{.root = "Inner(1)"});
   Compilation bad(CompileOptions{.root = "Nothing()"});
   REQUIRE_FALSE(compile(bad, file.path(), Stage::Image));
@@ -76,7 +76,7 @@ TEST_CASE("two compilations never meet") {
 }
 
 TEST_CASE("check instantiates every root that there could be; run wants one") {
-  const ModelFile file(kModel);
+  const ModelFile file(kPipelineModel);
   Compilation c(CompileOptions{});
   REQUIRE(check(c, file.path()));
   REQUIRE(root_candidates(*c.model) == std::vector<std::string>{"First", "Second"});

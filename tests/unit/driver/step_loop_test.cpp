@@ -52,22 +52,22 @@ std::string cells(int count) {
   return text + "  end\n  compound type Root()\n    component R r(" + std::to_string(count) + ")\n  end\nend\n";
 }
 
-bool never() { return false; }
+bool never_stopped() { return false; }
 
-struct Run {
+struct LoopRun {
   rt::u64 steps = 0;
   std::vector<rt::u32> slots;
   rt::Prng prng;
 };
 
-Run run(const rt::Image& image, const rt::Prng& prng, rt::u64 limit) {
+LoopRun run(const rt::Image& image, const rt::Prng& prng, rt::u64 limit) {
   rt::Core core(image);
   REQUIRE(core.initialize());
   core.keep_list();
   REQUIRE(core.has_steps());
-  Run result{0, {}, prng};
+  LoopRun result{0, {}, prng};
   bool sound = true;
-  result.steps = core.run_steps(result.prng, limit, never, sound);
+  result.steps = core.run_steps(result.prng, limit, never_stopped, sound);
   REQUIRE(sound);
   result.slots = core.recent_slots(std::min<rt::u64>(result.steps, rt::Core::kHistory));
   return result;
@@ -98,7 +98,7 @@ TEST_CASE("the loop over steps draws and takes what the core does") {
   const auto odd = std::bit_cast<rt::Prng>(std::array<std::uint64_t, 4>{0, 3, 5, 0});
   for (const rt::Prng& prng : {rt::Prng(7), odd}) {
     for (const rt::u64 limit : {1u, 2u, 300u, 4097u, 40'000u}) {
-      const Run looped = run(c.lowered->image, prng, limit), expected = run(stepwise, prng, limit);
+      const LoopRun looped = run(c.lowered->image, prng, limit), expected = run(stepwise, prng, limit);
       CHECK(looped.steps == limit);
       CHECK(expected.steps == limit);
       CHECK(looped.slots == expected.slots);

@@ -40,10 +40,10 @@ std::string stores(bool lose) {
          "end\n";
 }
 
-struct Loaded {
+struct TieredModel {
   Compilation c{CompileOptions{.root = "R()"}};
   std::unique_ptr<interp::Interpreter> interpreter;
-  explicit Loaded(bool lose) {
+  explicit TieredModel(bool lose) {
     c.open_texts["m.bip"] = stores(lose);
     REQUIRE(compile(c, "m.bip", Stage::Image));
     interpreter = std::make_unique<interp::Interpreter>(*c.lowered);
@@ -92,10 +92,10 @@ TEST_CASE("machine code that comes during a run changes nothing but its speed") 
   for (const rt::Policy policy : {rt::Policy::Uniform, rt::Policy::First, rt::Policy::Fair}) {
     for (const bool silent : {false, true}) {
       const std::uint64_t seed = 7 + static_cast<std::uint64_t>(policy);
-      const Loaded plain(lose);
+      const TieredModel plain(lose);
       const std::string expected = said(plain.c.lowered->image, seed, policy, silent, nullptr);
       for (const std::uint64_t calls : {1, 2, 17, 90, 180}) {
-        Loaded model(lose);
+        TieredModel model(lose);
         Tiers tiers(*model.c.lowered, {}, 0);
         rt::NewCode& made = tiers.new_code();
         wait_for(made);
@@ -122,7 +122,7 @@ TEST_CASE("machine code that comes during a run changes nothing but its speed") 
 }
 
 TEST_CASE("a run that ends early does not wait for its code") {
-  Loaded model(true);
+  TieredModel model(true);
   const auto started = std::chrono::steady_clock::now();
   {
     Tiers tiers(*model.c.lowered, {}, 60'000);

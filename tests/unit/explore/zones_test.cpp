@@ -21,7 +21,7 @@ using rt::u32;
 using rt::u64;
 
 constexpr i64 kCap = rt::testing::kMostConstant + 2;  // clocks beyond it are all alike
-constexpr std::size_t kMost = 20000;                  // states that are visited tick by tick
+constexpr std::size_t kMostTicks = 20000;                  // states that are visited tick by tick
 
 // What can be told of a state: markings, data, who is busy, clocks up to the cap.
 using Key = std::vector<i64>;
@@ -85,7 +85,7 @@ Ticks explore_ticks(const rt::Image& image) {
   add();
   std::vector<i64> ends;
   while (!todo.empty()) {
-    if (found.states.size() > kMost) {
+    if (found.states.size() > kMostTicks) {
       found.is_complete = false;
       return found;
     }
@@ -117,7 +117,7 @@ Ticks explore_ticks(const rt::Image& image) {
   return found;
 }
 
-struct Tally {
+struct ZoneTally {
   int compared = 0, deadlocks = 0, locks = 0, errors = 0, asked = 0, were_so = 0;
   u64 states = 0, zones = 0, walked = 0;
 };
@@ -145,7 +145,7 @@ bool has_point(rt::ZoneSearch& search, const rt::Image& image, const rt::State& 
 }
 
 // Any instant that may be, not only those that a policy plans.
-void walk(rt::ZoneSearch& search, const rt::Image& image, u64 seed, Tally& tally) {
+void walk(rt::ZoneSearch& search, const rt::Image& image, u64 seed, ZoneTally& tally) {
   rt::Core core(image);
   rt::Prng random(seed);
   REQUIRE(core.initialize());
@@ -165,7 +165,7 @@ void walk(rt::ZoneSearch& search, const rt::Image& image, u64 seed, Tally& tally
 }
 
 // Is there an instant at which a connector has (or has not) a candidate while a port is enabled (or is not)?
-void ask(const rt::Image& image, const Ticks& ticks, u64 seed, Tally& tally) {
+void ask(const rt::Image& image, const Ticks& ticks, u64 seed, ZoneTally& tally) {
   rt::Core core(image);
   rt::Prng random(seed);
   for (int round = 0; round < 6; ++round) {
@@ -189,7 +189,7 @@ void ask(const rt::Image& image, const Ticks& ticks, u64 seed, Tally& tally) {
   }
 }
 
-void compare(u64 seed, Tally& tally) {
+void compare(u64 seed, ZoneTally& tally) {
   const std::string text = rt::testing::random_timed_system(seed);
   const gen::Compiled c = gen::compile_texts({text});
   INFO("seed " << seed << "\n" << text);
@@ -238,7 +238,7 @@ void compare(u64 seed, Tally& tally) {
 }  // namespace
 
 TEST_CASE("zone graphs of random timed systems are their behaviour tick by tick") {
-  Tally tally;
+  ZoneTally tally;
   const char* wanted = std::getenv("BIP_ZONE_RUNS");
   const u64 runs = wanted == nullptr ? 120 : std::strtoull(wanted, nullptr, 10);
   for (u64 seed = 1; seed <= runs; ++seed) compare(seed, tally);

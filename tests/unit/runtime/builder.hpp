@@ -54,9 +54,9 @@ struct PatternSpec {
   std::vector<std::string> params = {};
 };
 
-class Builder {
+class ImageBuilder {
  public:
-  Builder() {
+  ImageBuilder() {
     image_.name = "Test";
     static const char* const kRootPath = "ROOT";
     compounds_.push_back({kRootPath, kNone});
@@ -64,8 +64,8 @@ class Builder {
     strings_.push_back("a\"b\n");
     files_.push_back("test.bip");
   }
-  Builder(const Builder&) = delete;
-  Builder& operator=(const Builder&) = delete;
+  ImageBuilder(const ImageBuilder&) = delete;
+  ImageBuilder& operator=(const ImageBuilder&) = delete;
 
   u32 compound(const std::string& path, u32 parent) {
     compounds_.push_back({keep(path), parent});

@@ -7,7 +7,7 @@
 namespace bip::rt::testing {
 
 /// deadlocks: forks are taken one at a time, left first.
-inline void build_philosophers(Builder& b, int n, bool deadlocks) {
+inline void build_philosophers(ImageBuilder& b, int n, bool deadlocks) {
   b.atom_type({.name = "Fork",
                .ports = {{.name = "take"}, {.name = "free"}},
                .places = {"idle", "busy"},
@@ -48,7 +48,7 @@ inline void build_philosophers(Builder& b, int n, bool deadlocks) {
   connect("put", "Three", ".put", ".free", true, 0);
 }
 
-inline void build_ring(Builder& b, int n) {
+inline void build_ring(ImageBuilder& b, int n) {
   const AtomTypeSpec node{.name = "Node",
                           .ports = {{.name = "in"}, {.name = "out"}},
                           .places = {"empty", "full"},
@@ -67,7 +67,7 @@ inline void build_ring(Builder& b, int n) {
 }
 
 /// n / 2 pairs; put hands the sender's counter over.
-inline void build_pairs(Builder& b, int n) {
+inline void build_pairs(ImageBuilder& b, int n) {
   b.atom_type({.name = "Ping",
                .data = {"x"},
                .ports = {{.name = "put", .vars = {"x"}}, {.name = "get", .vars = {"x"}}},

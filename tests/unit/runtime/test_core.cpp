@@ -39,7 +39,7 @@ ConnectorTypeSpec plain(const std::string& name, const std::string& define, cons
 }  // namespace
 
 TEST_CASE("a rendezvous needs everybody") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(toggle("T"));
   b.atom("a", "T");
   b.atom("c", "T");
@@ -57,7 +57,7 @@ TEST_CASE("a rendezvous needs everybody") {
 }
 
 TEST_CASE("a broadcast takes all that are ready") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(toggle("T"));
   for (const char* name : {"s", "r1", "r2"}) b.atom(name, "T");
   b.connector_type(plain("B", "p' q r", {"p", "q", "r"}));
@@ -77,7 +77,7 @@ TEST_CASE("a broadcast takes all that are ready") {
 }
 
 TEST_CASE("groups in groups") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(toggle("T"));
   for (const char* name : {"a", "c", "d"}) b.atom(name, "T");
   b.connector_type(plain("G", "p' (q r)", {"p", "q", "r"}));
@@ -94,7 +94,7 @@ TEST_CASE("groups in groups") {
 }
 
 TEST_CASE("without maximal progress every interaction is a candidate") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(always_ready("T"));
   for (const char* name : {"a", "c", "d"}) b.atom(name, "T");
   b.connector_type(plain("B", "p' q r", {"p", "q", "r"}));
@@ -105,7 +105,7 @@ TEST_CASE("without maximal progress every interaction is a candidate") {
 }
 
 TEST_CASE("guards choose among subsets") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(always_ready("T"));
   for (const char* name : {"a", "c", "d"}) b.atom(name, "T");
   ConnectorTypeSpec type = plain("B", "p' q r", {"p", "q", "r"});
@@ -119,7 +119,7 @@ TEST_CASE("guards choose among subsets") {
 }
 
 TEST_CASE("a guard over data is looked at again when the data moved") {
-  Builder b;
+  ImageBuilder b;
   AtomTypeSpec counter = cell("C");
   counter.ports.push_back({.name = "inc", .vars = {}});
   counter.transitions.push_back({"inc", {"S"}, {"S"}, nullptr, [](Slot* self, Slot*, const u32*) {
@@ -151,7 +151,7 @@ TEST_CASE("a guard over data is looked at again when the data moved") {
 }
 
 TEST_CASE("up and down through a hierarchy") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(cell("C"));
   b.atom("a", "C", {5});
   b.atom("c", "C", {3});
@@ -201,7 +201,7 @@ TEST_CASE("through a compound's exported port only the maximal interactions are 
     return all[bind[0]].i == 1 ? 1 : 0;
   };
   for (const bool maximal : {false, true}) {
-    Builder b;
+    ImageBuilder b;
     b.atom_type(always_ready("T"));
     for (const char* name : {"a", "c", "d"}) b.atom(name, "T");
     ConnectorTypeSpec inner = plain("In", "p' q", {"p", "q"});
@@ -228,7 +228,7 @@ TEST_CASE("through a compound's exported port only the maximal interactions are 
 }
 
 TEST_CASE("internal ports are candidates of their own, after the connectors") {
-  Builder b;
+  ImageBuilder b;
   AtomTypeSpec type = toggle("T");
   type.ports.push_back({.name = "think", .vars = {}, .exported = false});
   type.transitions.push_back({"think", {"A"}, {"B"}});
@@ -244,7 +244,7 @@ TEST_CASE("internal ports are candidates of their own, after the connectors") {
 }
 
 TEST_CASE("internal transitions have absolute precedence") {
-  Builder b;
+  ImageBuilder b;
   AtomTypeSpec type = toggle("T");
   type.data = {"n"};
   type.transitions = {{"go", {"A"}, {"B"}},
@@ -267,7 +267,7 @@ TEST_CASE("internal transitions have absolute precedence") {
 }
 
 TEST_CASE("Petri nets: several tokens") {
-  Builder b;
+  ImageBuilder b;
   AtomTypeSpec type{.name = "N",
                     .params = {},
                     .data = {},
@@ -294,7 +294,7 @@ TEST_CASE("Petri nets: several tokens") {
 
 TEST_CASE("a trigger with 1000 synchrons, with and without guards") {
   for (const bool guarded : {false, true}) {
-    Builder b;
+    ImageBuilder b;
     b.atom_type(toggle("T"));
     b.atom_type(always_ready("S"));
     b.atom("s", "S");
@@ -327,7 +327,7 @@ TEST_CASE("a trigger with 1000 synchrons, with and without guards") {
 }
 
 TEST_CASE("snapshot and restore") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(toggle("T"));
   b.atom_type(cell("C"));
   b.atom("a", "T");

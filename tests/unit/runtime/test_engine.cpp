@@ -220,7 +220,7 @@ TEST_CASE("the list's order follows the rule, and ranks are there when asked for
 }
 
 TEST_CASE("steps, limit, values before down") {
-  Builder b;
+  ImageBuilder b;
   build_pairs(b, 2);
   const Ran one = ran(b.image(), seeded(42, 3));
   CHECK(one.out ==
@@ -238,7 +238,7 @@ TEST_CASE("steps, limit, values before down") {
 }
 
 TEST_CASE("the published engine's lines") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type({.name = "T",
                .ports = {{.name = "p"}, {.name = "think", .exported = false}},
                .places = {"A", "B", "C"},
@@ -278,7 +278,7 @@ TEST_CASE("the published engine's lines") {
 }
 
 TEST_CASE("JSON lines") {
-  Builder b;
+  ImageBuilder b;
   build_pairs(b, 2);
   CHECK(trace_of(b.image(), seeded(42, 2)) ==
         R"({"format":"bipc-trace","version":1,"model":"Test","seed":42,"policy":"uniform"})"
@@ -292,7 +292,7 @@ TEST_CASE("JSON lines") {
 }
 
 TEST_CASE("same seed, same trace; another seed, another") {
-  Builder b;
+  ImageBuilder b;
   build_philosophers(b, 10, false);
   const std::string once = trace_of(b.image(), seeded(42, 500));
   CHECK(once == trace_of(b.image(), seeded(42, 500)));
@@ -300,7 +300,7 @@ TEST_CASE("same seed, same trace; another seed, another") {
 }
 
 TEST_CASE("fair: what stays enabled has its turn in every round") {
-  Builder b;
+  ImageBuilder b;
   build_pairs(b, 16);
   Core core(b.image());
   REQUIRE(core.initialize());
@@ -318,7 +318,7 @@ TEST_CASE("fair: what stays enabled has its turn in every round") {
 }
 
 TEST_CASE("a deadlock is told as a cycle") {
-  Builder b;
+  ImageBuilder b;
   build_philosophers(b, 2, true);
   Core core(b.image());
   RunOptions options = seeded(1, 1000000);
@@ -336,7 +336,7 @@ TEST_CASE("a deadlock is told as a cycle") {
 }
 
 TEST_CASE("other deadlocks: the end, a false guard, somebody who has gone") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type({.name = "Once", .ports = {{.name = "p"}}, .places = {"A", "B"}, .initial = {"A"}, .transitions = {{"p", {"A"}, {"B"}}}});
   b.atom_type(always_ready("T"));
   b.connector_type({.name = "One", .params = {{"p", 0}}, .define = "p"});
@@ -348,7 +348,7 @@ TEST_CASE("other deadlocks: the end, a false guard, somebody who has gone") {
         "bipc: seed 1, policy uniform\n"
         "deadlock[V0001]: no component offers a port: all have come to an end   (1 step, seed 1)\n");
 
-  Builder c;
+  ImageBuilder c;
   c.atom_type({.name = "Once", .ports = {{.name = "p"}, {.name = "q"}}, .places = {"A", "B"}, .initial = {"A"}, .transitions = {{"p", {"A"}, {"B"}}}});
   c.atom_type(always_ready("T"));
   c.connector_type({.name = "One", .params = {{"p", 0}}, .define = "p"});
@@ -369,7 +369,7 @@ TEST_CASE("other deadlocks: the end, a false guard, somebody who has gone") {
 }
 
 TEST_CASE("the command line of an emitted program") {
-  Builder b;
+  ImageBuilder b;
   build_ring(b, 3);
   const auto main_of = [&](std::vector<std::string> words) {
     std::vector<char*> argv;
@@ -383,14 +383,14 @@ TEST_CASE("the command line of an emitted program") {
 }
 
 TEST_CASE("embedding: step, read, snapshot, callback") {
-  Builder b;
+  ImageBuilder b;
   build_pairs(b, 4);
-  bip::System system(b.image(), {.seed = 3});
+  bip::Execution system(b.image(), {.seed = 3});
   std::vector<std::string> seen;
   system.on_step([&](const bip::Step& step) { seen.push_back(step.interaction + " " + step.ports[0]); });
   CHECK(system.run(10) == 10);
   CHECK(seen.size() == 10);
-  const bip::System::Snapshot snapshot = system.snapshot();
+  const bip::Execution::Snapshot snapshot = system.snapshot();
   CHECK(system.run(20) == 20);
   const std::vector<std::string> first(seen.begin() + 10, seen.end());
   seen.clear();
@@ -408,11 +408,11 @@ TEST_CASE("embedding: step, read, snapshot, callback") {
 }
 
 TEST_CASE("embedding in C") {
-  Builder b;
+  ImageBuilder b;
   build_philosophers(b, 2, true);
   const auto* image = reinterpret_cast<const bip_image*>(&b.image());
   CHECK(bip_create(image, 1, 9) == nullptr);
-  bip_system* system = bip_create(image, 1, BIP_FAIR);
+  bip_execution* system = bip_create(image, 1, BIP_FAIR);
   REQUIRE(system != nullptr);
   CHECK(bip_status(system) == BIP_STEPPED);
   CHECK(bip_candidate_count(system) == 2);

@@ -11,7 +11,7 @@ using namespace bip::rt::testing;
 namespace {
 
 // One atom of the type with a connector on its port p; fires until a fault.
-std::string fault_of(Builder& b, const AtomTypeSpec& type, FaultCode expected, CoreOptions options = {}) {
+std::string fault_of(ImageBuilder& b, const AtomTypeSpec& type, FaultCode expected, CoreOptions options = {}) {
   b.atom_type(type);
   b.connector_type({.name = "One", .params = {{"p", 0}}, .define = "p"});
   b.atom("a", type.name);
@@ -31,7 +31,7 @@ const Fn kAlways = [](Slot*, Slot*, const u32*) { return 1; };
 }  // namespace
 
 TEST_CASE("R0001 two transitions of a port") {
-  Builder b;
+  ImageBuilder b;
   CHECK(fault_of(b,
                  {.name = "T",
                   .data = {"n"},
@@ -47,7 +47,7 @@ TEST_CASE("R0001 two transitions of a port") {
 }
 
 TEST_CASE("R0002 two internal transitions") {
-  Builder b;
+  ImageBuilder b;
   const std::string text = fault_of(b,
                                     {.name = "T",
                                      .ports = {{.name = "p"}},
@@ -59,7 +59,7 @@ TEST_CASE("R0002 two internal transitions") {
 }
 
 TEST_CASE("R0003 not 1-safe") {
-  Builder b;
+  ImageBuilder b;
   const std::string text = fault_of(b,
                                     {.name = "T",
                                      .ports = {{.name = "p"}},
@@ -71,7 +71,7 @@ TEST_CASE("R0003 not 1-safe") {
 }
 
 TEST_CASE("a place in both sets stays marked") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type({.name = "T", .ports = {{.name = "p"}}, .places = {"A", "B"}, .initial = {"A"}, .transitions = {{"p", {"A"}, {"A", "B"}}}});
   b.connector_type({.name = "One", .params = {{"p", 0}}, .define = "p"});
   b.atom("a", "T");
@@ -84,7 +84,7 @@ TEST_CASE("a place in both sets stays marked") {
 }
 
 TEST_CASE("R0004 internal transitions without end") {
-  Builder b;
+  ImageBuilder b;
   const std::string text = fault_of(b,
                                     {.name = "T",
                                      .ports = {{.name = "p"}},
@@ -96,7 +96,7 @@ TEST_CASE("R0004 internal transitions without end") {
 }
 
 TEST_CASE("R0005 and R0006 from a guard, an action and a transfer") {
-  Builder b;
+  ImageBuilder b;
   const std::int32_t zero = b.fault(FaultKind::DivisionByZero);
   const std::string text = fault_of(b,
                                     {.name = "T",
@@ -108,7 +108,7 @@ TEST_CASE("R0005 and R0006 from a guard, an action and a transfer") {
   CHECK(text.find("error[R0005]: division by zero in `ROOT.a` at `A`, port `p`") == 0);
   CHECK(text.find("--> test.bip:77:9") != std::string::npos);
 
-  Builder c;
+  ImageBuilder c;
   (void)c.fault(FaultKind::DivisionByZero);
   const std::int32_t overflow = c.fault(FaultKind::DivisionOverflow);
   const std::string second = fault_of(c,
@@ -120,7 +120,7 @@ TEST_CASE("R0005 and R0006 from a guard, an action and a transfer") {
                                       FaultCode::DivisionOverflow);
   CHECK(second.find("error[R0006]: the smallest int divided by -1 in `ROOT.a`") == 0);
 
-  Builder d;
+  ImageBuilder d;
   const std::int32_t in_down = d.fault(FaultKind::DivisionByZero);
   d.atom_type({.name = "T", .data = {"x"}, .ports = {{.name = "p", .vars = {"x"}}}, .places = {"A"}, .initial = {"A"}, .transitions = {{"p", {"A"}, {"A"}}}});
   d.connector_type({.name = "One", .params = {{"p", 1}}, .define = "p", .clauses = {{.params = {"p"}, .down = [in_down](Slot*, Slot*, const u32*) { return in_down; }}}});
@@ -137,7 +137,7 @@ TEST_CASE("R0005 and R0006 from a guard, an action and a transfer") {
 }
 
 TEST_CASE("R0009 too many interactions to enumerate") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(always_ready("T"));
   ConnectorTypeSpec type{.name = "B"};
   std::vector<std::string> ports;

@@ -40,7 +40,7 @@ void check_run(const Image& image, unsigned seed, int steps) {
 }
 
 // Atoms of random automata: simple, fixed, guarded or Petri by what comes up.
-void build_random(Builder& b, unsigned seed) {
+void build_random(ImageBuilder& b, unsigned seed) {
   std::mt19937 random(seed);
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   const int types = 2, atoms = 5, ports = 3, places = 3;
@@ -144,19 +144,19 @@ void build_random(Builder& b, unsigned seed) {
 
 TEST_CASE("incremental equals from scratch on the classic systems") {
   for (const int n : {2, 3, 10, 100}) {
-    Builder phil, ring, pairs, dead;
+    ImageBuilder phil, ring, pairs, dead;
     build_philosophers(phil, n, false);
     build_philosophers(dead, n, true);
     build_ring(ring, n);
     build_pairs(pairs, n);
-    for (Builder* b : {&phil, &ring, &pairs, &dead}) check_run(b->image(), 1, 200);
+    for (ImageBuilder* b : {&phil, &ring, &pairs, &dead}) check_run(b->image(), 1, 200);
   }
 }
 
 TEST_CASE("incremental equals from scratch on random systems") {
   for (unsigned seed = 0; seed < 600; ++seed) {
     CAPTURE(seed);
-    Builder b;
+    ImageBuilder b;
     build_random(b, seed);
     check_run(b.image(), seed, 60);
   }

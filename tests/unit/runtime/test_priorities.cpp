@@ -10,7 +10,7 @@ namespace {
 
 // `count` atoms a0, a1 … each with a connector k0, k1 …; those in `off` offer nothing until poked by t_i.
 struct Singles {
-  Builder b;
+  ImageBuilder b;
   Singles(int count, const std::vector<int>& off) {
     b.atom_type({.name = "T",
                  .params = {"ready"},
@@ -102,7 +102,7 @@ TEST_CASE("guards of rules are read again when their atom moved") {
 }
 
 TEST_CASE("interactions of one connector") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type(always_ready("T"));
   for (const char* name : {"a", "c", "d"}) b.atom(name, "T");
   const Fn never = [](Slot*, Slot*, const u32*) { return 0; };
@@ -123,7 +123,7 @@ TEST_CASE("interactions of one connector") {
 }
 
 TEST_CASE("a broadcast under a rule that names an interaction follows its receivers") {
-  Builder b;
+  ImageBuilder b;
   b.atom_type({.name = "T",
                .params = {},
                .data = {},

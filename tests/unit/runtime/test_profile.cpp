@@ -46,7 +46,7 @@ std::int32_t spin(const void* context, Slot*, Slot*, const u32*) {
 }  // namespace
 
 TEST_CASE("a profile counts steps and calls, and the run stays the same") {
-  Builder b;
+  ImageBuilder b;
   build_pairs(b, 2);
   Profiled model(b.image());
   const std::string plain = steps_of(model.image, nullptr, 100);
@@ -66,7 +66,7 @@ TEST_CASE("a profile counts steps and calls, and the run stays the same") {
 }
 
 TEST_CASE("a profile says who is slow") {
-  Builder b;
+  ImageBuilder b;
   build_pairs(b, 2);
   Profiled model(b.image());
   // The action of Ping's `get` takes 200 us, the transfer 20 us a time, the rest next to nothing.
@@ -89,7 +89,7 @@ TEST_CASE("a profile says who is slow") {
 }
 
 TEST_CASE("without its profile the code is as before") {
-  Builder b;
+  ImageBuilder b;
   build_pairs(b, 2);
   Profiled model(b.image());
   const std::vector<Code> before = model.codes;

@@ -176,7 +176,7 @@ int grow(Generator& random, Reference& reference, int depth, bool exports, bool 
   return static_cast<int>(reference.connectors.size()) - 1;
 }
 
-void build(const Reference& reference, Builder& b) {
+void build(const Reference& reference, ImageBuilder& b) {
   b.atom_type({.name = "T",
                .params = {"ready", "x"},
                .data = {},
@@ -261,7 +261,7 @@ TEST_CASE("candidates equal the definition on random trees") {
     Reference reference;
     const int top = grow(random, reference, 2, false, seed % 4 != 0);
     if (reference.ready.size() > 13) continue;
-    Builder b;
+    ImageBuilder b;
     build(reference, b);
     Core core(b.image());
     Core all(b.image(), {.progress = MaximalProgress::Off});

@@ -50,7 +50,7 @@ Followed followed(const Image& image, std::string_view trace, std::string* text 
 }
 
 // `count` atoms that never meet; each step of one calls `action`.
-void build_workers(Builder& b, int count, const Fn& action) {
+void build_workers(ImageBuilder& b, int count, const Fn& action) {
   b.atom_type({.name = "Worker",
                .data = {"n"},
                .ports = {{.name = "go"}},
@@ -69,7 +69,7 @@ void build_workers(Builder& b, int count, const Fn& action) {
 
 TEST_CASE("actions of atoms that do not meet overlap") {
   std::atomic<int> inside{0}, most{0};
-  Builder b;
+  ImageBuilder b;
   build_workers(b, 4, [&](Slot*, Slot*, const u32*) {
     const int now = ++inside;
     for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
@@ -85,7 +85,7 @@ TEST_CASE("actions of atoms that do not meet overlap") {
 
 TEST_CASE("an atom is never in two actions at once") {
   std::atomic<int> clashes{0};
-  Builder b;
+  ImageBuilder b;
   build_workers(b, 3, [&](Slot* self, Slot*, const u32*) {
     // Not atomic on purpose: TSan tells of any overlap, and so does the count.
     const std::int32_t before = self[0].i;
@@ -106,7 +106,7 @@ TEST_CASE("an atom is never in two actions at once") {
 
 TEST_CASE("runs of philosophers are accepted, the deadlock too") {
   for (const bool deadlocks : {false, true}) {
-    Builder b;
+    ImageBuilder b;
     build_philosophers(b, 5, deadlocks);
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const Recorded run = recorded(b.image(), seed, 300, Engine::Threads, seed);
@@ -124,7 +124,7 @@ TEST_CASE("runs of philosophers are accepted, the deadlock too") {
 TEST_CASE("a fault ends the run at the step where a sequential one meets it") {
   // The fifth step of each atom faults; the others are slower or faster as it comes.
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    Builder b;
+    ImageBuilder b;
     build_workers(b, 3, [](Slot* self, Slot*, const u32*) { return ++self[0].i == 5 ? fault_status(0, FaultKind::DivisionByZero) : 1; });
     const Recorded run = recorded(b.image(), seed, 1000, Engine::Threads, seed);
     CHECK(run.result.end == End::Fault);
@@ -145,7 +145,7 @@ TEST_CASE("a connector's fault ends the run at the step where a sequential one m
   for (const char* where : {"guard", "up", "guard above"}) {
     INFO(where);
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      Builder b;
+      ImageBuilder b;
       b.atom_type({.name = "Worker",
                    .data = {"n"},
                    .ports = {{.name = "go"}, {.name = "look", .vars = {"n"}}},
@@ -178,7 +178,7 @@ TEST_CASE("a connector's fault ends the run at the step where a sequential one m
 }
 
 TEST_CASE("a trace that is no run is refused") {
-  Builder b;
+  ImageBuilder b;
   build_philosophers(b, 3, true);
   const Recorded run = recorded(b.image(), 7, 50, Engine::Sequential, 0);
   REQUIRE(followed(b.image(), run.trace).problem.empty());
@@ -198,7 +198,7 @@ TEST_CASE("a trace that is no run is refused") {
     CHECK_FALSE(check.is_trace);
   }
   SECTION("another root") {
-    Builder other;
+    ImageBuilder other;
     build_ring(other, 3);
     const Followed check = followed(other.image(), run.trace);
     CHECK_FALSE(check.problem.empty());

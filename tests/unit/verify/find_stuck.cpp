@@ -100,7 +100,7 @@ void compare(const std::vector<std::string>& texts, Tally& tally) {
     for (u32 atom : nodes[row].at_once) CHECK(here.count(atom) != 0);
   }
   const bool expected = std::any_of(waiting.begin(), waiting.end(), [](const auto& state) { return !state.second.empty(); });
-  const verify::StuckResult found = verify::find_stuck(net, image, {.end = verify::Clock::now() + std::chrono::seconds(60)});
+  const verify::StuckResult found = verify::find_stuck(net, image, {.end = verify::ProcessClock::now() + std::chrono::seconds(60)});
   REQUIRE(found.search.end == (expected ? verify::SearchEnd::Found : verify::SearchEnd::Exhausted));
   ++(expected ? tally.stuck : tally.free);
   if (!expected) {

@@ -28,7 +28,7 @@ rt::PartReport explore(const System& part, const rt::ExploreOptions& options, co
   return rt::explore_part(lowered->image, options, question);
 }
 
-struct Tally {
+struct TimedTally {
   int compared = 0, proved = 0, free = 0, with_parts = 0, smaller = 0, walks = 0, asked = 0, holding = 0, broken = 0;
 };
 
@@ -53,7 +53,7 @@ bool has_point(rt::ZoneSearch& search, const std::vector<u32>& members, const rt
 }
 
 // Two components are never in two places at once, or with these data.
-void ask(const System& system, const rt::Image& image, u64 seed, Tally& tally) {
+void ask(const System& system, const rt::Image& image, u64 seed, TimedTally& tally) {
   rt::Prng random(seed);
   const auto literal = [&](u32 atom) {
     const rt::AtomType& type = image.atom_types[image.atoms[atom].type];
@@ -81,7 +81,7 @@ void ask(const System& system, const rt::Image& image, u64 seed, Tally& tally) {
 }
 
 // Random runs of the whole, seen through two components.
-void walk(const System& system, const rt::Image& image, u64 seed, Tally& tally) {
+void walk(const System& system, const rt::Image& image, u64 seed, TimedTally& tally) {
   rt::Prng random(seed);
   const auto is_read = verify::find_read_data(system);
   const System simple = verify::without_unread_data(system, is_read);
@@ -120,7 +120,7 @@ void walk(const System& system, const rt::Image& image, u64 seed, Tally& tally) 
   }
 }
 
-void compare(const std::vector<std::string>& texts, u64 seed, Tally& tally) {
+void compare(const std::vector<std::string>& texts, u64 seed, TimedTally& tally) {
   const gen::Compiled c = gen::compile_texts(texts);
   if (!c.problem.empty() || !rt::has_time(c.lowered->image) || !verify::what_far_time_cannot_follow(*c.system).empty()) return;
   INFO("seed " << seed << "\n" << texts.back());
@@ -150,7 +150,7 @@ u64 wanted_runs(u64 usual) {
   return wanted == nullptr ? usual : std::strtoull(wanted, nullptr, 10);
 }
 
-void tell(const Tally& tally) {
+void tell(const TimedTally& tally) {
   WARN("compared " << tally.compared << ", free " << tally.free << ", proved " << tally.proved << ", of these with neighbourhoods " << tally.with_parts
                    << ", with small ones " << tally.smaller << "; states walked " << tally.walks << "; properties " << tally.asked << ", proved " << tally.holding << ", broken " << tally.broken);
 }
@@ -158,7 +158,7 @@ void tell(const Tally& tally) {
 }  // namespace
 
 TEST_CASE("what parts prove of random timed systems holds in their zone graphs") {
-  Tally tally;
+  TimedTally tally;
   const u64 runs = wanted_runs(120);
   for (u64 seed = 1; seed <= runs; ++seed) compare({rt::testing::random_timed_system(seed, seed % 3)}, seed, tally);
   tell(tally);
@@ -172,7 +172,7 @@ TEST_CASE("what parts prove of random timed systems holds in their zone graphs")
 
 // With data, guards, transfers, hierarchies, merged ports, Petri nets.
 TEST_CASE("what parts prove of the generator's timed systems holds in their zone graphs") {
-  Tally tally;
+  TimedTally tally;
   const u64 runs = wanted_runs(400);
   for (u64 seed = 1; seed <= runs; ++seed) compare(gen::print_packages(gen::generate(seed, gen::Features::Timed)), seed, tally);
   tell(tally);

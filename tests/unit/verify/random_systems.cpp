@@ -16,11 +16,11 @@ namespace {
 
 using namespace bip;
 
-struct Tally {
+struct NetTally {
   int free = 0, deadlock = 0, open = 0, skipped = 0, candidates_that_were_free = 0;
 };
 
-void compare(const std::vector<std::string>& texts, Tally& tally) {
+void compare(const std::vector<std::string>& texts, NetTally& tally) {
   const gen::Compiled c = gen::compile_texts(texts);
   // What C++ remembers is outside of a state: `bipc verify` does not take such models.
   if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.extern_types.empty()) {
@@ -28,9 +28,9 @@ void compare(const std::vector<std::string>& texts, Tally& tally) {
     return;
   }
   const verify::Net net = verify::build_net(*c.system);
-  const verify::Proof proof = verify::prove_deadlock_freedom(net, verify::Clock::now() + std::chrono::seconds(5));
+  const verify::Proof proof = verify::prove_deadlock_freedom(net, verify::ProcessClock::now() + std::chrono::seconds(5));
   const interp::Interpreter interpreter(*c.lowered);
-  const verify::SearchLimits limits{.end = verify::Clock::now() + std::chrono::seconds(1), .megabytes = 200};
+  const verify::SearchLimits limits{.end = verify::ProcessClock::now() + std::chrono::seconds(1), .megabytes = 200};
   const verify::SearchResult all = verify::search(net, c.lowered->image, {.stuck = true, .faults = false, .state = {}}, {}, limits);
   if (all.end == verify::SearchEnd::Limit) {
     ++tally.open;
@@ -55,7 +55,7 @@ std::uint64_t count_of_runs(std::uint64_t usual) {
   return wanted == nullptr ? usual : std::strtoull(wanted, nullptr, 10);
 }
 
-void report(const char* what, const Tally& t) {
+void report(const char* what, const NetTally& t) {
   WARN(what << ": free " << t.free << ", deadlock " << t.deadlock << ", too large " << t.open << ", skipped " << t.skipped
             << ", free but left open by the invariants " << t.candidates_that_were_free);
 }
@@ -63,7 +63,7 @@ void report(const char* what, const Tally& t) {
 }  // namespace
 
 TEST_CASE("proofs agree with exhaustive search on small nets") {
-  Tally tally;
+  NetTally tally;
   const std::uint64_t runs = count_of_runs(400);
   for (std::uint64_t seed = 1; seed <= runs; ++seed) compare({verify::test::small_net(seed)}, tally);
   report("small nets", tally);
@@ -73,7 +73,7 @@ TEST_CASE("proofs agree with exhaustive search on small nets") {
 }
 
 TEST_CASE("proofs agree with exhaustive search on random models") {
-  Tally tally;
+  NetTally tally;
   const std::uint64_t runs = count_of_runs(150);
   for (std::uint64_t seed = 1; seed <= runs; ++seed) compare(gen::print_packages(gen::generate(seed)), tally);
   report("random models", tally);

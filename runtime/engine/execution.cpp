@@ -14,14 +14,12 @@
 
 namespace bip {
 
-namespace {
-
 /// A trace on its way to its file.
-struct Trace {
-  Trace(std::FILE* opened, const rt::RunOptions& given) : options(given), text(options, options.seed), file(opened), sink(opened) {}
-  Trace(const Trace&) = delete;
-  Trace& operator=(const Trace&) = delete;
-  ~Trace() { (void)close(); }
+struct Execution::TraceFile {
+  TraceFile(std::FILE* opened, const rt::RunOptions& given) : options(given), text(options, options.seed), file(opened), sink(opened) {}
+  TraceFile(const TraceFile&) = delete;
+  TraceFile& operator=(const TraceFile&) = delete;
+  ~TraceFile() { (void)close(); }
   bool close() {
     if (file == nullptr) return true;
     sink.flush();
@@ -35,10 +33,8 @@ struct Trace {
   rt::Sink sink;
 };
 
-}  // namespace
-
-struct System::Impl {
-  Impl(const rt::Image& image, const SystemOptions& options)
+struct Execution::Impl {
+  Impl(const rt::Image& image, const ExecutionOptions& options)
       : core(image, {.progress = options.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}),
         feed(core, options.event_capacity),
         scheduler(options.policy, options.asap, options.seed),
@@ -108,7 +104,7 @@ struct System::Impl {
     }
     if (trace) {
       trace->text.step(trace->sink.text, core, at, steps, core.number(at));
-      trace->sink.drain(Trace::kPiece);
+      trace->sink.drain(TraceFile::kPiece);
     }
     if (!(core.is_timed() ? core.take_timed(at) : core.take(at))) return outcome = Outcome::Fault;
     scheduler.fired(at.slot);
@@ -148,14 +144,14 @@ struct System::Impl {
   rt::Policy policy;
   std::uint64_t seed;
   std::uint64_t steps = 0;
-  std::unique_ptr<Trace> trace;
+  std::unique_ptr<TraceFile> trace;
   Outcome outcome = Outcome::Stepped;
   std::function<void(const Step&)> callback;
   std::vector<rt::u32> by_path;
   std::vector<rt::Participant> participants;
 };
 
-struct System::Snapshot::Impl {
+struct Execution::Snapshot::Impl {
   rt::State state;
   std::vector<rt::u32> order;  // of the list that `uniform` draws from
   rt::TimedScheduler scheduler;
@@ -163,22 +159,22 @@ struct System::Snapshot::Impl {
   Outcome outcome;
 };
 
-System::System(const rt::Image& image, SystemOptions options) : impl_(std::make_unique<Impl>(image, options)) {}
-System::~System() = default;
-System::System(System&&) noexcept = default;
-System& System::operator=(System&&) noexcept = default;
-System::Snapshot::Snapshot() = default;
-System::Snapshot::~Snapshot() = default;
-System::Snapshot::Snapshot(Snapshot&&) noexcept = default;
-System::Snapshot& System::Snapshot::operator=(Snapshot&&) noexcept = default;
+Execution::Execution(const rt::Image& image, ExecutionOptions options) : impl_(std::make_unique<Impl>(image, options)) {}
+Execution::~Execution() = default;
+Execution::Execution(Execution&&) noexcept = default;
+Execution& Execution::operator=(Execution&&) noexcept = default;
+Execution::Snapshot::Snapshot() = default;
+Execution::Snapshot::~Snapshot() = default;
+Execution::Snapshot::Snapshot(Snapshot&&) noexcept = default;
+Execution::Snapshot& Execution::Snapshot::operator=(Snapshot&&) noexcept = default;
 
-Outcome System::outcome() const { return impl_->outcome; }
-std::uint64_t System::steps() const { return impl_->steps; }
-std::uint64_t System::candidate_count() const {
+Outcome Execution::outcome() const { return impl_->outcome; }
+std::uint64_t Execution::steps() const { return impl_->steps; }
+std::uint64_t Execution::candidate_count() const {
   return impl_->outcome == Outcome::Fault ? 0 : impl_->core.candidate_count();
 }
 
-Outcome System::step() {
+Outcome Execution::step() {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
   while (true) {
     switch (impl_->scheduler.wait(impl_->core, impl_->feed)) {
@@ -191,27 +187,27 @@ Outcome System::step() {
   }
 }
 
-Posted System::post(const std::string& port, std::vector<EventValue> values) { return post(event_port(port), std::move(values)); }
+Posted Execution::post(const std::string& port, std::vector<EventValue> values) { return post(event_port(port), std::move(values)); }
 
-std::uint32_t System::event_port(const std::string& port) const { return impl_->feed.ports().find(port); }
+std::uint32_t Execution::event_port(const std::string& port) const { return impl_->feed.ports().find(port); }
 
-Posted System::post(std::uint32_t event_port, std::vector<EventValue> values) {
+Posted Execution::post(std::uint32_t event_port, std::vector<EventValue> values) {
   rt::EventFeed& feed = impl_->feed;
   if (event_port >= feed.ports().size()) return Posted::NoSuchPort;
   if (!feed.ports().check(event_port, values).empty()) return Posted::BadValues;
   return feed.post(event_port, std::move(values)) ? Posted::Taken : Posted::Full;
 }
 
-void System::stop() { impl_->feed.stop(); }
-void System::go_on() { impl_->feed.go_on(); }
-void System::restart_clock() { impl_->feed.restart(impl_->wall, impl_->core.now()); }
+void Execution::stop() { impl_->feed.stop(); }
+void Execution::go_on() { impl_->feed.go_on(); }
+void Execution::restart_clock() { impl_->feed.restart(impl_->wall, impl_->core.now()); }
 
-std::uint64_t System::overruns() const { return impl_->feed.overruns(); }
-std::uint64_t System::late_steps() const { return impl_->late; }
+std::uint64_t Execution::overruns() const { return impl_->feed.overruns(); }
+std::uint64_t Execution::late_steps() const { return impl_->late; }
 
-std::int64_t System::now() const { return impl_->core.now(); }
+std::int64_t Execution::now() const { return impl_->core.now(); }
 
-std::uint64_t System::run(std::uint64_t n) {
+std::uint64_t Execution::run(std::uint64_t n) {
   if (impl_->can_run_compiled(n)) return impl_->run_compiled(n);
   for (std::uint64_t i = 0; i < n; ++i) {
     if (step() != Outcome::Stepped) return i;
@@ -219,33 +215,33 @@ std::uint64_t System::run(std::uint64_t n) {
   return n;
 }
 
-std::string System::candidate(std::uint64_t k) const {
+std::string Execution::candidate(std::uint64_t k) const {
   std::string name;
   rt::append_candidate(name, impl_->core, impl_->core.candidate(k));
   return name;
 }
 
-Outcome System::fire(std::uint64_t k) {
+Outcome Execution::fire(std::uint64_t k) {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
   if (k >= impl_->core.candidate_count()) return impl_->outcome = Outcome::Deadlock;
   return impl_->take(impl_->core.position(k));
 }
 
-void System::on_step(std::function<void(const Step&)> callback) { impl_->callback = std::move(callback); }
+void Execution::on_step(std::function<void(const Step&)> callback) { impl_->callback = std::move(callback); }
 
-bool System::trace(const std::string& path, rt::TraceFormat format) {
+bool Execution::trace(const std::string& path, rt::TraceFormat format) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return false;
   rt::RunOptions options;
   options.format = format;
   options.seed = impl_->seed;
   options.policy = impl_->policy;
-  impl_->trace = std::make_unique<Trace>(file, options);
+  impl_->trace = std::make_unique<TraceFile>(file, options);
   impl_->trace->text.begin(impl_->trace->sink.text, impl_->core.image());
   return true;
 }
 
-bool System::end_trace() {
+bool Execution::end_trace() {
   if (!impl_->trace) return true;
   const rt::End how = impl_->outcome == Outcome::Deadlock ? rt::End::Deadlock : impl_->outcome == Outcome::Fault ? rt::End::Fault : rt::End::Interrupted;
   impl_->trace->text.end(impl_->trace->sink.text, impl_->core, how, impl_->steps);
@@ -254,40 +250,40 @@ bool System::end_trace() {
   return is_written;
 }
 
-std::string System::place(const std::string& atom_path) const {
+std::string Execution::place(const std::string& atom_path) const {
   const rt::u32 atom = impl_->find_atom(atom_path);
   return atom == rt::kNone ? std::string() : rt::places_of(impl_->core, atom);
 }
 
-bool System::read(const std::string& path, std::int32_t& value) const {
+bool Execution::read(const std::string& path, std::int32_t& value) const {
   const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Int);
   if (slot != nullptr) value = slot->i;
   return slot != nullptr;
 }
-bool System::read(const std::string& path, bool& value) const {
+bool Execution::read(const std::string& path, bool& value) const {
   const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Bool);
   if (slot != nullptr) value = slot->i != 0;
   return slot != nullptr;
 }
-bool System::read(const std::string& path, double& value) const {
+bool Execution::read(const std::string& path, double& value) const {
   const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Float);
   if (slot != nullptr) value = slot->f;
   return slot != nullptr;
 }
-bool System::read(const std::string& path, std::string& value) const {
+bool Execution::read(const std::string& path, std::string& value) const {
   const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::String);
   if (slot != nullptr) value = rt::string_of(impl_->core.image(), *slot);
   return slot != nullptr;
 }
 
-System::Snapshot System::snapshot() const {
+Execution::Snapshot Execution::snapshot() const {
   Snapshot snapshot;
   snapshot.impl_ = std::make_unique<Snapshot::Impl>(
       Snapshot::Impl{impl_->core.snapshot(), impl_->core.list_order(), impl_->scheduler, impl_->steps, impl_->outcome});
   return snapshot;
 }
 
-void System::restore(const Snapshot& snapshot) {
+void Execution::restore(const Snapshot& snapshot) {
   const bool sound = impl_->core.restore(snapshot.impl_->state);
   if (sound) impl_->core.set_list_order(snapshot.impl_->order);
   impl_->scheduler = snapshot.impl_->scheduler;
@@ -296,12 +292,12 @@ void System::restore(const Snapshot& snapshot) {
   impl_->outcome = sound ? snapshot.impl_->outcome : Outcome::Fault;
 }
 
-std::string System::fault() const {
+std::string Execution::fault() const {
   if (impl_->outcome != Outcome::Fault) return {};
   return rt::fault_text(impl_->core, impl_->seed, impl_->steps);
 }
 
-std::string System::story() const {
+std::string Execution::story() const {
   if (impl_->outcome == Outcome::Fault || impl_->core.candidate_count() != 0) return {};
   return rt::deadlock_story(impl_->core, impl_->steps, impl_->seed);
 }
