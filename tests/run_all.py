@@ -52,33 +52,33 @@ def run_script(name, command):
 def groups():
     units = sorted(p for p in BUILD.glob("unit_*") if os.access(p, os.X_OK) and p.is_file())
     yield "unit", [(p.name, lambda p=p: run_unit(p)) for p in units]
-    scripts = [("golden", "tests/golden/run"), ("snippets", "tests/meta/snippets"), ("meta", "tests/meta/run"), ("odd_inputs", "tests/meta/odd_inputs"),
-               ("slips", "tests/slips/run"), ("fmt", "tests/fmt/run"),
-               ("models", "tests/models/run")]
+    scripts = [("golden", "tests/golden/test_golden.py"), ("snippets", "tests/meta/test_snippets.py"), ("meta", "tests/meta/test_meta.py"), ("odd_inputs", "tests/meta/test_odd_inputs.py"),
+               ("slips", "tests/slips/test_slips.py"), ("fmt", "tests/fmt/test_fmt.py"),
+               ("models", "tests/models/test_models.py")]
     for name, script in scripts:
         yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
-    yield "day", [("day", lambda: run_script("day", [sys.executable, str(ROOT / "tests/models/day"), "--steps", "6000000"]))]
-    yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/run")])),
-                    ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/dala")])),
-                    ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/run")])),
+    yield "day", [("day", lambda: run_script("day", [sys.executable, str(ROOT / "tests/models/test_day.py"), "--steps", "6000000"]))]
+    yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/test_genom.py")])),
+                    ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/test_dala.py")])),
+                    ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/test_rules.py")])),
                     ("mission", lambda: run_script("mission", [sys.executable, str(ROOT / "models/dala/run")]))]
-    yield "serve", [("serve", lambda: run_script("serve", [sys.executable, str(ROOT / "tests/serve/run")]))]
-    yield "traces", [("traces", lambda: run_script("traces", [sys.executable, str(ROOT / "tests/traces/run")]))]
-    yield "debuggers", [("debuggers", lambda: run_script("debuggers", [sys.executable, str(ROOT / "tests/debuggers/run")]))]
+    yield "serve", [("serve", lambda: run_script("serve", [sys.executable, str(ROOT / "tests/serve/test_serve.py")]))]
+    yield "traces", [("traces", lambda: run_script("traces", [sys.executable, str(ROOT / "tests/traces/test_traces.py")]))]
+    yield "debuggers", [("debuggers", lambda: run_script("debuggers", [sys.executable, str(ROOT / "tests/debuggers/test_debuggers.py")]))]
     if (BUILD / "bip-fuzz").exists():
-        yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/run")]))]
+        yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/test_fuzz.py")]))]
     if (BUILD / "bipc-lsp").exists():
         os.environ["BIPC_BUILD_DIR"] = str(BUILD)
-        yield "lsp", [("lsp", lambda: run_script("lsp", [sys.executable, str(ROOT / "tests/lsp/run")]))]
+        yield "lsp", [("lsp", lambda: run_script("lsp", [sys.executable, str(ROOT / "tests/lsp/test_lsp.py")]))]
     if (BUILD / "bip-gen").exists():
         os.environ["BUILD"] = str(BUILD)
         if (BUILD / "bip-verify-check").exists():
-            yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/run")])),
-                             ("terminal", lambda: run_script("terminal", [sys.executable, str(ROOT / "tests/verify/terminal")])),
-                             ("exports", lambda: run_script("exports", [sys.executable, str(ROOT / "tests/verify/exports")]))]
-        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/run"), "500"])),
-                               ("engines", lambda: run_script("engines", [str(ROOT / "tests/differential/engines"), "100"]))]
+            yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/test_verify.sh")])),
+                             ("terminal", lambda: run_script("terminal", [sys.executable, str(ROOT / "tests/verify/test_terminal.py")])),
+                             ("exports", lambda: run_script("exports", [sys.executable, str(ROOT / "tests/verify/test_exports.py")]))]
+        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/test_differential.sh"), "500"])),
+                               ("engines", lambda: run_script("engines", [str(ROOT / "tests/differential/test_engines.sh"), "100"]))]
 
 
 def main():

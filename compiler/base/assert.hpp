@@ -22,8 +22,8 @@ class StageScope {
 };
 }  // namespace bip
 
-#define BIP_ASSERT(cond)                                              \
-  do {                                                                \
-    if (!(cond)) ::bip::report_bug(#cond, __FILE__, __LINE__);        \
+#define BIP_ASSERT(cond)                                       \
+  do {                                                         \
+    if (!(cond)) ::bip::report_bug(#cond, __FILE__, __LINE__); \
   } while (false)
 #define BIP_UNREACHABLE(what) ::bip::report_bug(what, __FILE__, __LINE__)

@@ -24,7 +24,9 @@ constexpr std::chrono::hours kAbandoned{1};
 std::string_view magic_of(KeptKind kind) { return kind == KeptKind::Object ? "bipc object 2\n" : "bipc proof 1\n"; }
 const char* extension_of(KeptKind kind) { return kind == KeptKind::Object ? ".o" : ".proof"; }
 // .so: the compiled C++ of models, which the driver keeps in the same folder.
-bool is_kept_file(const fs::path& path) { return path.extension() == ".o" || path.extension() == ".so" || path.extension() == ".proof"; }
+bool is_kept_file(const fs::path& path) {
+  return path.extension() == ".o" || path.extension() == ".so" || path.extension() == ".proof";
+}
 
 }  // namespace
 
@@ -44,7 +46,8 @@ std::optional<std::string> ContentCache::load(const std::string& name) {
   const std::string_view all = text;
   const std::string_view magic = magic_of(kind_);
   const std::size_t head = magic.size() + kHashSize;
-  if (!all.starts_with(magic) || all.size() < head || blake2b(all.substr(head)) != all.substr(magic.size(), kHashSize)) {
+  if (!all.starts_with(magic) || all.size() < head ||
+      blake2b(all.substr(head)) != all.substr(magic.size(), kHashSize)) {
     broken_.push_back(path.string());
     return std::nullopt;
   }
@@ -107,7 +110,8 @@ void ContentCache::tidy() const {
     sum += bytes;
   }
   if (sum <= most_bytes_) return;
-  std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used != b.used ? a.used < b.used : a.path < b.path; });
+  std::sort(files.begin(), files.end(),
+            [](const File& a, const File& b) { return a.used != b.used ? a.used < b.used : a.path < b.path; });
   // Somewhat below the limit, so that not every run tidies.
   for (const File& file : files) {
     if (sum <= most_bytes_ / 4 * 3) break;

@@ -1,9 +1,11 @@
-// What is kept on disk for the next time, machine code or proofs: files in a folder, named by the hash of all that they were made from.
+// What is kept on disk for the next time, machine code or proofs: files in a folder, named by the hash of all that they
+// were made from.
 //
-// Whoever asks for a name gets bytes that were stored under it, or nothing: a file that is cut or changed is recognised by
-// the hash it begins with and counts as none. (Somebody who can write to the folder can forge the hash, too: whoever takes what is kept
-// trusts the folder's owner, or checks it.) Several processes may use a folder at a time, since files appear by renaming.
-// Nothing here fails: a folder that cannot be written is one that never has anything. Cost: reading and hashing the file.
+// Whoever asks for a name gets bytes that were stored under it, or nothing: a file that is cut or changed is recognised
+// by the hash it begins with and counts as none. (Somebody who can write to the folder can forge the hash, too: whoever
+// takes what is kept trusts the folder's owner, or checks it.) Several processes may use a folder at a time, since
+// files appear by renaming. Nothing here fails: a folder that cannot be written is one that never has anything. Cost:
+// reading and hashing the file.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -20,7 +22,8 @@ enum class KeptKind : std::uint8_t { Object, Proof };
 class ContentCache {
  public:
   /// An empty folder: nothing is ever found or kept.
-  ContentCache(KeptKind kind, std::string folder, std::uint64_t most_bytes) : kind_(kind), folder_(std::move(folder)), most_bytes_(most_bytes) {}
+  ContentCache(KeptKind kind, std::string folder, std::uint64_t most_bytes)
+      : kind_(kind), folder_(std::move(folder)), most_bytes_(most_bytes) {}
   /// Removes what was not used longest, of all kinds, if more than most_bytes are kept and this object added some.
   ~ContentCache();
   ContentCache(const ContentCache&) = delete;

@@ -13,7 +13,9 @@ namespace {
 class Blake2b {
  public:
   Blake2b() { blake2b_init(&state_, kDigest); }
-  void add(std::string_view text) { blake2b_update(&state_, reinterpret_cast<const std::uint8_t*>(text.data()), text.size()); }
+  void add(std::string_view text) {
+    blake2b_update(&state_, reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  }
   std::string digits() {
     std::array<std::uint8_t, kDigest> digest{};
     blake2b_final(&state_, digest.data(), digest.size());

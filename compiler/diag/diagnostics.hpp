@@ -26,7 +26,7 @@ enum class Diag : std::uint16_t {
 };
 
 struct DiagInfo {
-  const char* code;     // "B1003"
+  const char* code;  // "B1003"
   Severity severity;
   const char* slug;     // "unknown-name"; for warnings also the name in @SuppressWarning where LANGUAGE has one
   const char* message;  // fmt format string
@@ -61,10 +61,22 @@ struct Diagnostic {
 class DiagnosticBuilder {
  public:
   explicit DiagnosticBuilder(Diagnostic& d) : d_(&d) {}
-  DiagnosticBuilder& label(std::string text) { d_->label = std::move(text); return *this; }
-  DiagnosticBuilder& label(SourceRange at, std::string text) { d_->labels.push_back({at, std::move(text)}); return *this; }
-  DiagnosticBuilder& note(std::string text) { d_->notes.push_back(std::move(text)); return *this; }
-  DiagnosticBuilder& help(std::string text) { d_->helps.push_back({std::move(text), {}, {}}); return *this; }
+  DiagnosticBuilder& label(std::string text) {
+    d_->label = std::move(text);
+    return *this;
+  }
+  DiagnosticBuilder& label(SourceRange at, std::string text) {
+    d_->labels.push_back({at, std::move(text)});
+    return *this;
+  }
+  DiagnosticBuilder& note(std::string text) {
+    d_->notes.push_back(std::move(text));
+    return *this;
+  }
+  DiagnosticBuilder& help(std::string text) {
+    d_->helps.push_back({std::move(text), {}, {}});
+    return *this;
+  }
   DiagnosticBuilder& help(std::string text, SourceRange replace, std::string with) {
     d_->helps.push_back({std::move(text), replace, std::move(with)});
     return *this;

@@ -1,7 +1,7 @@
 // Chooses the renderer, caps what a person has to read, and closes with the counts.
 //
-// Frame and short show at most `max_errors` errors and as many warnings; JSON and SARIF are for machines and show all of
-// them without a closing line.
+// Frame and short show at most `max_errors` errors and as many warnings; JSON and SARIF are for machines and show all
+// of them without a closing line.
 #include "compiler/diag/render.hpp"
 
 namespace bip {
@@ -27,7 +27,11 @@ const char* severity_name(Severity severity) { return severity == Severity::Erro
 
 Palette palette(bool color) {
   if (!color) return {};
-  return {.error = "\x1b[1;31m", .warning = "\x1b[1;33m", .note = "\x1b[1;36m", .gutter = "\x1b[34m", .bold = "\x1b[1m",
+  return {.error = "\x1b[1;31m",
+          .warning = "\x1b[1;33m",
+          .note = "\x1b[1;36m",
+          .gutter = "\x1b[34m",
+          .bold = "\x1b[1m",
           .reset = "\x1b[0m"};
 }
 

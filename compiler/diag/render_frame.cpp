@@ -1,8 +1,8 @@
 // The frame: the source lines of a diagnostic with their marks, as compiler/docs and STYLE show it.
 //
 // Lines of the primary file come first, in order, `:` stands for a gap; lines of other files follow under `:::`.
-// Columns are terminal columns: tabs stop every 4, combining marks take none, wide characters two. Long lines are cut to
-// a window around their first mark, so the text stays bounded whatever the input.
+// Columns are terminal columns: tabs stop every 4, combining marks take none, wide characters two. Long lines are cut
+// to a window around their first mark, so the text stays bounded whatever the input.
 #include <algorithm>
 #include <map>
 
@@ -39,13 +39,17 @@ File& file_of(std::vector<File>& files, FileId id) {
 }
 
 // A range over several lines is marked on its first one, to that line's end.
-void add_mark(std::vector<File>& files, const SourceMap& sources, SourceRange range, bool primary, std::string_view text) {
+void add_mark(std::vector<File>& files, const SourceMap& sources, SourceRange range, bool primary,
+              std::string_view text) {
   if (!range.is_valid()) return;
   const Loc at = sources.loc(range);
   const std::size_t length = sources.line(range.file, at.line).size();
   const std::size_t begin = std::min<std::size_t>(at.column - 1, length);
-  const std::size_t end = std::min<std::size_t>(begin + (range.end > range.begin ? range.end - range.begin : 0), length);
-  file_of(files, range.file).lines[at.line].push_back({.begin_byte = begin, .end_byte = end, .primary = primary, .text = text});
+  const std::size_t end =
+      std::min<std::size_t>(begin + (range.end > range.begin ? range.end - range.begin : 0), length);
+  file_of(files, range.file)
+      .lines[at.line]
+      .push_back({.begin_byte = begin, .end_byte = end, .primary = primary, .text = text});
 }
 
 struct ScreenLine {
@@ -99,16 +103,20 @@ class Frame {
       : out_(out), colors_(colors), severity_(severity), digits_(digits) {}
 
   void place(std::string_view arrow, std::string_view name, Loc at) {
-    out_ += fmt::format("{:{}}{}{}{} {}:{}:{}\n", "", digits_, colors_.gutter, arrow, colors_.reset, printable(name), at.line, at.column);
+    out_ += fmt::format("{:{}}{}{}{} {}:{}:{}\n", "", digits_, colors_.gutter, arrow, colors_.reset, printable(name),
+                        at.line, at.column);
   }
   void gutter(char mark, std::string_view rest = {}) {
-    out_ += fmt::format("{:{}} {}{}{}{}{}\n", "", digits_, colors_.gutter, mark, colors_.reset, rest.empty() ? "" : " ", rest);
+    out_ += fmt::format("{:{}} {}{}{}{}{}\n", "", digits_, colors_.gutter, mark, colors_.reset, rest.empty() ? "" : " ",
+                        rest);
   }
   void attached(std::string_view kind, std::string_view text) {
-    out_ += fmt::format("{:{}} {}={} {}{}{}: {}\n", "", digits_, colors_.gutter, colors_.reset, colors_.bold, kind, colors_.reset, text);
+    out_ += fmt::format("{:{}} {}={} {}{}{}: {}\n", "", digits_, colors_.gutter, colors_.reset, colors_.bold, kind,
+                        colors_.reset, text);
   }
   void source_line(std::uint32_t number, std::string_view line, std::vector<Mark> marks) {
-    std::stable_sort(marks.begin(), marks.end(), [](const Mark& a, const Mark& b) { return a.begin_byte < b.begin_byte; });
+    std::stable_sort(marks.begin(), marks.end(),
+                     [](const Mark& a, const Mark& b) { return a.begin_byte < b.begin_byte; });
     bool cut_left = false, cut_right = false;
     const ScreenLine screen = on_screen(cut(line, marks, cut_left, cut_right));
     const std::size_t shift = cut_left ? 1 : 0;
@@ -171,7 +179,9 @@ class Frame {
     }
     return width;
   }
-  [[nodiscard]] std::string_view color_of(const Mark& m) const { return m.primary ? colors_.of(severity_) : colors_.note; }
+  [[nodiscard]] std::string_view color_of(const Mark& m) const {
+    return m.primary ? colors_.of(severity_) : colors_.note;
+  }
 
   std::string& out_;
   const Palette& colors_;
@@ -193,9 +203,10 @@ void render_frame(std::string& out, const Diagnostic& d, const SourceMap& source
   for (const File& f : files) {
     const bool first = &f == &files.front();
     const std::uint32_t top = f.lines.begin()->first;
-    const Loc at = first && d.range.is_valid()
-                       ? sources.loc(d.range)
-                       : Loc{f.id.value, top, static_cast<std::uint32_t>(f.lines.begin()->second.front().begin_byte + 1)};
+    const Loc at =
+        first && d.range.is_valid()
+            ? sources.loc(d.range)
+            : Loc{f.id.value, top, static_cast<std::uint32_t>(f.lines.begin()->second.front().begin_byte + 1)};
     frame.place(first ? "-->" : ":::", sources.name(f.id), at);
     frame.gutter('|');
     std::uint32_t previous = top;

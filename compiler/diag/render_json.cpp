@@ -13,9 +13,8 @@ Json range_of(SourceRange range, const SourceMap& sources) {
   if (!range.is_valid()) return nullptr;
   const Loc begin = sources.loc(range.file, range.begin);
   const Loc end = sources.loc(range.file, range.end);
-  return {{"file", sources.name(range.file)}, {"line", begin.line},     {"column", begin.column},
-          {"end_line", end.line},             {"end_column", end.column}, {"offset", range.begin},
-          {"end_offset", range.end}};
+  return {{"file", sources.name(range.file)}, {"line", begin.line},    {"column", begin.column}, {"end_line", end.line},
+          {"end_column", end.column},         {"offset", range.begin}, {"end_offset", range.end}};
 }
 
 }  // namespace
@@ -29,7 +28,8 @@ void render_json(std::string& out, const Diagnostic& d, const SourceMap& sources
   object["range"] = range_of(d.range, sources);
   if (!d.label.empty()) object["label"] = d.label;
   Json labels = Json::array();
-  for (const Label& label : d.labels) labels.push_back({{"range", range_of(label.range, sources)}, {"text", label.text}});
+  for (const Label& label : d.labels)
+    labels.push_back({{"range", range_of(label.range, sources)}, {"text", label.text}});
   object["labels"] = std::move(labels);
   object["notes"] = d.notes;
   Json helps = Json::array();

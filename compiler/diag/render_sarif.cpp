@@ -1,7 +1,7 @@
 // SARIF 2.1.0 (OASIS, 2020): one document a compilation, which code-review services and editors read.
 //
-// A rule for each code that occurs, in order of code. Columns count UTF-16 units, as SARIF wants them; offsets are bytes.
-// Helps with an edit become fixes, notes and other helps lines of the message.
+// A rule for each code that occurs, in order of code. Columns count UTF-16 units, as SARIF wants them; offsets are
+// bytes. Helps with an edit become fixes, notes and other helps lines of the message.
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -25,23 +25,23 @@ std::uint32_t utf16_column(std::string_view line, std::uint32_t byte_column) {
 Json region_of(SourceRange range, const SourceMap& sources) {
   const Loc begin = sources.loc(range.file, range.begin);
   const Loc end = sources.loc(range.file, range.end);
-  return {{"startLine", begin.line},
-          {"startColumn", utf16_column(sources.line(range.file, begin.line), begin.column)},
-          {"endLine", end.line},
-          {"endColumn", utf16_column(sources.line(range.file, end.line), end.column)},
-          {"byteOffset", range.begin},
-          {"byteLength", range.end - range.begin}};
+  return {
+      {"startLine", begin.line},   {"startColumn", utf16_column(sources.line(range.file, begin.line), begin.column)},
+      {"endLine", end.line},       {"endColumn", utf16_column(sources.line(range.file, end.line), end.column)},
+      {"byteOffset", range.begin}, {"byteLength", range.end - range.begin}};
 }
 
 Json artifact_of(SourceRange range, const SourceMap& sources) { return {{"uri", sources.name(range.file)}}; }
 
 Json location_of(SourceRange range, const SourceMap& sources) {
-  return {{"physicalLocation", {{"artifactLocation", artifact_of(range, sources)}, {"region", region_of(range, sources)}}}};
+  return {
+      {"physicalLocation", {{"artifactLocation", artifact_of(range, sources)}, {"region", region_of(range, sources)}}}};
 }
 
 Json fix_of(const Help& help, const SourceMap& sources) {
   Json replacement{{"deletedRegion", region_of(help.replace, sources)}, {"insertedContent", {{"text", help.with}}}};
-  Json change{{"artifactLocation", artifact_of(help.replace, sources)}, {"replacements", Json::array({std::move(replacement)})}};
+  Json change{{"artifactLocation", artifact_of(help.replace, sources)},
+              {"replacements", Json::array({std::move(replacement)})}};
   return {{"description", {{"text", help.text}}}, {"artifactChanges", Json::array({std::move(change)})}};
 }
 
@@ -50,7 +50,10 @@ Json result_of(const Diagnostic& d, std::size_t rule, const SourceMap& sources) 
   if (!d.label.empty()) text += " (" + d.label + ")";
   for (const std::string& note : d.notes) text += "\nnote: " + note;
   for (const Help& help : d.helps) text += "\nhelp: " + help.text;
-  Json result{{"ruleId", info(d.kind).code}, {"ruleIndex", rule}, {"level", severity_name(d.severity)}, {"message", {{"text", text}}}};
+  Json result{{"ruleId", info(d.kind).code},
+              {"ruleIndex", rule},
+              {"level", severity_name(d.severity)},
+              {"message", {{"text", text}}}};
   result["locations"] = Json::array();
   if (d.range.is_valid()) result["locations"].push_back(location_of(d.range, sources));
   Json related = Json::array();
@@ -77,7 +80,8 @@ std::string render_sarif(const std::vector<const Diagnostic*>& diags, const Sour
   for (auto& [code, row] : rows) {
     row = rules.size();
     const DiagInfo& kind = info(*find_diag(code));
-    rules.push_back({{"id", kind.code}, {"name", kind.slug}, {"defaultConfiguration", {{"level", severity_name(kind.severity)}}}});
+    rules.push_back(
+        {{"id", kind.code}, {"name", kind.slug}, {"defaultConfiguration", {{"level", severity_name(kind.severity)}}}});
   }
   Json results = Json::array();
   for (const Diagnostic* d : diags) results.push_back(result_of(*d, rows.at(info(d->kind).code), sources));

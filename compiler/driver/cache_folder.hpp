@@ -1,4 +1,5 @@
-// Where things are kept between runs: what the JIT made of a model's code, the compiled C++ of models that call it, and proofs.
+// Where things are kept between runs: what the JIT made of a model's code, the compiled C++ of models that call it, and
+// proofs.
 #pragma once
 #include <filesystem>
 
@@ -6,8 +7,8 @@
 
 namespace bip::driver {
 
-/// The folder that was asked for, else $XDG_CACHE_HOME/bipc, ~/.cache/bipc, or one of the user's in the folder for temporary
-/// files. It need not exist. Empty if nothing is to be kept.
+/// The folder that was asked for, else $XDG_CACHE_HOME/bipc, ~/.cache/bipc, or one of the user's in the folder for
+/// temporary files. It need not exist. Empty if nothing is to be kept.
 [[nodiscard]] std::filesystem::path cache_folder(const CacheOptions& options);
 
 }  // namespace bip::driver

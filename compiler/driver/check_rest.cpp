@@ -1,5 +1,5 @@
-// See check_rest.hpp. Which declarations depend on which is seen from the words of their texts: a word that is no reference
-// only makes us say less. Linear in the text.
+// See check_rest.hpp. Which declarations depend on which is seen from the words of their texts: a word that is no
+// reference only makes us say less. Linear in the text.
 #include "compiler/driver/check_rest.hpp"
 
 #include <algorithm>
@@ -59,17 +59,22 @@ class SoundPart {
  private:
   // What stands between two declarations belongs to the one before: recovery skips it.
   bool drop_at(SourceRange range) {
-    if (!range.is_valid() || range.file != c_.file || decls_.empty() || range.begin < decls_.front()->range.begin) return false;
-    const auto behind = std::upper_bound(decls_.begin(), decls_.end(), range.begin, [](std::uint32_t at, const syntax::Decl* decl) { return at < decl->range.begin; });
+    if (!range.is_valid() || range.file != c_.file || decls_.empty() || range.begin < decls_.front()->range.begin)
+      return false;
+    const auto behind =
+        std::upper_bound(decls_.begin(), decls_.end(), range.begin,
+                         [](std::uint32_t at, const syntax::Decl* decl) { return at < decl->range.begin; });
     const auto k = static_cast<std::size_t>(behind - decls_.begin()) - 1;
     if (dropped_[k]) return true;
     drop(k);
-    const std::uint32_t end = k + 1 < decls_.size() ? decls_[k + 1]->range.begin : static_cast<std::uint32_t>(c_.sources.text(c_.file).size());
+    const std::uint32_t end = k + 1 < decls_.size() ? decls_[k + 1]->range.begin
+                                                    : static_cast<std::uint32_t>(c_.sources.text(c_.file).size());
     // Declarations that recovery skipped: `atom type A`, `component A`, `function int f`. Components of a compound are
     // written alike, but their types are declared elsewhere.
     std::string_view before, earlier;
     each_word(c_.sources.text(SourceRange{c_.file, decls_[k]->range.begin, end}), [&](std::string_view word) {
-      if ((before == "type" || before == "component" || earlier == "function") && !declared_.contains(word)) poison(word);
+      if ((before == "type" || before == "component" || earlier == "function") && !declared_.contains(word))
+        poison(word);
       earlier = std::exchange(before, word);
     });
     return true;

@@ -4,8 +4,8 @@
 
 namespace bip::driver {
 
-/// Adds the errors of sound declarations to c.diags. Nothing is said about a declaration that names, directly or through
-/// others, one that was not understood. Needs c.syntax and its errors; leaves no other product.
+/// Adds the errors of sound declarations to c.diags. Nothing is said about a declaration that names, directly or
+/// through others, one that was not understood. Needs c.syntax and its errors; leaves no other product.
 void check_rest(Compilation& c);
 
 }  // namespace bip::driver

@@ -32,8 +32,9 @@ int unknown_command(const CLI::App& app, const std::string& word) {
     return usage_error(fmt::format("`{}` is a file, a command comes first", word), fmt::format("`bipc run {}`", word));
   }
   const std::vector<std::string> similar = similar_names(word, known);
-  return usage_error(fmt::format("no command `{}`", word),
-                     similar.empty() ? "`bipc --help` lists the commands" : fmt::format("there is `{}`", similar.front()));
+  return usage_error(fmt::format("no command `{}`", word), similar.empty()
+                                                               ? "`bipc --help` lists the commands"
+                                                               : fmt::format("there is `{}`", similar.front()));
 }
 
 // Which command the person was in, for the hint.
@@ -53,7 +54,8 @@ int unexpected_word(const CLI::App& app, const std::string& help) {
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   }
   const std::vector<std::string> similar = similar_names(word.substr(0, word.find('=')), known);
-  return usage_error(fmt::format("no option `{}` here", word), similar.empty() ? help : fmt::format("there is `{}`", similar.front()));
+  return usage_error(fmt::format("no option `{}` here", word),
+                     similar.empty() ? help : fmt::format("there is `{}`", similar.front()));
 }
 
 int dispatch(const CLI::App& app, const Arguments& arguments) {
@@ -111,7 +113,8 @@ int run_command_line(int argc, char** argv) {
     std::fputs(app.help().c_str(), stdout);
     return argc > 1 ? kUsage : kOk;
   }
-  if (app.got_subcommand("replay") && arguments.replay.published_trace.empty() && arguments.replay.recorded_trace.empty()) {
+  if (app.got_subcommand("replay") && arguments.replay.published_trace.empty() &&
+      arguments.replay.recorded_trace.empty()) {
     return usage_error("a trace is needed: --published or --recorded", help_of(app, argc, argv));
   }
   return dispatch(app, arguments);

@@ -9,7 +9,7 @@
 
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/compiler_errors.hpp"
-#include "compiler/driver/cpp_side.hpp"
+#include "compiler/driver/ffi_build.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
@@ -37,7 +37,7 @@ std::vector<std::string> runtime_sources(const std::string& directory) {
   std::vector<std::string> sources;
   for (const char* folder : {"core", "engine", "explore", "trace"}) {
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(fs::path(directory) / folder, ignored)) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(directory) / folder, ignored)) {
       if (entry.path().extension() == ".cpp") sources.push_back(entry.path().string());
     }
   }
@@ -84,8 +84,9 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   }
   const std::string parent = std::filesystem::path(runtime.directory).parent_path().string();
   // At a fixed address: the tables need no relocation, so their pages stay the file's own.
-  for (const std::string& word : {std::string("-std=c++20"), std::string(flag_of(arguments.optimisation)), std::string("-pthread"),
-                                  std::string("-fno-pie"), std::string("-no-pie"), "-I" + runtime.directory + "/include", "-I" + parent, source}) {
+  for (const std::string& word : {std::string("-std=c++20"), std::string(flag_of(arguments.optimisation)),
+                                  std::string("-pthread"), std::string("-fno-pie"), std::string("-no-pie"),
+                                  "-I" + runtime.directory + "/include", "-I" + parent, source}) {
     command.push_back(word);
   }
   if (runtime.library.empty()) {
@@ -106,7 +107,8 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
     std::ifstream in(said, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();
-    report_build_failure(c, compiler, status ? fmt::format("exit code {}", *status) : status.error(), text.str(), (*work).path());
+    report_build_failure(c, compiler, status ? fmt::format("exit code {}", *status) : status.error(), text.str(),
+                         (*work).path());
     return false;
   }
   std::filesystem::rename(fresh, arguments.output, error);

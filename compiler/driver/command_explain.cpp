@@ -37,7 +37,8 @@ int command_explain(const std::string& code, ColorChoice color) {
   std::vector<std::string> known;
   for (const ExplainPage& page : explain_pages()) known.emplace_back(page.code);
   std::string message = fmt::format("bipc: no code `{}`\n", code);
-  for (const std::string& name : similar_names(wanted, known)) message += fmt::format("  = help: there is `{}`\n", name);
+  for (const std::string& name : similar_names(wanted, known))
+    message += fmt::format("  = help: there is `{}`\n", name);
   message += "  = help: `bipc explain` lists all codes\n";
   std::fwrite(message.data(), 1, message.size(), stderr);
   return kUsage;

@@ -19,12 +19,11 @@
 #include "compiler/driver/timed_models.hpp"
 #include "compiler/system/timed.hpp"
 #include "runtime/engine/interrupt.hpp"
-#include "runtime/explore/tell.hpp"
+#include "runtime/explore/counterexample.hpp"
 
 namespace bip::driver {
 
 namespace {
-
 
 const char* name_of(rt::Reduction reduction) {
   return reduction == rt::Reduction::None ? "none" : reduction == rt::Reduction::Por ? "por" : "symmetry";
@@ -32,7 +31,8 @@ const char* name_of(rt::Reduction reduction) {
 
 // What the chosen reduction means for the counts.
 std::string reduction_text(const rt::ExploreReport& found, rt::Reduction reduction) {
-  if (reduction == rt::Reduction::Por) return "partial-order reduction: all deadlocks are found; not all states, steps and run-time errors are seen\n";
+  if (reduction == rt::Reduction::Por)
+    return "partial-order reduction: all deadlocks are found; not all states, steps and run-time errors are seen\n";
   if (reduction == rt::Reduction::None) return "";
   std::string text = "symmetry reduction: states that differ only in who is who count once; interchangeable are";
   for (const std::string& group : found.groups) text += (&group == &found.groups.front() ? " " : ", ") + group;
@@ -47,9 +47,10 @@ class ExploreProgressLine {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
     if (!is_on_ || spent.count() < next_) return;
     next_ = spent.count() + 0.5;
-    write_now(stderr, fmt::format("\r{} states, {} to do, depth {}, {} deadlocks, {} errors, {:.2f} million states/s, {} MB   ", now.states,
-                              now.states - now.expanded, now.depth, now.deadlocks, now.errors, static_cast<double>(now.states) / spent.count() / 1e6,
-                              now.bytes / kMega));
+    write_now(stderr,
+              fmt::format("\r{} states, {} to do, depth {}, {} deadlocks, {} errors, {:.2f} million states/s, {} MB   ",
+                          now.states, now.states - now.expanded, now.depth, now.deadlocks, now.errors,
+                          static_cast<double>(now.states) / spent.count() / 1e6, now.bytes / kMega));
     is_shown_ = true;
   }
   void clear() const {
@@ -67,25 +68,31 @@ struct Ways {
 };
 
 void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const Ways& ways) {
-  nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1}, {"end", name_of(found.end)}, {"reduction", name_of(a.explore.reduction)},
-                              {"states", found.states}, {"steps", found.steps}, {"deadlocks", found.deadlocks}, {"errors", found.errors},
-                              {"depth", found.depth}, {"bits", found.bits}};
+  nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1},
+                              {"end", name_of(found.end)},    {"reduction", name_of(a.explore.reduction)},
+                              {"states", found.states},       {"steps", found.steps},
+                              {"deadlocks", found.deadlocks}, {"errors", found.errors},
+                              {"depth", found.depth},         {"bits", found.bits}};
   if (!found.groups.empty()) json["interchangeable"] = found.groups;
   if (a.stats) {
     json["seconds"] = found.seconds;
     json["bytes"] = found.bytes;
     json["threads"] = found.threads;
   }
-  if (found.has_deadlock && found.are_ways_known) json["deadlock"] = {{"choices", found.deadlock}, {"text", ways.deadlock.steps}};
-  if (found.has_error && found.are_ways_known) json["error"] = {{"choices", found.error}, {"text", ways.error.steps + ways.error.error}};
+  if (found.has_deadlock && found.are_ways_known)
+    json["deadlock"] = {{"choices", found.deadlock}, {"text", ways.deadlock.steps}};
+  if (found.has_error && found.are_ways_known)
+    json["error"] = {{"choices", found.error}, {"text", ways.error.steps + ways.error.error}};
   write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
 void print_stats(const rt::ExploreReport& found) {
   const auto states = static_cast<double>(std::max<std::uint64_t>(found.states, 1));
-  write_now(stderr, fmt::format("states/s {:.0f}, bytes/state {:.1f}, bits/state {}, depth {}, seconds {:.3f}, threads {}, MB {}\n",
-                            states / std::max(found.seconds, 1e-9), static_cast<double>(found.bytes) / states, found.bits, found.depth, found.seconds,
-                            found.threads, found.bytes / kMega));
+  write_now(
+      stderr,
+      fmt::format("states/s {:.0f}, bytes/state {:.1f}, bits/state {}, depth {}, seconds {:.3f}, threads {}, MB {}\n",
+                  states / std::max(found.seconds, 1e-9), static_cast<double>(found.bytes) / states, found.bits,
+                  found.depth, found.seconds, found.threads, found.bytes / kMega));
 }
 
 int exit_code_of(const rt::ExploreReport& found) {
@@ -99,7 +106,9 @@ bool is_explorable(const ExploreArguments& a, Compilation& c) {
   const CodeTable& code = c.system->code;
   if (!a.trusts_cpp && !(code.functions.empty() && code.extern_types.empty())) {
     c.diags.report(Diag::kB5041, {}, code.functions.empty() ? code.extern_types[0].name : code.functions[0].name)
-        .help("`--trust-cpp` explores it all the same: functions are then taken to depend on nothing but their arguments");
+        .help(
+            "`--trust-cpp` explores it all the same: functions are then taken to depend on nothing but their "
+            "arguments");
     return false;
   }
   const std::string problem = rt::reduction_problem(c.lowered->image, a.explore);
@@ -140,18 +149,20 @@ int command_explore(const ExploreArguments& arguments) {
   }
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
   Executor executor;
-  const bool ready = executor.prepare(c, arguments.backend, arguments.optimisation) &&
-                     is_explorable(arguments, c);
+  const bool ready = executor.prepare(c, arguments.backend, arguments.optimisation) && is_explorable(arguments, c);
   if (const int code = report(c); code != 0 || !ready) return code;
   if (system::is_timed(*c.system)) return explore_timed(arguments, c);
   const rt::Image& image = c.lowered->image;
   const rt::ExploreReport found = search(arguments, image);
   const rt::MaximalProgress maximal = arguments.explore.progress;
   Ways ways;
-  if (found.has_deadlock && found.are_ways_known) ways.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
-  if (found.has_error && found.are_ways_known) ways.error = rt::tell_way(image, maximal, rt::WayEnd::Error, found.error, kStepsShown);
+  if (found.has_deadlock && found.are_ways_known)
+    ways.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
+  if (found.has_error && found.are_ways_known)
+    ways.error = rt::tell_way(image, maximal, rt::WayEnd::Error, found.error, kStepsShown);
   if (!arguments.trace_path.empty() && (found.has_deadlock || found.has_error) && found.are_ways_known) {
-    const std::string trace = rt::trace_of_way(image, maximal, found.has_deadlock ? found.deadlock : found.error, arguments.format);
+    const std::string trace =
+        rt::trace_of_way(image, maximal, found.has_deadlock ? found.deadlock : found.error, arguments.format);
     if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
       c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
       return report(c);
@@ -166,7 +177,8 @@ int command_explore(const ExploreArguments& arguments) {
     std::string text;
     if (!arguments.silent) {
       text = ways.deadlock.steps + ways.error.steps + reduction_text(found, arguments.explore.reduction);
-      if (!found.are_ways_known) text += "the way to what was found is not known: there was no time left to look for it\n";
+      if (!found.are_ways_known)
+        text += "the way to what was found is not known: there was no time left to look for it\n";
     }
     write_now(stdout, text + rt::summary_line(found));
     write_now(stderr, ways.error.error);

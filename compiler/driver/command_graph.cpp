@@ -12,7 +12,8 @@ int command_graph(const GraphArguments& arguments) {
   if (c.options.emit != EmitKind::None) {
     emit_stage(c, arguments.file, Optimisation::Auto);
   } else if (compile(c, arguments.file, Stage::System)) {
-    const std::string text = arguments.format == EmitKind::Json ? graph::json(*c.system, arguments.show) : graph::dot(*c.system, arguments.show);
+    const std::string text = arguments.format == EmitKind::Json ? graph::json(*c.system, arguments.show)
+                                                                : graph::dot(*c.system, arguments.show);
     std::fwrite(text.data(), 1, text.size(), stdout);
   }
   return report(c);

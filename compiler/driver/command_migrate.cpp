@@ -1,7 +1,7 @@
 // `bipc migrate`: deprecated spellings replaced by current ones, nothing else of the text touched.
 //
-// A deprecated spelling is a warning whose help holds the edit, so there is one list: what is warned about. The new text is
-// migrated again before it is handed out: it must parse, and nothing may be left to do.
+// A deprecated spelling is a warning whose help holds the edit, so there is one list: what is warned about. The new
+// text is migrated again before it is handed out: it must parse, and nothing may be left to do.
 #include <algorithm>
 #include <cstdio>
 
@@ -50,7 +50,8 @@ int migrate_one(const MigrateArguments& arguments, const std::string& path) {
     } else if (!edits.empty()) {
       const Result<bool> written = write_file(path, text);
       if (!written) c.diags.report(Diag::kB5004, {}, path, written.error());
-      if (written) std::printf("%s: %zu spelling%s replaced\n", path.c_str(), edits.size(), edits.size() == 1 ? "" : "s");
+      if (written)
+        std::printf("%s: %zu spelling%s replaced\n", path.c_str(), edits.size(), edits.size() == 1 ? "" : "s");
     }
   }
   return report(c);

@@ -28,7 +28,8 @@ std::string file_of(const PublishedArguments& arguments) {
 }  // namespace
 
 int command_published(const PublishedArguments& arguments) {
-  for (const std::string& name : arguments.ignored) std::fprintf(stderr, "note: `%s` has no effect in bipc\n", name.c_str());
+  for (const std::string& name : arguments.ignored)
+    std::fprintf(stderr, "note: `%s` has no effect in bipc\n", name.c_str());
   CompileOptions compile = arguments.compile;
   compile.package = arguments.package;
   const std::string file = file_of(arguments);

@@ -1,9 +1,9 @@
-// `bipc replay --published TRACE FILE`: does a model still mean what the published engine made of it. And --recorded: is a binary
-// trace a run of the model, shown in another format (runtime/engine/follow.hpp).
+// `bipc replay --published TRACE FILE`: does a model still mean what the published engine made of it. And --recorded:
+// is a binary trace a run of the model, shown in another format (runtime/engine/replay_record.hpp).
 //
-// --published follows the choices of the trace with our own core and compares, state by state, the candidates as multisets of their
-// printed form (names, port values and, of models with time, the intervals in which each may be taken). The first difference is
-// told with both sets.
+// --published follows the choices of the trace with our own core and compares, state by state, the candidates as
+// multisets of their printed form (names, port values and, of models with time, the intervals in which each may be
+// taken). The first difference is told with both sets.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -19,7 +19,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/system/timed.hpp"
 #include "runtime/engine/event_file.hpp"
-#include "runtime/engine/follow.hpp"
+#include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::driver {
@@ -78,7 +78,9 @@ std::string set_text(const std::vector<Shown>& candidates) {
 class Replay {
  public:
   Replay(Compilation& c, const std::string& trace_path, bool maximal_progress)
-      : c_(c), trace_path_(trace_path), core_(c.lowered->image, {.progress = maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}) {}
+      : c_(c),
+        trace_path_(trace_path),
+        core_(c.lowered->image, {.progress = maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}) {}
 
   // True if all states agree.
   bool follow(const std::vector<TraceState>& states) {
@@ -88,7 +90,8 @@ class Replay {
       const std::vector<Shown> theirs = shown(state.candidates);
       // The last state of a run that was cut off may lack lines.
       const bool is_cut = !state.is_complete && &state == &states.back() && state.chosen.empty();
-      if (!missing_in(theirs, ours).empty() || (!is_cut && !missing_in(ours, theirs).empty())) return differ(state, theirs, ours);
+      if (!missing_in(theirs, ours).empty() || (!is_cut && !missing_in(ours, theirs).empty()))
+        return differ(state, theirs, ours);
       ++compared_;
       if (state.chosen.empty()) continue;
       if (core_.is_timed()) {
@@ -98,8 +101,10 @@ class Replay {
       const std::string wanted = normal_candidate(state.chosen);
       const auto chosen = std::find_if(ours.begin(), ours.end(), [&](const Shown& s) { return s.normal == wanted; });
       if (chosen == ours.end()) {
-        return fail(core_.is_timed() ? fmt::format("state #{} of `{}` chooses at {} what is not possible then: {}", state.number, trace_path_, state.instant, state.chosen)
-                                     : fmt::format("state #{} of `{}` chooses what it does not list: {}", state.number, trace_path_, state.chosen));
+        return fail(core_.is_timed() ? fmt::format("state #{} of `{}` chooses at {} what is not possible then: {}",
+                                                   state.number, trace_path_, state.instant, state.chosen)
+                                     : fmt::format("state #{} of `{}` chooses what it does not list: {}", state.number,
+                                                   trace_path_, state.chosen));
       }
       const auto k = static_cast<std::uint64_t>(chosen - ours.begin());
       if (core_.is_timed() ? !core_.take_timed(core_.position(k)) : !core_.fire(k)) return fault(state, steps_);
@@ -117,26 +122,37 @@ class Replay {
   }
   // To the instant of the choice, over those at which something changes.
   bool pass_time(const TraceState& state) {
-    if (state.instant.empty()) return fail(fmt::format("state #{} of `{}` does not say when it is left", state.number, trace_path_));
+    if (state.instant.empty())
+      return fail(fmt::format("state #{} of `{}` does not say when it is left", state.number, trace_path_));
     const rt::i64 to = rt::parse_time(state.instant);
-    if (to < 0) return fail(fmt::format("state #{} of `{}` is left at `{}`, which is no instant", state.number, trace_path_, state.instant));
-    if (to < core_.now()) return fail(fmt::format("state #{} of `{}` is left at {}, before it is reached", state.number, trace_path_, state.instant));
+    if (to < 0)
+      return fail(fmt::format("state #{} of `{}` is left at `{}`, which is no instant", state.number, trace_path_,
+                              state.instant));
+    if (to < core_.now())
+      return fail(fmt::format("state #{} of `{}` is left at {}, before it is reached", state.number, trace_path_,
+                              state.instant));
     while (core_.now() < to) {
       const rt::i64 next = std::min(to, core_.next_change());
-      if (next > core_.wait_limit(ends_)) return fail(fmt::format("state #{} of `{}` is left at {}, to which time may not pass in the model", state.number, trace_path_, state.instant));
+      if (next > core_.wait_limit(ends_))
+        return fail(fmt::format("state #{} of `{}` is left at {}, to which time may not pass in the model",
+                                state.number, trace_path_, state.instant));
       if (!core_.advance(next)) return fault(state, steps_);
     }
     return true;
   }
   bool differ(const TraceState& state, const std::vector<Shown>& theirs, const std::vector<Shown>& ours) {
-    auto d = c_.diags.report(Diag::kB5021, {}, fmt::format("state #{} differs from `{}`, line {}", state.number, trace_path_, state.line));
+    auto d = c_.diags.report(
+        Diag::kB5021, {}, fmt::format("state #{} differs from `{}`, line {}", state.number, trace_path_, state.line));
     for (const std::string& text : missing_in(theirs, ours)) d.note("only in the trace: " + text);
     for (const std::string& text : missing_in(ours, theirs)) d.note("only in the model: " + text);
     d.note("the trace has" + set_text(theirs)).note("the model has" + set_text(ours));
     return false;
   }
   bool fault(const TraceState& state, std::uint64_t step) {
-    c_.diags.report(Diag::kB5021, {}, fmt::format("a run-time error ends the model at state #{} of `{}`: {}", state.number, trace_path_, core_.fault().what))
+    c_.diags
+        .report(Diag::kB5021, {},
+                fmt::format("a run-time error ends the model at state #{} of `{}`: {}", state.number, trace_path_,
+                            core_.fault().what))
         .note(fmt::format("after {} step{}", step, step == 1 ? "" : "s"));
     return false;
   }
@@ -166,7 +182,8 @@ int replay_recorded(Compilation& c, const ReplayArguments& arguments) {
     auto d = c.diags.report(Diag::kB5021, {}, followed.problem);
     if (!followed.candidates.empty()) d.note("the model has" + followed.candidates);
   } else {
-    std::printf("replay: %llu step%s and the end agree\n", static_cast<unsigned long long>(followed.steps), followed.steps == 1 ? "" : "s");
+    std::printf("replay: %llu step%s and the end agree\n", static_cast<unsigned long long>(followed.steps),
+                followed.steps == 1 ? "" : "s");
   }
   return report(c);
 }
@@ -178,7 +195,8 @@ int command_replay(const ReplayArguments& arguments) {
   Executor executor;
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
   if (const std::string port = system::first_event_port(*c.system); !port.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with events, which they do not hold,").note(port);
+    c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with events, which they do not hold,")
+        .note(port);
     return report(c);
   }
   if (!executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
@@ -197,7 +215,8 @@ int command_replay(const ReplayArguments& arguments) {
   Replay replay(c, arguments.published_trace, arguments.maximal_progress);
   const bool agree = replay.follow(*states);
   if (agree) {
-    std::printf("replay: %llu states and %llu steps agree\n", static_cast<unsigned long long>(replay.compared()), static_cast<unsigned long long>(replay.steps()));
+    std::printf("replay: %llu states and %llu steps agree\n", static_cast<unsigned long long>(replay.compared()),
+                static_cast<unsigned long long>(replay.steps()));
   }
   return report(c);
 }

@@ -1,5 +1,5 @@
-// `bipc rules`: constraints over robot modules to the connectors that enforce them (compiler/rules does the work), and whether
-// they can be met at all: each rule that takes part in a contradiction is named.
+// `bipc rules`: constraints over robot modules to the connectors that enforce them (compiler/rules does the work), and
+// whether they can be met at all: each rule that takes part in a contradiction is named.
 #include <cstdio>
 #include <filesystem>
 
@@ -28,10 +28,14 @@ void translate_rules(Compilation& c, const GenomArguments& a) {
   const fs::path folder = fs::path(a.files.front()).parent_path();
   std::vector<std::string> files;
   for (const genom::Name& m : rule_file.modules) files.push_back((folder / m.text).string());
-  if (files.empty()) c.diags.report(Diag::kB6007, rule_file.package.range, "this file", "modules").help("`modules \"ndd.gen\", \"rflex.gen\";`");
+  if (files.empty())
+    c.diags.report(Diag::kB6007, rule_file.package.range, "this file", "modules")
+        .help("`modules \"ndd.gen\", \"rflex.gen\";`");
   if (c.diags.has_errors()) return;
   genom::TranslateOptions options = translate_options(a, files, genom::bip_name(rule_file.package.text));
-  const std::string side = !a.side_file.empty() ? a.side_file : rule_file.side_file.is_set() ? (folder / rule_file.side_file.text).string() : "";
+  const std::string side = !a.side_file.empty()           ? a.side_file
+                           : rule_file.side_file.is_set() ? (folder / rule_file.side_file.text).string()
+                                                          : "";
   const auto modules = load_modules(c, files, side, options);
   if (!modules) return;
   const auto checked = rules::check_rules(c.sources, rule_file, *modules, c.diags);

@@ -1,4 +1,5 @@
-// `bipc run`: compile, choose an executor, run to the end that comes first. A folder is run by its own program `run`, which finds us as $BIPC.
+// `bipc run`: compile, choose an executor, run to the end that comes first. A folder is run by its own program `run`,
+// which finds us as $BIPC.
 #include <unistd.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -9,7 +10,7 @@
 #include <filesystem>
 
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/cpp_side.hpp"
+#include "compiler/driver/ffi_build.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
@@ -49,7 +50,9 @@ int run_folder(const RunArguments& arguments) {
   std::vector<std::string> words{program};
   if (arguments.run.has_seed) words.insert(words.end(), {"--seed", std::to_string(arguments.run.seed)});
   if (arguments.run.speed > 0) words.insert(words.end(), {"--speed", std::to_string(arguments.run.speed)});
-  if (!arguments.run.trace_path.empty()) words.insert(words.end(), {"--trace", arguments.run.trace_path, "--trace-format", format_name(arguments.run.format)});
+  if (!arguments.run.trace_path.empty())
+    words.insert(words.end(),
+                 {"--trace", arguments.run.trace_path, "--trace-format", format_name(arguments.run.format)});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -69,18 +72,20 @@ int run_profiled(Compilation& c, const RunArguments& arguments) {
     std::fwrite(text.data(), 1, text.size(), stderr);
   }
   if (arguments.profile_path.empty()) return result.exit_code;
-  if (const Result<bool> written = write_file(arguments.profile_path, profile_json(*c.lowered, profile, result.steps)); !written) {
+  if (const Result<bool> written = write_file(arguments.profile_path, profile_json(*c.lowered, profile, result.steps));
+      !written) {
     std::fprintf(stderr, "error: cannot write `%s`: %s\n", arguments.profile_path.c_str(), written.error().c_str());
     return kUsage;
   }
   return result.exit_code;
 }
 
-// Unless somebody wants a certain kind of code, or a second thread would disturb: an engine that has several, the clock on the wall,
-// the model's C++ (which may call rand() or end the process).
+// Unless somebody wants a certain kind of code, or a second thread would disturb: an engine that has several, the clock
+// on the wall, the model's C++ (which may call rand() or end the process).
 bool begins_interpreted(const Compilation& c, const RunArguments& a) {
-  return a.backend == Backend::Auto && a.optimisation == Optimisation::Auto && !a.for_debuggers && a.run.engine == rt::Engine::Sequential &&
-         !(a.run.speed > 0) && !a.run.explore && !a.run.interactive && !has_cpp_side(c);
+  return a.backend == Backend::Auto && a.optimisation == Optimisation::Auto && !a.for_debuggers &&
+         a.run.engine == rt::Engine::Sequential && !(a.run.speed > 0) && !a.run.explore && !a.run.interactive &&
+         !has_cpp_side(c);
 }
 
 // The image has all of the instances; what is compiled or told from now on asks for types and code.
@@ -107,7 +112,8 @@ int command_run(const RunArguments& arguments) {
   if (ready) c.lowered->calls_rows = profiles;
   const bool tiered = ready && !profiles && begins_interpreted(c, arguments);
   ready = ready && (tiered ? executor.prepare_tiered(c)
-                           : executor.prepare(c, arguments.backend, arguments.optimisation, arguments.for_debuggers ? ForDebuggers::Yes : ForDebuggers::No));
+                           : executor.prepare(c, arguments.backend, arguments.optimisation,
+                                              arguments.for_debuggers ? ForDebuggers::Yes : ForDebuggers::No));
   if (const int code = report(c); code != 0 || !ready) return code;
   release_instances(c);
   rt::RunOptions options = arguments.run;

@@ -12,7 +12,8 @@ namespace bip::driver {
 int command_serve(const ServeArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
-  const bool ready = compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, Optimisation::Auto);
+  const bool ready =
+      compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, Optimisation::Auto);
   if (const int code = report(c); code != 0 || !ready) return code;
   ExecutionOptions options;
   options.seed = arguments.seed;

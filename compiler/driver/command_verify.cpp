@@ -1,7 +1,8 @@
-// `bipc verify`: deadlock-freedom, run-time errors or a property of states, decided (compiler/verify/decide.hpp) and told.
+// `bipc verify`: deadlock-freedom, run-time errors or a property of states, decided
+// (compiler/verify/portfolio/portfolio.hpp) and told.
 //
-// Three verdicts. What holds has a proof, or every reachable state was visited; what is violated has been replayed before
-// it is told; everything else is unknown, with the reason. Ctrl-C ends it with what is known.
+// Three verdicts. What holds has a proof, or every reachable state was visited; what is violated has been replayed
+// before it is told; everything else is unknown, with the reason. Ctrl-C ends it with what is known.
 #include <unistd.h>
 
 #include <chrono>
@@ -21,8 +22,8 @@
 #include "compiler/driver/timed_models.hpp"
 #include "compiler/driver/verify_text.hpp"
 #include "compiler/system/timed.hpp"
-#include "compiler/verify/certificate.hpp"
-#include "compiler/verify/proof_memory.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
+#include "compiler/verify/evidence/proof_cache.hpp"
 
 namespace bip::driver {
 
@@ -47,7 +48,9 @@ class ProofProgressLine {
     }
     const double here = std::chrono::duration<double>(now - phase_start_).count();
     const std::string rate = here > 0.5 ? fmt::format(", {:.0f} a second", static_cast<double>(count) / here) : "";
-    std::fputs(fmt::format("\r\x1b[K{}: {} {}{}   {:.1f} s (Ctrl-C ends it)", phase, count, unit, rate, seconds).c_str(), stderr);
+    std::fputs(
+        fmt::format("\r\x1b[K{}: {} {}{}   {:.1f} s (Ctrl-C ends it)", phase, count, unit, rate, seconds).c_str(),
+        stderr);
     is_shown_ = true;
   }
   ~ProofProgressLine() {
@@ -58,15 +61,16 @@ class ProofProgressLine {
   bool is_terminal_ = ::isatty(STDERR_FILENO) == 1;
   bool is_shown_ = false;
   const char* phase_ = nullptr;
-  WallClock::time_point start_ = WallClock::now(), next_ = start_ + std::chrono::milliseconds(300), phase_start_ = start_;
+  WallClock::time_point start_ = WallClock::now(), next_ = start_ + std::chrono::milliseconds(300),
+                        phase_start_ = start_;
 };
 
 // False: the property was no good, and that has been said.
 bool read_question(const VerifyArguments& a, const Compilation& c, verify::Question& question) {
-  if (a.partial) question.what = verify::Asked::NobodyStuck;
+  if (a.partial) question.what = verify::QuestionKind::NoLocalDeadlock;
   if (a.partial || a.property.empty() || a.property == "deadlock") return true;
   if (a.property == "errors") {
-    question.what = verify::Asked::NoErrors;
+    question.what = verify::QuestionKind::NoErrors;
     return true;
   }
   Result<verify::Property> property = verify::parse_property(a.property, *c.system);
@@ -74,7 +78,7 @@ bool read_question(const VerifyArguments& a, const Compilation& c, verify::Quest
     std::fputs(fmt::format("bipc verify: --property, {}\n  {}\n", property.error(), a.property).c_str(), stderr);
     return false;
   }
-  question.what = verify::Asked::State;
+  question.what = verify::QuestionKind::State;
   question.property = std::move(*property);
   return true;
 }
@@ -92,7 +96,7 @@ int command_verify(const VerifyArguments& arguments) {
   if (!read_question(arguments, c, question)) return kUsage;
   if (system::is_timed(*c.system)) return verify_timed(arguments, c, question);
 
-  verify::DecideLimits limits;
+  verify::PortfolioLimits limits;
   limits.end = verify::seconds_from_now(static_cast<double>(std::min<std::uint64_t>(arguments.timeout, 100000000)));
   limits.threads = processors();
   limits.megabytes = static_cast<std::size_t>(arguments.megabytes);
@@ -105,29 +109,34 @@ int command_verify(const VerifyArguments& arguments) {
     is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);
     return is_ready;
   };
-  ContentCache cache(KeptKind::Proof, cache_folder(arguments.compile.cache).string(), arguments.compile.cache.megabytes << 20);
-  verify::ProofMemory memory(cache, BIPC_VERSION);
+  ContentCache cache(KeptKind::Proof, cache_folder(arguments.compile.cache).string(),
+                     arguments.compile.cache.megabytes << 20);
+  verify::ProofCache memory(cache, BIPC_VERSION);
   verify::Decision decision;
   VerdictText verdict;
   double seconds = 0;
   {
     ProofProgressLine progress;
-    const auto show = [&](const char* phase, std::uint64_t count, const char* unit) { progress.show(phase, count, unit); };
-    verify::Decider decider(*c.system, c.lowered->image, !calls_cpp(*c.system), prepare, show);
+    const auto show = [&](const char* phase, std::uint64_t count, const char* unit) {
+      progress.show(phase, count, unit);
+    };
+    verify::Portfolio decider(*c.system, c.lowered->image, !calls_cpp(*c.system), prepare, show);
     if (arguments.reuses && cache.is_on()) decider.remember_in(&memory);
     const verify::ProcessClock::time_point start = verify::ProcessClock::now();
     decision = decider.decide(question, limits);
     seconds = std::chrono::duration<double>(verify::ProcessClock::now() - start).count();
     if (is_ready) verdict = verdict_text(c, question, decision, decider, arguments.why);
     if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Holds) {
-      const Result<bool> written = write_file(arguments.certificate, verify::certificate(decider, question, decision, *c.system, c.root_name));
+      const Result<bool> written =
+          write_file(arguments.certificate, verify::certificate(decider, question, decision, *c.system, c.root_name));
       if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
     }
   }
   if (const int code = report(c); code != 0 || !is_ready) return code;
   const VerifyStats stats{seconds, decision.proof.candidates, arguments.reuses && cache.is_on() ? &memory : nullptr};
   const VerifyStats* shown = arguments.stats ? &stats : nullptr;
-  const std::string text = arguments.json ? verdict_json(verdict, question, decision, shown) : verdict.text + (shown != nullptr ? stats_text(stats) : "");
+  const std::string text = arguments.json ? verdict_json(verdict, question, decision, shown)
+                                          : verdict.text + (shown != nullptr ? stats_text(stats) : "");
   std::fwrite(text.data(), 1, text.size(), stdout);
   return verdict.exit_code;
 }

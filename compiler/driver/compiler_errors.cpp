@@ -1,5 +1,5 @@
-// See compiler_errors.hpp. C++ compilers name places; our own text makes them places of the model: `#line` where code of the
-// model stands, "bip-prototype-3", "bip-type-3" and "bip-class-3" where C++ is called (emit_cpp/foreign.hpp).
+// See compiler_errors.hpp. C++ compilers name places; our own text makes them places of the model: `#line` where code
+// of the model stands, "bip-prototype-3", "bip-type-3" and "bip-class-3" where C++ is called (emit_cpp/foreign.hpp).
 #include "compiler/driver/compiler_errors.hpp"
 
 #include <algorithm>
@@ -12,7 +12,9 @@
 namespace bip::driver {
 
 bool has_word(const std::string& text, const std::string& word) {
-  const auto is_word = [](char ch) { return (ch >= 'a' && ch <= 'z') || (ch >= 'A' && ch <= 'Z') || (ch >= '0' && ch <= '9') || ch == '_'; };
+  const auto is_word = [](char ch) {
+    return (ch >= 'a' && ch <= 'z') || (ch >= 'A' && ch <= 'Z') || (ch >= '0' && ch <= '9') || ch == '_';
+  };
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
     const std::size_t end = at + word.size();
     if ((at == 0 || !is_word(text[at - 1])) && (end == text.size() || !is_word(text[end]))) return true;
@@ -41,7 +43,8 @@ std::string place_of_error(const std::string& said) {
   const std::size_t at = said.find(": error: ");
   if (at == std::string::npos) return {};
   const std::size_t line = said.rfind('\n', at);
-  const std::string place = said.substr(line == std::string::npos ? 0 : line + 1, at - (line == std::string::npos ? 0 : line + 1));
+  const std::string place =
+      said.substr(line == std::string::npos ? 0 : line + 1, at - (line == std::string::npos ? 0 : line + 1));
   const std::string name = place.substr(place.rfind('/') == std::string::npos ? 0 : place.rfind('/') + 1);
   const std::size_t first = name.find(':');
   return first == std::string::npos ? "" : name.substr(0, name.find(':', first + 1)) + ": ";
@@ -66,7 +69,8 @@ std::optional<DiagnosticBuilder> report_prototype(Compilation& c, const std::str
     const std::size_t row = std::strtoul(place.c_str() + kTypeMark.size(), nullptr, 10);
     if (row < code.extern_types.size()) {
       const ExternType& type = code.extern_types[row];
-      return c.diags.report(Diag::kB5011, range_of(c, type.loc), fmt::format("type `{}`", type.name)).note("C++: " + error);
+      return c.diags.report(Diag::kB5011, range_of(c, type.loc), fmt::format("type `{}`", type.name))
+          .note("C++: " + error);
     }
   }
   constexpr std::string_view kClassMark = "bip-class-";
@@ -75,7 +79,10 @@ std::optional<DiagnosticBuilder> report_prototype(Compilation& c, const std::str
     const std::size_t row = std::strtoul(said.c_str() + at + kClassMark.size(), nullptr, 10);
     if (row < uses.size()) {
       const Port& port = c.system->atom_types[uses[row].type].ports[uses[row].port];
-      return c.diags.report(Diag::kB5011, range_of(c, port.loc), fmt::format("class `{}` of port `{}`", port.event_class, port.name)).note("C++: " + error);
+      return c.diags
+          .report(Diag::kB5011, range_of(c, port.loc),
+                  fmt::format("class `{}` of port `{}`", port.event_class, port.name))
+          .note("C++: " + error);
     }
   }
   constexpr std::string_view kMark = "bip-prototype-";
@@ -83,7 +90,10 @@ std::optional<DiagnosticBuilder> report_prototype(Compilation& c, const std::str
     const std::size_t row = std::strtoul(said.c_str() + at + kMark.size(), nullptr, 10);
     if (row < code.functions.size()) {
       const Function& function = code.functions[row];
-      return c.diags.report(Diag::kB5011, range_of(c, function.loc), fmt::format("`{}`", emit_cpp::signature_text(code, function))).note("C++: " + error);
+      return c.diags
+          .report(Diag::kB5011, range_of(c, function.loc),
+                  fmt::format("`{}`", emit_cpp::signature_text(code, function)))
+          .note("C++: " + error);
     }
   }
   for (const char* marker : {"undefined reference to `", "undefined symbol: "}) {
@@ -93,7 +103,9 @@ std::optional<DiagnosticBuilder> report_prototype(Compilation& c, const std::str
     const std::string symbol = said.substr(begin, said.find_first_of("'\n", begin) - begin);
     for (const Function& function : code.functions) {
       if (!has_word(symbol.substr(0, symbol.find('(')), function.name)) continue;
-      return c.diags.report(Diag::kB5011, range_of(c, function.loc), fmt::format("`{}`", emit_cpp::signature_text(code, function)))
+      return c.diags
+          .report(Diag::kB5011, range_of(c, function.loc),
+                  fmt::format("`{}`", emit_cpp::signature_text(code, function)))
           .note(fmt::format("C++: `{}` is declared but no `src` or `obj` defines it", symbol));
     }
   }
@@ -111,7 +123,9 @@ SourceRange line_of_model(const Compilation& c, const std::string& said) {
     const std::string name = c.sources.name(FileId(file)) + ":";
     if (!place.starts_with(name)) continue;
     const auto line = static_cast<std::uint32_t>(std::strtoul(place.c_str() + name.size(), nullptr, 10));
-    if (line == 0 || line > c.sources.loc(FileId(file), static_cast<std::uint32_t>(c.sources.text(FileId(file)).size())).line) return {};
+    if (line == 0 ||
+        line > c.sources.loc(FileId(file), static_cast<std::uint32_t>(c.sources.text(FileId(file)).size())).line)
+      return {};
     const std::string_view text = c.sources.line(FileId(file), line);
     const std::size_t blanks = std::min(text.find_first_not_of(" \t"), text.size());
     const auto start = static_cast<std::uint32_t>(text.data() - c.sources.text(FileId(file)).data());
@@ -125,7 +139,8 @@ void add_lines(DiagnosticBuilder problem, const std::string& said) {
   std::size_t at = 0;
   for (int lines = 0; at < said.size(); ++lines) {
     if (lines == kMaxLines) {
-      problem.note(fmt::format("and {} more lines", std::count(said.begin() + static_cast<std::ptrdiff_t>(at), said.end(), '\n')));
+      problem.note(fmt::format("and {} more lines",
+                               std::count(said.begin() + static_cast<std::ptrdiff_t>(at), said.end(), '\n')));
       return;
     }
     const std::size_t end = std::min(said.find('\n', at), said.size());
@@ -141,8 +156,10 @@ void report_cpp_failure(Compilation& c, const std::string& said) {
   c.diags.report(Diag::kB5012, {}, "does not compile").note("C++: " + place_of_error(said) + first_error(said));
 }
 
-void report_build_failure(Compilation& c, const std::string& compiler, const std::string& how, std::string said, const std::string& work) {
-  for (std::size_t at = said.find(work + "/"); at != std::string::npos; at = said.find(work + "/", at)) said.erase(at, work.size() + 1);
+void report_build_failure(Compilation& c, const std::string& compiler, const std::string& how, std::string said,
+                          const std::string& work) {
+  for (std::size_t at = said.find(work + "/"); at != std::string::npos; at = said.find(work + "/", at))
+    said.erase(at, work.size() + 1);
   std::optional<DiagnosticBuilder> problem = report_prototype(c, said);
   if (!problem) problem = c.diags.report(Diag::kB5003, line_of_model(c, said), compiler).note(how);
   add_lines(*problem, said);

@@ -1,4 +1,5 @@
-// One question a service; minimal sets by deletion: a rule that is not needed for the trouble goes, one after the other.
+// One question a service; minimal sets by deletion: a rule that is not needed for the trouble goes, one after the
+// other.
 #include "compiler/driver/contradictions.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +11,7 @@
 #include "compiler/driver/executor.hpp"
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/reduce.hpp"
-#include "compiler/verify/decide.hpp"
+#include "compiler/verify/portfolio/portfolio.hpp"
 
 namespace bip::driver {
 namespace {
@@ -40,12 +41,14 @@ class Judge {
     verify::Question question;
     Result<verify::Property> parsed = verify::parse_property(property, *c.system);
     if (!parsed) return false;
-    question.what = verify::Asked::State;
+    question.what = verify::QuestionKind::State;
     question.property = std::move(*parsed);
-    verify::DecideLimits limits;
+    verify::PortfolioLimits limits;
     limits.end = end_;
     Executor executor;
-    verify::Decider decider(*c.system, c.lowered->image, true, [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); }, [](const char*, std::uint64_t, const char*) {});
+    verify::Portfolio decider(
+        *c.system, c.lowered->image, true, [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); },
+        [](const char*, std::uint64_t, const char*) {});
     return decider.decide(question, limits).outcome == verify::Outcome::Holds;
   }
 
@@ -72,38 +75,42 @@ class Judge {
 };
 
 // Rules that are enough to keep some services out.
-struct Contradiction {
+struct BadStateAbstraction {
   std::vector<std::size_t> culprits;
   std::vector<std::string> services;
 };
 
 // One rule is where it is shown, the others are labels.
-void tell(Diagnostics& diags, const rules::RuleFile& file, const Contradiction& found) {
+void counterexample_text(Diagnostics& diags, const rules::RuleFile& file, const BadStateAbstraction& found) {
   auto d = diags.report(Diag::kB6110, file.rules[found.culprits[0]].range, found.services[0]);
   d.label(found.culprits.size() == 1 ? "by this rule alone" : "by this rule");
   for (std::size_t i = 1; i < found.culprits.size(); ++i) d.label(file.rules[found.culprits[i]].range, "and this one");
-  if (found.culprits.size() > 1) d.note(fmt::format("{} rules together: without any one of them it could be", found.culprits.size()));
+  if (found.culprits.size() > 1)
+    d.note(fmt::format("{} rules together: without any one of them it could be", found.culprits.size()));
   for (std::size_t i = 1; i < found.services.size(); ++i) d.note(fmt::format("nor is `{}`", found.services[i]));
 }
 
 }  // namespace
 
-void report_contradictions(Compilation& c, const rules::RuleFile& file, const std::vector<genom::Module>& modules, const rules::Checked& checked, double seconds) {
+void report_contradictions(Compilation& c, const rules::RuleFile& file, const std::vector<genom::Module>& modules,
+                           const rules::Checked& checked, double seconds) {
   const rules::Reduced reduced = rules::reduce(modules, checked.constraints);
   const rt::InterruptGuard guard;
   const Judge judge(reduced, checked, file.rules.size(), seconds);
   const std::vector<bool> all(file.rules.size(), true);
   std::set<genom::ServiceRef> asked;
-  std::vector<Contradiction> found;
+  std::vector<BadStateAbstraction> found;
   for (std::size_t i = 0; i < reduced.names.size() && !judge.is_over(); ++i) {
-    if (checked.constraints.rows[i].kind != genom::ConstraintKind::Admit || !asked.insert(reduced.names[i]).second) continue;
+    if (checked.constraints.rows[i].kind != genom::ConstraintKind::Admit || !asked.insert(reduced.names[i]).second)
+      continue;
     const genom::ServiceRef s = reduced.names[i];
     const bool is_control = reduced.modules[s.module].services[s.service].kind == genom::ServiceKind::Control;
-    const std::string property = fmt::format("never m{}.s{}{}.active", s.module, s.service, is_control ? "" : ".controller");
+    const std::string property =
+        fmt::format("never m{}.s{}{}.active", s.module, s.service, is_control ? "" : ".controller");
     if (!judge.holds(all, property)) continue;
     const genom::ServiceRef was = checked.constraints.rows[i].subject;
     const std::string name = modules[was.module].name.text + "." + modules[was.module].services[was.service].name.text;
-    const auto known = std::find_if(found.begin(), found.end(), [&](const Contradiction& f) {
+    const auto known = std::find_if(found.begin(), found.end(), [&](const BadStateAbstraction& f) {
       std::vector<bool> kept(file.rules.size(), false);
       for (const std::size_t rule : f.culprits) kept[rule] = true;
       return judge.holds(kept, property);
@@ -115,7 +122,7 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
     std::vector<std::size_t> culprits = judge.culprits(property);
     if (!culprits.empty()) found.push_back({std::move(culprits), {name}});
   }
-  for (const Contradiction& f : found) tell(c.diags, file, f);
+  for (const BadStateAbstraction& f : found) counterexample_text(c.diags, file, f);
 }
 
 }  // namespace bip::driver

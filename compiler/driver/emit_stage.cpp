@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "compiler/driver/cpp_side.hpp"
+#include "compiler/driver/ffi_build.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/jit_loader.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"
@@ -65,7 +65,8 @@ Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisa
 }  // namespace
 
 const char* name_of(EmitKind kind) {
-  static constexpr const char* kNames[] = {"none", "tokens", "syntax", "model", "system", "llvm", "asm", "cpp", "dot", "json"};
+  static constexpr const char* kNames[] = {"none", "tokens", "syntax", "model", "system",
+                                           "llvm", "asm",    "cpp",    "dot",   "json"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

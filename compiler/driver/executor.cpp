@@ -8,7 +8,7 @@
 #include "bip/outside.hpp"
 #include "compiler/base/assert.hpp"
 #include "compiler/driver/cache_folder.hpp"
-#include "compiler/driver/cpp_side.hpp"
+#include "compiler/driver/ffi_build.hpp"
 #include "compiler/steps/derive_steps.hpp"
 
 namespace bip::driver {

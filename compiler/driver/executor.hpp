@@ -25,7 +25,8 @@ class Executor {
   Executor& operator=(const Executor&) = delete;
   ~Executor();
   /// False if the back end failed; c.diags says why.
-  [[nodiscard]] bool prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers = ForDebuggers::No);
+  [[nodiscard]] bool prepare(Compilation& c, Backend backend, Optimisation optimisation,
+                             ForDebuggers for_debuggers = ForDebuggers::No);
   /// The interpreter at once; machine code follows from another thread while the image runs.
   [[nodiscard]] bool prepare_tiered(Compilation& c);
   /// Of a run that was prepared so; else null.

@@ -20,10 +20,12 @@ void write(Compilation& c, const std::string& path, const std::string& text) {
 }
 
 // What somebody may have filled in already is never written over.
-void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Translation& result, const std::string& package) {
+void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Translation& result,
+                    const std::string& package) {
   const fs::path folder = fs::path(a.output).parent_path();
   std::error_code ignored;
-  for (const auto& [suffix, text] : {std::pair("_codels.hpp", &result.codel_header), std::pair("_codels.cpp", &result.codel_source)}) {
+  for (const auto& [suffix, text] :
+       {std::pair("_codels.hpp", &result.codel_header), std::pair("_codels.cpp", &result.codel_source)}) {
     const std::string path = (folder / (package + suffix)).string();
     if (fs::exists(path, ignored)) {
       std::printf("%s is there already and stays as it is\n", path.c_str());
@@ -35,21 +37,26 @@ void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Transl
 
 }  // namespace
 
-genom::TranslateOptions translate_options(const GenomArguments& a, const std::vector<std::string>& files, const std::string& package) {
+genom::TranslateOptions translate_options(const GenomArguments& a, const std::vector<std::string>& files,
+                                          const std::string& package) {
   genom::TranslateOptions o;
   o.preprocess.folders = a.compile.folders;
   for (const std::string& define : a.defines) {
     const std::size_t equals = define.find('=');
-    o.preprocess.defines.emplace_back(define.substr(0, equals), equals == std::string::npos ? "1" : define.substr(equals + 1));
+    o.preprocess.defines.emplace_back(define.substr(0, equals),
+                                      equals == std::string::npos ? "1" : define.substr(equals + 1));
   }
   o.instances = a.instances;
   o.generate.package = a.package;
-  if (o.generate.package.empty() && !a.output.empty()) o.generate.package = genom::bip_name(fs::path(a.output).stem().string());
+  if (o.generate.package.empty() && !a.output.empty())
+    o.generate.package = genom::bip_name(fs::path(a.output).stem().string());
   if (o.generate.package.empty()) o.generate.package = package;
   for (const std::string& file : files) o.generate.sources.push_back(fs::path(file).filename().string());
   if (a.executive || a.served) o.generate.executive = a.served ? genom::Executive::Served : genom::Executive::Cpp;
   if (a.skeleton || a.executive || a.served || a.flavour == "execution") o.generate.flavour = genom::Flavour::Execution;
-  o.generate.lock = a.lock == "module" ? genom::LockGranularity::Module : a.lock == "codel" ? genom::LockGranularity::Codel : genom::LockGranularity::ByGeneration;
+  o.generate.lock = a.lock == "module"  ? genom::LockGranularity::Module
+                    : a.lock == "codel" ? genom::LockGranularity::Codel
+                                        : genom::LockGranularity::ByGeneration;
   o.generate.tick_us = static_cast<std::int64_t>(a.tick_ms * 1000.0);
   o.generate.control_period = a.control_period;
   o.generate.poster_period = a.poster_period;
@@ -67,7 +74,9 @@ std::string formatted(const std::string& text) {
   return syntax::print(*syntax, sources);
 }
 
-std::optional<std::vector<genom::Module>> load_modules(Compilation& c, const std::vector<std::string>& files, const std::string& side_file, const genom::TranslateOptions& options) {
+std::optional<std::vector<genom::Module>> load_modules(Compilation& c, const std::vector<std::string>& files,
+                                                       const std::string& side_file,
+                                                       const genom::TranslateOptions& options) {
   std::vector<genom::Description> descriptions;
   for (const std::string& path : files) {
     const Result<FileId> file = genom::load_description(c.sources, path);
@@ -90,7 +99,8 @@ std::optional<std::vector<genom::Module>> load_modules(Compilation& c, const std
   return genom::read_modules(c.sources, descriptions, std::move(side), options, c.diags);
 }
 
-void write_translation(Compilation& c, const GenomArguments& a, const genom::Translation& translation, const std::string& package) {
+void write_translation(Compilation& c, const GenomArguments& a, const genom::Translation& translation,
+                       const std::string& package) {
   const std::string text = formatted(translation.bip);
   if (a.output.empty()) {
     std::fwrite(text.data(), 1, text.size(), stdout);

@@ -80,7 +80,8 @@ Result<int> run_program(const std::vector<std::string>& command, const std::stri
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
-  if (!output.empty()) ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  if (!output.empty())
+    ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
   ::posix_spawnattr_init(&attributes);
   sigset_t defaults;
@@ -106,7 +107,8 @@ RuntimeLocation find_runtime() {
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
   const fs::path here = program.parent_path();
   // In a build tree CMake leaves a link `runtime` to the sources beside the program.
-  for (const fs::path& candidate : {here / "runtime", here.parent_path() / "share/bipc/runtime", here.parent_path() / "runtime"}) {
+  for (const fs::path& candidate :
+       {here / "runtime", here.parent_path() / "share/bipc/runtime", here.parent_path() / "runtime"}) {
     found.tried.push_back(candidate.string());
     if (!fs::exists(candidate / "include/bip/run.hpp", ignored)) continue;
     found.directory = candidate.string();
@@ -123,7 +125,8 @@ RuntimeLocation find_runtime() {
 Result<TemporaryDirectory> TemporaryDirectory::make() {
   std::error_code error;
   std::string name = (fs::temp_directory_path(error) / "bipc-XXXXXX").string();
-  if (error || ::mkdtemp(name.data()) == nullptr) return Failure{"no temporary directory: " + std::string(std::strerror(errno))};
+  if (error || ::mkdtemp(name.data()) == nullptr)
+    return Failure{"no temporary directory: " + std::string(std::strerror(errno))};
   return TemporaryDirectory(std::move(name));
 }
 
@@ -149,7 +152,8 @@ Result<bool> write_file(const std::string& path, const std::string& text) {
     }
   }
   if (!is_plain) return true;
-  if (const fs::file_status old = fs::status(target, ignored); fs::exists(old)) fs::permissions(written, old.permissions(), ignored);
+  if (const fs::file_status old = fs::status(target, ignored); fs::exists(old))
+    fs::permissions(written, old.permissions(), ignored);
   std::error_code error;
   fs::rename(written, target, error);
   if (error) {

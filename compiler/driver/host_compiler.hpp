@@ -12,8 +12,9 @@ namespace bip::driver {
 /// Empty if there is none; `tried` says what was looked for.
 [[nodiscard]] std::vector<std::string> find_host_compiler(std::string& tried);
 
-/// Runs a program with its output on our standard error, or in the file `output`. The exit code; 128 + signal if a signal ended it; a Failure if
-/// it could not be started. Ctrl-C ends the child, not us, so that the caller can tidy up.
+/// Runs a program with its output on our standard error, or in the file `output`. The exit code; 128 + signal if a
+/// signal ended it; a Failure if it could not be started. Ctrl-C ends the child, not us, so that the caller can tidy
+/// up.
 [[nodiscard]] Result<int> run_program(const std::vector<std::string>& command, const std::string& output = {});
 
 /// Where the runtime is: `include`, `core`, `engine`, `trace` below `directory`, and the library made by our own build

@@ -31,7 +31,8 @@ F* function_of(void* library, const char* name) {
 Result<JitPlugin> load_jit() {
   const std::filesystem::path path = find_plugin();
   if (path.empty())
-    return Failure{std::string("this bipc has no JIT: `") + kFileName + "` is not beside it; `--backend=interp` works without"};
+    return Failure{std::string("this bipc has no JIT: `") + kFileName +
+                   "` is not beside it; `--backend=interp` works without"};
   // Local: LLVM's symbols must not meet those of the program.
   void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
@@ -49,14 +50,16 @@ Result<JitPlugin> load_jit() {
   return plugin;
 }
 
-Result<JitCode> JitPlugin::compile(const lower::LoweredSystem& lowered, const jit::JitOptions& options, jit::MadeCode& made) const {
+Result<JitCode> JitPlugin::compile(const lower::LoweredSystem& lowered, const jit::JitOptions& options,
+                                   jit::MadeCode& made) const {
   std::string error;
   JitCode code(compile_(&lowered, &options, &made, &error), JitDeleter{destroy_});
   if (!code) return Failure{std::move(error)};
   return code;
 }
 
-Result<std::string> JitPlugin::emit(const lower::LoweredSystem& lowered, jit::OptLevel level, jit::EmitKind kind) const {
+Result<std::string> JitPlugin::emit(const lower::LoweredSystem& lowered, jit::OptLevel level,
+                                    jit::EmitKind kind) const {
   std::string text;
   if (!emit_(&lowered, level, kind, &text)) return Failure{std::move(text)};
   return text;

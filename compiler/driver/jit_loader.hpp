@@ -1,7 +1,7 @@
 // The JIT, loaded when a command needs it: `bipc check` must not pay for libLLVM.
 //
-// The plug-in libbipc_jit.so is looked for beside the executable, then in ../lib/bipc (an installed tree). Once loaded it
-// stays for the life of the process, because LLVM cannot be unloaded safely.
+// The plug-in libbipc_jit.so is looked for beside the executable, then in ../lib/bipc (an installed tree). Once loaded
+// it stays for the life of the process, because LLVM cannot be unloaded safely.
 #pragma once
 #include <memory>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace bip::driver {
 
-/// Machine code that must live as long as the image runs.
+/// TransitionSystem code that must live as long as the image runs.
 struct JitDeleter {
   jit::DestroyFn* destroy = nullptr;
   void operator()(jit::Jit* jit) const { destroy(jit); }
@@ -21,13 +21,15 @@ using JitCode = std::unique_ptr<jit::Jit, JitDeleter>;
 class JitPlugin {
  public:
   /// Compiles all units and steps.
-  [[nodiscard]] Result<JitCode> compile(const lower::LoweredSystem& lowered, const jit::JitOptions& options, jit::MadeCode& made) const;
+  [[nodiscard]] Result<JitCode> compile(const lower::LoweredSystem& lowered, const jit::JitOptions& options,
+                                        jit::MadeCode& made) const;
   [[nodiscard]] Result<std::string> emit_llvm(const lower::LoweredSystem& lowered, jit::OptLevel level) const;
   [[nodiscard]] Result<std::string> emit_asm(const lower::LoweredSystem& lowered, jit::OptLevel level) const;
 
  private:
   friend Result<JitPlugin> load_jit();
-  [[nodiscard]] Result<std::string> emit(const lower::LoweredSystem& lowered, jit::OptLevel level, jit::EmitKind kind) const;
+  [[nodiscard]] Result<std::string> emit(const lower::LoweredSystem& lowered, jit::OptLevel level,
+                                         jit::EmitKind kind) const;
 
   jit::CompileFn* compile_ = nullptr;
   jit::DestroyFn* destroy_ = nullptr;

@@ -106,7 +106,8 @@ class Loader {
     std::string chain;
     for (auto it = first; it != stack_.end(); ++it) chain += "`" + it->name + "` -> ";
     auto d = c_.diags.report(Diag::kB1061, path.range, chain + "`" + name + "`");
-    for (auto it = std::next(first); it != stack_.end(); ++it) d.label(it->from, fmt::format("`{}` uses `{}`", std::prev(it)->name, it->name));
+    for (auto it = std::next(first); it != stack_.end(); ++it)
+      d.label(it->from, fmt::format("`{}` uses `{}`", std::prev(it)->name, it->name));
     d.help("put what both need into a third package");
   }
 
@@ -123,7 +124,8 @@ class Loader {
     return nullptr;
   }
 
-  const syntax::Syntax* parse(const std::string& location, const std::string& file_name, const syntax::Path& path, const std::string& name) {
+  const syntax::Syntax* parse(const std::string& location, const std::string& file_name, const syntax::Path& path,
+                              const std::string& name) {
     const Result<FileId> file = load_text(c_, location, file_name);
     if (!file) {
       c_.diags.report(Diag::kB0090, path.range, file_name, file.error());
@@ -133,7 +135,8 @@ class Loader {
     if (!syntax || syntax->package == nullptr) return nullptr;
     const syntax::Path& found = syntax->package->name;
     if (found.parts.empty()) {
-      c_.diags.report(Diag::kB1063, path.range, file_name, name).help(fmt::format("begin the file with `package {}`", name));
+      c_.diags.report(Diag::kB1063, path.range, file_name, name)
+          .help(fmt::format("begin the file with `package {}`", name));
       return nullptr;
     }
     if (const std::string written = text_of(found); written != name) {
@@ -153,13 +156,15 @@ class Loader {
     for (const fs::path& folder : folders_) {
       const bool is_library = folder == library_;
       if (is_library) {
-        if (name.starts_with("std.")) tried += (tried.empty() ? "`" : ", `") + file_of_package(name) + "` of the standard library";
+        if (name.starts_with("std."))
+          tried += (tried.empty() ? "`" : ", `") + file_of_package(name) + "` of the standard library";
         continue;
       }
       tried += (tried.empty() ? "`" : ", `") + (folder / file_of_package(name)).lexically_normal().string() + "`";
     }
     d.note("looked for " + tried);
-    for (const std::string& similar : similar_names(name, known_packages())) d.help(fmt::format("there is `{}`", similar), path.range, similar);
+    for (const std::string& similar : similar_names(name, known_packages()))
+      d.help(fmt::format("there is `{}`", similar), path.range, similar);
     d.help("`-I DIR` adds a folder in which packages are looked for");
   }
 
@@ -172,7 +177,8 @@ class Loader {
       fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
       for (; !error && it != fs::recursive_directory_iterator() && seen < kMaxListed; it.increment(error), ++seen) {
         if (it.depth() >= kMaxListedDepth) it.disable_recursion_pending();
-        if (it->path().extension() == ".bip") names.push_back(package_of_file(it->path().lexically_relative(folder).string()));
+        if (it->path().extension() == ".bip")
+          names.push_back(package_of_file(it->path().lexically_relative(folder).string()));
       }
     }
     std::sort(names.begin(), names.end());
@@ -198,7 +204,8 @@ bool load_packages(Compilation& c) {
     if (name.parts.empty()) {
       c.diags.report(Diag::kB1063, {}, c.path, wanted).help(fmt::format("begin the file with `package {}`", wanted));
     } else {
-      c.diags.report(Diag::kB1062, name.range, text_of(name), wanted).help(fmt::format("name it `{}`", wanted), name.range, wanted);
+      c.diags.report(Diag::kB1062, name.range, text_of(name), wanted)
+          .help(fmt::format("name it `{}`", wanted), name.range, wanted);
     }
     return false;
   }
@@ -210,7 +217,8 @@ std::string find_stdlib() {
   std::error_code ignored;
   const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
   // In a build tree CMake leaves a link `stdlib` to the sources beside the program.
-  for (const fs::path& candidate : {here / "stdlib", here.parent_path() / "share/bipc/stdlib", here.parent_path() / "stdlib"}) {
+  for (const fs::path& candidate :
+       {here / "stdlib", here.parent_path() / "share/bipc/stdlib", here.parent_path() / "stdlib"}) {
     if (fs::is_directory(candidate / "std", ignored)) return candidate.string();
   }
   return {};

@@ -16,26 +16,26 @@ enum class EmitKind : std::uint8_t { None, Tokens, Syntax, Model, System, Llvm, 
 
 enum class ColorChoice : std::uint8_t { Auto, Always, Never };
 enum class Backend : std::uint8_t { Auto, Jit, Interp };
-/// Auto: `run` begins interpreted and goes on at -O2 (tiers.hpp). Elsewhere -O2 for at most kMaxUnitsForO2 pieces of code, else -O0, so
-/// that the start takes about 0.1 s either way.
+/// Auto: `run` begins interpreted and goes on at -O2 (tiers.hpp). Elsewhere -O2 for at most kMaxUnitsForO2 pieces of
+/// code, else -O0, so that the start takes about 0.1 s either way.
 enum class Optimisation : std::uint8_t { Auto, O0, O1, O2 };
 
 /// What is kept for the next time: machine code, proofs.
 struct CacheOptions {
   bool is_off = false;
-  std::string folder;                // empty: the user's cache folder
-  std::uint64_t megabytes = 256;     // at most so much is kept
+  std::string folder;             // empty: the user's cache folder
+  std::uint64_t megabytes = 256;  // at most so much is kept
 };
 /// Of every command that compiles.
 struct CompileOptions {
-  std::string root;  // "Ring(10)"; empty: the one parameterless compound nobody instantiates
+  std::string root;                  // "Ring(10)"; empty: the one parameterless compound nobody instantiates
   std::vector<std::string> folders;  // -I: where packages are, before the file's own folder and the standard library
   std::string package;               // -p: what the file must be; empty: anything
   RenderOptions render;
   ColorChoice color = ColorChoice::Auto;
   bool warnings_are_errors = false;
   std::vector<std::string> fatal_warnings;  // --Werror=CODE; "true" is all of them
-  bool explain = false;              // the page of the first error follows
+  bool explain = false;                     // the page of the first error follows
   EmitKind emit = EmitKind::None;
   bool time_passes = false;
   CacheOptions cache;
@@ -47,9 +47,9 @@ struct RunArguments {
   Backend backend = Backend::Auto;
   Optimisation optimisation = Optimisation::Auto;
   rt::RunOptions run;
-  bool for_debuggers = false;        // gdb and perf see machine code and its lines
-  bool profile = false;              // a table of where the time went follows
-  std::string profile_path;          // the same as JSON; empty: none
+  bool for_debuggers = false;  // gdb and perf see machine code and its lines
+  bool profile = false;        // a table of where the time went follows
+  std::string profile_path;    // the same as JSON; empty: none
 };
 /// A model that clients talk to.
 struct ServeArguments {
@@ -62,9 +62,9 @@ struct ServeArguments {
   bool paused = false;
   double speed = 1;
   int real_time_priority = 0;  // 0: as usual
-  std::string trace_path;  // empty: none
+  std::string trace_path;      // empty: none
   rt::TraceFormat trace_format = rt::TraceFormat::Json;
-  std::string socket;      // empty: standard input, unless has_port
+  std::string socket;  // empty: standard input, unless has_port
   bool has_port = false;
   std::uint16_t port = 0;
 };
@@ -78,15 +78,15 @@ struct VerifyArguments {
   CompileOptions compile;
   std::string file;
   Backend backend = Backend::Auto;
-  std::uint64_t timeout = 60;        // seconds
-  std::uint64_t megabytes = 2048;    // of the states that a search keeps
-  std::string certificate;           // empty: none is written
-  std::string property;              // empty: deadlock-freedom
-  bool partial = false;              // local deadlocks
+  std::uint64_t timeout = 60;      // seconds
+  std::uint64_t megabytes = 2048;  // of the states that a search keeps
+  std::string certificate;         // empty: none is written
+  std::string property;            // empty: deadlock-freedom
+  bool partial = false;            // local deadlocks
   bool json = false;
   bool why = false;
   bool stats = false;
-  bool reuses = true;                // proofs from earlier runs, and leaves its own
+  bool reuses = true;  // proofs from earlier runs, and leaves its own
 };
 struct ExploreArguments {
   CompileOptions compile;
@@ -94,15 +94,15 @@ struct ExploreArguments {
   Backend backend = Backend::Auto;
   Optimisation optimisation = Optimisation::Auto;
   rt::ExploreOptions explore;
-  std::uint64_t threads = 0;         // 0: all processors
-  std::uint64_t megabytes = 0;       // 0: what the machine can spare
-  std::uint64_t seconds = 0;         // 0: no limit
-  std::string trace_path;            // of the way to the deadlock, else to the error
+  std::uint64_t threads = 0;    // 0: all processors
+  std::uint64_t megabytes = 0;  // 0: what the machine can spare
+  std::uint64_t seconds = 0;    // 0: no limit
+  std::string trace_path;       // of the way to the deadlock, else to the error
   rt::TraceFormat format = rt::TraceFormat::Steps;
   bool json = false;
-  bool silent = false;               // only the last line
+  bool silent = false;  // only the last line
   bool stats = false;
-  bool trusts_cpp = false;           // C++ functions depend on their arguments alone
+  bool trusts_cpp = false;  // C++ functions depend on their arguments alone
 };
 struct CheckArguments {
   CompileOptions compile;
@@ -154,7 +154,7 @@ struct FmtArguments {
 struct GenomArguments {
   CompileOptions compile;  // diagnostics; folders are those of headers
   std::vector<std::string> files;
-  std::string output;      // empty: standard output
+  std::string output;  // empty: standard output
   std::string side_file;
   std::string package;
   std::vector<std::string> defines;
@@ -168,7 +168,7 @@ struct GenomArguments {
   std::int64_t control_period = 1;
   std::int64_t poster_period = 1;
   std::int64_t oldest = 100;
-  bool prove = false;            // of rules: can they be met?
+  bool prove = false;  // of rules: can they be met?
   std::uint64_t timeout = 60;
 };
 

@@ -119,8 +119,9 @@ bool timed(Compilation& c, const char* name, Run run) {
 
 Result<FileId> load_text(Compilation& c, const std::string& path, std::string name) {
   const auto open = c.open_texts.find(path);
-  Result<FileId> file = open == c.open_texts.end() ? c.sources.load(path, std::move(name))
-                                                   : c.sources.load_text(name.empty() ? path : std::move(name), open->second);
+  Result<FileId> file = open == c.open_texts.end()
+                            ? c.sources.load(path, std::move(name))
+                            : c.sources.load_text(name.empty() ? path : std::move(name), open->second);
   if (file) c.paths[*file] = path;
   return file;
 }

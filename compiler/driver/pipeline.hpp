@@ -46,8 +46,8 @@ struct Compilation {
   SourceRange root_range;
   std::string root_name;  // "Ring(10)"
   std::optional<syntax::Syntax> syntax;
-  std::deque<syntax::Syntax> used;               // of the packages that the file uses, directly or not
-  std::vector<const syntax::Syntax*> packages;   // a package after those it uses; the file's own last
+  std::deque<syntax::Syntax> used;              // of the packages that the file uses, directly or not
+  std::vector<const syntax::Syntax*> packages;  // a package after those it uses; the file's own last
   std::optional<Model> model;
   std::optional<System> system;
   std::unique_ptr<lower::LoweredSystem> lowered;

@@ -17,14 +17,15 @@ constexpr std::size_t kRowsShown = 20;
 
 struct Line {
   double seconds = 0;
-  std::uint64_t count = 0;      // steps or calls
-  double part = -1;             // interactions: the part that is code; guards: how often true; else -1
+  std::uint64_t count = 0;  // steps or calls
+  double part = -1;         // interactions: the part that is code; guards: how often true; else -1
   std::string type, what, place;
 };
 
 class Tables {
  public:
-  Tables(const lower::LoweredSystem& lowered, const rt::Profile& profile) : lowered_(lowered), image_(lowered.image), profile_(profile) {
+  Tables(const lower::LoweredSystem& lowered, const rt::Profile& profile)
+      : lowered_(lowered), image_(lowered.image), profile_(profile) {
     describe();
     std::uint64_t steps = 0;
     for (const rt::InteractionProfile& row : profile.interactions()) {
@@ -33,15 +34,18 @@ class Tables {
       steps += row.steps;
       const bool is_port = row.connector_type == rt::kNone;
       const rt::AtomType* atom = is_port ? &image_.atom_types[row.atom_type] : nullptr;
-      std::string type = is_port ? fmt::format("port {} of {}", atom->ports[row.port].name, atom->name) : image_.connector_types[row.connector_type].name;
+      std::string type = is_port ? fmt::format("port {} of {}", atom->ports[row.port].name, atom->name)
+                                 : image_.connector_types[row.connector_type].name;
       if (row.instances > 1) type = fmt::format("{} x {}", row.instances, type);
-      interactions.push_back({seconds, row.steps, seconds > 0 ? std::min(profile.code_seconds_of(row) / seconds, 1.0) : 0, std::move(type), row.name,
-                              place_of(row.loc)});
+      interactions.push_back({seconds, row.steps,
+                              seconds > 0 ? std::min(profile.code_seconds_of(row) / seconds, 1.0) : 0, std::move(type),
+                              row.name, place_of(row.loc)});
     }
     total = std::max(profile.seconds() - profile.measuring_seconds(), in_steps);
     add_code();
     for (std::vector<Line>* lines : {&interactions, &types, &code}) {
-      std::stable_sort(lines->begin(), lines->end(), [](const Line& a, const Line& b) { return a.seconds > b.seconds; });
+      std::stable_sort(lines->begin(), lines->end(),
+                       [](const Line& a, const Line& b) { return a.seconds > b.seconds; });
     }
   }
 
@@ -75,8 +79,10 @@ class Tables {
         name_row(t.guard, "guard: " + text);
         name_row(t.action, "action: " + text);
       }
-      for (const rt::AtomPriority& rule : type.priorities) name_row(rule.guard, fmt::format("guard: priority {}", rule.name));
-      for (const rt::Invariant& rule : type.invariants) name_row(rule.condition, fmt::format("invariant {}", rule.name));
+      for (const rt::AtomPriority& rule : type.priorities)
+        name_row(rule.guard, fmt::format("guard: priority {}", rule.name));
+      for (const rt::Invariant& rule : type.invariants)
+        name_row(rule.condition, fmt::format("invariant {}", rule.name));
     }
     for (const rt::ConnectorType& type : image_.connector_types) {
       for (const rt::Clause& clause : type.clauses) {
@@ -87,7 +93,8 @@ class Tables {
         name_row(clause.down, "down: " + text);
       }
     }
-    for (const rt::Priority& rule : image_.priorities) name_row(rule.guard, fmt::format("guard: priority {}", rule.name));
+    for (const rt::Priority& rule : image_.priorities)
+      name_row(rule.guard, fmt::format("guard: priority {}", rule.name));
   }
 
   // A row for each unit, and one for each type that has any.
@@ -106,11 +113,13 @@ class Tables {
                                                               : image_.connector_types[unit.owner_row].name;
       const double seconds = profile_.seconds_of(count);
       const bool is_guard = unit.kind == lower::CodeKind::Guard;
-      const double part = is_guard && count.calls != 0 ? static_cast<double>(count.holds) / static_cast<double>(count.calls) : -1;
+      const double part =
+          is_guard && count.calls != 0 ? static_cast<double>(count.holds) / static_cast<double>(count.calls) : -1;
       const rt::Loc loc{unit.loc.file, unit.loc.line, unit.loc.column};
       code.push_back({seconds, count.calls, part, type, words_[k].empty() ? unit.name : words_[k], place_of(loc)});
       const std::uint32_t row = is_rule ? 0 : unit.owner_row;
-      const auto same = std::find_if(owners.begin(), owners.end(), [&](const Owner& o) { return o.kind == unit.owner && o.row == row; });
+      const auto same = std::find_if(owners.begin(), owners.end(),
+                                     [&](const Owner& o) { return o.kind == unit.owner && o.row == row; });
       Line* line = nullptr;
       if (same == owners.end()) {
         owners.push_back({unit.owner, row});
@@ -134,7 +143,8 @@ class Tables {
 
 std::string percent(double part) { return part < 0 ? "" : fmt::format("{:.1f}%", part * 100); }
 
-void append_table(std::string& out, const std::vector<Line>& lines, const char* count, const char* part, const char* what, double total, double rest) {
+void append_table(std::string& out, const std::vector<Line>& lines, const char* count, const char* part,
+                  const char* what, double total, double rest) {
   out += fmt::format("{:>7} {:>11} {:>12} {:>10} {:>8}  {}\n", "share", "seconds", count, "ns each", part, what);
   const auto share = [&](double seconds) { return total > 0 ? percent(seconds / total) : ""; };
   std::size_t shown = 0;
@@ -151,16 +161,21 @@ void append_table(std::string& out, const std::vector<Line>& lines, const char* 
     const double each = line.seconds * 1e9 / static_cast<double>(line.count);
     std::string name = line.type.empty() ? line.what : fmt::format("{}  {}", line.what, line.type);
     if (!line.place.empty()) name += "  " + line.place;
-    out += fmt::format("{:>7} {:>11.6f} {:>12} {:>10.1f} {:>8}  {}\n", share(line.seconds), line.seconds, line.count, each, percent(line.part), name);
+    out += fmt::format("{:>7} {:>11.6f} {:>12} {:>10.1f} {:>8}  {}\n", share(line.seconds), line.seconds, line.count,
+                       each, percent(line.part), name);
   }
-  if (hidden != 0) out += fmt::format("{:>7} {:>11.6f} {:>12} {:>10} {:>8}  {} more\n", share(left), left, "", "", "", hidden);
-  if (rest >= 0) out += fmt::format("{:>7} {:>11.6f} {:>12} {:>10} {:>8}  between steps: choosing, writing, waiting\n", share(rest), rest, "", "", "");
+  if (hidden != 0)
+    out += fmt::format("{:>7} {:>11.6f} {:>12} {:>10} {:>8}  {} more\n", share(left), left, "", "", "", hidden);
+  if (rest >= 0)
+    out += fmt::format("{:>7} {:>11.6f} {:>12} {:>10} {:>8}  between steps: choosing, writing, waiting\n", share(rest),
+                       rest, "", "", "");
 }
 
 nlohmann::ordered_json rows_of(const std::vector<Line>& lines, const char* count, const char* part) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const Line& line : lines) {
-    nlohmann::ordered_json row{{"name", line.what}, {"type", line.type}, {"at", line.place}, {"seconds", line.seconds}, {count, line.count}};
+    nlohmann::ordered_json row{
+        {"name", line.what}, {"type", line.type}, {"at", line.place}, {"seconds", line.seconds}, {count, line.count}};
     if (line.part >= 0) row[part] = line.part;
     rows.push_back(std::move(row));
   }
@@ -171,9 +186,10 @@ nlohmann::ordered_json rows_of(const std::vector<Line>& lines, const char* count
 
 std::string profile_text(const lower::LoweredSystem& lowered, const rt::Profile& profile, std::uint64_t steps) {
   const Tables tables(lowered, profile);
-  std::string out = fmt::format("profile: {} step{}, {:.6f} s, and {:.6f} s for measuring, which is in no row\n", steps, steps == 1 ? "" : "s",
-                                tables.total, profile.measuring_seconds());
-  append_table(out, tables.interactions, "steps", "in code", "interaction", tables.total, tables.total - tables.in_steps);
+  std::string out = fmt::format("profile: {} step{}, {:.6f} s, and {:.6f} s for measuring, which is in no row\n", steps,
+                                steps == 1 ? "" : "s", tables.total, profile.measuring_seconds());
+  append_table(out, tables.interactions, "steps", "in code", "interaction", tables.total,
+               tables.total - tables.in_steps);
   if (lowered.units.empty()) return out;
   append_table(out, tables.types, "calls", "", "code of", tables.total, -1);
   append_table(out, tables.code, "calls", "true", "code", tables.total, -1);
@@ -182,8 +198,13 @@ std::string profile_text(const lower::LoweredSystem& lowered, const rt::Profile&
 
 std::string profile_json(const lower::LoweredSystem& lowered, const rt::Profile& profile, std::uint64_t steps) {
   const Tables tables(lowered, profile);
-  nlohmann::ordered_json json{{"format", "bipc-profile"}, {"version", 1}, {"model", lowered.image.name}, {"steps", steps}, {"seconds", tables.total},
-                              {"measuring", profile.measuring_seconds()}, {"between_steps", tables.total - tables.in_steps}};
+  nlohmann::ordered_json json{{"format", "bipc-profile"},
+                              {"version", 1},
+                              {"model", lowered.image.name},
+                              {"steps", steps},
+                              {"seconds", tables.total},
+                              {"measuring", profile.measuring_seconds()},
+                              {"between_steps", tables.total - tables.in_steps}};
   json["interactions"] = rows_of(tables.interactions, "steps", "in_code");
   json["types"] = rows_of(tables.types, "calls", "");
   json["code"] = rows_of(tables.code, "calls", "true");

@@ -57,12 +57,14 @@ std::uint64_t announced(std::string_view text) {
 std::string normal_value(std::string_view value) {
   if (value == "true") return "1";
   if (value == "false") return "0";
-  if (value.size() >= 2 && value.front() == '"' && value.back() == '"') return std::string(value.substr(1, value.size() - 2));
+  if (value.size() >= 2 && value.front() == '"' && value.back() == '"')
+    return std::string(value.substr(1, value.size() - 2));
   if (value.find_first_of(".eE") == std::string_view::npos) return std::string(value);
   double number = 0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
   // The published engine writes six digits.
-  return error == std::errc{} && end == value.data() + value.size() ? fmt::format("{:.6g}", number) : std::string(value);
+  return error == std::errc{} && end == value.data() + value.size() ? fmt::format("{:.6g}", number)
+                                                                    : std::string(value);
 }
 
 }  // namespace
@@ -110,22 +112,27 @@ Result<std::vector<TraceState>> read_published_trace(std::string_view text) {
       if (!take_number(line, state.number)) return Failure{fmt::format("line {} has no state number", number)};
       // Timed systems: "state #3 and global time 6s: …".
       const std::size_t colon = line.find(':');
-      const std::string_view rest = colon == std::string_view::npos ? std::string_view() : trimmed(line.substr(colon + 1));
+      const std::string_view rest =
+          colon == std::string_view::npos ? std::string_view() : trimmed(line.substr(colon + 1));
       state.is_deadlock = rest.starts_with("deadlock");
       // "limit reached", "error": nothing to compare there.
-      const bool is_list = rest.find("interaction") != std::string_view::npos || rest.find("internal port") != std::string_view::npos;
+      const bool is_list =
+          rest.find("interaction") != std::string_view::npos || rest.find("internal port") != std::string_view::npos;
       if (!state.is_deadlock && !is_list) states.pop_back();
       expected = is_list ? announced(rest) : 0;
       if (!states.empty()) states.back().is_complete = expected == 0;
     } else if (take(line, "-> choose")) {
-      if (states.empty() || !take_candidate(trimmed(line), states.back().chosen)) return Failure{fmt::format("line {} chooses nothing that can be read", number)};
+      if (states.empty() || !take_candidate(trimmed(line), states.back().chosen))
+        return Failure{fmt::format("line {} chooses nothing that can be read", number)};
       TraceState& state = states.back();
-      if (const std::size_t at = state.chosen.rfind(kAtTime); at != std::string::npos && state.chosen.find('"', at) == std::string::npos) {
+      if (const std::size_t at = state.chosen.rfind(kAtTime);
+          at != std::string::npos && state.chosen.find('"', at) == std::string::npos) {
         state.instant = trimmed(std::string_view(state.chosen).substr(at + kAtTime.size()));
         state.chosen.resize(at);
       }
     } else if (line.starts_with('[')) {
-      if (states.empty() || !take_candidate(line, candidate)) return Failure{fmt::format("line {} is no interaction of a state", number)};
+      if (states.empty() || !take_candidate(line, candidate))
+        return Failure{fmt::format("line {} is no interaction of a state", number)};
       states.back().candidates.push_back(std::move(candidate));
       states.back().is_complete = states.back().candidates.size() >= expected;
     }

@@ -1,7 +1,7 @@
 // The text trace of the published engine (and of --trace-format=bip2), read back.
 //
-// Lines that matter begin with `[BIP ENGINE]: `; what the model printed in between is passed over. A state is what may be
-// chosen in it, then what was chosen; the last one may be a deadlock or be cut off anywhere.
+// Lines that matter begin with `[BIP ENGINE]: `; what the model printed in between is passed over. A state is what may
+// be chosen in it, then what was chosen; the last one may be a deadlock or be cut off anywhere.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -19,7 +19,7 @@ struct TraceState {
   std::string chosen;                   // empty: none
   std::string instant;                  // "1s500ms", when it was taken; empty: the trace has no time
   bool is_deadlock = false;
-  bool is_complete = false;             // as many candidates as its first line says
+  bool is_complete = false;  // as many candidates as its first line says
 };
 
 /// Fails if no state is found or a line of one cannot be read; the message names the line.

@@ -21,7 +21,8 @@ std::string time_table(const std::vector<PassTime>& times) {
   for (const PassTime& t : times) total += t.seconds;
   std::string table = fmt::format("{:<14} {:>10} {:>6}\n", "pass", "ms", "share");
   for (const PassTime& t : times) {
-    table += fmt::format("{:<14} {:>10.3f} {:>5.1f}%\n", t.name, t.seconds * 1e3, total > 0 ? 100 * t.seconds / total : 0);
+    table +=
+        fmt::format("{:<14} {:>10.3f} {:>5.1f}%\n", t.name, t.seconds * 1e3, total > 0 ? 100 * t.seconds / total : 0);
   }
   return table + fmt::format("{:<14} {:>10.3f}\n", "total", total * 1e3);
 }

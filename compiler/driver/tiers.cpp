@@ -1,5 +1,5 @@
-// See tiers.hpp. The thread reads the lowered system and writes the description of steps, which nobody reads before there are
-// functions for them; codes and functions change on the engine's thread alone.
+// See tiers.hpp. The thread reads the lowered system and writes the description of steps, which nobody reads before
+// there are functions for them; codes and functions change on the engine's thread alone.
 #include "compiler/driver/tiers.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +10,8 @@
 
 namespace bip::driver {
 
-Tiers::Tiers(lower::LoweredSystem& lowered, jit::JitOptions options, unsigned patience_ms) : lowered_(lowered), options_(std::move(options)) {
+Tiers::Tiers(lower::LoweredSystem& lowered, jit::JitOptions options, unsigned patience_ms)
+    : lowered_(lowered), options_(std::move(options)) {
   options_.goes_on = [this] {
     const std::lock_guard guard(mutex_);
     return !is_stopped_;
@@ -61,13 +62,16 @@ std::vector<rt::Code> Tiers::install() {
 
 std::string Tiers::summary() {
   end();
-  if (!is_installed_) return "code: interpreted" + (problem_.empty() || problem_.ends_with("stopped") ? "" : ": " + problem_) + "\n";
+  if (!is_installed_)
+    return "code: interpreted" + (problem_.empty() || problem_.ends_with("stopped") ? "" : ": " + problem_) + "\n";
   return text_of(made_, "code: interpreted, then", "after ", seconds_);
 }
 
 std::string text_of(const jit::MadeCode& made, std::string_view begin, std::string_view when, double seconds) {
-  std::string text = fmt::format("{} {} module{}, {} from the cache, {}{:.6f} s\n", begin, made.modules, made.modules == 1 ? "" : "s", made.from_cache, when, seconds);
-  for (const std::string& file : made.broken_files) text += fmt::format("note: `{}` was broken and is made anew\n", file);
+  std::string text = fmt::format("{} {} module{}, {} from the cache, {}{:.6f} s\n", begin, made.modules,
+                                 made.modules == 1 ? "" : "s", made.from_cache, when, seconds);
+  for (const std::string& file : made.broken_files)
+    text += fmt::format("note: `{}` was broken and is made anew\n", file);
   return text;
 }
 

@@ -1,7 +1,8 @@
 // A run that begins interpreted, at once, and goes on with machine code when that is ready.
 //
-// A thread waits a little, since most runs are short and then need no compiler at all; loads the JIT, compiles everything at
-// -O2 with whole steps (or finds it in the cache) and tells the engine. The trace is the same whenever that happens.
+// A thread waits a little, since most runs are short and then need no compiler at all; loads the JIT, compiles
+// everything at -O2 with whole steps (or finds it in the cache) and tells the engine. The trace is the same whenever
+// that happens.
 #pragma once
 #include <condition_variable>
 #include <mutex>
@@ -49,6 +50,7 @@ class Tiers {
 };
 
 /// What a compilation made, for --stats; `when` stands before its seconds.
-[[nodiscard]] std::string text_of(const jit::MadeCode& made, std::string_view begin, std::string_view when, double seconds);
+[[nodiscard]] std::string text_of(const jit::MadeCode& made, std::string_view begin, std::string_view when,
+                                  double seconds);
 
 }  // namespace bip::driver

@@ -1,4 +1,5 @@
-// See timed_models.hpp. What is told has been taken by a core; what could not be followed exactly is named and gives no verdict.
+// See timed_models.hpp. What is told has been taken by a core; what could not be followed exactly is named and gives no
+// verdict.
 #include "compiler/driver/timed_models.hpp"
 
 #include <algorithm>
@@ -14,10 +15,10 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/system/timed.hpp"
-#include "compiler/verify/prove_time.hpp"
-#include "compiler/verify/tell.hpp"
+#include "compiler/verify/timed/prove_time.hpp"
+#include "compiler/verify/evidence/counterexample_text.hpp"
 #include "runtime/engine/interrupt.hpp"
-#include "runtime/explore/tell.hpp"
+#include "runtime/explore/counterexample.hpp"
 
 namespace bip::driver {
 
@@ -52,9 +53,11 @@ struct Told {
 };
 
 void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const Told& told) {
-  nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1}, {"end", end_of(found)}, {"zones", found.zones},
-                              {"locations", found.locations}, {"steps", found.steps}, {"deadlocks", found.deadlocks},
-                              {"time_locks", found.time_locks}, {"errors", found.errors}, {"depth", found.depth}};
+  nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1},
+                              {"end", end_of(found)},         {"zones", found.zones},
+                              {"locations", found.locations}, {"steps", found.steps},
+                              {"deadlocks", found.deadlocks}, {"time_locks", found.time_locks},
+                              {"errors", found.errors},       {"depth", found.depth}};
   if (!found.inexact.empty()) json["inexact"] = found.inexact;
   if (a.stats) {
     json["seconds"] = found.seconds;
@@ -87,9 +90,10 @@ std::string limit_text(const rt::ZoneReport& found) {
 // What has no answer yet is said. False: it was.
 bool is_answerable(const VerifyArguments& a, Compilation& c, const verify::Question& question) {
   const char* refused = nullptr;
-  if (question.what == verify::Asked::NobodyStuck) refused = "`--partial` for a model with time";
+  if (question.what == verify::QuestionKind::NoLocalDeadlock) refused = "`--partial` for a model with time";
   else if (!a.certificate.empty()) refused = "a certificate for a model with time";
-  else if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty()) refused = "a proof about a model with time that calls C++";
+  else if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty())
+    refused = "a proof about a model with time that calls C++";
   if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
   return refused == nullptr;
 }
@@ -108,9 +112,11 @@ std::string broken_text(const rt::Image& image, const verify::Property& property
   rt::Core core(image);
   bool is_sound = core.initialize();
   for (const rt::TimedStep& step : way.steps) {
-    is_sound = is_sound && rt::let_time_pass(core, step.at) && step.choice < core.candidate_count() && core.take_timed(core.position(step.choice));
+    is_sound = is_sound && rt::let_time_pass(core, step.at) && step.choice < core.candidate_count() &&
+               core.take_timed(core.position(step.choice));
   }
-  return is_sound && rt::let_time_pass(core, way.end) ? verify::broken_state(core, property, way.steps.size()) : std::string();
+  return is_sound && rt::let_time_pass(core, way.end) ? verify::broken_state(core, property, way.steps.size())
+                                                      : std::string();
 }
 
 // Parts are small and seen once: the interpreter, whatever back end the model has.
@@ -126,24 +132,33 @@ std::string neighbourhoods_text(const verify::TimeProof& proof) {
 
 std::string proof_text(const verify::TimeProof& proof, const verify::Question& question) {
   const std::string invariants = rt::counted(proof.invariants, "invariant");
-  if (question.what == verify::Asked::State) return fmt::format("holds: `{}`: by {} and the zones of {}\n", question.property.text, invariants, neighbourhoods_text(proof));
-  if (proof.neighbourhoods == 0) return "deadlock-free: no deadlock, by " + invariants + ", and no time lock, for nothing holds time up\n";
-  return "deadlock-free: no deadlock and no time lock, by " + invariants + " and the zones of " + neighbourhoods_text(proof) + '\n';
+  if (question.what == verify::QuestionKind::State)
+    return fmt::format("holds: `{}`: by {} and the zones of {}\n", question.property.text, invariants,
+                       neighbourhoods_text(proof));
+  if (proof.neighbourhoods == 0)
+    return "deadlock-free: no deadlock, by " + invariants + ", and no time lock, for nothing holds time up\n";
+  return "deadlock-free: no deadlock and no time lock, by " + invariants + " and the zones of " +
+         neighbourhoods_text(proof) + '\n';
 }
 
 // Of the proof by parts.
 std::string stats_text(const verify::TimeProof& proof) {
-  const std::string graphs = rt::counted(proof.explored, "zone graph") + " of " + rt::counted(proof.zones, "zone") + ", " + rt::counted(proof.invariants, "invariant");
-  return "by parts: " + (proof.is_proved ? "proved" : "not proved, " + proof.reason) + "; " + (proof.neighbourhoods == 0 ? "" : neighbourhoods_text(proof) + ", ") + graphs + '\n';
+  const std::string graphs = rt::counted(proof.explored, "zone graph") + " of " + rt::counted(proof.zones, "zone") +
+                             ", " + rt::counted(proof.invariants, "invariant");
+  return "by parts: " + (proof.is_proved ? "proved" : "not proved, " + proof.reason) + "; " +
+         (proof.neighbourhoods == 0 ? "" : neighbourhoods_text(proof) + ", ") + graphs + '\n';
 }
 
 nlohmann::ordered_json parts_json(const verify::TimeProof& proof) {
-  nlohmann::ordered_json json{{"proved", proof.is_proved}, {"neighbourhoods", proof.neighbourhoods}, {"largest", proof.largest}, {"graphs", proof.explored}, {"zones", proof.zones}, {"invariants", proof.invariants}};
+  nlohmann::ordered_json json{{"proved", proof.is_proved}, {"neighbourhoods", proof.neighbourhoods},
+                              {"largest", proof.largest},  {"graphs", proof.explored},
+                              {"zones", proof.zones},      {"invariants", proof.invariants}};
   if (!proof.is_proved) json["reason"] = proof.reason;
   return json;
 }
 
-int write_verdict(const VerifyArguments& a, const nlohmann::ordered_json& json, const std::string& text, int exit_code) {
+int write_verdict(const VerifyArguments& a, const nlohmann::ordered_json& json, const std::string& text,
+                  int exit_code) {
   write_now(stdout, a.json ? json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : text);
   return exit_code;
 }
@@ -164,11 +179,14 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
   const rt::MaximalProgress maximal = arguments.explore.progress;
   Told told;
   if (found.are_ways_known) {
-    if (found.has_deadlock) told.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
-    if (found.has_time_lock) told.time_lock = rt::tell_way(image, maximal, rt::WayEnd::TimeLock, found.time_lock, kStepsShown);
+    if (found.has_deadlock)
+      told.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
+    if (found.has_time_lock)
+      told.time_lock = rt::tell_way(image, maximal, rt::WayEnd::TimeLock, found.time_lock, kStepsShown);
     if (found.has_error) told.error = rt::tell_way(image, maximal, rt::WayEnd::Error, found.error, kStepsShown);
   }
-  if (const Found first = first_of(found); !arguments.trace_path.empty() && first.way != nullptr && found.are_ways_known) {
+  if (const Found first = first_of(found);
+      !arguments.trace_path.empty() && first.way != nullptr && found.are_ways_known) {
     const std::string trace = rt::trace_of_way(image, maximal, first.end, *first.way, arguments.format);
     if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
       c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
@@ -191,8 +209,11 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
   write_now(stdout, text + rt::summary_line(found));
   write_now(stderr, told.error.error);
   if (arguments.stats) {
-    write_now(stderr, fmt::format("zones/s {:.0f}, bytes/zone {:.1f}, depth {}, seconds {:.3f}\n", static_cast<double>(found.zones) / std::max(found.seconds, 1e-9),
-                              static_cast<double>(found.bytes) / static_cast<double>(std::max<std::uint64_t>(found.zones, 1)), found.depth, found.seconds));
+    write_now(stderr, fmt::format("zones/s {:.0f}, bytes/zone {:.1f}, depth {}, seconds {:.3f}\n",
+                                  static_cast<double>(found.zones) / std::max(found.seconds, 1e-9),
+                                  static_cast<double>(found.bytes) /
+                                      static_cast<double>(std::max<std::uint64_t>(found.zones, 1)),
+                                  found.depth, found.seconds));
   }
   return exit_code_of(found);
 }
@@ -202,12 +223,15 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   const verify::ProcessClock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   std::string stats;
-  const bool asks_state = question.what == verify::Asked::State;
+  const bool asks_state = question.what == verify::QuestionKind::State;
   if (asks_state) json["property"] = question.property.text;
-  if (asks_state || question.what == verify::Asked::DeadlockFreedom) {
+  if (asks_state || question.what == verify::QuestionKind::DeadlockFreedom) {
     const rt::InterruptGuard guard;
-    const verify::ProcessClock::time_point soon = verify::seconds_from_now(static_cast<double>(arguments.timeout) / kShareOfParts);
-    const verify::TimeProof proof = asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon) : verify::prove_time(*c.system, explore_system, soon);
+    const verify::ProcessClock::time_point soon =
+        verify::seconds_from_now(static_cast<double>(arguments.timeout) / kShareOfParts);
+    const verify::TimeProof proof =
+        asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
+                   : verify::prove_time(*c.system, explore_system, soon);
     if (arguments.stats) {
       stats = stats_text(proof);
       json["parts"] = parts_json(proof);
@@ -233,8 +257,10 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     if (asks_state) ask(question.property, options);
     found = rt::explore_zones(image, options);
   }
-  const bool asks_errors = question.what == verify::Asked::NoErrors;
-  const bool is_violated = asks_errors ? found.has_error : asks_state ? found.has_broken : found.has_deadlock || found.has_time_lock;
+  const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
+  const bool is_violated = asks_errors  ? found.has_error
+                           : asks_state ? found.has_broken
+                                        : found.has_deadlock || found.has_time_lock;
   const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   if (asks_errors) json["property"] = "errors";
@@ -242,10 +268,15 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   std::string text;
   int exit_code = kUnknown;
   if (is_violated && found.are_ways_known) {
-    const Found first = asks_errors ? Found{rt::WayEnd::Error, &found.error} : asks_state ? Found{rt::WayEnd::State, &found.broken} : first_of(found);
+    const Found first = asks_errors  ? Found{rt::WayEnd::Error, &found.error}
+                        : asks_state ? Found{rt::WayEnd::State, &found.broken}
+                                     : first_of(found);
     rt::ToldWay told = rt::tell_way(image, rt::MaximalProgress::On, first.end, *first.way, kStepsShown);
     if (asks_state) told.steps += broken_text(image, question.property, *first.way);
-    json["verdict"] = asks_state ? "violated" : first.end == rt::WayEnd::Error ? "error" : first.end == rt::WayEnd::TimeLock ? "time lock" : "deadlock";
+    json["verdict"] = asks_state                          ? "violated"
+                      : first.end == rt::WayEnd::Error    ? "error"
+                      : first.end == rt::WayEnd::TimeLock ? "time lock"
+                                                          : "deadlock";
     json["steps"] = first.way->steps.size();
     text = told.steps + told.error;
     exit_code = kViolated;
@@ -253,7 +284,8 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     const std::string name = asks_errors ? "error-free" : asks_state ? "holds" : "deadlock-free";
     json["verdict"] = name;
     json["method"] = "exhaustive";
-    text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size) : name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
+    text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size)
+                      : name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
     if (found.has_error) text += "note: a run-time error can occur\n";
     exit_code = kOk;
   } else {

@@ -1,15 +1,17 @@
-// What `bipc explore` and `bipc verify` do with models that have to do with time: their zone graph (runtime/explore/zones.hpp).
+// What `bipc explore` and `bipc verify` do with models that have to do with time: their zone graph
+// (runtime/explore/zones.hpp).
 #pragma once
 #include "compiler/driver/options.hpp"
 #include "compiler/driver/pipeline.hpp"
-#include "compiler/verify/decide.hpp"
+#include "compiler/verify/portfolio/portfolio.hpp"
 
 namespace bip::driver {
 
 /// The image has its code. Returns the exit code.
 [[nodiscard]] int explore_timed(const ExploreArguments& arguments, Compilation& c);
 
-/// Deadlock and time lock, run-time errors, or a property of places and data, decided by all zones, and told. Returns the exit code.
+/// Deadlock and time lock, run-time errors, or a property of places and data, decided by all zones, and told. Returns
+/// the exit code.
 [[nodiscard]] int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question);
 
 }  // namespace bip::driver

@@ -1,5 +1,6 @@
-// See copy_outside.hpp. Includes are followed without a preprocessor: a header in a branch that is not taken is copied, too;
-// one whose name is a macro is not found, and neither is one of the system, which stays where it is. Linear in the files.
+// See copy_outside.hpp. Includes are followed without a preprocessor: a header in a branch that is not taken is copied,
+// too; one whose name is a macro is not found, and neither is one of the system, which stays where it is. Linear in the
+// files.
 #include "compiler/emit_cpp/copy_outside.hpp"
 
 #include <algorithm>
@@ -47,7 +48,8 @@ fs::path common_folder(const fs::path& a, const fs::path& b) {
 
 Result<CppBuild> copy_outside(const CppBuild& cpp, const fs::path& project) {
   std::vector<fs::path> open;
-  for (const auto* files : {&cpp.headers, &cpp.sources, &cpp.objects}) open.insert(open.end(), files->begin(), files->end());
+  for (const auto* files : {&cpp.headers, &cpp.sources, &cpp.objects})
+    open.insert(open.end(), files->begin(), files->end());
   const std::set<std::string> objects(cpp.objects.begin(), cpp.objects.end());
   std::map<fs::path, std::string> texts;  // sorted: the same files are written in the same order
   while (!open.empty()) {
@@ -70,17 +72,23 @@ Result<CppBuild> copy_outside(const CppBuild& cpp, const fs::path& project) {
       }
     }
   }
-  if (texts.empty()) return CppBuild{.include_dirs = {}, .sources = {}, .objects = {}, .headers = {}, .const_names = cpp.const_names};
+  if (texts.empty())
+    return CppBuild{.include_dirs = {}, .sources = {}, .objects = {}, .headers = {}, .const_names = cpp.const_names};
   fs::path top = texts.begin()->first.parent_path();
   for (const auto& [path, text] : texts) top = common_folder(top, path.parent_path());
   for (const std::string& dir : cpp.include_dirs) top = common_folder(top, fs::path(dir));
-  const auto moved = [&top](const fs::path& path) { return (fs::path("outside") / path.lexically_relative(top)).lexically_normal(); };
+  const auto moved = [&top](const fs::path& path) {
+    return (fs::path("outside") / path.lexically_relative(top)).lexically_normal();
+  };
   for (const auto& [path, text] : texts) {
     const Result<bool> written = write_file(project / moved(path), text);
     if (!written) return Failure{written.error()};
   }
   CppBuild out{.include_dirs = {}, .sources = {}, .objects = {}, .headers = {}, .const_names = cpp.const_names};
-  for (const auto& [from, to] : {std::pair(&cpp.include_dirs, &out.include_dirs), {&cpp.sources, &out.sources}, {&cpp.objects, &out.objects}, {&cpp.headers, &out.headers}})
+  for (const auto& [from, to] : {std::pair(&cpp.include_dirs, &out.include_dirs),
+                                 {&cpp.sources, &out.sources},
+                                 {&cpp.objects, &out.objects},
+                                 {&cpp.headers, &out.headers}})
     for (const std::string& path : *from) to->push_back(moved(path).generic_string());
   return out;
 }

@@ -8,8 +8,8 @@
 
 namespace bip::emit_cpp {
 
-/// Copies sources, objects and headers into `project`/outside, with all that they include and that is found beside them or in
-/// the include folders. The result's paths are relative to `project`; folders lie to each other as they did.
+/// Copies sources, objects and headers into `project`/outside, with all that they include and that is found beside them
+/// or in the include folders. The result's paths are relative to `project`; folders lie to each other as they did.
 [[nodiscard]] Result<CppBuild> copy_outside(const CppBuild& cpp, const std::filesystem::path& project);
 
 // project.cpp

@@ -5,7 +5,7 @@
 #include "compiler/emit_cpp/emit_cpp.hpp"
 #include "compiler/emit_cpp/foreign_events.hpp"
 #include "compiler/emit_cpp/functions.hpp"
-#include "compiler/emit_cpp/steps.hpp"
+#include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/tables.hpp"
 
 namespace bip::emit_cpp {
@@ -23,7 +23,8 @@ bool has_places(const lower::LoweredSystem& lowered) {
 
 std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   CppWriter out(lowered.system->files, options.line_directives && has_places(lowered));
-  out.line("// " + comment_text(lowered.image.name) + ": emitted by bipc; the source is in the .bip that the rows name.");
+  out.line("// " + comment_text(lowered.image.name) +
+           ": emitted by bipc; the source is in the .bip that the rows name.");
   out.line("// First the code of the types, then the constant tables that bip::rt reads.");
   out.line("// Compile with -ffp-contract=off: floats are IEEE doubles, rounded after each operation.");
   out.line("#include <cstdint>");
@@ -44,8 +45,8 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.
-  for (const char* name : {"BoolVar", "divide", "CodeFault", "FloatVar", "IntVar", "modulo", "Slot", "StringVar", "wrap_add",
-                           "wrap_mul", "wrap_neg", "wrap_sub"}) {
+  for (const char* name : {"BoolVar", "divide", "CodeFault", "FloatVar", "IntVar", "modulo", "Cell", "StringVar",
+                           "wrap_add", "wrap_mul", "wrap_neg", "wrap_sub"}) {
     out.line(std::string("using bip::rt::") + name + ";");
   }
   if (has_outside) out.line("using bip::rt::ExternVar;");

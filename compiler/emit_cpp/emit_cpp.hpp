@@ -26,10 +26,11 @@ struct CppBuild {
   ConstNames const_names;
 };
 
-/// Writes model.cpp, a CMakeLists.txt and copies of the runtime's sources and of the model's C++ side into `directory`, so
-/// that it builds alone, and elsewhere.
-/// `runtime_dir` is where the runtime's sources are; `cpp` what the model's C++ side adds to the build.
+/// Writes model.cpp, a CMakeLists.txt and copies of the runtime's sources and of the model's C++ side into `directory`,
+/// so that it builds alone, and elsewhere. `runtime_dir` is where the runtime's sources are; `cpp` what the model's C++
+/// side adds to the build.
 [[nodiscard]] Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
-                                        const std::string& runtime_dir, const std::string& program_name, const CppBuild& cpp = {});
+                                        const std::string& runtime_dir, const std::string& program_name,
+                                        const CppBuild& cpp = {});
 
 }  // namespace bip::emit_cpp

@@ -1,8 +1,8 @@
 // Expressions of the code IR as C++ text.
 //
 // int arithmetic goes through wrap_add … and divide/modulo, everything else is the operator. C++ leaves the order of a
-// binary operator's operands open; that can be seen only if both can fault or one calls C++, and then they are bound left
-// to right first.
+// binary operator's operands open; that can be seen only if both can fault or one calls C++, and then they are bound
+// left to right first.
 #include "compiler/emit_cpp/functions.hpp"
 
 namespace bip::emit_cpp {
@@ -195,7 +195,8 @@ bool FaultInfo::can_fault(ExprId id) {
     const Expr& e = lowered_.system->code.exprs[id];
     const bool has_a = e.op >= Op::IntToFloat;
     const bool has_b = e.op >= Op::Add;
-    const bool yes = lowered_.site_of_expr[id.value] != rt::kNone || (has_a && can_fault(e.a)) || (has_b && can_fault(e.b));
+    const bool yes =
+        lowered_.site_of_expr[id.value] != rt::kNone || (has_a && can_fault(e.a)) || (has_b && can_fault(e.b));
     known_[id.value] = yes ? 2 : 1;
   }
   return known_[id.value] == 2;

@@ -19,9 +19,11 @@ const char* native_type(Type type) {
 
 const char* operator_name(const std::string& sign) {
   static constexpr std::pair<const char*, const char*> kNames[] = {
-      {"||", "or"}, {"&&", "and"}, {"|", "bit_or"}, {"^", "bit_xor"}, {"&", "bit_and"}, {"==", "equal"}, {"!=", "not_equal"}, {"<", "less"},
-      {">", "greater"}, {"<=", "less_equal"}, {">=", "greater_equal"}, {"+", "plus"}, {"-", "minus"}, {"*", "times"}, {"/", "divide"},
-      {"%", "modulo"}, {"!", "not"}, {"~", "complement"}, {"=", "assign"}};
+      {"||", "or"},     {"&&", "and"},        {"|", "bit_or"},         {"^", "bit_xor"},
+      {"&", "bit_and"}, {"==", "equal"},      {"!=", "not_equal"},     {"<", "less"},
+      {">", "greater"}, {"<=", "less_equal"}, {">=", "greater_equal"}, {"+", "plus"},
+      {"-", "minus"},   {"*", "times"},       {"/", "divide"},         {"%", "modulo"},
+      {"!", "not"},     {"~", "complement"},  {"=", "assign"}};
   for (const auto& [text, name] : kNames) {
     if (sign == text) return name;
   }
@@ -42,13 +44,16 @@ std::string call_text(const Function& function, const ConstNames& const_names, c
     if (function.params.size() == 1) return function.name + argument(function, 0);
     return argument(function, 0) + " " + function.name + " " + argument(function, 1);
   }
-  std::string text = function.is_const && const_names.contains(function.name) ? "const_" + function.name : function.name;
+  std::string text =
+      function.is_const && const_names.contains(function.name) ? "const_" + function.name : function.name;
   text += "(";
   for (std::size_t k = 0; k < function.params.size(); ++k) text += (k == 0 ? "" : ", ") + argument(function, k);
   return text + ")";
 }
 
-std::string local(const std::string& qualified) { return qualified.starts_with("outside::") ? qualified.substr(9) : qualified; }
+std::string local(const std::string& qualified) {
+  return qualified.starts_with("outside::") ? qualified.substr(9) : qualified;
+}
 
 }  // namespace
 
@@ -64,19 +69,23 @@ ForeignNames::ForeignNames(const CodeTable& code) {
   }
 }
 
-std::string ForeignNames::type(Type type) const { return is_extern(type) ? types_[extern_row(type)] : native_type(type); }
+std::string ForeignNames::type(Type type) const {
+  return is_extern(type) ? types_[extern_row(type)] : native_type(type);
+}
 
 std::string signature_text(const CodeTable& code, const Function& function) {
   std::string text = function.has_result ? code.type_name(function.result) + " " : "";
   text += (function.kind == FunctionKind::Operator ? "operator " : "") + function.name + "(";
-  for (std::size_t k = 0; k < function.params.size(); ++k) text += (k == 0 ? "" : ", ") + code.type_name(function.params[k].type);
+  for (std::size_t k = 0; k < function.params.size(); ++k)
+    text += (k == 0 ? "" : ", ") + code.type_name(function.params[k].type);
   return text + ")";
 }
 
 std::string foreign_includes(const CodeTable& code) {
   std::string out;
   const auto line = [&](const std::string& text) { out += text + "\n"; };
-  for (const char* header : {"algorithm", "cmath", "cstdio", "cstdlib", "iostream", "string"}) line(std::string("#include <") + header + ">");
+  for (const char* header : {"algorithm", "cmath", "cstdio", "cstdlib", "iostream", "string"})
+    line(std::string("#include <") + header + ">");
   line("");
   line("#include \"bip/foreign.hpp\"");
   for (const CppFile& file : code.cpp.includes) line("#include \"" + file.name + "\"");
@@ -104,7 +113,8 @@ std::string foreign_text(const CodeTable& code, const ConstNames& const_names, c
     for (std::size_t p = 0; p < function.params.size(); ++p) {
       const FunctionParam& param = function.params[p];
       const std::string type = local(names.type(param.type));
-      head += (is_extern(param.type) && !param.by_reference ? "const " : "") + type + (is_extern(param.type) || param.by_reference ? "&" : "") + " a" + std::to_string(p) + ", ";
+      head += (is_extern(param.type) && !param.by_reference ? "const " : "") + type +
+              (is_extern(param.type) || param.by_reference ? "&" : "") + " a" + std::to_string(p) + ", ";
     }
     line("");
     line(head + "[[maybe_unused]] std::uint32_t site) try {");
@@ -135,22 +145,24 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
     const Function& function = code.functions[k];
     line("");
-    line("extern \"C\" std::int32_t bip_call_" + std::to_string(k) + "(bip::rt::Outside* outside_world, [[maybe_unused]] bip::rt::Slot* result, "
-         "[[maybe_unused]] bip::rt::Slot* const* args) {");
+    line("extern \"C\" std::int32_t bip_call_" + std::to_string(k) +
+         "(bip::rt::Outside* outside_world, [[maybe_unused]] bip::rt::Cell* result, "
+         "[[maybe_unused]] bip::rt::Cell* const* args) {");
     line("  outside::world = outside_world;");
     line("  try {");
     std::string call = names.function(k) + "(";
     for (std::size_t p = 0; p < function.params.size(); ++p) {
-      const std::string slot = "args[" + std::to_string(p) + "]";
+      const std::string cell = "args[" + std::to_string(p) + "]";
       const Type type = function.params[p].type;
-      if (is_extern(type)) call += "bip::rt::object_in<" + names.type(type) + ">(*" + slot + "), ";
-      else call += slot + (type == Type::Float ? "->f, " : type == Type::Bool ? "->i != 0, " : "->i, ");
+      if (is_extern(type)) call += "bip::rt::object_in<" + names.type(type) + ">(*" + cell + "), ";
+      else call += cell + (type == Type::Float ? "->f, " : type == Type::Bool ? "->i != 0, " : "->i, ");
     }
     call += "0)";
     if (!function.has_result) line("    " + call + ";");
-    else if (is_extern(function.result)) line("    bip::rt::object_in<" + names.type(function.result) + ">(*result) = " + call + ";");
-    else if (function.result == Type::Float) line("    *result = bip::rt::float_slot(" + call + ");");
-    else line("    *result = bip::rt::int_slot(" + call + (function.result == Type::Bool ? " ? 1 : 0);" : ");"));
+    else if (is_extern(function.result))
+      line("    bip::rt::object_in<" + names.type(function.result) + ">(*result) = " + call + ";");
+    else if (function.result == Type::Float) line("    *result = bip::rt::float_cell(" + call + ");");
+    else line("    *result = bip::rt::int_cell(" + call + (function.result == Type::Bool ? " ? 1 : 0);" : ");"));
     line("    return 0;");
     line("  } catch (...) {");
     line("    return 1;");
@@ -164,7 +176,8 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
   line("");
   line("extern \"C\" const bip::rt::ExternType bip_extern_types[] = {");
   for (std::size_t k = 0; k < code.extern_types.size(); ++k) {
-    line("    bip::rt::extern_type_of<" + names.type(extern_type(k)) + ">(" + string_literal(code.extern_types[k].name) + "),");
+    line("    bip::rt::extern_type_of<" + names.type(extern_type(k)) + ">(" +
+         string_literal(code.extern_types[k].name) + "),");
   }
   line("};");
   return out;

@@ -1,5 +1,5 @@
-// The C++ side of a system as text: one wrapper a function of the code table, with native parameters, so that overloads,
-// conversions and exceptions are C++'s matter in one place.
+// The C++ side of a system as text: one wrapper a function of the code table, with native parameters, so that
+// overloads, conversions and exceptions are C++'s matter in one place.
 //
 // Both users share it: the emitted program calls the wrappers by name, the shared object of `bipc run` adds adapters
 // (rt::ForeignFn) around them.
@@ -20,7 +20,9 @@ class ForeignNames {
   [[nodiscard]] std::string type(Type type) const;
   /// "outside::call_push_back"
   [[nodiscard]] const std::string& function(std::size_t row) const { return functions_[row]; }
-  [[nodiscard]] static bool is_needed(const CodeTable& code) { return !code.functions.empty() || !code.extern_types.empty(); }
+  [[nodiscard]] static bool is_needed(const CodeTable& code) {
+    return !code.functions.empty() || !code.extern_types.empty();
+  }
 
  private:
   std::vector<std::string> types_, functions_;
@@ -33,15 +35,17 @@ using ConstNames = std::set<std::string>;
 [[nodiscard]] std::string foreign_includes(const CodeTable& code);
 
 /// Namespace `outside`. With `own_world` the strings and messages are kept there, else a
-/// pointer must be set before a call. `mark`: what a compiler says about function k names the file "bip-prototype-k", about
-/// extern type k "bip-type-k".
+/// pointer must be set before a call. `mark`: what a compiler says about function k names the file "bip-prototype-k",
+/// about extern type k "bip-type-k".
 struct ForeignOptions {
   bool own_world = true;
   bool mark = false;
 };
-[[nodiscard]] std::string foreign_text(const CodeTable& code, const ConstNames& const_names, const ForeignOptions& options);
+[[nodiscard]] std::string foreign_text(const CodeTable& code, const ConstNames& const_names,
+                                       const ForeignOptions& options);
 
-/// The source of the shared object: exports `bip_call_<row>`, and `bip_extern_types` and `bip_event_classes` if there are any.
+/// The source of the shared object: exports `bip_call_<row>`, and `bip_extern_types` and `bip_event_classes` if there
+/// are any.
 [[nodiscard]] std::string shim_text(const System& system, const ConstNames& const_names);
 
 /// "int min(int, int)" of a row, for messages.

@@ -7,13 +7,15 @@ namespace bip::emit_cpp {
 
 namespace {
 
-const Port& port_of(const System& system, const lower::EventClassUse& use) { return system.atom_types[use.type].ports[use.port]; }
+const Port& port_of(const System& system, const lower::EventClassUse& use) {
+  return system.atom_types[use.type].ports[use.port];
+}
 
-const char* slot_function(Type type) {
+const char* cell_function(Type type) {
   switch (type) {
-    case Type::Float: return "bip::rt::float_slot(source.get_";
-    case Type::String: return "bip::rt::event_slot(strings, source.get_";
-    default: return "bip::rt::int_slot(source.get_";
+    case Type::Float: return "bip::rt::float_cell(source.get_";
+    case Type::String: return "bip::rt::event_cell(strings, source.get_";
+    default: return "bip::rt::int_cell(source.get_";
   }
 }
 
@@ -25,10 +27,12 @@ std::string event_class_text(const System& system, const std::vector<lower::Even
     const std::string name = "event_class_" + std::to_string(k);
     if (mark) out += "#line 1 \"bip-class-" + std::to_string(k) + "\"\n";
     out += "using " + name + " = " + port_of(system, uses[k]).event_class + ";\n";
-    out += "inline void event_values_" + std::to_string(k) + "([[maybe_unused]] " + name + "& source, [[maybe_unused]] bip::rt::Slot* out, [[maybe_unused]] bip::rt::Outside& strings) {\n";
+    out += "inline void event_values_" + std::to_string(k) + "([[maybe_unused]] " + name +
+           "& source, [[maybe_unused]] bip::rt::Cell* out, [[maybe_unused]] bip::rt::Outside& strings) {\n";
     std::size_t row = 0;
     for (const Variable& v : system.port_types[port_of(system, uses[k]).type].variables) {
-      out += "  out[" + std::to_string(row++) + "] = " + slot_function(v.type) + v.name + "()" + (v.type == Type::Bool ? " ? 1 : 0" : "") + ");\n";
+      out += "  out[" + std::to_string(row++) + "] = " + cell_function(v.type) + v.name + "()" +
+             (v.type == Type::Bool ? " ? 1 : 0" : "") + ");\n";
     }
     out += "}\n";
   }

@@ -1,4 +1,5 @@
-// The C++ classes behind ports for events, as text: names for them, their getters, and their rows of Image::event_classes.
+// The C++ classes behind ports for events, as text: names for them, their getters, and their rows of
+// Image::event_classes.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,8 +9,10 @@
 namespace bip::emit_cpp {
 
 /// In namespace `outside`, after foreign_text. `mark`: what a compiler says about use k names the file "bip-class-k".
-[[nodiscard]] std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses, bool mark);
+[[nodiscard]] std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses,
+                                           bool mark);
 /// The initializer of row k.
-[[nodiscard]] std::string event_class_row(const System& system, const std::vector<lower::EventClassUse>& uses, std::size_t k);
+[[nodiscard]] std::string event_class_row(const System& system, const std::vector<lower::EventClassUse>& uses,
+                                          std::size_t k);
 
 }  // namespace bip::emit_cpp

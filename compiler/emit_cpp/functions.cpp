@@ -1,6 +1,6 @@
 // Guards, actions and transfers as C++ functions with the model's names.
 //
-// A function names the variables it uses, each a reference into the slots, then reads like its source. One that divides
+// A function names the variables it uses, each a reference into the cells, then reads like its source. One that divides
 // ints is a function-try-block: the first fault ends it with the site's status, as rt::CodeFn wants it.
 // Cost: linear in the code. Recursion follows nested ifs and expressions, whose depth the parser caps; else-if chains
 // are followed in a loop.
@@ -49,16 +49,16 @@ std::vector<std::string> bind_names(const System& system, const lower::CodeUnit&
   } else if (unit.owner == lower::CodeOwner::Priority) {
     for (const DataRef& ref : system.priorities[PriorityId(unit.owner_row)].data) {
       const Atom& atom = system.atoms[ref.atom];
-      names.push_back(atom.path + "." + system.atom_types[atom.type].slots[ref.slot].name);
+      names.push_back(atom.path + "." + system.atom_types[atom.type].variables[ref.variable].name);
     }
   }
   return names;
 }
 
-const std::vector<Slot>* self_slots(const System& system, const lower::CodeUnit& unit) {
+const std::vector<DataVariable>* self_variables(const System& system, const lower::CodeUnit& unit) {
   switch (unit.owner) {
-    case lower::CodeOwner::Atom: return &system.atom_types[AtomTypeId(unit.owner_row)].slots;
-    case lower::CodeOwner::Connector: return &system.connector_types[ConnectorTypeId(unit.owner_row)].slots;
+    case lower::CodeOwner::Atom: return &system.atom_types[AtomTypeId(unit.owner_row)].variables;
+    case lower::CodeOwner::Connector: return &system.connector_types[ConnectorTypeId(unit.owner_row)].variables;
     case lower::CodeOwner::Priority: break;
   }
   return nullptr;
@@ -102,9 +102,9 @@ class Uses {
     }
   }
   /// Names the used variables, each by its row.
-  void name(LocalNames& names, const std::vector<Slot>* slots, const std::vector<std::string>& binds) {
+  void name(LocalNames& names, const std::vector<DataVariable>* cells, const std::vector<std::string>& binds) {
     for (std::size_t k = 0; k < self.size(); ++k) {
-      if (used(self[k])) self[k].name = names.make((*slots)[k].name);
+      if (used(self[k])) self[k].name = names.make((*cells)[k].name);
     }
     for (std::size_t k = 0; k < bind.size(); ++k) {
       if (used(bind[k])) bind[k].name = names.make(binds[k]);
@@ -130,9 +130,14 @@ class Uses {
 
 class FunctionEmitter {
  public:
-  /// distance: 0 for functions on slots, else on cells, with self's variables so far from each other.
+  /// distance: 0 for functions on cells, else on cells, with self's variables so far from each other.
   FunctionEmitter(const lower::LoweredSystem& lowered, CppWriter& out, std::uint32_t distance = 0)
-      : lowered_(lowered), code_(lowered.system->code), out_(out), distance_(distance), faults_(lowered), foreign_(lowered.system->code) {}
+      : lowered_(lowered),
+        code_(lowered.system->code),
+        out_(out),
+        distance_(distance),
+        faults_(lowered),
+        foreign_(lowered.system->code) {}
 
   void emit(const lower::CodeUnit& unit);
 
@@ -140,7 +145,9 @@ class FunctionEmitter {
   void declare(const std::vector<Local>& locals, bool is_bind);
   void body(ExprContext& context, StmtId first, int depth);
   void if_chain(ExprContext& context, StmtId id, int depth);
-  void indented(int depth, const std::string& text) { out_.line(std::string(static_cast<std::size_t>(depth) * 2, ' ') + text); }
+  void indented(int depth, const std::string& text) {
+    out_.line(std::string(static_cast<std::size_t>(depth) * 2, ' ') + text);
+  }
 
   const lower::LoweredSystem& lowered_;
   const CodeTable& code_;
@@ -153,9 +160,11 @@ class FunctionEmitter {
 void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
   for (const Local& local : locals) {
     if (!Uses::used(local)) continue;
-    const std::string row = std::to_string(local.index) + (is_bind || distance_ < 2 ? "" : " * " + std::to_string(distance_));
-    const std::string slot = is_bind ? "all[bind[" + row + "]]" : "self[" + row + "]";
-    indented(1, std::string(local.written ? "" : "const ") + variable_type(foreign_, local.type, distance_ != 0) + " " + local.name + "{" + slot + "};");
+    const std::string row =
+        std::to_string(local.index) + (is_bind || distance_ < 2 ? "" : " * " + std::to_string(distance_));
+    const std::string cell = is_bind ? "all[bind[" + row + "]]" : "self[" + row + "]";
+    indented(1, std::string(local.written ? "" : "const ") + variable_type(foreign_, local.type, distance_ != 0) + " " +
+                    local.name + "{" + cell + "};");
   }
 }
 
@@ -199,20 +208,20 @@ void FunctionEmitter::body(ExprContext& context, StmtId first, int depth) {
 
 void FunctionEmitter::emit(const lower::CodeUnit& unit) {
   const System& system = *lowered_.system;
-  const std::vector<Slot>* slots = self_slots(system, unit);
+  const std::vector<DataVariable>* variables = self_variables(system, unit);
   const std::vector<std::string> binds = bind_names(system, unit);
-  Uses uses(code_, slots != nullptr ? slots->size() : 0, binds.size());
+  Uses uses(code_, variables != nullptr ? variables->size() : 0, binds.size());
   uses.add(unit.expr);
   uses.add(unit.body);
   LocalNames names;
-  uses.name(names, slots, binds);
+  uses.name(names, variables, binds);
   const bool has_self = Uses::any(uses.self);
   const bool has_bind = Uses::any(uses.bind);
 
-  const std::string cells = distance_ != 0 ? "Cell*" : "Slot*";
-  std::string head = "std::int32_t " + unit.name + "(const void*, " + cells;
+  const std::string cell_pointer = distance_ != 0 ? "ColumnCell*" : "Cell*";
+  std::string head = "std::int32_t " + unit.name + "(const void*, " + cell_pointer;
   head += has_self ? " self" : "";
-  head += ", " + cells + (has_bind ? " all, const std::uint32_t* bind)" : ", const std::uint32_t*)");
+  head += ", " + cell_pointer + (has_bind ? " all, const std::uint32_t* bind)" : ", const std::uint32_t*)");
   out_.line();
   if (!out_.has_line_directives()) out_.line("// " + out_.place(unit.loc));
   out_.at(unit.loc);

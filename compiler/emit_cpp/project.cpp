@@ -23,7 +23,8 @@ Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
     fs::recursive_directory_iterator it(runtime_dir / part, error);
     for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
       const fs::path extension = it->path().extension();
-      if (extension == ".cpp" || extension == ".hpp" || extension == ".h") files.push_back(fs::relative(it->path(), runtime_dir, error));
+      if (extension == ".cpp" || extension == ".hpp" || extension == ".h")
+        files.push_back(fs::relative(it->path(), runtime_dir, error));
     }
     if (error) return Failure{"cannot read the runtime's sources in " + (runtime_dir / part).string()};
   }
@@ -35,8 +36,8 @@ Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
 std::string plain_name(const std::string& name) {
   std::string out;
   for (const char c : name) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-                       (c == '.' && !out.empty());
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                       c == '-' || (c == '.' && !out.empty());
     out += plain ? c : '_';
   }
   return out.empty() ? "model" : out;
@@ -44,7 +45,8 @@ std::string plain_name(const std::string& name) {
 
 std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& program_name, const CppBuild& cpp) {
   std::ostringstream out;
-  out << "# Emitted by bipc. Build: cmake -S . -B build && cmake --build build; run: build/" << plain_name(program_name) << "\n"
+  out << "# Emitted by bipc. Build: cmake -S . -B build && cmake --build build; run: build/" << plain_name(program_name)
+      << "\n"
       << "cmake_minimum_required(VERSION 3.16)\n"
       << "project(bip_program LANGUAGES CXX)\n\n"
       << "if(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release)\nendif()\n"
@@ -74,8 +76,7 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
     list("target_sources", cpp.sources);
     list("target_link_libraries", cpp.objects);
   }
-  out
-      << "set_target_properties(bip_program PROPERTIES OUTPUT_NAME \"" << plain_name(program_name) << "\")\n";
+  out << "set_target_properties(bip_program PROPERTIES OUTPUT_NAME \"" << plain_name(program_name) << "\")\n";
   return out.str();
 }
 

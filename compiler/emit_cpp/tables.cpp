@@ -1,7 +1,7 @@
 // Tables of types and of the image; those of instances are in tables_instances.cpp.
 //
-// Everything is a constant aggregate, one row a line, so that a compiler only copies it: 10,000 atoms compile in about a
-// second. Cost: linear in the image.
+// Everything is a constant aggregate, one row a line, so that a compiler only copies it: 10,000 atoms compile in about
+// a second. Cost: linear in the image.
 #include "compiler/emit_cpp/tables.hpp"
 
 #include "compiler/emit_cpp/foreign.hpp"
@@ -12,15 +12,15 @@ namespace bip::emit_cpp {
 
 namespace {
 
-std::string slot_type_text(rt::SlotType type) {
-  if (rt::is_extern(type)) return "SlotType{" + std::to_string(static_cast<unsigned>(type)) + "}";
+std::string cell_type_text(rt::CellType type) {
+  if (rt::is_extern(type)) return "CellType{" + std::to_string(static_cast<unsigned>(type)) + "}";
   switch (type) {
-    case rt::SlotType::Bool: return "SlotType::Bool";
-    case rt::SlotType::Float: return "SlotType::Float";
-    case rt::SlotType::String: return "SlotType::String";
-    case rt::SlotType::Int: break;
+    case rt::CellType::Bool: return "CellType::Bool";
+    case rt::CellType::Float: return "CellType::Float";
+    case rt::CellType::String: return "CellType::String";
+    case rt::CellType::Int: break;
   }
-  return "SlotType::Int";
+  return "CellType::Int";
 }
 
 const char* scope_text(rt::InvariantScope scope) {
@@ -41,11 +41,13 @@ std::vector<std::string> texts(const rt::Span<const char*>& items) {
 }  // namespace
 
 std::string TableWriter::ranges(const std::string& name, const rt::Span<rt::RangeOp>& code) {
-  static constexpr const char* kKinds[] = {"Constant", "Any", "Own", "Bound", "Neg", "Add", "Sub", "Mul", "Not", "And", "Or", "Eq", "Ne", "Lt", "Le", "Store", "Branch"};
+  static constexpr const char* kKinds[] = {"Constant", "Any", "Own", "Bound", "Neg", "Add", "Sub",   "Mul",   "Not",
+                                           "And",      "Or",  "Eq",  "Ne",    "Lt",  "Le",  "Store", "Branch"};
   std::vector<std::string> rows;
   for (const rt::RangeOp& op : code) {
-    rows.push_back(braces({std::string("RangeOpKind::") + kKinds[static_cast<std::size_t>(op.kind)], slot_type_text(op.type), row_text(op.row),
-                           row_text(op.otherwise), float_literal(op.number)}));
+    rows.push_back(
+        braces({std::string("RangeOpKind::") + kKinds[static_cast<std::size_t>(op.kind)], cell_type_text(op.type),
+                row_text(op.row), row_text(op.otherwise), float_literal(op.number)}));
   }
   return table("RangeOp", name, rows);
 }
@@ -80,7 +82,8 @@ std::string TableWriter::list(const std::string& name, const rt::Span<std::uint3
 std::string TableWriter::vars(const std::string& name, const rt::Span<rt::Var>& items) {
   std::vector<std::string> rows;
   for (const rt::Var& v : items) {
-    rows.push_back(braces({string_literal(v.name), slot_type_text(v.type), bool_text(v.is_param), bool_text(v.exported)}));
+    rows.push_back(
+        braces({string_literal(v.name), cell_type_text(v.type), bool_text(v.is_param), bool_text(v.exported)}));
   }
   return table("Var", name, rows);
 }
@@ -107,11 +110,12 @@ void TableWriter::atom_type(const rt::AtomType& type) {
   const std::string name = type.name;
   out_.line();
   out_.line("// ---- atom type " + comment_text(name));
-  const std::string slots = vars(name + "_vars", type.slots);
+  const std::string cells = vars(name + "_vars", type.variables);
   std::vector<std::string> rows;
   for (const rt::Port& port : type.ports) {
-    const std::string port_slots = list(name + "_" + port.name + "_slots", port.slots);
-    rows.push_back(braces({string_literal(port.name), row_text(port.type), port_slots, bool_text(port.exported), loc_text(port.loc)}));
+    const std::string port_variables = list(name + "_" + port.name + "_variables", port.variables);
+    rows.push_back(braces({string_literal(port.name), row_text(port.type), port_variables, bool_text(port.exported),
+                           loc_text(port.loc)}));
   }
   const std::string ports = table("Port", name + "_ports", rows);
   const std::string places = table("const char*", name + "_places", texts(type.places));
@@ -125,7 +129,8 @@ void TableWriter::atom_type(const rt::AtomType& type) {
   const std::string transitions = table("Transition", name + "_transitions", rows);
   rows.clear();
   for (const rt::AtomPriority& p : type.priorities) {
-    rows.push_back(braces({string_literal(p.name), row_text(p.low), row_text(p.high), row_text(p.guard), loc_text(p.loc)}));
+    rows.push_back(
+        braces({string_literal(p.name), row_text(p.low), row_text(p.high), row_text(p.guard), loc_text(p.loc)}));
   }
   const std::string priorities = table("AtomPriority", name + "_priorities", rows);
   rows.clear();
@@ -136,8 +141,8 @@ void TableWriter::atom_type(const rt::AtomType& type) {
   const std::string invariants = table("Invariant", name + "_invariants", rows);
   const std::string time = atom_time(name, type.time);
   const std::string rest = time.empty() ? invariants : invariants + ", " + time;
-  atom_rows_.push_back(braces({string_literal(name), slots, ports, places, initial, row_text(type.initial_action), transitions,
-                               loc_text(type.loc), priorities, rest}));
+  atom_rows_.push_back(braces({string_literal(name), cells, ports, places, initial, row_text(type.initial_action),
+                               transitions, loc_text(type.loc), priorities, rest}));
 }
 
 void TableWriter::connector_type(const rt::ConnectorType& type) {
@@ -149,7 +154,7 @@ void TableWriter::connector_type(const rt::ConnectorType& type) {
     rows.push_back(braces({string_literal(p.name), row_text(p.type), row_text(p.first_bind)}));
   }
   const std::string params = table("ConnectorParam", name + "_params", rows);
-  const std::string slots = vars(name + "_vars", type.slots);
+  const std::string cells = vars(name + "_vars", type.variables);
   rows.clear();
   for (const rt::DefineNode& node : type.define) {
     const std::string children = list(name + "_children", node.children);
@@ -160,15 +165,18 @@ void TableWriter::connector_type(const rt::ConnectorType& type) {
   for (const rt::Clause& c : type.clauses) {
     const std::string clause_params = list(name + "_clause_params", c.params);
     std::string rest = bool_text(c.may_fault) + ", " + bool_text(c.guard_may_fault);
-    if (c.has_ranges) rest += ", true, " + ranges(name + "_guard_ranges", c.guard_ranges) + ", " + ranges(name + "_up_ranges", c.up_ranges);
+    if (c.has_ranges)
+      rest +=
+          ", true, " + ranges(name + "_guard_ranges", c.guard_ranges) + ", " + ranges(name + "_up_ranges", c.up_ranges);
     rows.push_back(braces({clause_params, row_text(c.guard), row_text(c.up), row_text(c.down), loc_text(c.loc), rest}));
   }
   const std::string clauses = table("Clause", name + "_clauses", rows);
-  const std::string export_slots = list(name + "_export_slots", type.export_slots);
-  connector_rows_.push_back(braces({string_literal(name), params, slots, define, clauses, bool_text(type.exports),
-                                    string_literal(type.export_name), row_text(type.export_type), export_slots,
-                                    loc_text(type.loc) + (type.resume_sync || type.is_total ? ", " + bool_text(type.resume_sync) : "") +
-                                        (type.is_total ? ", true" : "")}));
+  const std::string export_variables = list(name + "_export_variables", type.export_variables);
+  connector_rows_.push_back(
+      braces({string_literal(name), params, cells, define, clauses, bool_text(type.exports),
+              string_literal(type.export_name), row_text(type.export_type), export_variables,
+              loc_text(type.loc) + (type.resume_sync || type.is_total ? ", " + bool_text(type.resume_sync) : "") +
+                  (type.is_total ? ", true" : "")}));
 }
 
 void TableWriter::image() {
@@ -179,12 +187,14 @@ void TableWriter::image() {
     codes.push_back("/* " + std::to_string(codes.size()) + " */ {&" + unit.name + ", nullptr}");
   }
   for (const rt::Site& site : image_.sites) {
-    sites.push_back("{" + loc_text(site.loc) + (site.function == nullptr ? "}" : ", " + string_literal(site.function) + "}"));
+    sites.push_back("{" + loc_text(site.loc) +
+                    (site.function == nullptr ? "}" : ", " + string_literal(site.function) + "}"));
   }
   const ForeignNames foreign(lowered_.system->code);
   std::vector<std::string> extern_types;
   for (std::size_t k = 0; k < lowered_.extern_types.size(); ++k) {
-    extern_types.push_back("extern_type_of<" + foreign.type(extern_type(k)) + ">(" + string_literal(lowered_.extern_types[k].name) + ")");
+    extern_types.push_back("extern_type_of<" + foreign.type(extern_type(k)) + ">(" +
+                           string_literal(lowered_.extern_types[k].name) + ")");
   }
   const std::string extern_span = table("ExternType", "extern_types", extern_types);
   const std::vector<lower::EventClassUse> uses = lower::event_class_uses(*lowered_.system);
@@ -214,7 +224,7 @@ void TableWriter::image() {
   field("port_refs", port_refs_);
   field("binds", binds_);
   field("priorities", priorities_);
-  field("slot_count", std::to_string(image_.slot_count));
+  field("cell_count", std::to_string(image_.cell_count));
   field("choices", choices_);
   if (!lowered_.steps.shapes.empty()) {
     field("step_fns", step_fns_);

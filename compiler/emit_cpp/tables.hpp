@@ -36,7 +36,8 @@ class TableWriter {
   std::string table(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
   /// The expression for a table of instances, of which `rows` are those that stand.
   template <class T, class SlopeText>
-  std::string folded(const std::string& type, const std::string& name, const std::vector<std::string>& rows, const rt::Rows<T>& table_rows, SlopeText slope_text);
+  std::string folded(const std::string& type, const std::string& name, const std::vector<std::string>& rows,
+                     const rt::Rows<T>& table_rows, SlopeText slope_text);
   // The array's name; rows there must be.
   std::string array(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
   /// The expression for a list of rows: in place if it is short.

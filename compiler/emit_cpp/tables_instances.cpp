@@ -1,7 +1,7 @@
-// Tables of instances: compounds, atoms with their arguments, connectors with ports and bound slots, priorities.
+// Tables of instances: compounds, atoms with their arguments, connectors with ports and bound cells, priorities.
 //
 // One row a line; rows that carry no path say in a comment whose they are.
-#include "compiler/emit_cpp/steps.hpp"
+#include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 #include "compiler/emit_cpp/tables.hpp"
 
@@ -9,9 +9,9 @@ namespace bip::emit_cpp {
 
 namespace {
 
-std::string slot_text(const rt::Slot& slot, Type type) {
-  if (type == Type::Float) return "float_slot(" + float_literal(slot.f) + ")";
-  return "int_slot(" + int_literal(slot.i) + ")";
+std::string cell_text(const rt::Cell& cell, Type type) {
+  if (type == Type::Float) return "float_cell(" + float_literal(cell.f) + ")";
+  return "int_cell(" + int_literal(cell.i) + ")";
 }
 
 std::string port_ref_text(const rt::PortRef& ref) {
@@ -32,7 +32,7 @@ std::string index_text(std::uint32_t index) { return index == rt::kNone ? "" : "
 
 std::string bind_texts(const rt::Bind* first, std::uint32_t count) {
   std::string text;
-  for (std::uint32_t k = 0; k < count; ++k) text += (k == 0 ? "{" : ", {") + row_text(first[k].slot) + "}";
+  for (std::uint32_t k = 0; k < count; ++k) text += (k == 0 ? "{" : ", {") + row_text(first[k].cell) + "}";
   return text;
 }
 
@@ -48,15 +48,17 @@ std::string joined(const std::vector<std::string>& cells) {
 }  // namespace
 
 template <class T, class SlopeText>
-std::string TableWriter::folded(const std::string& type, const std::string& name, const std::vector<std::string>& rows, const rt::Rows<T>& table_rows,
-                                SlopeText slope_text) {
+std::string TableWriter::folded(const std::string& type, const std::string& name, const std::vector<std::string>& rows,
+                                const rt::Rows<T>& table_rows, SlopeText slope_text) {
   const std::string stand = table(type, name + "s", rows);
   if (table_rows.repeats.size == 0) return stand;
   std::vector<std::string> repeats, slopes;
-  for (const rt::Repeat& r : table_rows.repeats) repeats.push_back(braces({row_text(r.first), row_text(r.period), row_text(r.row), row_text(r.slope)}));
+  for (const rt::Repeat& r : table_rows.repeats)
+    repeats.push_back(braces({row_text(r.first), row_text(r.period), row_text(r.row), row_text(r.slope)}));
   for (const typename T::Slope& slope : table_rows.slopes) slopes.push_back(slope_text(slope));
   const std::string repeat_span = table("Repeat", name + "_repeats", repeats);
-  return braces({stand, repeat_span, table(type + "::Slope", name + "_slopes", slopes), std::to_string(table_rows.size)});
+  return braces(
+      {stand, repeat_span, table(type + "::Slope", name + "_slopes", slopes), std::to_string(table_rows.size)});
 }
 
 void TableWriter::instances() {
@@ -70,45 +72,53 @@ void TableWriter::instances() {
   rows.clear();
   std::vector<std::string> args;
   for (const rt::Atom& a : image_.atoms.rows) {
-    rows.push_back(braces({string_literal(a.name), row_text(a.type), row_text(a.slot_base), row_text(a.args), loc_text(a.loc) + index_text(a.index)}));
+    rows.push_back(braces({string_literal(a.name), row_text(a.type), row_text(a.first_cell), row_text(a.args),
+                           loc_text(a.loc) + index_text(a.index)}));
   }
-  atoms_ = folded("Atom", "atom", rows, image_.atoms, [](const rt::Atom::Slope& s) { return braces({number(s.slot_base), number(s.args)}); });
+  atoms_ = folded("Atom", "atom", rows, image_.atoms, [](const rt::Atom::Slope& s) {
+    return braces({number(s.first_cell), number(s.args)});
+  });
   for (std::uint32_t row = 0; row < image_.atoms.size; ++row) {
     const rt::Atom a = image_.atoms[row];
     const std::vector<Value>& values = system.atoms[AtomId(row)].args;
     std::vector<std::string> cells;
-    for (std::size_t k = 0; k < values.size(); ++k) cells.push_back(slot_text(image_.args[a.args + k], values[k].type));
+    for (std::size_t k = 0; k < values.size(); ++k) cells.push_back(cell_text(image_.args[a.args + k], values[k].type));
     if (!cells.empty()) args.push_back(with_owner(joined(cells), a.path()));
   }
-  args_ = table("Slot", "args", args);
+  args_ = table("Cell", "args", args);
 
   rows.clear();
   std::vector<std::string> refs, binds;
   for (const rt::Connector& c : image_.connectors.rows) {
-    rows.push_back(braces({string_literal(c.name), row_text(c.type), row_text(c.slot_base), row_text(c.ports),
+    rows.push_back(braces({string_literal(c.name), row_text(c.type), row_text(c.first_cell), row_text(c.ports),
                            row_text(c.binds), row_text(c.bind_count), bool_text(c.bound), loc_text(c.loc),
                            row_text(c.parent) + index_text(c.index)}));
   }
   connectors_ = folded("Connector", "connector", rows, image_.connectors, [](const rt::Connector::Slope& s) {
-    return braces({number(s.slot_base), number(s.ports), number(s.binds), number(s.parent)});
+    return braces({number(s.first_cell), number(s.ports), number(s.binds), number(s.parent)});
   });
   const bool are_folded = image_.port_refs.repeats.size != 0, are_binds_folded = image_.binds.repeats.size != 0;
-  for (std::uint32_t k = 0; are_folded && k < image_.port_refs.rows.size; ++k) refs.push_back(port_ref_text(image_.port_refs.rows[k]));
+  for (std::uint32_t k = 0; are_folded && k < image_.port_refs.rows.size; ++k)
+    refs.push_back(port_ref_text(image_.port_refs.rows[k]));
   for (const rt::Connector& c : image_.connectors) {
     const rt::ConnectorType& type = image_.connector_types[c.type];
     for (std::uint32_t k = 0; !are_folded && k < type.params.size; ++k) {
       refs.push_back(with_owner(port_ref_text(image_.port_refs[c.ports + k]), c.path() + " " + type.params[k].name));
     }
-    if (c.bind_count > 0 && !are_binds_folded) binds.push_back(with_owner(bind_texts(image_.binds.rows.data + c.binds, c.bind_count), c.path()));
+    if (c.bind_count > 0 && !are_binds_folded)
+      binds.push_back(with_owner(bind_texts(image_.binds.rows.data + c.binds, c.bind_count), c.path()));
   }
   for (const rt::Priority& p : image_.priorities) {
-    if (p.bind_count > 0 && !are_binds_folded) binds.push_back(with_owner(bind_texts(image_.binds.rows.data + p.binds, p.bind_count), p.name));
+    if (p.bind_count > 0 && !are_binds_folded)
+      binds.push_back(with_owner(bind_texts(image_.binds.rows.data + p.binds, p.bind_count), p.name));
   }
-  for (std::uint32_t k = 0; are_binds_folded && k < image_.binds.rows.size; ++k) binds.push_back(bind_texts(image_.binds.rows.data + k, 1));
+  for (std::uint32_t k = 0; are_binds_folded && k < image_.binds.rows.size; ++k)
+    binds.push_back(bind_texts(image_.binds.rows.data + k, 1));
   port_refs_ = folded("PortRef", "port_ref", refs, image_.port_refs, [](const rt::PortRef::Slope& s) {
     return braces({number(s.atom), number(s.connector), number(s.choice)});
   });
-  binds_ = folded("Bind", "bind", binds, image_.binds, [](const rt::Bind::Slope& s) { return braces({number(s.slot)}); });
+  binds_ =
+      folded("Bind", "bind", binds, image_.binds, [](const rt::Bind::Slope& s) { return braces({number(s.cell)}); });
   choices();
   priorities();
   steps();
@@ -116,9 +126,11 @@ void TableWriter::instances() {
 
 void TableWriter::steps() {
   std::vector<std::string> functions, runs, operands;
-  for (std::size_t shape = 0; shape < lowered_.steps.shapes.size(); ++shape) functions.push_back("&" + step_name(shape));
+  for (std::size_t shape = 0; shape < lowered_.steps.shapes.size(); ++shape)
+    functions.push_back("&" + step_name(shape));
   for (const rt::StepRun& run : lowered_.steps.runs) {
-    runs.push_back(braces({row_text(run.first), row_text(run.count), row_text(run.distance), row_text(run.shape), row_text(run.operands)}));
+    runs.push_back(braces({row_text(run.first), row_text(run.count), row_text(run.distance), row_text(run.shape),
+                           row_text(run.operands)}));
   }
   for (const rt::StepOperand& operand : lowered_.steps.operands) {
     operands.push_back(braces({std::to_string(operand.base) + "u", std::to_string(operand.stride) + "u"}));
@@ -142,7 +154,8 @@ std::string TableWriter::cell_operands() {
     operands.push_back(braces({std::to_string(operand.base) + "u", std::to_string(operand.stride) + "u"}));
   }
   for (const rt::StepColumn& column : cells.columns) {
-    columns.push_back(braces({std::to_string(column.slot), std::to_string(column.distance), std::to_string(column.cell), std::to_string(column.count)}));
+    columns.push_back(braces({std::to_string(column.cell), std::to_string(column.distance),
+                              std::to_string(column.column_cell), std::to_string(column.count)}));
   }
   step_columns_ = table("StepColumn", "step_columns", columns);
   return array("StepOperand", "step_cell_operands", operands);
@@ -172,7 +185,8 @@ void TableWriter::priorities() {
 
 std::string TableWriter::pattern(const std::string& name, const rt::Pattern& pattern) {
   const std::string params = list(name, pattern.params);
-  return braces({bool_text(pattern.any_connector), row_text(pattern.connector), bool_text(pattern.any_interaction), params});
+  return braces(
+      {bool_text(pattern.any_connector), row_text(pattern.connector), bool_text(pattern.any_interaction), params});
 }
 
 }  // namespace bip::emit_cpp

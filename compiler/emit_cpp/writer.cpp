@@ -90,15 +90,16 @@ const std::vector<std::string_view>& reserved_words() {
       "const_cast", "consteval", "constexpr", "constinit", "continue", "decltype", "default", "delete", "do", "double",
       "dynamic_cast", "else", "enum", "explicit", "export", "extern", "false", "float", "for", "friend", "goto", "if",
       "inline", "int", "long", "mutable", "namespace", "new", "noexcept", "not", "not_eq", "nullptr", "operator", "or",
-      "or_eq", "private", "protected", "public", "register", "reinterpret_cast", "requires", "return", "short", "signed",
-      "sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this", "thread_local",
-      "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual", "void",
-      "volatile", "wchar_t", "while", "xor", "xor_eq",
+      "or_eq", "private", "protected", "public", "register", "reinterpret_cast", "requires", "return", "short",
+      "signed", "sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this",
+      "thread_local", "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual",
+      "void", "volatile", "wchar_t", "while", "xor", "xor_eq",
       // macros that are not in capitals
       "assert", "errno", "linux", "stderr", "stdin", "stdout", "unix",
       // what emitted functions call
-      "all", "bind", "self", "Slot", "IntVar", "BoolVar", "FloatVar", "StringVar", "Cell", "IntCell", "BoolCell", "StringCell", "CodeFault", "divide", "modulo",
-      "ExternVar", "outside", "wrap_add", "wrap_sub", "wrap_mul", "wrap_neg"};
+      "all", "bind", "self", "Cell", "IntVar", "BoolVar", "FloatVar", "StringVar", "ColumnCell", "IntCell", "BoolCell",
+      "StringCell", "CodeFault", "divide", "modulo", "ExternVar", "outside", "wrap_add", "wrap_sub", "wrap_mul",
+      "wrap_neg"};
   return kWords;
 }
 

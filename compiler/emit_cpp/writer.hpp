@@ -13,7 +13,8 @@ namespace bip::emit_cpp {
 
 class CppWriter {
  public:
-  CppWriter(const std::vector<std::string>& files, bool line_directives) : files_(files), line_directives_(line_directives) {}
+  CppWriter(const std::vector<std::string>& files, bool line_directives)
+      : files_(files), line_directives_(line_directives) {}
 
   void line(std::string_view text = {}) {
     text_ += text;
@@ -32,9 +33,9 @@ class CppWriter {
   const std::vector<std::string>& files_;
   bool line_directives_;
   std::string text_;
-  bool in_model_ = false;      // a #line to a .bip is in force
-  std::uint32_t file_ = 0;     // its file
-  std::uint32_t line_ = 0;     // the line of the text at mark_
+  bool in_model_ = false;   // a #line to a .bip is in force
+  std::uint32_t file_ = 0;  // its file
+  std::uint32_t line_ = 0;  // the line of the text at mark_
   std::size_t mark_ = 0;
 };
 

@@ -41,7 +41,8 @@ class Expander {
     }
     if (ref.kind == PortRef::Kind::Choice) {
       const u32 row = add_node(Kind::Choice, use, is_trigger);
-      for (const PortRef& port : system_.choices[ref.choice].ports) add_child(row, add_binding(port, use, false, depth + 1));
+      for (const PortRef& port : system_.choices[ref.choice].ports)
+        add_child(row, add_binding(port, use, false, depth + 1));
       return row;
     }
     const u32 row = add_node(Kind::Link, use, is_trigger);
@@ -127,7 +128,8 @@ bool list(const ConnectorTree& tree, u32 row, std::vector<Leaves>& out) {
 std::string plain(const std::string& name) {
   std::string out = name;
   for (char& c : out) {
-    const bool stays = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || std::string_view("_.[](), -").find(c) != std::string_view::npos;
+    const bool stays = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       std::string_view("_.[](), -").find(c) != std::string_view::npos;
     if (!stays) c = '_';
   }
   return out;
@@ -137,7 +139,8 @@ Result<ConnectorTree> expand(const System& system, ConnectorId connector) { retu
 
 Result<std::vector<Leaves>> configurations(const ConnectorTree& tree, u32 node) {
   std::vector<Leaves> all;
-  if (!list(tree, node, all)) return Failure{"it has more than " + std::to_string(kMaxConfigurations) + " interactions"};
+  if (!list(tree, node, all))
+    return Failure{"it has more than " + std::to_string(kMaxConfigurations) + " interactions"};
   return all;
 }
 
@@ -170,7 +173,8 @@ bool is_below(const ConnectorTree& tree, u32 root, u32 node) {
   return false;
 }
 
-const Clause* chosen_clause(const System& system, const ConnectorTree::Use& use, const std::vector<std::uint8_t>& chosen) {
+const Clause* chosen_clause(const System& system, const ConnectorTree::Use& use,
+                            const std::vector<std::uint8_t>& chosen) {
   std::vector<u32> params;
   for (u32 p = 0; p < use.param_nodes.size(); ++p) {
     if (use.param_nodes[p] != kNoRow && chosen[use.param_nodes[p]] != 0) params.push_back(p);

@@ -1,5 +1,5 @@
-// A connector with those that it binds in place of the parameters that name them, and the configurations that it has: the
-// lists of interactions that other tools' formats need and that the System never makes.
+// A connector with those that it binds in place of the parameters that name them, and the configurations that it has:
+// the lists of interactions that other tools' formats need and that the System never makes.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -19,9 +19,9 @@ struct ConnectorTree {
   struct Node {
     Kind kind = Kind::Group;
     bool is_trigger = false, has_trigger = false, maximal_only = false;
-    u32 use = 0;   // the use it belongs to; Link: the one it leads to
-    AtomId atom{};   // Leaf
-    u32 port = 0;  // Leaf: of the atom's type
+    u32 use = 0;    // the use it belongs to; Link: the one it leads to
+    AtomId atom{};  // Leaf
+    u32 port = 0;   // Leaf: of the atom's type
     std::vector<u32> children;
   };
   /// A connector as it occurs in the tree; row 0 is the one on top.
@@ -48,6 +48,7 @@ using Leaves = std::vector<u32>;
 [[nodiscard]] u32 chosen_alternative(const ConnectorTree& tree, u32 node, const std::vector<std::uint8_t>& chosen);
 [[nodiscard]] bool is_below(const ConnectorTree& tree, u32 root, u32 node);
 /// The clause for what is chosen of a use; null: there is none.
-[[nodiscard]] const Clause* chosen_clause(const System& system, const ConnectorTree::Use& use, const std::vector<std::uint8_t>& chosen);
+[[nodiscard]] const Clause* chosen_clause(const System& system, const ConnectorTree::Use& use,
+                                          const std::vector<std::uint8_t>& chosen);
 
 }  // namespace bip::exchange

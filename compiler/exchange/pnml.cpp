@@ -1,6 +1,7 @@
-// See exchange.hpp. A net has neither data nor preferences, so: guards must be decided by parameters, priorities and larger interactions that
-// go before smaller ones are refused. A place is one of an atom's, a transition an interaction with a transition of each of its ports;
-// internal transitions are folded into those that lead to them. Written to ISO/IEC 15909-2's PT net schema.
+// See exchange.hpp. A net has neither data nor preferences, so: guards must be decided by parameters, priorities and
+// larger interactions that go before smaller ones are refused. A place is one of an atom's, a transition an interaction
+// with a transition of each of its ports; internal transitions are folded into those that lead to them. Written to
+// ISO/IEC 15909-2's PT net schema.
 #include "compiler/exchange/exchange.hpp"
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 
 #include "compiler/exchange/connector_tree.hpp"
 #include "compiler/system/timed.hpp"
-#include "compiler/verify/abstract_code.hpp"
+#include "compiler/verify/net/abstract_code.hpp"
 
 namespace bip::exchange {
 
@@ -35,10 +36,12 @@ class NetWriter {
       }
     }
     if (!refusal_.empty()) return Failure{refusal_};
-    return fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<pnml xmlns=\"http://www.pnml.org/version-2009/grammar/pnml\">\n"
-                       "  <net id=\"net\" type=\"http://www.pnml.org/version-2009/grammar/ptnet\">\n    <name><text>{}</text></name>\n    <page id=\"page\">\n"
-                       "{}{}{}    </page>\n  </net>\n</pnml>\n",
-                       plain(options_.root_name), places_, transitions_, arcs_);
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<pnml xmlns=\"http://www.pnml.org/version-2009/grammar/pnml\">\n"
+        "  <net id=\"net\" type=\"http://www.pnml.org/version-2009/grammar/ptnet\">\n    "
+        "<name><text>{}</text></name>\n    <page id=\"page\">\n"
+        "{}{}{}    </page>\n  </net>\n</pnml>\n",
+        plain(options_.root_name), places_, transitions_, arcs_);
   }
 
  private:
@@ -50,18 +53,22 @@ class NetWriter {
   void refuse(const std::string& what, const Loc& loc = {}) {
     if (!refusal_.empty()) return;
     refusal_ = what;
-    if (loc.line != 0 && loc.file < system_.files.size()) refusal_ += fmt::format(" ({}:{}:{})", system_.files[loc.file], loc.line, loc.column);
+    if (loc.line != 0 && loc.file < system_.files.size())
+      refusal_ += fmt::format(" ({}:{}:{})", system_.files[loc.file], loc.line, loc.column);
   }
   [[nodiscard]] const AtomType& type_of(AtomId atom) const { return system_.atom_types[system_.atoms[atom].type]; }
-  [[nodiscard]] std::string path_of(AtomId atom, u32 port) const { return plain(system_.atoms[atom].path) + '.' + plain(type_of(atom).ports[port].name); }
+  [[nodiscard]] std::string path_of(AtomId atom, u32 port) const {
+    return plain(system_.atoms[atom].path) + '.' + plain(type_of(atom).ports[port].name);
+  }
 
   // Parameters are known, data is not.
   [[nodiscard]] bool holds(AtomId atom, ExprId guard, const Loc& loc) {
     if (!guard.is_valid()) return true;
-    std::vector<verify::AbstractValue> self(type_of(atom).slots.size());
+    std::vector<verify::AbstractValue> self(type_of(atom).variables.size());
     for (std::size_t k = 0; k < self.size(); ++k) {
-      const Slot& slot = type_of(atom).slots[k];
-      if (slot.is_param && slot.type != Type::Float && !is_extern(slot.type)) self[k] = verify::known(system_.atoms[atom].args[k].int_value);
+      const DataVariable& variable = type_of(atom).variables[k];
+      if (variable.is_param && variable.type != Type::Float && !is_extern(variable.type))
+        self[k] = verify::known(system_.atoms[atom].args[k].int_value);
     }
     const verify::AbstractValue value = verify::evaluate(system_.code, guard, self, {});
     if (!value.is_known) refuse("a guard that data decides", loc);
@@ -70,24 +77,30 @@ class NetWriter {
 
   void add_atom(AtomId atom) {
     const AtomType& type = type_of(atom);
-    if (!type.priorities.empty()) return refuse(fmt::format("priorities of atom type `{}`", type.name), type.priorities[0].loc);
-    if (!type.invariants.empty()) return refuse(fmt::format("invariants of atom type `{}`", type.name), type.invariants[0].loc);
+    if (!type.priorities.empty())
+      return refuse(fmt::format("priorities of atom type `{}`", type.name), type.priorities[0].loc);
+    if (!type.invariants.empty())
+      return refuse(fmt::format("invariants of atom type `{}`", type.name), type.invariants[0].loc);
     const bool is_automaton = type.is_automaton();
-    const bool has_internals = std::any_of(type.transitions.begin(), type.transitions.end(), [](const Transition& t) { return t.port == Transition::kInternal; });
-    if (has_internals && !is_automaton) return refuse(fmt::format("internal transitions of `{}`, which is no automaton", type.name), type.loc);
+    const bool has_internals = std::any_of(type.transitions.begin(), type.transitions.end(),
+                                           [](const Transition& t) { return t.port == Transition::kInternal; });
+    if (has_internals && !is_automaton)
+      return refuse(fmt::format("internal transitions of `{}`, which is no automaton", type.name), type.loc);
     for (std::size_t k = 0; k < type.transitions.size(); ++k) {
       for (std::size_t j = 0; j < k; ++j) {
         const Transition &a = type.transitions[j], &b = type.transitions[k];
         const bool may_meet = a.port == b.port && (!is_automaton || a.from == b.from);
-        if (may_meet && holds(atom, a.guard, a.loc) && holds(atom, b.guard, b.loc)) refuse("two transitions that may be enabled at once, a run-time error", b.loc);
+        if (may_meet && holds(atom, a.guard, a.loc) && holds(atom, b.guard, b.loc))
+          refuse("two transitions that may be enabled at once, a run-time error", b.loc);
       }
     }
     std::vector<u32> initial;
     for (u32 place : type.initial) initial.push_back(settled(atom, place));
     for (u32 place = 0; place < type.places.size(); ++place) {
       const bool is_marked = std::find(initial.begin(), initial.end(), place) != initial.end();
-      places_ += fmt::format("      <place id=\"p{}_{}\"><name><text>{}.{}</text></name>{}</place>\n", atom.value, place, plain(system_.atoms[atom].path),
-                             plain(type.places[place]), is_marked ? "<initialMarking><text>1</text></initialMarking>" : "");
+      places_ += fmt::format("      <place id=\"p{}_{}\"><name><text>{}.{}</text></name>{}</place>\n", atom.value,
+                             place, plain(system_.atoms[atom].path), plain(type.places[place]),
+                             is_marked ? "<initialMarking><text>1</text></initialMarking>" : "");
     }
   }
 
@@ -122,14 +135,20 @@ class NetWriter {
         }
       }
       found = std::move(next);
-      if (count_ + found.size() > kMaxTransitions) return refuse("more than " + std::to_string(kMaxTransitions) + " transitions of the net");
+      if (count_ + found.size() > kMaxTransitions)
+        return refuse("more than " + std::to_string(kMaxTransitions) + " transitions of the net");
     }
     for (const auto& some : found) {
-      transitions_ += fmt::format("      <transition id=\"t{}\"><name><text>{}</text></name></transition>\n", count_, name);
+      transitions_ +=
+          fmt::format("      <transition id=\"t{}\"><name><text>{}</text></name></transition>\n", count_, name);
       for (std::size_t k = 0; k < ports.size(); ++k) {
         const u32 atom = ports[k].atom.value;
-        for (u32 place : some[k]->from) arcs_ += fmt::format("      <arc id=\"a{}\" source=\"p{}_{}\" target=\"t{}\"/>\n", arc_count_++, atom, place, count_);
-        for (u32 place : some[k]->to) arcs_ += fmt::format("      <arc id=\"a{}\" source=\"t{}\" target=\"p{}_{}\"/>\n", arc_count_++, count_, atom, settled(ports[k].atom, place));
+        for (u32 place : some[k]->from)
+          arcs_ += fmt::format("      <arc id=\"a{}\" source=\"p{}_{}\" target=\"t{}\"/>\n", arc_count_++, atom, place,
+                               count_);
+        for (u32 place : some[k]->to)
+          arcs_ += fmt::format("      <arc id=\"a{}\" source=\"t{}\" target=\"p{}_{}\"/>\n", arc_count_++, count_, atom,
+                               settled(ports[k].atom, place));
       }
       ++count_;
     }
@@ -142,11 +161,15 @@ class NetWriter {
     Result<std::vector<Leaves>> all = configurations(*tree, tree->uses[0].root);
     if (!all) return refuse(fmt::format("connector `{}`: {}", path, all.error()));
     const bool prefers = std::any_of(all->begin(), all->end(), [&](const Leaves& one) {
-      return std::any_of(all->begin(), all->end(), [&](const Leaves& other) { return one.size() < other.size() && std::includes(other.begin(), other.end(), one.begin(), one.end()); });
+      return std::any_of(all->begin(), all->end(), [&](const Leaves& other) {
+        return one.size() < other.size() && std::includes(other.begin(), other.end(), one.begin(), one.end());
+      });
     });
-    const bool is_filtered = std::any_of(tree->nodes.begin(), tree->nodes.end(), [](const ConnectorTree::Node& node) { return node.maximal_only; });
+    const bool is_filtered = std::any_of(tree->nodes.begin(), tree->nodes.end(),
+                                         [](const ConnectorTree::Node& node) { return node.maximal_only; });
     if (prefers && (options_.maximal_progress || is_filtered)) {
-      return refuse(fmt::format("connector `{}`, whose larger interactions go before smaller ones{}", path, is_filtered ? "" : " (all have equal rights with `--disable-maximal-progress`)"));
+      return refuse(fmt::format("connector `{}`, whose larger interactions go before smaller ones{}", path,
+                                is_filtered ? "" : " (all have equal rights with `--disable-maximal-progress`)"));
     }
     for (const Leaves& leaves : *all) {
       const std::vector<std::uint8_t> chosen = chosen_nodes(*tree, leaves);

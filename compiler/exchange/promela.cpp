@@ -1,6 +1,6 @@
-// See exchange.hpp. One process that takes a step at a time: an alternative an interaction, each a `d_step`, so that SPIN's states are
-// the stable ones. Where no alternative is executable the process waits for ever, SPIN's invalid end state; after a run-time error
-// it ends. Cost: the interactions, times what they touch.
+// See exchange.hpp. One process that takes a step at a time: an alternative an interaction, each a `d_step`, so that
+// SPIN's states are the stable ones. Where no alternative is executable the process waits for ever, SPIN's invalid end
+// state; after a run-time error it ends. Cost: the interactions, times what they touch.
 #include "compiler/exchange/promela.hpp"
 
 #include <algorithm>
@@ -14,7 +14,9 @@ namespace bip::exchange {
 bool PromelaWriter::matches(const Priority& rule, bool high, const Step& step) const {
   const Pattern& pattern = high ? rule.high : rule.low;
   const Pattern& other = high ? rule.low : rule.high;
-  if (pattern.any_connector) return system_.connectors[step.connector].parent == rule.parent && (other.any_connector || !matches(rule, !high, step));
+  if (pattern.any_connector)
+    return system_.connectors[step.connector].parent == rule.parent &&
+           (other.any_connector || !matches(rule, !high, step));
   if (pattern.connector != step.connector) return false;
   const std::vector<u32>& outer = high ? step.params : pattern.params;
   const std::vector<u32>& inner = high ? pattern.params : step.params;
@@ -28,7 +30,9 @@ bool PromelaWriter::has_cycle(const std::vector<std::set<std::size_t>>& next) co
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t row = 0; row < next.size(); ++row) {
-      if (!left.contains(row) || std::any_of(next[row].begin(), next[row].end(), [&](std::size_t other) { return left.contains(other); })) continue;
+      if (!left.contains(row) ||
+          std::any_of(next[row].begin(), next[row].end(), [&](std::size_t other) { return left.contains(other); }))
+        continue;
       left.erase(row);
       changed = true;
     }
@@ -44,7 +48,7 @@ void PromelaWriter::add_priorities() {
     const Priority& rule = system_.priorities[PriorityId(r)];
     Names names;
     names.self = [](u32) { return std::string(); };
-    names.bind = [&](u32 k) { return slot_name(rule.data[k].atom, rule.data[k].slot); };
+    names.bind = [&](u32 k) { return variable_name(rule.data[k].atom, rule.data[k].variable); };
     std::string above = "false";
     for (const Step& step : steps_) {
       if (!matches(rule, true, step)) continue;
@@ -54,7 +58,8 @@ void PromelaWriter::add_priorities() {
       }
     }
     for (std::size_t s : next[r]) above += fmt::format(" || hides{}", s);
-    macros_ += fmt::format("#define hides{} ({} && ({})) /* {} */\n", r, code_.text(rule.guard, names), above, plain(rule.name));
+    macros_ += fmt::format("#define hides{} ({} && ({})) /* {} */\n", r, code_.text(rule.guard, names), above,
+                           plain(rule.name));
   }
   if (has_cycle(next)) code_.refuse("priorities that only guards keep from being a cycle");
 }
@@ -81,24 +86,29 @@ Result<std::string> PromelaWriter::run() {
     for (std::size_t r = 0; r < system_.priorities.size(); ++r) {
       if (matches(system_.priorities[PriorityId(r)], false, step)) guard += fmt::format(" && !hides{}", r);
     }
-    alternatives += fmt::format("  :: d_step {{ {} ->\n     printf(\"{}\\n\");\n{}     }}\n", guard, told(step), effect(step));
+    alternatives +=
+        fmt::format("  :: d_step {{ {} ->\n     printf(\"{}\\n\");\n{}     }}\n", guard, told(step), effect(step));
   }
   for (u32 row = 0; row < system_.atoms.size(); ++row) {
     const AtomId atom(row);
     for (u32 port = 0; port < type_of(atom).ports.size(); ++port) {
       if (type_of(atom).ports[port].exported) continue;
       const std::string name = plain(system_.atoms[atom].path) + '.' + plain(type_of(atom).ports[port].name);
-      alternatives += fmt::format("  :: d_step {{ !fault && {} ->\n     printf(\"{}\\n\");\n{}{}     }}\n", port_name(atom, port), name, record(atom, port), fire(atom, port));
+      alternatives += fmt::format("  :: d_step {{ !fault && {} ->\n     printf(\"{}\\n\");\n{}{}     }}\n",
+                                  port_name(atom, port), name, record(atom, port), fire(atom, port));
     }
   }
   if (!refusal_.empty()) return Failure{refusal_};
-  return fmt::format("/* {} by bipc export. Deadlocks are invalid end states:\n"
-                     "   spin -a m.pml && cc -O2 -fwrapv -DSAFETY -o pan pan.c && ./pan -m1000000, then spin -t m.pml */\n"
-                     "{}bool fault = false; /* a run-time error: the end, no deadlock */\n\n{}\n{}\n"
-                     "init {{\n  d_step {{\n{}    skip;\n  }}\n  do\n  :: fault -> break\n{}  od\n}}\n",
-                     plain(options_.root_name), declarations_, macros_, inlines_, initial, alternatives);
+  return fmt::format(
+      "/* {} by bipc export. Deadlocks are invalid end states:\n"
+      "   spin -a m.pml && cc -O2 -fwrapv -DSAFETY -o pan pan.c && ./pan -m1000000, then spin -t m.pml */\n"
+      "{}bool fault = false; /* a run-time error: the end, no deadlock */\n\n{}\n{}\n"
+      "init {{\n  d_step {{\n{}    skip;\n  }}\n  do\n  :: fault -> break\n{}  od\n}}\n",
+      plain(options_.root_name), declarations_, macros_, inlines_, initial, alternatives);
 }
 
-Result<std::string> promela(const System& system, const Options& options) { return PromelaWriter(system, options).run(); }
+Result<std::string> promela(const System& system, const Options& options) {
+  return PromelaWriter(system, options).run();
+}
 
 }  // namespace bip::exchange

@@ -9,7 +9,8 @@ namespace bip::exchange {
 
 class PromelaWriter {
  public:
-  PromelaWriter(const System& system, const Options& options) : system_(system), options_(options), code_(system, refusal_) {}
+  PromelaWriter(const System& system, const Options& options)
+      : system_(system), options_(options), code_(system, refusal_) {}
   Result<std::string> run();
 
  private:
@@ -24,7 +25,7 @@ class PromelaWriter {
 
   // promela_atoms.cpp
   [[nodiscard]] const AtomType& type_of(AtomId atom) const { return system_.atom_types[system_.atoms[atom].type]; }
-  [[nodiscard]] std::string slot_name(AtomId atom, u32 slot) const;
+  [[nodiscard]] std::string variable_name(AtomId atom, u32 variable) const;
   [[nodiscard]] Names names_of(AtomId atom) const;
   [[nodiscard]] std::string marked(AtomId atom, const std::vector<u32>& places) const;
   [[nodiscard]] std::string enabled(AtomId atom, const Transition& t);
@@ -34,14 +35,17 @@ class PromelaWriter {
   void add_ports(AtomId atom);
   void add_settle(AtomId atom);
   void add_initial(AtomId atom, std::string& out);
-  [[nodiscard]] std::string port_name(AtomId atom, u32 port) const { return "on" + std::to_string(atom.value) + '_' + std::to_string(port); }
+  [[nodiscard]] std::string port_name(AtomId atom, u32 port) const {
+    return "on" + std::to_string(atom.value) + '_' + std::to_string(port);
+  }
 
   // promela_connectors.cpp
   void add_connector(ConnectorId connector);
   [[nodiscard]] std::string enabled(const ConnectorTree& tree, u32 root, const Leaves& leaves);
-  [[nodiscard]] Names names_of(const ConnectorTree& tree, const ConnectorTree::Use& use, const std::vector<std::uint8_t>& chosen,
-                               std::function<std::string(u32 use, u32 slot)> frame) const;
-  [[nodiscard]] std::string frame_name(ConnectorId connector, u32 slot) const;
+  [[nodiscard]] Names names_of(const ConnectorTree& tree, const ConnectorTree::Use& use,
+                               const std::vector<std::uint8_t>& chosen,
+                               std::function<std::string(u32 use, u32 variable)> frame) const;
+  [[nodiscard]] std::string frame_name(ConnectorId connector, u32 variable) const;
   [[nodiscard]] std::string effect(const Step& step);
   void fire_use(const ConnectorTree& tree, u32 use, const std::vector<std::uint8_t>& chosen, std::string& out);
   [[nodiscard]] std::string record(AtomId atom, u32 port);

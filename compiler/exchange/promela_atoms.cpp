@@ -1,5 +1,5 @@
-// Atoms in Promela: `p3` the place of atom 3 (`m3_1`: is place 1 of a Petri net atom marked?), `d3_0` its slot 0, `on3_1` whether its
-// port 1 is enabled, `settle3()` what happens to it before anybody looks at it again.
+// Atoms in Promela: `p3` the place of atom 3 (`m3_1`: is place 1 of a Petri net atom marked?), `d3_0` its variable 0,
+// `on3_1` whether its port 1 is enabled, `settle3()` what happens to it before anybody looks at it again.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -12,17 +12,17 @@ namespace {
 const char* type_name(Type type) { return type == Type::Bool ? "bool" : "int"; }
 }  // namespace
 
-std::string PromelaWriter::slot_name(AtomId atom, u32 slot) const {
-  if (type_of(atom).slots[slot].is_param && type_of(atom).slots[slot].type != Type::Float) {
-    const std::int32_t value = system_.atoms[atom].args[slot].int_value;
+std::string PromelaWriter::variable_name(AtomId atom, u32 variable) const {
+  if (type_of(atom).variables[variable].is_param && type_of(atom).variables[variable].type != Type::Float) {
+    const std::int32_t value = system_.atoms[atom].args[variable].int_value;
     return value < 0 ? fmt::format("({})", value) : std::to_string(value);
   }
-  return fmt::format("d{}_{}", atom.value, slot);
+  return fmt::format("d{}_{}", atom.value, variable);
 }
 
 Names PromelaWriter::names_of(AtomId atom) const {
   Names names;
-  names.self = [this, atom](u32 k) { return slot_name(atom, k); };
+  names.self = [this, atom](u32 k) { return variable_name(atom, k); };
   names.bind = [](u32) { return std::string(); };
   return names;
 }
@@ -54,7 +54,8 @@ std::string PromelaWriter::move(AtomId atom, const Transition& t, const std::str
   } else {
     for (u32 place : t.from) out += fmt::format("{}m{}_{} = false;\n", indent, atom.value, place);
     for (u32 place : t.to) {
-      out += fmt::format("{0}if\n{0}:: m{1}_{2} -> fault = true;\n{0}:: else -> m{1}_{2} = true;\n{0}fi;\n", indent, atom.value, place);
+      out += fmt::format("{0}if\n{0}:: m{1}_{2} -> fault = true;\n{0}:: else -> m{1}_{2} = true;\n{0}fi;\n", indent,
+                         atom.value, place);
     }
   }
   out += code_.statements(t.action, names_of(atom), indent);
@@ -65,17 +66,24 @@ std::string PromelaWriter::move(AtomId atom, const Transition& t, const std::str
 void PromelaWriter::declare(AtomId atom) {
   const AtomType& type = type_of(atom);
   declarations_ += fmt::format("/* {}:", plain(system_.atoms[atom].path));
-  for (std::size_t place = 0; place < type.places.size(); ++place) declarations_ += fmt::format(" {} {}", place, plain(type.places[place]));
+  for (std::size_t place = 0; place < type.places.size(); ++place)
+    declarations_ += fmt::format(" {} {}", place, plain(type.places[place]));
   declarations_ += " */\n";
-  const auto is_initial = [&](std::size_t place) { return std::find(type.initial.begin(), type.initial.end(), place) != type.initial.end(); };
-  if (type.is_automaton()) declarations_ += fmt::format("{} p{} = {};\n", type.places.size() > 255 ? "int" : "byte", atom.value, type.initial[0]);
+  const auto is_initial = [&](std::size_t place) {
+    return std::find(type.initial.begin(), type.initial.end(), place) != type.initial.end();
+  };
+  if (type.is_automaton())
+    declarations_ +=
+        fmt::format("{} p{} = {};\n", type.places.size() > 255 ? "int" : "byte", atom.value, type.initial[0]);
   for (std::size_t place = 0; !type.is_automaton() && place < type.places.size(); ++place) {
     declarations_ += fmt::format("bool m{}_{} = {};\n", atom.value, place, is_initial(place));
   }
-  for (std::size_t k = 0; k < type.slots.size(); ++k) {
-    const Slot& slot = type.slots[k];
-    if (is_extern(slot.type)) code_.refuse("data of type " + system_.code.type_name(slot.type), slot.loc);
-    if (!slot.is_param && slot.type != Type::Float) declarations_ += fmt::format("{} d{}_{}; /* {} */\n", type_name(slot.type), atom.value, k, plain(slot.name));
+  for (std::size_t k = 0; k < type.variables.size(); ++k) {
+    const DataVariable& variable = type.variables[k];
+    if (is_extern(variable.type)) code_.refuse("data of type " + system_.code.type_name(variable.type), variable.loc);
+    if (!variable.is_param && variable.type != Type::Float)
+      declarations_ +=
+          fmt::format("{} d{}_{}; /* {} */\n", type_name(variable.type), atom.value, k, plain(variable.name));
   }
 }
 
@@ -87,8 +95,12 @@ void PromelaWriter::add_ports(AtomId atom) {
   for (const AtomPriority& rule : type.priorities) {
     for (u32 low = 0; low < count; ++low) {
       for (u32 high = 0; high < count; ++high) {
-        const bool fits_low = rule.low == AtomPriority::kAnyPort ? rule.high == AtomPriority::kAnyPort || low != rule.high : rule.low == low;
-        const bool fits_high = rule.high == AtomPriority::kAnyPort ? rule.low == AtomPriority::kAnyPort || high != rule.low : rule.high == high;
+        const bool fits_low = rule.low == AtomPriority::kAnyPort
+                                  ? rule.high == AtomPriority::kAnyPort || low != rule.high
+                                  : rule.low == low;
+        const bool fits_high = rule.high == AtomPriority::kAnyPort
+                                   ? rule.low == AtomPriority::kAnyPort || high != rule.low
+                                   : rule.high == high;
         if (!fits_low || !fits_high) continue;
         above[low].insert(high);
         std::string& guard = guards[low][high];
@@ -124,12 +136,19 @@ void PromelaWriter::add_settle(AtomId atom) {
     inlines_ += fmt::format("inline keep{}() {{\n", atom.value);
     for (const Invariant& row : type.invariants) {
       std::string here = "true";
-      if (row.scope != InvariantScope::Always && !type.is_automaton()) here = row.places.empty() ? "true" : marked(atom, row.places);
-      else if (row.scope != InvariantScope::Always) here = row.places.size() > 1 ? "false" : row.places.empty() ? (row.scope == InvariantScope::At ? "false" : "true") : marked(atom, row.places);
-      for (u32 place = 0; row.scope == InvariantScope::At && !type.is_automaton() && place < type.places.size(); ++place) {
-        if (!std::binary_search(row.places.begin(), row.places.end(), place)) here += fmt::format(" && !m{}_{}", atom.value, place);
+      if (row.scope != InvariantScope::Always && !type.is_automaton())
+        here = row.places.empty() ? "true" : marked(atom, row.places);
+      else if (row.scope != InvariantScope::Always)
+        here = row.places.size() > 1 ? "false"
+               : row.places.empty()  ? (row.scope == InvariantScope::At ? "false" : "true")
+                                     : marked(atom, row.places);
+      for (u32 place = 0; row.scope == InvariantScope::At && !type.is_automaton() && place < type.places.size();
+           ++place) {
+        if (!std::binary_search(row.places.begin(), row.places.end(), place))
+          here += fmt::format(" && !m{}_{}", atom.value, place);
       }
-      inlines_ += fmt::format("  if\n  :: ({}) && !({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", here, code_.text(row.condition, names_of(atom)));
+      inlines_ += fmt::format("  if\n  :: ({}) && !({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", here,
+                              code_.text(row.condition, names_of(atom)));
     }
     inlines_ += "}\n";
   }
@@ -143,7 +162,8 @@ void PromelaWriter::add_settle(AtomId atom) {
       std::string& list = t.port == Transition::kInternal ? twice : ports_twice;
       list += (list.empty() ? "" : " || ") + pair;
     }
-    if (t.port == Transition::kInternal) internals += fmt::format("  :: !fault && {} ->\n{}", enabled(atom, t), move(atom, t, "     "));
+    if (t.port == Transition::kInternal)
+      internals += fmt::format("  :: !fault && {} ->\n{}", enabled(atom, t), move(atom, t, "     "));
   }
   inlines_ += fmt::format("inline settle{}() {{\n", atom.value);
   if (!internals.empty()) {
@@ -151,7 +171,8 @@ void PromelaWriter::add_settle(AtomId atom) {
     if (!twice.empty()) inlines_ += fmt::format("  :: !fault && ({}) -> fault = true;\n", twice);
     inlines_ += internals + "  :: else -> break;\n  od;\n";
   }
-  if (!ports_twice.empty()) inlines_ += fmt::format("  if\n  :: ({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", ports_twice);
+  if (!ports_twice.empty())
+    inlines_ += fmt::format("  if\n  :: ({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", ports_twice);
   if (internals.empty() && ports_twice.empty()) inlines_ += "  skip;\n";
   inlines_ += "}\n";
 }

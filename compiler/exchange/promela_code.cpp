@@ -44,19 +44,22 @@ std::string number(std::int32_t value) {
 void PromelaCode::refuse(const std::string& what, const Loc& loc) {
   if (!refusal_.empty()) return;
   refusal_ = what;
-  if (loc.line != 0 && loc.file < system_.files.size()) refusal_ += fmt::format(" ({}:{}:{})", system_.files[loc.file], loc.line, loc.column);
+  if (loc.line != 0 && loc.file < system_.files.size())
+    refusal_ += fmt::format(" ({}:{}:{})", system_.files[loc.file], loc.line, loc.column);
 }
 
 // A float that is stored and never compared: reading one is refused, so that what is left out changes nothing.
 bool PromelaCode::decides_nothing(const Stmt& store) {
-  if (is_extern(store.type) || (store.type == Type::Float && !code_.functions.empty())) refuse("data of type " + code_.type_name(store.type), store.loc);
+  if (is_extern(store.type) || (store.type == Type::Float && !code_.functions.empty()))
+    refuse("data of type " + code_.type_name(store.type), store.loc);
   return store.type == Type::Float;
 }
 
 std::string PromelaCode::division(const Expr& e, const std::string& a, const Names& names) {
   const Expr& divisor = code_.exprs[e.b];
   // By anything else it may be a run-time error in the middle of an expression.
-  if (divisor.op != Op::ConstInt || divisor.int_value == 0 || divisor.int_value == -1) refuse("a division by what is no constant, or by 0 or -1", e.loc);
+  if (divisor.op != Op::ConstInt || divisor.int_value == 0 || divisor.int_value == -1)
+    refuse("a division by what is no constant, or by 0 or -1", e.loc);
   return fmt::format("({} {} {})", a, sign_of(e.op), text(e.b, names));
 }
 
@@ -96,8 +99,11 @@ std::string PromelaCode::statements(StmtId body, const Names& names, const std::
     if (s.op == StmtOp::Call) {
       refuse("a call of C++", s.loc);
     } else if (s.op == StmtOp::If) {
-      const auto branch = [&](StmtId inner) { return inner.is_valid() ? statements(inner, names, indent + "  ") : indent + "  skip;\n"; };
-      out += fmt::format("{0}if\n{0}:: {1} ->\n{2}{0}:: else ->\n{3}{0}fi;\n", indent, text(s.value, names), branch(s.then_body), branch(s.else_body));
+      const auto branch = [&](StmtId inner) {
+        return inner.is_valid() ? statements(inner, names, indent + "  ") : indent + "  skip;\n";
+      };
+      out += fmt::format("{0}if\n{0}:: {1} ->\n{2}{0}:: else ->\n{3}{0}fi;\n", indent, text(s.value, names),
+                         branch(s.then_body), branch(s.else_body));
     } else {
       if (decides_nothing(s)) continue;
       const std::string name = s.op == StmtOp::StoreSelf ? names.self(s.index) : names.bind(s.index);
@@ -120,7 +126,9 @@ void PromelaCode::substitute(StmtId body, const Names& names, std::map<u32, std:
       std::map<u32, std::string> yes = self, no = self;
       substitute(s.then_body, names, yes);
       substitute(s.else_body, names, no);
-      for (auto& [slot, value] : self) value = yes[slot] == no[slot] ? yes[slot] : fmt::format("({} -> {} : {})", condition, yes[slot], no[slot]);
+      for (auto& [variable, value] : self)
+        value = yes[variable] == no[variable] ? yes[variable]
+                                              : fmt::format("({} -> {} : {})", condition, yes[variable], no[variable]);
     } else if (!decides_nothing(s)) {
       self[s.index] = text(s.value, current);
     }

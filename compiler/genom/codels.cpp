@@ -15,10 +15,10 @@ namespace {
 struct Function {
   std::string name;
   std::string module;
-  bool has_report = false;            // of an activity: returns what is next, and may set a report
-  std::string says;                   // what it is, for a reader
-  std::vector<std::string> answers;   // "EXEC = 2"
-  int first = 0;                      // answer of the skeleton
+  bool has_report = false;           // of an activity: returns what is next, and may set a report
+  std::string says;                  // what it is, for a reader
+  std::vector<std::string> answers;  // "EXEC = 2"
+  int first = 0;                     // answer of the skeleton
 };
 
 std::string text_of(const Activity& activity, const Yield& y, bool is_3) {
@@ -34,7 +34,8 @@ std::string text_of(const Activity& activity, const Yield& y, bool is_3) {
 }
 
 void add(std::vector<Function>& all, Function f) {
-  const bool known = std::any_of(all.begin(), all.end(), [&](const Function& g) { return g.name == f.name && g.has_report == f.has_report; });
+  const bool known = std::any_of(all.begin(), all.end(),
+                                 [&](const Function& g) { return g.name == f.name && g.has_report == f.has_report; });
   if (!known) all.push_back(std::move(f));
 }
 
@@ -56,25 +57,37 @@ std::vector<Function> functions_of(const std::vector<Module>& modules) {
   for (const Module& m : modules) {
     for (const Service& s : m.services) {
       std::vector<std::string> reports{"OK = 0"};
-      for (std::size_t k = 0; k < s.reports.size(); ++k) reports.push_back(fmt::format("{} = {}", s.reports[k].text, k + 1));
-      if (s.validate.name.is_set()) add(all, {bip_name(s.validate.name.text), m.name.text, false, fmt::format("{}, its parameters", s.name.text), reports, 0});
+      for (std::size_t k = 0; k < s.reports.size(); ++k)
+        reports.push_back(fmt::format("{} = {}", s.reports[k].text, k + 1));
+      if (s.validate.name.is_set())
+        add(all, {bip_name(s.validate.name.text), m.name.text, false, fmt::format("{}, its parameters", s.name.text),
+                  reports, 0});
       for (const Codel& c : s.body) {
         if (c.name.is_set()) add(all, {bip_name(c.name.text), m.name.text, false, s.name.text, reports, 0});
       }
       add_activity(all, m, s.name.text, s.activity);
     }
     for (const Task& t : m.tasks) {
-      if (t.permanent.is_set()) add(all, {bip_name(t.permanent.text), m.name.text, false, fmt::format("task {}, in each cycle", t.name.text), {"OK = 0"}, 0});
+      if (t.permanent.is_set())
+        add(all, {bip_name(t.permanent.text),
+                  m.name.text,
+                  false,
+                  fmt::format("task {}, in each cycle", t.name.text),
+                  {"OK = 0"},
+                  0});
       add_activity(all, m, "task " + t.name.text, t.activity);
     }
   }
   return all;
 }
 
-const char* cpp_type(const ValueRow& v) { return v.type == ValueType::Int ? "int" : v.type == ValueType::Float ? "double" : "std::string"; }
+const char* cpp_type(const ValueRow& v) {
+  return v.type == ValueType::Int ? "int" : v.type == ValueType::Float ? "double" : "std::string";
+}
 
 bool has_text_values(const GenerateOptions& options) {
-  return std::any_of(options.constraints.values.begin(), options.constraints.values.end(), [](const ValueRow& v) { return v.type == ValueType::Text; });
+  return std::any_of(options.constraints.values.begin(), options.constraints.values.end(),
+                     [](const ValueRow& v) { return v.type == ValueType::Text; });
 }
 
 std::string joined(const std::vector<std::string>& parts) {
@@ -88,52 +101,78 @@ std::string joined(const std::vector<std::string>& parts) {
 std::string value_function(const Module& module, const ValueRow& value) {
   return bip_name(fmt::format("{}_{}_{}", module.name.text, module.posters[value.poster.poster].name.text, value.name));
 }
-std::string value_function(const std::vector<Module>& modules, const ValueRow& value) { return value_function(modules[value.poster.module], value); }
+std::string value_function(const std::vector<Module>& modules, const ValueRow& value) {
+  return value_function(modules[value.poster.module], value);
+}
 
 std::string codel_prototypes(const std::vector<Module>& modules, const Constraints& constraints) {
   std::string out = "\n";
   for (const ValueRow& v : constraints.values) {
-    out += fmt::format("  extern function {} {}()\n", v.type == ValueType::Int ? "int" : v.type == ValueType::Float ? "float" : "string", value_function(modules, v));
+    out += fmt::format("  extern function {} {}()\n",
+                       v.type == ValueType::Int     ? "int"
+                       : v.type == ValueType::Float ? "float"
+                                                    : "string",
+                       value_function(modules, v));
   }
-  for (const Function& f : functions_of(modules)) out += fmt::format("  extern function int {}({})\n", f.name, f.has_report ? "int" : "");
+  for (const Function& f : functions_of(modules))
+    out += fmt::format("  extern function int {}({})\n", f.name, f.has_report ? "int" : "");
   return out;
 }
 
 std::string codel_header(const std::vector<Module>& modules, const GenerateOptions& options) {
-  std::string out = fmt::format("// Codels that {}.bip calls. Written by `bipc genom --skeleton`.\n//\n", options.package);
+  std::string out =
+      fmt::format("// Codels that {}.bip calls. Written by `bipc genom --skeleton`.\n//\n", options.package);
   if (options.executive == Executive::Cpp) {
-    out += "// The executive is asked once a tick for \"MODULE.SERVICE(VALUE, ...)\" or \"\", and hears of what came of it: (module, service, report).\n";
+    out +=
+        "// The executive is asked once a tick for \"MODULE.SERVICE(VALUE, ...)\" or \"\", and hears of what came of "
+        "it: (module, service, report).\n";
   }
-  out += "// A codel of an activity returns what is next, and sets `report` (0: OK) if it ends the activity with a report of its service.\n";
+  out +=
+      "// A codel of an activity returns what is next, and sets `report` (0: OK) if it ends the activity with a report "
+      "of its service.\n";
   out += "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n";
-  if (options.executive == Executive::Served) out += "\n// The input of a request that a client posts, before the request is looked at.\nvoid request_input(const char* service, const char* input);\n";
+  if (options.executive == Executive::Served)
+    out +=
+        "\n// The input of a request that a client posts, before the request is looked at.\nvoid request_input(const "
+        "char* service, const char* input);\n";
   if (options.executive == Executive::Cpp) {
-    out += "#include <string>\n\nstd::string executive_request();\n"
-           "void executive_answer(const char* module, const char* service, const char* report);\n"
-           "void executive_reply(const char* module, const char* service, const char* report);\n";
+    out +=
+        "#include <string>\n\nstd::string executive_request();\n"
+        "void executive_answer(const char* module, const char* service, const char* report);\n"
+        "void executive_reply(const char* module, const char* service, const char* report);\n";
   }
-  if (!options.constraints.values.empty()) out += fmt::format("\n// ---- What posters hold, asked for when they are written\n{}", has_text_values(options) && options.executive != Executive::Cpp ? "#include <string>\n\n" : "");
-  for (const ValueRow& v : options.constraints.values) out += fmt::format("{} {}();\n", cpp_type(v), value_function(modules, v));
+  if (!options.constraints.values.empty())
+    out += fmt::format("\n// ---- What posters hold, asked for when they are written\n{}",
+                       has_text_values(options) && options.executive != Executive::Cpp ? "#include <string>\n\n" : "");
+  for (const ValueRow& v : options.constraints.values)
+    out += fmt::format("{} {}();\n", cpp_type(v), value_function(modules, v));
   std::string module;
   for (const Function& f : functions_of(modules)) {
     if (f.module != module) out += fmt::format("\n// ---- {}\n", f.module);
     module = f.module;
-    out += fmt::format("// {}: {}\nint {}({});\n", f.says, joined(f.answers), f.name, f.has_report ? "int& report" : "");
+    out +=
+        fmt::format("// {}: {}\nint {}({});\n", f.says, joined(f.answers), f.name, f.has_report ? "int& report" : "");
   }
   return out;
 }
 
 std::string codel_source(const std::vector<Module>& modules, const GenerateOptions& options) {
-  std::string out = fmt::format("// Codels of {0}.bip, empty: each answers the first thing that it may.\n#include \"{0}_codels.hpp\"\n", options.package);
-  if (options.executive == Executive::Served) out += "\nvoid request_input(const char* /*service*/, const char* /*input*/) {}\n";
+  std::string out = fmt::format(
+      "// Codels of {0}.bip, empty: each answers the first thing that it may.\n#include \"{0}_codels.hpp\"\n",
+      options.package);
+  if (options.executive == Executive::Served)
+    out += "\nvoid request_input(const char* /*service*/, const char* /*input*/) {}\n";
   if (options.executive == Executive::Cpp) {
-    out += "\n// Never asks for anything.\nstd::string executive_request() { return {}; }\n"
-           "void executive_answer(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n"
-           "void executive_reply(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n";
+    out +=
+        "\n// Never asks for anything.\nstd::string executive_request() { return {}; }\n"
+        "void executive_answer(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n"
+        "void executive_reply(const char* /*module*/, const char* /*service*/, const char* /*report*/) {}\n";
   }
-  for (const ValueRow& v : options.constraints.values) out += fmt::format("\n{} {}() {{ return {}; }}\n", cpp_type(v), value_function(modules, v), v.values.front());
+  for (const ValueRow& v : options.constraints.values)
+    out += fmt::format("\n{} {}() {{ return {}; }}\n", cpp_type(v), value_function(modules, v), v.values.front());
   for (const Function& f : functions_of(modules)) {
-    out += fmt::format("\n// {}: {}\nint {}({}) {{ return {}; }}\n", f.says, joined(f.answers), f.name, f.has_report ? "int& /*report*/" : "", f.first);
+    out += fmt::format("\n// {}: {}\nint {}({}) {{ return {}; }}\n", f.says, joined(f.answers), f.name,
+                       f.has_report ? "int& /*report*/" : "", f.first);
   }
   return out;
 }

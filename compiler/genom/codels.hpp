@@ -1,4 +1,5 @@
-// The C++ side of the execution flavour. Inside compiler/genom only; its header and source are asked for in generate.hpp.
+// The C++ side of the execution flavour. Inside compiler/genom only; its header and source are asked for in
+// generate.hpp.
 #pragma once
 #include <string>
 #include <vector>

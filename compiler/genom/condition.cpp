@@ -10,8 +10,8 @@ struct Operator {
   std::string_view text;
   int level;
 };
-constexpr Operator kOperators[] = {{"||", 1}, {"&&", 2}, {"|", 3}, {"^", 4}, {"&", 5}, {"==", 6}, {"!=", 6}, {"<", 7}, {">", 7},
-                                   {"<=", 7}, {">=", 7}, {"+", 8}, {"-", 8}, {"*", 9}, {"/", 9}, {"%", 9}};
+constexpr Operator kOperators[] = {{"||", 1}, {"&&", 2}, {"|", 3},  {"^", 4}, {"&", 5}, {"==", 6}, {"!=", 6}, {"<", 7},
+                                   {">", 7},  {"<=", 7}, {">=", 7}, {"+", 8}, {"-", 8}, {"*", 9},  {"/", 9},  {"%", 9}};
 constexpr int kMaxConditionDepth = 100;
 
 std::int64_t wrap(std::uint64_t value) { return static_cast<std::int64_t>(value); }
@@ -27,7 +27,9 @@ class Evaluator {
   }
 
  private:
-  [[nodiscard]] bool at(std::string_view text) const { return at_ < tokens_.size() && tokens_[at_].kind == TokenKind::Sign && tokens_[at_].text == text; }
+  [[nodiscard]] bool at(std::string_view text) const {
+    return at_ < tokens_.size() && tokens_[at_].kind == TokenKind::Sign && tokens_[at_].text == text;
+  }
 
   [[nodiscard]] int level() const {
     for (const Operator& o : kOperators) {

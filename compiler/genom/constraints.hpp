@@ -1,5 +1,5 @@
-// What rules ask of a functional level, as the generator takes it: who may be admitted, who is told to stop and when, who
-// waits for whom. compiler/rules fills it from a .rules file; nothing in it refers to text.
+// What rules ask of a functional level, as the generator takes it: who may be admitted, who is told to stop and when,
+// who waits for whom. compiler/rules fills it from a .rules file; nothing in it refers to text.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -25,21 +25,21 @@ struct Span {
 };
 
 enum class ConditionKind : std::uint8_t {
-  Number,    // `number`
-  Text,      // `text`
-  Active,    // `service` was accepted and has not ended
-  Done,      // it has ended with OK at least once
-  Asked,     // parameter `row` of the request that is looked at
-  Value,     // parameter `row` of the last one accepted
-  Total,     // the sum of parameters `rows` over the services that are active
-  Fresh,     // `poster` is not older than `span`
-  Age,       // its PosterAge
-  Below,     // stopwatch `row` shows less than its limit
-  Recent,    // success `row`: its service has ended with OK, and that still counts
-  Held,      // value `row` of a poster
-  Ordered,   // pair `row`: the first service was accepted, and the second after it
-  Not,       // one operand
-  Operator   // `text`, two operands
+  Number,   // `number`
+  Text,     // `text`
+  Active,   // `service` was accepted and has not ended
+  Done,     // it has ended with OK at least once
+  Asked,    // parameter `row` of the request that is looked at
+  Value,    // parameter `row` of the last one accepted
+  Total,    // the sum of parameters `rows` over the services that are active
+  Fresh,    // `poster` is not older than `span`
+  Age,      // its PosterAge
+  Below,    // stopwatch `row` shows less than its limit
+  Recent,   // success `row`: its service has ended with OK, and that still counts
+  Held,     // value `row` of a poster
+  Ordered,  // pair `row`: the first service was accepted, and the second after it
+  Not,      // one operand
+  Operator  // `text`, two operands
 };
 struct Condition {
   ConditionKind kind = ConditionKind::Number;
@@ -93,7 +93,8 @@ struct SuccessRow {
   std::optional<ServiceRef> since;
   std::optional<Span> within;
 };
-/// What a poster holds: one of `values` (as BIP writes them) if codels answer freely, else what a C++ function says when it is written.
+/// What a poster holds: one of `values` (as BIP writes them) if codels answer freely, else what a C++ function says
+/// when it is written.
 enum class ValueType : std::uint8_t { Int, Float, Text };
 struct ValueRow {
   PosterRef poster;
@@ -110,7 +111,9 @@ struct Constraints {
   std::vector<SuccessRow> successes;
   std::vector<ValueRow> values;
   /// Is there anything that the level has to remember, or do?
-  [[nodiscard]] bool has_parts() const { return !(rows.empty() && parameters.empty() && stopwatches.empty() && pairs.empty() && successes.empty()); }
+  [[nodiscard]] bool has_parts() const {
+    return !(rows.empty() && parameters.empty() && stopwatches.empty() && pairs.empty() && successes.empty());
+  }
 };
 
 }  // namespace bip::genom

@@ -15,7 +15,9 @@ std::string describe(const Token& token) {
   }
 }
 
-DiagnosticBuilder Cursor::unexpected(std::string_view what) { return diags_->report(Diag::kB6000, peek().range, what, describe(peek())); }
+DiagnosticBuilder Cursor::unexpected(std::string_view what) {
+  return diags_->report(Diag::kB6000, peek().range, what, describe(peek()));
+}
 
 bool Cursor::expect(std::string_view text) {
   if (accept(text)) return true;
@@ -45,16 +47,21 @@ bool Cursor::names(std::vector<Name>& into, std::string_view what) {
   return true;
 }
 
-bool Cursor::number(std::int64_t& into, std::string_view ends, std::int64_t low, std::int64_t high, std::string_view what) {
+bool Cursor::number(std::int64_t& into, std::string_view ends, std::int64_t low, std::int64_t high,
+                    std::string_view what) {
   const std::size_t begin = at_;
-  const auto is_end = [&](const Token& t) { return t.kind == TokenKind::End || (t.kind == TokenKind::Sign && t.text.size() == 1 && ends.find(t.text) != std::string_view::npos); };
+  const auto is_end = [&](const Token& t) {
+    return t.kind == TokenKind::End ||
+           (t.kind == TokenKind::Sign && t.text.size() == 1 && ends.find(t.text) != std::string_view::npos);
+  };
   while (!is_end(peek())) take();
   const std::span<const Token> tokens(tokens_->data() + begin, at_ - begin);
   const std::optional<std::int64_t> value = constant_value(tokens);
   SourceRange range = tokens.empty() ? peek().range : tokens.front().range;
   if (!tokens.empty() && tokens.back().range.file == range.file) range.end = tokens.back().range.end;
   if (!value) {
-    diags_->report(Diag::kB6000, range, fmt::format("a whole number for {}", what), tokens.empty() ? describe(peek()) : describe(tokens.front()));
+    diags_->report(Diag::kB6000, range, fmt::format("a whole number for {}", what),
+                   tokens.empty() ? describe(peek()) : describe(tokens.front()));
     return false;
   }
   into = *value;

@@ -17,10 +17,44 @@ namespace bip::genom {
 namespace {
 
 // Of stdlib/genom, and the root: a type of the package would hide them.
-constexpr const char* kOwnTypes[] = {"Signal", "Report", "Status", "Age", "ControlState", "MasterTimer", "Timer", "WakeUp", "IdsLock", "Semaphore",
-                                     "Poster", "ServiceController", "ControlService", "TaskController", "Permanent", "ControlIds", "FunctionalLevel", "Answer",
-                                     "Running", "Elapsed", "Number", "Text", "Order", "Stopwatch", "NumberParameter", "TextParameter", "Pair", "Recovery", "Asks", "Executive", "MasterClock",
-                                     "Posts", "Told", "Outcome", "Countdown", "CodelWatch", "Counts", "Success"};
+constexpr const char* kOwnTypes[] = {"Signal",
+                                     "Report",
+                                     "Status",
+                                     "Age",
+                                     "ControlState",
+                                     "MasterTimer",
+                                     "Timer",
+                                     "WakeUp",
+                                     "IdsLock",
+                                     "Semaphore",
+                                     "Poster",
+                                     "ServiceController",
+                                     "ControlService",
+                                     "TaskController",
+                                     "Permanent",
+                                     "ControlIds",
+                                     "FunctionalLevel",
+                                     "Answer",
+                                     "Running",
+                                     "Elapsed",
+                                     "Number",
+                                     "Text",
+                                     "Order",
+                                     "Stopwatch",
+                                     "NumberParameter",
+                                     "TextParameter",
+                                     "Pair",
+                                     "Recovery",
+                                     "Asks",
+                                     "Executive",
+                                     "MasterClock",
+                                     "Posts",
+                                     "Told",
+                                     "Outcome",
+                                     "Countdown",
+                                     "CodelWatch",
+                                     "Counts",
+                                     "Success"};
 
 // The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
@@ -40,12 +74,15 @@ std::int64_t oldest_for(const Condition& c, const GenerateOptions& options, std:
   for (const Condition& operand : c.operands) {
     oldest = std::max(oldest, oldest_for(operand, options, tick_us));
     if (operand.kind != ConditionKind::Age) continue;
-    for (const Condition& other : c.operands) oldest = std::max(oldest, std::min<std::int64_t>(other.number, 1000000) + 1);
+    for (const Condition& other : c.operands)
+      oldest = std::max(oldest, std::min<std::int64_t>(other.number, 1000000) + 1);
   }
   return oldest;
 }
 
-bool any_async(const std::vector<Module>& modules) { return std::any_of(modules.begin(), modules.end(), [](const Module& m) { return m.has_async(); }); }
+bool any_async(const std::vector<Module>& modules) {
+  return std::any_of(modules.begin(), modules.end(), [](const Module& m) { return m.has_async(); });
+}
 
 std::string header(const std::vector<Module>& modules, const GenerateOptions& options, std::int64_t tick_us) {
   std::string files;
@@ -57,10 +94,14 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
       "//\n"
       "// One tick is {} ms; {}; requests come in any order. compiler/docs/genom.md says what is what.\n"
       "{}package {}\n"
-      "  use genom.ports\n  use genom.timers\n  use genom.locks\n  use genom.posters\n  use genom.services\n  use genom.tasks\n{}",
+      "  use genom.ports\n  use genom.timers\n  use genom.locks\n  use genom.posters\n  use genom.services\n  use "
+      "genom.tasks\n{}",
       names, files, static_cast<double>(tick_us) / 1000.0,
       options.flavour == Flavour::Execution ? "codels are the C++ functions of their names" : "codels answer freely",
-      options.flavour == Flavour::Execution ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp\")\n", options.package) : "", options.package,
+      options.flavour == Flavour::Execution
+          ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp\")\n", options.package)
+          : "",
+      options.package,
       (any_async(modules) ? std::string("  use genom.codels\n") : std::string()) +
           (options.constraints.has_parts() ? "  use genom.rules\n" : ""));
 }
@@ -70,13 +111,16 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
   for (std::size_t i = 0; i < m.services.size(); ++i) {
     const Service& s = m.services[i];
     if (s.kind != ServiceKind::Execution) continue;
-    write_activity(out, plan, s.activity, plan.services[i].activity, &s, fmt::format("The activity of {}: its codels, one after the other.", s.name.text));
+    write_activity(out, plan, s.activity, plan.services[i].activity, &s,
+                   fmt::format("The activity of {}: its codels, one after the other.", s.name.text));
     if (plan.services[i].activity.has_async) write_work(out, plan, i);
     write_service(out, plan, i, tick_us);
   }
   for (std::size_t i = 0; i < m.tasks.size(); ++i) {
     const Task& t = m.tasks[i];
-    if (!t.activity.states.empty()) write_activity(out, plan, t.activity, plan.tasks[i].permanent, nullptr, fmt::format("The codels of task {} itself.", t.name.text));
+    if (!t.activity.states.empty())
+      write_activity(out, plan, t.activity, plan.tasks[i].permanent, nullptr,
+                     fmt::format("The codels of task {} itself.", t.name.text));
     write_scheduler(out, plan, i);
     write_task(out, plan, i, tick_us);
   }
@@ -88,7 +132,8 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
 std::string generate(const std::vector<Module>& modules, const GenerateOptions& given) {
   const std::int64_t tick_us = given.tick_us > 0 ? given.tick_us : tick_of(modules);
   GenerateOptions options = given;
-  for (const Constraint& c : options.constraints.rows) options.oldest = std::max(options.oldest, oldest_for(c.condition, options, tick_us));
+  for (const Constraint& c : options.constraints.rows)
+    options.oldest = std::max(options.oldest, oldest_for(c.condition, options, tick_us));
   std::string out = header(modules, options, tick_us);
   if (options.flavour == Flavour::Execution) out += codel_prototypes(modules, options.constraints);
   if (options.executive != Executive::Anybody) out += executive_type(options.executive);

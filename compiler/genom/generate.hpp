@@ -1,5 +1,5 @@
-// From module descriptions to BIP over stdlib/genom, as a text that people read and change. docs/genom.md says, element by
-// element, what becomes what.
+// From module descriptions to BIP over stdlib/genom, as a text that people read and change. docs/genom.md says, element
+// by element, what becomes what.
 #pragma once
 #include <string>
 #include <vector>
@@ -18,21 +18,22 @@ enum class Executive : std::uint8_t { Anybody, Cpp, Served };
 struct GenerateOptions {
   Flavour flavour = Flavour::Verification;
   Executive executive = Executive::Anybody;  // another one: execution flavour
-  std::string package;  // of the execution flavour also the stem of its C++ files
-  std::vector<std::string> sources;  // file names, for the first comment
+  std::string package;                       // of the execution flavour also the stem of its C++ files
+  std::vector<std::string> sources;          // file names, for the first comment
   LockGranularity lock = LockGranularity::ByGeneration;
-  Constraints constraints;           // of the functional level; services and posters by index
-  std::int64_t tick_us = 0;          // 0: the clock of GenoM 2 modules, the greatest unit that divides all periods of GenoM 3
-  std::int64_t control_period = 1;   // ticks between two looks at the message box
-  std::int64_t poster_period = 1;    // ticks between two steps of PosterAge
-  std::int64_t oldest = 100;         // where PosterAge stops
+  Constraints constraints;   // of the functional level; services and posters by index
+  std::int64_t tick_us = 0;  // 0: the clock of GenoM 2 modules, the greatest unit that divides all periods of GenoM 3
+  std::int64_t control_period = 1;  // ticks between two looks at the message box
+  std::int64_t poster_period = 1;   // ticks between two steps of PosterAge
+  std::int64_t oldest = 100;        // where PosterAge stops
 };
 
 /// One package: the types of each module, and the compound `FunctionalLevel` with all of them, the semaphore and the
 /// master timer. Modules are resolved and free of errors.
 [[nodiscard]] std::string generate(const std::vector<Module>& modules, const GenerateOptions& options);
 
-/// Execution flavour: PACKAGE_codels.hpp declares what the package calls; PACKAGE_codels.cpp is a beginning of it, which compiles.
+/// Execution flavour: PACKAGE_codels.hpp declares what the package calls; PACKAGE_codels.cpp is a beginning of it,
+/// which compiles.
 [[nodiscard]] std::string codel_header(const std::vector<Module>& modules, const GenerateOptions& options);
 [[nodiscard]] std::string codel_source(const std::vector<Module>& modules, const GenerateOptions& options);
 

@@ -1,7 +1,7 @@
 // Module by module: who may ask, what is accepted, rejected, told to stop, and begun; then time.
 //
-// A request is decided where it is at `okay` (docs/genom.md): either `allow` and the interruptions go through, or a `reject` does;
-// the guards exclude each other. What a rule stops goes before time does.
+// A request is decided where it is at `okay` (docs/genom.md): either `allow` and the interruptions go through, or a
+// `reject` does; the guards exclude each other. What a rule stops goes before time does.
 #include "compiler/genom/level.hpp"
 
 #include <fmt/format.h>
@@ -18,27 +18,37 @@ namespace {
 class LevelWriter {
  public:
   LevelWriter(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us)
-      : out_(out), plans_(plans), c_(options.constraints), options_(options), tick_us_(tick_us), names_(level_scope()), conditions_(plans, options, parts_, tick_us) {}
+      : out_(out),
+        plans_(plans),
+        c_(options.constraints),
+        options_(options),
+        tick_us_(tick_us),
+        names_(level_scope()),
+        conditions_(plans, options, parts_, tick_us) {}
 
   void run() {
     out_ += "\n  // All modules, the token for triggers, and the clock.\n  compound type FunctionalLevel()\n";
     for (const Plan& p : plans_) {
       out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p.type, p.component);
       names_.claim(p.component, "");
-      for (std::size_t i = 0; i < p.posters.size(); ++i) posters_[p.module->name.text + "." + p.module->posters[i].name.text] = p.component + ".read_" + p.posters[i];
+      for (std::size_t i = 0; i < p.posters.size(); ++i)
+        posters_[p.module->name.text + "." + p.module->posters[i].name.text] = p.component + ".read_" + p.posters[i];
     }
     sync_ = names_.claim("InterModuleSync", "event");
     out_ += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n";
-    out_ += is_clocked() ? fmt::format("    component MasterClock masterTimer({})\n", tick_us_) : "    component MasterTimer masterTimer()\n";
+    out_ += is_clocked() ? fmt::format("    component MasterClock masterTimer({})\n", tick_us_)
+                         : "    component MasterTimer masterTimer()\n";
     if (options_.executive != Executive::Anybody) {
       executive_ = names_.claim("executive", "part");
-      out_ += fmt::format("    component Executive {}({})\n", executive_, is_served() ? std::to_string(100 + 2 * options_.control_period) : "");
+      out_ += fmt::format("    component Executive {}({})\n", executive_,
+                          is_served() ? std::to_string(100 + 2 * options_.control_period) : "");
     }
     parts();
     for (std::size_t m = 0; m < plans_.size(); ++m) module(m);
     time();
     out_ += priorities_.empty() ? "" : "\n";
-    for (const auto& [low, high] : priorities_) out_ += fmt::format("    priority {} {}:* < {}:*\n", names_.claim("first_" + high, "rule"), low, high);
+    for (const auto& [low, high] : priorities_)
+      out_ += fmt::format("    priority {} {}:* < {}:*\n", names_.claim("first_" + high, "rule"), low, high);
     out_ += "  end\n";
   }
 
@@ -52,39 +62,49 @@ class LevelWriter {
   [[nodiscard]] bool is_served() const { return options_.executive == Executive::Served; }
   // What a codel takes of time needs a clock beside it.
   [[nodiscard]] bool is_clocked() const {
-    return is_served() || (options_.flavour == Flavour::Execution && std::any_of(plans_.begin(), plans_.end(), [](const Plan& p) { return p.module->has_async(); }));
+    return is_served() ||
+           (options_.flavour == Flavour::Execution &&
+            std::any_of(plans_.begin(), plans_.end(), [](const Plan& p) { return p.module->has_async(); }));
   }
   [[nodiscard]] const Plan& plan(ServiceRef s) const { return plans_[s.module]; }
-  [[nodiscard]] std::string name_of(ServiceRef s) const { return plan(s).component + "_" + plan(s).services[s.service].id; }
-  [[nodiscard]] std::vector<std::string> of_slots(ServiceRef s, const char* port) const {
+  [[nodiscard]] std::string name_of(ServiceRef s) const {
+    return plan(s).component + "_" + plan(s).services[s.service].id;
+  }
+  [[nodiscard]] std::vector<std::string> of_activities(ServiceRef s, const char* port) const {
     std::vector<std::string> all;
-    for (const std::size_t slot : plan(s).services[s.service].slots) all.push_back(fmt::format("{}.{}_{}", plan(s).component, port, plan(s).slots[slot].component));
+    for (const std::size_t activity : plan(s).services[s.service].activities)
+      all.push_back(fmt::format("{}.{}_{}", plan(s).component, port, plan(s).activities[activity].component));
     return all;
   }
 
   // What rules remember.
   void parts() {
-    // Parameters come with requests although no rule asks for them; what is remembered stays where a rule is left out (--prove).
+    // Parameters come with requests although no rule asks for them; what is remembered stays where a rule is left out
+    // (--prove).
     if (!c_.has_parts()) return;
     out_ += "\n    // What the rules remember.\n";
     const auto component = [&](const std::string& wanted, const std::string& type, const std::string& arguments) {
       const std::string name = names_.claim(wanted, "part");
-      out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n", type, name, arguments);
+      out_ +=
+          fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n", type, name, arguments);
       return name;
     };
     for (const ParameterRow& p : c_.parameters) {
-      parts_.parameters.push_back(component(name_of(p.service) + "_" + bip_name(p.name), p.is_text ? "TextParameter" : "NumberParameter", p.values[0]));
+      parts_.parameters.push_back(component(name_of(p.service) + "_" + bip_name(p.name),
+                                            p.is_text ? "TextParameter" : "NumberParameter", p.values[0]));
     }
     for (const StopwatchRow& w : c_.stopwatches) {
       const std::int64_t limit = conditions_.ticks(w.limit);
-      parts_.stopwatches.push_back(component(name_of(w.service) + (w.counts_active ? "_takes" : "_since"), "Stopwatch",
-                                             fmt::format("{}, {}, {}", limit, w.counts_active, w.counts_active ? 0 : limit)));
+      parts_.stopwatches.push_back(
+          component(name_of(w.service) + (w.counts_active ? "_takes" : "_since"), "Stopwatch",
+                    fmt::format("{}, {}, {}", limit, w.counts_active, w.counts_active ? 0 : limit)));
     }
     for (const SuccessRow& s : c_.successes) {
       const std::int64_t limit = s.within ? conditions_.ticks(*s.within) : 0;
       parts_.successes.push_back(component(name_of(s.service) + "_succeeded", "Success", std::to_string(limit)));
     }
-    for (const PairRow& p : c_.pairs) parts_.pairs.push_back(component(fmt::format("{}_then_{}", name_of(p.first), name_of(p.second)), "Pair", ""));
+    for (const PairRow& p : c_.pairs)
+      parts_.pairs.push_back(component(fmt::format("{}_then_{}", name_of(p.first), name_of(p.second)), "Pair", ""));
     std::map<std::string, std::string> known;
     for (const Constraint& row : c_.rows) {
       if (row.recovery && !known.contains(row.name)) known[row.name] = component("after_" + row.name, "Recovery", "");
@@ -95,10 +115,11 @@ class LevelWriter {
   void module(std::size_t m) {
     const Plan& p = plans_[m];
     const std::string prefix = p.component + ".";
-    out_ += fmt::format("\n    // {}: a request takes the semaphore; what no rule is about is free.\n", p.module->name.text);
+    out_ += fmt::format("\n    // {}: a request takes the semaphore; what no rule is about is free.\n",
+                        p.module->name.text);
     std::vector<std::string> reads;
     for (std::size_t i = 0; i < p.services.size(); ++i) service({m, i}, reads);
-    if (p.execution_slots > 0) {
+    if (p.execution_activities > 0) {
       Wire abort{.name = p.component + "_read_Abort", .ports = {prefix + "read_Abort", "semaphore.take"}};
       asks(abort, p.module->name.text + ".Abort");
       reads.push_back(wire(std::move(abort)));
@@ -119,7 +140,8 @@ class LevelWriter {
         const auto poster = posters_.find(read.text);
         if (poster != posters_.end()) add_port(ports, poster->second);
       }
-      const std::string begin = wire({.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports});
+      const std::string begin =
+          wire({.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports});
       for (const auto& [s, stop] : stops_) {
         if (s.module == m && p.module->services[s.service].task_index == i) priorities_.emplace_back(begin, stop);
       }
@@ -155,8 +177,10 @@ class LevelWriter {
 
   // Whoever counts from its last success hears of it.
   void successes(ServiceRef s) {
-    if (plan(s).module->services[s.service].kind == ServiceKind::Execution && !plan(s).services[s.service].activity.ends) return;
-    for (const std::string& fin : of_slots(s, "fin")) {
+    if (plan(s).module->services[s.service].kind == ServiceKind::Execution &&
+        !plan(s).services[s.service].activity.ends)
+      return;
+    for (const std::string& fin : of_activities(s, "fin")) {
       std::vector<std::string> ports{fin};
       for (std::size_t i = 0; i < c_.successes.size(); ++i) {
         if (c_.successes[i].service == s) ports.push_back(parts_.successes[i] + ".ended");
@@ -171,7 +195,8 @@ class LevelWriter {
   void requests(ServiceRef s, const std::string& read, std::vector<std::string>& reads) {
     std::string asked = fmt::format("{}.{}", plan(s).module->name.text, plan(s).module->services[s.service].name.text);
     std::vector<std::string> texts{asked};
-    std::vector<Wire> wires{{.name = plan(s).component + "_read_" + plan(s).services[s.service].id, .ports = {read, "semaphore.take"}}};
+    std::vector<Wire> wires{
+        {.name = plan(s).component + "_read_" + plan(s).services[s.service].id, .ports = {read, "semaphore.take"}}};
     for (std::size_t i = 0; i < c_.parameters.size(); ++i) {
       const ParameterRow& p = c_.parameters[i];
       if (p.service != s) continue;
@@ -184,7 +209,8 @@ class LevelWriter {
           more_texts.push_back(texts[k] + (texts[k] == asked ? "(" : ", ") + bare);
           next.name = bip_name(fmt::format("{}_{}_{}", next.name, p.name, bare));
           next.ports.push_back(parts_.parameters[i] + ".set");
-          next.action += fmt::format("{}{}.set.asked <- {}", next.action.empty() ? "" : "; ", parts_.parameters[i], value);
+          next.action +=
+              fmt::format("{}{}.set.asked <- {}", next.action.empty() ? "" : "; ", parts_.parameters[i], value);
           more.push_back(std::move(next));
         }
       }
@@ -228,12 +254,16 @@ class LevelWriter {
   void reject(std::size_t row) {
     const Constraint& c = c_.rows[row];
     out_ += fmt::format("\n    // {}", c.text);
-    const std::string rejected = fmt::format("{}.rej_{}", plan(c.subject).component, plan(c.subject).services[c.subject.service].id);
+    const std::string rejected =
+        fmt::format("{}.rej_{}", plan(c.subject).component, plan(c.subject).services[c.subject.service].id);
     std::vector<std::string> ports{rejected};
     const Condition violated = negated(c.condition);
     const std::string guard = conditions_.text(violated, ports);
     if (c.recovery) ports.push_back(parts_.recoveries[row] + ".call");
-    wire({.name = fmt::format("{}_reject_{}", plan(c.subject).component, c.name), .ports = ports, .guard = guard, .action = fmt::format("{}.rep <- \"{}\"", rejected, c.report)},
+    wire({.name = fmt::format("{}_reject_{}", plan(c.subject).component, c.name),
+          .ports = ports,
+          .guard = guard,
+          .action = fmt::format("{}.rep <- \"{}\"", rejected, c.report)},
          plan(c.subject).services[c.subject.service].id);
   }
 
@@ -247,23 +277,30 @@ class LevelWriter {
 
   // A connector each that carries the report, and joins the interruption if there is something to stop.
   void tell(const Constraint& c, std::vector<std::string>& told) {
-    for (const std::string& halt : of_slots(c.other, "halt")) {
+    for (const std::string& halt : of_activities(c.other, "halt")) {
       std::string wanted = fmt::format("{}_tells_{}", name_of(c.subject), halt);
       wanted.replace(wanted.find(".halt_"), 6, "_");
       if (std::find(told.begin(), told.end(), wanted + ".out") != told.end()) continue;
       out_ += fmt::format("\n    // {}", c.text);
-      told.push_back(wire({.name = wanted, .ports = {halt}, .action = fmt::format("{}.rep <- \"{}\"", halt, c.report), .exported = true}) + ".out");
+      told.push_back(wire({.name = wanted,
+                           .ports = {halt},
+                           .action = fmt::format("{}.rep <- \"{}\"", halt, c.report),
+                           .exported = true}) +
+                     ".out");
     }
   }
 
   void stop(std::size_t row) {
     const Constraint& c = c_.rows[row];
-    for (const std::string& halt : of_slots(c.subject, "halt")) {
+    for (const std::string& halt : of_activities(c.subject, "halt")) {
       out_ += fmt::format("\n    // {}", c.text);
       std::vector<std::string> ports{halt};
       const std::string guard = conditions_.text(negated(c.condition), ports);
       if (c.recovery) ports.push_back(parts_.recoveries[row] + ".call");
-      const std::string name = wire({.name = fmt::format("{}_stop_{}", plan(c.subject).component, c.name), .ports = ports, .guard = guard, .action = fmt::format("{}.rep <- \"{}\"", halt, c.report)},
+      const std::string name = wire({.name = fmt::format("{}_stop_{}", plan(c.subject).component, c.name),
+                                     .ports = ports,
+                                     .guard = guard,
+                                     .action = fmt::format("{}.rep <- \"{}\"", halt, c.report)},
                                     plan(c.subject).services[c.subject.service].id);
       stops_.emplace_back(c.subject, name);
       priorities_.emplace_back(sync_, name);
@@ -275,27 +312,33 @@ class LevelWriter {
     std::vector<std::string> done;
     for (std::size_t row = 0; row < c_.rows.size(); ++row) {
       const Constraint& c = c_.rows[row];
-      if (!c.recovery || c.recovery->module != m || std::find(done.begin(), done.end(), parts_.recoveries[row]) != done.end()) continue;
+      if (!c.recovery || c.recovery->module != m ||
+          std::find(done.begin(), done.end(), parts_.recoveries[row]) != done.end())
+        continue;
       done.push_back(parts_.recoveries[row]);
       const Plan& p = plans_[m];
-      const std::string name = wire({.name = fmt::format("{}_recover_{}", p.component, c.name),
-                                     .ports = {fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id), "semaphore.take", parts_.recoveries[row] + ".run"}});
+      const std::string name =
+          wire({.name = fmt::format("{}_recover_{}", p.component, c.name),
+                .ports = {fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id), "semaphore.take",
+                          parts_.recoveries[row] + ".run"}});
       for (const std::string& read : reads) priorities_.emplace_back(read, name);
     }
   }
 
-  // Accepted activities begin in slot order, before the control cycle ends, when those that rules name do not run.
+  // Accepted activities begin in activity order, before the control cycle ends, when those that rules name do not run.
   void launches(std::size_t m) {
     const Plan& p = plans_[m];
     std::vector<std::string> all;
-    for (std::size_t k = 0; k < p.slots.size(); ++k) {
+    for (std::size_t k = 0; k < p.activities.size(); ++k) {
       if (p.service_of(k).kind != ServiceKind::Execution) continue;
-      std::vector<std::string> ports{fmt::format("{}.launch_{}", p.component, p.slots[k].component)};
+      std::vector<std::string> ports{fmt::format("{}.launch_{}", p.component, p.activities[k].component)};
       for (const Constraint& c : c_.rows) {
-        if (c.kind != ConstraintKind::Wait || c.subject != ServiceRef{m, p.slots[k].service} || waits_already(c)) continue;
-        for (const std::string& idle : of_slots(c.other, "idle")) add_port(ports, idle);
+        if (c.kind != ConstraintKind::Wait || c.subject != ServiceRef{m, p.activities[k].service} || waits_already(c))
+          continue;
+        for (const std::string& idle : of_activities(c.other, "idle")) add_port(ports, idle);
       }
-      all.push_back(wire({.name = fmt::format("{}_launch_{}", p.component, p.slots[k].component), .ports = ports}));
+      all.push_back(
+          wire({.name = fmt::format("{}_launch_{}", p.component, p.activities[k].component), .ports = ports}));
     }
     all.push_back(wire({.name = p.component + "_done", .ports = {p.component + ".done"}}));
     for (std::size_t k = 0; k + 1 < all.size(); ++k) priorities_.emplace_back(all[k + 1], all[k]);
@@ -349,25 +392,31 @@ std::string executive_type(Executive executive) {
   if (executive == Executive::Served) {
     return "\n  // The input of a request, as its client wrote it: for codels.\n"
            "  extern function request_input(string, string)\n"
-           "\n  port type Asks(string wanted)\n  port type Posts(string wanted, string input)\n  port type Told(string rqst, string rep)\n"
-           "\n  // Requests of clients: \"MODULE.SERVICE(VALUE, ...)\", one at a time. What no module takes is lost after `patience` ticks.\n"
+           "\n  port type Asks(string wanted)\n  port type Posts(string wanted, string input)\n  port type Told(string "
+           "rqst, string rep)\n"
+           "\n  // Requests of clients: \"MODULE.SERVICE(VALUE, ...)\", one at a time. What no module takes is lost "
+           "after `patience` ticks.\n"
            "  atom type Executive(int patience)\n    data string wanted = \"\", input = \"\"\n    data int waited = 0\n"
            "    extern port Posts request(wanted, input) remember\n"
            "    export port Signal tick()\n    export port Asks ask(wanted)\n    port Asks lost(wanted)\n"
            "\n    place NONE, DUE\n\n    initial to NONE\n\n"
            "    on request from NONE to DUE eager do { request_input(wanted, input); waited = 0; }\n"
            "    on ask from DUE to NONE\n    on lost from DUE to NONE provided (waited >= patience)\n"
-           "    on tick from NONE to NONE\n    on tick from DUE to DUE provided (waited < patience) do { waited = waited + 1; }\n  end\n";
+           "    on tick from NONE to NONE\n    on tick from DUE to DUE provided (waited < patience) do { waited = "
+           "waited + 1; }\n  end\n";
   }
-  return "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is none; final replies.\n"
+  return "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is "
+         "none; final replies.\n"
          "  extern function string executive_request()\n"
          "  extern function executive_answer(string, string, string)\n"
          "  extern function executive_reply(string, string, string)\n"
          "\n  port type Asks(string wanted)\n"
          "\n  // The decisional level, as far as it is seen here: one request at a time, asked for anew in each tick.\n"
-         "  atom type Executive()\n    data string wanted = \"\"\n    export port Signal tick()\n    export port Asks ask(wanted)\n"
+         "  atom type Executive()\n    data string wanted = \"\"\n    export port Signal tick()\n    export port Asks "
+         "ask(wanted)\n"
          "\n    place HERE\n\n    initial to HERE\n\n"
-         "    on tick from HERE to HERE do {\n      if (wanted == \"\") then\n        wanted = executive_request();\n      fi\n    }\n"
+         "    on tick from HERE to HERE do {\n      if (wanted == \"\") then\n        wanted = executive_request();\n  "
+         "    fi\n    }\n"
          "    on ask from HERE to HERE do { wanted = \"\"; }\n  end\n";
 }
 
@@ -377,7 +426,8 @@ Scope level_scope() {
   return names;
 }
 
-void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us) {
+void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options,
+                 std::int64_t tick_us) {
   LevelWriter(out, plans, options, tick_us).run();
 }
 

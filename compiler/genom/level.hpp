@@ -1,5 +1,5 @@
-// The functional level: all modules, what belongs to none of them, and the connectors that rules replace (docs/rules.md).
-// Inside compiler/genom only.
+// The functional level: all modules, what belongs to none of them, and the connectors that rules replace
+// (docs/rules.md). Inside compiler/genom only.
 #pragma once
 #include <string>
 #include <vector>
@@ -14,6 +14,7 @@ namespace bip::genom {
 [[nodiscard]] Scope level_scope();
 /// The atom through which C++ (or a client) asks for services, and the functions that it calls.
 [[nodiscard]] std::string executive_type(Executive executive);
-void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us);
+void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options,
+                 std::int64_t tick_us);
 
 }  // namespace bip::genom

@@ -16,11 +16,14 @@ void add_port(std::vector<std::string>& ports, const std::string& port) {
 std::vector<std::string> ConditionWriter::stats(ServiceRef s) const {
   const Plan& p = plans_[s.module];
   std::vector<std::string> all;
-  for (const std::size_t slot : p.services[s.service].slots) all.push_back(fmt::format("{}.stat_{}", p.component, p.slots[slot].component));
+  for (const std::size_t activity : p.services[s.service].activities)
+    all.push_back(fmt::format("{}.stat_{}", p.component, p.activities[activity].component));
   return all;
 }
 
-std::int64_t ConditionWriter::ticks(Span span) const { return std::max<std::int64_t>(1, span.is_ticks ? span.value : (span.value + tick_us_ - 1) / tick_us_); }
+std::int64_t ConditionWriter::ticks(Span span) const {
+  return std::max<std::int64_t>(1, span.is_ticks ? span.value : (span.value + tick_us_ - 1) / tick_us_);
+}
 
 std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_t tick_us) {
   return (span.is_ticks ? span.value : span.value / tick_us) / options.poster_period;
@@ -37,7 +40,8 @@ std::string ten_thousandths(const std::string& fraction) {
   return std::to_string(value);
 }
 
-std::string ConditionWriter::any_of(ServiceRef s, const char* what, const char* sign, std::vector<std::string>& ports) const {
+std::string ConditionWriter::any_of(ServiceRef s, const char* what, const char* sign,
+                                    std::vector<std::string>& ports) const {
   std::string out;
   const std::vector<std::string> all = stats(s);
   for (const std::string& stat : all) {
@@ -61,7 +65,10 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
   };
   const auto poster_age = [&] { return of_poster(c.poster, "PosterAge"); };
   switch (c.kind) {
-    case ConditionKind::Number: return c.text.empty() ? std::to_string(c.number) : options_.flavour == Flavour::Execution ? c.text : ten_thousandths(c.text);
+    case ConditionKind::Number:
+      return c.text.empty()                           ? std::to_string(c.number)
+             : options_.flavour == Flavour::Execution ? c.text
+                                                      : ten_thousandths(c.text);
     case ConditionKind::Text: return "\"" + c.text + "\"";
     case ConditionKind::Active: return any_of(c.service, "active", "||", ports);
     case ConditionKind::Done: return any_of(c.service, "done", "||", ports);
@@ -71,19 +78,25 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
       std::string sum;
       for (const std::size_t row : c.rows) {
         const std::string value = read(parts_.parameters[row], "value", ports);
-        sum += fmt::format("{}{} * {}", sum.empty() ? "" : " + ", any_of(options_.constraints.parameters[row].service, "running", "+", ports), value);
+        sum += fmt::format("{}{} * {}", sum.empty() ? "" : " + ",
+                           any_of(options_.constraints.parameters[row].service, "running", "+", ports), value);
       }
       return "(" + sum + ")";
     }
     case ConditionKind::Fresh: return fmt::format("{} <= {}", poster_age(), steps_of_age(c.span, options_, tick_us_));
     case ConditionKind::Age: return poster_age();
-    case ConditionKind::Below: return fmt::format("{} < {}", read(parts_.stopwatches[c.row], "t", ports), ticks(options_.constraints.stopwatches[c.row].limit));
+    case ConditionKind::Below:
+      return fmt::format("{} < {}", read(parts_.stopwatches[c.row], "t", ports),
+                         ticks(options_.constraints.stopwatches[c.row].limit));
     case ConditionKind::Recent: return read(parts_.successes[c.row], "counts", ports);
-    case ConditionKind::Held: return of_poster(options_.constraints.values[c.row].poster, bip_name(options_.constraints.values[c.row].name));
+    case ConditionKind::Held:
+      return of_poster(options_.constraints.values[c.row].poster, bip_name(options_.constraints.values[c.row].name));
     case ConditionKind::Ordered: return read(parts_.pairs[c.row], "ordered", ports);
     case ConditionKind::Not: {
       const Condition& of = c.operands[0];
-      const bool is_bare = of.kind == ConditionKind::Ordered || of.kind == ConditionKind::Recent || of.kind == ConditionKind::Active || of.kind == ConditionKind::Done || of.kind == ConditionKind::Not;
+      const bool is_bare = of.kind == ConditionKind::Ordered || of.kind == ConditionKind::Recent ||
+                           of.kind == ConditionKind::Active || of.kind == ConditionKind::Done ||
+                           of.kind == ConditionKind::Not;
       return is_bare ? "!" + text(of, ports) : "!(" + text(of, ports) + ")";
     }
     case ConditionKind::Operator: break;
@@ -91,7 +104,8 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
   std::string sides[2];
   for (std::size_t i = 0; i < 2; ++i) {
     const Condition& of = c.operands[i];
-    const bool is_bare = of.kind != ConditionKind::Operator && of.kind != ConditionKind::Fresh && of.kind != ConditionKind::Below;
+    const bool is_bare =
+        of.kind != ConditionKind::Operator && of.kind != ConditionKind::Fresh && of.kind != ConditionKind::Below;
     sides[i] = is_bare ? text(of, ports) : "(" + text(of, ports) + ")";
   }
   return fmt::format("{} {} {}", sides[0], c.text, sides[1]);

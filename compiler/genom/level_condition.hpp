@@ -1,4 +1,5 @@
-// Conditions of rules as guards: the text, and the ports that have to take part so that it can be read. Inside compiler/genom only.
+// Conditions of rules as guards: the text, and the ports that have to take part so that it can be read. Inside
+// compiler/genom only.
 #pragma once
 #include <string>
 #include <vector>
@@ -15,7 +16,8 @@ struct LevelParts {
 
 class ConditionWriter {
  public:
-  ConditionWriter(const std::vector<Plan>& plans, const GenerateOptions& options, const LevelParts& parts, std::int64_t tick_us)
+  ConditionWriter(const std::vector<Plan>& plans, const GenerateOptions& options, const LevelParts& parts,
+                  std::int64_t tick_us)
       : plans_(plans), options_(options), parts_(parts), tick_us_(tick_us) {}
 
   /// The guard; ports that are not yet in `ports` are added.
@@ -26,7 +28,8 @@ class ConditionWriter {
   [[nodiscard]] std::int64_t ticks(Span span) const;
 
  private:
-  [[nodiscard]] std::string any_of(ServiceRef s, const char* what, const char* sign, std::vector<std::string>& ports) const;
+  [[nodiscard]] std::string any_of(ServiceRef s, const char* what, const char* sign,
+                                   std::vector<std::string>& ports) const;
   [[nodiscard]] std::string read(const std::string& part, const char* what, std::vector<std::string>& ports) const;
 
   const std::vector<Plan>& plans_;

@@ -11,7 +11,8 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 class Lexer {
  public:
-  Lexer(const SourceMap& sources, FileId file, Diagnostics& diags) : text_(sources.text(file)), file_(file), diags_(diags) {}
+  Lexer(const SourceMap& sources, FileId file, Diagnostics& diags)
+      : text_(sources.text(file)), file_(file), diags_(diags) {}
 
   std::vector<Token> run() {
     while (skip_blanks()) token();
@@ -20,7 +21,9 @@ class Lexer {
   }
 
  private:
-  [[nodiscard]] char peek(std::size_t ahead = 0) const { return at_ + ahead < text_.size() ? text_[at_ + ahead] : '\0'; }
+  [[nodiscard]] char peek(std::size_t ahead = 0) const {
+    return at_ + ahead < text_.size() ? text_[at_ + ahead] : '\0';
+  }
   [[nodiscard]] SourceRange range(std::size_t begin, std::size_t end) const {
     return {file_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
   }
@@ -71,8 +74,11 @@ class Lexer {
       quoted(begin, c);
     } else if (static_cast<unsigned char>(c) >= 0x80 || std::iscntrl(static_cast<unsigned char>(c)) != 0) {
       // One report for a run of them.
-      while (at_ < text_.size() && (static_cast<unsigned char>(peek()) >= 0x80 || (std::iscntrl(static_cast<unsigned char>(peek())) != 0 && peek() != '\n'))) ++at_;
-      diags_.report(Diag::kB6003, range(begin, at_), text_.substr(begin, at_ - begin)).help("outside of comments and strings a description is plain ASCII");
+      while (at_ < text_.size() && (static_cast<unsigned char>(peek()) >= 0x80 ||
+                                    (std::iscntrl(static_cast<unsigned char>(peek())) != 0 && peek() != '\n')))
+        ++at_;
+      diags_.report(Diag::kB6003, range(begin, at_), text_.substr(begin, at_ - begin))
+          .help("outside of comments and strings a description is plain ASCII");
     } else {
       static constexpr std::string_view kPairs[] = {"::", "&&", "||", "==", "!=", "<=", ">="};
       std::size_t length = 1;
@@ -96,7 +102,8 @@ class Lexer {
 
   void quoted(std::size_t begin, char quote) {
     ++at_;
-    while (at_ < text_.size() && peek() != quote && peek() != '\n') at_ += peek() == '\\' && at_ + 1 < text_.size() ? 2 : 1;
+    while (at_ < text_.size() && peek() != quote && peek() != '\n')
+      at_ += peek() == '\\' && at_ + 1 < text_.size() ? 2 : 1;
     if (peek() != quote) {
       diags_.report(Diag::kB6002, range(begin, begin + 1), "string", std::string(1, quote));
       return;
@@ -115,12 +122,15 @@ class Lexer {
 
 }  // namespace
 
-std::vector<Token> lex(const SourceMap& sources, FileId file, Diagnostics& diags) { return Lexer(sources, file, diags).run(); }
+std::vector<Token> lex(const SourceMap& sources, FileId file, Diagnostics& diags) {
+  return Lexer(sources, file, diags).run();
+}
 
 bool whole_number(std::string_view text, std::int64_t& value) {
   const bool is_hex = text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
   if (is_hex) text.remove_prefix(2);
-  while (!text.empty() && (text.back() == 'u' || text.back() == 'U' || text.back() == 'l' || text.back() == 'L')) text.remove_suffix(1);
+  while (!text.empty() && (text.back() == 'u' || text.back() == 'U' || text.back() == 'l' || text.back() == 'L'))
+    text.remove_suffix(1);
   if (text.empty()) return false;
   value = 0;
   const std::int64_t base = is_hex ? 16 : 10;

@@ -2,7 +2,7 @@
 // nothing else of a .gen file.
 //
 // The two front ends fill it with names; `resolve` (resolve.hpp) checks the names and fills the indices. Rows keep the
-// order of the file, which is the order of request numbers and of activity slots.
+// order of the file, which is the order of request numbers and of activity activities.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -63,13 +63,13 @@ struct Service {
   Name name;
   ServiceKind kind = ServiceKind::Control;
   bool is_init = false;
-  bool waits = false;         // its trigger may have to wait for a constraint: the lock is given back meanwhile
+  bool waits = false;  // its trigger may have to wait for a constraint: the lock is given back meanwhile
   std::string doc;
-  Name task;                  // of an execution service
+  Name task;  // of an execution service
   std::size_t task_index = 0;
-  Codel validate;             // looks at the parameters before anything is interrupted
-  bool validate_fails = true; // the side file may say that it never refuses
-  std::vector<Codel> body;    // of a control service
+  Codel validate;              // looks at the parameters before anything is interrupted
+  bool validate_fails = true;  // the side file may say that it never refuses
+  std::vector<Codel> body;     // of a control service
   bool body_fails = true;
   Activity activity;          // of an execution service
   std::vector<Name> reports;  // the service's own
@@ -85,18 +85,18 @@ struct Task {
   Name name;
   std::int64_t period_us = 0;  // 0: aperiodic, woken by the control task
   std::int64_t delay_us = 0;
-  Name permanent;              // GenoM 2: one codel, run in each cycle
+  Name permanent;  // GenoM 2: one codel, run in each cycle
   bool permanent_fails = true;
-  Activity activity;           // GenoM 3: the task's own codels; no states if it has none
-  std::vector<Name> reads;     // posters of other modules, "Module.Poster", read when a cycle begins
+  Activity activity;        // GenoM 3: the task's own codels; no states if it has none
+  std::vector<Name> reads;  // posters of other modules, "Module.Poster", read when a cycle begins
   [[nodiscard]] bool has_permanent() const { return permanent.is_set() || !activity.states.empty(); }
 };
 
 struct Poster {
   Name name;
-  Name task;                   // the writer (GenoM 2)
+  Name task;  // the writer (GenoM 2)
   std::size_t task_index = 0;
-  bool is_auto = false;        // written at the end of each cycle of its task; else by codels, when they like
+  bool is_auto = false;  // written at the end of each cycle of its task; else by codels, when they like
 };
 
 struct Module {
@@ -105,8 +105,8 @@ struct Module {
   std::int64_t tick_us = 10000;  // unit in which the description counts time
   std::vector<Service> services;
   std::vector<Task> tasks;
-  std::vector<Poster> posters;   // GenoM 3: ports out
-  bool is_open = false;          // a header was missing: names that are not known may be declared there
+  std::vector<Poster> posters;  // GenoM 3: ports out
+  bool is_open = false;         // a header was missing: names that are not known may be declared there
   [[nodiscard]] bool has_init() const {
     for (const Service& s : services) {
       if (s.is_init) return true;

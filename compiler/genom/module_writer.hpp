@@ -18,26 +18,33 @@ class ModuleWriter {
 
  private:
   [[nodiscard]] std::string control(const std::string& port) const { return p_.control + "." + port; }
-  [[nodiscard]] std::string of_slot(std::size_t slot, const std::string& port) const { return p_.slots[slot].component + "." + port; }
-  [[nodiscard]] std::string of_task(std::size_t task, const std::string& port) const { return p_.tasks[task].component + "." + port; }
+  [[nodiscard]] std::string of_activity(std::size_t activity, const std::string& port) const {
+    return p_.activities[activity].component + "." + port;
+  }
+  [[nodiscard]] std::string of_task(std::size_t task, const std::string& port) const {
+    return p_.tasks[task].component + "." + port;
+  }
   /// Writes it under a name that the module does not have yet.
   void wire(Wire w);
   /// The name that a connector got.
   [[nodiscard]] std::string out_of(const std::string& connector) const { return names_.at(connector) + ".out"; }
   /// Of what the codels use, for a thread (LockPlan); `what` is "take" or "give".
-  void add_locks(std::vector<std::string>& ports, const std::vector<const Codel*>& codels, std::size_t thread, const char* what) const;
+  void add_locks(std::vector<std::string>& ports, const std::vector<const Codel*>& codels, std::size_t thread,
+                 const char* what) const;
   void add_ports(std::vector<std::string>& ports, const Codel& codel) const;
   [[nodiscard]] std::string called(const std::vector<Codel>& codels, const std::string& answer) const;
   [[nodiscard]] std::string answered(const std::string& answer, std::size_t k, std::size_t reports) const;
   void add_module_lock(std::vector<std::string>& ports, const char* what) const;
-  [[nodiscard]] bool waits(const Service& s) const { return s.waits && !p_.by_codel && s.kind == ServiceKind::Execution; }
+  [[nodiscard]] bool waits(const Service& s) const {
+    return s.waits && !p_.by_codel && s.kind == ServiceKind::Execution;
+  }
 
   void parts(const GenerateOptions& options);
   void control_cycle();
   void request(std::size_t i);
   void admissions(std::size_t i);
   void order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const;
-  void validated(const Service& s, std::size_t slot);
+  void validated(const Service& s, std::size_t activity);
   void interruptions(const Service& s, const ServicePlan& p);
   void finals(const Service& s, const ServicePlan& p);
   void aborts();
@@ -46,9 +53,9 @@ class ModuleWriter {
   void task(std::size_t i);
   void permanent(std::size_t task);
   void turns_of_permanent(std::size_t task);
-  void turns(std::size_t task, std::size_t slot);
-  void beside(std::size_t task, std::size_t slot);
-  void ends(std::size_t task, std::size_t slot);
+  void turns(std::size_t task, std::size_t activity);
+  void beside(std::size_t task, std::size_t activity);
+  void ends(std::size_t task, std::size_t activity);
   void time();
   void priorities();
   void exports();

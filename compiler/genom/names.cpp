@@ -9,10 +9,13 @@ namespace bip::genom {
 
 std::string bip_name(std::string_view name) {
   static const std::set<std::string_view> kReserved{
-      "package", "use", "end", "as", "atom", "compound", "component", "connector", "port", "type", "extern", "export", "function", "operator", "refine",
-      "data", "const", "define", "on", "internal", "provided", "do", "up", "down", "place", "initial", "from", "to", "priority", "if", "then", "else",
-      "fi", "true", "false", "int", "bool", "float", "string", "clock", "unit", "lazy", "delayable", "eager", "resume", "sync", "async", "invariant",
-      "at", "remember", "ignore", "error", "behavior", "state", "contains", "for", "in", "and", "or", "not"};
+      "package",  "use",      "end",       "as",       "atom",     "compound", "component", "connector", "port",
+      "type",     "extern",   "export",    "function", "operator", "refine",   "data",      "const",     "define",
+      "on",       "internal", "provided",  "do",       "up",       "down",     "place",     "initial",   "from",
+      "to",       "priority", "if",        "then",     "else",     "fi",       "true",      "false",     "int",
+      "bool",     "float",    "string",    "clock",    "unit",     "lazy",     "delayable", "eager",     "resume",
+      "sync",     "async",    "invariant", "at",       "remember", "ignore",   "error",     "behavior",  "state",
+      "contains", "for",      "in",        "and",      "or",       "not"};
   std::string result(name);
   for (char& c : result) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
@@ -37,7 +40,8 @@ std::string type_name(std::string_view name) {
 
 std::string upper(std::string_view name) {
   std::string result = bip_name(name);
-  std::transform(result.begin(), result.end(), result.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return result;
 }
 

@@ -11,23 +11,32 @@ namespace bip::genom {
 namespace {
 
 // Spellings of older versions.
-const std::map<std::string_view, std::string_view> kSynonyms{
-    {"incompatible_with", "interrupt_activity"}, {"fail_msg", "fail_reports"},       {"c_control_func", "codel_control"},
-    {"c_exec_func", "codel_main"},               {"c_exec_func_start", "codel_start"}, {"c_exec_func_end", "codel_end"},
-    {"c_exec_func_fail", "codel_fail"},          {"c_exec_func_inter", "codel_inter"}, {"c_init_func", "codel_task_start"},
-    {"c_func", "codel_task_main"},               {"c_end_func", "codel_task_end"},     {"c_create_func", "codel_poster_create"}};
+const std::map<std::string_view, std::string_view> kSynonyms{{"incompatible_with", "interrupt_activity"},
+                                                             {"fail_msg", "fail_reports"},
+                                                             {"c_control_func", "codel_control"},
+                                                             {"c_exec_func", "codel_main"},
+                                                             {"c_exec_func_start", "codel_start"},
+                                                             {"c_exec_func_end", "codel_end"},
+                                                             {"c_exec_func_fail", "codel_fail"},
+                                                             {"c_exec_func_inter", "codel_inter"},
+                                                             {"c_init_func", "codel_task_start"},
+                                                             {"c_func", "codel_task_main"},
+                                                             {"c_end_func", "codel_task_end"},
+                                                             {"c_create_func", "codel_poster_create"}};
 
 constexpr std::int64_t kMaxTicks = 1'000'000'000;
 
 // The states of an activity of GenoM 2 in the order in which they are listed here.
 constexpr std::array<std::string_view, 5> kStates{"START", "EXEC", "END", "INTER", "FAIL"};
-constexpr std::array<std::string_view, 5> kCodels{"codel_start", "codel_main", "codel_end", "codel_inter", "codel_fail"};
+constexpr std::array<std::string_view, 5> kCodels{"codel_start", "codel_main", "codel_end", "codel_inter",
+                                                  "codel_fail"};
 // What a codel of each may answer (GENOM, run-time semantics), and what a missing one does: the first.
-const std::array<std::vector<std::string_view>, 5> kPermitted{{{"EXEC", "START", "END", "ETHER", "FAIL", "ZOMBIE", "SLEEP"},
-                                                              {"END", "EXEC", "ETHER", "FAIL", "ZOMBIE", "SLEEP"},
-                                                              {"ETHER", "END", "FAIL", "ZOMBIE"},
-                                                              {"ETHER", "INTER", "FAIL", "ZOMBIE"},
-                                                              {"ZOMBIE"}}};
+const std::array<std::vector<std::string_view>, 5> kPermitted{
+    {{"EXEC", "START", "END", "ETHER", "FAIL", "ZOMBIE", "SLEEP"},
+     {"END", "EXEC", "ETHER", "FAIL", "ZOMBIE", "SLEEP"},
+     {"ETHER", "END", "FAIL", "ZOMBIE"},
+     {"ETHER", "INTER", "FAIL", "ZOMBIE"},
+     {"ZOMBIE"}}};
 
 Yield yield_of(std::string_view word) {
   if (word == "ETHER") return {Next::Ether, {}, 0};
@@ -38,7 +47,8 @@ Yield yield_of(std::string_view word) {
 
 class Genom2Parser {
  public:
-  Genom2Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
+  Genom2Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags)
+      : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
     module_.is_open = header_missing;
   }
 
@@ -77,11 +87,13 @@ class Genom2Parser {
       in_.take();
       return false;
     }
-    static const std::set<std::string_view> kBegins{"typedef", "struct", "union", "enum", "extern", "static", "const", "unsigned", "signed",
-                                                    "int",     "char",   "double", "float", "void", "long",   "short", "inline"};
+    static const std::set<std::string_view> kBegins{"typedef", "struct",   "union",  "enum",  "extern", "static",
+                                                    "const",   "unsigned", "signed", "int",   "char",   "double",
+                                                    "float",   "void",     "long",   "short", "inline"};
     const Name word{std::string(in_.peek().text), in_.peek().range};
     if (!kBegins.contains(word.text) && in_.peek(1).is("{")) {
-      diags_.report(Diag::kB6000, word.range, "`module`, `request`, `exec_task`, `poster` or a type", "`" + word.text + "`");
+      diags_.report(Diag::kB6000, word.range, "`module`, `request`, `exec_task`, `poster` or a type",
+                    "`" + word.text + "`");
       return false;
     }
     while (!in_.at_end() && !in_.at(";")) {
@@ -140,7 +152,8 @@ class Genom2Parser {
 
   bool unknown_attribute(const std::vector<std::string>& known) {
     auto d = diags_.report(Diag::kB6011, here_.range, here_.text, owner_);
-    for (const std::string& similar : similar_names(here_.text, known)) d.help(fmt::format("there is `{}`", similar), here_.range, similar);
+    for (const std::string& similar : similar_names(here_.text, known))
+      d.help(fmt::format("there is `{}`", similar), here_.range, similar);
     return false;
   }
 
@@ -157,8 +170,9 @@ class Genom2Parser {
   }
 
   bool module_attribute(std::string_view word) {
-    static const std::vector<std::string> kKnown{"number", "internal_data", "version", "email", "iface_version", "requires", "codels_requires",
-                                                 "lang", "uses_cxx", "codel_files", "clock_rate", "stack_size"};
+    static const std::vector<std::string> kKnown{"number",        "internal_data", "version",         "email",
+                                                 "iface_version", "requires",      "codels_requires", "lang",
+                                                 "uses_cxx",      "codel_files",   "clock_rate",      "stack_size"};
     std::int64_t value = 0;
     if (word == "number") return in_.number(value, ";}", 1, 32767, "the number of a module");
     if (word == "clock_rate") {
@@ -180,16 +194,18 @@ class Genom2Parser {
     const bool whole = block("request", name, &Genom2Parser::request_attribute);
     if (!name.is_set()) return whole;
     request_.name = name;
-    if (!seen_.contains("type")) diags_.report(Diag::kB6007, name.range, owner_, "type").help("`type: exec;`, `type: control;` or `type: init;`");
+    if (!seen_.contains("type"))
+      diags_.report(Diag::kB6007, name.range, owner_, "type").help("`type: exec;`, `type: control;` or `type: init;`");
     finish_request();
     module_.services.push_back(std::move(request_));
     return whole;
   }
 
   bool request_attribute(std::string_view word) {
-    static const std::vector<std::string> kKnown{"type", "input", "output", "posters_input", "codel_control", "codel_start", "codel_main",
-                                                 "codel_end", "codel_inter", "codel_fail", "interrupt_activity", "exec_task", "fail_reports",
-                                                 "resources", "doc", "input_info"};
+    static const std::vector<std::string> kKnown{
+        "type",         "input",     "output",      "posters_input", "codel_control",      "codel_start",
+        "codel_main",   "codel_end", "codel_inter", "codel_fail",    "interrupt_activity", "exec_task",
+        "fail_reports", "resources", "doc",         "input_info"};
     if (word == "type") {
       type_ = in_.peek().text;
       if (type_ != "exec" && type_ != "control" && type_ != "init") {
@@ -233,7 +249,8 @@ class Genom2Parser {
     for (const Name& codel : codels_) has_codels = has_codels || codel.is_set();
     s.is_init = type_ == "init";
     // An `init` without task or codels is a control request.
-    s.kind = type_ == "exec" || (s.is_init && (s.task.is_set() || has_codels)) ? ServiceKind::Execution : ServiceKind::Control;
+    s.kind = type_ == "exec" || (s.is_init && (s.task.is_set() || has_codels)) ? ServiceKind::Execution
+                                                                               : ServiceKind::Control;
     if (s.is_init) {
       s.interrupts_all = true;
       if (init_.is_set()) diags_.report(Diag::kB6009, s.name.range).label(init_.range, "the first one");
@@ -245,7 +262,8 @@ class Genom2Parser {
       s.validate = {};
       return;
     }
-    if (!s.task.is_set() && !seen_.contains("exec_task")) diags_.report(Diag::kB6007, s.name.range, owner_, "exec_task");
+    if (!s.task.is_set() && !seen_.contains("exec_task"))
+      diags_.report(Diag::kB6007, s.name.range, owner_, "exec_task");
     for (std::size_t i = 0; i < kStates.size(); ++i) {
       State state{{std::string(kStates[i]), {}}, {codels_[i], {}}, {}};
       for (const std::string_view word : kPermitted[i]) {
@@ -269,13 +287,16 @@ class Genom2Parser {
   }
 
   bool task_attribute(std::string_view word) {
-    static const std::vector<std::string> kKnown{"period", "delay", "priority", "stack_size", "codel_task_start", "codel_task_main", "codel_task_main2",
-                                                 "codel_task_wait", "codel_task_end", "posters_input", "cs_client_from", "poster_client_from",
-                                                 "resources", "fail_reports"};
+    static const std::vector<std::string> kKnown{
+        "period",           "delay",           "priority",         "stack_size",
+        "codel_task_start", "codel_task_main", "codel_task_main2", "codel_task_wait",
+        "codel_task_end",   "posters_input",   "cs_client_from",   "poster_client_from",
+        "resources",        "fail_reports"};
     std::int64_t ignored = 0;
     if (word == "period" || word == "delay") {
       if (in_.accept("none")) return true;
-      return in_.number(word == "period" ? task_.period_us : task_.delay_us, ";}", 0, kMaxTicks, fmt::format("`{}`", word));
+      return in_.number(word == "period" ? task_.period_us : task_.delay_us, ";}", 0, kMaxTicks,
+                        fmt::format("`{}`", word));
     }
     if (word == "priority") return in_.number(ignored, ";}", 0, 255, "`priority`");
     if (word == "codel_task_main") return in_.name(task_.permanent, "the name of a codel");
@@ -291,13 +312,15 @@ class Genom2Parser {
     const bool whole = block("poster", name, &Genom2Parser::poster_attribute);
     poster_.name = name;
     if (!name.is_set()) return whole;
-    if (!poster_.task.is_set() && !seen_.contains("exec_task")) diags_.report(Diag::kB6007, name.range, owner_, "exec_task");
+    if (!poster_.task.is_set() && !seen_.contains("exec_task"))
+      diags_.report(Diag::kB6007, name.range, owner_, "exec_task");
     module_.posters.push_back(std::move(poster_));
     return whole;
   }
 
   bool poster_attribute(std::string_view word) {
-    static const std::vector<std::string> kKnown{"update", "data", "type", "exec_task", "address", "codel_poster_create"};
+    static const std::vector<std::string> kKnown{"update",    "data",    "type",
+                                                 "exec_task", "address", "codel_poster_create"};
     if (word == "update") {
       poster_.is_auto = in_.at("auto");
       if (in_.accept("auto") || in_.accept("user")) return true;

@@ -21,7 +21,8 @@ bool is_one_of(const Token& token, std::initializer_list<std::string_view> words
 
 class Genom3Parser {
  public:
-  Genom3Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
+  Genom3Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags)
+      : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
     module_.is_open = header_missing;
     module_.generation = 3;
   }
@@ -70,8 +71,9 @@ class Genom3Parser {
   }
 
   static bool is_property(const Token& word) {
-    return is_one_of(word, {"doc", "version", "lang", "email", "require", "requires", "codels", "clock", "provide", "provides", "use", "uses",
-                            "extend", "extends", "stack", "throw", "throws", "scheduling", "size"});
+    return is_one_of(
+        word, {"doc", "version", "lang", "email", "require", "requires", "codels", "clock", "provide", "provides",
+               "use", "uses", "extend", "extends", "stack", "throw", "throws", "scheduling", "size"});
   }
 
   bool skip_property() {
@@ -92,7 +94,8 @@ class Genom3Parser {
       in_.take();
       return in_.skip_group() && (in_.accept(";"), true);
     }
-    static const std::set<std::string_view> kBegins{"typedef", "struct", "union", "enum", "native", "exception", "sequence", "string", "interface", "component"};
+    static const std::set<std::string_view> kBegins{"typedef",   "struct",   "union",  "enum",      "native",
+                                                    "exception", "sequence", "string", "interface", "component"};
     if (!kBegins.contains(in_.peek().text)) {
       in_.unexpected("a declaration");
       return false;
@@ -258,7 +261,8 @@ class Genom3Parser {
     return in_.expect(";");
   }
 
-  bool service_property(Service& s, const std::string& kind, std::vector<ParsedCodel>& codels, std::set<std::string>& locals) {
+  bool service_property(Service& s, const std::string& kind, std::vector<ParsedCodel>& codels,
+                        std::set<std::string>& locals) {
     const Token& word = in_.peek();
     if (word.is("task")) {
       in_.take();
@@ -300,7 +304,8 @@ class Genom3Parser {
     }
     if (s.task.is_set()) diags_.report(Diag::kB6020, s.task.range, owner).help("an `activity` has a task");
     for (ParsedCodel& c : codels) {
-      if (!c.states.empty()) diags_.report(Diag::kB6020, c.states.front().range, owner).help("an `activity` has states");
+      if (!c.states.empty())
+        diags_.report(Diag::kB6020, c.states.front().range, owner).help("an `activity` has states");
       s.body.push_back(std::move(c.codel));
     }
     if (kind == "attribute") s.body_fails = false;

@@ -30,18 +30,21 @@ struct ParsedCodel {
 
 /// `codel [<ev,…>] id(params) [yield ev,…] [wcet TIME]` from after the word `codel`.
 [[nodiscard]] bool parse_codel(Cursor& in, ParsedCodel& into);
-/// A number such as 0.005, times a unit, rounded down: digit by digit, so that no binary fraction shows. Nothing if it is none.
+/// A number such as 0.005, times a unit, rounded down: digit by digit, so that no binary fraction shows. Nothing if it
+/// is none.
 [[nodiscard]] std::optional<std::int64_t> scaled(std::string_view number, std::int64_t unit);
 /// `id(params)`.
 [[nodiscard]] bool parse_call(Cursor& in, Codel& into);
 /// The parameters of a service, from `(` to `)`. Of an attribute the paths are ids members: they become `uses`.
-[[nodiscard]] bool parse_parameters(Cursor& in, bool is_attribute, std::set<std::string>& locals, std::vector<DataUse>& uses);
+[[nodiscard]] bool parse_parameters(Cursor& in, bool is_attribute, std::set<std::string>& locals,
+                                    std::vector<DataUse>& uses);
 /// Names that are declared by `type declarator{,declarator}`, up to and without the `;`.
 [[nodiscard]] bool parse_declared_names(Cursor& in, std::set<std::string>& names);
 
 /// States from codels: checks that every state has one codel, that those yielded exist and all are reached, that `stop`
 /// comes to `ether`. `owner` as in "activity `goto`".
-[[nodiscard]] Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner, const std::string& kind, Diagnostics& diags);
+[[nodiscard]] Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner, const std::string& kind,
+                                     Diagnostics& diags);
 
 /// Turns the uses of all codels into names of shared data, and drops local ones.
 void settle_uses(Module& module, const Scopes& scopes, Diagnostics& diags);

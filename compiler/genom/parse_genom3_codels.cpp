@@ -189,11 +189,14 @@ bool parse_declared_names(Cursor& in, std::set<std::string>& names) {
   return true;
 }
 
-Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner, const std::string& kind, Diagnostics& diags) {
+Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner, const std::string& kind,
+                       Diagnostics& diags) {
   const std::string what = fmt::format("{} `{}`", kind, owner.text);
   Activity a;
   for (const ParsedCodel& c : codels) {
-    if (c.states.empty()) diags.report(Diag::kB6000, c.codel.name.range, "the states of this codel, as in `codel<start>`", "`" + c.codel.name.text + "`");
+    if (c.states.empty())
+      diags.report(Diag::kB6000, c.codel.name.range, "the states of this codel, as in `codel<start>`",
+                   "`" + c.codel.name.text + "`");
     for (const Name& state : c.states) {
       const std::size_t known = find_state(a, state.text);
       if (known < a.states.size()) {
@@ -201,7 +204,8 @@ Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner
         continue;
       }
       a.states.push_back({state, c.codel, c.yields});
-      if (c.yields.empty()) diags.report(Diag::kB6007, c.codel.name.range, fmt::format("codel `{}`", c.codel.name.text), "yield");
+      if (c.yields.empty())
+        diags.report(Diag::kB6007, c.codel.name.range, fmt::format("codel `{}`", c.codel.name.text), "yield");
     }
   }
   a.start = find_state(a, "start");
@@ -234,7 +238,8 @@ Activity make_activity(const std::vector<ParsedCodel>& codels, const Name& owner
     bool ends = false;
     for (std::size_t i = 0; i < a.states.size(); ++i) {
       const std::vector<Yield>& yields = a.states[i].yields;
-      ends = ends || (after[i] && std::any_of(yields.begin(), yields.end(), [](const Yield& y) { return y.next == Next::Ether; }));
+      ends = ends || (after[i] &&
+                      std::any_of(yields.begin(), yields.end(), [](const Yield& y) { return y.next == Next::Ether; }));
     }
     if (!ends) diags.report(Diag::kB6018, a.states[a.stop].name.range, what);
   }
@@ -246,9 +251,11 @@ void settle_uses(Module& module, const Scopes& scopes, Diagnostics& diags) {
   std::map<std::string, std::pair<SourceRange, std::size_t>> parameters;
   const auto settle = [&](Codel& codel, const std::set<std::string>& locals) {
     if (codel.name.is_set()) {
-      const auto [known, is_new] = parameters.try_emplace(codel.name.text, std::pair(codel.name.range, codel.uses.size()));
+      const auto [known, is_new] =
+          parameters.try_emplace(codel.name.text, std::pair(codel.name.range, codel.uses.size()));
       if (!is_new && known->second.second != codel.uses.size()) {
-        diags.report(Diag::kB6019, codel.name.range, codel.name.text, codel.uses.size(), known->second.second).label(known->second.first, "here");
+        diags.report(Diag::kB6019, codel.name.range, codel.name.text, codel.uses.size(), known->second.second)
+            .label(known->second.first, "here");
       }
     }
     std::vector<DataUse> shared;

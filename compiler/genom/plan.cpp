@@ -15,12 +15,15 @@ namespace {
 bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Next next) {
   for (std::size_t i = 0; i < activity.states.size(); ++i) {
     const std::vector<Yield>& all = activity.states[i].yields;
-    if (a.used[i] && std::any_of(all.begin(), all.end(), [&](const Yield& y) { return y.next == next && y.state == to; })) return true;
+    if (a.used[i] &&
+        std::any_of(all.begin(), all.end(), [&](const Yield& y) { return y.next == next && y.state == to; }))
+      return true;
   }
   return false;
 }
 
-ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<Name>& reports, int generation) {
+ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<Name>& reports,
+                           int generation) {
   const bool has_reports = !reports.empty();
   ActivityPlan a;
   Scope scope;
@@ -52,7 +55,8 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
     a.ends = a.ends || (ends && !is_stop);
     a.ends_stopped = a.ends_stopped || (ends && is_stop);
     // GenoM 2: a report goes with ETHER. GenoM 3: an exception ends an activity from any codel.
-    a.ends_not_ok = a.ends_not_ok || (has_reports && state.codel.name.is_set() && (generation == 3 || (ends && !is_stop)));
+    a.ends_not_ok =
+        a.ends_not_ok || (has_reports && state.codel.name.is_set() && (generation == 3 || (ends && !is_stop)));
   }
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (yields(activity, a, i, Next::State)) a.to.push_back("to_" + a.places[i]);
@@ -68,7 +72,8 @@ class Planner {
  public:
   Planner(const Module& module, const GenerateOptions& options, Scope& types) : m_(module), types_(types) {
     p_.module = &module;
-    p_.by_codel = options.lock == LockGranularity::Codel || (options.lock == LockGranularity::ByGeneration && module.generation == 3);
+    p_.by_codel = options.lock == LockGranularity::Codel ||
+                  (options.lock == LockGranularity::ByGeneration && module.generation == 3);
     p_.calls = options.flavour == Flavour::Execution;
     p_.executive = options.executive;
     p_.type = types_.claim(type_name(module.name.text), "Module");
@@ -104,10 +109,10 @@ class Planner {
       if (plan.activity.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     }
     for (std::size_t k = 0; k < s.instances; ++k) {
-      plan.slots.push_back(p_.slots.size());
-      p_.slots.push_back({i, scope_.claim(k == 0 ? plan.id : fmt::format("{}_{}", plan.id, k + 1), "service")});
+      plan.activities.push_back(p_.activities.size());
+      p_.activities.push_back({i, scope_.claim(k == 0 ? plan.id : fmt::format("{}_{}", plan.id, k + 1), "service")});
     }
-    if (is_execution) p_.execution_slots += s.instances;
+    if (is_execution) p_.execution_activities += s.instances;
     p_.services.push_back(std::move(plan));
   }
 
@@ -119,14 +124,15 @@ class Planner {
     plan.scheduler = types_.claim(plan.type + "Scheduler", "Atom");
     if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, {}, m_.generation);
     plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
-    for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+    for (std::size_t k = 0; k < p_.activities.size(); ++k) {
       const Service& s = p_.service_of(k);
-      if (s.kind == ServiceKind::Execution && s.task_index == i) plan.slots.push_back(k);
+      if (s.kind == ServiceKind::Execution && s.task_index == i) plan.activities.push_back(k);
     }
     p_.tasks.push_back(std::move(plan));
   }
 
-  // Data that codels of two threads use, one of them writing. A thread is the control task (0) or a task (1 + its index).
+  // Data that codels of two threads use, one of them writing. A thread is the control task (0) or a task (1 + its
+  // index).
   void locks() {
     struct Users {
       std::set<std::size_t> threads;
@@ -154,7 +160,9 @@ class Planner {
     }
     for (const std::string& data : order) {
       const Users& users = all[data];
-      if (users.threads.size() > 1 && users.written) p_.locks.push_back({data, scope_.claim("lock_" + bip_name(data), "data"), {users.threads.begin(), users.threads.end()}});
+      if (users.threads.size() > 1 && users.written)
+        p_.locks.push_back(
+            {data, scope_.claim("lock_" + bip_name(data), "data"), {users.threads.begin(), users.threads.end()}});
     }
   }
 
@@ -193,7 +201,8 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
 bool Plan::may_suspend(std::size_t task) const {
   const Task& t = module->tasks[task];
   if ((t.permanent.is_set() && t.permanent_fails) || tasks[task].permanent.has_bad) return true;
-  return std::any_of(tasks[task].slots.begin(), tasks[task].slots.end(), [&](std::size_t slot) { return services[slots[slot].service].activity.has_bad; });
+  return std::any_of(tasks[task].activities.begin(), tasks[task].activities.end(),
+                     [&](std::size_t activity) { return services[activities[activity].service].activity.has_bad; });
 }
 
 std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {
@@ -215,6 +224,8 @@ int answer_code(const Yield& answer) {
   return -1;
 }
 
-std::string codel_label(const State& state) { return state.codel.name.is_set() ? bip_name(state.codel.name.text) : "no_codel_" + bip_name(state.name.text); }
+std::string codel_label(const State& state) {
+  return state.codel.name.is_set() ? bip_name(state.codel.name.text) : "no_codel_" + bip_name(state.name.text);
+}
 
 }  // namespace bip::genom

@@ -1,5 +1,5 @@
-// What the parts of the generator agree on: the names of everything that is generated for a module, and what is needed of it.
-// Inside compiler/genom only.
+// What the parts of the generator agree on: the names of everything that is generated for a module, and what is needed
+// of it. Inside compiler/genom only.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,18 +12,18 @@ namespace bip::genom {
 
 /// The states of an activity that can be reached, and which kinds of answers it gives.
 struct ActivityPlan {
-  std::string type;          // of the atom
+  std::string type;                 // of the atom
   std::vector<std::string> places;  // by state
   std::vector<bool> used;           // by state
   std::vector<bool> async;          // by state: used, and its codel runs beside the task
   bool has_async = false;
   bool has_sleep = false, has_zombie = false, has_bad = false;
-  bool goes_on = false;      // yields a state
-  bool pauses = false;       // GenoM 3: yields a state of the next cycle
-  bool ends = false;         // well
-  bool ends_not_ok = false;  // with a report of its own
-  bool ends_stopped = false; // after `stop`
-  bool rests = false;        // has places in which it needs no turn
+  bool goes_on = false;       // yields a state
+  bool pauses = false;        // GenoM 3: yields a state of the next cycle
+  bool ends = false;          // well
+  bool ends_not_ok = false;   // with a report of its own
+  bool ends_stopped = false;  // after `stop`
+  bool rests = false;         // has places in which it needs no turn
   // Its ports for answers that go on, that pause, and for its own reports; and what each is merged as.
   std::vector<std::string> to, pause, report;
   [[nodiscard]] std::string went_on() const { return to.size() == 1 ? to[0] : "went_on"; }
@@ -31,29 +31,29 @@ struct ActivityPlan {
   [[nodiscard]] std::string not_ok() const { return report.size() == 1 ? report[0] : "not_ok"; }
 };
 
-/// One instance of a service: an activity slot if it is an execution service.
-struct Slot {
+/// One instance of a service: an activity activity if it is an execution service.
+struct ServiceInstance {
   std::size_t service = 0;
   std::string component;
 };
 struct ServicePlan {
-  std::string id;                  // in names of ports and connectors
-  std::string type;                // of the compound; ControlService is one for all
-  std::string work_type;           // of the atom that runs codels beside the task, if there are such
+  std::string id;         // in names of ports and connectors
+  std::string type;       // of the compound; ControlService is one for all
+  std::string work_type;  // of the atom that runs codels beside the task, if there are such
   ActivityPlan activity;
-  std::vector<std::size_t> slots;  // indices of Plan::slots; of a control service one
-  bool is_decided = false;         // rules say whether it is accepted
-  bool is_stopped = false;         // and tell it to stop
-  bool is_waited_for = false;      // services of rules begin when it does not run
-  bool is_heard = false;           // rules count from its last success
+  std::vector<std::size_t> activities;  // indices of Plan::activities; of a control service one
+  bool is_decided = false;              // rules say whether it is accepted
+  bool is_stopped = false;              // and tell it to stop
+  bool is_waited_for = false;           // services of rules begin when it does not run
+  bool is_heard = false;                // rules count from its last success
 };
 struct TaskPlan {
   std::string component, type, scheduler;
-  ActivityPlan permanent;          // GenoM 3
-  std::vector<std::size_t> slots;  // its activities, in slot order
+  ActivityPlan permanent;               // GenoM 3
+  std::vector<std::size_t> activities;  // its activities, in activity order
 };
-/// Data that codels of several threads share, if one of them writes it (codel granularity). Thread 0 is the control task,
-/// thread 1 + i task i.
+/// Data that codels of several threads share, if one of them writes it (codel granularity). Thread 0 is the control
+/// task, thread 1 + i task i.
 struct LockPlan {
   std::string data, component;
   std::vector<std::size_t> threads;  // sorted
@@ -71,19 +71,21 @@ struct Plan {
   bool calls = false;     // execution flavour: codels are called
   Executive executive = Executive::Anybody;
   bool launches_outside = false;  // rules say when activities begin
-  std::string type;       // of the module's compound; begins the names of its other types
-  std::string component;  // in the functional level
-  std::vector<Slot> slots;
+  std::string type;               // of the module's compound; begins the names of its other types
+  std::string component;          // in the functional level
+  std::vector<ServiceInstance> activities;
   std::vector<ServicePlan> services;
   std::vector<TaskPlan> tasks;
   std::vector<std::string> posters;
   std::vector<PosterPlan> poster_types;  // by poster
   std::vector<LockPlan> locks;
-  std::size_t execution_slots = 0;
+  std::size_t execution_activities = 0;
   std::string control, ids, lock, poster_timer;  // components
   std::string control_type, box_type;
 
-  [[nodiscard]] const Service& service_of(std::size_t slot) const { return module->services[slots[slot].service]; }
+  [[nodiscard]] const Service& service_of(std::size_t activity) const {
+    return module->services[activities[activity].service];
+  }
   /// GenoM 2 refuses requests by the state of the whole module.
   [[nodiscard]] bool has_checks() const { return module->generation == 2; }
   [[nodiscard]] bool may_suspend(std::size_t task) const;
@@ -94,9 +96,11 @@ struct Plan {
 [[nodiscard]] Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& options, Scope& types);
 
 /// The atom of a service's or (GenoM 3) a task's codels. `has_reports`: it is a service's.
-void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment);
+void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
+                    const Service* service, const std::string& comment);
 void write_service(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
-/// The atom in which codels run beside the task, and what binds it to activity and controller, inside the service's compound.
+/// The atom in which codels run beside the task, and what binds it to activity and controller, inside the service's
+/// compound.
 void write_work(std::string& out, const Plan& plan, std::size_t service);
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
 void write_work_exports(std::string& out, const ServicePlan& p);
@@ -112,7 +116,8 @@ void write_module(std::string& out, const Plan& plan, const GenerateOptions& opt
 
 /// GenoM 2 does not say what a codel touches: everything.
 [[nodiscard]] std::vector<DataUse> uses_of(const Module& module, const Codel& codel);
-/// What a C++ codel returns for an answer: 0 ether, 1 + k the k-th state, 101 + k that after a pause, 201 zombie, 202 sleep.
+/// What a C++ codel returns for an answer: 0 ether, 1 + k the k-th state, 101 + k that after a pause, 201 zombie, 202
+/// sleep.
 [[nodiscard]] int answer_code(const Yield& answer);
 /// How a state's turn is called: by its codel.
 [[nodiscard]] std::string codel_label(const State& state);

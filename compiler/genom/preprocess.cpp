@@ -20,8 +20,8 @@ constexpr std::size_t kMaxFileBytes = 16u << 20;
 
 struct Branch {
   SourceRange range;
-  bool active = false;     // this branch counts
-  bool taken = false;      // one of the branches did
+  bool active = false;  // this branch counts
+  bool taken = false;   // one of the branches did
   bool has_else = false;
 };
 struct Open {
@@ -33,7 +33,8 @@ struct Open {
 
 class Preprocessor {
  public:
-  Preprocessor(SourceMap& sources, const PreprocessOptions& options, Diagnostics& diags) : sources_(sources), options_(options), diags_(diags) {
+  Preprocessor(SourceMap& sources, const PreprocessOptions& options, Diagnostics& diags)
+      : sources_(sources), options_(options), diags_(diags) {
     for (const auto& [name, value] : options.defines) {
       std::vector<Token> tokens = lex(sources_, sources_.add("<command line>", value), diags_);
       tokens.pop_back();
@@ -75,7 +76,8 @@ class Preprocessor {
   // Replacement is repeated within the replacement; a macro is not replaced within itself.
   void emit(const Token& token, std::size_t depth) {
     const auto macro = token.kind == TokenKind::Word ? macros_.find(token.text) : macros_.end();
-    if (macro == macros_.end() || depth > kMaxIncludeDepth || hidden_.contains(token.text) || ++replaced_ > kMaxTokens) {
+    if (macro == macros_.end() || depth > kMaxIncludeDepth || hidden_.contains(token.text) ||
+        ++replaced_ > kMaxTokens) {
       result_.tokens.push_back(token);
       return;
     }
@@ -93,7 +95,8 @@ class Preprocessor {
   std::vector<Token> line() {
     Open& top = open_.back();
     std::vector<Token> tokens;
-    for (++top.at; top.tokens[top.at].kind != TokenKind::End && !top.tokens[top.at].starts_line; ++top.at) tokens.push_back(top.tokens[top.at]);
+    for (++top.at; top.tokens[top.at].kind != TokenKind::End && !top.tokens[top.at].starts_line; ++top.at)
+      tokens.push_back(top.tokens[top.at]);
     return tokens;
   }
 
@@ -198,13 +201,15 @@ class Preprocessor {
     }
     const SourceRange where{rest.front().range.file, rest.front().range.begin, rest.back().range.end};
     const std::string path = find(name);
-    const Result<FileId> file = path.empty() ? Result<FileId>(Failure{"it is in none of the folders"}) : load_description(sources_, path);
+    const Result<FileId> file =
+        path.empty() ? Result<FileId>(Failure{"it is in none of the folders"}) : load_description(sources_, path);
     if (file) {
       open_.push_back({path, lex(sources_, *file, diags_), 0, {}});
       return;
     }
     result_.header_missing = true;
-    if (missing_.insert(name).second) diags_.report(Diag::kB6001, where, name).help("`-I DIR` adds a folder in which headers are looked for");
+    if (missing_.insert(name).second)
+      diags_.report(Diag::kB6001, where, name).help("`-I DIR` adds a folder in which headers are looked for");
   }
 
   [[nodiscard]] std::string find(const std::string& name) const {
@@ -231,7 +236,8 @@ class Preprocessor {
 
 }  // namespace
 
-Preprocessed preprocess(SourceMap& sources, const std::string& path, FileId file, const PreprocessOptions& options, Diagnostics& diags) {
+Preprocessed preprocess(SourceMap& sources, const std::string& path, FileId file, const PreprocessOptions& options,
+                        Diagnostics& diags) {
   return Preprocessor(sources, options, diags).run(path, file);
 }
 

@@ -13,8 +13,8 @@
 namespace bip::genom {
 
 struct PreprocessOptions {
-  std::vector<std::string> folders;                           // -I, after the including file's own folder
-  std::vector<std::pair<std::string, std::string>> defines;   // -D
+  std::vector<std::string> folders;                          // -I, after the including file's own folder
+  std::vector<std::pair<std::string, std::string>> defines;  // -D
 };
 struct Preprocessed {
   std::vector<Token> tokens;  // the last one is End
@@ -22,8 +22,8 @@ struct Preprocessed {
 };
 
 /// `path`: of the file to start with.
-[[nodiscard]] Preprocessed preprocess(SourceMap& sources, const std::string& path, FileId file, const PreprocessOptions& options,
-                                      Diagnostics& diags);
+[[nodiscard]] Preprocessed preprocess(SourceMap& sources, const std::string& path, FileId file,
+                                      const PreprocessOptions& options, Diagnostics& diags);
 
 /// A description or header as text; bytes that are no UTF-8 are taken as Latin-1.
 [[nodiscard]] Result<FileId> load_description(SourceMap& sources, const std::string& path);

@@ -27,13 +27,16 @@ template <class Row>
 void check_unique(const std::vector<Row>& rows, const char* kind, Diagnostics& diags) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t first = find(rows, rows[i].name.text);
-    if (first < i) diags.report(Diag::kB6013, rows[i].name.range, kind, rows[i].name.text).label(rows[first].name.range, "the first one");
+    if (first < i)
+      diags.report(Diag::kB6013, rows[i].name.range, kind, rows[i].name.text)
+          .label(rows[first].name.range, "the first one");
   }
 }
 
 class Resolver {
  public:
-  Resolver(Module& module, std::vector<SideLine>& side, Flavour flavour, Diagnostics& diags) : m_(module), side_(side), flavour_(flavour), diags_(diags) {}
+  Resolver(Module& module, std::vector<SideLine>& side, Flavour flavour, Diagnostics& diags)
+      : m_(module), side_(side), flavour_(flavour), diags_(diags) {}
 
   void run(std::size_t instances) {
     check_unique(m_.services, m_.generation == 2 ? "request" : "service", diags_);
@@ -50,7 +53,9 @@ class Resolver {
       for (State& state : s.activity.states) states_of(s.activity, state);
       const std::size_t own = find(m_.services, s.name.text);
       const bool interrupts_itself = std::find(s.interrupted.begin(), s.interrupted.end(), own) != s.interrupted.end();
-      s.instances = s.kind == ServiceKind::Control ? 1 : interrupts_itself ? std::max<std::size_t>(instances, 2) : instances;
+      s.instances = s.kind == ServiceKind::Control ? 1
+                    : interrupts_itself            ? std::max<std::size_t>(instances, 2)
+                                                   : instances;
     }
   }
 
@@ -59,7 +64,8 @@ class Resolver {
     const std::size_t found = find(m_.tasks, name.text);
     if (found < m_.tasks.size()) return found;
     auto d = diags_.report(Diag::kB6008, name.range, m_.generation == 2 ? "execution task" : "task", name.text);
-    for (const std::string& similar : similar_names(name.text, names_of(m_.tasks))) d.help(fmt::format("there is `{}`", similar), name.range, similar);
+    for (const std::string& similar : similar_names(name.text, names_of(m_.tasks)))
+      d.help(fmt::format("there is `{}`", similar), name.range, similar);
     return 0;
   }
 
@@ -67,7 +73,9 @@ class Resolver {
     // A report that is listed twice is one; so are two that BIP cannot tell apart.
     std::vector<Name> reports;
     for (Name& r : s.reports) {
-      if (std::none_of(reports.begin(), reports.end(), [&](const Name& known) { return bip_name(known.text) == bip_name(r.text); })) reports.push_back(std::move(r));
+      if (std::none_of(reports.begin(), reports.end(),
+                       [&](const Name& known) { return bip_name(known.text) == bip_name(r.text); }))
+        reports.push_back(std::move(r));
     }
     s.reports = std::move(reports);
     if (s.kind == ServiceKind::Execution && s.task.is_set()) s.task_index = task(s.task);
@@ -82,7 +90,8 @@ class Resolver {
       const std::size_t found = find(m_.services, name.text);
       if (found == m_.services.size()) {
         auto d = diags_.report(Diag::kB6006, name.range, name.text);
-        for (const std::string& similar : similar_names(name.text, names_of(m_.services))) d.help(fmt::format("there is `{}`", similar), name.range, similar);
+        for (const std::string& similar : similar_names(name.text, names_of(m_.services)))
+          d.help(fmt::format("there is `{}`", similar), name.range, similar);
       } else if (m_.services[found].kind == ServiceKind::Execution &&
                  std::find(s.interrupted.begin(), s.interrupted.end(), found) == s.interrupted.end()) {
         s.interrupted.push_back(found);
@@ -105,7 +114,8 @@ class Resolver {
         continue;
       }
       auto d = diags_.report(Diag::kB6008, name.range, "service", name.text);
-      for (const std::string& similar : similar_names(name.text, names_of(m_.services))) d.help(fmt::format("there is `{}`", similar), name.range, similar);
+      for (const std::string& similar : similar_names(name.text, names_of(m_.services)))
+        d.help(fmt::format("there is `{}`", similar), name.range, similar);
     }
   }
 
@@ -157,7 +167,9 @@ class Resolver {
   }
 
   void codel_yields(SideLine& line) {
-    const auto has = [&](std::string_view word) { return std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; }); };
+    const auto has = [&](std::string_view word) {
+      return std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; });
+    };
     for (Task& t : m_.tasks) {
       if (t.permanent.is_set() && is_about(line.subject, t.permanent.text)) {
         t.permanent_fails = has("ERROR");
@@ -186,7 +198,8 @@ class Resolver {
     std::int64_t budget = 0;
     if (!line.words.empty() && !read_time(line.words, budget)) {
       line.used = true;
-      diags_.report(Diag::kB6022, line.words[0].range, fmt::format("`{}` is no length of time", line.words[0].text)).help("a number with `us`, `ms` or `s`: `20 ms`");
+      diags_.report(Diag::kB6022, line.words[0].range, fmt::format("`{}` is no length of time", line.words[0].text))
+          .help("a number with `us`, `ms` or `s`: `20 ms`");
       return;
     }
     for (Service& s : m_.services) {
@@ -196,7 +209,8 @@ class Resolver {
         state.codel.budget_us = budget;
         line.used = true;
       }
-      const bool is_control = std::any_of(s.body.begin(), s.body.end(), [&](const Codel& c) { return is_about(line.subject, c.name.text); });
+      const bool is_control = std::any_of(s.body.begin(), s.body.end(),
+                                          [&](const Codel& c) { return is_about(line.subject, c.name.text); });
       if (is_control || is_about(line.subject, s.validate.name.text)) waited_for(line);
     }
     for (const Task& t : m_.tasks) {
@@ -214,7 +228,8 @@ class Resolver {
     std::string text;
     for (const Name& w : words) text += w.text;
     std::size_t digits = 0;
-    while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && us < 1'000'000'000) us = us * 10 + (text[digits++] - '0');
+    while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && us < 1'000'000'000)
+      us = us * 10 + (text[digits++] - '0');
     const std::string unit = text.substr(digits);
     if (digits == 0 || us == 0 || (unit != "us" && unit != "ms" && unit != "s")) return false;
     us *= unit == "s" ? 1'000'000 : unit == "ms" ? 1000 : 1;
@@ -227,7 +242,8 @@ class Resolver {
     std::size_t owner;  // a service, then the tasks, then the control task
   };
 
-  // GenoM 3: what an `async` codel touches nobody else touches, for it holds no lock. (Of GenoM 2 nothing is known about data.)
+  // GenoM 3: what an `async` codel touches nobody else touches, for it holds no lock. (Of GenoM 2 nothing is known
+  // about data.)
   void check_async() {
     std::vector<Use> uses;
     const auto add = [&](const Codel& codel, std::size_t owner) {
@@ -243,7 +259,9 @@ class Resolver {
       const std::vector<State>& states = m_.tasks[i].activity.states;
       for (const State& state : states) {
         add(state.codel, m_.services.size() + i);
-        if (state.codel.is_async && is_first(states, state)) diags_.report(Diag::kB6024, state.codel.name.range, state.codel.name.text, "which only codels of activities can be");
+        if (state.codel.is_async && is_first(states, state))
+          diags_.report(Diag::kB6024, state.codel.name.range, state.codel.name.text,
+                        "which only codels of activities can be");
       }
     }
     for (std::size_t i = 0; i < m_.services.size(); ++i) {
@@ -255,11 +273,14 @@ class Resolver {
 
   void check_shares(const Codel& codel, std::size_t owner, const std::vector<Use>& uses) {
     for (const DataUse& use : codel.uses) {
-      const auto other = std::find_if(uses.begin(), uses.end(), [&](const Use& u) { return u.owner != owner && u.use->data == use.data && (use.writes || u.use->writes); });
+      const auto other = std::find_if(uses.begin(), uses.end(), [&](const Use& u) {
+        return u.owner != owner && u.use->data == use.data && (use.writes || u.use->writes);
+      });
       if (other == uses.end()) continue;
       const bool is_codel = other->codel->name.is_set();
       auto d = diags_.report(Diag::kB6024, codel.name.range, codel.name.text,
-                             fmt::format("and shares `{}` with {}", use.data.substr(use.data.find('_') + 1), is_codel ? "codel `" + other->codel->name.text + "`" : "an attribute"));
+                             fmt::format("and shares `{}` with {}", use.data.substr(use.data.find('_') + 1),
+                                         is_codel ? "codel `" + other->codel->name.text + "`" : "an attribute"));
       if (is_codel) d.label(other->codel->name.range, "here");
       return;
     }
@@ -267,24 +288,34 @@ class Resolver {
 
   // One codel may serve several states.
   static bool is_first(const std::vector<State>& states, const State& state) {
-    return &*std::find_if(states.begin(), states.end(), [&](const State& s) { return s.codel.name.range.begin == state.codel.name.range.begin; }) == &state;
+    return &*std::find_if(states.begin(), states.end(), [&](const State& s) {
+      return s.codel.name.range.begin == state.codel.name.range.begin;
+    }) == &state;
   }
 
   // Only what the state permits, in its order; OTHER comes on top.
   void narrow(State& state, const SideLine& line) {
     std::vector<Yield> kept;
     for (const Yield& y : state.yields) {
-      const std::string_view word = y.next == Next::Ether ? (m_.generation == 2 ? "ETHER" : "ether") : y.next == Next::Zombie ? "ZOMBIE" : y.next == Next::Sleep ? "SLEEP" : std::string_view(y.name.text);
-      if (std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; })) kept.push_back(y);
+      const std::string_view word = y.next == Next::Ether    ? (m_.generation == 2 ? "ETHER" : "ether")
+                                    : y.next == Next::Zombie ? "ZOMBIE"
+                                    : y.next == Next::Sleep  ? "SLEEP"
+                                                             : std::string_view(y.name.text);
+      if (std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; }))
+        kept.push_back(y);
     }
     for (const Name& w : line.words) {
       if (w.text == "OTHER") {
         kept.push_back({Next::Other, w, 0});
       } else if (std::none_of(state.yields.begin(), state.yields.end(), [&](const Yield& y) {
-                   return y.name.text == w.text || (y.next == Next::Ether && (w.text == "ETHER" || w.text == "ether")) ||
-                          (y.next == Next::Zombie && w.text == "ZOMBIE") || (y.next == Next::Sleep && w.text == "SLEEP");
+                   return y.name.text == w.text ||
+                          (y.next == Next::Ether && (w.text == "ETHER" || w.text == "ether")) ||
+                          (y.next == Next::Zombie && w.text == "ZOMBIE") ||
+                          (y.next == Next::Sleep && w.text == "SLEEP");
                  })) {
-        diags_.report(Diag::kB6022, w.range, fmt::format("codel `{}` of state `{}` cannot yield `{}`", state.codel.name.text, state.name.text, w.text));
+        diags_.report(
+            Diag::kB6022, w.range,
+            fmt::format("codel `{}` of state `{}` cannot yield `{}`", state.codel.name.text, state.name.text, w.text));
       }
     }
     if (!kept.empty()) state.yields = std::move(kept);
@@ -315,7 +346,9 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
       while (at < stop && is_blank(at)) ++at;
       std::size_t last = at;
       while (last < stop && !is_blank(last)) ++last;
-      if (last > at) words.push_back({std::string(text.substr(at, last - at)), {file, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(last)}});
+      if (last > at)
+        words.push_back({std::string(text.substr(at, last - at)),
+                         {file, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(last)}});
       at = last;
     }
     begin = end + 1;
@@ -328,7 +361,9 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
     const std::string verb = kind == "codel" ? "yields" : kind == "trigger" ? "waits" : kind == "task" ? "reads" : "";
     if (verb.empty() || words.size() < 3 || words[2].text != verb || (verb != "waits") != (words.size() > 3)) {
       diags.report(Diag::kB6022, words[0].range, "this is no line of a side file")
-          .help("`codel NAME yields A B`, `codel NAME async 20 ms`, `trigger SERVICE waits` or `task TASK reads MODULE.POSTER`");
+          .help(
+              "`codel NAME yields A B`, `codel NAME async 20 ms`, `trigger SERVICE waits` or `task TASK reads "
+              "MODULE.POSTER`");
       continue;
     }
     lines.push_back({kind, words[1], {words.begin() + 3, words.end()}, false});
@@ -338,7 +373,13 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
 
 void report_unused(const std::vector<SideLine>& side, Diagnostics& diags) {
   for (const SideLine& line : side) {
-    if (!line.used) diags.report(Diag::kB6022, line.subject.range, fmt::format("there is no {} `{}` in what is translated", line.kind == "trigger" ? "service" : line.kind == "async" ? "codel" : line.kind, line.subject.text));
+    if (!line.used)
+      diags.report(Diag::kB6022, line.subject.range,
+                   fmt::format("there is no {} `{}` in what is translated",
+                               line.kind == "trigger" ? "service"
+                               : line.kind == "async" ? "codel"
+                                                      : line.kind,
+                               line.subject.text));
   }
 }
 

@@ -1,7 +1,8 @@
 // Names of a module become indices; what the description leaves open is taken from the side file.
 //
 // Side file, a line each, `#` begins a comment; `Module.Name` where two modules have the name:
-//   codel NAME yields A B …      what a codel of a GenoM 2 module really returns: states, or OK and ERROR of control and
+//   codel NAME yields A B …      what a codel of a GenoM 2 module really returns: states, or OK and ERROR of control
+//   and
 //                                permanent codels; OTHER is an answer that its state does not permit
 //   codel NAME async [TIME]      it runs beside its task; when TIME is over it is given up
 //   trigger SERVICE waits        a constraint may make the trigger of SERVICE wait
@@ -24,8 +25,9 @@ struct SideLine {
 /// Reads a side file; what is no line of it is reported.
 [[nodiscard]] std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Diagnostics& diags);
 
-/// Checks and connects the names of `module`, applies the lines that are about it (and marks them as used), and gives every
-/// service its number of instances. In the execution flavour codels are not narrowed, and may answer nonsense. A service that interrupts itself needs one more: the new one waits for the old.
+/// Checks and connects the names of `module`, applies the lines that are about it (and marks them as used), and gives
+/// every service its number of instances. In the execution flavour codels are not narrowed, and may answer nonsense. A
+/// service that interrupts itself needs one more: the new one waits for the old.
 void resolve(Module& module, std::vector<SideLine>& side, std::size_t instances, Flavour flavour, Diagnostics& diags);
 
 /// Lines of the side file that were about nothing.

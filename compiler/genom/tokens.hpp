@@ -1,6 +1,7 @@
 // Tokens of a .gen file and of the C headers that it includes.
 //
-// `lex` is linear and never fails: what is no token is reported and skipped. Text of a token is a view into the source map.
+// `lex` is linear and never fails: what is no token is reported and skipped. Text of a token is a view into the source
+// map.
 #pragma once
 #include <cstdint>
 #include <string_view>
@@ -17,7 +18,9 @@ struct Token {
   bool starts_line = false;
   std::string_view text;  // of a string: without its quotes
   SourceRange range;
-  [[nodiscard]] bool is(std::string_view t) const { return text == t && (kind == TokenKind::Word || kind == TokenKind::Sign); }
+  [[nodiscard]] bool is(std::string_view t) const {
+    return text == t && (kind == TokenKind::Word || kind == TokenKind::Sign);
+  }
 };
 
 /// The last token is End.

@@ -14,7 +14,8 @@ void check_module_names(const std::vector<Module>& modules, Diagnostics& diags) 
   for (std::size_t i = 0; i < modules.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (!modules[i].name.is_set() || type_name(modules[i].name.text) != type_name(modules[j].name.text)) continue;
-      diags.report(Diag::kB6013, modules[i].name.range, "module", modules[i].name.text).label(modules[j].name.range, "the first one");
+      diags.report(Diag::kB6013, modules[i].name.range, "module", modules[i].name.text)
+          .label(modules[j].name.range, "the first one");
     }
   }
 }
@@ -30,7 +31,8 @@ void check_reads(const std::vector<Module>& modules, Diagnostics& diags) {
       for (const Name& read : t.reads) {
         if (std::find(known.begin(), known.end(), read.text) != known.end()) continue;
         auto d = diags.report(Diag::kB6008, read.range, "poster", read.text);
-        for (const std::string& similar : similar_names(read.text, known)) d.help(fmt::format("there is `{}`", similar), read.range, similar);
+        for (const std::string& similar : similar_names(read.text, known))
+          d.help(fmt::format("there is `{}`", similar), read.range, similar);
       }
     }
   }
@@ -38,13 +40,16 @@ void check_reads(const std::vector<Module>& modules, Diagnostics& diags) {
 
 }  // namespace
 
-Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options, Diagnostics& diags) {
+Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options,
+                   Diagnostics& diags) {
   const Preprocessed text = preprocess(sources, description.path, description.file, options, diags);
-  return is_genom3(text.tokens) ? parse_genom3(text.tokens, text.header_missing, diags) : parse_genom2(text.tokens, text.header_missing, diags);
+  return is_genom3(text.tokens) ? parse_genom3(text.tokens, text.header_missing, diags)
+                                : parse_genom2(text.tokens, text.header_missing, diags);
 }
 
-std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
-                                                const TranslateOptions& options, Diagnostics& diags) {
+std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files,
+                                                std::vector<SideLine> side, const TranslateOptions& options,
+                                                Diagnostics& diags) {
   std::vector<Module> modules;
   for (const Description& d : files) modules.push_back(read_module(sources, d, options.preprocess, diags));
   for (Module& m : modules) resolve(m, side, options.instances, options.generate.flavour, diags);

@@ -27,10 +27,12 @@ struct Translation {
 };
 
 /// One description, parsed and not yet resolved.
-[[nodiscard]] Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options, Diagnostics& diags);
+[[nodiscard]] Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options,
+                                 Diagnostics& diags);
 
 /// All of them, resolved and checked; nothing if there are errors. `side`: the lines of the side file.
-[[nodiscard]] std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files, std::vector<SideLine> side,
+[[nodiscard]] std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files,
+                                                              std::vector<SideLine> side,
                                                               const TranslateOptions& options, Diagnostics& diags);
 /// The package's name if nobody gives one.
 [[nodiscard]] std::string package_of(const std::vector<Module>& modules);

@@ -31,10 +31,15 @@ void write_wire(std::string& out, const Wire& w) {
     out += fmt::format("      on {} up {{ rep <- \"{}\"; }} down {{ {}.rep <- rep; }}\n", all, w.report, w.report_to);
   } else if (!w.guard.empty() || !w.action.empty()) {
     const char* down = w.exported ? "down" : "do";
-    out += fmt::format("      on {}{}{}\n", all, w.guard.empty() ? "" : " provided " + w.guard, w.action.empty() ? std::string(w.exported ? "" : " do {}") : fmt::format(" {} {{ {}{} }}", down, w.action, w.action.ends_with("fi") ? "" : ";"));
+    out += fmt::format("      on {}{}{}\n", all, w.guard.empty() ? "" : " provided " + w.guard,
+                       w.action.empty()
+                           ? std::string(w.exported ? "" : " do {}")
+                           : fmt::format(" {} {{ {}{} }}", down, w.action, w.action.ends_with("fi") ? "" : ";"));
   }
 }
 
-void write_export(std::string& out, const std::string& inner, const std::string& name) { out += fmt::format("    export port {} as {}\n", inner, name); }
+void write_export(std::string& out, const std::string& inner, const std::string& name) {
+  out += fmt::format("    export port {} as {}\n", inner, name);
+}
 
 }  // namespace bip::genom

@@ -4,8 +4,8 @@
 //   STATE_PAUSED waits for the next cycle (3)  STATE_ENDS    it ran, its locks are given back (codel granularity)
 //   LOST         given up while its codel ran beside the task; until that comes back
 //
-// A codel that runs beside the task does so in another atom (write_work.cpp); this one waits in STATE_RUNS and can be told to stop.
-// What a codel answers is free: one port an answer, merged by what the rest of the module makes of it.
+// A codel that runs beside the task does so in another atom (write_work.cpp); this one waits in STATE_RUNS and can be
+// told to stop. What a codel answers is free: one port an answer, merged by what the rest of the module makes of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,8 +18,15 @@ namespace {
 
 class ActivityWriter {
  public:
-  ActivityWriter(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service)
-      : out_(out), plan_(plan), activity_(activity), a_(a), service_(service), is_3_(plan.module->generation == 3), places_(a.places) {}
+  ActivityWriter(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
+                 const Service* service)
+      : out_(out),
+        plan_(plan),
+        activity_(activity),
+        a_(a),
+        service_(service),
+        is_3_(plan.module->generation == 3),
+        places_(a.places) {}
 
   void run(const std::string& comment) {
     out_ += fmt::format("\n  // {}\n  atom type {}()\n", comment, a_.type);
@@ -28,7 +35,8 @@ class ActivityWriter {
     place_line();
     out_ += fmt::format("\n    initial to {}\n", service_ != nullptr ? "ETHER" : places_[activity_.start]);
     if (service_ != nullptr) {
-      out_ += fmt::format("\n    on start from ETHER to {}\n", is_3_ ? places_[activity_.start] + "_PAUSED" : places_[activity_.start]);
+      out_ += fmt::format("\n    on start from ETHER to {}\n",
+                          is_3_ ? places_[activity_.start] + "_PAUSED" : places_[activity_.start]);
       aborts();
     }
     turns();
@@ -46,7 +54,8 @@ class ActivityWriter {
 
   void data() {
     if (a_.ends_not_ok) {
-      for (const Name& r : service_->reports) out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r.text), r.text);
+      for (const Name& r : service_->reports)
+        out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r.text), r.text);
     }
     if (remembers()) out_ += "    data bool stopping = false\n";
     if (plan_.calls) out_ += "    data int next = 0, report = 0\n";
@@ -55,10 +64,13 @@ class ActivityWriter {
   void port(const std::string& name) { out_ += fmt::format("    export port Signal {}()\n", name); }
 
   // Of several ports one; a report's port shows it.
-  void merged(const std::vector<std::string>& names, const char* type, const std::string& as, bool with_report = false) {
+  void merged(const std::vector<std::string>& names, const char* type, const std::string& as,
+              bool with_report = false) {
     if (names.empty()) return;
     std::string list;
-    for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n + (with_report ? "(" + n.substr(n.find('_') + 1).insert(0, "rep_") + ")" : "()");
+    for (const std::string& n : names)
+      list += (list.empty() ? "" : ", ") + n +
+              (with_report ? "(" + n.substr(n.find('_') + 1).insert(0, "rep_") + ")" : "()");
     out_ += fmt::format("    export port {} {}{}\n", type, list, as == names[0] ? "" : " as " + as);
   }
 
@@ -80,7 +92,9 @@ class ActivityWriter {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!a_.used[i]) continue;
       port("run_" + places_[i]);
-      if (a_.async[i]) out_ += fmt::format("    export port {} back_{}({})\n", plan_.calls ? "Outcome" : "Signal", places_[i], plan_.calls ? "next, report" : "");
+      if (a_.async[i])
+        out_ += fmt::format("    export port {} back_{}({})\n", plan_.calls ? "Outcome" : "Signal", places_[i],
+                            plan_.calls ? "next, report" : "");
       else if (plan_.by_codel) port("done_" + places_[i]);
     }
     if (a_.has_async) {
@@ -119,11 +133,15 @@ class ActivityWriter {
     return is_3_ && ((stoppable() && (i == activity_.start || i == activity_.stop)) || yields(i, Next::Pause));
   }
 
-  void on(const std::string& port, const std::string& from, const std::string& to, const std::string& action = {}, const std::string& guard = {}) {
-    out_ += fmt::format("    on {} from {} to {}{}{}\n", port, from, to, guard.empty() ? "" : " provided (" + guard + ")", action.empty() ? "" : " do { " + action + "; }");
+  void on(const std::string& port, const std::string& from, const std::string& to, const std::string& action = {},
+          const std::string& guard = {}) {
+    out_ +=
+        fmt::format("    on {} from {} to {}{}{}\n", port, from, to, guard.empty() ? "" : " provided (" + guard + ")",
+                    action.empty() ? "" : " do { " + action + "; }");
   }
 
-  // Whatever it does, an aborted activity goes to its stop state: at once if it waits, else when its codel has answered.
+  // Whatever it does, an aborted activity goes to its stop state: at once if it waits, else when its codel has
+  // answered.
   void aborts() {
     const std::string stop = places_[activity_.stop];
     out_ += "\n    // Told to stop.\n";
@@ -140,10 +158,15 @@ class ActivityWriter {
     if (!remembers()) return;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!a_.used[i] || i == activity_.stop) continue;
-      if (may_follow(i, Next::State)) out_ += fmt::format("    internal from {} to {} provided (stopping) do {{ stopping = false; }}\n", places_[i], stop);
-      if (may_follow(i, Next::Pause)) out_ += fmt::format("    internal from {}_PAUSED to {}_PAUSED provided (stopping) do {{ stopping = false; }}\n", places_[i], stop);
+      if (may_follow(i, Next::State))
+        out_ += fmt::format("    internal from {} to {} provided (stopping) do {{ stopping = false; }}\n", places_[i],
+                            stop);
+      if (may_follow(i, Next::Pause))
+        out_ += fmt::format("    internal from {}_PAUSED to {}_PAUSED provided (stopping) do {{ stopping = false; }}\n",
+                            places_[i], stop);
     }
-    if (a_.has_sleep) out_ += fmt::format("    internal from SLEEP to {} provided (stopping) do {{ stopping = false; }}\n", stop);
+    if (a_.has_sleep)
+      out_ += fmt::format("    internal from SLEEP to {} provided (stopping) do {{ stopping = false; }}\n", stop);
   }
 
   // Can a codel of a state that is not `stop` answer with it?
@@ -163,7 +186,8 @@ class ActivityWriter {
       if (!a_.used[i]) continue;
       const Codel& codel = activity_.states[i].codel;
       const bool calls = plan_.calls && codel.name.is_set() && !a_.async[i];
-      on("run_" + places_[i], places_[i], places_[i] + "_RUNS", calls ? fmt::format("report = 0; next = {}(report)", bip_name(codel.name.text)) : "");
+      on("run_" + places_[i], places_[i], places_[i] + "_RUNS",
+         calls ? fmt::format("report = 0; next = {}(report)", bip_name(codel.name.text)) : "");
       if (leaves(i)) on((a_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
       if (!a_.async[i]) continue;
       on("wait", places_[i] + "_RUNS", places_[i] + "_RUNS");
@@ -183,9 +207,12 @@ class ActivityWriter {
       const std::string from = ended(i);
       const bool is_stop = stoppable() && i == activity_.stop;
       const std::string clear = is_stop ? "" : forget;
-      out_ += fmt::format("\n    // {}\n", s.codel.name.is_set() ? "What " + s.codel.name.text + " answers." : s.name.text + " has no codel.");
-      const bool ends = std::any_of(s.yields.begin(), s.yields.end(), [](const Yield& y) { return y.next == Next::Ether; });
-      const bool may_report = service_ != nullptr && s.codel.name.is_set() && !service_->reports.empty() && (is_3_ || (ends && !is_stop));
+      out_ += fmt::format("\n    // {}\n", s.codel.name.is_set() ? "What " + s.codel.name.text + " answers."
+                                                                 : s.name.text + " has no codel.");
+      const bool ends =
+          std::any_of(s.yields.begin(), s.yields.end(), [](const Yield& y) { return y.next == Next::Ether; });
+      const bool may_report =
+          service_ != nullptr && s.codel.name.is_set() && !service_->reports.empty() && (is_3_ || (ends && !is_stop));
       const bool calls = plan_.calls && s.codel.name.is_set();
       std::string known;
       const auto when = [&](const Yield& y) {
@@ -207,7 +234,8 @@ class ActivityWriter {
       for (std::size_t k = 0; may_report && k < service_->reports.size(); ++k) {
         std::string guard;
         if (calls) {
-          guard = is_3_ ? fmt::format("report == {}", k + 1) : fmt::format("next == {} && report == {}", answer_code({Next::Ether, {}, 0}), k + 1);
+          guard = is_3_ ? fmt::format("report == {}", k + 1)
+                        : fmt::format("next == {} && report == {}", answer_code({Next::Ether, {}, 0}), k + 1);
           known += (known.empty() ? "" : " || ") + (is_3_ ? guard : "(" + guard + ")");
         }
         on("report_" + bip_name(service_->reports[k].text), from, "ETHER", clear, guard);
@@ -248,7 +276,8 @@ class ActivityWriter {
 
 }  // namespace
 
-void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a, const Service* service, const std::string& comment) {
+void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
+                    const Service* service, const std::string& comment) {
   ActivityWriter(out, plan, activity, a, service).run(comment);
 }
 

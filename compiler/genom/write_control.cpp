@@ -36,7 +36,9 @@ struct Box {
 
 std::string asked_for(const std::string& name) { return fmt::format(" provided (rqst == \"{}\")", name); }
 
-bool is_checked(const Plan& plan, const Service& s) { return plan.has_checks() && s.kind == ServiceKind::Execution && !s.is_init; }
+bool is_checked(const Plan& plan, const Service& s) {
+  return plan.has_checks() && s.kind == ServiceKind::Execution && !s.is_init;
+}
 
 void requests(Box& box, const Plan& plan) {
   const Module& m = *plan.module;
@@ -44,7 +46,8 @@ void requests(Box& box, const Plan& plan) {
   for (std::size_t i = 0; i < m.services.size(); ++i) {
     const std::string& id = plan.services[i].id;
     box.signal("read_" + id);
-    box.on("read_" + id, "read", is_checked(plan, m.services[i]) ? "asked" : "allowed", fmt::format(" do {{ rqst = \"{}\"; rep = \"OK\"; token = true; }}", m.services[i].name.text));
+    box.on("read_" + id, "read", is_checked(plan, m.services[i]) ? "asked" : "allowed",
+           fmt::format(" do {{ rqst = \"{}\"; rep = \"OK\"; token = true; }}", m.services[i].name.text));
   }
   box.signal("none");
   box.on("none", "read", "laun");
@@ -96,7 +99,8 @@ void write_control(std::string& out, const Plan& plan) {
     box.places += ", ctrl";
   }
   box.places += m.services.empty() ? ", laun" : ", okay, abtI, laun";
-  if (std::any_of(plan.services.begin(), plan.services.end(), [](const ServicePlan& s) { return s.is_decided; })) box.places += ", alld";
+  if (std::any_of(plan.services.begin(), plan.services.end(), [](const ServicePlan& s) { return s.is_decided; }))
+    box.places += ", alld";
   for (std::size_t i = 0; i < m.services.size(); ++i) {
     const Service& s = m.services[i];
     const std::string& id = plan.services[i].id;
@@ -145,7 +149,8 @@ void write_control(std::string& out, const Plan& plan) {
   }
   for (const char* name : {"done", "give", "rest"}) box.signal(name);
   box.places += ", give_back, fini";
-  const std::string answer = fmt::format(" do {{ if (rqst != \"\") then executive_answer(\"{}\", rqst, rep); rqst = \"\"; fi }}", m.name.text);
+  const std::string answer =
+      fmt::format(" do {{ if (rqst != \"\") then executive_answer(\"{}\", rqst, rep); rqst = \"\"; fi }}", m.name.text);
   const bool is_served = plan.executive == Executive::Served;
   const std::string is_told = is_served ? " && rqst == \"\"" : "";
   box.on("done", "laun", "give_back", plan.executive == Executive::Cpp ? answer : "");
@@ -153,13 +158,21 @@ void write_control(std::string& out, const Plan& plan) {
   box.on("give", "give_back", "idle", fmt::format(" provided (token{}) do {{ token = false; }}", is_told));
   box.on("rest", "give_back", "idle", fmt::format(" provided (!token{})", is_told));
 
-  out += fmt::format("\n  // Receives the requests to {} and answers them, one control cycle after the other (Figure 8).\n", m.name.text);
-  out += fmt::format("  atom type {}()\n    data string rqst = \"\", rep = \"OK\"\n    data bool token = false\n    port Signal init()\n", plan.box_type);
+  out += fmt::format(
+      "\n  // Receives the requests to {} and answers them, one control cycle after the other (Figure 8).\n",
+      m.name.text);
+  out += fmt::format(
+      "  atom type {}()\n    data string rqst = \"\", rep = \"OK\"\n    data bool token = false\n    port Signal "
+      "init()\n",
+      plan.box_type);
   if (is_served) out += "    port Told told(rqst, rep)\n";
   for (const auto& [type, name] : box.ports) out += fmt::format("    export port {} {}\n", type, name);
   out += fmt::format("\n    place {}\n\n    initial to off\n\n{}  end\n", box.places, box.transitions);
 
-  out += fmt::format("\n  // The control task.\n  compound type {}(int period)\n    component {} box()\n    component Timer timer(period, 0)\n", plan.control_type, plan.box_type);
+  out += fmt::format(
+      "\n  // The control task.\n  compound type {}(int period)\n    component {} box()\n    component Timer "
+      "timer(period, 0)\n",
+      plan.control_type, plan.box_type);
   write_wire(out, {.name = "wake_up", .ports = {"box.chck", "timer.trigger"}, .exported = true});
   out += "\n";
   write_export(out, "timer.tick", "tick");
@@ -172,9 +185,13 @@ void write_control(std::string& out, const Plan& plan) {
 }
 
 void write_data_lock(std::string& out, std::size_t threads) {
-  out += fmt::format("\n  // One datum of {0} threads: each may read it while nobody writes; who writes it has all tokens.\n  atom type DataLock{0}()\n", threads);
+  out += fmt::format(
+      "\n  // One datum of {0} threads: each may read it while nobody writes; who writes it has all tokens.\n  atom "
+      "type DataLock{0}()\n",
+      threads);
   for (std::size_t k = 1; k <= threads; ++k) {
-    for (const char* port : {"read_take", "read_give", "write_take", "write_give"}) out += fmt::format("    export port Signal {}_{}()\n", port, k);
+    for (const char* port : {"read_take", "read_give", "write_take", "write_give"})
+      out += fmt::format("    export port Signal {}_{}()\n", port, k);
   }
   std::string free;
   std::string busy;
@@ -184,8 +201,10 @@ void write_data_lock(std::string& out, std::size_t threads) {
   }
   out += fmt::format("\n    place {}{}\n\n    initial to {}\n\n", free, busy, free);
   for (std::size_t k = 1; k <= threads; ++k) {
-    out += fmt::format("    on read_take_{0} from free_{0} to read_{0}\n    on read_give_{0} from read_{0} to free_{0}\n", k);
-    out += fmt::format("    on write_take_{0} from {1} to written_{0}\n    on write_give_{0} from written_{0} to {1}\n", k, free);
+    out += fmt::format(
+        "    on read_take_{0} from free_{0} to read_{0}\n    on read_give_{0} from read_{0} to free_{0}\n", k);
+    out += fmt::format("    on write_take_{0} from {1} to written_{0}\n    on write_give_{0} from written_{0} to {1}\n",
+                       k, free);
   }
   out += "  end\n";
 }

@@ -1,5 +1,5 @@
-// The compound of a module (paper.md, Figures 7 and 10): its parts, and one connector an event, in the order of the control
-// cycle, then of a task's cycle, then time.
+// The compound of a module (paper.md, Figures 7 and 10): its parts, and one connector an event, in the order of the
+// control cycle, then of a task's cycle, then time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,14 +23,16 @@ std::vector<std::string> reports_of(const Service& s) {
 }
 
 bool has_checked(const Plan& p) {
-  return p.has_checks() && std::any_of(p.module->services.begin(), p.module->services.end(), [](const Service& s) { return s.kind == ServiceKind::Execution && !s.is_init; });
+  return p.has_checks() && std::any_of(p.module->services.begin(), p.module->services.end(),
+                                       [](const Service& s) { return s.kind == ServiceKind::Execution && !s.is_init; });
 }
 
 }  // namespace
 
-ModuleWriter::ModuleWriter(std::string& out, const Plan& plan) : out_(out), p_(plan), m_(*plan.module), is_3_(plan.module->generation == 3) {
+ModuleWriter::ModuleWriter(std::string& out, const Plan& plan)
+    : out_(out), p_(plan), m_(*plan.module), is_3_(plan.module->generation == 3) {
   for (const std::string& own : {p_.control, p_.ids, p_.lock, p_.poster_timer}) scope_.claim(own, "");
-  for (const Slot& slot : p_.slots) scope_.claim(slot.component, "");
+  for (const ServiceInstance& activity : p_.activities) scope_.claim(activity.component, "");
   for (const TaskPlan& t : p_.tasks) scope_.claim(t.component, "");
   for (const std::string& poster : p_.posters) scope_.claim(poster, "");
   for (const LockPlan& lock : p_.locks) scope_.claim(lock.component, "");
@@ -48,7 +50,7 @@ void ModuleWriter::run(const GenerateOptions& options) {
   parts(options);
   control_cycle();
   for (std::size_t i = 0; i < m_.services.size(); ++i) request(i);
-  if (p_.execution_slots > 0) {
+  if (p_.execution_activities > 0) {
     aborts();
     launches();
   }
@@ -75,7 +77,8 @@ void ModuleWriter::add_module_lock(std::vector<std::string>& ports, const char* 
 }
 
 // Adds the locks of what a codel uses.
-void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<const Codel*>& codels, std::size_t thread, const char* what) const {
+void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<const Codel*>& codels,
+                             std::size_t thread, const char* what) const {
   if (!p_.by_codel) return;
   for (const LockPlan& lock : p_.locks) {
     bool used = false;
@@ -94,16 +97,23 @@ void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<
 void ModuleWriter::parts(const GenerateOptions& options) {
   out_ += fmt::format("    component {} {}({})\n", p_.control_type, p_.control, options.control_period);
   if (p_.has_checks()) {
-    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", p_.ids, m_.has_init() ? "true" : "false", p_.execution_slots);
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", p_.ids,
+                        m_.has_init() ? "true" : "false", p_.execution_activities);
   }
   if (!p_.by_codel) out_ += fmt::format("    component IdsLock {}()\n", p_.lock);
-  for (const LockPlan& lock : p_.locks) out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component DataLock{} {}()\n", lock.threads.size(), lock.component);
+  for (const LockPlan& lock : p_.locks)
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component DataLock{} {}()\n",
+                        lock.threads.size(), lock.component);
   for (const TaskPlan& t : p_.tasks) out_ += fmt::format("    component {} {}()\n", t.type, t.component);
-  for (const Slot& slot : p_.slots) {
-    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p_.services[slot.service].type, slot.component);
+  for (const ServiceInstance& activity : p_.activities) {
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n",
+                        p_.services[activity.service].type, activity.component);
   }
-  if (!p_.poster_timer.empty()) out_ += fmt::format("    component Timer {}({}, 0)\n", p_.poster_timer, options.poster_period);
-  for (std::size_t k = 0; k < p_.posters.size(); ++k) out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n", p_.poster_types[k].type, p_.posters[k], options.oldest);
+  if (!p_.poster_timer.empty())
+    out_ += fmt::format("    component Timer {}({}, 0)\n", p_.poster_timer, options.poster_period);
+  for (std::size_t k = 0; k < p_.posters.size(); ++k)
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n",
+                        p_.poster_types[k].type, p_.posters[k], options.oldest);
 }
 
 // Execution flavour: the codels one after the other, until one does not answer OK.
@@ -112,7 +122,9 @@ std::string ModuleWriter::called(const std::vector<Codel>& codels, const std::st
   for (const Codel& c : codels) {
     if (!p_.calls || !c.name.is_set()) continue;
     const std::string call = fmt::format("{} <- {}()", answer, bip_name(c.name.text));
-    action += action.empty() ? call : fmt::format("{} if ({} == 0) then {}; fi", action.ends_with("fi") ? "" : ";", answer, call);
+    action += action.empty()
+                  ? call
+                  : fmt::format("{} if ({} == 0) then {}; fi", action.ends_with("fi") ? "" : ";", answer, call);
   }
   return action;
 }
@@ -131,17 +143,22 @@ void ModuleWriter::control_cycle() {
   add_module_lock(chck, "take");
   wire({.name = "chck", .ports = chck});
   std::vector<std::string> replies{control("collect")};
-  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
-    if (p_.service_of(k).kind == ServiceKind::Execution) replies.push_back(of_slot(k, "reply"));
+  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
+    if (p_.service_of(k).kind == ServiceKind::Execution) replies.push_back(of_activity(k, "reply"));
   }
   wire({.name = "collect", .ports = replies, .triggers = replies.size() > 1 ? 1u : 0u});
   wire({.name = "none", .ports = {control("none")}, .exported = p_.executive != Executive::Anybody});
   if (!has_checked(p_)) return;
   const std::string state = p_.ids + ".state";
   const auto refuse = [&](const char* report, const std::string& guard) {
-    wire({.name = fmt::format("refuse_{}", report), .ports = {control("refuse"), state}, .guard = guard, .action = fmt::format("{}.rep <- \"{}\"", control("refuse"), report)});
+    wire({.name = fmt::format("refuse_{}", report),
+          .ports = {control("refuse"), state},
+          .guard = guard,
+          .action = fmt::format("{}.rep <- \"{}\"", control("refuse"), report)});
   };
-  wire({.name = "accept", .ports = {control("accept"), state}, .guard = fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies == 0", state)});
+  wire({.name = "accept",
+        .ports = {control("accept"), state},
+        .guard = fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies == 0", state)});
   refuse("SYSTEM_ERROR", fmt::format("{}.suspended", state));
   refuse("WAIT_INIT_RQST", fmt::format("!{0}.suspended && !{0}.initialised", state));
   refuse("WAIT_ABORT_ZOMBIE_ACTIVITY", fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies > 0", state));
@@ -151,8 +168,8 @@ void ModuleWriter::control_cycle() {
 void ModuleWriter::order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const {
   const auto add = [&](std::size_t other, bool must_be_done) {
     std::string done;
-    for (const std::size_t slot : p_.services[other].slots) {
-      const std::string stat = of_slot(slot, "stat");
+    for (const std::size_t activity : p_.services[other].activities) {
+      const std::string stat = of_activity(activity, "stat");
       if (std::find(ports.begin(), ports.end(), stat) == ports.end()) ports.push_back(stat);
       done += (done.empty() ? "" : " || ") + stat + ".done";
     }
@@ -169,13 +186,20 @@ void ModuleWriter::request(std::size_t i) {
   out_ += fmt::format("\n    // Request {}.\n", s.name.text);
   admissions(i);
   interruptions(s, p);
-  for (const std::size_t slot : p.slots) {
-    const std::string& name = p_.slots[slot].component;
-    std::vector<std::string> trig{control("trig_" + p.id), of_slot(slot, "trig")};
+  for (const std::size_t activity : p.activities) {
+    const std::string& name = p_.activities[activity].component;
+    std::vector<std::string> trig{control("trig_" + p.id), of_activity(activity, "trig")};
     if (!is_execution) add_locks(trig, bodies(s), 0, "take");
-    wire({.name = "trig_" + name, .ports = trig, .action = called(s.body, of_slot(slot, "trig.answer")), .exported = true});
+    wire({.name = "trig_" + name,
+          .ports = trig,
+          .action = called(s.body, of_activity(activity, "trig.answer")),
+          .exported = true});
     const std::string rejected = control("rej_" + p.id);
-    wire({.name = "rej_" + name, .ports = {rejected, of_slot(slot, "rej")}, .exported = true, .report_to = rejected, .report = "REJECTED"});
+    wire({.name = "rej_" + name,
+          .ports = {rejected, of_activity(activity, "rej")},
+          .exported = true,
+          .report_to = rejected,
+          .report = "REJECTED"});
   }
   if (!is_execution) finals(s, p);
 }
@@ -188,42 +212,54 @@ void ModuleWriter::admissions(std::size_t i) {
   std::string guard;
   order_guards(s, stats, guard);
   std::vector<std::string> busy;
-  for (const std::size_t slot : p.slots) {
-    std::vector<std::string> admit{control("admit_" + p.id), of_slot(slot, s.validate.name.is_set() ? "ctrl" : "admit")};
+  for (const std::size_t activity : p.activities) {
+    std::vector<std::string> admit{control("admit_" + p.id),
+                                   of_activity(activity, s.validate.name.is_set() ? "ctrl" : "admit")};
     admit.insert(admit.end(), busy.begin(), busy.end());
     admit.insert(admit.end(), stats.begin(), stats.end());
     add_locks(admit, {&s.validate}, 0, "take");
-    wire({.name = "admit_" + p_.slots[slot].component, .ports = admit, .guard = guard, .action = called({s.validate}, of_slot(slot, "ctrl.answer"))});
-    if (s.validate.name.is_set()) validated(s, slot);
-    busy.push_back(of_slot(slot, "busy"));
+    wire({.name = "admit_" + p_.activities[activity].component,
+          .ports = admit,
+          .guard = guard,
+          .action = called({s.validate}, of_activity(activity, "ctrl.answer"))});
+    if (s.validate.name.is_set()) validated(s, activity);
+    busy.push_back(of_activity(activity, "busy"));
   }
   const std::string full = control("full_" + p.id);
   if (s.kind == ServiceKind::Execution) {
     busy.insert(busy.begin(), full);
-    wire({.name = "full_" + p.id, .ports = busy, .action = fmt::format("{}.rep <- \"{}\"", full, is_3_ ? "too_many_activities" : "TOO_MANY_ACTIVITIES")});
+    wire({.name = "full_" + p.id,
+          .ports = busy,
+          .action = fmt::format("{}.rep <- \"{}\"", full, is_3_ ? "too_many_activities" : "TOO_MANY_ACTIVITIES")});
   }
   if (guard.empty()) return;
-  // A free slot is asked for first, so this is for when there is one.
-  for (std::size_t k = 0; k < p.slots.size(); ++k) {
+  // A free activity is asked for first, so this is for when there is one.
+  for (std::size_t k = 0; k < p.activities.size(); ++k) {
     std::vector<std::string> ports{full};
-    if (s.kind == ServiceKind::Execution) ports.push_back(of_slot(p.slots[k], "free"));
+    if (s.kind == ServiceKind::Execution) ports.push_back(of_activity(p.activities[k], "free"));
     ports.insert(ports.end(), stats.begin(), stats.end());
-    wire({.name = "disallow_" + p_.slots[p.slots[k]].component, .ports = ports, .guard = fmt::format("!({})", guard), .action = full + ".rep <- \"disallowed\""});
+    wire({.name = "disallow_" + p_.activities[p.activities[k]].component,
+          .ports = ports,
+          .guard = fmt::format("!({})", guard),
+          .action = full + ".rep <- \"disallowed\""});
   }
 }
 
-void ModuleWriter::validated(const Service& s, std::size_t slot) {
-  const std::string& name = p_.slots[slot].component;
-  std::vector<std::string> valid{control("valid"), of_slot(slot, "valid")};
+void ModuleWriter::validated(const Service& s, std::size_t activity) {
+  const std::string& name = p_.activities[activity].component;
+  std::vector<std::string> valid{control("valid"), of_activity(activity, "valid")};
   add_locks(valid, {&s.validate}, 0, "give");
-  wire({.name = "valid_" + name, .ports = valid, .guard = p_.calls ? of_slot(slot, "valid.answer == 0") : ""});
+  wire({.name = "valid_" + name, .ports = valid, .guard = p_.calls ? of_activity(activity, "valid.answer == 0") : ""});
   if (!s.validate_fails) return;
   const std::vector<std::string> reports = reports_of(s);
   for (std::size_t k = 0; k < reports.size(); ++k) {
     const std::string& report = reports[k];
-    std::vector<std::string> bad{control("invalid"), of_slot(slot, "invalid")};
+    std::vector<std::string> bad{control("invalid"), of_activity(activity, "invalid")};
     add_locks(bad, {&s.validate}, 0, "give");
-    wire({.name = fmt::format("invalid_{}_{}", name, bip_name(report)), .ports = bad, .guard = answered(of_slot(slot, "invalid.answer"), k, reports.size()), .action = fmt::format("{}.rep <- \"{}\"", control("invalid"), report)});
+    wire({.name = fmt::format("invalid_{}_{}", name, bip_name(report)),
+          .ports = bad,
+          .guard = answered(of_activity(activity, "invalid.answer"), k, reports.size()),
+          .action = fmt::format("{}.rep <- \"{}\"", control("invalid"), report)});
   }
 }
 
@@ -235,25 +271,33 @@ void ModuleWriter::interruptions(const Service& s, const ServicePlan& p) {
     triggers = 2;
   }
   for (const std::size_t other : s.interrupted) {
-    for (const std::size_t slot : p_.services[other].slots) ports.push_back(of_slot(slot, "abt"));
+    for (const std::size_t activity : p_.services[other].activities) ports.push_back(of_activity(activity, "abt"));
   }
-  wire({.name = "abtInc_" + p.id, .ports = ports, .triggers = ports.size() > triggers ? triggers : 0, .exported = true});
+  wire(
+      {.name = "abtInc_" + p.id, .ports = ports, .triggers = ports.size() > triggers ? triggers : 0, .exported = true});
 }
 
 void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
-  const std::size_t slot = p.slots[0];
-  std::vector<std::string> fin{control("final"), of_slot(slot, "fin")};
+  const std::size_t activity = p.activities[0];
+  std::vector<std::string> fin{control("final"), of_activity(activity, "fin")};
   add_locks(fin, bodies(s), 0, "give");
   if (s.is_init) fin.push_back(p_.ids + ".initialise");
   const bool has_codel = std::any_of(s.body.begin(), s.body.end(), [](const Codel& c) { return c.name.is_set(); });
-  wire({.name = "final_" + p_.slots[slot].component, .ports = fin, .guard = p_.calls && has_codel ? of_slot(slot, "fin.answer == 0") : "", .action = control("final") + ".rep <- \"OK\"", .exported = p.is_heard});
+  wire({.name = "final_" + p_.activities[activity].component,
+        .ports = fin,
+        .guard = p_.calls && has_codel ? of_activity(activity, "fin.answer == 0") : "",
+        .action = control("final") + ".rep <- \"OK\"",
+        .exported = p.is_heard});
   if (!has_codel || !s.body_fails) return;
   const std::vector<std::string> reports = reports_of(s);
   for (std::size_t k = 0; k < reports.size(); ++k) {
     const std::string& report = reports[k];
-    std::vector<std::string> bad{control("final"), of_slot(slot, "nofin")};
+    std::vector<std::string> bad{control("final"), of_activity(activity, "nofin")};
     add_locks(bad, bodies(s), 0, "give");
-    wire({.name = fmt::format("final_{}_{}", p_.slots[slot].component, bip_name(report)), .ports = bad, .guard = answered(of_slot(slot, "nofin.answer"), k, reports.size()), .action = fmt::format("{}.rep <- \"{}\"", control("final"), report)});
+    wire({.name = fmt::format("final_{}_{}", p_.activities[activity].component, bip_name(report)),
+          .ports = bad,
+          .guard = answered(of_activity(activity, "nofin.answer"), k, reports.size()),
+          .action = fmt::format("{}.rep <- \"{}\"", control("final"), report)});
   }
 }
 }  // namespace bip::genom

@@ -9,12 +9,12 @@ namespace bip::genom {
 
 void ModuleWriter::aborts() {
   out_ += "\n    // Request Abort.\n";
-  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
     if (p_.service_of(k).kind != ServiceKind::Execution) continue;
-    const std::string& name = p_.slots[k].component;
-    wire({.name = "abort_" + name, .ports = {control("abort"), of_slot(k, "abt")}});
-    if (!p_.services[p_.slots[k].service].activity.has_zombie) continue;
-    std::vector<std::string> bury{control("abort"), of_slot(k, "bury")};
+    const std::string& name = p_.activities[k].component;
+    wire({.name = "abort_" + name, .ports = {control("abort"), of_activity(k, "abt")}});
+    if (!p_.services[p_.activities[k].service].activity.has_zombie) continue;
+    std::vector<std::string> bury{control("abort"), of_activity(k, "bury")};
     if (p_.has_checks()) bury.push_back(p_.ids + ".remove_zombie");
     wire({.name = "bury_" + name, .ports = bury});
   }
@@ -24,16 +24,16 @@ void ModuleWriter::aborts() {
 // An activity begins when nothing that it interrupts runs any more.
 void ModuleWriter::launches() {
   out_ += "\n    // Start what is ready.\n";
-  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
+  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
     const Service& s = p_.service_of(k);
     if (s.kind != ServiceKind::Execution) continue;
-    std::vector<std::string> ports{control("launch"), of_slot(k, "start"), of_task(s.task_index, "add")};
+    std::vector<std::string> ports{control("launch"), of_activity(k, "start"), of_task(s.task_index, "add")};
     for (const std::size_t other : s.interrupted) {
-      for (const std::size_t slot : p_.services[other].slots) {
-        if (slot != k) ports.push_back(of_slot(slot, "idle"));
+      for (const std::size_t activity : p_.services[other].activities) {
+        if (activity != k) ports.push_back(of_activity(activity, "idle"));
       }
     }
-    wire({.name = "launch_" + p_.slots[k].component, .ports = ports, .exported = p_.launches_outside});
+    wire({.name = "launch_" + p_.activities[k].component, .ports = ports, .exported = p_.launches_outside});
   }
   if (std::any_of(m_.services.begin(), m_.services.end(), [&](const Service& s) { return waits(s); })) {
     wire({.name = "retake", .ports = {control("retake"), p_.lock + ".take"}});
@@ -50,16 +50,19 @@ void ModuleWriter::task(std::size_t i) {
   if (t.permanent.is_set()) add_locks(begin, {&permanent_codel}, 1 + i, "take");
   const std::size_t needed = begin.size();
   if (p.permanent.pauses) begin.push_back(of_task(i, "permanent_resume"));
-  for (const std::size_t slot : p.slots) {
-    if (is_3_) begin.push_back(of_slot(slot, "resume"));
+  for (const std::size_t activity : p.activities) {
+    if (is_3_) begin.push_back(of_activity(activity, "resume"));
   }
   const bool exported = t.has_permanent() || !t.reads.empty();
-  wire({.name = "begin_" + p.component, .ports = begin, .triggers = begin.size() > needed ? needed : 0, .exported = exported});
+  wire({.name = "begin_" + p.component,
+        .ports = begin,
+        .triggers = begin.size() > needed ? needed : 0,
+        .exported = exported});
   if (t.permanent.is_set()) permanent(i);
   if (!t.activity.states.empty()) turns_of_permanent(i);
-  for (const std::size_t slot : p.slots) {
-    turns(i, slot);
-    ends(i, slot);
+  for (const std::size_t activity : p.activities) {
+    turns(i, activity);
+    ends(i, activity);
   }
   std::vector<std::string> give{of_task(i, "give")};
   add_module_lock(give, "give");
@@ -106,54 +109,59 @@ void ModuleWriter::turns_of_permanent(std::size_t i) {
     wire({.name = "done_" + codel_label(state), .ports = done});
   }
   const std::string& name = p_.tasks[i].component;
-  if (a.rests) wire({.name = "skip_permanent_" + name, .ports = {of_task(i, "skip_permanent"), of_task(i, "permanent_rest")}});
-  if (a.goes_on) wire({.name = "more_permanent_" + name, .ports = {of_task(i, "more_permanent"), of_task(i, "permanent_went_on")}});
-  if (a.pauses) wire({.name = "paused_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_paused")}});
+  if (a.rests)
+    wire({.name = "skip_permanent_" + name, .ports = {of_task(i, "skip_permanent"), of_task(i, "permanent_rest")}});
+  if (a.goes_on)
+    wire({.name = "more_permanent_" + name, .ports = {of_task(i, "more_permanent"), of_task(i, "permanent_went_on")}});
+  if (a.pauses)
+    wire({.name = "paused_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_paused")}});
   if (a.has_bad) {
     std::vector<std::string> bad{of_task(i, "suspend"), of_task(i, "permanent_bad")};
     add_module_lock(bad, "give");
     wire({.name = "bad_permanent_" + name, .ports = bad});
   }
-  if (a.ends) wire({.name = "ended_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_ok")}});
+  if (a.ends)
+    wire({.name = "ended_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_ok")}});
 }
 
-void ModuleWriter::turns(std::size_t i, std::size_t slot) {
-  const std::string& name = p_.slots[slot].component;
-  const Activity& activity = p_.service_of(slot).activity;
-  const ActivityPlan& a = p_.services[p_.slots[slot].service].activity;
+void ModuleWriter::turns(std::size_t i, std::size_t instance) {
+  const std::string& name = p_.activities[instance].component;
+  const Activity& activity = p_.service_of(instance).activity;
+  const ActivityPlan& a = p_.services[p_.activities[instance].service].activity;
   for (std::size_t s = 0; s < activity.states.size(); ++s) {
     if (!a.used[s]) continue;
     const State& state = activity.states[s];
     // The same codel may serve several states.
     const std::string label = fmt::format("{}_{}_{}", name, a.places[s], codel_label(state));
     if (a.async[s]) {
-      wire({.name = label, .ports = {of_task(i, "sent_" + name), of_slot(slot, "run_" + a.places[s])}});
-      std::vector<std::string> back{of_task(i, "back_" + name), of_slot(slot, "back_" + a.places[s])};
+      wire({.name = label, .ports = {of_task(i, "sent_" + name), of_activity(instance, "run_" + a.places[s])}});
+      std::vector<std::string> back{of_task(i, "back_" + name), of_activity(instance, "back_" + a.places[s])};
       add_ports(back, state.codel);
       wire({.name = "back_" + label, .ports = back});
       continue;
     }
-    std::vector<std::string> run{of_task(i, "step_" + name), of_slot(slot, "run_" + a.places[s])};
+    std::vector<std::string> run{of_task(i, "step_" + name), of_activity(instance, "run_" + a.places[s])};
     add_locks(run, {&state.codel}, 1 + i, "take");
     add_ports(run, state.codel);
     wire({.name = label, .ports = run});
     if (!p_.by_codel) continue;
-    std::vector<std::string> done{of_task(i, "done_" + name), of_slot(slot, "done_" + a.places[s])};
+    std::vector<std::string> done{of_task(i, "done_" + name), of_activity(instance, "done_" + a.places[s])};
     add_locks(done, {&state.codel}, 1 + i, "give");
     wire({.name = "done_" + label, .ports = done});
   }
-  wire({.name = "skip_" + name, .ports = {of_task(i, "skip_" + name), of_slot(slot, "rest")}});
-  if (a.has_async) beside(i, slot);
+  wire({.name = "skip_" + name, .ports = {of_task(i, "skip_" + name), of_activity(instance, "rest")}});
+  if (a.has_async) beside(i, instance);
 }
 
-// A codel runs beside the task: it is waited for; it comes back, which wakes a task without a period; or it is given up, and comes back too late.
-void ModuleWriter::beside(std::size_t i, std::size_t slot) {
-  const std::string& name = p_.slots[slot].component;
-  wire({.name = "wait_" + name, .ports = {of_task(i, "skip_" + name), of_slot(slot, "wait")}});
-  std::vector<std::string> returned{of_slot(slot, "returned")};
+// A codel runs beside the task: it is waited for; it comes back, which wakes a task without a period; or it is given
+// up, and comes back too late.
+void ModuleWriter::beside(std::size_t i, std::size_t activity) {
+  const std::string& name = p_.activities[activity].component;
+  wire({.name = "wait_" + name, .ports = {of_task(i, "skip_" + name), of_activity(activity, "wait")}});
+  std::vector<std::string> returned{of_activity(activity, "returned")};
   if (m_.tasks[i].period_us == 0) returned.push_back(of_task(i, "wake"));
-  std::vector<std::string> lost{of_slot(slot, "lost"), of_task(i, "remove")};
-  std::vector<std::string> found{of_slot(slot, "found")};
+  std::vector<std::string> lost{of_activity(activity, "lost"), of_task(i, "remove")};
+  std::vector<std::string> found{of_activity(activity, "found")};
   if (p_.has_checks()) {
     lost.push_back(p_.ids + ".add_zombie");
     found.push_back(p_.ids + ".remove_zombie");
@@ -167,34 +175,37 @@ void ModuleWriter::beside(std::size_t i, std::size_t slot) {
 void ModuleWriter::add_ports(std::vector<std::string>& ports, const Codel& codel) const {
   for (const DataUse& use : codel.uses) {
     for (std::size_t k = 0; k < m_.posters.size(); ++k) {
-      if (is_3_ && use.writes && use.data == "port_" + m_.posters[k].name.text) ports.push_back(p_.posters[k] + ".write");
+      if (is_3_ && use.writes && use.data == "port_" + m_.posters[k].name.text)
+        ports.push_back(p_.posters[k] + ".write");
     }
   }
 }
 
-// What a codel's answer means: the next slot's turn, and perhaps the end of the activity.
-void ModuleWriter::ends(std::size_t i, std::size_t slot) {
-  const std::string& name = p_.slots[slot].component;
-  const Service& s = p_.service_of(slot);
-  const ActivityPlan& a = p_.services[p_.slots[slot].service].activity;
+// What a codel's answer means: the next activity's turn, and perhaps the end of the activity.
+void ModuleWriter::ends(std::size_t i, std::size_t activity) {
+  const std::string& name = p_.activities[activity].component;
+  const Service& s = p_.service_of(activity);
+  const ActivityPlan& a = p_.services[p_.activities[activity].service].activity;
   const std::string ran = of_task(i, "ran_" + name);
   const std::string remove = of_task(i, "remove");
-  if (a.goes_on) wire({.name = "went_on_" + name, .ports = {is_3_ ? of_task(i, "more_" + name) : ran, of_slot(slot, "went_on")}});
-  if (a.pauses) wire({.name = "paused_" + name, .ports = {ran, of_slot(slot, "paused")}});
+  if (a.goes_on)
+    wire({.name = "went_on_" + name,
+          .ports = {is_3_ ? of_task(i, "more_" + name) : ran, of_activity(activity, "went_on")}});
+  if (a.pauses) wire({.name = "paused_" + name, .ports = {ran, of_activity(activity, "paused")}});
   if (a.ends) {
-    std::vector<std::string> fin{ran, of_slot(slot, "fin"), remove};
+    std::vector<std::string> fin{ran, of_activity(activity, "fin"), remove};
     if (s.is_init) fin.push_back(p_.ids + ".initialise");
-    wire({.name = "fin_" + name, .ports = fin, .exported = p_.services[p_.slots[slot].service].is_heard});
+    wire({.name = "fin_" + name, .ports = fin, .exported = p_.services[p_.activities[activity].service].is_heard});
   }
-  if (a.ends_not_ok) wire({.name = "nofin_" + name, .ports = {ran, of_slot(slot, "nofin"), remove}});
-  if (a.ends_stopped) wire({.name = "intr_" + name, .ports = {ran, of_slot(slot, "intr"), remove}});
+  if (a.ends_not_ok) wire({.name = "nofin_" + name, .ports = {ran, of_activity(activity, "nofin"), remove}});
+  if (a.ends_stopped) wire({.name = "intr_" + name, .ports = {ran, of_activity(activity, "intr"), remove}});
   if (a.has_zombie) {
-    std::vector<std::string> fail{ran, of_slot(slot, "fail"), remove};
+    std::vector<std::string> fail{ran, of_activity(activity, "fail"), remove};
     if (p_.has_checks()) fail.push_back(p_.ids + ".add_zombie");
     wire({.name = "fail_" + name, .ports = fail});
   }
   if (a.has_bad) {
-    std::vector<std::string> bad{of_task(i, "suspend"), of_slot(slot, "bad")};
+    std::vector<std::string> bad{of_task(i, "suspend"), of_activity(activity, "bad")};
     if (p_.has_checks()) bad.push_back(p_.ids + ".suspend");
     add_module_lock(bad, "give");
     wire({.name = "bad_" + name, .ports = bad});
@@ -208,8 +219,8 @@ void ModuleWriter::time() {
     if (m_.tasks[i].period_us > 0) ticks.push_back(of_task(i, "tick"));
   }
   if (!p_.poster_timer.empty()) ticks.push_back(p_.poster_timer + ".tick");
-  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
-    if (p_.services[p_.slots[k].service].activity.has_async) ticks.push_back(of_slot(k, "watch_tick"));
+  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
+    if (p_.services[p_.activities[k].service].activity.has_async) ticks.push_back(of_activity(k, "watch_tick"));
   }
   const std::size_t triggers = ticks.size();
   ticks.push_back(control("tick"));
@@ -220,18 +231,19 @@ void ModuleWriter::time() {
   wire({.name = "grow_older", .ports = age});
 }
 
-// Everything that is ready is started before the control cycle ends, in the order of the slots.
+// Everything that is ready is started before the control cycle ends, in the order of the activities.
 void ModuleWriter::priorities() {
   std::vector<std::string> launches;
-  for (std::size_t k = 0; k < p_.slots.size(); ++k) {
-    if (p_.service_of(k).kind == ServiceKind::Execution) launches.push_back("launch_" + p_.slots[k].component);
+  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
+    if (p_.service_of(k).kind == ServiceKind::Execution) launches.push_back("launch_" + p_.activities[k].component);
   }
   // Where rules say when activities begin, the functional level does this.
   if (launches.empty() || p_.launches_outside) return;
   out_ += "\n";
   for (std::size_t k = 0; k < launches.size(); ++k) {
     const std::string& low = names_.at(k + 1 < launches.size() ? launches[k + 1] : "done");
-    out_ += fmt::format("    priority {} {}:* < {}:*\n", scope_.claim("first_" + launches[k], "rule"), low, names_.at(launches[k]));
+    out_ += fmt::format("    priority {} {}:* < {}:*\n", scope_.claim("first_" + launches[k], "rule"), low,
+                        names_.at(launches[k]));
   }
 }
 
@@ -243,39 +255,44 @@ void ModuleWriter::exports() {
     std::string trig;
     std::string rej;
     std::string abt;
-    for (const std::size_t slot : p.slots) {
-      const char* comma = slot == p.slots[0] ? "" : ", ";
-      trig += comma + out_of("trig_" + p_.slots[slot].component);
-      rej += comma + out_of("rej_" + p_.slots[slot].component);
-      abt += comma + of_slot(slot, "abt");
+    for (const std::size_t activity : p.activities) {
+      const char* comma = activity == p.activities[0] ? "" : ", ";
+      trig += comma + out_of("trig_" + p_.activities[activity].component);
+      rej += comma + out_of("rej_" + p_.activities[activity].component);
+      abt += comma + of_activity(activity, "abt");
     }
     if (p.is_decided) write_export(out_, control("allow_" + p.id), "allow_" + p.id);
     write_export(out_, out_of("abtInc_" + p.id), "abtInc_" + p.id);
     write_export(out_, trig, "trig_" + p.id);
     write_export(out_, rej, "rej_" + p.id);
     if (m_.services[i].kind == ServiceKind::Execution) write_export(out_, abt, "abt_" + p.id);
-    for (const std::size_t slot : p.slots) {
-      const std::string& name = p_.slots[slot].component;
-      write_export(out_, of_slot(slot, "stat"), "stat_" + name);
-      if (p.is_stopped) write_export(out_, of_slot(slot, "halt"), "halt_" + name);
-      if (p.is_heard && m_.services[i].kind == ServiceKind::Control) write_export(out_, out_of("final_" + name), "fin_" + name);
+    for (const std::size_t activity : p.activities) {
+      const std::string& name = p_.activities[activity].component;
+      write_export(out_, of_activity(activity, "stat"), "stat_" + name);
+      if (p.is_stopped) write_export(out_, of_activity(activity, "halt"), "halt_" + name);
+      if (p.is_heard && m_.services[i].kind == ServiceKind::Control)
+        write_export(out_, out_of("final_" + name), "fin_" + name);
       else if (p.is_heard && p.activity.ends) write_export(out_, out_of("fin_" + name), "fin_" + name);
-      if (p.is_waited_for) write_export(out_, of_slot(slot, "idle"), "idle_" + name);
-      if (p_.launches_outside && m_.services[i].kind == ServiceKind::Execution) write_export(out_, out_of("launch_" + name), "launch_" + name);
+      if (p.is_waited_for) write_export(out_, of_activity(activity, "idle"), "idle_" + name);
+      if (p_.launches_outside && m_.services[i].kind == ServiceKind::Execution)
+        write_export(out_, out_of("launch_" + name), "launch_" + name);
     }
   }
-  if (p_.execution_slots > 0) write_export(out_, control("read_Abort"), "read_Abort");
+  if (p_.execution_activities > 0) write_export(out_, control("read_Abort"), "read_Abort");
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
   if (p_.launches_outside) write_export(out_, out_of("done"), "done");
   if (p_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
   write_export(out_, out_of("give"), "give");
   for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
-    if (m_.tasks[i].has_permanent() || !m_.tasks[i].reads.empty()) write_export(out_, out_of("begin_" + p_.tasks[i].component), "begin_" + p_.tasks[i].component);
+    if (m_.tasks[i].has_permanent() || !m_.tasks[i].reads.empty())
+      write_export(out_, out_of("begin_" + p_.tasks[i].component), "begin_" + p_.tasks[i].component);
   }
   for (const std::string& poster : p_.posters) write_export(out_, poster + ".read", "read_" + poster);
   write_export(out_, out_of("ModuleSync"), "moduleTick");
 }
 
-void write_module(std::string& out, const Plan& plan, const GenerateOptions& options) { ModuleWriter(out, plan).run(options); }
+void write_module(std::string& out, const Plan& plan, const GenerateOptions& options) {
+  ModuleWriter(out, plan).run(options);
+}
 
 }  // namespace bip::genom

@@ -1,6 +1,6 @@
-// A poster with values that rules ask for: the library's Poster and what it holds. Where codels answer freely a write is a choice
-// among all combinations of the values that the rules declare (scope.cpp limits their number), fractions as ten-thousandths; else C++
-// functions tell them.
+// A poster with values that rules ask for: the library's Poster and what it holds. Where codels answer freely a write
+// is a choice among all combinations of the values that the rules declare (scope.cpp limits their number), fractions as
+// ten-thousandths; else C++ functions tell them.
 #include <fmt/format.h>
 
 #include "compiler/genom/codels.hpp"
@@ -11,9 +11,13 @@
 namespace bip::genom {
 namespace {
 
-const char* type_of(const ValueRow& value, bool calls) { return value.type == ValueType::Text ? "string" : value.type == ValueType::Float && calls ? "float" : "int"; }
+const char* type_of(const ValueRow& value, bool calls) {
+  return value.type == ValueType::Text ? "string" : value.type == ValueType::Float && calls ? "float" : "int";
+}
 
-std::string text_of(const ValueRow& value, std::size_t k, bool calls) { return value.type == ValueType::Float && !calls ? ten_thousandths(value.values[k]) : value.values[k]; }
+std::string text_of(const ValueRow& value, std::size_t k, bool calls) {
+  return value.type == ValueType::Float && !calls ? ten_thousandths(value.values[k]) : value.values[k];
+}
 
 }  // namespace
 
@@ -28,7 +32,8 @@ void write_poster(std::string& out, const Plan& plan, std::size_t poster) {
     data += fmt::format("    data {} {} = {}\n", type_of(*v, plan.calls), name, text_of(*v, 0, plan.calls));
     choices *= v->values.size();
   }
-  out += fmt::format("\n  // Poster {} and what it holds.\n  port type {}(int PosterAge{})\n", plan.module->posters[poster].name.text, p.port_type, variables);
+  out += fmt::format("\n  // Poster {} and what it holds.\n  port type {}(int PosterAge{})\n",
+                     plan.module->posters[poster].name.text, p.port_type, variables);
   out += fmt::format("  atom type {}(int oldest)\n    data int PosterAge = 0\n{}", p.type, data);
   std::string ports, transitions;
   for (std::size_t k = 0; k < (plan.calls ? 1 : choices); ++k) {
@@ -37,14 +42,20 @@ void write_poster(std::string& out, const Plan& plan, std::size_t poster) {
     transitions += fmt::format("    on {} from idle to idle do {{ PosterAge = 0;", port);
     std::size_t rest = k;
     for (const ValueRow* v : p.values) {
-      transitions += fmt::format(" {} = {};", bip_name(v->name), plan.calls ? value_function(*plan.module, *v) + "()" : text_of(*v, rest % v->values.size(), false));
+      transitions += fmt::format(
+          " {} = {};", bip_name(v->name),
+          plan.calls ? value_function(*plan.module, *v) + "()" : text_of(*v, rest % v->values.size(), false));
       rest /= v->values.size();
     }
     transitions += " }\n";
   }
-  out += fmt::format("    export port Signal {}{}\n    export port {} read(PosterAge{})\n    export port Signal grow()\n\n    place idle\n\n    initial to idle\n\n", ports,
-                     !plan.calls && choices > 1 ? " as write" : "", p.port_type, names);
-  out += transitions + "    on read from idle to idle\n    on grow from idle to idle do {\n      if (PosterAge < oldest) then\n        PosterAge = PosterAge + 1;\n      fi\n    }\n  end\n";
+  out += fmt::format(
+      "    export port Signal {}{}\n    export port {} read(PosterAge{})\n    export port Signal grow()\n\n    place "
+      "idle\n\n    initial to idle\n\n",
+      ports, !plan.calls && choices > 1 ? " as write" : "", p.port_type, names);
+  out += transitions +
+         "    on read from idle to idle\n    on grow from idle to idle do {\n      if (PosterAge < oldest) then\n      "
+         "  PosterAge = PosterAge + 1;\n      fi\n    }\n  end\n";
 }
 
 }  // namespace bip::genom

@@ -1,4 +1,5 @@
-// Execution tasks: the scheduler, which gives each activity its turn in slot order, and the compound of Figure 7 around it.
+// Execution tasks: the scheduler, which gives each activity its turn in activity order, and the compound of Figure 7
+// around it.
 #include <fmt/format.h>
 
 #include "compiler/genom/names.hpp"
@@ -14,7 +15,7 @@ void port(std::string& out, const std::string& name) { out += fmt::format("    e
 std::vector<std::string> turns_of(const Plan& plan, std::size_t task) {
   std::vector<std::string> turns;
   if (!plan.module->tasks[task].activity.states.empty()) turns.emplace_back("permanent");
-  for (const std::size_t slot : plan.tasks[task].slots) turns.push_back(plan.slots[slot].component);
+  for (const std::size_t activity : plan.tasks[task].activities) turns.push_back(plan.activities[activity].component);
   return turns;
 }
 
@@ -22,7 +23,7 @@ std::vector<std::string> turns_of(const Plan& plan, std::size_t task) {
 const ActivityPlan& activity_of(const Plan& plan, std::size_t task, std::size_t turn) {
   const bool has_permanent = !plan.module->tasks[task].activity.states.empty();
   if (has_permanent && turn == 0) return plan.tasks[task].permanent;
-  return plan.services[plan.slots[plan.tasks[task].slots[turn - (has_permanent ? 1 : 0)]].service].activity;
+  return plan.services[plan.activities[plan.tasks[task].activities[turn - (has_permanent ? 1 : 0)]].service].activity;
 }
 
 std::string begin_port(const Task& t) { return t.permanent.is_set() ? "permanentexec" : "begin"; }
@@ -66,15 +67,18 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
     }
     return false;
   }();
-  out += fmt::format("\n  // The cycle of task {}: woken by its timer, then{} one codel of each activity, in the order of their slots{}.\n", t.name.text,
-                     t.permanent.is_set() ? " the permanent codel and" : "", is_3 ? ", in rounds until all pause" : "");
+  out += fmt::format(
+      "\n  // The cycle of task {}: woken by its timer, then{} one codel of each activity, in the order of their "
+      "slots{}.\n",
+      t.name.text, t.permanent.is_set() ? " the permanent codel and" : "", is_3 ? ", in rounds until all pause" : "");
   out += fmt::format("  atom type {}()\n", plan.tasks[task].scheduler);
   if (is_3) out += "    data bool more = false\n";
   scheduler_ports(out, plan, task, turns);
 
   std::string places = t.has_permanent() ? "idle, perm" : "idle, perm, stpd";
   if (t.permanent.is_set()) places += ", exec";
-  for (const std::string& turn : turns) places += fmt::format(", at_{0}, run_{0}{1}", turn, plan.by_codel ? ", end_" + turn : "");
+  for (const std::string& turn : turns)
+    places += fmt::format(", at_{0}, run_{0}{1}", turn, plan.by_codel ? ", end_" + turn : "");
   places += ", over";
   if (plan.may_suspend(task)) places += ", susp";
   out += fmt::format("\n    place {}\n\n    initial to idle\n\n", places);
@@ -92,7 +96,8 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
     out += fmt::format("\n    on step_{0} from at_{0} to run_{0}\n", turn);
     if (a.rests) out += fmt::format("    on skip_{0} from at_{0} to {1}\n", turn, next);
     // A codel that runs beside the task: its turn is over at once, and its answer is heard at a later one.
-    if (a.has_async) out += fmt::format("    on sent_{0} from at_{0} to {1}\n    on back_{0} from at_{0} to {2}\n", turn, next, last);
+    if (a.has_async)
+      out += fmt::format("    on sent_{0} from at_{0} to {1}\n    on back_{0} from at_{0} to {2}\n", turn, next, last);
     if (plan.by_codel) out += fmt::format("    on done_{0} from run_{0} to end_{0}\n", turn);
     out += fmt::format("    on ran_{} from {} to {}\n", turn, last, next);
     if (is_3 && a.goes_on) out += fmt::format("    on more_{} from {} to {} do {{ more = true; }}\n", turn, last, next);
@@ -116,12 +121,16 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   const std::vector<std::string> turns = turns_of(plan, task);
   const auto ticks = [&](std::int64_t us) { return (us + tick_us / 2) / tick_us; };
   const bool is_periodic = t.period_us > 0;
-  out += fmt::format("\n  // Execution task {}{}.\n  compound type {}()\n", t.name.text,
-                     is_periodic ? fmt::format(", every {} ms", static_cast<double>(t.period_us) / 1000.0) : ", when it is woken", p.type);
+  out += fmt::format(
+      "\n  // Execution task {}{}.\n  compound type {}()\n", t.name.text,
+      is_periodic ? fmt::format(", every {} ms", static_cast<double>(t.period_us) / 1000.0) : ", when it is woken",
+      p.type);
   out += fmt::format("    component {} scheduler()\n", p.scheduler);
-  out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component TaskController controller({}, {})\n", p.slots.size(), t.has_permanent() ? "true" : "false");
+  out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component TaskController controller({}, {})\n",
+                     p.activities.size(), t.has_permanent() ? "true" : "false");
   if (is_periodic) {
-    out += fmt::format("    component Timer timer({}, {})\n", std::max<std::int64_t>(1, ticks(t.period_us)), ticks(t.delay_us));
+    out += fmt::format("    component Timer timer({}, {})\n", std::max<std::int64_t>(1, ticks(t.period_us)),
+                       ticks(t.delay_us));
   } else {
     out += "    component WakeUp timer()\n";
   }
@@ -133,12 +142,21 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   std::vector<std::string> begin{"scheduler." + begin_port(t), "controller.work"};
   if (t.permanent.is_set()) begin.emplace_back("permanent.exec");
   const bool calls = plan.calls && t.permanent.is_set();
-  write_wire(out, {.name = "begin", .ports = begin, .action = calls ? fmt::format("permanent.exec.answer <- {}()", bip_name(t.permanent.text)) : "", .exported = true});
+  write_wire(out, {.name = "begin",
+                   .ports = begin,
+                   .action = calls ? fmt::format("permanent.exec.answer <- {}()", bip_name(t.permanent.text)) : "",
+                   .exported = true});
   if (t.permanent.is_set()) {
-    write_wire(out, {.name = "permanent_done", .ports = {"scheduler.permanentdone", "permanent.done"}, .guard = calls ? "permanent.done.answer == 0" : "", .exported = plan.by_codel});
+    write_wire(out, {.name = "permanent_done",
+                     .ports = {"scheduler.permanentdone", "permanent.done"},
+                     .guard = calls ? "permanent.done.answer == 0" : "",
+                     .exported = plan.by_codel});
   }
   if (t.permanent.is_set() && t.permanent_fails) {
-    write_wire(out, {.name = "permanent_fails", .ports = {"scheduler.suspend", "permanent.fail"}, .guard = calls ? "permanent.fail.answer != 0" : "", .exported = true});
+    write_wire(out, {.name = "permanent_fails",
+                     .ports = {"scheduler.suspend", "permanent.fail"},
+                     .guard = calls ? "permanent.fail.answer != 0" : "",
+                     .exported = true});
   }
 
   out += "\n";
@@ -146,7 +164,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   write_export(out, "begin.out", "begin");
   if (t.permanent.is_set() && plan.by_codel) write_export(out, "permanent_done.out", "permanent_done");
   if (t.permanent.is_set() && t.permanent_fails) write_export(out, "permanent_fails.out", "permanent_fails");
-  if (!p.slots.empty()) {
+  if (!p.activities.empty()) {
     write_export(out, "controller.add", "add");
     write_export(out, "controller.remove", "remove");
   }
@@ -200,27 +218,48 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
   if (a.has_async) out += fmt::format("    component {} work()\n    component CodelWatch watch()\n", p.work_type);
   const std::string interrupted = plan.module->generation == 2 ? "ACTIVITY_INTERRUPTED" : "interrupted";
   write_wire(out, {.name = "start", .ports = {"controller.start", "activity.start"}, .exported = true});
-  write_wire(out, {.name = "cancel", .ports = {"controller.cancel"}, .exported = true, .report_to = "controller.cancel", .report = interrupted});
-  write_wire(out, {.name = "abort", .ports = {"controller.abt", "activity.abt"}, .exported = true, .report_to = "controller.abt", .report = interrupted});
+  write_wire(out, {.name = "cancel",
+                   .ports = {"controller.cancel"},
+                   .exported = true,
+                   .report_to = "controller.cancel",
+                   .report = interrupted});
+  write_wire(out, {.name = "abort",
+                   .ports = {"controller.abt", "activity.abt"},
+                   .exported = true,
+                   .report_to = "controller.abt",
+                   .report = interrupted});
   if (p.is_stopped) {
     // Told to stop, once.
-    write_wire(out, {.name = "drop", .ports = {"controller.cancel"}, .exported = true, .report_to = "controller.cancel", .report = interrupted});
-    write_wire(out, {.name = "halt", .ports = {"controller.halt", "activity.abt"}, .exported = true, .report_to = "controller.halt", .report = interrupted});
+    write_wire(out, {.name = "drop",
+                     .ports = {"controller.cancel"},
+                     .exported = true,
+                     .report_to = "controller.cancel",
+                     .report = interrupted});
+    write_wire(out, {.name = "halt",
+                     .ports = {"controller.halt", "activity.abt"},
+                     .exported = true,
+                     .report_to = "controller.halt",
+                     .report = interrupted});
   }
   if (a.ends) write_wire(out, {.name = "fin", .ports = {"controller.fin", "activity.ok"}, .exported = true});
   if (a.ends_not_ok) {
-    write_wire(out, {.name = "nofin", .ports = {"controller.nofin", "activity." + a.not_ok()},
-                     .action = fmt::format("controller.nofin.rep <- activity.{}.rep", a.not_ok()), .exported = true});
+    write_wire(out, {.name = "nofin",
+                     .ports = {"controller.nofin", "activity." + a.not_ok()},
+                     .action = fmt::format("controller.nofin.rep <- activity.{}.rep", a.not_ok()),
+                     .exported = true});
   }
-  if (a.ends_stopped) write_wire(out, {.name = "intr", .ports = {"controller.intr", "activity.intr"}, .exported = true});
+  if (a.ends_stopped)
+    write_wire(out, {.name = "intr", .ports = {"controller.intr", "activity.intr"}, .exported = true});
   if (a.has_zombie) {
     write_wire(out, {.name = "fail", .ports = {"controller.fail", "activity.zombie"}, .exported = true});
     write_wire(out, {.name = "bury", .ports = {"controller.bury", "activity.bury"}, .exported = true});
   }
   if (a.has_async) write_work_wires(out, plan, service, tick_us);
   if (plan.executive == Executive::Cpp) {
-    out += fmt::format("\n    connector replied(controller.reply)\n      export port Signal out\n      define [controller.reply]\n"
-                       "      on controller.reply down {{ executive_reply(\"{}\", \"{}\", controller.reply.rep); }}\n", plan.module->name.text, s.name.text);
+    out += fmt::format(
+        "\n    connector replied(controller.reply)\n      export port Signal out\n      define [controller.reply]\n"
+        "      on controller.reply down {{ executive_reply(\"{}\", \"{}\", controller.reply.rep); }}\n",
+        plan.module->name.text, s.name.text);
   }
   out += "\n";
   if (s.validate.name.is_set()) {
@@ -229,7 +268,8 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
   } else {
     write_export(out, "controller.admit", "admit");
   }
-  for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat"}) write_export(out, std::string("controller.") + name, name);
+  for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat"})
+    write_export(out, std::string("controller.") + name, name);
   write_export(out, plan.executive == Executive::Cpp ? "replied.out" : "controller.reply", "reply");
   write_export(out, "start.out", "start");
   write_export(out, "cancel.out, abort.out", "abt");

@@ -115,7 +115,8 @@ class CodeTextWriter {
     for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
       const Stmt& s = code_.stmts[id];
       const bool is_store = s.op == StmtOp::StoreSelf || s.op == StmtOp::StoreBind;
-      const std::string& target = is_store ? (s.op == StmtOp::StoreSelf ? names_.self : names_.bind)[s.index] : std::string();
+      const std::string& target =
+          is_store ? (s.op == StmtOp::StoreSelf ? names_.self : names_.bind)[s.index] : std::string();
       if (is_store && target.empty()) continue;
       if (out_.size() > begin) out_ += ' ';
       if (s.op == StmtOp::If) {
@@ -164,10 +165,10 @@ std::vector<std::string> names_in(const std::vector<system::text::ScopeVariable>
   return names;
 }
 
-// The value that `measure` stores in a hidden slot.
-ExprId limit_of(const CodeTable& code, StmtId measure, std::uint32_t slot) {
+// The value that `measure` stores in a hidden variable.
+ExprId limit_of(const CodeTable& code, StmtId measure, std::uint32_t variable) {
   for (StmtId id = measure; id.is_valid(); id = code.stmts[id].next)
-    if (code.stmts[id].op == StmtOp::StoreSelf && code.stmts[id].index == slot) return code.stmts[id].value;
+    if (code.stmts[id].op == StmtOp::StoreSelf && code.stmts[id].index == variable) return code.stmts[id].value;
   return {};
 }
 
@@ -187,9 +188,9 @@ const char* sign_of(BoundOp op) {
 CodeNames names_of(const AtomType& type) {
   CodeNames names{.self = names_in(system::text::scope_of(type).self)};
   for (const Clock& clock : type.clocks) {
-    names.self[clock.slot + static_cast<std::uint32_t>(ClockSlot::Value)] = clock.name;
-    names.self[clock.slot + static_cast<std::uint32_t>(ClockSlot::IsSet)].clear();
-    names.self[clock.slot + static_cast<std::uint32_t>(ClockSlot::Speed)] = clock.name + "'";
+    names.self[clock.variable + static_cast<std::uint32_t>(ClockVariable::Value)] = clock.name;
+    names.self[clock.variable + static_cast<std::uint32_t>(ClockVariable::IsSet)].clear();
+    names.self[clock.variable + static_cast<std::uint32_t>(ClockVariable::Speed)] = clock.name + "'";
   }
   return names;
 }
@@ -239,13 +240,13 @@ std::string condition_of(const CodeTable& code, const AtomType& type, ExprId gua
     out += clock.name;
     if (bound.minus != Bound::kNone) out += " - " + type.clocks[bound.minus].name;
     out += sign_of(bound.op);
-    const ExprId limit = bound.slot == Bound::kNone ? ExprId() : limit_of(code, when.measure, bound.slot);
+    const ExprId limit = bound.variable == Bound::kNone ? ExprId() : limit_of(code, when.measure, bound.variable);
     if (limit.is_valid()) {
       CodeTextWriter writer(code, names);
       writer.expr(limit, tightness(Op::Add));
       out += writer.take();
-    } else if (bound.slot != Bound::kNone) {
-      out += type.slots[bound.slot].name;
+    } else if (bound.variable != Bound::kNone) {
+      out += type.variables[bound.variable].name;
     } else {
       out += fmt::format("{}", static_cast<double>(bound.ticks) / static_cast<double>(clock.unit));
     }
@@ -279,7 +280,8 @@ std::string define_of(const ConnectorType& type) {
   return out;
 }
 
-std::string list_of(const std::vector<std::uint32_t>& rows, const std::vector<std::string>& names, std::string_view between) {
+std::string list_of(const std::vector<std::uint32_t>& rows, const std::vector<std::string>& names,
+                    std::string_view between) {
   std::string out;
   for (const std::uint32_t row : rows) {
     if (!out.empty()) out += between;

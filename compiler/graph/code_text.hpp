@@ -1,8 +1,8 @@
 // Code as BIP writes it, in one line: guards, actions and transfers for people who look at a picture.
 //
 // Names come from the owner of the code. What the compiler adds is left out again: conversions to float, and the hidden
-// slots of time, whose stores become assignments to the clock. Needs code that `validate` accepts; recursion follows its
-// nesting, which is limited there. Linear in the output.
+// variables of time, whose stores become assignments to the clock. Needs code that `validate` accepts; recursion
+// follows its nesting, which is limited there. Linear in the output.
 #pragma once
 #include <string>
 #include <string_view>
@@ -25,10 +25,12 @@ struct CodeNames {
 [[nodiscard]] std::string text_of(const CodeTable& code, StmtId first, const CodeNames& names);
 [[nodiscard]] std::string text_of(const CodeTable& code, const Value& value);
 /// A condition on data and on clocks: "n < 3 && x >= 5". Limits are in the clock's unit. Empty if it always holds.
-[[nodiscard]] std::string condition_of(const CodeTable& code, const AtomType& type, ExprId guard, const TimeGuard& when);
+[[nodiscard]] std::string condition_of(const CodeTable& code, const AtomType& type, ExprId guard,
+                                       const TimeGuard& when);
 /// The `define` tree over the names of the parameters: "a' (b c)".
 [[nodiscard]] std::string define_of(const ConnectorType& type);
 /// "a, b" of the rows that `rows` says.
-[[nodiscard]] std::string list_of(const std::vector<std::uint32_t>& rows, const std::vector<std::string>& names, std::string_view between = ", ");
+[[nodiscard]] std::string list_of(const std::vector<std::uint32_t>& rows, const std::vector<std::string>& names,
+                                  std::string_view between = ", ");
 
 }  // namespace bip::graph

@@ -15,14 +15,21 @@ std::string in_brackets(const std::string& text) { return text.empty() ? "" : "[
 class Automaton {
  public:
   Automaton(std::string& out, const System& system, std::size_t row)
-      : out_(out), code_(system.code), type_(system.atom_types[AtomTypeId(row)]), names_(names_of(type_)), id_(fmt::format("t{}", row)) {}
+      : out_(out),
+        code_(system.code),
+        type_(system.atom_types[AtomTypeId(row)]),
+        names_(names_of(type_)),
+        id_(fmt::format("t{}", row)) {}
 
   void run() {
     put("  subgraph cluster_{} {{\n    label={};\n", id_, dot_string(heading()));
-    for (std::size_t p = 0; p < type_.places.size(); ++p) put("    {}_p{} [shape=circle, label={}];\n", id_, p, dot_string(type_.places[p]));
+    for (std::size_t p = 0; p < type_.places.size(); ++p)
+      put("    {}_p{} [shape=circle, label={}];\n", id_, p, dot_string(type_.places[p]));
     put("    {}_i [shape=point];\n", id_);
-    const std::string action = lines_of({shortened(text_of(code_, type_.initial_action, names_)), resume(type_.initial_resume)});
-    for (std::size_t k = 0; k < type_.initial.size(); ++k) edge(id_ + "_i", place(type_.initial[k]), k == 0 ? action : "");
+    const std::string action =
+        lines_of({shortened(text_of(code_, type_.initial_action, names_)), resume(type_.initial_resume)});
+    for (std::size_t k = 0; k < type_.initial.size(); ++k)
+      edge(id_ + "_i", place(type_.initial[k]), k == 0 ? action : "");
     for (std::size_t t = 0; t < type_.transitions.size(); ++t) transition(t);
     out_ += "  }\n";
   }
@@ -46,21 +53,27 @@ class Automaton {
   /// Name and parameters, data, then what restricts the transitions.
   [[nodiscard]] std::string heading() const {
     std::string params, data, clocks;
-    for (std::size_t k = 0; k < type_.visible_slots(); ++k) {
-      const Slot& slot = type_.slots[k];
-      std::string& list = slot.is_param ? params : data;
-      list += (list.empty() ? "" : ", ") + code_.type_name(slot.type) + " " + slot.name;
+    for (std::size_t k = 0; k < type_.visible_variables(); ++k) {
+      const DataVariable& variable = type_.variables[k];
+      std::string& list = variable.is_param ? params : data;
+      list += (list.empty() ? "" : ", ") + code_.type_name(variable.type) + " " + variable.name;
     }
     for (const Clock& clock : type_.clocks) clocks += (clocks.empty() ? "clock " : ", ") + clock.name;
     std::vector<std::string> lines{shortened(type_.name + "(" + params + ")"), shortened(data), shortened(clocks)};
     for (const AtomPriority& rule : type_.priorities) {
-      const auto side = [this](std::uint32_t port) { return port == AtomPriority::kAnyPort ? std::string("*") : type_.ports[port].name; };
-      lines.push_back(shortened("priority " + side(rule.low) + " < " + side(rule.high) + " " + in_brackets(text_of(code_, rule.guard, names_))));
+      const auto side = [this](std::uint32_t port) {
+        return port == AtomPriority::kAnyPort ? std::string("*") : type_.ports[port].name;
+      };
+      lines.push_back(shortened("priority " + side(rule.low) + " < " + side(rule.high) + " " +
+                                in_brackets(text_of(code_, rule.guard, names_))));
     }
     for (const Invariant& invariant : type_.invariants) {
       const std::string where = list_of(invariant.places, type_.places);
-      const std::string scope = invariant.scope == InvariantScope::Always ? "" : invariant.scope == InvariantScope::At ? "at " + where + " " : "from " + where + " ";
-      lines.push_back(shortened("invariant " + scope + in_brackets(condition_of(code_, type_, invariant.condition, invariant.when))));
+      const std::string scope = invariant.scope == InvariantScope::Always ? ""
+                                : invariant.scope == InvariantScope::At   ? "at " + where + " "
+                                                                          : "from " + where + " ";
+      lines.push_back(shortened("invariant " + scope +
+                                in_brackets(condition_of(code_, type_, invariant.condition, invariant.when))));
     }
     return lines_of(lines);
   }
@@ -69,16 +82,20 @@ class Automaton {
     const Transition& row = type_.transitions[t];
     const bool is_internal = row.port == Transition::kInternal;
     const char* urgency = row.urgency == Urgency::Lazy ? "" : name_of(row.urgency);
-    const std::string label = lines_of({is_internal ? "internal" : type_.ports[row.port].name, shortened(in_brackets(condition_of(code_, type_, row.guard, row.when))),
-                                        urgency, shortened(text_of(code_, row.action, names_)), row.async.present ? "async" : "", resume(row.resume)});
+    const std::string label =
+        lines_of({is_internal ? "internal" : type_.ports[row.port].name,
+                  shortened(in_brackets(condition_of(code_, type_, row.guard, row.when))), urgency,
+                  shortened(text_of(code_, row.action, names_)), row.async.present ? "async" : "", resume(row.resume)});
     const char* style = is_internal ? ", style=dashed" : "";
     if (row.from.size() == 1 && row.to.size() == 1) {
       edge(place(row.from[0]), place(row.to[0]), label, style);
       return;
     }
     put("    {}_b{} [shape=box, width=0.1, label={}];\n", id_, t, dot_string(label));
-    for (const std::uint32_t from : row.from) put("    {} -> {}_b{}{};\n", place(from), id_, t, is_internal ? " [style=dashed]" : "");
-    for (const std::uint32_t to : row.to) put("    {}_b{} -> {}{};\n", id_, t, place(to), is_internal ? " [style=dashed]" : "");
+    for (const std::uint32_t from : row.from)
+      put("    {} -> {}_b{}{};\n", place(from), id_, t, is_internal ? " [style=dashed]" : "");
+    for (const std::uint32_t to : row.to)
+      put("    {}_b{} -> {}{};\n", id_, t, place(to), is_internal ? " [style=dashed]" : "");
   }
 
   std::string& out_;

@@ -19,9 +19,11 @@ class Structure {
  public:
   Structure(std::string& out, const System& system) : out_(out), s_(system), contents_(system.compounds.size()) {
     for (std::size_t k = 0; k < s_.compounds.size(); ++k)
-      if (const CompoundId in = s_.compounds[CompoundId(k)].parent; in.is_valid()) contents_[in.value].compounds.push_back(k);
+      if (const CompoundId in = s_.compounds[CompoundId(k)].parent; in.is_valid())
+        contents_[in.value].compounds.push_back(k);
     for (std::size_t k = 0; k < s_.atoms.size(); ++k) contents_[s_.atoms[AtomId(k)].parent.value].atoms.push_back(k);
-    for (std::size_t k = 0; k < s_.connectors.size(); ++k) contents_[s_.connectors[ConnectorId(k)].parent.value].connectors.push_back(k);
+    for (std::size_t k = 0; k < s_.connectors.size(); ++k)
+      contents_[s_.connectors[ConnectorId(k)].parent.value].connectors.push_back(k);
   }
 
   void run() {
@@ -81,7 +83,8 @@ class Structure {
       if (!type.ports[p].exported) continue;
       ports += fmt::format("|<p{}> {}", p, record_field(type.ports[p].name));
     }
-    const std::string name = shortened(own_name(row.path, row.parent) + " : " + type.name + (args.empty() ? "" : "(" + args + ")"));
+    const std::string name =
+        shortened(own_name(row.path, row.parent) + " : " + type.name + (args.empty() ? "" : "(" + args + ")"));
     return fmt::format("a{} [shape=record, label=\"{}{}\"];\n", k, record_field(name), ports);
   }
 
@@ -91,7 +94,8 @@ class Structure {
     std::vector<std::string> lines{own_name(row.path, row.parent), shortened(define_of(type))};
     const CodeNames names = names_of(s_, type);
     for (const Clause& clause : type.clauses)
-      if (const std::string guard = text_of(s_.code, clause.guard, names); !guard.empty()) lines.push_back(shortened("[" + guard + "]"));
+      if (const std::string guard = text_of(s_.code, clause.guard, names); !guard.empty())
+        lines.push_back(shortened("[" + guard + "]"));
     return fmt::format("k{} [shape=box, style=rounded, label={}];\n", k, dot_string(lines_of(lines)));
   }
 
@@ -117,10 +121,11 @@ class Structure {
       if (node.is_leaf) triggers[node.param] = node.trigger;
     for (std::size_t p = 0; p < row.ports.size(); ++p) {
       const char* maximal = row.ports[p].maximal_only ? ", label=\"maximal\"" : "";
-      put("  {} -> k{} [dir=back, arrowtail={}{}];\n", end_of(row.ports[p]), k, triggers[p] ? "normal" : "dot", maximal);
+      put("  {} -> k{} [dir=back, arrowtail={}{}];\n", end_of(row.ports[p]), k, triggers[p] ? "normal" : "dot",
+          maximal);
     }
     for (const DataRef& data : row.data) {
-      const std::string& name = s_.atom_types[s_.atoms[data.atom].type].slots[data.slot].name;
+      const std::string& name = s_.atom_types[s_.atoms[data.atom].type].variables[data.variable].name;
       put("  a{} -> k{} [style=dotted, arrowhead=vee, label={}];\n", data.atom.value, k, dot_string(name));
     }
   }

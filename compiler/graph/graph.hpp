@@ -1,4 +1,5 @@
-// A System as a picture and as data: DOT for Graphviz, JSON for other tools. Format: compiler/docs/cli.md, `bipc graph`.
+// A System as a picture and as data: DOT for Graphviz, JSON for other tools. Format: compiler/docs/cli.md, `bipc
+// graph`.
 //
 // Needs a System that `validate` accepts. Deterministic: rows in table order. Linear in the System and its code.
 #pragma once

@@ -1,5 +1,6 @@
-// The System as JSON: one object, a list a table, names instead of row numbers wherever a name is unique. Code is BIP text
-// in one line. Keys are in a fixed order; what is absent or empty is left out, except lists that are always expected.
+// The System as JSON: one object, a list a table, names instead of row numbers wherever a name is unique. Code is BIP
+// text in one line. Keys are in a fixed order; what is absent or empty is left out, except lists that are always
+// expected.
 #include <nlohmann/json.hpp>
 
 #include "compiler/graph/code_text.hpp"
@@ -16,12 +17,15 @@ class GraphJsonWriter {
 
   Json run(Show show) {
     Json out{{"format", "bipc-graph"}, {"version", 1}, {"files", s_.files}};
-    if (show != Show::Structure) out["atom_types"] = list(s_.atom_types, [this](const AtomType& t) { return atom_type(t); });
+    if (show != Show::Structure)
+      out["atom_types"] = list(s_.atom_types, [this](const AtomType& t) { return atom_type(t); });
     if (show == Show::Automata) return out;
     out["connector_types"] = list(s_.connector_types, [this](const ConnectorType& t) { return connector_type(t); });
     out["compounds"] = list(s_.compounds, [this](const Compound& c) { return compound(c); });
     out["atoms"] = list(s_.atoms, [this](const Atom& a) { return atom(a); });
-    out["merged_ports"] = list(s_.choices, [this](const Choice& c) { return Json{{"name", c.name}, {"ports", ports(c.ports)}}; });
+    out["merged_ports"] = list(s_.choices, [this](const Choice& c) {
+      return Json{{"name", c.name}, {"ports", ports(c.ports)}};
+    });
     out["connectors"] = list(s_.connectors, [this](const Connector& c) { return connector(c); });
     out["priorities"] = list(s_.priorities, [this](const Priority& p) { return priority(p); });
     return out;
@@ -38,7 +42,8 @@ class GraphJsonWriter {
     if (!text.empty()) object[key] = text;
   }
   void put_place(Json& object, const Loc& loc) const {
-    if (loc.line != 0 && loc.file < s_.files.size()) object["at"] = s_.files[loc.file] + ":" + std::to_string(loc.line) + ":" + std::to_string(loc.column);
+    if (loc.line != 0 && loc.file < s_.files.size())
+      object["at"] = s_.files[loc.file] + ":" + std::to_string(loc.line) + ":" + std::to_string(loc.column);
   }
   /// The names of `rows` of a table whose rows have a name.
   template <class Rows>
@@ -53,13 +58,13 @@ class GraphJsonWriter {
     }
     return out;
   }
-  Json slots(const std::vector<Slot>& rows, std::size_t count) const {
+  Json variables(const std::vector<DataVariable>& rows, std::size_t count) const {
     Json out = Json::array();
     for (std::size_t k = 0; k < count; ++k) {
-      Json slot{{"name", rows[k].name}, {"type", s_.code.type_name(rows[k].type)}};
-      if (rows[k].is_param) slot["parameter"] = true;
-      if (rows[k].exported) slot["exported"] = true;
-      out.push_back(std::move(slot));
+      Json variable{{"name", rows[k].name}, {"type", s_.code.type_name(rows[k].type)}};
+      if (rows[k].is_param) variable["parameter"] = true;
+      if (rows[k].exported) variable["exported"] = true;
+      out.push_back(std::move(variable));
     }
     return out;
   }
@@ -68,22 +73,30 @@ class GraphJsonWriter {
     const CodeNames self = names_of(type);
     Json out{{"name", type.name}};
     put_place(out, type.loc);
-    out["data"] = slots(type.slots, type.visible_slots());
-    if (!type.clocks.empty()) out["clocks"] = list(type.clocks, [](const Clock& c) { return Json{{"name", c.name}, {"unit_ns", c.unit}}; });
+    out["data"] = variables(type.variables, type.visible_variables());
+    if (!type.clocks.empty())
+      out["clocks"] = list(type.clocks, [](const Clock& c) { return Json{{"name", c.name}, {"unit_ns", c.unit}}; });
     out["ports"] = list(type.ports, [&](const Port& p) { return port(type, p); });
     if (!type.merged.empty())
-      out["merged_ports"] = list(type.merged, [&](const MergedPort& m) { return Json{{"name", m.name}, {"ports", names(m.ports, type.ports)}}; });
+      out["merged_ports"] = list(type.merged, [&](const MergedPort& m) {
+        return Json{{"name", m.name}, {"ports", names(m.ports, type.ports)}};
+      });
     out["places"] = type.places;
     out["initial"] = {{"to", names(type.initial, type.places)}};
     put(out["initial"], "do", text_of(s_.code, type.initial_action, self));
     put_resume(out["initial"], type, type.initial_resume);
     out["transitions"] = list(type.transitions, [&](const Transition& t) { return transition(type, t, self); });
-    if (!type.priorities.empty()) out["priorities"] = list(type.priorities, [&](const AtomPriority& p) { return atom_priority(type, p, self); });
-    if (!type.invariants.empty()) out["invariants"] = list(type.invariants, [&](const Invariant& i) { return invariant(type, i); });
+    if (!type.priorities.empty())
+      out["priorities"] = list(type.priorities, [&](const AtomPriority& p) { return atom_priority(type, p, self); });
+    if (!type.invariants.empty())
+      out["invariants"] = list(type.invariants, [&](const Invariant& i) { return invariant(type, i); });
     return out;
   }
   Json port(const AtomType& type, const Port& row) const {
-    Json out{{"name", row.name}, {"type", s_.port_types[row.type].name}, {"data", names(row.slots, type.slots)}, {"exported", row.exported}};
+    Json out{{"name", row.name},
+             {"type", s_.port_types[row.type].name},
+             {"data", names(row.variables, type.variables)},
+             {"exported", row.exported}};
     if (row.external) out["event"] = {{"policy", name_of(row.policy)}, {"class", row.event_class}};
     return out;
   }
@@ -108,14 +121,17 @@ class GraphJsonWriter {
     return out;
   }
   Json atom_priority(const AtomType& type, const AtomPriority& row, const CodeNames& self) const {
-    const auto side = [&](std::uint32_t p) { return p == AtomPriority::kAnyPort ? std::string("*") : type.ports[p].name; };
+    const auto side = [&](std::uint32_t p) {
+      return p == AtomPriority::kAnyPort ? std::string("*") : type.ports[p].name;
+    };
     Json out{{"name", row.name}, {"low", side(row.low)}, {"high", side(row.high)}};
     put(out, "provided", text_of(s_.code, row.guard, self));
     return out;
   }
   Json invariant(const AtomType& type, const Invariant& row) const {
     Json out{{"name", row.name}};
-    if (row.scope != InvariantScope::Always) out[row.scope == InvariantScope::At ? "at_places" : "from_places"] = names(row.places, type.places);
+    if (row.scope != InvariantScope::Always)
+      out[row.scope == InvariantScope::At ? "at_places" : "from_places"] = names(row.places, type.places);
     out["provided"] = condition_of(s_.code, type, row.condition, row.when);
     return out;
   }
@@ -124,8 +140,10 @@ class GraphJsonWriter {
     const CodeNames names_here = names_of(s_, type);
     Json out{{"name", type.name}};
     put_place(out, type.loc);
-    out["parameters"] = list(type.params, [this](const ConnectorParam& p) { return Json{{"name", p.name}, {"type", s_.port_types[p.type].name}}; });
-    out["data"] = slots(type.slots, type.slots.size());
+    out["parameters"] = list(type.params, [this](const ConnectorParam& p) {
+      return Json{{"name", p.name}, {"type", s_.port_types[p.type].name}};
+    });
+    out["data"] = variables(type.variables, type.variables.size());
     out["define"] = define_of(type);
     if (type.resume == ResumeMode::Sync) out["resume"] = "sync";
     out["interactions"] = list(type.clauses, [&](const Clause& c) {
@@ -135,7 +153,10 @@ class GraphJsonWriter {
       put(clause, "down", text_of(s_.code, c.down, names_here));
       return clause;
     });
-    if (type.exports) out["export"] = {{"name", type.export_name}, {"type", s_.port_types[type.export_type].name}, {"data", names(type.export_slots, type.slots)}};
+    if (type.exports)
+      out["export"] = {{"name", type.export_name},
+                       {"type", s_.port_types[type.export_type].name},
+                       {"data", names(type.export_variables, type.variables)}};
     return out;
   }
   void put_parent(Json& out, CompoundId parent) const {
@@ -175,7 +196,7 @@ class GraphJsonWriter {
   }
   Json data_ref(const DataRef& ref) const {
     const Atom& row = s_.atoms[ref.atom];
-    return row.path + "." + s_.atom_types[row.type].slots[ref.slot].name;
+    return row.path + "." + s_.atom_types[row.type].variables[ref.variable].name;
   }
   Json connector(const Connector& row) const {
     Json out{{"path", row.path}, {"type", s_.connector_types[row.type].name}, {"type_row", row.type.value}};
@@ -189,7 +210,8 @@ class GraphJsonWriter {
   Json side(const Pattern& pattern) const {
     if (pattern.any_connector) return {{"connector", "*"}};
     Json out{{"connector", s_.connectors[pattern.connector].path}};
-    if (!pattern.any_interaction) out["interaction"] = names(pattern.params, s_.connector_types[s_.connectors[pattern.connector].type].params);
+    if (!pattern.any_interaction)
+      out["interaction"] = names(pattern.params, s_.connector_types[s_.connectors[pattern.connector].type].params);
     return out;
   }
   Json priority(const Priority& row) const {

@@ -19,8 +19,8 @@ class IndexBuilder {
     const syntax::Syntax* syntax = nullptr;
     std::uint32_t scope = 0;
     SymbolId package;
-    std::string name;                  // "a.b", empty if it has none
-    std::vector<std::size_t> used;     // rows of files_
+    std::string name;               // "a.b", empty if it has none
+    std::vector<std::size_t> used;  // rows of files_
   };
   struct DeclRow {
     const syntax::Decl* decl;
@@ -30,7 +30,7 @@ class IndexBuilder {
   /// Where a name is looked for: innermost first.
   struct Scope {
     std::size_t file = 0;
-    std::vector<SymbolId> owners;       // inline connector, compound
+    std::vector<SymbolId> owners;  // inline connector, compound
     std::vector<SymbolId> loop_variables;
   };
 
@@ -43,7 +43,8 @@ class IndexBuilder {
   void declare_connector(const syntax::ConnectorBody& body, SymbolId owner);
   void declare_data(const syntax::DataDecl& d, SymbolId owner, SymbolKind kind, bool is_visible);
   void declare_params(std::span<const syntax::Param> params, SymbolId owner, bool are_visible);
-  SymbolId add(SymbolKind kind, const syntax::Name& name, SourceRange range, SymbolId owner, syntax::Annotations marks = {});
+  SymbolId add(SymbolKind kind, const syntax::Name& name, SourceRange range, SymbolId owner,
+               syntax::Annotations marks = {});
 
   // doc.cpp
   [[nodiscard]] std::string doc_above(std::uint32_t begin, std::uint32_t end) const;

@@ -1,7 +1,7 @@
 // First pass: a symbol for each declared name, with the scope it is in.
 //
-// A name that is declared twice in one scope (overloads of a function, elements of an array one by one, a mistake) is one
-// symbol with several declarations.
+// A name that is declared twice in one scope (overloads of a function, elements of an array one by one, a mistake) is
+// one symbol with several declarations.
 #include <algorithm>
 
 #include "compiler/index/builder.hpp"
@@ -40,7 +40,16 @@ SymbolId IndexBuilder::add(SymbolKind kind, const Name& name, SourceRange range,
     use(name.range, known->second, UseKind::Declaration);
     return known->second;
   }
-  Symbol symbol{.kind = kind, .name = name.text, .name_range = name.range, .range = range, .parent = owner, .type = {}, .type_text = {}, .members = {}, .detail = {}, .doc = {}};
+  Symbol symbol{.kind = kind,
+                .name = name.text,
+                .name_range = name.range,
+                .range = range,
+                .parent = owner,
+                .type = {},
+                .type_text = {},
+                .members = {},
+                .detail = {},
+                .doc = {}};
   symbol.doc = doc_above(range.begin, range.end);
   symbol.detail = one_line(range);
   const SymbolId id = out_.symbols.push(std::move(symbol));
@@ -59,10 +68,20 @@ void IndexBuilder::declare_file(std::size_t row) {
   File& file = files_[row];
   file.scope = kFileScope - static_cast<std::uint32_t>(row);
   const Package& package = *file.syntax->package;
-  for (const PathPart& part : package.name.parts) file.name += (file.name.empty() ? "" : ".") + std::string(part.name.text);
+  for (const PathPart& part : package.name.parts)
+    file.name += (file.name.empty() ? "" : ".") + std::string(part.name.text);
   if (!package.name.parts.empty()) {
     // Not in `names_`: a package and a type of it may have one name.
-    Symbol symbol{.kind = SymbolKind::Package, .name = sources_.text(package.name.range), .name_range = package.name.range, .range = package.range, .parent = {}, .type = {}, .type_text = {}, .members = {}, .detail = "package " + file.name, .doc = {}};
+    Symbol symbol{.kind = SymbolKind::Package,
+                  .name = sources_.text(package.name.range),
+                  .name_range = package.name.range,
+                  .range = package.range,
+                  .parent = {},
+                  .type = {},
+                  .type_text = {},
+                  .members = {},
+                  .detail = "package " + file.name,
+                  .doc = {}};
     std::uint32_t begin = package.name.range.begin;
     for (const Annotation& mark : package.annotations) begin = std::min(begin, mark.range.begin);
     symbol.doc = doc_above(begin, begin);
@@ -80,7 +99,8 @@ void IndexBuilder::declare(const Decl& d, std::size_t file) {
     return;
   }
   // An operator has no name that anyone could ask for.
-  const SymbolId id = d.kind == DeclKind::ExternOperator ? SymbolId() : add(kind_of(d.kind), d.name, d.range, {}, d.annotations);
+  const SymbolId id =
+      d.kind == DeclKind::ExternOperator ? SymbolId() : add(kind_of(d.kind), d.name, d.range, {}, d.annotations);
   decls_.push_back({&d, id, file});
   if (!id.is_valid()) return;
   if (out_.symbols[id].name_range.begin == d.name.range.begin) out_.symbols[id].detail = header(d);
@@ -92,7 +112,8 @@ void IndexBuilder::declare(const Decl& d, std::size_t file) {
   declare_items(d.items, id, {});
   for (const CompoundPriority& p : d.priorities) add(SymbolKind::Priority, p.name, p.range, id, p.annotations);
   for (const CompoundExport& e : d.exports) {
-    const SymbolId made = add(e.is_data ? SymbolKind::ExportedData : SymbolKind::ExportedPort, e.name, e.range, id, e.annotations);
+    const SymbolId made =
+        add(e.is_data ? SymbolKind::ExportedData : SymbolKind::ExportedPort, e.name, e.range, id, e.annotations);
     if (made.is_valid()) out_.symbols[made].is_visible = true;
   }
 }
@@ -114,7 +135,8 @@ void IndexBuilder::declare_data(const DataDecl& d, SymbolId owner, SymbolKind ki
     Symbol& symbol = out_.symbols[id];
     symbol.is_visible = is_visible;
     if (d.type.is_written()) symbol.type_text = sources_.text(d.type.name.range);
-    symbol.detail = (kind == SymbolKind::Constant ? "const data " : "data ") + std::string(symbol.type_text) + " " + std::string(v.name.text);
+    symbol.detail = (kind == SymbolKind::Constant ? "const data " : "data ") + std::string(symbol.type_text) + " " +
+                    std::string(v.name.text);
     if (d.exported) symbol.detail.insert(0, "export ");
     if (v.init != nullptr) symbol.detail += " = " + one_line(v.init->range);
   }
@@ -140,14 +162,16 @@ void IndexBuilder::declare_ports(const PortDecl& p, SymbolId owner) {
 }
 
 void IndexBuilder::declare_atom(const Decl& d, SymbolId owner) {
-  for (const DataDecl& data : d.data) declare_data(data, owner, SymbolKind::Data, data.exported || d.notation == Notation::Paper);
+  for (const DataDecl& data : d.data)
+    declare_data(data, owner, SymbolKind::Data, data.exported || d.notation == Notation::Paper);
   for (const PortDecl& p : d.ports) declare_ports(p, owner);
   for (const ClockDecl& c : d.clocks) {
     for (const Name& n : c.names) add(SymbolKind::Clock, n, c.range, owner, c.annotations);
   }
   for (const Name& place : d.places) {
     const SymbolId id = add(SymbolKind::Place, place, place.range, owner);
-    if (id.is_valid()) out_.symbols[id].detail = (d.notation == Notation::Paper ? "state " : "place ") + std::string(place.text);
+    if (id.is_valid())
+      out_.symbols[id].detail = (d.notation == Notation::Paper ? "state " : "place ") + std::string(place.text);
   }
   for (const AtomPriority& p : d.atom_priorities) add(SymbolKind::Priority, p.name, p.range, owner);
   for (const Invariant& i : d.invariants) add(SymbolKind::Invariant, i.name, i.range, owner);
@@ -156,7 +180,8 @@ void IndexBuilder::declare_atom(const Decl& d, SymbolId owner) {
 void IndexBuilder::declare_connector(const ConnectorBody& body, SymbolId owner) {
   for (const DataDecl& data : body.data) declare_data(data, owner, SymbolKind::Data, false);
   if (!body.exported.present) return;
-  const SymbolId id = add(SymbolKind::ExportedPort, body.exported.name, body.exported.range, owner, body.exported.annotations);
+  const SymbolId id =
+      add(SymbolKind::ExportedPort, body.exported.name, body.exported.range, owner, body.exported.annotations);
   if (id.is_valid()) out_.symbols[id].is_visible = true;
 }
 
@@ -164,8 +189,18 @@ void IndexBuilder::declare_items(std::span<const CompoundItem* const> items, Sym
   for (const CompoundItem* item : items) {
     if (item->kind == ItemKind::For) {
       // Two loops may both count with `i`: a loop's variable is known in its body only, so it is not in `names_`.
-      Symbol symbol{.kind = SymbolKind::LoopVariable, .name = item->name.text, .name_range = item->name.range, .range = item->name.range, .parent = owner, .type = {}, .type_text = "int", .members = {}, .detail = {}, .doc = {}};
-      symbol.detail = "for " + std::string(item->name.text) + " in " + one_line(item->low->range) + ".." + one_line(item->high->range);
+      Symbol symbol{.kind = SymbolKind::LoopVariable,
+                    .name = item->name.text,
+                    .name_range = item->name.range,
+                    .range = item->name.range,
+                    .parent = owner,
+                    .type = {},
+                    .type_text = "int",
+                    .members = {},
+                    .detail = {},
+                    .doc = {}};
+      symbol.detail = "for " + std::string(item->name.text) + " in " + one_line(item->low->range) + ".." +
+                      one_line(item->high->range);
       const SymbolId id = out_.symbols.push(std::move(symbol));
       use(item->name.range, id, UseKind::Declaration);
       loops_.emplace(item, id);
@@ -177,14 +212,16 @@ void IndexBuilder::declare_items(std::span<const CompoundItem* const> items, Sym
       continue;
     }
     const bool is_component = item->kind == ItemKind::Component;
-    const SymbolId id = add(is_component ? SymbolKind::Component : SymbolKind::Connector, item->name, item->range, owner, item->annotations.empty() ? marks : item->annotations);
+    const SymbolId id = add(is_component ? SymbolKind::Component : SymbolKind::Connector, item->name, item->range,
+                            owner, item->annotations.empty() ? marks : item->annotations);
     if (!id.is_valid()) continue;
     Symbol& symbol = out_.symbols[id];
     if (item->type.is_written()) symbol.type_text = sources_.text(item->type.name.range);
     if (is_component && symbol.name_range.begin == item->name.range.begin) {
       std::uint32_t end = item->name.range.end;
       if (item->index != nullptr) end = item->index->range.end + 1;
-      symbol.detail = "component " + std::string(symbol.type_text) + " " + one_line({item->name.range.file, item->name.range.begin, end});
+      symbol.detail = "component " + std::string(symbol.type_text) + " " +
+                      one_line({item->name.range.file, item->name.range.begin, end});
     }
     if (item->inline_body != nullptr) declare_connector(*item->inline_body, id);
   }

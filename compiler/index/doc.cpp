@@ -42,7 +42,8 @@ std::string words(std::string_view comment) {
 std::string IndexBuilder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) const {
   const Syntax& syntax = *files_[file_].syntax;
   const std::string_view text = sources_.text(syntax.file);
-  auto next = std::upper_bound(syntax.comments.begin(), syntax.comments.end(), begin, [](std::uint32_t at, const Comment& c) { return at < c.range.begin; });
+  auto next = std::upper_bound(syntax.comments.begin(), syntax.comments.end(), begin,
+                               [](std::uint32_t at, const Comment& c) { return at < c.range.begin; });
   // Only what begins a line is above; a word before it on its line (`for … connector`) is part of the declaration.
   std::uint32_t upper = begin;
   while (upper > 0 && text[upper - 1] != '\n') --upper;
@@ -54,7 +55,8 @@ std::string IndexBuilder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) 
       continue;
     }
     const std::string_view between = text.substr(at.end, upper - at.end);
-    const bool touches = std::all_of(between.begin(), between.end(), is_blank) && std::count(between.begin(), between.end(), '\n') == 1;
+    const bool touches =
+        std::all_of(between.begin(), between.end(), is_blank) && std::count(between.begin(), between.end(), '\n') == 1;
     std::uint32_t line = at.begin;
     while (line > 0 && (text[line - 1] == ' ' || text[line - 1] == '\t')) --line;
     const bool is_alone = line == 0 || text[line - 1] == '\n';
@@ -85,8 +87,12 @@ std::string IndexBuilder::one_line(SourceRange range) const {
 }
 
 std::string IndexBuilder::header(const Decl& d) const {
-  if (d.kind != DeclKind::ConnectorType && d.kind != DeclKind::AtomType && d.kind != DeclKind::CompoundType) return one_line(d.range);
-  std::string out = d.notation == Notation::Paper ? "component " : d.kind == DeclKind::ConnectorType ? "connector type " : d.kind == DeclKind::AtomType ? "atom type " : "compound type ";
+  if (d.kind != DeclKind::ConnectorType && d.kind != DeclKind::AtomType && d.kind != DeclKind::CompoundType)
+    return one_line(d.range);
+  std::string out = d.notation == Notation::Paper       ? "component "
+                    : d.kind == DeclKind::ConnectorType ? "connector type "
+                    : d.kind == DeclKind::AtomType      ? "atom type "
+                                                        : "compound type ";
   out += d.name.text;
   if (d.notation == Notation::Paper && d.params.empty()) return out;
   out += '(';

@@ -38,18 +38,21 @@ Index build_index(std::span<const syntax::Syntax* const> files, const SourceMap&
   Index index = IndexBuilder(sources).run(files);
   const auto place = [](const Use& u) { return std::tuple(u.range.file.value, u.range.begin, u.range.end); };
   std::stable_sort(index.uses.begin(), index.uses.end(), [&](const Use& a, const Use& b) {
-    return std::tuple(place(a), a.kind == UseKind::Declaration ? 0 : 1) < std::tuple(place(b), b.kind == UseKind::Declaration ? 0 : 1);
+    return std::tuple(place(a), a.kind == UseKind::Declaration ? 0 : 1) <
+           std::tuple(place(b), b.kind == UseKind::Declaration ? 0 : 1);
   });
   // A state is a place and the `from` of its transitions, `port T p, q` names T for both: one use each.
-  const auto last = std::unique(index.uses.begin(), index.uses.end(), [&](const Use& a, const Use& b) { return place(a) == place(b); });
+  const auto last = std::unique(index.uses.begin(), index.uses.end(),
+                                [&](const Use& a, const Use& b) { return place(a) == place(b); });
   index.uses.erase(last, index.uses.end());
   return index;
 }
 
 const Use* Index::use_at(FileId file, std::uint32_t offset) const {
-  const auto after = std::upper_bound(uses.begin(), uses.end(), std::pair(file.value, offset), [](const std::pair<std::uint32_t, std::uint32_t>& at, const Use& u) {
-    return at < std::pair(u.range.file.value, u.range.begin);
-  });
+  const auto after = std::upper_bound(uses.begin(), uses.end(), std::pair(file.value, offset),
+                                      [](const std::pair<std::uint32_t, std::uint32_t>& at, const Use& u) {
+                                        return at < std::pair(u.range.file.value, u.range.begin);
+                                      });
   if (after == uses.begin()) return nullptr;
   const Use& before = *std::prev(after);
   return before.range.file == file && offset <= before.range.end ? &before : nullptr;
@@ -93,9 +96,11 @@ SymbolId Index::enclosing(FileId file, std::uint32_t offset) const {
   for (std::uint32_t row = 0; row < symbols.size(); ++row) {
     const Symbol& s = symbols[SymbolId(row)];
     const bool is_inline = s.kind == SymbolKind::Connector && s.type_text.empty();
-    const bool is_type = s.kind == SymbolKind::ConnectorType || s.kind == SymbolKind::AtomType || s.kind == SymbolKind::CompoundType;
+    const bool is_type =
+        s.kind == SymbolKind::ConnectorType || s.kind == SymbolKind::AtomType || s.kind == SymbolKind::CompoundType;
     if ((!is_inline && !is_type) || s.range.file != file || offset < s.range.begin || offset > s.range.end) continue;
-    if (!best.is_valid() || s.range.end - s.range.begin <= symbols[best].range.end - symbols[best].range.begin) best = SymbolId(row);
+    if (!best.is_valid() || s.range.end - s.range.begin <= symbols[best].range.end - symbols[best].range.begin)
+      best = SymbolId(row);
   }
   return best;
 }

@@ -2,8 +2,8 @@
 // it is, so it works on a file with errors, and a name that it cannot resolve is simply no use of anything.
 //
 // Needs parsed files, a package after those it uses (as the driver orders them). The texts must outlive the index, the
-// trees need not. Rules of scope are those of the model; where a wrong program leaves a choice the first declaration wins.
-// Cost: linear in the trees, times log of the number of names.
+// trees need not. Rules of scope are those of the model; where a wrong program leaves a choice the first declaration
+// wins. Cost: linear in the trees, times log of the number of names.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -20,10 +20,26 @@ namespace bip::index {
 using SymbolId = Id<struct SymbolTag>;
 
 enum class SymbolKind : std::uint8_t {
-  Package, Constant, ExternType, Function, PortType, ConnectorType, AtomType, CompoundType,  // of a file
-  Parameter,   // of a type or a function; of a port type: a variable; of a connector type: a port
-  Data, Clock, Port, Place, Priority, Invariant,                                             // of an atom, some of others
-  Component, Connector, LoopVariable, ExportedPort, ExportedData                             // of a compound, a connector
+  Package,
+  Constant,
+  ExternType,
+  Function,
+  PortType,
+  ConnectorType,
+  AtomType,
+  CompoundType,  // of a file
+  Parameter,     // of a type or a function; of a port type: a variable; of a connector type: a port
+  Data,
+  Clock,
+  Port,
+  Place,
+  Priority,
+  Invariant,  // of an atom, some of others
+  Component,
+  Connector,
+  LoopVariable,
+  ExportedPort,
+  ExportedData  // of a compound, a connector
 };
 [[nodiscard]] const char* name_of(SymbolKind kind);  // "atom type", "place"
 
@@ -31,14 +47,14 @@ struct Symbol {
   SymbolKind kind = SymbolKind::Data;
   std::string_view name;
   SourceRange name_range;
-  SourceRange range;          // the whole declaration, annotations included
-  SymbolId parent;            // the declaration it is in; none for those of a file
-  SymbolId type;              // of a component, connector, port, parameter, datum: what it is declared with, if that is known
-  std::string_view type_text; // the same as written
-  bool is_visible = false;    // may be named from outside its parent as `a.name`
+  SourceRange range;  // the whole declaration, annotations included
+  SymbolId parent;    // the declaration it is in; none for those of a file
+  SymbolId type;      // of a component, connector, port, parameter, datum: what it is declared with, if that is known
+  std::string_view type_text;     // the same as written
+  bool is_visible = false;        // may be named from outside its parent as `a.name`
   std::vector<SymbolId> members;  // in source order
-  std::string detail;         // the declaration on one line
-  std::string doc;            // the comment above it, without its slashes
+  std::string detail;             // the declaration on one line
+  std::string doc;                // the comment above it, without its slashes
 };
 
 enum class UseKind : std::uint8_t { Declaration, Read, Write };

@@ -76,7 +76,8 @@ void IndexBuilder::link_body(const ConnectorBody& body, SymbolId owner, std::siz
   set_type(port, body.exported.type, use_type(body.exported.type.name, file));
   for (const Name& v : body.exported.vars) {
     use_member(owner, v);
-    if (const SymbolId datum = find(owner, v.text); datum.is_valid() && port.is_valid()) out_.symbols[port].members.push_back(datum);
+    if (const SymbolId datum = find(owner, v.text); datum.is_valid() && port.is_valid())
+      out_.symbols[port].members.push_back(datum);
   }
 }
 
@@ -104,7 +105,8 @@ void IndexBuilder::link_types(const DeclRow& row) {
   }
   for (const DataDecl& data : d.data) {
     const SymbolId type = use_type(data.type.name, row.file);
-    for (const Var& v : data.vars) set_type(owner.is_valid() ? find(owner, v.name.text) : find_in_files(v.name.text, row.file), data.type, type);
+    for (const Var& v : data.vars)
+      set_type(owner.is_valid() ? find(owner, v.name.text) : find_in_files(v.name.text, row.file), data.type, type);
   }
   if (!owner.is_valid()) return;
   if (d.connector != nullptr) link_body(*d.connector, owner, row.file);
@@ -128,7 +130,9 @@ void IndexBuilder::link_exports(const DeclRow& row) {
   if (!row.symbol.is_valid()) return;
   for (const CompoundExport& e : row.decl->exports) {
     const SymbolId made = find(row.symbol, e.name.text);
-    if (!made.is_valid() || e.targets.empty() || out_.symbols[made].type.is_valid() || !out_.symbols[made].type_text.empty()) continue;
+    if (!made.is_valid() || e.targets.empty() || out_.symbols[made].type.is_valid() ||
+        !out_.symbols[made].type_text.empty())
+      continue;
     SymbolId target = find(row.symbol, e.targets.front().parts.front().name.text);
     for (const PathPart& part : e.targets.front().parts.subspan(1)) {
       if (target.is_valid()) target = out_.member(target, part.name.text);

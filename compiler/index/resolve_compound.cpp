@@ -43,7 +43,8 @@ void IndexBuilder::resolve_items(std::span<const CompoundItem* const> items, Sym
     }
     const SymbolId symbol = find(owner, item->name.text);
     for (const NamedArg& arg : item->args) {
-      if (!arg.name.text.empty() && symbol.is_valid() && out_.symbols[symbol].type.is_valid()) use_member(out_.symbols[symbol].type, arg.name);
+      if (!arg.name.text.empty() && symbol.is_valid() && out_.symbols[symbol].type.is_valid())
+        use_member(out_.symbols[symbol].type, arg.name);
       expr(arg.value, scope);
     }
     for (const Path& p : item->ports) path(p, scope, UseKind::Read);

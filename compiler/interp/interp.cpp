@@ -1,8 +1,8 @@
 // The reference executor. One evaluator over the code IR serves guards, actions and transfers.
 //
-// Operands are evaluated left to right, && and || stop early, and the first fault ends the unit at once: nothing after it
-// is read or stored. Statements are followed in a loop; expressions and nested ifs recurse, and the parser caps their
-// depth. Float operations are plain IEEE double: this file is compiled without fast-math or contraction.
+// Operands are evaluated left to right, && and || stop early, and the first fault ends the unit at once: nothing after
+// it is read or stored. Statements are followed in a loop; expressions and nested ifs recurse, and the parser caps
+// their depth. Float operations are plain IEEE double: this file is compiled without fast-math or contraction.
 #include "compiler/interp/interp.hpp"
 
 #include <vector>
@@ -20,53 +20,53 @@ struct UnitContext {
 
 namespace {
 
-rt::Slot int_slot(std::int32_t value) {
-  rt::Slot slot{};
-  slot.bits = static_cast<std::uint32_t>(value);
-  return slot;
+rt::Cell int_cell(std::int32_t value) {
+  rt::Cell variable{};
+  variable.bits = static_cast<std::uint32_t>(value);
+  return variable;
 }
-rt::Slot bool_slot(bool value) { return int_slot(value ? 1 : 0); }
-rt::Slot float_slot(double value) {
-  rt::Slot slot{};
-  slot.f = value;
-  return slot;
+rt::Cell bool_cell(bool value) { return int_cell(value ? 1 : 0); }
+rt::Cell float_cell(double value) {
+  rt::Cell variable{};
+  variable.f = value;
+  return variable;
 }
 
 class Evaluator {
  public:
-  Evaluator(lower::LoweredSystem& lowered, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind)
+  Evaluator(lower::LoweredSystem& lowered, rt::Cell* self, rt::Cell* all, const std::uint32_t* bind)
       : code_(lowered.system->code), lowered_(lowered), self_(self), all_(all), bind_(bind) {}
 
   /// The value; meaningless once status() is not 0.
-  rt::Slot eval(ExprId id);
+  rt::Cell eval(ExprId id);
   void execute(StmtId first);
   /// 0, or the status of the first fault.
   [[nodiscard]] std::int32_t status() const { return status_; }
 
  private:
-  rt::Slot unary(const Expr& e, rt::Slot a);
-  rt::Slot binary(ExprId id, const Expr& e, rt::Slot a, rt::Slot b);
-  rt::Slot int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b);
-  rt::Slot short_circuit(const Expr& e);
-  rt::Slot divide(ExprId id, Op op, std::int32_t a, std::int32_t b);
-  rt::Slot call(ExprId id, const Expr& e);
-  void store(Type type, rt::Slot& to, rt::Slot value);
+  rt::Cell unary(const Expr& e, rt::Cell a);
+  rt::Cell binary(ExprId id, const Expr& e, rt::Cell a, rt::Cell b);
+  rt::Cell int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b);
+  rt::Cell short_circuit(const Expr& e);
+  rt::Cell divide(ExprId id, Op op, std::int32_t a, std::int32_t b);
+  rt::Cell call(ExprId id, const Expr& e);
+  void store(Type type, rt::Cell& to, rt::Cell value);
 
   const CodeTable& code_;
   lower::LoweredSystem& lowered_;
-  rt::Slot* self_;
-  rt::Slot* all_;
+  rt::Cell* self_;
+  rt::Cell* all_;
   const std::uint32_t* bind_;
   std::int32_t status_ = 0;
 };
 
-rt::Slot Evaluator::eval(ExprId id) {
+rt::Cell Evaluator::eval(ExprId id) {
   const Expr& e = code_.exprs[id];
   switch (e.op) {
     case Op::ConstInt:
     case Op::ConstBool:
-    case Op::ConstString: return int_slot(e.int_value);
-    case Op::ConstFloat: return float_slot(e.float_value);
+    case Op::ConstString: return int_cell(e.int_value);
+    case Op::ConstFloat: return float_cell(e.float_value);
     case Op::LoadSelf: return self_[e.index];
     case Op::LoadBind: return all_[bind_[e.index]];
     case Op::Call: return call(id, e);
@@ -76,102 +76,104 @@ rt::Slot Evaluator::eval(ExprId id) {
     case Op::Neg:
     case Op::Not:
     case Op::BitNot: {
-      const rt::Slot a = eval(e.a);
+      const rt::Cell a = eval(e.a);
       return status_ != 0 ? a : unary(e, a);
     }
     default: break;
   }
-  const rt::Slot a = eval(e.a);
+  const rt::Cell a = eval(e.a);
   if (status_ != 0) return a;
-  const rt::Slot b = eval(e.b);
+  const rt::Cell b = eval(e.b);
   if (status_ != 0) return b;
   return binary(id, e, a, b);
 }
 
-rt::Slot Evaluator::unary(const Expr& e, rt::Slot a) {
+rt::Cell Evaluator::unary(const Expr& e, rt::Cell a) {
   switch (e.op) {
-    case Op::IntToFloat: return float_slot(static_cast<double>(a.i));
-    case Op::Not: return bool_slot(a.i == 0);
-    case Op::BitNot: return int_slot(~a.i);
-    default: return e.type == Type::Float ? float_slot(-a.f) : int_slot(rt::wrap_neg(a.i));
+    case Op::IntToFloat: return float_cell(static_cast<double>(a.i));
+    case Op::Not: return bool_cell(a.i == 0);
+    case Op::BitNot: return int_cell(~a.i);
+    default: return e.type == Type::Float ? float_cell(-a.f) : int_cell(rt::wrap_neg(a.i));
   }
 }
 
-rt::Slot Evaluator::short_circuit(const Expr& e) {
-  const rt::Slot a = eval(e.a);
+rt::Cell Evaluator::short_circuit(const Expr& e) {
+  const rt::Cell a = eval(e.a);
   const bool decided = e.op == Op::And ? a.i == 0 : a.i != 0;
   return status_ != 0 || decided ? a : eval(e.b);
 }
 
-rt::Slot Evaluator::binary(ExprId id, const Expr& e, rt::Slot a, rt::Slot b) {
+rt::Cell Evaluator::binary(ExprId id, const Expr& e, rt::Cell a, rt::Cell b) {
   if (code_.exprs[e.a].type != Type::Float) return int_binary(id, e, a.i, b.i);
   switch (e.op) {
-    case Op::Add: return float_slot(a.f + b.f);
-    case Op::Sub: return float_slot(a.f - b.f);
-    case Op::Mul: return float_slot(a.f * b.f);
-    case Op::Div: return float_slot(a.f / b.f);
-    case Op::Eq: return bool_slot(a.f == b.f);
-    case Op::Ne: return bool_slot(a.f != b.f);
-    case Op::Lt: return bool_slot(a.f < b.f);
-    case Op::Gt: return bool_slot(a.f > b.f);
-    case Op::Le: return bool_slot(a.f <= b.f);
-    case Op::Ge: return bool_slot(a.f >= b.f);
+    case Op::Add: return float_cell(a.f + b.f);
+    case Op::Sub: return float_cell(a.f - b.f);
+    case Op::Mul: return float_cell(a.f * b.f);
+    case Op::Div: return float_cell(a.f / b.f);
+    case Op::Eq: return bool_cell(a.f == b.f);
+    case Op::Ne: return bool_cell(a.f != b.f);
+    case Op::Lt: return bool_cell(a.f < b.f);
+    case Op::Gt: return bool_cell(a.f > b.f);
+    case Op::Le: return bool_cell(a.f <= b.f);
+    case Op::Ge: return bool_cell(a.f >= b.f);
     default: return a;
   }
 }
 
-rt::Slot Evaluator::int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b) {
+rt::Cell Evaluator::int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b) {
   switch (e.op) {
-    case Op::Add: return int_slot(rt::wrap_add(a, b));
-    case Op::Sub: return int_slot(rt::wrap_sub(a, b));
-    case Op::Mul: return int_slot(rt::wrap_mul(a, b));
+    case Op::Add: return int_cell(rt::wrap_add(a, b));
+    case Op::Sub: return int_cell(rt::wrap_sub(a, b));
+    case Op::Mul: return int_cell(rt::wrap_mul(a, b));
     case Op::Div:
     case Op::Mod: return divide(id, e.op, a, b);
-    case Op::BitAnd: return int_slot(a & b);
-    case Op::BitOr: return int_slot(a | b);
-    case Op::BitXor: return int_slot(a ^ b);
-    case Op::Eq: return bool_slot(a == b);
-    case Op::Ne: return bool_slot(a != b);
-    case Op::Lt: return bool_slot(a < b);
-    case Op::Gt: return bool_slot(a > b);
-    case Op::Le: return bool_slot(a <= b);
-    case Op::Ge: return bool_slot(a >= b);
-    default: return int_slot(0);
+    case Op::BitAnd: return int_cell(a & b);
+    case Op::BitOr: return int_cell(a | b);
+    case Op::BitXor: return int_cell(a ^ b);
+    case Op::Eq: return bool_cell(a == b);
+    case Op::Ne: return bool_cell(a != b);
+    case Op::Lt: return bool_cell(a < b);
+    case Op::Gt: return bool_cell(a > b);
+    case Op::Le: return bool_cell(a <= b);
+    case Op::Ge: return bool_cell(a >= b);
+    default: return int_cell(0);
   }
 }
 
-rt::Slot Evaluator::divide(ExprId id, Op op, std::int32_t a, std::int32_t b) {
+rt::Cell Evaluator::divide(ExprId id, Op op, std::int32_t a, std::int32_t b) {
   status_ = rt::division_status(a, b, lowered_.site_of_expr[id.value]);
-  if (status_ != 0) return int_slot(0);
-  return int_slot(op == Op::Div ? rt::quotient(a, b) : rt::remainder(a, b));
+  if (status_ != 0) return int_cell(0);
+  return int_cell(op == Op::Div ? rt::quotient(a, b) : rt::remainder(a, b));
 }
 
-// Arguments by value are evaluated, from left to right, into slots of their own; the others are the variables' slots.
-rt::Slot Evaluator::call(ExprId id, const Expr& e) {
+// Arguments by value are evaluated, from left to right, into variables of their own; the others are the variables'
+// variables.
+rt::Cell Evaluator::call(ExprId id, const Expr& e) {
   const Function& function = code_.functions[e.index];
   const std::span<const ExprId> args = code_.args_of(e);
-  std::vector<rt::Slot> values(args.size());
-  std::vector<rt::Slot*> slots;
+  std::vector<rt::Cell> values(args.size());
+  std::vector<rt::Cell*> variables;
   for (std::size_t k = 0; k < args.size(); ++k) {
     const Expr& arg = code_.exprs[args[k]];
     if (function.params[k].by_reference) {
-      slots.push_back(arg.op == Op::LoadSelf ? self_ + arg.index : all_ + bind_[arg.index]);
+      variables.push_back(arg.op == Op::LoadSelf ? self_ + arg.index : all_ + bind_[arg.index]);
       continue;
     }
     values[k] = eval(args[k]);
     if (status_ != 0) return values[k];
-    slots.push_back(&values[k]);
+    variables.push_back(&values[k]);
   }
-  rt::Slot result{};
-  if (function.has_result && is_extern(function.result)) result = *lowered_.results.slot(id.value, lowered_.extern_types[extern_row(function.result)]);
-  if (lowered_.functions[e.index](&lowered_.outside, &result, slots.data()) != 0) {
+  rt::Cell result{};
+  if (function.has_result && is_extern(function.result))
+    result = *lowered_.results.cell(id.value, lowered_.extern_types[extern_row(function.result)]);
+  if (lowered_.functions[e.index](&lowered_.outside, &result, variables.data()) != 0) {
     status_ = rt::fault_status(lowered_.site_of_expr[id.value], rt::FaultKind{});
   }
   return result;
 }
 
 // Extern types: the object is copied, the variable keeps its own.
-void Evaluator::store(Type type, rt::Slot& to, rt::Slot value) {
+void Evaluator::store(Type type, rt::Cell& to, rt::Cell value) {
   if (is_extern(type)) {
     lowered_.extern_types[extern_row(type)].copy(&rt::object_in<char>(to), &rt::object_in<char>(value));
   } else {
@@ -182,7 +184,7 @@ void Evaluator::store(Type type, rt::Slot& to, rt::Slot value) {
 void Evaluator::execute(StmtId first) {
   for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
     const Stmt& stmt = code_.stmts[id];
-    const rt::Slot value = eval(stmt.value);
+    const rt::Cell value = eval(stmt.value);
     if (status_ != 0) return;
     switch (stmt.op) {
       case StmtOp::StoreSelf: store(stmt.type, self_[stmt.index], value); break;
@@ -196,14 +198,14 @@ void Evaluator::execute(StmtId first) {
   }
 }
 
-std::int32_t run_guard(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
+std::int32_t run_guard(const void* context, rt::Cell* self, rt::Cell* all, const std::uint32_t* bind) {
   const auto& c = *static_cast<const UnitContext*>(context);
   Evaluator evaluator(*c.lowered, self, all, bind);
-  const rt::Slot value = evaluator.eval(c.expr);
+  const rt::Cell value = evaluator.eval(c.expr);
   return evaluator.status() != 0 ? evaluator.status() : value.i;
 }
 
-std::int32_t run_action(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
+std::int32_t run_action(const void* context, rt::Cell* self, rt::Cell* all, const std::uint32_t* bind) {
   const auto& c = *static_cast<const UnitContext*>(context);
   Evaluator evaluator(*c.lowered, self, all, bind);
   evaluator.execute(c.body);

@@ -1,9 +1,9 @@
 // Code IR to LLVM IR, one function a unit.
 //
 // Meaning as in code.hpp, the same as the interpreter's: int is i32 with plain (wrapping) arithmetic, bool is i1 in
-// expressions and 0/1 in slots, float is double without any fast-math flag, string is the i32 row of its text. A store
-// writes all 64 bits of the slot. Divisions branch to `ret <status>`; && and || branch. Expressions recurse (their depth
-// is limited by `validate`); statements are followed in a loop but for nested ifs.
+// expressions and 0/1 in cells, float is double without any fast-math flag, string is the i32 row of its text. A store
+// writes all 64 bits of the cell. Divisions branch to `ret <status>`; && and || branch. Expressions recurse (their
+// depth is limited by `validate`); statements are followed in a loop but for nested ifs.
 #include "compiler/jit/codegen.hpp"
 
 #include <llvm/IR/IRBuilder.h>
@@ -19,9 +19,16 @@ namespace {
 class UnitBuilder {
  public:
   UnitBuilder(llvm::Function* function, const lower::LoweredSystem& lowered, DebugInfo* debug, std::uint32_t distance)
-      : code_(lowered.system->code), sites_(lowered.site_of_expr), function_(function),
-        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)), i32_(b_.getInt32Ty()), debug_(debug),
-        on_cells_(distance != 0), distance_(on_cells_ ? distance : 1), slot_type_(on_cells_ ? i32_ : b_.getInt64Ty()), slot_align_(on_cells_ ? 4 : 8) {
+      : code_(lowered.system->code),
+        sites_(lowered.site_of_expr),
+        function_(function),
+        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)),
+        i32_(b_.getInt32Ty()),
+        debug_(debug),
+        on_cells_(distance != 0),
+        distance_(on_cells_ ? distance : 1),
+        cell_type_(on_cells_ ? i32_ : b_.getInt64Ty()),
+        cell_align_(on_cells_ ? 4 : 8) {
     self_ = function->getArg(1);
     all_ = function->getArg(2);
     bind_ = function->getArg(3);
@@ -54,26 +61,26 @@ class UnitBuilder {
 
   llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
 
-  llvm::Value* self_slot(std::uint32_t index) {
-    return b_.CreateConstInBoundsGEP1_64(slot_type_, self_, std::uint64_t{index} * distance_);
+  llvm::Value* self_variable(std::uint32_t index) {
+    return b_.CreateConstInBoundsGEP1_64(cell_type_, self_, std::uint64_t{index} * distance_);
   }
-  llvm::Value* bind_slot(std::uint32_t index) {
+  llvm::Value* bind_cell(std::uint32_t index) {
     llvm::Value* entry = b_.CreateConstInBoundsGEP1_64(i32_, bind_, index);
     llvm::Value* row = b_.CreateZExt(b_.CreateAlignedLoad(i32_, entry, llvm::Align(4)), b_.getInt64Ty());
-    return b_.CreateInBoundsGEP(slot_type_, all_, row);
+    return b_.CreateInBoundsGEP(cell_type_, all_, row);
   }
-  llvm::Value* load(Type type, llvm::Value* slot) {
-    if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), slot, slot_align_);
+  llvm::Value* load(Type type, llvm::Value* cell) {
+    if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), cell, cell_align_);
     // The address of the object.
-    if (is_extern(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), slot, slot_align_);
-    // All of the slot, as it is stored: loops over neighbouring slots become vectors.
-    llvm::Value* low = b_.CreateTrunc(b_.CreateAlignedLoad(slot_type_, slot, slot_align_), i32_);
+    if (is_extern(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), cell, cell_align_);
+    // All of the cell, as it is stored: loops over neighbouring cells become vectors.
+    llvm::Value* low = b_.CreateTrunc(b_.CreateAlignedLoad(cell_type_, cell, cell_align_), i32_);
     return type == Type::Bool ? b_.CreateICmpNE(low, b_.getInt32(0)) : low;
   }
-  void store(Type type, llvm::Value* value, llvm::Value* slot) {
-    // Unused bits of a slot are zero.
-    if (type != Type::Float && !is_extern(type)) value = b_.CreateZExt(value, slot_type_);
-    b_.CreateAlignedStore(value, slot, slot_align_);
+  void store(Type type, llvm::Value* value, llvm::Value* cell) {
+    // Unused bits of a cell are zero.
+    if (type != Type::Float && !is_extern(type)) value = b_.CreateZExt(value, cell_type_);
+    b_.CreateAlignedStore(value, cell, cell_align_);
   }
 
   llvm::Value* expr(ExprId id) {
@@ -83,8 +90,8 @@ class UnitBuilder {
       case Op::ConstString: return b_.getInt32(static_cast<std::uint32_t>(e.int_value));
       case Op::ConstBool: return b_.getInt1(e.int_value != 0);
       case Op::ConstFloat: return llvm::ConstantFP::get(b_.getDoubleTy(), e.float_value);
-      case Op::LoadSelf: return load(e.type, self_slot(e.index));
-      case Op::LoadBind: return load(e.type, bind_slot(e.index));
+      case Op::LoadSelf: return load(e.type, self_variable(e.index));
+      case Op::LoadBind: return load(e.type, bind_cell(e.index));
       case Op::Call: return call(id, e);
       case Op::IntToFloat: return b_.CreateSIToFP(expr(e.a), b_.getDoubleTy());
       case Op::Neg: return e.type == Type::Float ? b_.CreateFNeg(expr(e.a)) : b_.CreateNeg(expr(e.a));
@@ -101,50 +108,54 @@ class UnitBuilder {
     return int_binary(e.op, a, b);
   }
 
-  llvm::Value* slot_of(const Expr& e) { return e.op == Op::LoadSelf ? self_slot(e.index) : bind_slot(e.index); }
+  llvm::Value* interaction_of(const Expr& e) {
+    return e.op == Op::LoadSelf ? self_variable(e.index) : bind_cell(e.index);
+  }
   /// What the process gives: a function, or data.
   llvm::Constant* outside(const std::string& name) {
     return function_->getParent()->getOrInsertGlobal(name, b_.getInt8Ty());
   }
-  // One frame for all slots and their addresses of a call, at the function's start: loops there are none.
+  // One frame for all cells and their addresses of a call, at the function's start: loops there are none.
   llvm::Value* frame(llvm::Type* type, std::size_t size) {
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
     return start.CreateAlloca(llvm::ArrayType::get(type, size == 0 ? 1 : size));
   }
 
-  /// The slot of the object that an extern result is assigned to: the thread's own.
+  /// The cell of the object that an extern result is assigned to: the thread's own.
   llvm::Value* result_object(ExprId call, Type result) {
     auto* type = llvm::FunctionType::get(b_.getPtrTy(), {b_.getPtrTy(), i32_, i32_}, false);
     llvm::Value* row = b_.getInt32(static_cast<std::uint32_t>(extern_row(result)));
-    llvm::CallInst* slot = b_.CreateCall(type, outside(kResultName), {outside(kLoweredName), b_.getInt32(call.value), row});
-    slot->setDoesNotThrow();
-    return slot;
+    llvm::CallInst* cell =
+        b_.CreateCall(type, outside(kResultName), {outside(kLoweredName), b_.getInt32(call.value), row});
+    cell->setDoesNotThrow();
+    return cell;
   }
 
-  /// As rt::ForeignFn wants it. Arguments by value get slots of their own.
+  /// As rt::ForeignFn wants it. Arguments by value get cells of their own.
   llvm::Value* call(ExprId id, const Expr& e) {
     const Function& function = code_.functions[e.index];
     const std::span<const ExprId> args = code_.args_of(e);
     llvm::Type* i64 = b_.getInt64Ty();
     llvm::Type* pointer = b_.getPtrTy();
     llvm::Value* values = frame(i64, args.size() + 1);
-    llvm::Value* slots = frame(pointer, args.size());
+    llvm::Value* cells = frame(pointer, args.size());
     for (std::size_t k = 0; k < args.size(); ++k) {
       const Expr& arg = code_.exprs[args[k]];
-      llvm::Value* slot = nullptr;
+      llvm::Value* cell = nullptr;
       if (function.params[k].by_reference) {
-        slot = slot_of(arg);
+        cell = interaction_of(arg);
       } else {
         llvm::Value* value = expr(args[k]);
-        slot = b_.CreateConstInBoundsGEP1_64(i64, values, k + 1);
-        store(arg.type, value, slot);
+        cell = b_.CreateConstInBoundsGEP1_64(i64, values, k + 1);
+        store(arg.type, value, cell);
       }
-      b_.CreateStore(slot, b_.CreateConstInBoundsGEP1_64(pointer, slots, k));
+      b_.CreateStore(cell, b_.CreateConstInBoundsGEP1_64(pointer, cells, k));
     }
     llvm::Value* result = values;
     if (function.has_result && is_extern(function.result)) result = result_object(id, function.result);
     auto* type = llvm::FunctionType::get(i32_, {pointer, pointer, pointer}, false);
-    llvm::CallInst* status = b_.CreateCall(type, outside(kFunctionName + std::to_string(e.index)), {outside(kOutsideName), result, slots});
+    llvm::CallInst* status =
+        b_.CreateCall(type, outside(kFunctionName + std::to_string(e.index)), {outside(kOutsideName), result, cells});
     status->setDoesNotThrow();
     llvm::BasicBlock* faulty = new_block("exception");
     llvm::BasicBlock* sound = new_block("called");
@@ -155,12 +166,13 @@ class UnitBuilder {
     return function.has_result ? load(function.result, result) : b_.getInt32(0);
   }
   /// An assignment between variables of an extern type copies the object.
-  void assign(Type type, llvm::Value* value, llvm::Value* slot) {
-    if (!is_extern(type)) return store(type, value, slot);
+  void assign(Type type, llvm::Value* value, llvm::Value* cell) {
+    if (!is_extern(type)) return store(type, value, cell);
     llvm::Type* pointer = b_.getPtrTy();
     auto* copy = llvm::FunctionType::get(b_.getVoidTy(), {pointer, pointer}, false);
-    llvm::Value* to = b_.CreateIntToPtr(load(type, slot), pointer);
-    b_.CreateCall(copy, outside(kCopyName + std::to_string(extern_row(type))), {to, b_.CreateIntToPtr(value, pointer)})->setDoesNotThrow();
+    llvm::Value* to = b_.CreateIntToPtr(load(type, cell), pointer);
+    b_.CreateCall(copy, outside(kCopyName + std::to_string(extern_row(type))), {to, b_.CreateIntToPtr(value, pointer)})
+        ->setDoesNotThrow();
   }
 
   llvm::Value* short_circuit(const Expr& e) {
@@ -225,7 +237,8 @@ class UnitBuilder {
     llvm::BasicBlock* sound = new_block("sound");
     b_.CreateCondBr(b_.CreateOr(by_zero, overflow), faulty, sound);
     b_.SetInsertPoint(faulty);
-    b_.CreateRet(b_.CreateSelect(by_zero, status(rt::FaultKind::DivisionByZero), status(rt::FaultKind::DivisionOverflow)));
+    b_.CreateRet(
+        b_.CreateSelect(by_zero, status(rt::FaultKind::DivisionByZero), status(rt::FaultKind::DivisionOverflow)));
     b_.SetInsertPoint(sound);
     return op == Op::Div ? b_.CreateSDiv(a, b) : b_.CreateSRem(a, b);
   }
@@ -236,8 +249,8 @@ class UnitBuilder {
       place(s.loc);
       llvm::Value* value = expr(s.value);
       switch (s.op) {
-        case StmtOp::StoreSelf: assign(s.type, value, self_slot(s.index)); break;
-        case StmtOp::StoreBind: assign(s.type, value, bind_slot(s.index)); break;
+        case StmtOp::StoreSelf: assign(s.type, value, self_variable(s.index)); break;
+        case StmtOp::StoreBind: assign(s.type, value, bind_cell(s.index)); break;
         case StmtOp::If: branch(s, value); break;
         case StmtOp::Call: break;
       }
@@ -265,8 +278,8 @@ class UnitBuilder {
   DebugInfo* debug_;
   bool on_cells_;
   std::uint64_t distance_;
-  llvm::Type* slot_type_;
-  llvm::Align slot_align_;
+  llvm::Type* cell_type_;
+  llvm::Align cell_align_;
   llvm::Value* self_ = nullptr;
   llvm::Value* all_ = nullptr;
   llvm::Value* bind_ = nullptr;
@@ -290,7 +303,8 @@ llvm::Function* declare(llvm::Module& module, const std::string& name) {
 
 }  // namespace
 
-llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row, const std::string& name, DebugInfo* debug, std::uint32_t distance) {
+llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row,
+                           const std::string& name, DebugInfo* debug, std::uint32_t distance) {
   const lower::CodeUnit& unit = lowered.units[row];
   llvm::Function* function = declare(module, name);
   if (debug != nullptr) debug->enter(*function, lowered.units[row].name, lowered.units[row].loc);
@@ -306,7 +320,8 @@ std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const low
   auto module = std::make_unique<llvm::Module>("units_" + std::to_string(first), context);
   std::optional<DebugInfo> debug;
   if (lines == Lines::Yes) debug.emplace(*module, lowered.image);
-  for (std::size_t k = first; k < first + count; ++k) (void)build_unit(*module, lowered, k, lowered.units[k].name, debug ? &*debug : nullptr);
+  for (std::size_t k = first; k < first + count; ++k)
+    (void)build_unit(*module, lowered, k, lowered.units[k].name, debug ? &*debug : nullptr);
   if (debug) debug->finish();
   return module;
 }

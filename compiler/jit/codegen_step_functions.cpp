@@ -1,5 +1,5 @@
-// The module of whole steps: a rt::StepFn a shape, then the loop over them. The list's length lives in a register; it is stored at
-// the end.
+// The module of whole steps: a rt::StepFn a shape, then the loop over them. The list's length lives in a register; it
+// is stored at the end.
 #include <cstddef>
 #include <optional>
 
@@ -15,7 +15,8 @@ using llvm::Value;
 llvm::Function* declare_step(llvm::Module& module, const std::string& name) {
   llvm::LLVMContext& context = module.getContext();
   llvm::Type* pointer = llvm::PointerType::getUnqual(context);
-  auto* type = llvm::FunctionType::get(llvm::Type::getVoidTy(context), {pointer, pointer, llvm::Type::getInt32Ty(context)}, false);
+  auto* type = llvm::FunctionType::get(llvm::Type::getVoidTy(context),
+                                       {pointer, pointer, llvm::Type::getInt32Ty(context)}, false);
   auto* function = llvm::Function::Create(type, llvm::Function::ExternalLinkage, name, module);
   function->setDoesNotThrow();
   function->addParamAttr(0, llvm::Attribute::NoAlias);
@@ -24,7 +25,8 @@ llvm::Function* declare_step(llvm::Module& module, const std::string& name) {
   return function;
 }
 
-void build_shape(llvm::Module& module, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const std::string& name, const Place& place, DebugInfo* debug) {
+void build_shape(llvm::Module& module, const lower::LoweredSystem& lowered, const lower::StepShape& shape,
+                 const std::string& name, const Place& place, DebugInfo* debug) {
   llvm::Function* function = declare_step(module, name);
   llvm::IRBuilder<> b(llvm::BasicBlock::Create(module.getContext(), "entry", function));
   if (debug != nullptr) {
@@ -33,17 +35,24 @@ void build_shape(llvm::Module& module, const lower::LoweredSystem& lowered, cons
   }
   llvm::Type* i32 = b.getInt32Ty();
   llvm::Type* i64 = b.getInt64Ty();
-  const auto address = [&](std::size_t offset) { return b.CreateConstInBoundsGEP1_64(b.getInt8Ty(), function->getArg(0), offset); };
+  const auto address = [&](std::size_t offset) {
+    return b.CreateConstInBoundsGEP1_64(b.getInt8Ty(), function->getArg(0), offset);
+  };
   const auto array = [&](std::size_t offset) -> Value* { return b.CreateLoad(b.getPtrTy(), address(offset)); };
-  const StepFrame frame{array(offsetof(rt::StepState, all)),     array(offsetof(rt::StepState, places)),   array(offsetof(rt::StepState, values)),
-                        array(offsetof(rt::StepState, members)), array(offsetof(rt::StepState, position)), array(offsetof(rt::StepState, scratch)),
+  const StepFrame frame{array(offsetof(rt::StepState, all)),
+                        array(offsetof(rt::StepState, places)),
+                        array(offsetof(rt::StepState, values)),
+                        array(offsetof(rt::StepState, members)),
+                        array(offsetof(rt::StepState, position)),
+                        array(offsetof(rt::StepState, scratch)),
                         b.CreateAlloca(i32)};
   b.CreateStore(b.CreateLoad(i32, address(offsetof(rt::StepState, count))), frame.count);
   std::vector<StepOperandValue> operands;
   for (std::size_t k = 0; k < shape.strides.size(); ++k) {
     Value* operand = b.CreateConstInBoundsGEP1_64(i64, function->getArg(1), k);
     Value* base = b.CreateAlignedLoad(i32, operand, llvm::Align(4));
-    Value* stride = shape.run_strides.empty() ? static_cast<Value*>(b.CreateAlignedLoad(i32, b.CreateConstInBoundsGEP1_64(i32, operand, 1), llvm::Align(4)))
+    Value* stride = shape.run_strides.empty() ? static_cast<Value*>(b.CreateAlignedLoad(
+                                                    i32, b.CreateConstInBoundsGEP1_64(i32, operand, 1), llvm::Align(4)))
                                               : b.getInt32(shape.run_strides[k]);
     Value* number = b.CreateAdd(base, b.CreateMul(stride, function->getArg(2)));
     operands.push_back({number, b.CreateZExt(number, i64)});
@@ -62,7 +71,8 @@ bool has_step_loop(const lower::LoweredSystem& lowered, Lines lines) {
   return !lowered.steps.loop.empty() && !lowered.calls_rows && lines == Lines::No;
 }
 
-std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered, Lines lines) {
+std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
+                                          Lines lines) {
   auto module = std::make_unique<llvm::Module>("steps", context);
   std::optional<DebugInfo> debug;
   if (lines == Lines::Yes) debug.emplace(*module, lowered.image);

@@ -1,9 +1,9 @@
-// The loop over steps as LLVM IR: rt::take_steps (bip/step_loop.hpp) with `take` written out, since what it takes is known by now:
-// the runs with the most slots, their operands as constants. A draw is a few instructions, no address is computed twice, and
-// nothing is called but steps with loops in them.
+// The loop over steps as LLVM IR: rt::take_steps (bip/step_loop.hpp) with `take` written out, since what it takes is
+// known by now: the runs with the most interactions, their operands as constants. A draw is a few instructions, no
+// address is computed twice, and nothing is called but steps with loops in them.
 //
-// The core's arrays are arguments of an inner function: there LLVM knows that they are different ones. Random numbers are those
-// of bip/prng.hpp; the one case in 2^64 / n in which it may draw again is left to it.
+// The core's arrays are arguments of an inner function: there LLVM knows that they are different ones. Random numbers
+// are those of bip/prng.hpp; the one case in 2^64 / n in which it may draw again is left to it.
 #include <llvm/IR/MDBuilder.h>
 
 #include <algorithm>
@@ -25,12 +25,17 @@ static_assert(offsetof(rt::StepState, count) == kArrays * sizeof(void*));
 class LoopBuilder {
  public:
   LoopBuilder(llvm::Module& module, const lower::LoweredSystem& lowered)
-      : module_(module), lowered_(lowered), b_(module.getContext()), i32_(b_.getInt32Ty()), i64_(b_.getInt64Ty()),
+      : module_(module),
+        lowered_(lowered),
+        b_(module.getContext()),
+        i32_(b_.getInt32Ty()),
+        i64_(b_.getInt64Ty()),
         result_(llvm::StructType::get(i64_, i32_)) {}
 
   void build() {
     llvm::Type* pointer = b_.getPtrTy();
-    function_ = declare(kStepLoopName + ".inner", {pointer, pointer, pointer, pointer, pointer, pointer, pointer, pointer, pointer, i64_, pointer});
+    function_ = declare(kStepLoopName + ".inner", {pointer, pointer, pointer, pointer, pointer, pointer, pointer,
+                                                   pointer, pointer, i64_, pointer});
     function_->setLinkage(llvm::Function::InternalLinkage);
     function_->addFnAttr(llvm::Attribute::NoInline);
     build_outer();
@@ -39,7 +44,7 @@ class LoopBuilder {
     write_draw();
     for (const rt::StepRun& run : lowered_.steps.loop) write_run(run);
     // None of those.
-    b_.CreateStore(slot_, unknown_);
+    b_.CreateStore(interaction_, unknown_);
     b_.CreateBr(end_);
     write_taken();
     write_end();
@@ -50,14 +55,17 @@ class LoopBuilder {
   enum Argument : unsigned { kState = kArrays, kPrng, kHistory, kLimit, kRecent };
 
   llvm::Function* declare(const std::string& name, llvm::ArrayRef<llvm::Type*> parameters) {
-    auto* function = llvm::Function::Create(llvm::FunctionType::get(result_, parameters, false), llvm::Function::ExternalLinkage, name, module_);
+    auto* function = llvm::Function::Create(llvm::FunctionType::get(result_, parameters, false),
+                                            llvm::Function::ExternalLinkage, name, module_);
     function->setDoesNotThrow();
     for (unsigned k = 0; k < parameters.size(); ++k) {
       if (parameters[k]->isPointerTy()) function->addParamAttr(k, llvm::Attribute::NoAlias);
     }
     return function;
   }
-  llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(module_.getContext(), name, function_); }
+  llvm::BasicBlock* new_block(const char* name) {
+    return llvm::BasicBlock::Create(module_.getContext(), name, function_);
+  }
   Value* at(Value* object, std::size_t offset) { return b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), object, offset); }
   Value* word_at(Value* object, std::uint32_t k) { return b_.CreateConstInBoundsGEP1_64(i64_, object, k); }
   Value* cell(Value* array, Value* row) { return b_.CreateInBoundsGEP(i32_, array, b_.CreateZExt(row, i64_)); }
@@ -70,10 +78,12 @@ class LoopBuilder {
     llvm::Function* outer = declare(kStepLoopName, {pointer, pointer, pointer, i64_});
     b_.SetInsertPoint(llvm::BasicBlock::Create(module_.getContext(), "entry", outer));
     std::vector<Value*> arguments;
-    for (unsigned k = 0; k < kArrays; ++k) arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(0), k * sizeof(void*))));
-    if (!lowered_.steps.cells.empty()) arguments[0] = b_.CreateLoad(pointer, at(outer->getArg(0), offsetof(rt::StepState, cells)));
+    for (unsigned k = 0; k < kArrays; ++k)
+      arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(0), k * sizeof(void*))));
+    if (!lowered_.steps.cells.empty())
+      arguments[0] = b_.CreateLoad(pointer, at(outer->getArg(0), offsetof(rt::StepState, cells)));
     for (unsigned k = 0; k < 4; ++k) arguments.push_back(outer->getArg(k));
-    arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(2), offsetof(rt::StepHistory, slots))));
+    arguments.push_back(b_.CreateLoad(pointer, at(outer->getArg(2), offsetof(rt::StepHistory, interactions))));
     b_.CreateRet(b_.CreateCall(function_, arguments));
   }
 
@@ -89,10 +99,11 @@ class LoopBuilder {
     llvm::cast<llvm::AllocaInst>(state_)->setAlignment(llvm::Align(alignof(rt::StepState)));
     for (unsigned k = 0; k < kArrays; ++k) b_.CreateStore(function_->getArg(k), at(state_, k * sizeof(void*)));
     b_.CreateStore(b_.CreateLoad(i32_, at(function_->getArg(kState), offsetof(rt::StepState, count))), count_);
-    b_.CreateStore(b_.getInt32(rt::kAbsentSlot), unknown_);
+    b_.CreateStore(b_.getInt32(rt::kAbsentInteraction), unknown_);
     b_.CreateStore(function_->getArg(kLimit), left_);
     load_words();
-    Value* first = b_.CreateZExt(b_.CreateLoad(i32_, at(function_->getArg(kHistory), offsetof(rt::StepHistory, at))), i64_);
+    Value* first =
+        b_.CreateZExt(b_.CreateLoad(i32_, at(function_->getArg(kHistory), offsetof(rt::StepHistory, at))), i64_);
     history_end_ = b_.CreateAdd(first, function_->getArg(kLimit));
     head_ = new_block("head");
     taken_ = new_block("taken");
@@ -100,12 +111,14 @@ class LoopBuilder {
     b_.CreateBr(head_);
   }
   void load_words() {
-    for (unsigned k = 0; k < 4; ++k) b_.CreateStore(b_.CreateLoad(i64_, word_at(function_->getArg(kPrng), k)), words_[k]);
+    for (unsigned k = 0; k < 4; ++k)
+      b_.CreateStore(b_.CreateLoad(i64_, word_at(function_->getArg(kPrng), k)), words_[k]);
   }
   void store_words() {
-    for (unsigned k = 0; k < 4; ++k) b_.CreateStore(b_.CreateLoad(i64_, words_[k]), word_at(function_->getArg(kPrng), k));
+    for (unsigned k = 0; k < 4; ++k)
+      b_.CreateStore(b_.CreateLoad(i64_, words_[k]), word_at(function_->getArg(kPrng), k));
   }
-  /// Where in the ring of recent slots the next one goes.
+  /// Where in the ring of recent interactions the next one goes.
   Value* history_at() {
     return b_.CreateAnd(b_.CreateSub(history_end_, b_.CreateLoad(i64_, left_)), number(rt::StepHistory::kSize - 1));
   }
@@ -122,7 +135,9 @@ class LoopBuilder {
     b_.SetInsertPoint(draw);
   }
 
-  Value* rotated(Value* word, unsigned by) { return b_.CreateIntrinsic(llvm::Intrinsic::fshl, {i64_}, {word, word, number(by)}); }
+  Value* rotated(Value* word, unsigned by) {
+    return b_.CreateIntrinsic(llvm::Intrinsic::fshl, {i64_}, {word, word, number(by)});
+  }
 
   // Prng::below, but for its rejections; with one candidate nothing is drawn.
   void write_draw() {
@@ -145,7 +160,9 @@ class LoopBuilder {
 
     b_.SetInsertPoint(rare);
     store_words();
-    llvm::CallInst* index = b_.CreateCall(llvm::FunctionType::get(i64_, {b_.getPtrTy(), i64_}, false), module_.getOrInsertGlobal(kDrawName, b_.getInt8Ty()), {function_->getArg(kPrng), count});
+    llvm::CallInst* index =
+        b_.CreateCall(llvm::FunctionType::get(i64_, {b_.getPtrTy(), i64_}, false),
+                      module_.getOrInsertGlobal(kDrawName, b_.getInt8Ty()), {function_->getArg(kPrng), count});
     index->setDoesNotThrow();
     load_words();
     b_.CreateStore(index, index_);
@@ -164,26 +181,27 @@ class LoopBuilder {
     b_.CreateBr(drawn);
 
     b_.SetInsertPoint(drawn);
-    slot_ = b_.CreateLoad(i32_, b_.CreateInBoundsGEP(i32_, function_->getArg(3), b_.CreateLoad(i64_, index_)));
-    slot_index_ = b_.CreateZExt(slot_, i64_);
+    interaction_ = b_.CreateLoad(i32_, b_.CreateInBoundsGEP(i32_, function_->getArg(3), b_.CreateLoad(i64_, index_)));
+    interaction_index_ = b_.CreateZExt(interaction_, i64_);
   }
 
   // An operand for number i of the run. In 64 bits if it stays below 2^32: then it becomes a part of addresses.
   StepOperandValue operand(const rt::StepRun& run, const rt::StepOperand& row, Value* i) {
     const std::uint64_t last = row.base + std::uint64_t{row.stride} * (run.count - 1);
     if (last > 0xffffffffu) {
-      Value* narrow = b_.CreateAdd(b_.getInt32(row.base), b_.CreateMul(b_.getInt32(row.stride), b_.CreateTrunc(i, i32_)));
+      Value* narrow =
+          b_.CreateAdd(b_.getInt32(row.base), b_.CreateMul(b_.getInt32(row.stride), b_.CreateTrunc(i, i32_)));
       return {narrow, b_.CreateZExt(narrow, i64_)};
     }
     Value* index = b_.CreateNUWAdd(number(row.base), b_.CreateNUWMul(number(row.stride), i));
     return {b_.CreateTrunc(index, i32_), index};
   }
 
-  // If the slot is one of the run, the step; what follows is for the others.
+  // If the interaction is one of the run, the step; what follows is for the others.
   void write_run(const rt::StepRun& run) {
     llvm::BasicBlock* inside = new_block("run");
     llvm::BasicBlock* outside = new_block("others");
-    Value* offset = b_.CreateSub(slot_index_, number(run.first));
+    Value* offset = b_.CreateSub(interaction_index_, number(run.first));
     Value* is_inside = b_.CreateICmpULT(offset, number(std::uint64_t{run.count} * run.distance));
     if (run.distance != 1) {
       llvm::BasicBlock* near = new_block("near");
@@ -200,7 +218,14 @@ class LoopBuilder {
     if (shape.is_inlined() && (!cells.empty() || !looks_at_many(shape, rows))) {
       std::vector<StepOperandValue> operands;
       for (std::size_t k = 0; k < shape.strides.size(); ++k) operands.push_back(operand(run, rows[k], i));
-      const StepFrame frame{function_->getArg(0), function_->getArg(1), function_->getArg(2), function_->getArg(3), function_->getArg(4), function_->getArg(5), count_, !cells.empty()};
+      const StepFrame frame{function_->getArg(0),
+                            function_->getArg(1),
+                            function_->getArg(2),
+                            function_->getArg(3),
+                            function_->getArg(4),
+                            function_->getArg(5),
+                            count_,
+                            !cells.empty()};
       write_step(b_, lowered_, shape, frame, operands, nullptr);
     } else {
       call(run, shape.strides.size(), rows, i);
@@ -209,7 +234,8 @@ class LoopBuilder {
     b_.SetInsertPoint(outside);
   }
 
-  // Beside a long pass over who is ready a call is cheap, and what the loop has at hand stays in registers for the other steps.
+  // Beside a long pass over who is ready a call is cheap, and what the loop has at hand stays in registers for the
+  // other steps.
   static bool looks_at_many(const lower::StepShape& shape, const rt::StepOperand* rows) {
     constexpr std::uint32_t kMany = 64;
     return std::any_of(shape.ops.begin(), shape.ops.end(), [&](const lower::StepOp& op) {
@@ -222,11 +248,13 @@ class LoopBuilder {
     std::vector<std::uint32_t> cells;
     for (std::size_t k = 0; k < count; ++k) cells.insert(cells.end(), {rows[k].base, rows[k].stride});
     llvm::Constant* row = llvm::ConstantDataArray::get(module_.getContext(), cells);
-    auto* table = new llvm::GlobalVariable(module_, row->getType(), true, llvm::GlobalValue::PrivateLinkage, row, "row");
+    auto* table =
+        new llvm::GlobalVariable(module_, row->getType(), true, llvm::GlobalValue::PrivateLinkage, row, "row");
     table->setAlignment(llvm::Align(alignof(std::uint64_t)));
     Value* length = at(state_, offsetof(rt::StepState, count));
     b_.CreateStore(b_.CreateLoad(i32_, count_), length);
-    llvm::CallInst* step = b_.CreateCall(module_.getFunction(step_name(run.shape)), {state_, table, b_.CreateTrunc(i, i32_)});
+    llvm::CallInst* step =
+        b_.CreateCall(module_.getFunction(step_name(run.shape)), {state_, table, b_.CreateTrunc(i, i32_)});
     step->setDoesNotThrow();
     step->addFnAttr(llvm::Attribute::NoInline);
     b_.CreateStore(b_.CreateLoad(i32_, length), count_);
@@ -234,7 +262,7 @@ class LoopBuilder {
 
   void write_taken() {
     b_.SetInsertPoint(taken_);
-    b_.CreateStore(slot_, b_.CreateInBoundsGEP(i32_, function_->getArg(kRecent), history_at()));
+    b_.CreateStore(interaction_, b_.CreateInBoundsGEP(i32_, function_->getArg(kRecent), history_at()));
     b_.CreateStore(b_.CreateSub(b_.CreateLoad(i64_, left_), number(1)), left_);
     b_.CreateBr(head_);
   }
@@ -257,13 +285,16 @@ class LoopBuilder {
   llvm::StructType* result_;
   llvm::Function* function_ = nullptr;
   llvm::BasicBlock *head_ = nullptr, *taken_ = nullptr, *end_ = nullptr;
-  Value *count_ = nullptr, *unknown_ = nullptr, *left_ = nullptr, *index_ = nullptr, *state_ = nullptr, *history_end_ = nullptr;
-  Value *words_[4] = {};
-  Value *slot_ = nullptr, *slot_index_ = nullptr;
+  Value *count_ = nullptr, *unknown_ = nullptr, *left_ = nullptr, *index_ = nullptr, *state_ = nullptr,
+        *history_end_ = nullptr;
+  Value* words_[4] = {};
+  Value *interaction_ = nullptr, *interaction_index_ = nullptr;
 };
 
 }  // namespace
 
-void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered) { LoopBuilder(module, lowered).build(); }
+void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered) {
+  LoopBuilder(module, lowered).build();
+}
 
 }  // namespace bip::jit

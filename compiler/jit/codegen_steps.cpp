@@ -1,7 +1,8 @@
-// The operations of a step as LLVM IR: see compiler/lower/steps.hpp for what they mean; compiler/emit_cpp/steps.cpp writes the
-// same as C++.
+// The operations of a step as LLVM IR: see compiler/lower/step_shapes.hpp for what they mean;
+// compiler/emit_cpp/emit_steps.cpp writes the same as C++.
 //
-// Units are built once more into this module, to be inlined. The list's length is a variable, which passes put into a register.
+// Units are built once more into this module, to be inlined. The list's length is a variable, which passes put into a
+// register.
 #include "compiler/jit/codegen_steps.hpp"
 
 #include <functional>
@@ -13,27 +14,46 @@
 namespace bip::jit {
 namespace {
 
+using llvm::Value;
 using lower::StepOp;
 using lower::StepOpKind;
-using llvm::Value;
 
 class StepBuilder {
  public:
-  StepBuilder(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug)
-      : b_(b), function_(b.GetInsertBlock()->getParent()), module_(*function_->getParent()), lowered_(lowered), shape_(shape), i32_(b.getInt32Ty()), i64_(b.getInt64Ty()),
-        on_cells_(frame.on_cells), slot_type_(on_cells_ ? i32_ : i64_), slot_align_(on_cells_ ? 4 : 8), debug_(debug), all_(frame.all), places_(frame.places), values_(frame.values), members_(frame.members), position_(frame.position), scratch_(frame.scratch), count_(frame.count), operands_(operands) {}
+  StepBuilder(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape,
+              const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug)
+      : b_(b),
+        function_(b.GetInsertBlock()->getParent()),
+        module_(*function_->getParent()),
+        lowered_(lowered),
+        shape_(shape),
+        i32_(b.getInt32Ty()),
+        i64_(b.getInt64Ty()),
+        on_cells_(frame.on_cells),
+        cell_type_(on_cells_ ? i32_ : i64_),
+        cell_align_(on_cells_ ? 4 : 8),
+        debug_(debug),
+        all_(frame.all),
+        places_(frame.places),
+        values_(frame.values),
+        members_(frame.members),
+        position_(frame.position),
+        scratch_(frame.scratch),
+        count_(frame.count),
+        operands_(operands) {}
 
   void build() {
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Reduce) reduce(op);
       if (op.kind == StepOpKind::Copy) copy(op);
       if (op.kind == StepOpKind::Code) loop(op, [&](Value* t) { code(op, t); });
-      if (op.kind == StepOpKind::Place) loop(op, [&](Value* t) { b_.CreateStore(number(op, 1, t), cell(places_, op, 0, t)); });
+      if (op.kind == StepOpKind::Place)
+        loop(op, [&](Value* t) { b_.CreateStore(number(op, 1, t), cell(places_, op, 0, t)); });
       if (op.kind == StepOpKind::Ready) ready(op);
-      if (op.kind == StepOpKind::Slot && op.delta != 0) loop(op, [&](Value* t) { grow(op, 0, t); });
+      if (op.kind == StepOpKind::Interaction && op.delta != 0) loop(op, [&](Value* t) { grow(op, 0, t); });
     }
     for (const StepOp& op : shape_.ops) {
-      if (op.kind == StepOpKind::Slot) loop(op, [&](Value* t) { list(op, t); });
+      if (op.kind == StepOpKind::Interaction) loop(op, [&](Value* t) { list(op, t); });
     }
   }
 
@@ -48,16 +68,21 @@ class StepBuilder {
   Value* number(const StepOp& op, std::uint32_t k, Value* t) {
     Value* base = operands_[operand(op, k)].number;
     if (stride(op, k) == 0 || t == nullptr) return base;
-    return b_.CreateAdd(base, b_.CreateMul(b_.CreateTrunc(t, i32_), constant(static_cast<std::uint32_t>(stride(op, k)))));
+    return b_.CreateAdd(base,
+                        b_.CreateMul(b_.CreateTrunc(t, i32_), constant(static_cast<std::uint32_t>(stride(op, k)))));
   }
   Value* index(const StepOp& op, std::uint32_t k, Value* t) {
     Value* base = operands_[operand(op, k)].index;
     if (stride(op, k) == 0 || t == nullptr) return base;
     return b_.CreateAdd(base, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k))));
   }
-  Value* cell(Value* array, const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(i32_, array, index(op, k, t)); }
+  Value* cell(Value* array, const StepOp& op, std::uint32_t k, Value* t) {
+    return b_.CreateInBoundsGEP(i32_, array, index(op, k, t));
+  }
   Value* cell(Value* array, Value* row) { return b_.CreateInBoundsGEP(i32_, array, b_.CreateZExt(row, i64_)); }
-  Value* data(const StepOp& op, std::uint32_t k, Value* t) { return b_.CreateInBoundsGEP(slot_type_, all_, index(op, k, t)); }
+  Value* data(const StepOp& op, std::uint32_t k, Value* t) {
+    return b_.CreateInBoundsGEP(cell_type_, all_, index(op, k, t));
+  }
 
   // Vectors of rows that are no neighbours would be gathered and scattered, which costs more than it saves.
   [[nodiscard]] bool has_neighbours(const StepOp& op) const {
@@ -68,7 +93,8 @@ class StepBuilder {
   }
   void keep_scalar(llvm::Instruction* branch) {
     llvm::LLVMContext& context = b_.getContext();
-    llvm::Metadata* off[] = {llvm::MDString::get(context, "llvm.loop.vectorize.enable"), llvm::ConstantAsMetadata::get(b_.getFalse())};
+    llvm::Metadata* off[] = {llvm::MDString::get(context, "llvm.loop.vectorize.enable"),
+                             llvm::ConstantAsMetadata::get(b_.getFalse())};
     llvm::MDNode* loop = llvm::MDNode::getDistinct(context, {nullptr, llvm::MDNode::get(context, off)});
     loop->replaceOperandWith(0, loop);
     branch->setMetadata(llvm::LLVMContext::MD_loop, loop);
@@ -98,36 +124,43 @@ class StepBuilder {
   llvm::Function* unit(std::uint32_t row) {
     const std::string name = (on_cells_ ? "cells." : "inline.") + lowered_.units[row].name;
     if (llvm::Function* known = module_.getFunction(name)) return known;
-    llvm::Function* function = build_unit(module_, lowered_, row, name, debug_, on_cells_ ? lowered_.steps.cells.self_distance[row] : 0);
+    llvm::Function* function =
+        build_unit(module_, lowered_, row, name, debug_, on_cells_ ? lowered_.steps.cells.self_distance[row] : 0);
     function->setLinkage(llvm::Function::InternalLinkage);
     if (!function->hasFnAttribute(llvm::Attribute::OptimizeNone)) function->addFnAttr(llvm::Attribute::AlwaysInline);
     return function;
   }
   // By its row of codes, whoever is there when the step is taken.
   Value* call_row(std::uint32_t row, Value* self, Value* all, Value* bind) {
-    Value* code = b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), module_.getOrInsertGlobal(kCodesName, b_.getInt8Ty()), std::uint64_t{row} * sizeof(rt::Code));
+    Value* code = b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), module_.getOrInsertGlobal(kCodesName, b_.getInt8Ty()),
+                                                std::uint64_t{row} * sizeof(rt::Code));
     Value* fn = b_.CreateLoad(b_.getPtrTy(), code);
-    Value* context = b_.CreateLoad(b_.getPtrTy(), b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), code, offsetof(rt::Code, context)));
+    Value* context =
+        b_.CreateLoad(b_.getPtrTy(), b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), code, offsetof(rt::Code, context)));
     auto* type = llvm::FunctionType::get(i32_, {b_.getPtrTy(), b_.getPtrTy(), b_.getPtrTy(), b_.getPtrTy()}, false);
     llvm::CallInst* result = b_.CreateCall(type, fn, {context, self, all, bind});
     result->setDoesNotThrow();
     return result;
   }
-  // A call with self at ref k; rows of bound variables in an array, or, if all move alike in a loop, `all` moves instead.
+  // A call with self at ref k; rows of bound variables in an array, or, if all move alike in a loop, `all` moves
+  // instead.
   Value* call(const StepOp& op, std::uint32_t k, Value* t) {
     const std::vector<std::uint32_t>& binds = lowered_.steps.binds[op.unit];
     Value* all = all_;
     Value* bind = llvm::ConstantPointerNull::get(b_.getPtrTy());
     if (!binds.empty()) {
       bool together = true;
-      for (std::uint32_t n = 0; n < binds.size(); ++n) together = together && stride(op, k + 1 + n) == stride(op, k + 1);
+      for (std::uint32_t n = 0; n < binds.size(); ++n)
+        together = together && stride(op, k + 1 + n) == stride(op, k + 1);
       llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
       bind = start.CreateAlloca(llvm::ArrayType::get(i32_, binds.back() + 1));
       for (std::uint32_t n = 0; n < binds.size(); ++n) {
-        b_.CreateStore(number(op, k + 1 + n, together ? nullptr : t), b_.CreateConstInBoundsGEP1_64(i32_, bind, binds[n]));
+        b_.CreateStore(number(op, k + 1 + n, together ? nullptr : t),
+                       b_.CreateConstInBoundsGEP1_64(i32_, bind, binds[n]));
       }
       if (together && t != nullptr && stride(op, k + 1) != 0) {
-        all = b_.CreateInBoundsGEP(slot_type_, all_, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
+        all = b_.CreateInBoundsGEP(cell_type_, all_,
+                                   b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
       }
     }
     if (lowered_.calls_rows) return call_row(op.unit, data(op, k, t), all, bind);
@@ -137,13 +170,15 @@ class StepBuilder {
     if (op.zeroed == 0) return;
     Value* self = data(op, k, t);
     for (std::uint32_t n = 0; n < op.zeroed; ++n) {
-      b_.CreateAlignedStore(llvm::ConstantInt::get(slot_type_, 0), b_.CreateConstInBoundsGEP1_64(slot_type_, self, n), slot_align_);
+      b_.CreateAlignedStore(llvm::ConstantInt::get(cell_type_, 0), b_.CreateConstInBoundsGEP1_64(cell_type_, self, n),
+                            cell_align_);
     }
   }
-  // As wide as slots, or cells, are; of slots the largest and the least by the low half moved up, so that the sign is in its place.
-  Value* to_word(const StepOp& op, Value* slot) {
+  // As wide as cells, or cells, are; of cells the largest and the least by the low half moved up, so that the sign is
+  // in its place.
+  Value* to_word(const StepOp& op, Value* cell) {
     const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
-    Value* bits = b_.CreateAlignedLoad(slot_type_, slot, slot_align_);
+    Value* bits = b_.CreateAlignedLoad(cell_type_, cell, cell_align_);
     return compares && !on_cells_ ? b_.CreateShl(bits, 32) : bits;
   }
   Value* joined(const StepOp& op, Value* a, Value* b) {
@@ -158,11 +193,11 @@ class StepBuilder {
     }
     return a;
   }
-  void store_word(const StepOp& op, Value* word, Value* slot) {
-    if (on_cells_) return void(b_.CreateAlignedStore(word, slot, slot_align_));
+  void store_word(const StepOp& op, Value* word, Value* cell) {
+    if (on_cells_) return void(b_.CreateAlignedStore(word, cell, cell_align_));
     const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
     Value* bits = compares ? b_.CreateLShr(word, 32) : b_.CreateAnd(word, llvm::ConstantInt::get(i64_, 0xffffffffu));
-    b_.CreateAlignedStore(bits, slot, llvm::Align(8));
+    b_.CreateAlignedStore(bits, cell, llvm::Align(8));
   }
   void reduce(const StepOp& op) {
     if (!op.repeats || stride(op, 0) != 0) {
@@ -173,23 +208,26 @@ class StepBuilder {
       return;
     }
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
-    Value* word = start.CreateAlloca(slot_type_);
+    Value* word = start.CreateAlloca(cell_type_);
     b_.CreateStore(to_word(op, data(op, 0, nullptr)), word);
-    count_up(operands_[op.first_ref].index, [&](Value* t) { b_.CreateStore(joined(op, b_.CreateLoad(slot_type_, word), to_word(op, data(op, 1, t))), word); });
-    store_word(op, b_.CreateLoad(slot_type_, word), data(op, 0, nullptr));
+    count_up(operands_[op.first_ref].index, [&](Value* t) {
+      b_.CreateStore(joined(op, b_.CreateLoad(cell_type_, word), to_word(op, data(op, 1, t))), word);
+    });
+    store_word(op, b_.CreateLoad(cell_type_, word), data(op, 0, nullptr));
   }
 
   // What stays where it is, is read once; with a code, in its loop.
   void copy(const StepOp& op) {
-    const auto read = [&](Value* t) { return b_.CreateAlignedLoad(slot_type_, data(op, 1, t), slot_align_); };
+    const auto read = [&](Value* t) { return b_.CreateAlignedLoad(cell_type_, data(op, 1, t), cell_align_); };
     Value* moved = stride(op, 1) == 0 ? read(nullptr) : nullptr;
     if (op.inlined) return inlined_.push_back({op.offset, moved});
-    loop(op, [&](Value* t) { b_.CreateAlignedStore(moved != nullptr ? moved : read(t), data(op, 0, t), slot_align_); });
+    loop(op, [&](Value* t) { b_.CreateAlignedStore(moved != nullptr ? moved : read(t), data(op, 0, t), cell_align_); });
   }
 
   void code(const StepOp& op, Value* t) {
     zero(op, 0, t);
-    for (const auto& [offset, value] : inlined_) b_.CreateAlignedStore(value, b_.CreateConstInBoundsGEP1_64(slot_type_, data(op, 0, t), offset), slot_align_);
+    for (const auto& [offset, value] : inlined_)
+      b_.CreateAlignedStore(value, b_.CreateConstInBoundsGEP1_64(cell_type_, data(op, 0, t), offset), cell_align_);
     inlined_.clear();
     if (op.unit != rt::kNone) call(op, 0, t);
   }
@@ -199,25 +237,25 @@ class StepBuilder {
     Value* at = cell(values_, op, k, t);
     b_.CreateStore(b_.CreateAdd(b_.CreateLoad(i32_, at), constant(static_cast<std::uint32_t>(op.delta))), at);
   }
-  void enters(Value* slot) {
+  void enters(Value* interaction) {
     Value* count = b_.CreateLoad(i32_, count_);
-    b_.CreateStore(count, cell(position_, slot));
-    b_.CreateStore(slot, cell(members_, count));
+    b_.CreateStore(count, cell(position_, interaction));
+    b_.CreateStore(interaction, cell(members_, count));
     b_.CreateStore(b_.CreateAdd(count, constant(1)), count_);
   }
-  void leaves(Value* slot) {
+  void leaves(Value* interaction) {
     Value* count = b_.CreateSub(b_.CreateLoad(i32_, count_), constant(1));
     b_.CreateStore(count, count_);
-    Value* at = b_.CreateLoad(i32_, cell(position_, slot));
+    Value* at = b_.CreateLoad(i32_, cell(position_, interaction));
     Value* last = b_.CreateLoad(i32_, cell(members_, count));
     b_.CreateStore(last, cell(members_, at));
     b_.CreateStore(at, cell(position_, last));
-    b_.CreateStore(constant(rt::kAbsentSlot), cell(position_, slot));
+    b_.CreateStore(constant(rt::kAbsentInteraction), cell(position_, interaction));
   }
   void list(const StepOp& op, Value* t) {
-    Value* slot = number(op, 0, t);
-    if (op.change == lower::SlotChange::Enters) return enters(slot);
-    if (op.change == lower::SlotChange::Leaves) return leaves(slot);
+    Value* interaction = number(op, 0, t);
+    if (op.change == lower::InteractionChange::Enters) return enters(interaction);
+    if (op.change == lower::InteractionChange::Leaves) return leaves(interaction);
     Value* is_on = b_.CreateICmpSGE(b_.CreateLoad(i32_, cell(values_, op, 0, t)), constant(0));
     for (std::uint32_t k = refs(op) - op.hiders; k < refs(op); ++k) {
       is_on = b_.CreateAnd(is_on, b_.CreateICmpSLT(b_.CreateLoad(i32_, cell(values_, op, k, t)), constant(0)));
@@ -226,7 +264,8 @@ class StepBuilder {
       zero(op, 1, t);
       is_on = b_.CreateAnd(is_on, b_.CreateICmpNE(call(op, 1, t), constant(0)));
     }
-    Value* was_on = b_.CreateICmpNE(b_.CreateLoad(i32_, cell(position_, slot)), constant(rt::kAbsentSlot));
+    Value* was_on =
+        b_.CreateICmpNE(b_.CreateLoad(i32_, cell(position_, interaction)), constant(rt::kAbsentInteraction));
     llvm::BasicBlock* change = new_block("change");
     llvm::BasicBlock* enter = new_block("enter");
     llvm::BasicBlock* leave = new_block("leave");
@@ -235,10 +274,10 @@ class StepBuilder {
     b_.SetInsertPoint(change);
     b_.CreateCondBr(is_on, enter, leave);
     b_.SetInsertPoint(enter);
-    enters(slot);
+    enters(interaction);
     b_.CreateBr(same);
     b_.SetInsertPoint(leave);
-    leaves(slot);
+    leaves(interaction);
     b_.CreateBr(same);
     b_.SetInsertPoint(same);
   }
@@ -273,17 +312,18 @@ class StepBuilder {
   llvm::Type* i32_;
   llvm::Type* i64_;
   bool on_cells_;
-  llvm::Type* slot_type_;
-  llvm::Align slot_align_;
+  llvm::Type* cell_type_;
+  llvm::Align cell_align_;
   DebugInfo* debug_;
   Value *all_, *places_, *values_, *members_, *position_, *scratch_, *count_;
   const std::vector<StepOperandValue>& operands_;
-  std::vector<std::pair<std::uint32_t, Value*>> inlined_;  // copies, for the next code: which of its slots, what
+  std::vector<std::pair<std::uint32_t, Value*>> inlined_;  // copies, for the next code: which of its cells, what
 };
 
 }  // namespace
 
-void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug) {
+void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape,
+                const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug) {
   StepBuilder(b, lowered, shape, frame, operands, debug).build();
 }
 

@@ -1,5 +1,5 @@
-// A step's operations as LLVM IR, written where a builder is: into a function of one shape, or into a loop over steps. Internal to
-// jit/.
+// A step's operations as LLVM IR, written where a builder is: into a function of one shape, or into a loop over steps.
+// Internal to jit/.
 #pragma once
 #include <llvm/IR/IRBuilder.h>
 
@@ -21,11 +21,11 @@ struct StepOperandValue {
   llvm::Value *number, *index;
 };
 
-void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape, const StepFrame& frame,
-                const std::vector<StepOperandValue>& operands, DebugInfo* debug);
+void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape,
+                const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug);
 
-/// Adds a rt::StepsFn called kStepLoopName that knows lowered.steps.loop and draws as rt::take_steps does; the functions of shapes
-/// are in the module. A draw that rt::Prng might reject it leaves to kDrawName.
+/// Adds a rt::StepsFn called kStepLoopName that knows lowered.steps.loop and draws as rt::take_steps does; the
+/// functions of shapes are in the module. A draw that rt::Prng might reject it leaves to kDrawName.
 void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered);
 
 }  // namespace bip::jit

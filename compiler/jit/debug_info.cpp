@@ -1,4 +1,4 @@
-// See debug_info.hpp. Variables are not described: they are slots, which `bipc serve` and traces show with their names.
+// See debug_info.hpp. Variables are not described: they are cells, which `bipc serve` and traces show with their names.
 #include "compiler/jit/debug_info.hpp"
 
 #include <llvm/BinaryFormat/Dwarf.h>
@@ -14,25 +14,27 @@ Loc to_model(rt::Loc loc) { return {.file = loc.file, .line = loc.line, .column 
 
 }  // namespace
 
-Place unit_place(const lower::LoweredSystem& lowered, std::size_t unit) { return {lowered.units[unit].name, lowered.units[unit].loc}; }
+Place unit_place(const lower::LoweredSystem& lowered, std::size_t unit) {
+  return {lowered.units[unit].name, lowered.units[unit].loc};
+}
 
-// Slots are numbered as the runtime does: the connectors that export nothing, then the atoms' internal ports.
+// Interactions are numbered as the runtime does: the connectors that export nothing, then the atoms' internal ports.
 std::vector<Place> shape_places(const lower::LoweredSystem& lowered) {
   const rt::Image& image = lowered.image;
-  std::vector<Place> of_slot;
+  std::vector<Place> of_cell;
   for (const rt::Connector& connector : image.connectors) {
     const rt::ConnectorType& type = image.connector_types[connector.type];
-    if (!type.exports) of_slot.push_back({std::string("step_") + type.name, to_model(connector.loc)});
+    if (!type.exports) of_cell.push_back({std::string("step_") + type.name, to_model(connector.loc)});
   }
   for (const rt::Atom& atom : image.atoms) {
     const rt::AtomType& type = image.atom_types[atom.type];
     for (const rt::Port& port : type.ports) {
-      if (!port.exported) of_slot.push_back({std::string("step_") + type.name + "_" + port.name, to_model(port.loc)});
+      if (!port.exported) of_cell.push_back({std::string("step_") + type.name + "_" + port.name, to_model(port.loc)});
     }
   }
   std::vector<Place> places(lowered.steps.shapes.size());
   for (const rt::StepRun& run : lowered.steps.runs) {
-    if (places[run.shape].name.empty() && run.first < of_slot.size()) places[run.shape] = of_slot[run.first];
+    if (places[run.shape].name.empty() && run.first < of_cell.size()) places[run.shape] = of_cell[run.first];
   }
   return places;
 }
@@ -56,8 +58,9 @@ llvm::DIFile* DebugInfo::file(std::uint32_t row) {
 void DebugInfo::enter(llvm::Function& function, const std::string& name, Loc loc) {
   llvm::DISubroutineType* type = builder_.createSubroutineType(builder_.getOrCreateTypeArray({}));
   llvm::DIFile* in = file(loc.file);
-  function.setSubprogram(builder_.createFunction(in, name, "", in, loc.line, type, loc.line, llvm::DINode::FlagZero,
-                                                 llvm::DISubprogram::SPFlagDefinition | llvm::DISubprogram::SPFlagOptimized));
+  function.setSubprogram(
+      builder_.createFunction(in, name, "", in, loc.line, type, loc.line, llvm::DINode::FlagZero,
+                              llvm::DISubprogram::SPFlagDefinition | llvm::DISubprogram::SPFlagOptimized));
 }
 
 llvm::DebugLoc DebugInfo::at(const llvm::Function& function, Loc loc) const {

@@ -1,9 +1,10 @@
 // Units to machine code in this process, with LLVM's ORC.
 //
 // Units go in modules of kUnitsPerModule (one a module costs six times as much, all in one makes passes and linking
-// slow to start), each compiled and looked up before the next is built, so that memory stays that of one module plus the
-// code. A module has a context of its own: what a pass interns dies with it. A module's object is looked for in the cache by
-// the hash of its IR as built, of the machine and of this library: only what nobody has compiled before runs passes.
+// slow to start), each compiled and looked up before the next is built, so that memory stays that of one module plus
+// the code. A module has a context of its own: what a pass interns dies with it. A module's object is looked for in the
+// cache by the hash of its IR as built, of the machine and of this library: only what nobody has compiled before runs
+// passes.
 #include "compiler/jit/jit.hpp"
 
 #include <dlfcn.h>
@@ -34,22 +35,24 @@ std::string own_build() {
   Dl_info info{};
   struct stat file {};
   if (::dladdr(reinterpret_cast<const void*>(&own_build), &info) == 0 || ::stat(info.dli_fname, &file) != 0) return {};
-  return std::to_string(file.st_size) + "." + std::to_string(file.st_mtim.tv_sec) + "." + std::to_string(file.st_mtim.tv_nsec);
+  return std::to_string(file.st_size) + "." + std::to_string(file.st_mtim.tv_sec) + "." +
+         std::to_string(file.st_mtim.tv_nsec);
 }
 
 // For the loop over steps.
 std::uint64_t draw(rt::Prng* prng, std::uint64_t below) { return prng->below(below); }
 
 // For calls that give a value of an extern type.
-rt::Slot* result_slot(lower::LoweredSystem* lowered, std::uint32_t call, std::uint32_t type) {
-  return lowered->results.slot(call, lowered->extern_types[type]);
+rt::Cell* result_cell(lower::LoweredSystem* lowered, std::uint32_t call, std::uint32_t type) {
+  return lowered->results.cell(call, lowered->extern_types[type]);
 }
 
 llvm::Error stopped() { return llvm::createStringError(llvm::inconvertibleErrorCode(), "stopped"); }
 
 // One compilation, module by module. Its product is the engine, which owns the code.
 struct Compiler {
-  Compiler(const lower::LoweredSystem& l, const JitOptions& o, MadeCode& m) : lowered(l), options(o), made(m), cache(KeptKind::Object, o.cache_folder, o.cache_bytes) {}
+  Compiler(const lower::LoweredSystem& l, const JitOptions& o, MadeCode& m)
+      : lowered(l), options(o), made(m), cache(KeptKind::Object, o.cache_folder, o.cache_bytes) {}
 
   const lower::LoweredSystem& lowered;
   const JitOptions& options;
@@ -64,7 +67,8 @@ struct Compiler {
     llvm::orc::SymbolMap symbols;
     const auto add = [&](const std::string& name, const void* address) {
       if (address == nullptr) return;
-      symbols[engine->mangleAndIntern(name)] = {llvm::orc::ExecutorAddr::fromPtr(address), llvm::JITSymbolFlags::Exported};
+      symbols[engine->mangleAndIntern(name)] = {llvm::orc::ExecutorAddr::fromPtr(address),
+                                                llvm::JITSymbolFlags::Exported};
     };
     const auto number = [](std::size_t k) { return std::to_string(k); };
     add(kCodesName, lowered.codes.data());
@@ -72,10 +76,12 @@ struct Compiler {
     if (lowered.image.outside != nullptr) {
       add(kOutsideName, &lowered.outside);
       add(kLoweredName, &lowered);
-      add(kResultName, reinterpret_cast<const void*>(&result_slot));
+      add(kResultName, reinterpret_cast<const void*>(&result_cell));
     }
-    for (std::size_t k = 0; k < lowered.functions.size(); ++k) add(kFunctionName + number(k), reinterpret_cast<const void*>(lowered.functions[k]));
-    for (std::size_t k = 0; k < lowered.extern_types.size(); ++k) add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.extern_types[k].copy));
+    for (std::size_t k = 0; k < lowered.functions.size(); ++k)
+      add(kFunctionName + number(k), reinterpret_cast<const void*>(lowered.functions[k]));
+    for (std::size_t k = 0; k < lowered.extern_types.size(); ++k)
+      add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.extern_types[k].copy));
     return engine->getMainJITDylib().define(llvm::orc::absoluteSymbols(std::move(symbols)));
   }
 
@@ -116,7 +122,8 @@ struct Compiler {
   }
 
   /// Compiles a module and looks its functions up, all names at once: one trip through the session.
-  llvm::Expected<std::vector<llvm::orc::ExecutorAddr>> add_module(std::unique_ptr<llvm::Module> module, const std::vector<std::string>& functions) {
+  llvm::Expected<std::vector<llvm::orc::ExecutorAddr>> add_module(std::unique_ptr<llvm::Module> module,
+                                                                  const std::vector<std::string>& functions) {
     module->setDataLayout(engine->getDataLayout());
     module->setTargetTriple(engine->getTargetTriple().str());
     ++made.modules;
@@ -146,7 +153,8 @@ struct Compiler {
     for (std::size_t k = 0; k < count; ++k) names.push_back(lowered.units[first + k].name);
     auto found = add_module(std::move(module), names);
     if (!found) return found.takeError();
-    for (const llvm::orc::ExecutorAddr& address : *found) made.codes.push_back({.fn = address.toPtr<rt::CodeFn>(), .context = nullptr});
+    for (const llvm::orc::ExecutorAddr& address : *found)
+      made.codes.push_back({.fn = address.toPtr<rt::CodeFn>(), .context = nullptr});
     return llvm::Error::success();
   }
 
@@ -180,7 +188,8 @@ struct Jit::Impl {
 Jit::Jit() : impl_(std::make_unique<Impl>()) {}
 Jit::~Jit() = default;
 
-Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, const JitOptions& options, MadeCode& made) {
+Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, const JitOptions& options,
+                                          MadeCode& made) {
   Result<llvm::orc::JITTargetMachineBuilder> target = host_target(options.level);
   if (!target) return Failure{target.error()};
   // As the linker wants it.
@@ -190,25 +199,31 @@ Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, c
   Result<std::unique_ptr<llvm::TargetMachine>> machine = make_machine(*target);
   if (!machine) return Failure{machine.error()};
   compiler.machine = std::move(*machine);
-  compiler.origin = content_hash({options.version, own_build(), LLVM_VERSION_STRING, options.level == OptLevel::O0 ? "0" : "2",
-                              compiler.machine->getTargetTriple().str(), compiler.machine->getTargetCPU(), compiler.machine->getTargetFeatureString()});
-  // Our code has no initialisers, no thread-locals and calls only what add_outside names: no platform, no look into the process.
+  compiler.origin = content_hash({options.version, own_build(), LLVM_VERSION_STRING,
+                                  options.level == OptLevel::O0 ? "0" : "2", compiler.machine->getTargetTriple().str(),
+                                  compiler.machine->getTargetCPU(), compiler.machine->getTargetFeatureString()});
+  // Our code has no initialisers, no thread-locals and calls only what add_outside names: no platform, no look into the
+  // process.
   auto engine = llvm::orc::LLJITBuilder()
                     .setJITTargetMachineBuilder(std::move(*target))
                     .setPlatformSetUp(llvm::orc::setUpInactivePlatform)
                     .create();
   if (!engine) return Failure{"the JIT does not start: " + text_of(engine.takeError())};
   compiler.engine = std::move(*engine);
-  if (llvm::Error error = compiler.add_outside()) return Failure{"the JIT does not take the C++ functions: " + text_of(std::move(error))};
+  if (llvm::Error error = compiler.add_outside())
+    return Failure{"the JIT does not take the C++ functions: " + text_of(std::move(error))};
   if (options.for_debuggers) {
-    if (llvm::Error error = compiler.add_watchers()) return Failure{"the JIT cannot be watched: " + text_of(std::move(error))};
+    if (llvm::Error error = compiler.add_watchers())
+      return Failure{"the JIT cannot be watched: " + text_of(std::move(error))};
   }
   for (std::size_t first = 0; first < lowered.units.size(); first += kUnitsPerModule) {
     const std::size_t count = std::min(kUnitsPerModule, lowered.units.size() - first);
     if (llvm::Error error = compiler.goes_on() ? compiler.add_units(first, count) : stopped())
-      return Failure{"the JIT fails on `" + lowered.units[first].name + "` and those after it: " + text_of(std::move(error))};
+      return Failure{"the JIT fails on `" + lowered.units[first].name +
+                     "` and those after it: " + text_of(std::move(error))};
   }
-  if (llvm::Error error = compiler.goes_on() ? compiler.add_steps() : stopped()) return Failure{"the JIT fails on whole steps: " + text_of(std::move(error))};
+  if (llvm::Error error = compiler.goes_on() ? compiler.add_steps() : stopped())
+    return Failure{"the JIT fails on whole steps: " + text_of(std::move(error))};
   made.broken_files = compiler.cache.broken();
   std::unique_ptr<Jit> jit(new Jit());
   jit->impl_->engine = std::move(compiler.engine);

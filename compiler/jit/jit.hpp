@@ -14,22 +14,23 @@ enum class OptLevel : std::uint8_t { O0, O2 };
 
 struct JitOptions {
   OptLevel level = OptLevel::O2;
-  std::string cache_folder = {};                   // where machine code is kept for the next time; empty: nowhere
+  std::string cache_folder = {};                         // where machine code is kept for the next time; empty: nowhere
   std::uint64_t cache_bytes = std::uint64_t{256} << 20;  // at most so much of it
-  std::string version = {};                        // of the program: its code is not another's
-  bool for_debuggers = false;                      // gdb and perf see the code and its lines in the model
-  std::function<bool()> goes_on = {};              // asked before each module; false: the compilation fails
+  std::string version = {};                              // of the program: its code is not another's
+  bool for_debuggers = false;                            // gdb and perf see the code and its lines in the model
+  std::function<bool()> goes_on = {};                    // asked before each module; false: the compilation fails
 };
 
 /// What a compilation makes: a row a unit, a function a shape, a loop over steps.
 struct MadeCode {
   std::vector<rt::Code> codes;
   std::vector<rt::StepFn> step_fns;
-  rt::StepsFn steps_fn = nullptr;                  // the loop over them, if there is one
+  rt::StepsFn steps_fn = nullptr;  // the loop over them, if there is one
   std::size_t modules = 0, from_cache = 0;
-  std::vector<std::string> broken_files;           // of the cache; made anew
+  std::vector<std::string> broken_files;  // of the cache; made anew
 };
-/// From now on the image runs this code, which must live as long. Between steps only; a Core that is linked already must be told.
+/// From now on the image runs this code, which must live as long. Between steps only; a Core that is linked already
+/// must be told.
 inline void install(lower::LoweredSystem& lowered, const MadeCode& made) {
   for (std::size_t k = 0; k < made.codes.size(); ++k) lowered.codes[k] = made.codes[k];
   lowered.step_fns = made.step_fns;
@@ -41,7 +42,8 @@ inline void install(lower::LoweredSystem& lowered, const MadeCode& made) {
 class Jit {
  public:
   /// Compiles all units; a function for each shape of lowered.steps, if there are any. Reads only, but for `made`.
-  static Result<std::unique_ptr<Jit>> compile(const lower::LoweredSystem& lowered, const JitOptions& options, MadeCode& made);
+  static Result<std::unique_ptr<Jit>> compile(const lower::LoweredSystem& lowered, const JitOptions& options,
+                                              MadeCode& made);
   /// The same, installed.
   static Result<std::unique_ptr<Jit>> compile(lower::LoweredSystem& lowered, OptLevel level);
   ~Jit();

@@ -6,13 +6,15 @@ using namespace bip;
 extern "C" {
 
 std::uint64_t bipc_jit_abi();
-jit::Jit* bipc_jit_compile(const lower::LoweredSystem* lowered, const jit::JitOptions* options, jit::MadeCode* made, std::string* error);
+jit::Jit* bipc_jit_compile(const lower::LoweredSystem* lowered, const jit::JitOptions* options, jit::MadeCode* made,
+                           std::string* error);
 void bipc_jit_destroy(jit::Jit* jit);
 bool bipc_jit_emit(const lower::LoweredSystem* lowered, jit::OptLevel level, jit::EmitKind kind, std::string* out);
 
 std::uint64_t bipc_jit_abi() { return jit::kPluginAbi; }
 
-jit::Jit* bipc_jit_compile(const lower::LoweredSystem* lowered, const jit::JitOptions* options, jit::MadeCode* made, std::string* error) {
+jit::Jit* bipc_jit_compile(const lower::LoweredSystem* lowered, const jit::JitOptions* options, jit::MadeCode* made,
+                           std::string* error) {
   Result<std::unique_ptr<jit::Jit>> result = jit::Jit::compile(*lowered, *options, *made);
   if (result) return result->release();
   *error = result.error();

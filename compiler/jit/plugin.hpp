@@ -1,5 +1,5 @@
-// The entry points of libbipc_jit.so. C names, so that the driver finds them with dlsym; C++ types may cross, since both
-// sides are built by one compiler from one tree (`bipc_jit_abi` tells them apart if they are not).
+// The entry points of libbipc_jit.so. C names, so that the driver finds them with dlsym; C++ types may cross, since
+// both sides are built by one compiler from one tree (`bipc_jit_abi` tells them apart if they are not).
 #pragma once
 #include <cstdint>
 #include <string>
@@ -10,15 +10,16 @@
 namespace bip::jit {
 
 /// Changes whenever a type that crosses changes; the sizes catch a forgotten change.
-constexpr std::uint64_t kPluginAbi =
-    (std::uint64_t{3} << 48) + (sizeof(JitOptions) << 40) + (sizeof(MadeCode) << 32) + (sizeof(lower::LoweredSystem) << 24) + (sizeof(System) << 8) + sizeof(Expr);
+constexpr std::uint64_t kPluginAbi = (std::uint64_t{3} << 48) + (sizeof(JitOptions) << 40) + (sizeof(MadeCode) << 32) +
+                                     (sizeof(lower::LoweredSystem) << 24) + (sizeof(System) << 8) + sizeof(Expr);
 
 enum class EmitKind : std::uint8_t { Llvm, Asm };
 
 extern "C" {
 using AbiFn = std::uint64_t();
 /// Jit::compile: the Jit, or null and the reason in `error`. Freed by DestroyFn.
-using CompileFn = Jit*(const lower::LoweredSystem* lowered, const JitOptions* options, MadeCode* made, std::string* error);
+using CompileFn = Jit*(const lower::LoweredSystem* lowered, const JitOptions* options, MadeCode* made,
+                       std::string* error);
 using DestroyFn = void(Jit* jit);
 /// The text in `out`, or false and the reason there.
 using EmitFn = bool(const lower::LoweredSystem* lowered, OptLevel level, EmitKind kind, std::string* out);

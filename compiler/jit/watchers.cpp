@@ -1,5 +1,5 @@
-// See watchers.hpp. gdb reads objects with DWARF that it is told of by the interface of its manual's chapter "JIT Compilation
-// Interface"; perf knows anonymous code by a text file of addresses, sizes and names.
+// See watchers.hpp. gdb reads objects with DWARF that it is told of by the interface of its manual's chapter "JIT
+// Compilation Interface"; perf knows anonymous code by a text file of addresses, sizes and names.
 #include "compiler/jit/watchers.hpp"
 
 #include <llvm/ExecutionEngine/JITLink/JITLink.h>
@@ -21,7 +21,8 @@ class PerfMap : public ObjectLinkingLayer::Plugin {
  public:
   explicit PerfMap(std::map<std::string, std::string> labels) : labels_(std::move(labels)) {}
 
-  void modifyPassConfig(llvm::orc::MaterializationResponsibility&, llvm::jitlink::LinkGraph&, llvm::jitlink::PassConfiguration& passes) override {
+  void modifyPassConfig(llvm::orc::MaterializationResponsibility&, llvm::jitlink::LinkGraph&,
+                        llvm::jitlink::PassConfiguration& passes) override {
     // Addresses are final then.
     passes.PostFixupPasses.push_back([this](llvm::jitlink::LinkGraph& graph) {
       write(graph);
@@ -29,7 +30,9 @@ class PerfMap : public ObjectLinkingLayer::Plugin {
     });
   }
   llvm::Error notifyFailed(llvm::orc::MaterializationResponsibility&) override { return llvm::Error::success(); }
-  llvm::Error notifyRemovingResources(llvm::orc::JITDylib&, llvm::orc::ResourceKey) override { return llvm::Error::success(); }
+  llvm::Error notifyRemovingResources(llvm::orc::JITDylib&, llvm::orc::ResourceKey) override {
+    return llvm::Error::success();
+  }
   void notifyTransferringResources(llvm::orc::JITDylib&, llvm::orc::ResourceKey, llvm::orc::ResourceKey) override {}
 
  private:
@@ -42,7 +45,8 @@ class PerfMap : public ObjectLinkingLayer::Plugin {
       const std::string name = symbol->getName().str();
       const auto label = labels_.find(name);
       std::fprintf(file, "%llx %llx %s\n", static_cast<unsigned long long>(symbol->getAddress().getValue()),
-                   static_cast<unsigned long long>(symbol->getSize()), label == labels_.end() ? name.c_str() : label->second.c_str());
+                   static_cast<unsigned long long>(symbol->getSize()),
+                   label == labels_.end() ? name.c_str() : label->second.c_str());
     }
     std::fclose(file);
   }
@@ -54,10 +58,12 @@ class PerfMap : public ObjectLinkingLayer::Plugin {
 
 llvm::Error let_watch(llvm::orc::LLJIT& engine, std::map<std::string, std::string> labels) {
   auto* const linking = llvm::dyn_cast<ObjectLinkingLayer>(&engine.getObjLinkingLayer());
-  if (linking == nullptr) return llvm::createStringError(llvm::inconvertibleErrorCode(), "this machine's linker tells nobody of its code");
+  if (linking == nullptr)
+    return llvm::createStringError(llvm::inconvertibleErrorCode(), "this machine's linker tells nobody of its code");
   llvm::orc::ExecutionSession& session = engine.getExecutionSession();
   // The function is in libLLVM, whose names the process does not see: so it gets the address.
-  auto registrar = std::make_unique<llvm::orc::EPCDebugObjectRegistrar>(session, llvm::orc::ExecutorAddr::fromPtr(&llvm_orc_registerJITLoaderGDBWrapper));
+  auto registrar = std::make_unique<llvm::orc::EPCDebugObjectRegistrar>(
+      session, llvm::orc::ExecutorAddr::fromPtr(&llvm_orc_registerJITLoaderGDBWrapper));
   linking->addPlugin(std::make_shared<llvm::orc::DebugObjectManagerPlugin>(session, std::move(registrar), true, true));
   linking->addPlugin(std::make_shared<PerfMap>(std::move(labels)));
   return llvm::Error::success();

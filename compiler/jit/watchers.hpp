@@ -1,4 +1,5 @@
-// What tools outside see of machine code in this process: gdb's list of in-memory objects, perf's map. Internal to jit/.
+// What tools outside see of machine code in this process: gdb's list of in-memory objects, perf's map. Internal to
+// jit/.
 #pragma once
 #include <llvm/ExecutionEngine/Orc/LLJIT.h>
 
@@ -7,8 +8,8 @@
 
 namespace bip::jit {
 
-/// From now on gdb is told of every object, and /tmp/perf-PID.map gets a line for each function. `labels`: how perf shows a
-/// symbol, by its name.
+/// From now on gdb is told of every object, and /tmp/perf-PID.map gets a line for each function. `labels`: how perf
+/// shows a symbol, by its name.
 [[nodiscard]] llvm::Error let_watch(llvm::orc::LLJIT& engine, std::map<std::string, std::string> labels);
 
 }  // namespace bip::jit

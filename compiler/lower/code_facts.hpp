@@ -8,9 +8,9 @@
 namespace bip::lower {
 
 struct CodeFacts {
-  bool may_fault = false;             // it calls C++, or divides by what may be 0 or -1
+  bool may_fault = false;  // it calls C++, or divides by what may be 0 or -1
   bool writes_binds = false;
-  std::vector<std::uint32_t> binds;   // bound variables that it reads or writes, ascending
+  std::vector<std::uint32_t> binds;  // bound variables that it reads or writes, ascending
 };
 /// Of an expression, or of statements; either may be invalid. Linear in the code, iterative.
 [[nodiscard]] CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body);

@@ -1,5 +1,5 @@
-// Folding tables; see fold.hpp. A stretch of rows is a series if period after period each number grows by what it grew first, and of each
-// name one index by one.
+// Folding tables; see fold.hpp. A stretch of rows is a series if period after period each number grows by what it grew
+// first, and of each name one index by one.
 #include "compiler/lower/fold.hpp"
 
 #include <charconv>
@@ -18,26 +18,30 @@ using u32 = std::uint32_t;
 constexpr u32 kMostPeriod = 64;
 constexpr u32 kLeastTimes = 8;  // fewer are not worth a row of Repeat
 
-bool is_same(const rt::Loc& a, const rt::Loc& b) { return a.file == b.file && a.line == b.line && a.column == b.column; }
+bool is_same(const rt::Loc& a, const rt::Loc& b) {
+  return a.file == b.file && a.line == b.line && a.column == b.column;
+}
 bool is_same(const rt::Atom& a, const rt::Atom& b) {
-  return a.type == b.type && a.slot_base == b.slot_base && a.args == b.args && is_same(a.loc, b.loc);
+  return a.type == b.type && a.first_cell == b.first_cell && a.args == b.args && is_same(a.loc, b.loc);
 }
 bool is_same(const rt::Connector& a, const rt::Connector& b) {
-  return a.type == b.type && a.slot_base == b.slot_base && a.ports == b.ports && a.binds == b.binds && a.bind_count == b.bind_count &&
-         a.bound == b.bound && a.parent == b.parent && is_same(a.loc, b.loc);
+  return a.type == b.type && a.first_cell == b.first_cell && a.ports == b.ports && a.binds == b.binds &&
+         a.bind_count == b.bind_count && a.bound == b.bound && a.parent == b.parent && is_same(a.loc, b.loc);
 }
 bool is_same(const rt::PortRef& a, const rt::PortRef& b) {
-  return a.atom == b.atom && a.port == b.port && a.connector == b.connector && a.maximal_only == b.maximal_only && a.choice == b.choice;
+  return a.atom == b.atom && a.port == b.port && a.connector == b.connector && a.maximal_only == b.maximal_only &&
+         a.choice == b.choice;
 }
-bool is_same(const rt::Bind& a, const rt::Bind& b) { return a.slot == b.slot; }
+bool is_same(const rt::Bind& a, const rt::Bind& b) { return a.cell == b.cell; }
 
-rt::Atom::Slope slope(const rt::Atom& a, const rt::Atom& b) { return {b.slot_base - a.slot_base, b.args - a.args}; }
+rt::Atom::Slope slope(const rt::Atom& a, const rt::Atom& b) { return {b.first_cell - a.first_cell, b.args - a.args}; }
 rt::Connector::Slope slope(const rt::Connector& a, const rt::Connector& b) {
-  return {b.slot_base - a.slot_base, b.ports - a.ports, b.binds - a.binds, b.parent - a.parent};
+  return {b.first_cell - a.first_cell, b.ports - a.ports, b.binds - a.binds, b.parent - a.parent};
 }
-rt::PortRef::Slope slope(const rt::PortRef& a, const rt::PortRef& b) { return {b.atom - a.atom, b.connector - a.connector, b.choice - a.choice}; }
-rt::Bind::Slope slope(const rt::Bind& a, const rt::Bind& b) { return {b.slot - a.slot}; }
-
+rt::PortRef::Slope slope(const rt::PortRef& a, const rt::PortRef& b) {
+  return {b.atom - a.atom, b.connector - a.connector, b.choice - a.choice};
+}
+rt::Bind::Slope slope(const rt::Bind& a, const rt::Bind& b) { return {b.cell - a.cell}; }
 
 // A name as text around an index.
 struct IndexedName {
@@ -45,9 +49,10 @@ struct IndexedName {
   u32 index = 0;
   [[nodiscard]] bool is(std::string_view name, u32 times) const {
     char digits[16];
-    const std::string_view number(digits, static_cast<std::size_t>(std::to_chars(digits, digits + sizeof digits, index + times).ptr - digits));
-    return name.size() == before.size() + number.size() + after.size() && name.starts_with(before) && name.substr(before.size()).starts_with(number) &&
-           name.ends_with(after);
+    const std::string_view number(
+        digits, static_cast<std::size_t>(std::to_chars(digits, digits + sizeof digits, index + times).ptr - digits));
+    return name.size() == before.size() + number.size() + after.size() && name.starts_with(before) &&
+           name.substr(before.size()).starts_with(number) && name.ends_with(after);
   }
 };
 
@@ -72,7 +77,9 @@ const char* kept(std::string_view text, Arena& arena) {
 }
 
 template <class T>
-constexpr bool kHasName = requires(const T& row) { row.name; };
+constexpr bool kHasName = requires(const T& row) {
+  row.name;
+};
 
 template <class T>
 class Folder {
@@ -126,8 +133,11 @@ class Folder {
   // How many rows it tells.
   u32 repeat(u32 row, u32 period) {
     u32 times = kLeastTimes;
-    while (std::size_t{row} + (times + 1) * std::size_t{period} <= all_.size() && all_hold(row, period, times, times + 1)) ++times;
-    table_.repeats.push_back({row, period, static_cast<u32>(table_.rows.size()), static_cast<u32>(table_.slopes.size())});
+    while (std::size_t{row} + (times + 1) * std::size_t{period} <= all_.size() &&
+           all_hold(row, period, times, times + 1))
+      ++times;
+    table_.repeats.push_back(
+        {row, period, static_cast<u32>(table_.rows.size()), static_cast<u32>(table_.slopes.size())});
     for (u32 which = row; which < row + period; ++which) {
       T first = all_[which];
       table_.slopes.push_back(slope(first, all_[which + period]));
@@ -142,7 +152,8 @@ class Folder {
   }
   void stand(u32 row) {
     const auto at = static_cast<u32>(table_.rows.size());
-    if (table_.repeats.empty() || table_.repeats.back().slope != rt::kNone) table_.repeats.push_back({row, 0, at, rt::kNone});
+    if (table_.repeats.empty() || table_.repeats.back().slope != rt::kNone)
+      table_.repeats.push_back({row, 0, at, rt::kNone});
     ++table_.repeats.back().period;
     T one = all_[row];
     if constexpr (kHasName<T>) one.name = kept(one.name, arena_);

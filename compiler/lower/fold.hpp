@@ -1,8 +1,9 @@
 // Tables of instances, folded: what an array of components or connectors repeats stands once (rt::Rows).
 //
-// Folding is the last thing that happens to a table. Rows, names and places included, come out as they went in; what does not repeat
-// stands as it is. Tables of a screenful are left alone: whoever reads an emitted file wants to see them. Linear but for the search of
-// a period, which tries the first 64; names are copied, so the System's are no longer needed.
+// Folding is the last thing that happens to a table. Rows, names and places included, come out as they went in; what
+// does not repeat stands as it is. Tables of a screenful are left alone: whoever reads an emitted file wants to see
+// them. Linear but for the search of a period, which tries the first 64; names are copied, so the System's are no
+// longer needed.
 #pragma once
 #include <vector>
 
@@ -19,7 +20,9 @@ struct Table {
   std::uint32_t size = 0;
 
   [[nodiscard]] rt::Rows<T> view() const {
-    const auto span = [](const auto& items) { return rt::Span<std::remove_cvref_t<decltype(items[0])>>{items.data(), static_cast<std::uint32_t>(items.size())}; };
+    const auto span = [](const auto& items) {
+      return rt::Span<std::remove_cvref_t<decltype(items[0])>>{items.data(), static_cast<std::uint32_t>(items.size())};
+    };
     return {span(rows), span(repeats), span(slopes), size};
   }
 };

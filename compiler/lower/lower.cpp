@@ -52,7 +52,7 @@ bool brings_strings(const rt::Image& image) {
     if (type.time == nullptr) continue;
     for (const rt::EventPort& event : type.time->events) {
       for (const rt::Var& var : image.port_types[type.ports[event.port].type].vars) {
-        if (var.type == rt::SlotType::String) return true;
+        if (var.type == rt::CellType::String) return true;
       }
     }
   }
@@ -78,7 +78,8 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.choices = span_of(pools.choices);
   image.extern_types = span_of(out.extern_types);
   image.event_classes = span_of(out.event_classes);
-  if (!out.functions.empty() || !out.extern_types.empty() || !out.event_classes.empty() || brings_strings(image)) image.outside = &out.outside;
+  if (!out.functions.empty() || !out.extern_types.empty() || !out.event_classes.empty() || brings_strings(image))
+    image.outside = &out.outside;
   image.priorities = span_of(pools.priorities);
 }
 
@@ -92,7 +93,8 @@ std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& na
   Lowering l{system, *out, *out->pools, {}};
   l.event_classes = event_class_uses(system);
   for (const EventClassUse& use : l.event_classes) {
-    out->event_classes.push_back({system.atom_types[use.type].ports[use.port].event_class.c_str(), nullptr, nullptr, nullptr, nullptr});
+    out->event_classes.push_back(
+        {system.atom_types[use.type].ports[use.port].event_class.c_str(), nullptr, nullptr, nullptr, nullptr});
   }
   number_sites(l);
   lower_texts(l);
@@ -100,7 +102,8 @@ std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& na
   lower_instances(l);
   out->codes.resize(out->units.size());
   out->functions.resize(system.code.functions.size());
-  for (const ExternType& type : system.code.extern_types) out->extern_types.push_back({type.name.c_str(), nullptr, nullptr, nullptr, nullptr, nullptr});
+  for (const ExternType& type : system.code.extern_types)
+    out->extern_types.push_back({type.name.c_str(), nullptr, nullptr, nullptr, nullptr, nullptr});
   point_image_to_pools(*out, *out->pools);
   return out;
 }

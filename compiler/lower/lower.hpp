@@ -1,4 +1,4 @@
-// From the System to the runtime's image: layout of slots, bindings as offsets, one code unit per guard, action or
+// From the System to the runtime's image: layout of variables, bindings as offsets, one code unit per guard, action or
 // transfer of a type. All executors start here.
 #pragma once
 #include <deque>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compiler/lower/results.hpp"
-#include "compiler/lower/steps.hpp"
+#include "compiler/lower/step_shapes.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/image_time.hpp"
 #include "runtime/include/bip/outside.hpp"
@@ -31,9 +31,9 @@ struct CodeUnit {
 struct LoweredSystem {
   const System* system = nullptr;  // must outlive this
   std::vector<CodeUnit> units;
-  std::vector<rt::Code> codes;     // one a unit
+  std::vector<rt::Code> codes;              // one a unit
   std::vector<std::uint32_t> site_of_expr;  // by ExprId: row of Image::sites, or rt::kNone if it cannot fault
-  rt::Image image;                 // image.codes points to `codes`
+  rt::Image image;                          // image.codes points to `codes`
   // The C++ side. Whoever compiles it fills `functions` (one a row of CodeTable::functions) and `extern_types`.
   std::vector<rt::ForeignFn> functions;
   std::vector<rt::ExternType> extern_types;
@@ -43,7 +43,8 @@ struct LoweredSystem {
   // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.
   Steps steps;
   std::vector<rt::StepFn> step_fns;
-  // Step functions call their pieces by the rows of `codes`, as somebody stands between (rt::Profile); else they are inlined.
+  // Step functions call their pieces by the rows of `codes`, as somebody stands between (rt::Profile); else they are
+  // inlined.
   bool calls_rows = false;
   struct Pools;
   std::unique_ptr<Pools, void (*)(Pools*)> pools{nullptr, nullptr};  // owner of all arrays behind `image`

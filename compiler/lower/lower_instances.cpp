@@ -1,7 +1,8 @@
-// Instances to rows: slot bases, port references and tables of bound slots.
+// Instances to rows: variable bases, port references and tables of bound variables.
 //
-// Slots are laid out atoms first, in the System's order, then connectors by height; a connector comes after those it is
-// bound to, so one pass knows every base that a binding needs. Linear in the number of instances and bindings.
+// Interactions are laid out atoms first, in the System's order, then connectors by height; a connector comes after
+// those it is bound to, so one pass knows every base that a binding needs. Linear in the number of instances and
+// bindings.
 #include <algorithm>
 #include <utility>
 
@@ -11,14 +12,14 @@ namespace bip::lower {
 
 namespace {
 
-rt::Slot slot_of(const Value& value) {
-  rt::Slot slot{};
+rt::Cell interaction_of(const Value& value) {
+  rt::Cell variable{};
   if (value.type == Type::Float) {
-    slot.f = value.float_value;
+    variable.f = value.float_value;
   } else {
-    slot.bits = static_cast<std::uint32_t>(value.int_value);
+    variable.bits = static_cast<std::uint32_t>(value.int_value);
   }
-  return slot;
+  return variable;
 }
 
 template <class Row>
@@ -33,17 +34,17 @@ void lower_atoms(Lowering& l) {
     rt::Atom to{};
     to.name = atom.path.c_str();
     to.type = atom.type.value;
-    to.slot_base = l.out.image.slot_count;
+    to.first_cell = l.out.image.cell_count;
     to.args = size_of(l.pools.args);
     to.loc = loc_of(atom.loc);
-    for (const Value& arg : atom.args) l.pools.args.push_back(slot_of(arg));
-    l.out.image.slot_count += size_of(s.atom_types[atom.type].slots);
+    for (const Value& arg : atom.args) l.pools.args.push_back(interaction_of(arg));
+    l.out.image.cell_count += size_of(s.atom_types[atom.type].variables);
     l.pools.atoms.rows.push_back(to);
   }
 }
 
 std::uint32_t data_row(const Lowering& l, const DataRef& ref) {
-  return l.pools.atoms.rows[ref.atom.value].slot_base + ref.slot;
+  return l.pools.atoms.rows[ref.atom.value].first_cell + ref.variable;
 }
 
 rt::PortRef port_ref(const PortRef& ref) {
@@ -65,14 +66,14 @@ void lower_port_ref(Lowering& l, const PortRef& bound) {
   l.pools.port_refs.rows.push_back(port_ref(bound));
   const PortRef& ref = bound.kind == PortRef::Kind::Choice ? s.choices[bound.choice].ports[0] : bound;
   if (ref.kind == PortRef::Kind::Atom) {
-    const std::uint32_t base = l.pools.atoms.rows[ref.atom.value].slot_base;
-    for (const std::uint32_t slot : s.atom_types[s.atoms[ref.atom].type].ports[ref.port].slots) {
-      l.pools.binds.rows.push_back({base + slot});
+    const std::uint32_t base = l.pools.atoms.rows[ref.atom.value].first_cell;
+    for (const std::uint32_t variable : s.atom_types[s.atoms[ref.atom].type].ports[ref.port].variables) {
+      l.pools.binds.rows.push_back({base + variable});
     }
   } else {
-    const std::uint32_t base = l.pools.connectors.rows[ref.connector.value].slot_base;
-    for (const std::uint32_t slot : s.connector_types[s.connectors[ref.connector].type].export_slots) {
-      l.pools.binds.rows.push_back({base + slot});
+    const std::uint32_t base = l.pools.connectors.rows[ref.connector.value].first_cell;
+    for (const std::uint32_t variable : s.connector_types[s.connectors[ref.connector].type].export_variables) {
+      l.pools.binds.rows.push_back({base + variable});
     }
   }
 }
@@ -102,12 +103,12 @@ std::vector<std::uint32_t> frame_rows(Lowering& l) {
     }
     height.push_back(above);
     if (first.size() <= above) first.resize(above + 1, 0);
-    first[above] += size_of(s.connector_types[connector.type].slots);
+    first[above] += size_of(s.connector_types[connector.type].variables);
   }
-  for (std::uint32_t& row : first) l.out.image.slot_count += std::exchange(row, l.out.image.slot_count);
+  for (std::uint32_t& row : first) l.out.image.cell_count += std::exchange(row, l.out.image.cell_count);
   for (const Connector& connector : s.connectors) {
     std::uint32_t& next = first[height[rows.size()]];
-    rows.push_back(std::exchange(next, next + size_of(s.connector_types[connector.type].slots)));
+    rows.push_back(std::exchange(next, next + size_of(s.connector_types[connector.type].variables)));
   }
   return rows;
 }
@@ -120,7 +121,7 @@ void lower_connectors(Lowering& l) {
     rt::Connector to{};
     to.name = connector.path.c_str();
     to.type = connector.type.value;
-    to.slot_base = frames[l.pools.connectors.rows.size()];
+    to.first_cell = frames[l.pools.connectors.rows.size()];
     to.ports = size_of(l.pools.port_refs.rows);
     to.binds = size_of(l.pools.binds.rows);
     to.bound = connector.bound;

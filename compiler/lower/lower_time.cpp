@@ -25,7 +25,8 @@ struct TimeLowering {
   rt::TimeGuard when(const TimeGuard& guard, const std::string& name) {
     std::vector<rt::Bound> bounds;
     for (const Bound& b : guard.bounds) {
-      bounds.push_back({b.clock, b.minus == Bound::kNone ? rt::kNone : b.minus, static_cast<rt::BoundOp>(b.op), b.ticks, b.slot == Bound::kNone ? rt::kNone : b.slot});
+      bounds.push_back({b.clock, b.minus == Bound::kNone ? rt::kNone : b.minus, static_cast<rt::BoundOp>(b.op), b.ticks,
+                        b.variable == Bound::kNone ? rt::kNone : b.variable});
     }
     return {l.pools.list(bounds), l.action(CodeOwner::Atom, row, name + "_limits", guard.measure)};
   }
@@ -42,13 +43,16 @@ const rt::AtomTime* lower_time(Lowering& l, std::uint32_t row, const AtomType& t
   TimeLowering time{l, row, type};
   rt::AtomTime to{};
   std::vector<rt::Clock> clocks;
-  for (const Clock& c : type.clocks) clocks.push_back({c.name.c_str(), c.unit, c.slot, loc_of(c.loc)});
+  for (const Clock& c : type.clocks) clocks.push_back({c.name.c_str(), c.unit, c.variable, loc_of(c.loc)});
   to.clocks = l.pools.list(clocks);
   std::vector<rt::TransitionTime> transitions;
   for (const Transition& t : type.transitions) {
     const std::string name = transition_name(type, t);
-    transitions.push_back({time.when(t.when, name), static_cast<rt::Urgency>(t.urgency), time.resume(t.resume, name),
-                           {t.async.present, t.async.budget, t.async.overrun == Async::kNone ? rt::kNone : t.async.overrun}});
+    transitions.push_back(
+        {time.when(t.when, name),
+         static_cast<rt::Urgency>(t.urgency),
+         time.resume(t.resume, name),
+         {t.async.present, t.async.budget, t.async.overrun == Async::kNone ? rt::kNone : t.async.overrun}});
   }
   to.transitions = l.pools.list(transitions);
   std::vector<rt::TimeGuard> invariants;
@@ -60,8 +64,11 @@ const rt::AtomTime* lower_time(Lowering& l, std::uint32_t row, const AtomType& t
     const Port& p = type.ports[port];
     if (!p.external) continue;
     std::uint32_t source = 0;
-    while (source < l.event_classes.size() && (l.event_classes[source].type.value != row || l.event_classes[source].port != port)) ++source;
-    events.push_back({port, static_cast<rt::EventPolicy>(p.policy), p.event_class.c_str(), source == l.event_classes.size() ? rt::kNone : source});
+    while (source < l.event_classes.size() &&
+           (l.event_classes[source].type.value != row || l.event_classes[source].port != port))
+      ++source;
+    events.push_back({port, static_cast<rt::EventPolicy>(p.policy), p.event_class.c_str(),
+                      source == l.event_classes.size() ? rt::kNone : source});
   }
   to.events = l.pools.list(events);
   return l.pools.list(std::vector<rt::AtomTime>{to}).data;

@@ -3,25 +3,25 @@
 // Cost: linear in the text of the types; instances play no part.
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/pools.hpp"
-#include "compiler/lower/ranges.hpp"
+#include "compiler/lower/range_code.hpp"
 #include "compiler/model/model.hpp"
 
 namespace bip::lower {
 
 namespace {
 
-rt::Span<rt::Var> lower_slots(Lowering& l, const std::vector<Slot>& slots) {
+rt::Span<rt::Var> lower_variables(Lowering& l, const std::vector<DataVariable>& variables) {
   std::vector<rt::Var> vars;
-  vars.reserve(slots.size());
-  for (const Slot& slot : slots) {
-    vars.push_back({slot.name.c_str(), slot_type_of(slot.type), slot.is_param, slot.exported});
+  vars.reserve(variables.size());
+  for (const DataVariable& variable : variables) {
+    vars.push_back({variable.name.c_str(), cell_type_of(variable.type), variable.is_param, variable.exported});
   }
   return l.pools.list(vars);
 }
 
 void lower_port_type(Lowering& l, const PortType& type) {
   std::vector<rt::Var> vars;
-  for (const Variable& v : type.variables) vars.push_back({v.name.c_str(), slot_type_of(v.type), false, false});
+  for (const Variable& v : type.variables) vars.push_back({v.name.c_str(), cell_type_of(v.type), false, false});
   l.pools.port_types.push_back({type.name.c_str(), l.pools.list(vars)});
 }
 
@@ -36,7 +36,8 @@ void lower_atom_rules(Lowering& l, std::uint32_t row, const AtomType& type, rt::
   std::vector<rt::Invariant> invariants;
   for (const Invariant& i : type.invariants) {
     const std::uint32_t condition = l.guard(CodeOwner::Atom, row, type.name + "_" + i.name, i.condition);
-    invariants.push_back({i.name.c_str(), static_cast<rt::InvariantScope>(i.scope), l.pools.list(i.places), condition, loc_of(i.loc)});
+    invariants.push_back(
+        {i.name.c_str(), static_cast<rt::InvariantScope>(i.scope), l.pools.list(i.places), condition, loc_of(i.loc)});
   }
   to.invariants = l.pools.list(invariants);
 }
@@ -44,10 +45,11 @@ void lower_atom_rules(Lowering& l, std::uint32_t row, const AtomType& type, rt::
 void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   rt::AtomType to{};
   to.name = type.name.c_str();
-  to.slots = lower_slots(l, type.slots);
+  to.variables = lower_variables(l, type.variables);
   std::vector<rt::Port> ports;
   for (const Port& port : type.ports) {
-    ports.push_back({port.name.c_str(), port.type.value, l.pools.list(port.slots), port.exported, loc_of(port.loc)});
+    ports.push_back(
+        {port.name.c_str(), port.type.value, l.pools.list(port.variables), port.exported, loc_of(port.loc)});
   }
   to.ports = l.pools.list(ports);
   std::vector<const char*> places;
@@ -90,7 +92,7 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
   std::vector<rt::ConnectorParam> params;
   for (const ConnectorParam& p : type.params) params.push_back({p.name.c_str(), p.type.value, p.first_bind});
   to.params = l.pools.list(params);
-  to.slots = lower_slots(l, type.slots);
+  to.variables = lower_variables(l, type.variables);
   std::vector<rt::DefineNode> define;
   for (const DefineNode& node : type.define) {
     define.push_back({node.is_leaf, node.trigger, node.param, l.pools.list(node.children)});
@@ -119,7 +121,7 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
   to.exports = type.exports;
   to.export_name = type.export_name.c_str();
   to.export_type = type.exports ? type.export_type.value : rt::kNone;
-  to.export_slots = l.pools.list(type.export_slots);
+  to.export_variables = l.pools.list(type.export_variables);
   to.loc = loc_of(type.loc);
   to.resume_sync = type.resume == ResumeMode::Sync;
   to.is_total = wants_ranges && static_cast<double>(type.clauses.size()) >= model::interaction_count(type);

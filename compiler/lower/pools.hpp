@@ -1,7 +1,8 @@
 // What an Image points to, and the context of one lowering. Private to lower/.
 //
 // Small arrays of types live in an arena, the instance tables in vectors that are sized before anything points to them.
-// Names of types and compounds are not copied: the System owns them and outlives the image. Of atoms and connectors nothing is needed later.
+// Names of types and compounds are not copied: the System owns them and outlives the image. Of atoms and connectors
+// nothing is needed later.
 #pragma once
 #include <string>
 #include <vector>
@@ -24,7 +25,7 @@ struct LoweredSystem::Pools {
   std::vector<rt::ConnectorType> connector_types;
   std::vector<rt::Compound> compounds;
   Table<rt::Atom> atoms;
-  std::vector<rt::Slot> args;
+  std::vector<rt::Cell> args;
   Table<rt::Connector> connectors;
   Table<rt::PortRef> port_refs;
   std::vector<rt::Choice> choices;
@@ -58,7 +59,7 @@ struct Lowering {
 };
 
 [[nodiscard]] inline rt::Loc loc_of(const Loc& loc) { return {loc.file, loc.line, loc.column}; }
-[[nodiscard]] inline rt::SlotType slot_type_of(Type type) { return static_cast<rt::SlotType>(type); }
+[[nodiscard]] inline rt::CellType cell_type_of(Type type) { return static_cast<rt::CellType>(type); }
 
 /// Port, atom and connector types, and the units of their code.
 void lower_types(Lowering& l);

@@ -1,7 +1,7 @@
 // The objects between a call that gives a value of an extern type and the use of that value: one a call and thread.
 //
-// Calls do not nest in themselves, but with `--engine=threads` two atoms of a type run the same call at a time. An object is
-// made at a thread's first call and stays; one look under a lock each (as Outside has for strings).
+// Calls do not nest in themselves, but with `--engine=threads` two atoms of a type run the same call at a time. An
+// object is made at a thread's first call and stays; one look under a lock each (as Outside has for strings).
 #pragma once
 #include <cstdint>
 #include <map>
@@ -20,22 +20,23 @@ class Results {
   Results& operator=(const Results&) = delete;
   ~Results() { clear(); }
 
-  /// The slot whose object holds what call `row` (an ExprId) gives the calling thread. Stays where it is until clear().
-  [[nodiscard]] rt::Slot* slot(std::uint32_t row, const rt::ExternType& type) {
+  /// The variable whose object holds what call `row` (an ExprId) gives the calling thread. Stays where it is until
+  /// clear().
+  [[nodiscard]] rt::Cell* cell(std::uint32_t row, const rt::ExternType& type) {
     const std::lock_guard guard(lock_);
     const auto [it, is_new] = objects_.try_emplace({std::this_thread::get_id(), row});
-    if (is_new) it->second = {rt::object_slot(type.make()), type.destroy};
-    return &it->second.slot;
+    if (is_new) it->second = {rt::object_cell(type.make()), type.destroy};
+    return &it->second.cell;
   }
   /// Destroys all objects. Before the C++ code of their types is unloaded.
   void clear() {
-    for (const auto& [key, object] : objects_) object.destroy(&rt::object_in<char>(object.slot));
+    for (const auto& [key, object] : objects_) object.destroy(&rt::object_in<char>(object.cell));
     objects_.clear();
   }
 
  private:
   struct Object {
-    rt::Slot slot{};
+    rt::Cell cell{};
     void (*destroy)(void*) = nullptr;
   };
   std::map<std::pair<std::thread::id, std::uint32_t>, Object> objects_;

@@ -1,5 +1,5 @@
-// `@async(budget="10ms", overrun=late)` before a transition: its action runs beside the others (semantics.md, Codels). Linear in
-// its arguments.
+// `@async(budget="10ms", overrun=late)` before a transition: its action runs beside the others (semantics.md, Codels).
+// Linear in its arguments.
 #include <array>
 
 #include "compiler/model/build_time.hpp"
@@ -21,7 +21,8 @@ std::int64_t ticks_of(std::string_view text) {
   for (const Unit* unit = kUnits.data(); !text.empty(); ++unit) {
     std::size_t digits = 0;
     std::int64_t count = 0;
-    for (; digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && count < kMost; ++digits) count = count * 10 + (text[digits] - '0');
+    for (; digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && count < kMost; ++digits)
+      count = count * 10 + (text[digits] - '0');
     const std::size_t end = std::min(text.find_first_of("0123456789", digits), text.size());
     while (unit != kUnits.data() + kUnits.size() && unit->name != text.substr(digits, end - digits)) ++unit;
     if (digits == 0 || count >= kMost || unit == kUnits.data() + kUnits.size()) return -1;
@@ -35,7 +36,7 @@ std::uint32_t overrun_port(ModelBuilder& b, const syntax::AnnotationArg& arg, co
   std::vector<std::string> known;
   for (std::uint32_t port = 0; port < atom.ports.size(); ++port) {
     const Port& p = atom.ports[port];
-    if (!p.external || !p.slots.empty()) continue;
+    if (!p.external || !p.variables.empty()) continue;
     if (p.name == arg.value) return port;
     known.push_back(p.name);
   }
@@ -60,7 +61,8 @@ Async build_async(ModelBuilder& b, const syntax::Transition& t, const AtomType& 
         overrun = &arg;
         out.overrun = overrun_port(b, arg, atom);
       } else {
-        help_similar(b.diags.report(Diag::kB4020, arg.key.range, arg.key.text), arg.key.text, arg.key.range, {"budget", "overrun"});
+        help_similar(b.diags.report(Diag::kB4020, arg.key.range, arg.key.text), arg.key.text, arg.key.range,
+                     {"budget", "overrun"});
       }
     }
     if (overrun != nullptr && out.budget < 0) b.diags.report(Diag::kB4023, overrun->key.range, overrun->value);

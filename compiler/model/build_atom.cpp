@@ -1,4 +1,4 @@
-// Atom types: slots, ports, places, transitions with their code.
+// Atom types: variables, ports, places, transitions with their code.
 #include <algorithm>
 
 #include "compiler/model/build_time.hpp"
@@ -15,11 +15,11 @@ struct AtomBuilder {
   NameSpace names;
   Scope scope;
   TimeBuilder time;
-  std::unordered_map<std::string, std::uint32_t> slots, ports, places;
+  std::unordered_map<std::string, std::uint32_t> variables, ports, places;
   std::unordered_map<std::string, SourceRange> constants;  // `data const`: after `initial` they keep their values
-  StmtId initialisers;  // declared initial values, in reverse while collecting
+  StmtId initialisers;                                     // declared initial values, in reverse while collecting
   struct Init {
-    std::uint32_t slot;
+    std::uint32_t variable;
     const syntax::Expr* value;
     std::uint32_t param;  // hidden parameter that gives it, or kNone
     Loc loc;
@@ -27,24 +27,31 @@ struct AtomBuilder {
   std::vector<Init> inits;
 
   AtomBuilder(ModelBuilder& builder, const syntax::Decl& d)
-      : b(builder), decl(d), names(builder.diags, fmt::format("atom type `{}`", d.name.text)), time(builder, out, scope) {
+      : b(builder),
+        decl(d),
+        names(builder.diags, fmt::format("atom type `{}`", d.name.text)),
+        time(builder, out, scope) {
     out.name = b.key(decl);
     out.loc = b.loc(decl.name.range);
     scope.owner = fmt::format("atom type `{}`", decl.name.text);
   }
 
-  void add_slot(const syntax::Name& name, Type type, bool is_param, bool exported) {
-    const std::uint32_t row = static_cast<std::uint32_t>(out.slots.size());
-    out.slots.push_back({std::string(name.text), type, is_param, exported, b.loc(name.range)});
-    slots[std::string(name.text)] = row;
-    scope.names[std::string(name.text)] = {.load = Op::LoadSelf, .index = row, .type = type,
-                                           .read_only = is_param ? "a parameter keeps its value" : "", .value = {}, .declared = name.range};
+  void add_interaction(const syntax::Name& name, Type type, bool is_param, bool exported) {
+    const std::uint32_t row = static_cast<std::uint32_t>(out.variables.size());
+    out.variables.push_back({std::string(name.text), type, is_param, exported, b.loc(name.range)});
+    variables[std::string(name.text)] = row;
+    scope.names[std::string(name.text)] = {.load = Op::LoadSelf,
+                                           .index = row,
+                                           .type = type,
+                                           .read_only = is_param ? "a parameter keeps its value" : "",
+                                           .value = {},
+                                           .declared = name.range};
   }
 
-  void build_slots() {
+  void build_interactions() {
     for (const syntax::Param& p : decl.params) {
       names.declare(p.name, "parameter");
-      add_slot(p.name, native_data_type(b.model, p.type, "a parameter of a component", b.diags), true, false);
+      add_interaction(p.name, native_data_type(b.model, p.type, "a parameter of a component", b.diags), true, false);
     }
     const auto given = b.initialised_data.find(out.name);
     std::unordered_map<std::string, std::uint32_t> hidden;
@@ -53,8 +60,9 @@ struct AtomBuilder {
         for (const syntax::Var& v : d.vars) {
           if (!given->second.contains(std::string(v.name.text))) continue;
           Diagnostics quiet;
-          hidden[std::string(v.name.text)] = static_cast<std::uint32_t>(out.slots.size());
-          out.slots.push_back({fmt::format("initial {}", v.name.text), native_type(d.type, quiet).value_or(Type::Int), true, false, b.loc(v.name.range)});
+          hidden[std::string(v.name.text)] = static_cast<std::uint32_t>(out.variables.size());
+          out.variables.push_back({fmt::format("initial {}", v.name.text),
+                                   native_type(d.type, quiet).value_or(Type::Int), true, false, b.loc(v.name.range)});
         }
       }
     }
@@ -62,70 +70,88 @@ struct AtomBuilder {
       const Type type = data_type(b.model, d.type, b.diags);
       for (const syntax::Var& v : d.vars) {
         names.declare(v.name, "data");
-        add_slot(v.name, type, false, d.exported);
+        add_interaction(v.name, type, false, d.exported);
         if (d.type.is_const) constants[std::string(v.name.text)] = v.name.range;
         const auto h = hidden.find(std::string(v.name.text));
         const std::uint32_t param = h == hidden.end() ? Id<void>::kNone : h->second;
-        if (v.init != nullptr || h != hidden.end()) inits.push_back({slots[std::string(v.name.text)], v.init, param, b.loc(v.name.range)});
+        if (v.init != nullptr || h != hidden.end())
+          inits.push_back({variables[std::string(v.name.text)], v.init, param, b.loc(v.name.range)});
       }
     }
   }
 
   void build_port(const syntax::PortDecl& d, const syntax::PortItem& item) {
     names.declare(item.name, "port");
-    Port port{.name = std::string(item.name.text), .type = {}, .slots = {}, .exported = d.role == syntax::PortRole::Exported, .loc = b.loc(item.name.range)};
-    std::vector<Variable> variables;
+    Port port{.name = std::string(item.name.text),
+              .type = {},
+              .variables = {},
+              .exported = d.role == syntax::PortRole::Exported,
+              .loc = b.loc(item.name.range)};
+    std::vector<Variable> shown;
     bool sound = true;
     for (const syntax::Name& var : item.vars) {
       for (const syntax::Name* other = item.vars.data(); other != &var; ++other) {
-        if (other->text == var.text) b.diags.report(Diag::kB2031, var.range, port.name, var.text).label(other->range, "here first");
+        if (other->text == var.text)
+          b.diags.report(Diag::kB2031, var.range, port.name, var.text).label(other->range, "here first");
       }
-      const auto slot = slots.find(std::string(var.text));
-      if (slot == slots.end()) {
+      const auto variable = variables.find(std::string(var.text));
+      if (variable == variables.end()) {
         std::vector<std::string> known;
-        for (const Slot& s : out.slots) known.push_back(s.name);
+        for (const DataVariable& s : out.variables) known.push_back(s.name);
         const auto clock = std::find_if(decl.clocks.begin(), decl.clocks.end(), [&](const syntax::ClockDecl& c) {
           return std::any_of(c.names.begin(), c.names.end(), [&](const syntax::Name& n) { return n.text == var.text; });
         });
-        if (clock != decl.clocks.end()) b.diags.report(Diag::kB1610, var.range, port.name, var.text).label(clock->range, "declared here");
-        else help_similar(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var.text, var.range, known);
-        port.slots.push_back(0);
+        if (clock != decl.clocks.end())
+          b.diags.report(Diag::kB1610, var.range, port.name, var.text).label(clock->range, "declared here");
+        else
+          help_similar(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var.text, var.range,
+                       known);
+        port.variables.push_back(0);
         sound = false;
-        variables.push_back({std::string(var.text), Type::Int, {}});
+        shown.push_back({std::string(var.text), Type::Int, {}});
         continue;
       }
-      const Slot& s = out.slots[slot->second];
-      if (s.is_param) b.diags.report(Diag::kB2002, var.range, port.name, var.text).help("copy the parameter into data, and show these");
-      port.slots.push_back(slot->second);
-      variables.push_back({s.name, s.type, s.loc});
+      const DataVariable& s = out.variables[variable->second];
+      if (s.is_param)
+        b.diags.report(Diag::kB2002, var.range, port.name, var.text)
+            .help("copy the parameter into data, and show these");
+      port.variables.push_back(variable->second);
+      shown.push_back({s.name, s.type, s.loc});
     }
     if (!d.type.is_written()) {
-      port.type = b.anonymous_port_type(variables);
+      port.type = b.anonymous_port_type(shown);
     } else {
       port.type = b.port_type(d.type);
-      if (port.type.is_valid() && sound) check_variables(port, variables, item, d.type);
+      if (port.type.is_valid() && sound) check_variables(port, shown, item, d.type);
     }
     ports[port.name] = static_cast<std::uint32_t>(out.ports.size());
     out.ports.push_back(std::move(port));
   }
 
-  void check_variables(const Port& port, const std::vector<Variable>& given, const syntax::PortItem& item, const syntax::TypeRef& type) {
+  void check_variables(const Port& port, const std::vector<Variable>& given, const syntax::PortItem& item,
+                       const syntax::TypeRef& type) {
     const PortType& wanted = b.model.port_types[port.type];
     for (std::size_t i = 0; i < std::min(given.size(), wanted.variables.size()); ++i) {
       const auto constant = constants.find(given[i].name);
       if (constant == constants.end() || wanted.variables[i].is_const) continue;
-      b.diags.report(Diag::kB2030, item.vars[i].range, port.name, given[i].name, wanted.variables[i].name, b.text(type.name))
+      b.diags
+          .report(Diag::kB2030, item.vars[i].range, port.name, given[i].name, wanted.variables[i].name,
+                  b.text(type.name))
           .label(constant->second, "declared here")
           .help(fmt::format("declare `const` what the port shows: `port type {}(const …)`", b.text(type.name)));
     }
     if (wanted.variables.size() != given.size()) {
-      b.diags.report(Diag::kB2003, item.name.range, port.name, counted(given.size(), "variable"), wanted.name, wanted.variables.size())
+      b.diags
+          .report(Diag::kB2003, item.name.range, port.name, counted(given.size(), "variable"), wanted.name,
+                  wanted.variables.size())
           .label(b.declared(wanted.name), "declared here");
       return;
     }
     for (std::size_t i = 0; i < given.size(); ++i) {
       if (given[i].type == wanted.variables[i].type) continue;
-      b.diags.report(Diag::kB2004, item.vars[i].range, given[i].name, b.model.code.type_name(given[i].type), wanted.variables[i].name, b.text(type.name), b.model.code.type_name(wanted.variables[i].type))
+      b.diags
+          .report(Diag::kB2004, item.vars[i].range, given[i].name, b.model.code.type_name(given[i].type),
+                  wanted.variables[i].name, b.text(type.name), b.model.code.type_name(wanted.variables[i].type))
           .label(b.declared(wanted.name), "declared here");
     }
   }
@@ -176,12 +202,17 @@ struct AtomBuilder {
   // The ports of the declaration, from row `first` on, are one to whoever binds them.
   void merge_ports(const syntax::PortDecl& d, std::size_t first, NameSpace& exported) {
     exported.declare(d.merged_as, "port");
-    MergedPort row{.name = std::string(d.merged_as.text), .type = out.ports[first].type, .ports = {}, .loc = b.loc(d.merged_as.range)};
+    MergedPort row{.name = std::string(d.merged_as.text),
+                   .type = out.ports[first].type,
+                   .ports = {},
+                   .loc = b.loc(d.merged_as.range)};
     for (std::size_t p = first; p < out.ports.size(); ++p) {
       row.ports.push_back(static_cast<std::uint32_t>(p));
       const PortTypeId type = out.ports[p].type;
       if (!type.is_valid() || !row.type.is_valid() || fits(b.model, type, row.type)) continue;
-      b.diags.report(Diag::kB2027, d.items[p - first].name.range, out.ports[p].name, port_type_text(b.model, type), out.ports[first].name, port_type_text(b.model, row.type))
+      b.diags
+          .report(Diag::kB2027, d.items[p - first].name.range, out.ports[p].name, port_type_text(b.model, type),
+                  out.ports[first].name, port_type_text(b.model, row.type))
           .label(d.items[0].name.range, "merged with this one");
     }
     out.merged.push_back(std::move(row));
@@ -203,7 +234,11 @@ struct AtomBuilder {
       names.declare(p.name, "priority");
       const std::optional<std::uint32_t> low = rule_side(p.low);
       const std::optional<std::uint32_t> high = rule_side(p.high);
-      AtomPriority row{.name = std::string(p.name.text), .low = low.value_or(0), .high = high.value_or(0), .guard = code.guard(p.guard), .loc = b.loc(p.range)};
+      AtomPriority row{.name = std::string(p.name.text),
+                       .low = low.value_or(0),
+                       .high = high.value_or(0),
+                       .guard = code.guard(p.guard),
+                       .loc = b.loc(p.range)};
       if (!low || !high) continue;
       if (row.low != row.high) {
         for (const AtomPriority& other : out.priorities) {
@@ -213,7 +248,9 @@ struct AtomBuilder {
         }
         out.priorities.push_back(std::move(row));
       } else if (row.low == AtomPriority::kAnyPort) {
-        b.diags.report(Diag::kB3011, p.high.range, p.name.text).label(p.low.range, "and here").help("name the port of one side");
+        b.diags.report(Diag::kB3011, p.high.range, p.name.text)
+            .label(p.low.range, "and here")
+            .help("name the port of one side");
       } else {
         b.diags.report(Diag::kB3012, p.high.range, p.name.text, p.high.text).label(p.low.range, "the same port");
       }
@@ -221,7 +258,12 @@ struct AtomBuilder {
     for (const syntax::Invariant& i : decl.invariants) {
       names.declare(i.name, "invariant");
       TimedCondition parts = time.condition(i.expr, "an invariant");
-      Invariant row{.name = std::string(i.name.text), .scope = static_cast<InvariantScope>(i.scope), .places = place_rows(i.places), .condition = parts.data, .loc = b.loc(i.range), .when = std::move(parts.when)};
+      Invariant row{.name = std::string(i.name.text),
+                    .scope = static_cast<InvariantScope>(i.scope),
+                    .places = place_rows(i.places),
+                    .condition = parts.data,
+                    .loc = b.loc(i.range),
+                    .when = std::move(parts.when)};
       std::sort(row.places.begin(), row.places.end());
       out.invariants.push_back(std::move(row));
     }
@@ -232,7 +274,8 @@ struct AtomBuilder {
     for (const syntax::Name& name : list) {
       const auto it = places.find(std::string(name.text));
       if (it == places.end()) {
-        help_similar(b.diags.report(Diag::kB1020, name.range, name.text, scope.owner), name.text, name.range, out.places);
+        help_similar(b.diags.report(Diag::kB1020, name.range, name.text, scope.owner), name.text, name.range,
+                     out.places);
       } else if (std::find(rows.begin(), rows.end(), it->second) != rows.end()) {
         b.diags.report(Diag::kB1021, name.range, name.text);
       } else {
@@ -243,18 +286,26 @@ struct AtomBuilder {
   }
 
   void build_transition(const syntax::Transition& t) {
-    Transition row{.port = Transition::kInternal, .from = place_rows(t.from), .to = place_rows(t.to), .guard = {}, .action = {}, .loc = b.loc(t.range)};
+    Transition row{.port = Transition::kInternal,
+                   .from = place_rows(t.from),
+                   .to = place_rows(t.to),
+                   .guard = {},
+                   .action = {},
+                   .loc = b.loc(t.range)};
     if (!t.internal) {
       const auto port = ports.find(std::string(t.port.text));
       if (port == ports.end()) {
         std::vector<std::string> known;
         for (const Port& p : out.ports) known.push_back(p.name);
-        help_similar(b.diags.report(Diag::kB1022, t.port.range, t.port.text, scope.owner), t.port.text, t.port.range, known);
+        help_similar(b.diags.report(Diag::kB1022, t.port.range, t.port.text, scope.owner), t.port.text, t.port.range,
+                     known);
       } else {
         row.port = port->second;
       }
     }
-    row.urgency = t.urgency.text == "eager" ? Urgency::Eager : t.urgency.text == "delayable" ? Urgency::Delayable : Urgency::Lazy;
+    row.urgency = t.urgency.text == "eager"       ? Urgency::Eager
+                  : t.urgency.text == "delayable" ? Urgency::Delayable
+                                                  : Urgency::Lazy;
     if (t.internal) check_internal(t);
     CodeBuilder code(b.model, b.diags, scope);
     TimedCondition parts = time.condition(t.guard, "the guard");
@@ -270,18 +321,20 @@ struct AtomBuilder {
   // Internal transitions run at once, before anyone looks.
   void check_internal(const syntax::Transition& t) {
     if (const syntax::Expr* clock = time.clock_in(t.guard)) {
-      b.diags.report(Diag::kB1611, clock->range, clock->path.parts[0].name.text).help("label the transition with a port that is not exported, and make it `eager`");
+      b.diags.report(Diag::kB1611, clock->range, clock->path.parts[0].name.text)
+          .help("label the transition with a port that is not exported, and make it `eager`");
     }
     if (!t.urgency.text.empty()) b.diags.report(Diag::kB1612, t.urgency.range, "urgency", t.urgency.text);
     if (t.resumes) b.diags.report(Diag::kB1612, t.range, "a", "resume");
   }
 
   AtomType build() {
-    build_slots();
+    build_interactions();
     build_ports();
     for (const syntax::Name& place : decl.places) {
       names.declare(place, "place");
-      if (places.try_emplace(std::string(place.text), static_cast<std::uint32_t>(out.places.size())).second) out.places.emplace_back(place.text);
+      if (places.try_emplace(std::string(place.text), static_cast<std::uint32_t>(out.places.size())).second)
+        out.places.emplace_back(place.text);
     }
     out.initial = place_rows(decl.initial.to);
     out.initial_resume = time.resume(decl.initial.resumes, decl.initial.resume, decl.initial.range);
@@ -289,17 +342,19 @@ struct AtomBuilder {
     StmtId next = code.block(decl.initial.action.stmts);
     for (std::size_t i = inits.size(); i-- > 0;) {
       const Init& init = inits[i];
-      const Type type = out.slots[init.slot].type;
+      const Type type = out.variables[init.variable].type;
       ExprId value;
       if (init.param != Id<void>::kNone) {
-        value = b.model.code.exprs.push({.op = Op::LoadSelf, .type = type, .index = init.param, .a = {}, .b = {}, .loc = init.loc});
+        value = b.model.code.exprs.push(
+            {.op = Op::LoadSelf, .type = type, .index = init.param, .a = {}, .b = {}, .loc = init.loc});
       } else {
-        value = code.expr_as(init.value, type, fmt::format("`{}`", out.slots[init.slot].name));
+        value = code.expr_as(init.value, type, fmt::format("`{}`", out.variables[init.variable].name));
       }
-      next = code.store_self(init.slot, type, value, init.loc, next);
+      next = code.store_self(init.variable, type, value, init.loc, next);
     }
     out.initial_action = next;
-    for (const auto& [name, range] : constants) scope.names[name].read_only = "`const` data keep the value that `initial` gives";
+    for (const auto& [name, range] : constants)
+      scope.names[name].read_only = "`const` data keep the value that `initial` gives";
     for (const syntax::Transition& t : decl.transitions) build_transition(t);
     build_rules();
     return std::move(out);

@@ -1,4 +1,5 @@
-// Compound types: families of names first, then items, priorities, exports. A compound is built after those it contains.
+// Compound types: families of names first, then items, priorities, exports. A compound is built after those it
+// contains.
 #include <algorithm>
 
 #include "compiler/model/compound_builder.hpp"
@@ -13,10 +14,13 @@ ExprId ModelBuilder::initial_value(const ComponentFamily& family, const std::str
   CodeBuilder code(model, diags, empty);
   if (!family.atom.is_valid() || !param.starts_with("initial ")) return code.poison(type);
   for (const syntax::Decl* decl : model.decls) {
-    if (decl->kind != syntax::DeclKind::AtomType || !model.atom_types[family.atom].name.ends_with(decl->name.text) || key(*decl) != model.atom_types[family.atom].name) continue;
+    if (decl->kind != syntax::DeclKind::AtomType || !model.atom_types[family.atom].name.ends_with(decl->name.text) ||
+        key(*decl) != model.atom_types[family.atom].name)
+      continue;
     for (const syntax::DataDecl& d : decl->data) {
       for (const syntax::Var& v : d.vars) {
-        if (v.init != nullptr && "initial " + std::string(v.name.text) == param) return code.expr_as(v.init, type, fmt::format("`{}`", v.name.text));
+        if (v.init != nullptr && "initial " + std::string(v.name.text) == param)
+          return code.expr_as(v.init, type, fmt::format("`{}`", v.name.text));
       }
     }
   }
@@ -47,7 +51,12 @@ void CompoundBuilder::build() {
   for (const syntax::Param& p : decl.params) {
     names.declare(p.name, "parameter");
     const Type type = native_data_type(b.model, p.type, "a parameter of a component", b.diags);
-    scope.names[std::string(p.name.text)] = {.load = Op::LoadSelf, .index = static_cast<std::uint32_t>(out.params.size()), .type = type, .read_only = "a parameter keeps its value", .value = {}, .declared = p.name.range};
+    scope.names[std::string(p.name.text)] = {.load = Op::LoadSelf,
+                                             .index = static_cast<std::uint32_t>(out.params.size()),
+                                             .type = type,
+                                             .read_only = "a parameter keeps its value",
+                                             .value = {},
+                                             .declared = p.name.range};
     out.params.push_back({std::string(p.name.text), type, true, false, b.loc(p.name.range)});
   }
   for (const syntax::DataDecl& d : decl.data) b.not_yet(d.range, "data of a compound");
@@ -74,13 +83,15 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
   if (it == connectors.end() || p.connector.parts.size() != 1) {
     std::vector<std::string> known;
     for (const auto& [name, family] : connectors) known.push_back(name);
-    help_similar(b.diags.report(Diag::kB3001, p.connector.range, b.text(p.connector), out.name), part.name.text, p.connector.range, known);
+    help_similar(b.diags.report(Diag::kB3001, p.connector.range, b.text(p.connector), out.name), part.name.text,
+                 p.connector.range, known);
     return;
   }
   row.connector.family = it->second;
   element(part, out.connectors[it->second].is_array, row.connector, fmt::format("connector `{}`", part.name.text));
   if (out.connectors[it->second].exports) {
-    b.diags.report(Diag::kB3002, p.connector.range, part.name.text).help("a priority orders interactions of connectors that export no port");
+    b.diags.report(Diag::kB3002, p.connector.range, part.name.text)
+        .help("a priority orders interactions of connectors that export no port");
   }
   for (const syntax::Path& path : p.ports) {
     PatternPort& port = row.ports.emplace_back();
@@ -94,10 +105,19 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
 }
 
 void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
-  PriorityRule row{.name = std::string(p.name.text), .low = {}, .high = {}, .guard = {}, .data = {}, .range = p.range, .annotations = p.annotations};
+  PriorityRule row{.name = std::string(p.name.text),
+                   .low = {},
+                   .high = {},
+                   .guard = {},
+                   .data = {},
+                   .range = p.range,
+                   .annotations = p.annotations};
   pattern(p.low, row.low);
   pattern(p.high, row.high);
-  if (p.low.any_connector && p.high.any_connector) b.diags.report(Diag::kB3003, p.high.range).label(p.low.range, "and here").help("name the interactions of one side: `connector:*` or `connector:port,port`");
+  if (p.low.any_connector && p.high.any_connector)
+    b.diags.report(Diag::kB3003, p.high.range)
+        .label(p.low.range, "and here")
+        .help("name the interactions of one side: `connector:*` or `connector:port,port`");
   if (p.guard != nullptr) {
     // Every exported datum of every component is in scope; those that are read become Bind rows.
     Scope data{.names = {}, .owner = fmt::format("priority `{}`", p.name.text)};
@@ -124,7 +144,12 @@ void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
           data.names[name] = {.read_only = "unknown", .value = {}, .declared = {}};
           return;
         }
-        data.names[name] = {.load = Op::LoadBind, .index = static_cast<std::uint32_t>(row.data.size()), .type = ref.type, .read_only = "a guard", .value = {}, .declared = {}};
+        data.names[name] = {.load = Op::LoadBind,
+                            .index = static_cast<std::uint32_t>(row.data.size()),
+                            .type = ref.type,
+                            .read_only = "a guard",
+                            .value = {},
+                            .declared = {}};
         row.data.push_back(ref);
         row.data_names.push_back(name);
       }
@@ -159,7 +184,9 @@ void CompoundBuilder::merge_target(const syntax::CompoundExport& e, PortExport& 
   if (row.targets.empty()) {
     row.type = target.type;
   } else if (row.type.is_valid() && target.type.is_valid() && !fits(b.model, target.type, row.type)) {
-    b.diags.report(Diag::kB2027, target.range, b.text(*target.path), port_type_text(b.model, target.type), b.text(*row.targets[0].path), port_type_text(b.model, row.type))
+    b.diags
+        .report(Diag::kB2027, target.range, b.text(*target.path), port_type_text(b.model, target.type),
+                b.text(*row.targets[0].path), port_type_text(b.model, row.type))
         .label(row.targets[0].range, "merged with this one");
   }
   for (const PortPath& other : row.targets) {
@@ -181,23 +208,28 @@ void CompoundBuilder::warn_unbound() {
       for (std::size_t p = 0; p < bound.size(); ++p) {
         if (bound[p]) continue;
         if (family.is_compound) {
-          b.diags.report(Diag::kB2025, i.name.range, b.model.compound_types[family.compound].exports[p].name, family.name);
+          b.diags.report(Diag::kB2025, i.name.range, b.model.compound_types[family.compound].exports[p].name,
+                         family.name);
           continue;
         }
         const AtomType& atom = b.model.atom_types[family.atom];
         const bool merged = p >= atom.ports.size();
-        if (!merged && (!atom.ports[p].exported || merged_with(atom, static_cast<std::uint32_t>(p)) != nullptr)) continue;
-        b.diags.report(Diag::kB2025, i.name.range, merged ? atom.merged[p - atom.ports.size()].name : atom.ports[p].name, family.name);
+        if (!merged && (!atom.ports[p].exported || merged_with(atom, static_cast<std::uint32_t>(p)) != nullptr))
+          continue;
+        b.diags.report(Diag::kB2025, i.name.range,
+                       merged ? atom.merged[p - atom.ports.size()].name : atom.ports[p].name, family.name);
       }
     } else if (i.kind == syntax::ItemKind::Connector && !is_suppressed(i.annotations, "unboundconnectorport")) {
       const std::uint32_t family = connectors[std::string(i.name.text)];
-      if (out.connectors[family].exports && !bound_connectors[family]) b.diags.report(Diag::kB2026, i.name.range, i.name.text);
+      if (out.connectors[family].exports && !bound_connectors[family])
+        b.diags.report(Diag::kB2026, i.name.range, i.name.text);
     }
   }
 }
 
 void build_compound_types(ModelBuilder& b) {
-  CompoundBuilders all{.b = b, .decls = {}, .atom_decls = {}, .connector_decls = {}, .modified = {}, .states = {}, .heights = {}};
+  CompoundBuilders all{
+      .b = b, .decls = {}, .atom_decls = {}, .connector_decls = {}, .modified = {}, .states = {}, .heights = {}};
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind == syntax::DeclKind::AtomType) all.atom_decls.push_back(decl);
     if (decl->kind == syntax::DeclKind::ConnectorType) all.connector_decls.push_back(decl);
@@ -205,7 +237,15 @@ void build_compound_types(ModelBuilder& b) {
     all.decls.push_back(decl);
     all.states.push_back(BuildState::Untouched);
     all.heights.push_back(0);
-    b.model.compound_types.push({.name = b.key(*decl), .params = {}, .components = {}, .connectors = {}, .items = {}, .priorities = {}, .exports = {}, .data_exports = {}, .decl = decl});
+    b.model.compound_types.push({.name = b.key(*decl),
+                                 .params = {},
+                                 .components = {},
+                                 .connectors = {},
+                                 .items = {},
+                                 .priorities = {},
+                                 .exports = {},
+                                 .data_exports = {},
+                                 .decl = decl});
   }
   for (std::size_t i = 0; i < all.decls.size(); ++i) all.ensure(CompoundTypeId(i));
 }

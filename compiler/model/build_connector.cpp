@@ -14,8 +14,8 @@ struct BodyBuilder {
   bool is_inline;
   ConnectorType& out;
   Scope down_scope{}, up_scope{};
-  std::unordered_map<std::string, std::uint32_t> slots{};
-  std::size_t errors_before = 0;  // the pass
+  std::unordered_map<std::string, std::uint32_t> variables{};
+  std::size_t errors_before = 0;      // the pass
   bool has_errors_in_define = false;  // then what it gives is not known
 
   [[nodiscard]] bool has_errors() const { return b.diags.error_count() > errors_before; }
@@ -29,11 +29,13 @@ struct BodyBuilder {
           b.diags.report(Diag::kB1002, v.name.range, v.name.text, down_scope.owner).label("a port has this name");
         }
         names.declare(v.name, "data");
-        if (v.init != nullptr) b.diags.report(Diag::kB2021, v.init->range, v.name.text).help("assign it in `up` or `down`");
-        const std::uint32_t row = static_cast<std::uint32_t>(out.slots.size());
-        slots[std::string(v.name.text)] = row;
-        down_scope.names[std::string(v.name.text)] = {.load = Op::LoadSelf, .index = row, .type = type, .read_only = "", .value = {}, .declared = v.name.range};
-        out.slots.push_back({std::string(v.name.text), type, false, d.exported, b.loc(v.name.range)});
+        if (v.init != nullptr)
+          b.diags.report(Diag::kB2021, v.init->range, v.name.text).help("assign it in `up` or `down`");
+        const std::uint32_t row = static_cast<std::uint32_t>(out.variables.size());
+        variables[std::string(v.name.text)] = row;
+        down_scope.names[std::string(v.name.text)] = {
+            .load = Op::LoadSelf, .index = row, .type = type, .read_only = "", .value = {}, .declared = v.name.range};
+        out.variables.push_back({std::string(v.name.text), type, false, d.exported, b.loc(v.name.range)});
       }
     }
     for (const auto& [key, rows] : ports.rows) {
@@ -42,13 +44,19 @@ struct BodyBuilder {
       if (!param.type.is_valid()) continue;
       std::uint32_t bind = param.first_bind;
       for (const Variable& v : b.model.port_types[param.type].variables) {
-        down_scope.names[key + "." + v.name] = {.load = Op::LoadBind, .index = bind++, .type = v.type, .read_only = v.is_const ? "its port type says `const`" : "", .value = {}, .declared = {}};
+        down_scope.names[key + "." + v.name] = {.load = Op::LoadBind,
+                                                .index = bind++,
+                                                .type = v.type,
+                                                .read_only = v.is_const ? "its port type says `const`" : "",
+                                                .value = {},
+                                                .declared = {}};
       }
     }
     for (const auto& [key, binding] : ports.data) down_scope.names[key] = binding;
     up_scope = down_scope;
     for (auto& [key, binding] : up_scope.names) {
-      if (binding.load == Op::LoadBind && binding.read_only.empty()) binding.read_only = "`up` writes only the connector's own data";
+      if (binding.load == Op::LoadBind && binding.read_only.empty())
+        binding.read_only = "`up` writes only the connector's own data";
     }
   }
 
@@ -57,34 +65,39 @@ struct BodyBuilder {
     if (!e.present) return;
     out.exports = true;
     out.export_name = std::string(e.name.text);
-    std::vector<Variable> variables;
+    std::vector<Variable> shown;
     for (const syntax::Name& var : e.vars) {
-      const auto slot = slots.find(std::string(var.text));
-      if (slot == slots.end()) {
+      const auto variable = variables.find(std::string(var.text));
+      if (variable == variables.end()) {
         std::vector<std::string> known;
-        for (const Slot& s : out.slots) known.push_back(s.name);
-        help_similar(b.diags.report(Diag::kB2001, var.range, out.export_name, var.text, down_scope.owner), var.text, var.range, known);
+        for (const DataVariable& s : out.variables) known.push_back(s.name);
+        help_similar(b.diags.report(Diag::kB2001, var.range, out.export_name, var.text, down_scope.owner), var.text,
+                     var.range, known);
         continue;
       }
-      out.export_slots.push_back(slot->second);
-      variables.push_back({out.slots[slot->second].name, out.slots[slot->second].type, {}});
+      out.export_variables.push_back(variable->second);
+      shown.push_back({out.variables[variable->second].name, out.variables[variable->second].type, {}});
     }
-    if (variables.size() != e.vars.size()) return;
+    if (shown.size() != e.vars.size()) return;
     if (!e.type.is_written() || (is_inline && b.text(e.type.name) == "Port" && b.find_type(e.type.name) == nullptr)) {
-      out.export_type = b.anonymous_port_type(variables);
+      out.export_type = b.anonymous_port_type(shown);
       return;
     }
     out.export_type = b.port_type(e.type);
     if (!out.export_type.is_valid()) return;
     const PortType& wanted = b.model.port_types[out.export_type];
-    if (wanted.variables.size() != variables.size()) {
-      b.diags.report(Diag::kB2003, e.name.range, e.name.text, counted(variables.size(), "variable"), wanted.name, wanted.variables.size())
+    if (wanted.variables.size() != shown.size()) {
+      b.diags
+          .report(Diag::kB2003, e.name.range, e.name.text, counted(shown.size(), "variable"), wanted.name,
+                  wanted.variables.size())
           .label(b.declared(wanted.name), "declared here");
       return;
     }
-    for (std::size_t i = 0; i < variables.size(); ++i) {
-      if (variables[i].type == wanted.variables[i].type) continue;
-      b.diags.report(Diag::kB2004, e.vars[i].range, variables[i].name, b.model.code.type_name(variables[i].type), wanted.variables[i].name, wanted.name, b.model.code.type_name(wanted.variables[i].type))
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      if (shown[i].type == wanted.variables[i].type) continue;
+      b.diags
+          .report(Diag::kB2004, e.vars[i].range, shown[i].name, b.model.code.type_name(shown[i].type),
+                  wanted.variables[i].name, wanted.name, b.model.code.type_name(wanted.variables[i].type))
           .label(b.declared(wanted.name), "declared here");
     }
     (void)annotations;
@@ -125,7 +138,8 @@ struct BodyBuilder {
     seen.assign(out.params.size(), {});
     out.define.push_back({});
     if (body.define == nullptr) {
-      for (std::uint32_t p = 0; p < out.params.size(); ++p) {  // the paper: without a list, every subset; BIP2: reported by parse
+      for (std::uint32_t p = 0; p < out.params.size();
+           ++p) {  // the paper: without a list, every subset; BIP2: reported by parse
         out.define[0].children.push_back(static_cast<std::uint32_t>(out.define.size()));
         out.define.push_back({.is_leaf = true, .trigger = true, .param = p, .children = {}});
       }
@@ -141,7 +155,8 @@ struct BodyBuilder {
       if (!seen[p].is_valid()) b.diags.report(Diag::kB2008, body.define->range, out.params[p].name);
     }
     if (body.resume.text == "sync") out.resume = ResumeMode::Sync;
-    if (!body.resume.text.empty() && out.exports) b.diags.report(Diag::kB1614, body.resume.range).label(body.exported.name.range, "exported here");
+    if (!body.resume.text.empty() && out.exports)
+      b.diags.report(Diag::kB1614, body.resume.range).label(body.exported.name.range, "exported here");
   }
 
   // ---- clauses -------------------------------------------------------------------------------------------------
@@ -165,13 +180,16 @@ struct BodyBuilder {
       }
     }
     std::sort(row.params.begin(), row.params.end());
-    const SourceRange at = c.ports.empty() ? c.range : SourceRange{c.range.file, c.ports.front().range.begin, c.ports.back().range.end};
+    const SourceRange at =
+        c.ports.empty() ? c.range : SourceRange{c.range.file, c.ports.front().range.begin, c.ports.back().range.end};
     if (has_errors_in_define) return;
     if (!is_interaction(out, row.params)) {
       auto d = b.diags.report(Diag::kB2010, at, interaction_text(out, row.params));
       if (body.define != nullptr) d.label(body.define->range, "the interactions are given here");
-      const bool has_triggers = std::any_of(out.define[0].children.begin(), out.define[0].children.end(), [&](std::uint32_t child) { return out.define[child].trigger; });
-      d.help(has_triggers ? "an interaction holds at least one trigger, marked `'`" : "without a trigger, marked `'`, all take part together");
+      const bool has_triggers = std::any_of(out.define[0].children.begin(), out.define[0].children.end(),
+                                            [&](std::uint32_t child) { return out.define[child].trigger; });
+      d.help(has_triggers ? "an interaction holds at least one trigger, marked `'`"
+                          : "without a trigger, marked `'`, all take part together");
       return;
     }
     const auto [first, is_new] = given.try_emplace(interaction_text(out, row.params), at);
@@ -180,15 +198,19 @@ struct BodyBuilder {
       return;
     }
     if (c.up.present && !out.exports) b.diags.report(Diag::kB2012, c.up.range).help("write `down`, or export a port");
-    if (c.action.present && out.exports) b.diags.report(Diag::kB2013, c.action.range).help("write `up { … }` for what the exported port shows, `down { … }` for the transfer");
-    if (c.action.present && c.down.present) b.diags.report(Diag::kB2014, c.action.range).label(c.down.range, "`down` is here");
+    if (c.action.present && out.exports)
+      b.diags.report(Diag::kB2013, c.action.range)
+          .help("write `up { … }` for what the exported port shows, `down { … }` for the transfer");
+    if (c.action.present && c.down.present)
+      b.diags.report(Diag::kB2014, c.action.range).label(c.down.range, "`down` is here");
     CodeBuilder down(b.model, b.diags, down_scope);
     CodeBuilder up(b.model, b.diags, up_scope);
     up.set_const_calls();
     row.guard = up.guard(c.guard);
     row.up = up.block(c.up.stmts);
     row.down = down.block(c.down.present ? c.down.stmts : c.action.stmts);
-    if (!out.export_slots.empty() && !c.up.present && !c.action.present && !is_suppressed(c.annotations, "missingup")) {
+    if (!out.export_variables.empty() && !c.up.present && !c.action.present &&
+        !is_suppressed(c.annotations, "missingup")) {
       b.diags.report(Diag::kB2015, at, interaction_text(out, row.params), out.export_name);
     }
     out.clauses.push_back(std::move(row));
@@ -199,7 +221,8 @@ struct BodyBuilder {
     std::vector<std::uint32_t> all(out.params.size());
     for (std::uint32_t p = 0; p < all.size(); ++p) all[p] = p;
     const auto is_missing = [&](const std::vector<std::uint32_t>& params) {
-      return is_interaction(out, params) && std::none_of(out.clauses.begin(), out.clauses.end(), [&](const Clause& c) { return c.params == params; });
+      return is_interaction(out, params) &&
+             std::none_of(out.clauses.begin(), out.clauses.end(), [&](const Clause& c) { return c.params == params; });
     };
     if (is_missing(all)) return interaction_text(out, all);
     for (std::uint32_t p = 0; p < all.size(); ++p) {
@@ -212,9 +235,12 @@ struct BodyBuilder {
   }
 
   void build(SourceRange range, syntax::Annotations annotations) {
-    down_scope.owner = is_inline ? fmt::format("connector `{}`", out.name) : fmt::format("connector type `{}`", out.name);
+    down_scope.owner =
+        is_inline ? fmt::format("connector `{}`", out.name) : fmt::format("connector type `{}`", out.name);
     const std::size_t errors_at_start = b.diags.error_count();
-    const auto is_silent = [&](const char* warning) { return is_suppressed(annotations, warning) || is_suppressed(body.exported.annotations, warning); };
+    const auto is_silent = [&](const char* warning) {
+      return is_suppressed(annotations, warning) || is_suppressed(body.exported.annotations, warning);
+    };
     build_scopes();
     build_export(annotations);
     errors_before = b.diags.error_count();
@@ -223,24 +249,26 @@ struct BodyBuilder {
     std::unordered_map<std::string, SourceRange> given;
     for (const syntax::Clause& c : body.clauses) build_clause(c, given);
     if (!b.diags.has_errors()) check_clauses(b, body, out, annotations);
-    if (out.exports && !out.export_slots.empty() && body.clauses.empty()) {
+    if (out.exports && !out.export_variables.empty() && body.clauses.empty()) {
       if (b.diags.error_count() == errors_at_start && !is_silent("nointeraction") && !is_silent("missinginteraction")) {
-        b.diags.report(Diag::kB2032, range, down_scope.owner, out.export_name).help("write `on` with an `up` for each interaction");
+        b.diags.report(Diag::kB2032, range, down_scope.owner, out.export_name)
+            .help("write `on` with an `up` for each interaction");
       }
       return;
     }
-    if (!out.export_slots.empty() && b.diags.error_count() == errors_at_start && interaction_count(out) > static_cast<double>(out.clauses.size()) &&
-        !is_silent("missinginteraction")) {
+    if (!out.export_variables.empty() && b.diags.error_count() == errors_at_start &&
+        interaction_count(out) > static_cast<double>(out.clauses.size()) && !is_silent("missinginteraction")) {
       auto d = b.diags.report(Diag::kB2016, range, down_scope.owner, out.export_name);
-      if (const std::string missing = without_clause(); !missing.empty()) d.note(fmt::format("interaction `{}` has none", missing));
+      if (const std::string missing = without_clause(); !missing.empty())
+        d.note(fmt::format("interaction `{}` has none", missing));
     }
   }
 };
 
 }  // namespace
 
-void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
-                          syntax::Annotations annotations, ConnectorType& out) {
+void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports,
+                          bool is_inline, SourceRange range, syntax::Annotations annotations, ConnectorType& out) {
   out.params = ports.params;
   out.data_reads = ports.data_reads;
   BodyBuilder{b, body, ports, is_inline, out}.build(range, annotations);
@@ -249,7 +277,16 @@ void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, co
 void build_connector_types(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != syntax::DeclKind::ConnectorType) continue;
-    ConnectorType out{.name = b.key(*decl), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(decl->name.range)};
+    ConnectorType out{.name = b.key(*decl),
+                      .params = {},
+                      .data_reads = {},
+                      .variables = {},
+                      .define = {},
+                      .clauses = {},
+                      .export_name = {},
+                      .export_type = {},
+                      .export_variables = {},
+                      .loc = b.loc(decl->name.range)};
     ConnectorPorts ports;
     NameSpace names(b.diags, fmt::format("connector type `{}`", decl->name.text));
     std::uint32_t bind = 0;
@@ -260,7 +297,8 @@ void build_connector_types(ModelBuilder& b) {
       ports.params.push_back({std::string(p.name.text), type, bind, b.loc(p.name.range)});
       if (type.is_valid()) bind += static_cast<std::uint32_t>(b.model.port_types[type].variables.size());
     }
-    if (decl->connector != nullptr) build_connector_body(b, *decl->connector, ports, false, decl->name.range, decl->annotations, out);
+    if (decl->connector != nullptr)
+      build_connector_body(b, *decl->connector, ports, false, decl->name.range, decl->annotations, out);
     b.model.connector_types.push(std::move(out));
   }
 }

@@ -16,7 +16,16 @@ std::string_view shown(std::string_view param) {
 }  // namespace
 
 CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
-  CompoundItem row{.range = i.range, .index = {}, .args = {}, .type = {}, .ports = {}, .data = {}, .syntax = &i, .low = {}, .high = {}, .items = {}};
+  CompoundItem row{.range = i.range,
+                   .index = {},
+                   .args = {},
+                   .type = {},
+                   .ports = {},
+                   .data = {},
+                   .syntax = &i,
+                   .low = {},
+                   .high = {},
+                   .items = {}};
   switch (i.kind) {
     case syntax::ItemKind::Component:
       row.kind = ItemKind::Component;
@@ -38,13 +47,19 @@ CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
       CodeBuilder code(b.model, b.diags, scope);
       row.low = code.expr_as(i.low, Type::Int, "the loop's start");
       row.high = code.expr_as(i.high, Type::Int, "the loop's end");
-      row.loop_slot = static_cast<std::uint32_t>(out.params.size()) + loop_depth;
+      row.loop_variable = static_cast<std::uint32_t>(out.params.size()) + loop_depth;
       const std::string name(i.name.text);
       if (const auto taken = scope.names.find(name); taken != scope.names.end()) {
-        b.diags.report(Diag::kB1002, i.name.range, name, fmt::format("compound type `{}`", out.name)).label(taken->second.declared, "declared here");
+        b.diags.report(Diag::kB1002, i.name.range, name, fmt::format("compound type `{}`", out.name))
+            .label(taken->second.declared, "declared here");
         break;
       }
-      scope.names[name] = {.load = Op::LoadSelf, .index = row.loop_slot, .type = Type::Int, .read_only = "a loop variable", .value = {}, .declared = i.name.range};
+      scope.names[name] = {.load = Op::LoadSelf,
+                           .index = row.loop_variable,
+                           .type = Type::Int,
+                           .read_only = "a loop variable",
+                           .value = {},
+                           .declared = i.name.range};
       ++loop_depth;
       for (const syntax::CompoundItem* inner : i.items) row.items.push_back(item(*inner));
       --loop_depth;
@@ -56,10 +71,13 @@ CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
 }
 
 std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, const ComponentFamily& family) {
-  static const std::vector<Slot> kNone;
-  const std::vector<Slot>& slots = family.atom.is_valid() ? b.model.atom_types[family.atom].slots : family.compound.is_valid() ? b.model.compound_types[family.compound].params : kNone;
-  std::vector<const Slot*> params;
-  for (const Slot& s : slots) {
+  static const std::vector<DataVariable> kNone;
+  const std::vector<DataVariable>& variables = family.atom.is_valid() ? b.model.atom_types[family.atom].variables
+                                               : family.compound.is_valid()
+                                                   ? b.model.compound_types[family.compound].params
+                                                   : kNone;
+  std::vector<const DataVariable*> params;
+  for (const DataVariable& s : variables) {
     if (s.is_param) params.push_back(&s);
   }
   const std::string what = fmt::format("component type `{}`", b.text(i.type.name));
@@ -80,7 +98,7 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
       while (k < params.size() && params[k]->name != name && params[k]->name != "initial " + name) ++k;
       if (k == params.size()) {
         std::vector<std::string> known;
-        for (const Slot* s : params) known.emplace_back(shown(s->name));
+        for (const DataVariable* s : params) known.emplace_back(shown(s->name));
         auto d = b.diags.report(Diag::kB1032, arg.name.range, what, name);
         if (!known.empty()) d.note(fmt::format("its parameters: {}", quoted_list(known)));
         help_similar(d, name, arg.name.range, known);
@@ -96,10 +114,15 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
     given[k] = arg.value->range;
     args[k] = code.expr_as(arg.value, params[k]->type, fmt::format("argument `{}`", shown(params[k]->name)));
   }
-  const std::size_t required = static_cast<std::size_t>(std::count_if(params.begin(), params.end(), [](const Slot* s) { return !s->name.starts_with("initial "); }));
-  const bool all_given = std::all_of(args.begin(), args.begin() + static_cast<std::ptrdiff_t>(required), [](ExprId a) { return a.is_valid(); });
+  const std::size_t required = static_cast<std::size_t>(std::count_if(
+      params.begin(), params.end(), [](const DataVariable* s) { return !s->name.starts_with("initial "); }));
+  const bool all_given = std::all_of(args.begin(), args.begin() + static_cast<std::ptrdiff_t>(required),
+                                     [](ExprId a) { return a.is_valid(); });
   if (sound && (positional > params.size() || !all_given)) {
-    b.diags.report(Diag::kB1015, i.name.range, counted(i.args.size(), "argument"), what, required == params.size() ? fmt::format("{}", required) : fmt::format("{} to {}", required, params.size()))
+    b.diags
+        .report(
+            Diag::kB1015, i.name.range, counted(i.args.size(), "argument"), what,
+            required == params.size() ? fmt::format("{}", required) : fmt::format("{} to {}", required, params.size()))
         .label(b.declared(i.type.name), "declared here");
   }
   for (std::size_t k = 0; k < args.size(); ++k) {
@@ -113,22 +136,30 @@ void CompoundBuilder::component_item(const syntax::CompoundItem& i, CompoundItem
   if (it == components.end()) return;
   row.family = it->second;
   const ComponentFamily& family = out.components[row.family];
-  if (i.index != nullptr) row.index = CodeBuilder(b.model, b.diags, scope).expr_as(i.index, Type::Int, loop_depth > 0 ? "the index" : "the size");
+  if (i.index != nullptr)
+    row.index =
+        CodeBuilder(b.model, b.diags, scope).expr_as(i.index, Type::Int, loop_depth > 0 ? "the index" : "the size");
   const TypeName* type = b.find_type(i.type.name);
-  const bool same = type != nullptr && (family.is_compound ? type->kind == TypeName::Kind::Compound && family.compound.value == type->row
-                                                           : type->kind == TypeName::Kind::Atom && family.atom.value == type->row);
+  const bool same = type != nullptr &&
+                    (family.is_compound ? type->kind == TypeName::Kind::Compound && family.compound.value == type->row
+                                        : type->kind == TypeName::Kind::Atom && family.atom.value == type->row);
   if (!same && (family.atom.is_valid() || family.compound.is_valid())) {
-    b.diags.report(Diag::kB4013, i.type.name.range, family.name).label("another type").label(family.range, "first declared here");
+    b.diags.report(Diag::kB4013, i.type.name.range, family.name)
+        .label("another type")
+        .label(family.range, "first declared here");
     return;
   }
   row.args = arguments(i, family);
 }
 
 // The elements of an array of connectors may have several types; what others bind, the exported port, may not.
-void CompoundBuilder::check_same_export(const syntax::CompoundItem& i, const ConnectorType& type, const ConnectorFamily& family) {
+void CompoundBuilder::check_same_export(const syntax::CompoundItem& i, const ConnectorType& type,
+                                        const ConnectorFamily& family) {
   const bool same_type = !type.exports || !family.export_type.is_valid() || type.export_type == family.export_type;
   if (type.exports == family.exports && same_type) return;
-  b.diags.report(Diag::kB4013, i.name.range, family.name).label("another exported port").label(family.range, "first declared here");
+  b.diags.report(Diag::kB4013, i.name.range, family.name)
+      .label("another exported port")
+      .label(family.range, "first declared here");
 }
 
 void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem& row) {
@@ -145,9 +176,20 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
     row.has_star |= port.element.star;
   }
   if (i.inline_body != nullptr) {
-    ConnectorType type{.name = out.name + "." + std::string(i.name.text), .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = b.loc(i.name.range)};
+    ConnectorType type{.name = out.name + "." + std::string(i.name.text),
+                       .params = {},
+                       .data_reads = {},
+                       .variables = {},
+                       .define = {},
+                       .clauses = {},
+                       .export_name = {},
+                       .export_type = {},
+                       .export_variables = {},
+                       .loc = b.loc(i.name.range)};
     const std::vector<DataRead> reads = data_reads(i, row);
-    if (sound) build_inline_connector(b, i, row.ports, std::vector<std::uint32_t>(row.ports.size(), 1), reads, outer_bindings(b.model.code, row.values, nullptr), type);
+    if (sound)
+      build_inline_connector(b, i, row.ports, std::vector<std::uint32_t>(row.ports.size(), 1), reads,
+                             outer_bindings(b.model.code, row.values, nullptr), type);
     if (sound) check_same_export(i, type, out.connectors[row.family]);
     out.connectors[row.family].export_type = type.export_type;
     row.type = b.model.connector_types.push(std::move(type));
@@ -156,12 +198,15 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
     const ConnectorType& type = b.model.connector_types[row.type];
     check_same_export(i, type, out.connectors[row.family]);
     if (!row.has_star && type.params.size() != i.ports.size()) {
-      b.diags.report(Diag::kB2022, i.name.range, counted(i.ports.size(), "port"), type.name, type.params.size()).label(b.declared(type.name), "declared here");
+      b.diags.report(Diag::kB2022, i.name.range, counted(i.ports.size(), "port"), type.name, type.params.size())
+          .label(b.declared(type.name), "declared here");
     } else if (!row.has_star && sound) {
       for (std::size_t k = 0; k < i.ports.size(); ++k) {
         const ConnectorParam& param = type.params[k];
         if (fits(b.model, row.ports[k].type, param.type)) continue;
-        b.diags.report(Diag::kB2023, i.ports[k].range, b.text(i.ports[k]), port_type_text(b.model, row.ports[k].type), param.name, type.name, port_type_text(b.model, param.type))
+        b.diags
+            .report(Diag::kB2023, i.ports[k].range, b.text(i.ports[k]), port_type_text(b.model, row.ports[k].type),
+                    param.name, type.name, port_type_text(b.model, param.type))
             .label(b.declared(type.name), "declared here");
       }
     }

@@ -38,38 +38,47 @@ std::string quoted_list(std::vector<std::string> names) {
   constexpr std::size_t kShown = 5;
   std::sort(names.begin(), names.end());
   std::string text;
-  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) text += fmt::format("{}`{}`", i == 0 ? "" : ", ", names[i]);
+  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i)
+    text += fmt::format("{}`{}`", i == 0 ? "" : ", ", names[i]);
   return names.size() > kShown ? text + " and others" : text;
 }
 
 void help_similar(DiagnosticBuilder d, std::string_view wrong, SourceRange at, std::vector<std::string> known) {
   std::sort(known.begin(), known.end());
-  for (const std::string& name : similar_names(wrong, known)) d.help(fmt::format("`{}` has a similar name", name), at, name);
+  for (const std::string& name : similar_names(wrong, known))
+    d.help(fmt::format("`{}` has a similar name", name), at, name);
 }
 
-std::optional<std::uint32_t> ModelBuilder::type_row(const syntax::TypeRef& type, TypeName::Kind kind, const char* what) {
+std::optional<std::uint32_t> ModelBuilder::type_row(const syntax::TypeRef& type, TypeName::Kind kind,
+                                                    const char* what) {
   const std::string name = text(type.name);
   const TypeName* found = find_type(type.name);
   if (found == nullptr) {
     std::vector<std::string> known;
     for (const auto& [key, row] : model.type_names) {
       if (row.kind != kind) continue;
-      if (std::string shown = shown_key(model, key, type.name.range.file); !shown.empty()) known.push_back(std::move(shown));
+      if (std::string shown = shown_key(model, key, type.name.range.file); !shown.empty())
+        known.push_back(std::move(shown));
     }
     help_similar(diags.report(Diag::kB1006, type.name.range, what, name), name, type.name.range, known);
     return std::nullopt;
   }
   if (found->kind != kind) {
     static constexpr const char* kKinds[] = {"a port type", "a connector type", "an atom type", "a compound type"};
-    diags.report(Diag::kB1007, type.name.range, name, kKinds[static_cast<int>(found->kind)], what).label(found->range, "declared here");
+    diags.report(Diag::kB1007, type.name.range, name, kKinds[static_cast<int>(found->kind)], what)
+        .label(found->range, "declared here");
     return std::nullopt;
   }
   return found->row;
 }
 
-std::string ModelBuilder::key(const syntax::Decl& decl) const { return package_of(model, decl.name.range.file).prefix + std::string(decl.name.text); }
+std::string ModelBuilder::key(const syntax::Decl& decl) const {
+  return package_of(model, decl.name.range.file).prefix + std::string(decl.name.text);
+}
 
-const TypeName* ModelBuilder::find_type(const syntax::Path& path) { return find_visible(model, model.type_names, text(path), path.range, diags); }
+const TypeName* ModelBuilder::find_type(const syntax::Path& path) {
+  return find_visible(model, model.type_names, text(path), path.range, diags);
+}
 
 SourceRange ModelBuilder::declared(const syntax::Path& type) {
   const TypeName* found = find_type(type);
@@ -90,7 +99,8 @@ PortTypeId ModelBuilder::anonymous_port_type(const std::vector<Variable>& variab
   std::string key;
   for (const Variable& v : variables) key += fmt::format("{} {},", model.code.type_name(v.type), v.name);
   const auto [it, is_new] = model.anonymous_port_types.try_emplace(key);
-  if (is_new) it->second = model.port_types.push({fmt::format("?{}", model.anonymous_port_types.size()), variables, {}});
+  if (is_new)
+    it->second = model.port_types.push({fmt::format("?{}", model.anonymous_port_types.size()), variables, {}});
   return it->second;
 }
 
@@ -108,7 +118,8 @@ std::string port_type_text(const Model& model, PortTypeId type) {
   if (!t.name.starts_with('?')) return fmt::format("of port type `{}`", t.name);
   if (t.variables.empty()) return "a port without data";
   std::string text;
-  for (const Variable& v : t.variables) text += fmt::format("{}`{} {}`", text.empty() ? "a port with " : ", ", model.code.type_name(v.type), v.name);
+  for (const Variable& v : t.variables)
+    text += fmt::format("{}`{} {}`", text.empty() ? "a port with " : ", ", model.code.type_name(v.type), v.name);
   return text;
 }
 
@@ -119,7 +130,8 @@ void build_port_types(ModelBuilder& b) {
     NameSpace names(b.diags, fmt::format("port type `{}`", decl->name.text));
     for (const syntax::Param& p : decl->params) {
       names.declare(p.name, "variable");
-      type.variables.push_back({std::string(p.name.text), data_type(b.model, p.type, b.diags), b.loc(p.name.range), p.type.is_const});
+      type.variables.push_back(
+          {std::string(p.name.text), data_type(b.model, p.type, b.diags), b.loc(p.name.range), p.type.is_const});
     }
     b.model.port_types.push(std::move(type));
   }
@@ -127,7 +139,8 @@ void build_port_types(ModelBuilder& b) {
 
 namespace {
 
-// Rows are given in declaration order, kind by kind, before anything is built: names may be used before their declaration.
+// Rows are given in declaration order, kind by kind, before anything is built: names may be used before their
+// declaration.
 void declare_names(ModelBuilder& b) {
   struct Spaces {
     NameSpace types, values, functions;
@@ -137,7 +150,8 @@ void declare_names(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     const PackageScope& package = package_of(b.model, decl->name.range.file);
     const NameSpace empty(b.diags, fmt::format("package `{}`", package.name));
-    auto& [types, values, functions] = spaces.try_emplace(package.file.value, Spaces{empty, empty, empty}).first->second;
+    auto& [types, values, functions] =
+        spaces.try_emplace(package.file.value, Spaces{empty, empty, empty}).first->second;
     TypeName::Kind kind{};
     switch (decl->kind) {
       case DeclKind::PortType: kind = TypeName::Kind::Port; break;
@@ -172,7 +186,8 @@ void build_constants(ModelBuilder& b) {
       for (const syntax::Var& v : d.vars) {
         CodeBuilder code(b.model, b.diags, scope);
         if (v.init == nullptr) b.diags.report(Diag::kB1008, v.name.range, v.name.text);
-        ExprId value = v.init == nullptr ? code.poison(type) : code.expr_as(v.init, type, fmt::format("constant `{}`", v.name.text));
+        ExprId value = v.init == nullptr ? code.poison(type)
+                                         : code.expr_as(v.init, type, fmt::format("constant `{}`", v.name.text));
         if (calls_cpp(b.model.code, value)) b.diags.report(Diag::kB1045, v.init->range, v.name.text);
         value = code.folded(value);
         b.model.constants[package.prefix + std::string(v.name.text)] = {value, type};
@@ -192,10 +207,14 @@ void check_functions(ModelBuilder& b) {
     for (const syntax::Param& p : decl->params) {
       names.declare(p.name, "parameter");
       const Type type = native_data_type(b.model, p.type, "a parameter of a function of BIP", b.diags);
-      scope.names[std::string(p.name.text)] = {.type = type, .read_only = "a parameter keeps its value", .value = outer.poison(type), .declared = p.name.range};
+      scope.names[std::string(p.name.text)] = {.type = type,
+                                               .read_only = "a parameter keeps its value",
+                                               .value = outer.poison(type),
+                                               .declared = p.name.range};
     }
     CodeBuilder code(b.model, b.diags, scope, *decl);
-    code.expr_as(decl->body, native_data_type(b.model, decl->result, "a result of a function of BIP", b.diags), "the function's result");
+    code.expr_as(decl->body, native_data_type(b.model, decl->result, "a result of a function of BIP", b.diags),
+                 "the function's result");
   }
 }
 
@@ -204,7 +223,8 @@ void collect_initialised_data(ModelBuilder& b, std::span<const syntax::CompoundI
   for (const syntax::CompoundItem* item : items) {
     collect_initialised_data(b, item->items);
     if (item->args.empty() || !item->type.is_written()) continue;
-    const std::vector<std::string> keys = visible_keys(b.model, b.model.type_names, b.text(item->type.name), item->type.name.range.file);
+    const std::vector<std::string> keys =
+        visible_keys(b.model, b.model.type_names, b.text(item->type.name), item->type.name.range.file);
     if (keys.empty()) continue;
     auto* collected = &b.initialised_data[keys.front()];
     for (const syntax::NamedArg& arg : item->args) {
@@ -221,10 +241,12 @@ void declare_packages(ModelBuilder& b, const std::vector<const syntax::Syntax*>&
     const syntax::Package& package = *syntax->package;
     const auto row = static_cast<std::uint32_t>(model.packages.size());
     const std::string name = package.name.parts.empty() ? "" : b.text(package.name);
-    PackageScope scope{.name = name, .prefix = syntax == packages.back() ? "" : name + ".", .file = syntax->file, .uses = {}};
+    PackageScope scope{
+        .name = name, .prefix = syntax == packages.back() ? "" : name + ".", .file = syntax->file, .uses = {}};
     for (const syntax::Path& use : package.uses) {
       const std::string wanted = b.text(use);
-      const auto used = std::find_if(model.packages.begin(), model.packages.end(), [&](const PackageScope& p) { return p.name == wanted; });
+      const auto used = std::find_if(model.packages.begin(), model.packages.end(),
+                                     [&](const PackageScope& p) { return p.name == wanted; });
       const auto used_row = static_cast<std::uint32_t>(used - model.packages.begin());
       if (used == model.packages.end()) {
         b.diags.report(Diag::kB1060, use.range, wanted);
@@ -247,7 +269,8 @@ std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& 
   return build_model(std::vector<const syntax::Syntax*>{&syntax}, sources, diags);
 }
 
-std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources, Diagnostics& diags) {
+std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources,
+                                 Diagnostics& diags) {
   Model model;
   model.sources = &sources;
   for (std::size_t i = 0; i < sources.size(); ++i) model.files.push_back(sources.name(FileId(i)));

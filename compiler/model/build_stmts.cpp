@@ -4,8 +4,15 @@
 
 namespace bip::model {
 
-StmtId CodeBuilder::store_self(std::uint32_t slot, Type type, ExprId value, Loc at, StmtId next) {
-  return model_.code.stmts.push({.op = StmtOp::StoreSelf, .type = type, .index = slot, .value = value, .then_body = {}, .else_body = {}, .next = next, .loc = at});
+StmtId CodeBuilder::store_self(std::uint32_t variable, Type type, ExprId value, Loc at, StmtId next) {
+  return model_.code.stmts.push({.op = StmtOp::StoreSelf,
+                                 .type = type,
+                                 .index = variable,
+                                 .value = value,
+                                 .then_body = {},
+                                 .else_body = {},
+                                 .next = next,
+                                 .loc = at});
 }
 
 // Built back to front, so that each statement knows the next.
@@ -20,8 +27,7 @@ StmtId CodeBuilder::block(std::span<const syntax::Stmt* const> stmts, StmtId tai
 
 StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
   switch (s->kind) {
-    case syntax::StmtKind::Call:
-    {
+    case syntax::StmtKind::Call: {
       is_statement_ = true;
       const std::optional<Typed> call = expr(s->value);
       is_statement_ = false;
@@ -30,18 +36,31 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
         diags_.report(Diag::kB1017, s->range);
         return next;
       }
-      return model_.code.stmts.push({.op = StmtOp::Call, .type = call->type, .value = call->id, .then_body = {}, .else_body = {}, .next = next, .loc = loc(s->range)});
+      return model_.code.stmts.push({.op = StmtOp::Call,
+                                     .type = call->type,
+                                     .value = call->id,
+                                     .then_body = {},
+                                     .else_body = {},
+                                     .next = next,
+                                     .loc = loc(s->range)});
     }
     case syntax::StmtKind::If: {
       const ExprId condition = expr_as(s->value, Type::Bool, "the condition");
       const StmtId then_body = block(s->then_body);
       const StmtId else_body = block(s->else_body);
-      return model_.code.stmts.push({.op = StmtOp::If, .type = Type::Bool, .value = condition, .then_body = then_body, .else_body = else_body, .next = next, .loc = loc(s->range)});
+      return model_.code.stmts.push({.op = StmtOp::If,
+                                     .type = Type::Bool,
+                                     .value = condition,
+                                     .then_body = then_body,
+                                     .else_body = else_body,
+                                     .next = next,
+                                     .loc = loc(s->range)});
     }
     case syntax::StmtKind::Assign: break;
   }
   const std::string name = path_key(s->target, *model_.sources);
-  if (find(s->target, false) == nullptr && !visible_keys(model_, model_.constants, name, s->target.range.file).empty()) {
+  if (find(s->target, false) == nullptr &&
+      !visible_keys(model_, model_.constants, name, s->target.range.file).empty()) {
     diags_.report(Diag::kB1018, s->target.range, name, "a constant keeps its value");
     return next;
   }
@@ -56,20 +75,38 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     if (target->declared.is_valid()) d.label(target->declared, "declared here");
     return next;
   }
-  if (const auto assign = model_.operators.find("operator ="); assign != model_.operators.end() && is_extern(target->type)) {
+  if (const auto assign = model_.operators.find("operator =");
+      assign != model_.operators.end() && is_extern(target->type)) {
     const std::optional<Argument> given = argument(s->value);
     if (!given) return next;
-    const ExprId load = make({.op = target->load, .type = target->type, .index = target->index, .a = {}, .b = {}, .loc = loc(s->target.range)});
+    const ExprId load = make({.op = target->load,
+                              .type = target->type,
+                              .index = target->index,
+                              .a = {},
+                              .b = {},
+                              .loc = loc(s->target.range)});
     const std::vector<Argument> args{{{load, target->type}, true, s->target.range}, *given};
     if (!best_prototypes(model_, assign->second, args).empty()) {
       const std::optional<Typed> call = extern_call("=", assign->second, args, s->range, false);
       if (!call) return next;
-      return model_.code.stmts.push({.op = StmtOp::Call, .type = call->type, .value = call->id, .then_body = {}, .else_body = {}, .next = next, .loc = loc(s->range)});
+      return model_.code.stmts.push({.op = StmtOp::Call,
+                                     .type = call->type,
+                                     .value = call->id,
+                                     .then_body = {},
+                                     .else_body = {},
+                                     .next = next,
+                                     .loc = loc(s->range)});
     }
   }
   const ExprId value = expr_as(s->value, target->type, fmt::format("`{}`", name));
   return model_.code.stmts.push({.op = target->load == Op::LoadSelf ? StmtOp::StoreSelf : StmtOp::StoreBind,
-                                 .type = target->type, .index = target->index, .value = value, .then_body = {}, .else_body = {}, .next = next, .loc = loc(s->range)});
+                                 .type = target->type,
+                                 .index = target->index,
+                                 .value = value,
+                                 .then_body = {},
+                                 .else_body = {},
+                                 .next = next,
+                                 .loc = loc(s->range)});
 }
 
 }  // namespace bip::model

@@ -1,8 +1,8 @@
 // Clocks, and conditions on them: see build_time.hpp.
 //
-// A condition is split at its `&&`s. What reads no clock stays an expression; what does must be a comparison that, with all
-// clocks on one side, bounds one clock or the difference of two of the same unit. Recursion is as deep as the parser lets
-// expressions be.
+// A condition is split at its `&&`s. What reads no clock stays an expression; what does must be a comparison that, with
+// all clocks on one side, bounds one clock or the difference of two of the same unit. Recursion is as deep as the
+// parser lets expressions be.
 #include "compiler/model/build_time.hpp"
 
 #include <algorithm>
@@ -19,10 +19,12 @@ using syntax::UnaryOp;
 namespace {
 
 constexpr std::pair<const char*, std::int64_t> kUnits[] = {
-    {"nanosecond", 1},           {"microsecond", 1'000},         {"millisecond", 1'000'000},         {"second", 1'000'000'000},
+    {"nanosecond", 1},          {"microsecond", 1'000},      {"millisecond", 1'000'000}, {"second", 1'000'000'000},
     {"minute", 60'000'000'000}, {"hour", 3'600'000'000'000}, {"day", 86'400'000'000'000}};
 
-bool is_comparison(const syntax::Expr* e) { return e->kind == ExprKind::Binary && e->binary >= BinaryOp::Eq && e->binary <= BinaryOp::Ge; }
+bool is_comparison(const syntax::Expr* e) {
+  return e->kind == ExprKind::Binary && e->binary >= BinaryOp::Eq && e->binary <= BinaryOp::Ge;
+}
 
 BoundOp bound_op(BinaryOp op, bool is_flipped) {
   switch (op) {
@@ -48,7 +50,8 @@ bool has_empty_range(const std::vector<const Bound*>& bounds) {
   for (const Bound* first : bounds) {
     Range range;
     for (const Bound* bound : bounds) {
-      if (bound->slot == Bound::kNone && bound->clock == first->clock && bound->minus == first->minus) range.meet(*bound);
+      if (bound->variable == Bound::kNone && bound->clock == first->clock && bound->minus == first->minus)
+        range.meet(*bound);
     }
     if (range.low > range.high) return true;
   }
@@ -77,14 +80,21 @@ bool are_disjoint(const TimeGuard& a, const TimeGuard& b) {
 }
 
 void TimeBuilder::add_clock(const syntax::Name& name, const syntax::Name& unit) {
-  Clock clock{.name = std::string(name.text), .slot = static_cast<std::uint32_t>(atom_.slots.size()), .loc = b_.loc(name.range)};
+  Clock clock{.name = std::string(name.text),
+              .variable = static_cast<std::uint32_t>(atom_.variables.size()),
+              .loc = b_.loc(name.range)};
   for (const auto& [word, length] : kUnits) {
     if (unit.text == word) clock.unit = length;
   }
-  scope_.names[clock.name] = {.index = clock.slot, .type = Type::Float, .read_only = "", .value = {}, .is_clock = true, .declared = name.range};
-  atom_.slots.push_back({fmt::format("clock {}", clock.name), Type::Float, false, false, clock.loc});
-  atom_.slots.push_back({fmt::format("clock {} is set", clock.name), Type::Bool, false, false, clock.loc});
-  atom_.slots.push_back({fmt::format("clock {} speed", clock.name), Type::Float, false, false, clock.loc});
+  scope_.names[clock.name] = {.index = clock.variable,
+                              .type = Type::Float,
+                              .read_only = "",
+                              .value = {},
+                              .is_clock = true,
+                              .declared = name.range};
+  atom_.variables.push_back({fmt::format("clock {}", clock.name), Type::Float, false, false, clock.loc});
+  atom_.variables.push_back({fmt::format("clock {} is set", clock.name), Type::Bool, false, false, clock.loc});
+  atom_.variables.push_back({fmt::format("clock {} speed", clock.name), Type::Float, false, false, clock.loc});
   atom_.clocks.push_back(std::move(clock));
 }
 
@@ -115,7 +125,8 @@ TimedCondition TimeBuilder::condition(const syntax::Expr* e, const std::string& 
 Resume TimeBuilder::resume(bool present, const syntax::Expr* e, SourceRange at) {
   if (!present) return {};
   TimedCondition parts = condition(e, "what `resume` waits for");
-  return {.present = true, .guard = parts.data, .when = std::move(parts.when), .loc = b_.loc(e != nullptr ? e->range : at)};
+  return {
+      .present = true, .guard = parts.data, .when = std::move(parts.when), .loc = b_.loc(e != nullptr ? e->range : at)};
 }
 
 void TimeBuilder::conjunct(const syntax::Expr* e, const std::string& what, TimedCondition& out) {
@@ -134,13 +145,16 @@ void TimeBuilder::conjunct(const syntax::Expr* e, const std::string& what, Timed
   }
   if (is_comparison(e) && e->binary != BinaryOp::Ne) return bound(e, out);
   const bool is_operator = e->kind == ExprKind::Binary || e->kind == ExprKind::Unary;
-  if (is_operator && (e->kind == ExprKind::Unary ? e->unary == UnaryOp::Not : e->binary == BinaryOp::Or || e->binary == BinaryOp::Ne)) {
-    auto d = b_.diags.report(Diag::kB1602, e->op_range, clock->path.parts[0].name.text, b_.sources.text(e->op_range)).label(clock->range, "this is a clock");
+  if (is_operator && (e->kind == ExprKind::Unary ? e->unary == UnaryOp::Not
+                                                 : e->binary == BinaryOp::Or || e->binary == BinaryOp::Ne)) {
+    auto d = b_.diags.report(Diag::kB1602, e->op_range, clock->path.parts[0].name.text, b_.sources.text(e->op_range))
+                 .label(clock->range, "this is a clock");
     if (e->kind == ExprKind::Binary && e->binary == BinaryOp::Or) d.help("write two transitions, one a case");
     else d.help("write the comparison the other way round: `x > 5` for `!(x <= 5)`");
     return;
   }
-  b_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text).help("compare a clock, or the difference of two, with data: `x <= 5`, `x - y >= n`");
+  b_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text)
+      .help("compare a clock, or the difference of two, with data: `x <= 5`, `x - y >= n`");
 }
 
 bool TimeBuilder::collect(const syntax::Expr* e, bool is_negative, Linear& out) {
@@ -154,11 +168,14 @@ bool TimeBuilder::collect(const syntax::Expr* e, bool is_negative, Linear& out) 
     return true;
   }
   const bool is_sum = e->kind == ExprKind::Binary && (e->binary == BinaryOp::Add || e->binary == BinaryOp::Sub);
-  if (is_sum) return collect(e->operands[0], is_negative, out) && collect(e->operands[1], is_negative != (e->binary == BinaryOp::Sub), out);
+  if (is_sum)
+    return collect(e->operands[0], is_negative, out) &&
+           collect(e->operands[1], is_negative != (e->binary == BinaryOp::Sub), out);
   if (e->kind == ExprKind::Unary && (e->unary == UnaryOp::Neg || e->unary == UnaryOp::Plus)) {
     return collect(e->operands[0], is_negative != (e->unary == UnaryOp::Neg), out);
   }
-  b_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text).help("compare a clock, or the difference of two, with data: `x <= 5`, `x - y >= n`");
+  b_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text)
+      .help("compare a clock, or the difference of two, with data: `x <= 5`, `x - y >= n`");
   return false;
 }
 
@@ -166,12 +183,16 @@ bool TimeBuilder::collect(const syntax::Expr* e, bool is_negative, Linear& out) 
 void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
   Linear sum;
   if (!collect(e->operands[0], false, sum) || !collect(e->operands[1], true, sum)) return;
-  const std::size_t negative = static_cast<std::size_t>(std::count_if(sum.clocks.begin(), sum.clocks.end(), [](const auto& c) { return c.second; }));
+  const std::size_t negative = static_cast<std::size_t>(
+      std::count_if(sum.clocks.begin(), sum.clocks.end(), [](const auto& c) { return c.second; }));
   const std::size_t positive = sum.clocks.size() - negative;
   const auto name = [](const syntax::Expr* clock) { return clock->path.parts[0].name.text; };
   const auto same = [&] { return name(sum.clocks[0].first) == name(sum.clocks[1].first); };
   if (positive > 1 || negative > 1 || (sum.clocks.size() == 2 && same())) {
-    b_.diags.report(Diag::kB1604, e->range).label(sum.clocks[0].first->range, "a clock").label(sum.clocks[1].first->range, "and another one").help("what is bounded is one clock, or the difference of two");
+    b_.diags.report(Diag::kB1604, e->range)
+        .label(sum.clocks[0].first->range, "a clock")
+        .label(sum.clocks[1].first->range, "and another one")
+        .help("what is bounded is one clock, or the difference of two");
     return;
   }
   const bool is_flipped = positive == 0;
@@ -179,14 +200,17 @@ void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
   for (const auto& [clock, is_negative] : sum.clocks) {
     const std::uint32_t first = scope_.names.at(std::string(name(clock))).index;
     for (std::uint32_t row = 0; row < atom_.clocks.size(); ++row) {
-      if (atom_.clocks[row].slot == first) rows[is_negative != is_flipped ? 1 : 0] = row;
+      if (atom_.clocks[row].variable == first) rows[is_negative != is_flipped ? 1 : 0] = row;
     }
   }
   Bound row{.clock = rows[0], .minus = rows[1], .op = bound_op(e->binary, is_flipped), .loc = b_.loc(e->range)};
   const std::int64_t unit = atom_.clocks[row.clock].unit;
   if (row.minus != Bound::kNone && atom_.clocks[row.minus].unit != unit) {
     const Clock& other = atom_.clocks[row.minus];
-    b_.diags.report(Diag::kB1605, e->range, atom_.clocks[row.clock].name, unit_name(unit), other.name, unit_name(other.unit)).help("give them the same unit");
+    b_.diags
+        .report(Diag::kB1605, e->range, atom_.clocks[row.clock].name, unit_name(unit), other.name,
+                unit_name(other.unit))
+        .help("give them the same unit");
     return;
   }
   // The limit is what remains, on the other side.
@@ -200,7 +224,9 @@ void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
     if (limit.is_valid()) limit = make(is_minus ? Op::Sub : Op::Add, Type::Float, limit, value, term->range);
     else limit = is_minus ? make(Op::Neg, Type::Float, value, {}, term->range) : value;
   }
-  if (!limit.is_valid()) limit = b_.model.code.exprs.push({.op = Op::ConstFloat, .type = Type::Float, .float_value = 0, .a = {}, .b = {}, .loc = row.loc});
+  if (!limit.is_valid())
+    limit = b_.model.code.exprs.push(
+        {.op = Op::ConstFloat, .type = Type::Float, .float_value = 0, .a = {}, .b = {}, .loc = row.loc});
   set_limit(e, limit, unit, row, out.when);
 }
 
@@ -222,7 +248,8 @@ void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t un
     const Evaluated value = evaluate(b_.model.code, limit, {});
     if (value.fault == Fault::None) {
       if (!to_ticks(value.value.float_value, unit, bound.ticks)) {
-        b_.diags.report(Diag::kB1606, e->range, value.value.float_value, unit_name(unit)).note("time is counted in nanoseconds, up to 146 years");
+        b_.diags.report(Diag::kB1606, e->range, value.value.float_value, unit_name(unit))
+            .note("time is counted in nanoseconds, up to 146 years");
         return;
       }
       out.bounds.push_back(bound);
@@ -230,14 +257,14 @@ void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t un
     }
   }
   std::size_t used = 0;
-  for (const Bound& other : out.bounds) used += other.slot != Bound::kNone ? 1 : 0;
-  if (used == limit_slots_.size()) {
-    limit_slots_.push_back(static_cast<std::uint32_t>(atom_.slots.size()));
-    atom_.slots.push_back({fmt::format("limit {}", used), Type::Float, false, false, b_.loc(e->range)});
+  for (const Bound& other : out.bounds) used += other.variable != Bound::kNone ? 1 : 0;
+  if (used == limit_variables_.size()) {
+    limit_variables_.push_back(static_cast<std::uint32_t>(atom_.variables.size()));
+    atom_.variables.push_back({fmt::format("limit {}", used), Type::Float, false, false, b_.loc(e->range)});
   }
-  bound.slot = limit_slots_[used];
+  bound.variable = limit_variables_[used];
   CodeBuilder code(b_.model, b_.diags, scope_);
-  const StmtId store = code.store_self(bound.slot, Type::Float, limit, bound.loc, {});
+  const StmtId store = code.store_self(bound.variable, Type::Float, limit, bound.loc, {});
   StmtId last = out.measure;
   while (last.is_valid() && b_.model.code.stmts[last].next.is_valid()) last = b_.model.code.stmts[last].next;
   if (last.is_valid()) b_.model.code.stmts[last].next = store;
@@ -251,7 +278,8 @@ void TimeBuilder::check_satisfiable(const TimeGuard& when, const syntax::Expr* e
   if (has_empty_range(bounds)) b_.diags.report(Diag::kB1607, e->range);
 }
 
-// ---- clocks in code --------------------------------------------------------------------------------------------------
+// ---- clocks in code
+// --------------------------------------------------------------------------------------------------
 
 std::optional<Typed> CodeBuilder::clock_path(const syntax::Expr* e) {
   const Binding* b = find(e->path, true);
@@ -262,11 +290,15 @@ std::optional<Typed> CodeBuilder::clock_path(const syntax::Expr* e) {
     return std::nullopt;
   }
   if (!e->clock_speed) {
-    diags_.report(Diag::kB1601, e->range, name).label(b->declared, "declared here").help("a clock can be compared in guards of transitions, invariants and `resume`, and set in actions");
+    diags_.report(Diag::kB1601, e->range, name)
+        .label(b->declared, "declared here")
+        .help("a clock can be compared in guards of transitions, invariants and `resume`, and set in actions");
     return std::nullopt;
   }
-  const auto slot = b->index + static_cast<std::uint32_t>(ClockSlot::Speed);
-  return Typed{make({.op = Op::LoadSelf, .type = Type::Float, .index = slot, .a = {}, .b = {}, .loc = loc(e->range)}), Type::Float};
+  const auto variable = b->index + static_cast<std::uint32_t>(ClockVariable::Speed);
+  return Typed{
+      make({.op = Op::LoadSelf, .type = Type::Float, .index = variable, .a = {}, .b = {}, .loc = loc(e->range)}),
+      Type::Float};
 }
 
 StmtId CodeBuilder::clock_statement(const syntax::Stmt* s, const Binding& target, StmtId next) {
@@ -279,15 +311,18 @@ StmtId CodeBuilder::clock_statement(const syntax::Stmt* s, const Binding& target
   if (s->clock_speed) {
     const ExprId value = expr_as(s->value, Type::Float, fmt::format("the speed of `{}`", name));
     const Expr& e = model_.code.exprs[value];
-    const bool is_negative = (e.op == Op::ConstFloat && e.float_value < 0) || (e.op == Op::Neg && model_.code.exprs[e.a].op == Op::ConstFloat) ||
-                             (e.op == Op::IntToFloat && model_.code.exprs[e.a].op == Op::Neg && model_.code.exprs[model_.code.exprs[e.a].a].op == Op::ConstInt);
+    const bool is_negative = (e.op == Op::ConstFloat && e.float_value < 0) ||
+                             (e.op == Op::Neg && model_.code.exprs[e.a].op == Op::ConstFloat) ||
+                             (e.op == Op::IntToFloat && model_.code.exprs[e.a].op == Op::Neg &&
+                              model_.code.exprs[model_.code.exprs[e.a].a].op == Op::ConstInt);
     if (is_negative) diags_.report(Diag::kB1609, s->value->range, name);
-    return store_self(target.index + static_cast<std::uint32_t>(ClockSlot::Speed), Type::Float, value, at, next);
+    return store_self(target.index + static_cast<std::uint32_t>(ClockVariable::Speed), Type::Float, value, at, next);
   }
   const ExprId value = expr_as(s->value, Type::Float, fmt::format("clock `{}`", name));
   const ExprId yes = make({.op = Op::ConstBool, .type = Type::Bool, .int_value = 1, .a = {}, .b = {}, .loc = at});
-  const StmtId mark = store_self(target.index + static_cast<std::uint32_t>(ClockSlot::IsSet), Type::Bool, yes, at, next);
-  return store_self(target.index + static_cast<std::uint32_t>(ClockSlot::Value), Type::Float, value, at, mark);
+  const StmtId mark =
+      store_self(target.index + static_cast<std::uint32_t>(ClockVariable::IsSet), Type::Bool, yes, at, next);
+  return store_self(target.index + static_cast<std::uint32_t>(ClockVariable::Value), Type::Float, value, at, mark);
 }
 
 }  // namespace bip::model

@@ -8,16 +8,16 @@ namespace bip::model {
 
 /// A condition of an atom, taken apart: `data && when`.
 struct TimedCondition {
-  ExprId data{};     // invalid: true
+  ExprId data{};  // invalid: true
   TimeGuard when{};
 };
 
-/// Builds an atom type's clocks and conditions. The scope must know the clocks; hidden slots are added to `atom`.
+/// Builds an atom type's clocks and conditions. The scope must know the clocks; hidden variables are added to `atom`.
 class TimeBuilder {
  public:
   TimeBuilder(ModelBuilder& b, AtomType& atom, Scope& scope) : b_(b), atom_(atom), scope_(scope) {}
 
-  /// A clock and its hidden slots. All slots of data must be there.
+  /// A clock and its hidden variables. All variables of data must be there.
   void add_clock(const syntax::Name& name, const syntax::Name& unit);
   /// Null is true. `what` is what the condition is for: "the guard".
   TimedCondition condition(const syntax::Expr* e, const std::string& what);
@@ -38,7 +38,7 @@ class TimeBuilder {
   ModelBuilder& b_;
   AtomType& atom_;
   Scope& scope_;
-  std::vector<std::uint32_t> limit_slots_;  // hidden slots for limits, shared by all conditions
+  std::vector<std::uint32_t> limit_variables_;  // hidden variables for limits, shared by all conditions
 };
 
 /// What `@async` says, all ports of `atom` being there.

@@ -74,14 +74,15 @@ void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::
 struct ConnectorPorts {
   std::vector<ConnectorParam> params;
   std::unordered_map<std::string, std::vector<std::uint32_t>> rows;  // key in the body -> parameters ([*]: several)
-  std::unordered_map<std::string, Binding> data;                     // "battery.totalPwr" -> Bind after the port variables
+  std::unordered_map<std::string, Binding> data;  // "battery.totalPwr" -> Bind after the port variables
   std::vector<DataRead> data_reads;
 };
 /// Warnings about the clauses of a connector: a `down` without effect, a guard that reads the connector's own data.
-void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorType& type, syntax::Annotations annotations);
+void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorType& type,
+                   syntax::Annotations annotations);
 /// Checks a connector's body and fills everything but name and params' origin.
-void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports, bool is_inline, SourceRange range,
-                          syntax::Annotations annotations, ConnectorType& out);
+void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports,
+                          bool is_inline, SourceRange range, syntax::Annotations annotations, ConnectorType& out);
 
 // ---- the `define` tree ---------------------------------------------------------------------------------------------
 /// "p q r" with the parameters' names.

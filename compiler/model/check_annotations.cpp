@@ -1,5 +1,5 @@
-// Names in `@SuppressWarning` that no warning has: most likely a slip, and then the warning stays. Other annotations are
-// nobody's business here. Linear in the annotations.
+// Names in `@SuppressWarning` that no warning has: most likely a slip, and then the warning stays. Other annotations
+// are nobody's business here. Linear in the annotations.
 #include <algorithm>
 #include <array>
 
@@ -10,9 +10,17 @@ namespace bip::model {
 namespace {
 
 // What LANGUAGE lists, and what this compiler adds (the last row).
-constexpr std::array kNames = {"nondeterminism", "unboundcomponentport", "unboundconnectorport", "missingup", "missinginteraction",
-                               "nointeraction", "atomprioritycycle", "compoundprioritycycle", "uselessdown",
-                               "modifiedvariabletransition", "modifiedvariableinteraction",
+constexpr std::array kNames = {"nondeterminism",
+                               "unboundcomponentport",
+                               "unboundconnectorport",
+                               "missingup",
+                               "missinginteraction",
+                               "nointeraction",
+                               "atomprioritycycle",
+                               "compoundprioritycycle",
+                               "uselessdown",
+                               "modifiedvariabletransition",
+                               "modifiedvariableinteraction",
                                "maybenotsafe"};
 
 void check(Diagnostics& diags, syntax::Annotations annotations) {
@@ -20,7 +28,8 @@ void check(Diagnostics& diags, syntax::Annotations annotations) {
     if (a.name.text != "SuppressWarning") continue;
     for (const syntax::AnnotationArg& arg : a.args) {
       if (std::find(kNames.begin(), kNames.end(), arg.key.text) != kNames.end()) continue;
-      help_similar(diags.report(Diag::kB1049, arg.key.range, arg.key.text), arg.key.text, arg.key.range, {kNames.begin(), kNames.end()});
+      help_similar(diags.report(Diag::kB1049, arg.key.range, arg.key.text), arg.key.text, arg.key.range,
+                   {kNames.begin(), kNames.end()});
     }
   }
 }

@@ -12,11 +12,9 @@ namespace {
 
 void check_uninitialised(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   const CodeTable& code = b.model.code;
-  std::vector<bool> read(atom.slots.size()), written(atom.slots.size());
+  std::vector<bool> read(atom.variables.size()), written(atom.variables.size());
   const auto look = [&](ExprId expr) { mark_reads(code, expr, Op::LoadSelf, read); };
-  const auto look_at_all = [&](StmtId first) {
-    visit_stmts(code, first, [&](const Stmt& s) { look(s.value); });
-  };
+  const auto look_at_all = [&](StmtId first) { visit_stmts(code, first, [&](const Stmt& s) { look(s.value); }); };
   mark_writes(code, atom.initial_action, Op::LoadSelf, written);
   for (const Transition& t : atom.transitions) {
     look(t.guard);
@@ -32,17 +30,20 @@ void check_uninitialised(ModelBuilder& b, const AtomType& atom, const syntax::De
     look(i.condition);
     look_at_all(i.when.measure);
   }
-  std::uint32_t slot = static_cast<std::uint32_t>(std::count_if(atom.slots.begin(), atom.slots.end(), [](const Slot& s) { return s.is_param; }));
+  std::uint32_t variable = static_cast<std::uint32_t>(
+      std::count_if(atom.variables.begin(), atom.variables.end(), [](const DataVariable& s) { return s.is_param; }));
   for (const syntax::DataDecl& d : decl.data) {
     for (const syntax::Var& v : d.vars) {
       // C++ objects begin as their class says.
-      if (slot < atom.slots.size() && !is_extern(atom.slots[slot].type) && read[slot] && !written[slot] && decl.notation == syntax::Notation::Bip2) {
+      if (variable < atom.variables.size() && !is_extern(atom.variables[variable].type) && read[variable] &&
+          !written[variable] && decl.notation == syntax::Notation::Bip2) {
         static constexpr const char* kZeros[] = {"0", "false", "0.0", "\"\""};
-        const char* zero = kZeros[static_cast<int>(atom.slots[slot].type)];
+        const char* zero = kZeros[static_cast<int>(atom.variables[variable].type)];
         const std::string mended = fmt::format("{} = {}", v.name.text, zero);
-        b.diags.report(Diag::kB1024, v.name.range, v.name.text, zero).help(fmt::format("write `{}` if that is meant", mended), v.name.range, mended);
+        b.diags.report(Diag::kB1024, v.name.range, v.name.text, zero)
+            .help(fmt::format("write `{}` if that is meant", mended), v.name.range, mended);
       }
-      ++slot;
+      ++variable;
     }
   }
 }
@@ -53,7 +54,9 @@ void check_nondeterminism(ModelBuilder& b, const AtomType& atom, const syntax::D
     const Transition& second = atom.transitions[j];
     const auto [known, is_new] = firsts.try_emplace(std::pair(second.port, second.from), j);
     if (is_new) continue;
-    if (is_suppressed(decl.annotations, "nondeterminism") || is_suppressed(decl.transitions[j].annotations, "nondeterminism")) continue;
+    if (is_suppressed(decl.annotations, "nondeterminism") ||
+        is_suppressed(decl.transitions[j].annotations, "nondeterminism"))
+      continue;
     const bool is_internal = second.port == Transition::kInternal;
     const Transition& first = atom.transitions[known->second];
     if (are_disjoint(first.when, second.when)) continue;
@@ -63,7 +66,8 @@ void check_nondeterminism(ModelBuilder& b, const AtomType& atom, const syntax::D
     const std::string place = second.from.empty() ? "?" : atom.places[second.from[0]];
     b.diags.report(sure ? Diag::kB1025 : Diag::kB1026, decl.transitions[j].range, what, place)
         .label(decl.transitions[known->second].range, "the other one")
-        .help(!sure         ? "write guards that exclude each other, or `@SuppressWarning(nondeterminism)` before the transition"
+        .help(!sure
+                  ? "write guards that exclude each other, or `@SuppressWarning(nondeterminism)` before the transition"
               : is_internal ? "give them guards that exclude each other"
                             : "give them two ports, or guards that exclude each other");
   }
@@ -96,7 +100,8 @@ void check_clocks(ModelBuilder& b, const AtomType& atom, const syntax::Decl& dec
 void check_atom(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   if (b.diags.has_errors()) return;
   for (std::size_t p = 0; p < atom.ports.size(); ++p) {
-    const bool used = std::any_of(atom.transitions.begin(), atom.transitions.end(), [&](const Transition& t) { return t.port == p; });
+    const bool used =
+        std::any_of(atom.transitions.begin(), atom.transitions.end(), [&](const Transition& t) { return t.port == p; });
     if (used) continue;
     std::size_t row = 0;
     for (const syntax::PortDecl& d : decl.ports) {

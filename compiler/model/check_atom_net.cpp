@@ -23,13 +23,19 @@ struct NetCheck {
   const AtomType& atom;
   const syntax::Decl& decl;
   std::set<Marking> markings{};
-  std::vector<std::size_t> enabled, unsafe;       // by transition: in how many markings
-  std::vector<bool> forestalled;                  // by transition: never fires, and told
-  std::vector<std::uint32_t> second_token;        // by transition: a place that would get a second one
+  std::vector<std::size_t> enabled, unsafe;                  // by transition: in how many markings
+  std::vector<bool> forestalled;                             // by transition: never fires, and told
+  std::vector<std::uint32_t> second_token;                   // by transition: a place that would get a second one
   std::set<std::pair<std::size_t, std::size_t>> together{};  // transitions of one port that one marking enables
 
   NetCheck(ModelBuilder& builder, const AtomType& a, const syntax::Decl& d)
-      : b(builder), atom(a), decl(d), enabled(a.transitions.size()), unsafe(a.transitions.size()), forestalled(a.transitions.size()), second_token(a.transitions.size()) {}
+      : b(builder),
+        atom(a),
+        decl(d),
+        enabled(a.transitions.size()),
+        unsafe(a.transitions.size()),
+        forestalled(a.transitions.size()),
+        second_token(a.transitions.size()) {}
 
   [[nodiscard]] std::string name(std::size_t t) const {
     const std::uint32_t port = atom.transitions[t].port;
@@ -50,7 +56,7 @@ struct NetCheck {
   // Places that some run of the atom alone can mark, each for itself.
   [[nodiscard]] std::vector<bool> reachable_places() const {
     std::vector<bool> reached(atom.places.size());
-    std::vector<Places> leaving(atom.places.size());             // transitions
+    std::vector<Places> leaving(atom.places.size());            // transitions
     std::vector<std::size_t> missing(atom.transitions.size());  // places not yet reached
     for (std::uint32_t t = 0; t < missing.size(); ++t) {
       missing[t] = atom.transitions[t].from.size();
@@ -76,7 +82,8 @@ struct NetCheck {
 
   [[nodiscard]] bool is_one_token() const {
     return atom.initial.size() == 1 &&
-           std::all_of(atom.transitions.begin(), atom.transitions.end(), [](const Transition& t) { return t.from.size() == 1 && t.to.size() == 1; });
+           std::all_of(atom.transitions.begin(), atom.transitions.end(),
+                       [](const Transition& t) { return t.from.size() == 1 && t.to.size() == 1; });
   }
 
   // Fires `t` into `to`; false if a place would hold two tokens.
@@ -110,7 +117,8 @@ struct NetCheck {
         fires.push_back(t);
         internal_is_first |= atom.transitions[t].port == Transition::kInternal && is_free(t);
       }
-      if (internal_is_first) std::erase_if(fires, [&](std::size_t t) { return atom.transitions[t].port != Transition::kInternal; });
+      if (internal_is_first)
+        std::erase_if(fires, [&](std::size_t t) { return atom.transitions[t].port != Transition::kInternal; });
       for (std::size_t i = 0; i < fires.size(); ++i) {
         const std::size_t t = fires[i];
         for (std::size_t j = 0; j < i; ++j) {
@@ -138,21 +146,30 @@ struct NetCheck {
     }
     for (std::size_t t = 0; t < atom.transitions.size(); ++t) {
       const SourceRange at = decl.transitions[t].range;
-      if (enabled[t] == 0 && !forestalled[t] && includes(marked, atom.transitions[t].from) && atom.transitions[t].from.size() > 1) {
-        b.diags.report(Diag::kB1029, at, name(t)).note("each of its places can be marked, but never all of them together");
+      if (enabled[t] == 0 && !forestalled[t] && includes(marked, atom.transitions[t].from) &&
+          atom.transitions[t].from.size() > 1) {
+        b.diags.report(Diag::kB1029, at, name(t))
+            .note("each of its places can be marked, but never all of them together");
       }
       if (unsafe[t] == 0) continue;
       const bool sure = unsafe[t] == enabled[t] && is_free(t);
       const std::string& place = atom.places[second_token[t]];
-      if (sure) b.diags.report(Diag::kB1034, at, name(t), place).help(fmt::format("take the token of `{}`, too: write it after `from`", place));
-      else if (!is_silent(t, "maybenotsafe")) b.diags.report(Diag::kB1035, at, name(t), place).help("`@SuppressWarning(maybenotsafe)` before it, if guards or connectors prevent that");
+      if (sure)
+        b.diags.report(Diag::kB1034, at, name(t), place)
+            .help(fmt::format("take the token of `{}`, too: write it after `from`", place));
+      else if (!is_silent(t, "maybenotsafe"))
+        b.diags.report(Diag::kB1035, at, name(t), place)
+            .help("`@SuppressWarning(maybenotsafe)` before it, if guards or connectors prevent that");
     }
     for (const auto& [i, j] : together) {
-      if (atom.transitions[i].from == atom.transitions[j].from || is_silent(j, "nondeterminism")) continue;  // check_atom tells of those
+      if (atom.transitions[i].from == atom.transitions[j].from || is_silent(j, "nondeterminism"))
+        continue;  // check_atom tells of those
       if (are_disjoint(atom.transitions[i].when, atom.transitions[j].when)) continue;
       const bool is_internal = atom.transitions[j].port == Transition::kInternal;
-      const std::string what = is_internal ? fmt::format("atom type `{}` has two internal transitions", atom.name) : name(j) + " has two transitions";
-      b.diags.report(Diag::kB1051, decl.transitions[j].range, what).label(decl.transitions[i].range, "the other one")
+      const std::string what = is_internal ? fmt::format("atom type `{}` has two internal transitions", atom.name)
+                                           : name(j) + " has two transitions";
+      b.diags.report(Diag::kB1051, decl.transitions[j].range, what)
+          .label(decl.transitions[i].range, "the other one")
           .help("give them two ports, or guards that exclude each other");
     }
     for (std::size_t i = 0; i < atom.invariants.size(); ++i) check_invariant(i);
@@ -164,7 +181,8 @@ struct NetCheck {
       const Invariant& invariant = atom.invariants[i];
       if (invariant.scope == InvariantScope::Always || invariant.places.size() < 2) continue;
       b.diags.report(Diag::kB1036, decl.invariants[i].range, invariant.name)
-          .note(fmt::format("only one place of `{}` is marked at a time, and this asks for {} together", atom.name, invariant.places.size()))
+          .note(fmt::format("only one place of `{}` is marked at a time, and this asks for {} together", atom.name,
+                            invariant.places.size()))
           .help("write an invariant for each place");
     }
   }
@@ -174,7 +192,8 @@ struct NetCheck {
     if (invariant.scope == InvariantScope::Always) return;
     const bool is_checked = std::any_of(markings.begin(), markings.end(), [&](const Marking& m) {
       const auto tokens = static_cast<std::size_t>(std::count(m.begin(), m.end(), true));
-      return includes(m, invariant.places) && (invariant.scope == InvariantScope::From || tokens == invariant.places.size());
+      return includes(m, invariant.places) &&
+             (invariant.scope == InvariantScope::From || tokens == invariant.places.size());
     });
     if (!is_checked) b.diags.report(Diag::kB1036, decl.invariants[row].range, invariant.name);
   }
@@ -185,7 +204,8 @@ struct NetCheck {
     std::vector<std::size_t> leaves(atom.places.size(), kNone);
     for (std::size_t t = 0; t < atom.transitions.size(); ++t) {
       const Transition& row = atom.transitions[t];
-      const bool is_step = row.port == Transition::kInternal && is_free(t) && row.from.size() == 1 && row.to.size() == 1;
+      const bool is_step =
+          row.port == Transition::kInternal && is_free(t) && row.from.size() == 1 && row.to.size() == 1;
       if (is_step && reached[row.from[0]] && leaves[row.from[0]] == kNone) leaves[row.from[0]] = t;
     }
     std::vector<std::size_t> visit(atom.places.size());  // number of the walk that came there
@@ -197,11 +217,13 @@ struct NetCheck {
         place = atom.transitions[last].to[0];
       }
       if (last == kNone || visit[place] != start + 1) continue;
-      b.diags.report(Diag::kB1037, decl.transitions[last].range, atom.places[place]).help("give one of them a guard, or a port");
+      b.diags.report(Diag::kB1037, decl.transitions[last].range, atom.places[place])
+          .help("give one of them a guard, or a port");
     }
   }
 
-  // An internal transition without a guard, from some of its places, is enabled whenever the other one is, and goes first.
+  // An internal transition without a guard, from some of its places, is enabled whenever the other one is, and goes
+  // first.
   void check_forestalled(const std::vector<bool>& reached) {
     std::vector<std::vector<std::size_t>> by_place(atom.places.size());
     for (std::size_t t = 0; t < atom.transitions.size(); ++t) {
@@ -214,10 +236,13 @@ struct NetCheck {
       for (const std::uint32_t p : row.from) {
         const auto first = std::find_if(by_place[p].begin(), by_place[p].end(), [&](std::size_t i) {
           const Places& from = atom.transitions[i].from;
-          return std::all_of(from.begin(), from.end(), [&](std::uint32_t q) { return std::find(row.from.begin(), row.from.end(), q) != row.from.end(); });
+          return std::all_of(from.begin(), from.end(), [&](std::uint32_t q) {
+            return std::find(row.from.begin(), row.from.end(), q) != row.from.end();
+          });
         });
         if (first == by_place[p].end()) continue;
-        b.diags.report(Diag::kB1038, decl.transitions[t].range, name(t), atom.places[p]).label(decl.transitions[*first].range, "this one is always enabled then");
+        b.diags.report(Diag::kB1038, decl.transitions[t].range, name(t), atom.places[p])
+            .label(decl.transitions[*first].range, "this one is always enabled then");
         forestalled[t] = true;
         break;
       }

@@ -80,14 +80,16 @@ void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::
   if (cycle.empty() || (!sure && is_suppressed(decl.annotations, "atomprioritycycle"))) return;
   // Rules and their declarations have the same rows: check_atom stops at errors before.
   const std::uint32_t last = cycle.back().rule;
-  auto d = b.diags.report(sure ? Diag::kB3010 : Diag::kB3009, decl.atom_priorities[last].range, atom.name, cycle_text(atom, cycle));
+  auto d = b.diags.report(sure ? Diag::kB3010 : Diag::kB3009, decl.atom_priorities[last].range, atom.name,
+                          cycle_text(atom, cycle));
   std::vector<bool> labelled(atom.priorities.size());
   labelled[last] = true;
   for (const Edge& edge : cycle) {
     if (!labelled[edge.rule]) d.label(decl.atom_priorities[edge.rule].range, "");
     labelled[edge.rule] = true;
   }
-  if (!sure) d.help("write guards that exclude each other, or `@SuppressWarning(atomprioritycycle)` before the atom type");
+  if (!sure)
+    d.help("write guards that exclude each other, or `@SuppressWarning(atomprioritycycle)` before the atom type");
 }
 
 const MergedPort* merged_with(const AtomType& atom, std::uint32_t port) {

@@ -1,4 +1,5 @@
-// Warnings about what is written with literals alone: a guard that is never true, a division by zero. Part of CodeBuilder.
+// Warnings about what is written with literals alone: a guard that is never true, a division by zero. Part of
+// CodeBuilder.
 //
 // Named constants are left out: a model may well be configured by them. Linear in the expression as it is written.
 #include <algorithm>
@@ -33,7 +34,9 @@ void CodeBuilder::warn_never_true(const syntax::Expr* e, ExprId guard) {
 void CodeBuilder::warn_zero_divisor(const syntax::Expr* e, Typed divisor) {
   if (divisor.type != Type::Int || diags_.has_errors() || !has_only_literals(e->operands[1])) return;
   const Evaluated value = evaluate(model_.code, divisor.id, {});
-  if (value.fault == Fault::None && value.value.int_value == 0) diags_.report(Diag::kB1050, e->op_range, model_.sources->text(e->op_range)).label(e->operands[1]->range, "this is 0");
+  if (value.fault == Fault::None && value.value.int_value == 0)
+    diags_.report(Diag::kB1050, e->op_range, model_.sources->text(e->op_range))
+        .label(e->operands[1]->range, "this is 0");
 }
 
 }  // namespace bip::model

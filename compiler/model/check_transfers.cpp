@@ -1,8 +1,9 @@
-// Warnings about transfers: a `down` that changes nothing, a guard that its own transfer or a transfer to its port outdates.
+// Warnings about transfers: a `down` that changes nothing, a guard that its own transfer or a transfer to its port
+// outdates.
 //
-// Guards are evaluated when interactions are computed and never again before firing, so a `down` may make one false that was
-// the reason to fire. What a transfer changes is found once a connector type; each pair of connector type and atom type is
-// looked at once, however many instances there are.
+// Guards are evaluated when interactions are computed and never again before firing, so a `down` may make one false
+// that was the reason to fire. What a transfer changes is found once a connector type; each pair of connector type and
+// atom type is looked at once, however many instances there are.
 #include <algorithm>
 
 #include "compiler/model/code_uses.hpp"
@@ -12,20 +13,21 @@ namespace bip::model {
 
 namespace {
 
-std::size_t bind_count(const Model& model, const ConnectorType& type) {
-  return type.bind_count(model.port_types);
-}
+std::size_t bind_count(const Model& model, const ConnectorType& type) { return type.bind_count(model.port_types); }
 
 }  // namespace
 
-void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorType& type, syntax::Annotations annotations) {
+void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorType& type,
+                   syntax::Annotations annotations) {
   const CodeTable& code = b.model.code;
   const std::size_t binds = bind_count(b.model, type);
   for (std::size_t c = 0; c < type.clauses.size(); ++c) {
     const Clause& row = type.clauses[c];
     const syntax::Clause& written = body.clauses[c];
-    const auto is_silent = [&](const char* warning) { return is_suppressed(annotations, warning) || is_suppressed(written.annotations, warning); };
-    std::vector<bool> read(binds), changed(binds), own(type.slots.size());
+    const auto is_silent = [&](const char* warning) {
+      return is_suppressed(annotations, warning) || is_suppressed(written.annotations, warning);
+    };
+    std::vector<bool> read(binds), changed(binds), own(type.variables.size());
     if (written.down.present) {
       bool calls = false;
       visit_stmts(code, row.down, [&](const Stmt& s) {
@@ -34,13 +36,16 @@ void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const Con
       mark_writes(code, row.down, Op::LoadBind, changed);
       if (!calls && std::find(changed.begin(), changed.end(), true) == changed.end() && !is_silent("uselessdown")) {
         b.diags.report(Diag::kB2033, written.down.range, interaction_text(type, row.params))
-            .note(written.down.stmts.empty() ? "it is empty" : "the connector's own data do not outlive the interaction");
+            .note(written.down.stmts.empty() ? "it is empty"
+                                             : "the connector's own data do not outlive the interaction");
       }
     }
     if (!row.guard.is_valid()) continue;
     mark_reads(code, row.guard, Op::LoadSelf, own);
     for (std::size_t s = 0; s < own.size(); ++s) {
-      if (own[s]) b.diags.report(Diag::kB2034, written.guard->range, type.slots[s].name).help("`up` runs after the guard: compare the ports' variables");
+      if (own[s])
+        b.diags.report(Diag::kB2034, written.guard->range, type.variables[s].name)
+            .help("`up` runs after the guard: compare the ports' variables");
     }
     mark_reads(code, row.guard, Op::LoadBind, read);
     for (const std::uint32_t p : row.params) {
@@ -49,7 +54,9 @@ void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const Con
       for (std::size_t v = 0; v < variables.size(); ++v) {
         const std::size_t bind = type.params[p].first_bind + v;
         if (!read[bind] || !changed[bind] || is_silent("modifiedvariableinteraction")) continue;
-        b.diags.report(Diag::kB2035, written.down.range, type.params[p].name + "." + variables[v].name, interaction_text(type, row.params))
+        b.diags
+            .report(Diag::kB2035, written.down.range, type.params[p].name + "." + variables[v].name,
+                    interaction_text(type, row.params))
             .label(written.guard->range, "this guard is not evaluated again");
       }
     }
@@ -65,18 +72,21 @@ struct Modified {
   const syntax::ConnectorBody& body;
 
   // The port that the path means, down to atoms: `changed` says which of its variables the clause writes.
-  void visit(const std::vector<ComponentFamily>& components, const PortPath& path, const std::vector<bool>& changed, const syntax::Clause& clause) {
+  void visit(const std::vector<ComponentFamily>& components, const PortPath& path, const std::vector<bool>& changed,
+             const syntax::Clause& clause) {
     if (path.is_connector) return;
     const ComponentFamily& family = components[path.element.family];
     const Model& model = self.b.model;
     if (family.is_compound) {
       const CompoundType& compound = model.compound_types[family.compound];
-      for (const PortPath& target : compound.exports[path.port].targets) visit(compound.components, target, changed, clause);
+      for (const PortPath& target : compound.exports[path.port].targets)
+        visit(compound.components, target, changed, clause);
       return;
     }
     const AtomType& atom = model.atom_types[family.atom];
     if (path.port < atom.ports.size()) return check_port(family.atom, path.port, changed, clause);
-    for (const std::uint32_t port : atom.merged[path.port - atom.ports.size()].ports) check_port(family.atom, port, changed, clause);
+    for (const std::uint32_t port : atom.merged[path.port - atom.ports.size()].ports)
+      check_port(family.atom, port, changed, clause);
   }
 
   void check_port(AtomTypeId id, std::uint32_t port, const std::vector<bool>& changed, const syntax::Clause& clause) {
@@ -84,15 +94,19 @@ struct Modified {
     const AtomType& atom = self.b.model.atom_types[id];
     const syntax::Decl* decl = self.all.atom_decls[id.value];
     if (decl->notation == syntax::Notation::Paper) return;  // its own first listing is written so
-    const std::vector<std::uint32_t>& slots = atom.ports[port].slots;
+    const std::vector<std::uint32_t>& variables = atom.ports[port].variables;
     for (std::size_t t = 0; t < atom.transitions.size(); ++t) {
       if (atom.transitions[t].port != port || !atom.transitions[t].guard.is_valid()) continue;
-      std::vector<bool> read(atom.slots.size());
+      std::vector<bool> read(atom.variables.size());
       mark_reads(self.b.model.code, atom.transitions[t].guard, Op::LoadSelf, read);
-      for (std::size_t v = 0; v < slots.size(); ++v) {
-        if (!changed[v] || !read[slots[v]]) continue;
-        if (is_suppressed(decl->annotations, "modifiedvariabletransition") || is_suppressed(decl->transitions[t].annotations, "modifiedvariabletransition")) return;
-        self.b.diags.report(Diag::kB2036, item.name.range, item.name.text, atom.slots[slots[v]].name, atom.name, atom.ports[port].name)
+      for (std::size_t v = 0; v < variables.size(); ++v) {
+        if (!changed[v] || !read[variables[v]]) continue;
+        if (is_suppressed(decl->annotations, "modifiedvariabletransition") ||
+            is_suppressed(decl->transitions[t].annotations, "modifiedvariabletransition"))
+          return;
+        self.b.diags
+            .report(Diag::kB2036, item.name.range, item.name.text, atom.variables[variables[v]].name, atom.name,
+                    atom.ports[port].name)
             .label(decl->transitions[t].guard->range, "this guard is not evaluated again")
             .label(clause.down.present ? clause.down.range : clause.action.range, "changed here")
             .help("`@SuppressWarning(modifiedvariabletransition)` before the transition, if that is meant");
@@ -111,8 +125,10 @@ struct Modified {
       for (const std::uint32_t p : clause.params) {
         if (!type.params[p].type.is_valid()) continue;
         const auto first = changed.begin() + type.params[p].first_bind;
-        const std::vector<bool> here(first, first + static_cast<std::ptrdiff_t>(self.b.model.port_types[type.params[p].type].variables.size()));
-        if (std::find(here.begin(), here.end(), true) != here.end()) visit(self.out.components, row.ports[p], here, body.clauses[c]);
+        const std::vector<bool> here(
+            first, first + static_cast<std::ptrdiff_t>(self.b.model.port_types[type.params[p].type].variables.size()));
+        if (std::find(here.begin(), here.end(), true) != here.end())
+          visit(self.out.components, row.ports[p], here, body.clauses[c]);
       }
     }
   }
@@ -128,7 +144,9 @@ void CompoundBuilder::warn_modified(const std::vector<CompoundItem>& rows) {
     const ConnectorType& type = b.model.connector_types[row.type];
     const syntax::Decl* typed = row.syntax->inline_body == nullptr ? all.connector_decls[row.type.value] : nullptr;
     const syntax::ConnectorBody* body = typed == nullptr ? row.syntax->inline_body : typed->connector;
-    if (body == nullptr || row.ports.size() != type.params.size() || (typed != nullptr && is_suppressed(typed->annotations, "modifiedvariabletransition"))) continue;
+    if (body == nullptr || row.ports.size() != type.params.size() ||
+        (typed != nullptr && is_suppressed(typed->annotations, "modifiedvariabletransition")))
+      continue;
     Modified{*this, *row.syntax, type, *body}.check(row);
   }
 }

@@ -17,7 +17,8 @@ const char* name_of(Type type) {
 }
 
 std::string CodeTable::type_name(Type type) const {
-  return is_extern(type) && extern_row(type) < extern_types.size() ? extern_types[extern_row(type)].name : name_of(type);
+  return is_extern(type) && extern_row(type) < extern_types.size() ? extern_types[extern_row(type)].name
+                                                                   : name_of(type);
 }
 
 const char* name_of(Op op) {

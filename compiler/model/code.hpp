@@ -1,11 +1,12 @@
 // The expression and statement IR: guards, actions, transfers. Small, typed, in tree form, in flat tables.
 //
 // A piece of code runs over two kinds of variables:
-//   Self k   the k-th slot of what owns the code (an atom's parameters then data; a connector's own data);
+//   Self k   the k-th variable of what owns the code (an atom's parameters then data; a connector's own data);
 //   Bind k   the k-th bound variable (connectors: the port variables of all parameters in order, then the exported
 //            data that the connector reads; priority guards: the exported data they read).
 // Types are checked when the code is built: executors never check again. int wraps at 32 bits; division and % by zero
-// and INT_MIN / -1 are faults at the expression's loc; && and || are short-circuit; operands are evaluated left to right.
+// and INT_MIN / -1 are faults at the expression's loc; && and || are short-circuit; operands are evaluated left to
+// right.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -29,14 +30,33 @@ using ExprId = Id<struct ExprTag>;
 using StmtId = Id<struct StmtTag>;
 
 enum class Op : std::uint8_t {
-  ConstInt, ConstBool, ConstFloat, ConstString,  // int_value, int_value 0/1, float_value, int_value = row of strings
-  LoadSelf, LoadBind,                            // index
-  Call,                                          // index = row of functions, int_value = first row of args
-  IntToFloat, Neg, Not, BitNot,                  // a
-  Add, Sub, Mul, Div, Mod,                       // a b: int or float (Mod: int)
-  BitAnd, BitOr, BitXor,                         // a b: int
-  And, Or,                                       // a b: bool, short-circuit
-  Eq, Ne, Lt, Gt, Le, Ge                         // a b of one type -> bool; Lt..Ge: int, float
+  ConstInt,
+  ConstBool,
+  ConstFloat,
+  ConstString,  // int_value, int_value 0/1, float_value, int_value = row of strings
+  LoadSelf,
+  LoadBind,  // index
+  Call,      // index = row of functions, int_value = first row of args
+  IntToFloat,
+  Neg,
+  Not,
+  BitNot,  // a
+  Add,
+  Sub,
+  Mul,
+  Div,
+  Mod,  // a b: int or float (Mod: int)
+  BitAnd,
+  BitOr,
+  BitXor,  // a b: int
+  And,
+  Or,  // a b: bool, short-circuit
+  Eq,
+  Ne,
+  Lt,
+  Gt,
+  Le,
+  Ge  // a b of one type -> bool; Lt..Ge: int, float
 };
 [[nodiscard]] const char* name_of(Op op);
 
@@ -44,9 +64,9 @@ enum class Op : std::uint8_t {
 struct Expr {
   Op op = Op::ConstInt;
   Type type = Type::Int;
-  std::uint32_t index = 0;      // LoadSelf, LoadBind
-  std::int32_t int_value = 0;   // ConstInt, ConstBool, ConstString
-  double float_value = 0;       // ConstFloat
+  std::uint32_t index = 0;     // LoadSelf, LoadBind
+  std::int32_t int_value = 0;  // ConstInt, ConstBool, ConstString
+  double float_value = 0;      // ConstFloat
   ExprId a{}, b{};
   Loc loc{};
 };
@@ -55,36 +75,36 @@ enum class StmtOp : std::uint8_t { StoreSelf, StoreBind, If, Call };  // Call: v
 /// One statement. Statements of a body are chained by `next`.
 struct Stmt {
   StmtOp op = StmtOp::StoreSelf;
-  Type type = Type::Int;        // Store: type of the slot
+  Type type = Type::Int;  // Store: type of the variable
   std::uint32_t index = 0;
-  ExprId value{};               // Store: the value; If: the condition
+  ExprId value{};                   // Store: the value; If: the condition
   StmtId then_body{}, else_body{};  // If: first statements, invalid if empty
-  StmtId next{};                // invalid: the last one
+  StmtId next{};                    // invalid: the last one
   Loc loc{};
 };
 
 /// A type of data whose values are C++ objects: `extern data type name refine … as "cpp"`.
 struct ExternType {
   std::string name;
-  std::string cpp;             // "std::list<int>"
-  std::vector<Type> refines;   // what a value can stand for
+  std::string cpp;            // "std::list<int>"
+  std::vector<Type> refines;  // what a value can stand for
   Loc loc{};
 };
 enum class FunctionKind : std::uint8_t { Function, Operator, Cast };
 struct FunctionParam {
-  Type type = Type::Int;       // of the argument, which may refine the prototype's
-  bool by_reference = false;   // int, float, extern: C++ may change the variable that is given
+  Type type = Type::Int;      // of the argument, which may refine the prototype's
+  bool by_reference = false;  // int, float, extern: C++ may change the variable that is given
   friend bool operator==(const FunctionParam&, const FunctionParam&) = default;
 };
 /// A C++ function, operator or conversion as one kind of call uses it.
 struct Function {
   FunctionKind kind = FunctionKind::Function;
-  std::string name;            // "min"; of an operator its sign
-  bool is_const = false;       // called where nothing may change: `const_name` is preferred
+  std::string name;       // "min"; of an operator its sign
+  bool is_const = false;  // called where nothing may change: `const_name` is preferred
   bool has_result = true;
   Type result = Type::Int;
   std::vector<FunctionParam> params;
-  Loc loc{};                   // of the prototype
+  Loc loc{};  // of the prototype
 };
 /// A file that `@cpp(include, src, obj)` names, and the folder of the .bip that says so.
 struct CppFile {
@@ -102,7 +122,7 @@ struct CodeTable {
   std::vector<std::string> strings;
   std::vector<ExternType> extern_types;
   std::vector<Function> functions;
-  std::vector<ExprId> args;             // of calls; an argument by reference is a load
+  std::vector<ExprId> args;  // of calls; an argument by reference is a load
   CppSide cpp;
 
   /// The row of a string constant, added if new.
@@ -118,7 +138,7 @@ struct CodeTable {
 /// A constant argument or parameter value.
 struct Value {
   Type type = Type::Int;
-  std::int32_t int_value = 0;   // Int, Bool 0/1, String: row of CodeTable::strings
+  std::int32_t int_value = 0;  // Int, Bool 0/1, String: row of CodeTable::strings
   double float_value = 0;
   friend bool operator==(const Value&, const Value&) = default;
 };

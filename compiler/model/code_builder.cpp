@@ -17,13 +17,14 @@ using syntax::UnaryOp;
 namespace {
 
 const char* text_of(BinaryOp op) {
-  static constexpr const char* kText[] = {"||", "&&", "|", "^", "&", "==", "!=", "<", ">", "<=", ">=", "+", "-", "*", "/", "%"};
+  static constexpr const char* kText[] = {"||", "&&", "|",  "^", "&", "==", "!=", "<",
+                                          ">",  "<=", ">=", "+", "-", "*",  "/",  "%"};
   return kText[static_cast<int>(op)];
 }
 
 Op op_of(BinaryOp op) {
-  static constexpr Op kOps[] = {Op::Or, Op::And, Op::BitOr, Op::BitXor, Op::BitAnd, Op::Eq, Op::Ne, Op::Lt,
-                                Op::Gt, Op::Le, Op::Ge, Op::Add, Op::Sub, Op::Mul, Op::Div, Op::Mod};
+  static constexpr Op kOps[] = {Op::Or, Op::And, Op::BitOr, Op::BitXor, Op::BitAnd, Op::Eq,  Op::Ne,  Op::Lt,
+                                Op::Gt, Op::Le,  Op::Ge,    Op::Add,    Op::Sub,    Op::Mul, Op::Div, Op::Mod};
   return kOps[static_cast<int>(op)];
 }
 
@@ -73,14 +74,18 @@ std::optional<Type> native_type(const syntax::TypeRef& type, Diagnostics& diags)
 
 ExprId CodeBuilder::poison(Type type) {
   Expr e{.type = type};
-  e.op = type == Type::Bool ? Op::ConstBool : type == Type::Float ? Op::ConstFloat : type == Type::String ? Op::ConstString : Op::ConstInt;
+  e.op = type == Type::Bool     ? Op::ConstBool
+         : type == Type::Float  ? Op::ConstFloat
+         : type == Type::String ? Op::ConstString
+                                : Op::ConstInt;
   if (type == Type::String) e.int_value = static_cast<std::int32_t>(model_.code.string(""));
   return make(e);
 }
 
 Typed CodeBuilder::convert(Typed v, Type to) {
   if (v.type == Type::Int && to == Type::Float) {
-    return {make({.op = Op::IntToFloat, .type = Type::Float, .a = v.id, .b = {}, .loc = model_.code.exprs[v.id].loc}), Type::Float};
+    return {make({.op = Op::IntToFloat, .type = Type::Float, .a = v.id, .b = {}, .loc = model_.code.exprs[v.id].loc}),
+            Type::Float};
   }
   if (v.type != to && is_extern(v.type) && refines(model_.code, v.type, to)) return cast(v, to);
   return v;
@@ -91,7 +96,8 @@ ExprId CodeBuilder::expr_as(const syntax::Expr* e, Type type, const std::string&
   if (!v) return poison(type);
   const Typed converted = convert(*v, type);
   if (converted.type != type) {
-    diags_.report(Diag::kB1010, e->range, what, model_.code.type_name(type), model_.code.type_name(converted.type)).label(fmt::format("this is {}", model_.code.type_name(v->type)));
+    diags_.report(Diag::kB1010, e->range, what, model_.code.type_name(type), model_.code.type_name(converted.type))
+        .label(fmt::format("this is {}", model_.code.type_name(v->type)));
     return poison(type);
   }
   return converted.id;
@@ -115,9 +121,7 @@ std::optional<Typed> CodeBuilder::expr(const syntax::Expr* e) {
 std::optional<Typed> CodeBuilder::literal(const syntax::Expr* e) {
   Expr out{.loc = loc(e->range)};
   switch (e->kind) {
-    case ExprKind::Bool:
-      out.op = Op::ConstBool, out.type = Type::Bool, out.int_value = e->truth ? 1 : 0;
-      break;
+    case ExprKind::Bool: out.op = Op::ConstBool, out.type = Type::Bool, out.int_value = e->truth ? 1 : 0; break;
     case ExprKind::Float: {
       out.op = Op::ConstFloat, out.type = Type::Float;
       const auto [end, error] = std::from_chars(e->text.data(), e->text.data() + e->text.size(), out.float_value);
@@ -131,7 +135,8 @@ std::optional<Typed> CodeBuilder::literal(const syntax::Expr* e) {
       out.op = Op::ConstInt, out.type = Type::Int;
       const auto [end, error] = std::from_chars(e->text.data(), e->text.data() + e->text.size(), out.int_value);
       if (error != std::errc{}) {
-        diags_.report(Diag::kB1011, e->range, e->text).help("an `int` holds -2147483648 to 2147483647; a `float` is written with a point");
+        diags_.report(Diag::kB1011, e->range, e->text)
+            .help("an `int` holds -2147483648 to 2147483647; a `float` is written with a point");
         return std::nullopt;
       }
       break;
@@ -159,10 +164,12 @@ const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
   auto d = diags_.report(Diag::kB1001, p.range, key, scope_.owner);
   if (p.parts.size() == 1) {  // in a connector: the variable without its port
     for (const std::string& name : known) {
-      if (name.ends_with("." + key)) return d.help(fmt::format("`{}` is a variable of a port", name), p.range, name), nullptr;
+      if (name.ends_with("." + key))
+        return d.help(fmt::format("`{}` is a variable of a port", name), p.range, name), nullptr;
     }
   }
-  for (const std::string& name : similar_names(key, known)) d.help(fmt::format("`{}` has a similar name", name), p.range, name);
+  for (const std::string& name : similar_names(key, known))
+    d.help(fmt::format("`{}` has a similar name", name), p.range, name);
   return nullptr;
 }
 
@@ -170,7 +177,8 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
   const Binding* b = find(e->path, false);
   if (e->clock_speed || (b != nullptr && b->is_clock)) return clock_path(e);
   if (b == nullptr) {
-    const auto* constant = find_visible(model_, model_.constants, path_key(e->path, *model_.sources), e->path.range, diags_);
+    const auto* constant =
+        find_visible(model_, model_.constants, path_key(e->path, *model_.sources), e->path.range, diags_);
     if (constant != nullptr) return Typed{copy(constant->first), constant->second};
     find(e->path, true);
     return std::nullopt;
@@ -183,11 +191,14 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
     report_too_large(e);
     return std::nullopt;
   }
-  return Typed{make({.op = b->load, .type = b->type, .index = b->index, .a = {}, .b = {}, .loc = loc(e->range)}), b->type};
+  return Typed{make({.op = b->load, .type = b->type, .index = b->index, .a = {}, .b = {}, .loc = loc(e->range)}),
+               b->type};
 }
 
-std::optional<Typed> CodeBuilder::type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got) {
-  const std::string_view op = e->kind == ExprKind::Unary ? model_.sources->text(e->op_range) : std::string_view(text_of(e->binary));
+std::optional<Typed> CodeBuilder::type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants,
+                                             Type got) {
+  const std::string_view op =
+      e->kind == ExprKind::Unary ? model_.sources->text(e->op_range) : std::string_view(text_of(e->binary));
   diags_.report(Diag::kB1013, at->range, op, wants, name_of(got)).label(fmt::format("this is {}", name_of(got)));
   return std::nullopt;
 }
@@ -196,7 +207,9 @@ std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
   const syntax::Expr* operand = e->operands[0];
   // -2147483648 is one number: its positive part alone would not fit.
   if (e->unary == UnaryOp::Neg && operand->kind == ExprKind::Int && operand->text == "2147483648") {
-    return Typed{make({.op = Op::ConstInt, .type = Type::Int, .int_value = INT32_MIN, .a = {}, .b = {}, .loc = loc(e->range)}), Type::Int};
+    return Typed{
+        make({.op = Op::ConstInt, .type = Type::Int, .int_value = INT32_MIN, .a = {}, .b = {}, .loc = loc(e->range)}),
+        Type::Int};
   }
   const std::optional<Argument> arg = argument(operand);
   if (!arg) return std::nullopt;
@@ -261,7 +274,8 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
       break;
     default:
       if (both(is_numeric, "numbers")) return std::nullopt;
-      if (e->binary >= BinaryOp::Add) result = a->type == Type::Float || b->type == Type::Float ? Type::Float : Type::Int;
+      if (e->binary >= BinaryOp::Add)
+        result = a->type == Type::Float || b->type == Type::Float ? Type::Float : Type::Int;
       if (e->binary == BinaryOp::Div && result == Type::Int) warn_zero_divisor(e, *b);
       break;
   }
@@ -281,7 +295,8 @@ bool CodeBuilder::may_inline(const syntax::Expr* e, const syntax::Decl& function
   }
   if (calls > kMaxCalls) {
     // Bodies that double reach this point often.
-    if (diags_.error_count() < kHelpedErrors) diags_.report(Diag::kB0008, e->path.range, kMaxCalls).label("functions call functions");
+    if (diags_.error_count() < kHelpedErrors)
+      diags_.report(Diag::kB0008, e->path.range, kMaxCalls).label("functions call functions");
     return false;
   }
   if (model_.code.exprs.size() - unfold_start_ <= kMaxUnfolded) return true;
@@ -290,7 +305,8 @@ bool CodeBuilder::may_inline(const syntax::Expr* e, const syntax::Decl& function
 }
 
 void CodeBuilder::report_too_large(const syntax::Expr* e) {
-  if (!diags_.has_errors()) diags_.report(Diag::kB4006, e->path.range, kMaxUnfolded, "operations in one call").label("unfolded here");
+  if (!diags_.has_errors())
+    diags_.report(Diag::kB4006, e->path.range, kMaxUnfolded, "operations in one call").label("unfolded here");
 }
 
 // Size and depth of what a call became; the rows before it were counted when they were asked for.
@@ -314,7 +330,8 @@ bool CodeBuilder::is_small(ExprId unfolded, const syntax::Expr* e) {
   }
   const CodeShape& shape = shapes[unfolded.value];
   if (shape.depth > kMaxUnfoldedDepth) {
-    if (!diags_.has_errors()) diags_.report(Diag::kB0008, e->path.range, kMaxUnfoldedDepth).label("when this call is unfolded");
+    if (!diags_.has_errors())
+      diags_.report(Diag::kB0008, e->path.range, kMaxUnfoldedDepth).label("when this call is unfolded");
     return false;
   }
   if (shape.size <= kMaxUnfolded) return true;
@@ -326,25 +343,31 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
   const std::string name = path_key(e->path, *model_.sources);
   const auto* found = find_visible(model_, model_.functions, name, e->path.range, diags_);
   if (found == nullptr) {
-    if (const auto prototypes = visible_prototypes(model_, name, e->path.range.file); !prototypes.empty()) return extern_function(e, name, prototypes);
+    if (const auto prototypes = visible_prototypes(model_, name, e->path.range.file); !prototypes.empty())
+      return extern_function(e, name, prototypes);
     std::vector<std::string> known;
     if (diags_.error_count() <= kHelpedErrors) {
       for (const auto& [key, decls] : model_.prototypes) {
-        if (std::string shown = shown_key(model_, key, e->path.range.file); !shown.empty()) known.push_back(std::move(shown));
+        if (std::string shown = shown_key(model_, key, e->path.range.file); !shown.empty())
+          known.push_back(std::move(shown));
       }
       for (const auto& [key, decl] : model_.functions) {
-        if (std::string shown = shown_key(model_, key, e->path.range.file); !shown.empty()) known.push_back(std::move(shown));
+        if (std::string shown = shown_key(model_, key, e->path.range.file); !shown.empty())
+          known.push_back(std::move(shown));
       }
     }
     std::sort(known.begin(), known.end());
     auto d = diags_.report(Diag::kB1005, e->path.range, name);
-    for (const std::string& s : similar_names(name, known)) d.help(fmt::format("`{}` has a similar name", s), e->path.range, s);
+    for (const std::string& s : similar_names(name, known))
+      d.help(fmt::format("`{}` has a similar name", s), e->path.range, s);
     return std::nullopt;
   }
   const syntax::Decl& function = **found;
   is_statement_ = false;
   if (function.params.size() != e->operands.size()) {
-    diags_.report(Diag::kB1015, e->range, counted(e->operands.size(), "argument"), fmt::format("function `{}`", name), function.params.size())
+    diags_
+        .report(Diag::kB1015, e->range, counted(e->operands.size(), "argument"), fmt::format("function `{}`", name),
+                function.params.size())
         .label(function.name.range, "declared here");
     return std::nullopt;
   }
@@ -355,7 +378,11 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
     Diagnostics quiet;  // the declaration itself was checked once
     const Type type = native_type(function.params[i].type, quiet).value_or(Type::Int);
     const ExprId arg = expr_as(e->operands[i], type, fmt::format("argument `{}`", function.params[i].name.text));
-    inner.names[std::string(function.params[i].name.text)] = {.type = type, .read_only = "a parameter keeps its value", .value = arg, .is_fresh = true, .declared = function.params[i].name.range};
+    inner.names[std::string(function.params[i].name.text)] = {.type = type,
+                                                              .read_only = "a parameter keeps its value",
+                                                              .value = arg,
+                                                              .is_fresh = true,
+                                                              .declared = function.params[i].name.range};
   }
   Diagnostics quiet;
   const Type result = native_type(function.result, quiet).value_or(Type::Int);

@@ -12,16 +12,16 @@
 
 namespace bip::model {
 
-/// What a name in code stands for: a slot to load (and store), or a fixed expression.
+/// What a name in code stands for: a variable to load (and store), or a fixed expression.
 struct Binding {
   Op load = Op::LoadSelf;
   std::uint32_t index = 0;
   Type type = Type::Int;
-  std::string read_only{};// why it cannot be assigned; empty: it can
-  ExprId value{};         // valid: the name stands for this expression
+  std::string read_only{};        // why it cannot be assigned; empty: it can
+  ExprId value{};                 // valid: the name stands for this expression
   mutable bool is_fresh = false;  // `value` has no place in a tree yet: the first use takes it, others copy
-  bool poison = false;    // its declaration was wrong or is not supported: uses say nothing more
-  bool is_clock = false;  // index: the first of its hidden slots. Code sets it, and reads and sets its speed
+  bool poison = false;            // its declaration was wrong or is not supported: uses say nothing more
+  bool is_clock = false;  // index: the first of its hidden variables. Code sets it, and reads and sets its speed
   SourceRange declared{};
 };
 
@@ -48,9 +48,15 @@ class CodeBuilder {
   CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope) : model_(model), diags_(diags), scope_(scope) {}
 
   /// Code of the body of `function`.
-  CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope, const syntax::Decl& function, const CodeBuilder* caller = nullptr)
-      : model_(model), diags_(diags), scope_(scope), function_(&function), caller_(caller),
-        unfold_start_(caller == nullptr ? model.code.exprs.size() : caller->unfold_start_), const_calls_(caller != nullptr && caller->const_calls_) {}
+  CodeBuilder(Model& model, Diagnostics& diags, const Scope& scope, const syntax::Decl& function,
+              const CodeBuilder* caller = nullptr)
+      : model_(model),
+        diags_(diags),
+        scope_(scope),
+        function_(&function),
+        caller_(caller),
+        unfold_start_(caller == nullptr ? model.code.exprs.size() : caller->unfold_start_),
+        const_calls_(caller != nullptr && caller->const_calls_) {}
 
   /// The expression with its own type.
   std::optional<Typed> expr(const syntax::Expr* e);
@@ -71,8 +77,8 @@ class CodeBuilder {
   void set_const_calls() { const_calls_ = true; }
   /// The chain of statements; `tail` is appended after it.
   StmtId block(std::span<const syntax::Stmt* const> stmts, StmtId tail = {});
-  /// Data initialiser as a store into Self slot.
-  StmtId store_self(std::uint32_t slot, Type type, ExprId value, Loc loc, StmtId next);
+  /// Data initialiser as a store into Self variable.
+  StmtId store_self(std::uint32_t variable, Type type, ExprId value, Loc loc, StmtId next);
   /// The value of a constant in a few rows: itself, or the division that faults wherever the constant is read.
   ExprId folded(ExprId value);
   /// A default-valued constant, so that building can go on after an error.
@@ -88,11 +94,13 @@ class CodeBuilder {
   std::optional<Typed> binary(const syntax::Expr* e);
   std::optional<Typed> call(const syntax::Expr* e);
   std::optional<Argument> argument(const syntax::Expr* e);
-  std::optional<Typed> extern_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes, std::vector<Argument> args, SourceRange at,
-                                   bool needs_value);
-  std::optional<Typed> extern_function(const syntax::Expr* e, const std::string& name, const std::vector<const syntax::Decl*>& prototypes);
+  std::optional<Typed> extern_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
+                                   std::vector<Argument> args, SourceRange at, bool needs_value);
+  std::optional<Typed> extern_function(const syntax::Expr* e, const std::string& name,
+                                       const std::vector<const syntax::Decl*>& prototypes);
   /// handled: the operator is C++'s, and nothing is left to say.
-  std::optional<Typed> extern_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args, bool& handled);
+  std::optional<Typed> extern_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args,
+                                       bool& handled);
   Typed cast(Typed v, Type to);
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);
@@ -114,8 +122,8 @@ class CodeBuilder {
   const CodeBuilder* caller_ = nullptr;
   std::size_t unfold_start_ = 0;  // rows of code when the outermost call began
   bool const_calls_ = false;
-  bool in_block_ = false;         // statements: variables may change
-  bool is_statement_ = false;     // the call that comes next is one
+  bool in_block_ = false;      // statements: variables may change
+  bool is_statement_ = false;  // the call that comes next is one
 };
 
 /// The type that a native type name means (`double` is float, with a warning); nullopt if it is none.

@@ -15,9 +15,10 @@ enum class BuildState : std::uint8_t { Untouched, Building, Done };
 /// All compound types: a compound is built after those it contains.
 struct CompoundBuilders {
   ModelBuilder& b;
-  std::vector<const syntax::Decl*> decls;  // by CompoundTypeId
+  std::vector<const syntax::Decl*> decls;                        // by CompoundTypeId
   std::vector<const syntax::Decl*> atom_decls, connector_decls;  // by AtomTypeId; by ConnectorTypeId, typed ones
-  std::set<std::array<std::uint32_t, 4>> modified;  // clauses (file, offset), atom types and ports that warn_modified has seen
+  std::set<std::array<std::uint32_t, 4>>
+      modified;  // clauses (file, offset), atom types and ports that warn_modified has seen
   std::vector<BuildState> states;
   std::vector<std::uint32_t> heights;  // of what is built: compounds within compounds
   std::uint32_t depth = 0;             // of those that are being built
@@ -33,11 +34,11 @@ struct CompoundBuilder {
   CompoundType& out;
   Scope scope{};  // parameters and loop variables
   std::unordered_map<std::string, std::uint32_t> components{}, connectors{};
-  std::vector<const syntax::CompoundItem*> connector_items{};      // by family: its first item
+  std::vector<const syntax::CompoundItem*> connector_items{};  // by family: its first item
   std::vector<BuildState> connector_states{};
-  std::vector<std::vector<bool>> bound_ports{};                    // by component family and port
+  std::vector<std::vector<bool>> bound_ports{};  // by component family and port
   std::vector<bool> bound_connectors{};
-  std::unordered_set<std::string> loop_priorities{};                // names of those in a `for`
+  std::unordered_set<std::string> loop_priorities{};  // names of those in a `for`
   std::uint32_t loop_depth = 0;
   std::uint32_t chain = 0;  // inline connectors that are being built, each for the one before
   std::uint32_t height = 0;
@@ -53,7 +54,8 @@ struct CompoundBuilder {
   bool data_path(const syntax::Path& path, DataPath& ref, bool report);
   // deep_paths.cpp
   bool deep_port_path(const syntax::Path& path, PortPath& ref);
-  std::optional<std::pair<std::uint32_t, Type>> deep_data(const ComponentFamily& family, std::span<const syntax::PathPart> parts) const;
+  std::optional<std::pair<std::uint32_t, Type>> deep_data(const ComponentFamily& family,
+                                                          std::span<const syntax::PathPart> parts) const;
   // inline_connector.cpp
   std::vector<DataRead> data_reads(const syntax::CompoundItem& i, CompoundItem& row);
   // build_items.cpp
@@ -72,18 +74,22 @@ struct CompoundBuilder {
   void warn_modified(const std::vector<CompoundItem>& rows);
 };
 
-/// The exported data named `name` of a component family: slot or row, and type.
-std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family, std::string_view name);
+/// The exported data named `name` of a component family: variable or row, and type.
+std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family,
+                                                            std::string_view name);
 
 using OuterBindings = std::unordered_map<std::string, Binding>;
 /// The names with their values in `self`, or while that is not known, with 1.
-[[nodiscard]] OuterBindings outer_bindings(CodeTable& code, std::span<const OuterValue> values, const std::vector<Value>* self);
+[[nodiscard]] OuterBindings outer_bindings(CodeTable& code, std::span<const OuterValue> values,
+                                           const std::vector<Value>* self);
 /// The outer value that the name is in the scope of a compound, or nullopt.
 [[nodiscard]] std::optional<OuterValue> outer_value(const Scope& scope, const syntax::Path& path);
 
 /// Builds the type of an inline connector. `counts[k]`: how many parameters path k stands for (1 without [*]).
-/// `paths` are the connector's resolved ports, `reads` the data of components that its code names, `values` its outer values.
-void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
-                            const std::vector<DataRead>& reads, const OuterBindings& values, ConnectorType& out);
+/// `paths` are the connector's resolved ports, `reads` the data of components that its code names, `values` its outer
+/// values.
+void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths,
+                            const std::vector<std::uint32_t>& counts, const std::vector<DataRead>& reads,
+                            const OuterBindings& values, ConnectorType& out);
 
 }  // namespace bip::model

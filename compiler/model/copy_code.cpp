@@ -1,8 +1,8 @@
 // What stands for a name in code: the value of a constant, the argument of a function. Part of CodeBuilder
 // (code_builder.hpp). Code is in tree form (code.hpp), so each use has rows of its own.
 //
-// Constants are folded once, so a chain of them in which each is twice the one before costs nothing; arguments are counted
-// by whoever asks for the copy.
+// Constants are folded once, so a chain of them in which each is twice the one before costs nothing; arguments are
+// counted by whoever asks for the copy.
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
 
@@ -16,7 +16,8 @@ ExprId CodeBuilder::copy(ExprId from) {
   if (e.b.is_valid()) e.b = copy(e.b);
   if (e.op == Op::Call) {
     std::vector<ExprId> args;
-    for (std::size_t k = 0; k < code.functions[e.index].params.size(); ++k) args.push_back(copy(code.args[static_cast<std::size_t>(e.int_value) + k]));
+    for (std::size_t k = 0; k < code.functions[e.index].params.size(); ++k)
+      args.push_back(copy(code.args[static_cast<std::size_t>(e.int_value) + k]));
     e.int_value = static_cast<std::int32_t>(code.args.size());
     code.args.insert(code.args.end(), args.begin(), args.end());
   }

@@ -1,6 +1,6 @@
-// `ndd.RflexPoster.read`: what a compound exports, named by where it lies within it. A path goes through a compound only
-// where this exports what the rest of the path names: nothing becomes visible that is not exported. An index along the way
-// is compared as written. Cost: the exports of each compound on the path.
+// `ndd.RflexPoster.read`: what a compound exports, named by where it lies within it. A path goes through a compound
+// only where this exports what the rest of the path names: nothing becomes visible that is not exported. An index along
+// the way is compared as written. Cost: the exports of each compound on the path.
 #include <algorithm>
 
 #include "compiler/model/compound_builder.hpp"
@@ -10,7 +10,8 @@ namespace bip::model {
 namespace {
 
 const ComponentFamily* component_named(const CompoundType& type, std::string_view name) {
-  const auto found = std::find_if(type.components.begin(), type.components.end(), [&](const ComponentFamily& f) { return f.name == name; });
+  const auto found = std::find_if(type.components.begin(), type.components.end(),
+                                  [&](const ComponentFamily& f) { return f.name == name; });
   return found == type.components.end() ? nullptr : &*found;
 }
 
@@ -19,7 +20,9 @@ struct Through {
   const Model& model;
   const SourceMap& sources;
 
-  [[nodiscard]] std::string key(std::span<const syntax::PathPart> parts) const { return path_key({parts, {}}, sources); }
+  [[nodiscard]] std::string key(std::span<const syntax::PathPart> parts) const {
+    return path_key({parts, {}}, sources);
+  }
 
   // What an export of `type` shows, "component.port", as it is called there.
   [[nodiscard]] std::string shown(const CompoundType& type, const PortPath& target) const {
@@ -35,12 +38,14 @@ struct Through {
   [[nodiscard]] std::string shown(const CompoundType& type, const DataPath& target) const {
     const auto& parts = target.path->parts;
     std::string_view last = parts.back().name.text;
-    if (parts.size() > 2) last = model.compound_types[type.components[target.element.family].compound].data_exports[target.slot].name;
+    if (parts.size() > 2)
+      last = model.compound_types[type.components[target.element.family].compound].data_exports[target.variable].name;
     return fmt::format("{}.{}", key(parts.subspan(0, 1)), last);
   }
 
   // The row of `type`'s exports that shows `parts`, of at least two. `merged`: an export that shows others, too.
-  [[nodiscard]] std::optional<std::uint32_t> port(const CompoundType& type, std::span<const syntax::PathPart> parts, const PortExport** merged) const {
+  [[nodiscard]] std::optional<std::uint32_t> port(const CompoundType& type, std::span<const syntax::PathPart> parts,
+                                                  const PortExport** merged) const {
     std::string wanted = key(parts);
     if (parts.size() > 2) {
       const ComponentFamily* inner = component_named(type, parts[0].name.text);
@@ -60,7 +65,8 @@ struct Through {
     return std::nullopt;
   }
 
-  [[nodiscard]] std::optional<std::uint32_t> data(const CompoundType& type, std::span<const syntax::PathPart> parts) const {
+  [[nodiscard]] std::optional<std::uint32_t> data(const CompoundType& type,
+                                                  std::span<const syntax::PathPart> parts) const {
     std::string wanted = key(parts);
     if (parts.size() > 2) {
       const ComponentFamily* inner = component_named(type, parts[0].name.text);
@@ -88,7 +94,9 @@ bool CompoundBuilder::deep_port_path(const syntax::Path& path, PortPath& ref) {
   }
   const ComponentFamily& family = out.components[c->second];
   ref.element.family = c->second;
-  if (!element(first, family.is_array, ref.element, fmt::format("component `{}`", first.name.text)) || !family.compound.is_valid()) return false;
+  if (!element(first, family.is_array, ref.element, fmt::format("component `{}`", first.name.text)) ||
+      !family.compound.is_valid())
+    return false;
   const CompoundType& type = b.model.compound_types[family.compound];
   const auto rest = path.parts.subspan(1);
   const PortExport* merged = nullptr;
@@ -112,7 +120,8 @@ bool CompoundBuilder::deep_port_path(const syntax::Path& path, PortPath& ref) {
   return false;
 }
 
-std::optional<std::pair<std::uint32_t, Type>> CompoundBuilder::deep_data(const ComponentFamily& family, std::span<const syntax::PathPart> parts) const {
+std::optional<std::pair<std::uint32_t, Type>> CompoundBuilder::deep_data(
+    const ComponentFamily& family, std::span<const syntax::PathPart> parts) const {
   if (parts.size() == 1) return exported_data(b.model, family, parts[0].name.text);
   if (!family.compound.is_valid()) return std::nullopt;
   const CompoundType& type = b.model.compound_types[family.compound];

@@ -8,7 +8,8 @@ namespace bip::model {
 namespace {
 
 // The largest choice below node `n` within `params`, appended to `out`; false if there is none.
-bool largest(const ConnectorType& type, std::uint32_t n, const std::vector<std::uint32_t>& params, std::vector<std::uint32_t>& out) {
+bool largest(const ConnectorType& type, std::uint32_t n, const std::vector<std::uint32_t>& params,
+             std::vector<std::uint32_t>& out) {
   const DefineNode& node = type.define[n];
   if (node.is_leaf) {
     if (!std::binary_search(params.begin(), params.end(), node.param)) return false;

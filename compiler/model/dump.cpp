@@ -64,8 +64,10 @@ struct Dumper {
   std::string when(const AtomType& t, const TimeGuard& guard) const {
     std::string text;
     for (const Bound& b : guard.bounds) {
-      text += fmt::format(" when ({} {}{} {})", name_of(b.op), t.clocks[b.clock].name, b.minus == Bound::kNone ? "" : " - " + t.clocks[b.minus].name,
-                          b.slot == Bound::kNone ? fmt::format("{}ns", b.ticks) : fmt::format("self{}", b.slot));
+      text +=
+          fmt::format(" when ({} {}{} {})", name_of(b.op), t.clocks[b.clock].name,
+                      b.minus == Bound::kNone ? "" : " - " + t.clocks[b.minus].name,
+                      b.variable == Bound::kNone ? fmt::format("{}ns", b.ticks) : fmt::format("self{}", b.variable));
     }
     if (guard.measure.is_valid()) text += fmt::format(" measured by {{{}}}", stmts(guard.measure));
     return text;
@@ -77,20 +79,25 @@ struct Dumper {
   std::string resume(const AtomType& t, const Resume& r) const {
     return r.present ? fmt::format(" resume {}{}", expr(r.guard), when(t, r.when)) : "";
   }
-  void slots(const std::vector<Slot>& list) {
+  void variables(const std::vector<DataVariable>& list) {
     for (std::size_t k = 0; k < list.size(); ++k) {
-      const Slot& s = list[k];
-      line("  self{} {} {}{}{}", k, name_of(s.type), s.name, s.is_param ? " (parameter)" : "", s.exported ? " (exported)" : "");
+      const DataVariable& s = list[k];
+      line("  self{} {} {}{}{}", k, name_of(s.type), s.name, s.is_param ? " (parameter)" : "",
+           s.exported ? " (exported)" : "");
     }
   }
   void atom(const AtomType& t) {
     line("atom type {}", t.name);
-    slots(t.slots);
+    variables(t.variables);
     for (const Port& p : t.ports) {
       std::string vars;
-      for (const std::uint32_t s : p.slots) vars += (vars.empty() ? "" : ", ") + t.slots[s].name;
+      for (const std::uint32_t s : p.variables) vars += (vars.empty() ? "" : ", ") + t.variables[s].name;
       const std::string event = p.external ? fmt::format(" as \"{}\" {}", p.event_class, name_of(p.policy)) : "";
-      line("  {}port {} {}({}){}", p.exported ? "export " : p.external ? "extern " : "", port_type(p.type), p.name, vars, event);
+      line("  {}port {} {}({}){}",
+           p.exported   ? "export "
+           : p.external ? "extern "
+                        : "",
+           port_type(p.type), p.name, vars, event);
     }
     std::vector<std::uint32_t> all(t.places.size());
     for (std::uint32_t p = 0; p < all.size(); ++p) all[p] = p;
@@ -99,14 +106,18 @@ struct Dumper {
     line("  initial to {} do {{{}}}{}", places(t, t.initial), stmts(t.initial_action), resume(t, t.initial_resume));
     for (const Transition& x : t.transitions) {
       const std::string urgency = x.urgency == Urgency::Lazy ? "" : fmt::format(" {}", name_of(x.urgency));
-      line("  on {} from {} to {} provided {}{}{} do {{{}}}{}", x.port == Transition::kInternal ? "(internal)" : t.ports[x.port].name, places(t, x.from), places(t, x.to), expr(x.guard), when(t, x.when), urgency, stmts(x.action),
+      line("  on {} from {} to {} provided {}{}{} do {{{}}}{}",
+           x.port == Transition::kInternal ? "(internal)" : t.ports[x.port].name, places(t, x.from), places(t, x.to),
+           expr(x.guard), when(t, x.when), urgency, stmts(x.action),
            resume(t, x.resume) + (x.async.present ? async(t, x.async) : ""));
     }
     const auto side = [&](std::uint32_t p) { return p == AtomPriority::kAnyPort ? std::string("*") : t.ports[p].name; };
-    for (const AtomPriority& p : t.priorities) line("  priority {} {} < {} provided {}", p.name, side(p.low), side(p.high), expr(p.guard));
+    for (const AtomPriority& p : t.priorities)
+      line("  priority {} {} < {} provided {}", p.name, side(p.low), side(p.high), expr(p.guard));
     for (const Invariant& i : t.invariants) {
       static constexpr const char* kScopes[] = {"", " at ", " from "};
-      line("  invariant {}{}{} provided {}{}", i.name, kScopes[static_cast<int>(i.scope)], places(t, i.places), expr(i.condition), when(t, i.when));
+      line("  invariant {}{}{} provided {}{}", i.name, kScopes[static_cast<int>(i.scope)], places(t, i.places),
+           expr(i.condition), when(t, i.when));
     }
     for (const MergedPort& merged : t.merged) {
       std::string parts;
@@ -133,7 +144,7 @@ struct Dumper {
       else line("  port {} {} = bind{}..{}", port_type(p.type), p.name, p.first_bind, p.first_bind + n - 1);
     }
     for (const DataRead& d : t.data_reads) line("  reads {} {}", name_of(d.type), d.path);
-    slots(t.slots);
+    variables(t.variables);
     if (t.exports) line("  export port {} {}", port_type(t.export_type), t.export_name);
     if (!t.define.empty()) line("  define {}{}", define(t, 0), t.resume == ResumeMode::Sync ? " resume sync" : "");
     for (const Clause& c : t.clauses) {
@@ -146,7 +157,7 @@ struct Dumper {
     for (const CompoundItem& i : list) {
       const std::string index = i.index.is_valid() ? fmt::format("[{}]", expr(i.index)) : "";
       if (i.kind == ItemKind::For) {
-        line("{}for self{} in {}..{}", indent, i.loop_slot, expr(i.low), expr(i.high));
+        line("{}for self{} in {}..{}", indent, i.loop_variable, expr(i.low), expr(i.high));
         items(t, i.items, indent + "  ");
       } else if (i.kind == ItemKind::Priority) {
         line("{}priority {}{}", indent, t.priorities[i.family].name, index);
@@ -154,11 +165,13 @@ struct Dumper {
         const ComponentFamily& f = t.components[i.family];
         std::string args;
         for (const ExprId a : i.args) args += (args.empty() ? "" : ", ") + expr(a);
-        line("{}component {} {}{}({})", indent, f.is_compound ? m.compound_types[f.compound].name : m.atom_types[f.atom].name, f.name, index, args);
+        line("{}component {} {}{}({})", indent,
+             f.is_compound ? m.compound_types[f.compound].name : m.atom_types[f.atom].name, f.name, index, args);
       } else {
         std::string ports;
         for (const PortPath& p : i.ports) ports += (ports.empty() ? "" : ", ") + std::string(m.sources->text(p.range));
-        line("{}connector {} {}{}({})", indent, m.connector_types[i.type].name, t.connectors[i.family].name, index, ports);
+        line("{}connector {} {}{}({})", indent, m.connector_types[i.type].name, t.connectors[i.family].name, index,
+             ports);
       }
     }
   }
@@ -170,22 +183,27 @@ std::string dump(const Model& model) {
   Dumper d{model};
   for (const PortType& t : model.port_types) {
     std::string vars;
-    for (const Variable& v : t.variables) vars += fmt::format("{}{} {}", vars.empty() ? "" : ", ", name_of(v.type), v.name);
+    for (const Variable& v : t.variables)
+      vars += fmt::format("{}{} {}", vars.empty() ? "" : ", ", name_of(v.type), v.name);
     d.line("port type {}({})", t.name, vars);
   }
   for (const AtomType& t : model.atom_types) d.atom(t);
   for (const ConnectorType& t : model.connector_types) d.connector(t);
   for (const CompoundType& t : model.compound_types) {
     d.line("compound type {}", t.name);
-    d.slots(t.params);
+    d.variables(t.params);
     d.items(t, t.items, "  ");
-    for (const PriorityRule& p : t.priorities) d.line("  priority {} {} < {} provided {}", p.name, model.sources->text(p.low.range), model.sources->text(p.high.range), d.expr(p.guard));
+    for (const PriorityRule& p : t.priorities)
+      d.line("  priority {} {} < {} provided {}", p.name, model.sources->text(p.low.range),
+             model.sources->text(p.high.range), d.expr(p.guard));
     for (const PortExport& e : t.exports) {
       std::string targets;
-      for (const PortPath& p : e.targets) targets += (targets.empty() ? "" : ", ") + std::string(model.sources->text(p.range));
+      for (const PortPath& p : e.targets)
+        targets += (targets.empty() ? "" : ", ") + std::string(model.sources->text(p.range));
       d.line("  export port {} as {}", targets, e.name);
     }
-    for (const DataExport& e : t.data_exports) d.line("  export data {} as {}", model.sources->text(e.target.range), e.name);
+    for (const DataExport& e : t.data_exports)
+      d.line("  export data {} as {}", model.sources->text(e.target.range), e.name);
   }
   return std::move(d.out);
 }

@@ -7,7 +7,9 @@ namespace bip::model {
 
 namespace {
 
-std::int32_t wrap(std::int64_t v) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(v))); }
+std::int32_t wrap(std::int64_t v) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(v)));
+}
 
 Value truth(bool b) { return {Type::Bool, b ? 1 : 0, 0}; }
 
@@ -61,7 +63,10 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
   if (a.fault != Fault::None) return a;
   switch (e.op) {
     case Op::IntToFloat: return {{Type::Float, 0, static_cast<double>(a.value.int_value)}};
-    case Op::Neg: return a.value.type == Type::Float ? Evaluated{{Type::Float, 0, -a.value.float_value}} : Evaluated{{Type::Int, wrap(-static_cast<std::int64_t>(a.value.int_value)), 0}};
+    case Op::Neg:
+      return a.value.type == Type::Float
+                 ? Evaluated{{Type::Float, 0, -a.value.float_value}}
+                 : Evaluated{{Type::Int, wrap(-static_cast<std::int64_t>(a.value.int_value)), 0}};
     case Op::Not: return {truth(a.value.int_value == 0)};
     case Op::BitNot: return {{Type::Int, ~a.value.int_value, 0}};
     case Op::And:
@@ -75,7 +80,8 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
   const Evaluated b = evaluate(code, e.b, self);
   if (b.fault != Fault::None) return b;
   if (e.op >= Op::Eq) {
-    return {a.value.type == Type::Float ? compare(e.op, a.value.float_value, b.value.float_value) : compare(e.op, a.value.int_value, b.value.int_value)};
+    return {a.value.type == Type::Float ? compare(e.op, a.value.float_value, b.value.float_value)
+                                        : compare(e.op, a.value.int_value, b.value.int_value)};
   }
   Evaluated result = arithmetic(e.op, a.value, b.value);
   if (result.fault != Fault::None) result.at = id;

@@ -7,7 +7,12 @@
 
 namespace bip::model {
 
-enum class Fault : std::uint8_t { None, DivisionByZero, DivisionOverflow, Call };  // Call: C++ is not called before the run
+enum class Fault : std::uint8_t {
+  None,
+  DivisionByZero,
+  DivisionOverflow,
+  Call
+};  // Call: C++ is not called before the run
 struct Evaluated {
   Value value;
   Fault fault = Fault::None;

@@ -1,7 +1,7 @@
 // Calls of C++ functions and operators as typed code. Part of CodeBuilder (code_builder.hpp).
 //
-// The prototype is chosen by the arguments' types (externs.hpp). A row of CodeTable::functions says how C++ is called with
-// exactly these types, so conversions along `refine` are left to C++, which knows the classes.
+// The prototype is chosen by the arguments' types (externs.hpp). A row of CodeTable::functions says how C++ is called
+// with exactly these types, so conversions along `refine` are left to C++, which knows the classes.
 #include "compiler/model/externs.hpp"
 
 namespace bip::model {
@@ -30,8 +30,9 @@ std::optional<Argument> CodeBuilder::argument(const syntax::Expr* e) {
   return Argument{*typed, is_variable, e->range};
 }
 
-std::optional<Typed> CodeBuilder::extern_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes, std::vector<Argument> args,
-                                              SourceRange at, bool needs_value) {
+std::optional<Typed> CodeBuilder::extern_call(const std::string& name,
+                                              const std::vector<const syntax::Decl*>& prototypes,
+                                              std::vector<Argument> args, SourceRange at, bool needs_value) {
   CodeTable& code = model_.code;
   const std::vector<const syntax::Decl*> best = best_prototypes(model_, prototypes, args);
   if (best.size() != 1) {
@@ -53,13 +54,14 @@ std::optional<Typed> CodeBuilder::extern_call(const std::string& name, const std
   }
   const syntax::Decl& prototype = *best.front();
   Diagnostics quiet;
-  Function row{.kind = prototype.kind == syntax::DeclKind::ExternOperator ? FunctionKind::Operator : FunctionKind::Function,
-               .name = std::string(prototype.kind == syntax::DeclKind::ExternOperator ? prototype.op.text : prototype.name.text),
-               .is_const = const_calls_,
-               .has_result = prototype.result.is_written(),
-               .result = prototype.result.is_written() ? data_type(model_, prototype.result, quiet) : Type::Int,
-               .params = {},
-               .loc = loc(prototype.range)};
+  Function row{
+      .kind = prototype.kind == syntax::DeclKind::ExternOperator ? FunctionKind::Operator : FunctionKind::Function,
+      .name = std::string(prototype.kind == syntax::DeclKind::ExternOperator ? prototype.op.text : prototype.name.text),
+      .is_const = const_calls_,
+      .has_result = prototype.result.is_written(),
+      .result = prototype.result.is_written() ? data_type(model_, prototype.result, quiet) : Type::Int,
+      .params = {},
+      .loc = loc(prototype.range)};
   if (needs_value && !row.has_result) {
     diags_.report(Diag::kB1043, at, row.name).label(prototype.range, "declared here without a type");
     return std::nullopt;
@@ -70,7 +72,8 @@ std::optional<Typed> CodeBuilder::extern_call(const std::string& name, const std
     const Type wanted = data_type(model_, param, quiet);
     Typed value = args[k].typed;
     if (value.type == Type::Int && wanted == Type::Float) value = convert(value, Type::Float);
-    const bool can_refer = is_extern(value.type) || ((value.type == Type::Int || value.type == Type::Float) && value.id == args[k].typed.id);
+    const bool can_refer = is_extern(value.type) ||
+                           ((value.type == Type::Int || value.type == Type::Float) && value.id == args[k].typed.id);
     row.params.push_back({value.type, args[k].is_variable && !param.is_const && can_refer});
     ids.push_back(value.id);
   }
@@ -78,10 +81,13 @@ std::optional<Typed> CodeBuilder::extern_call(const std::string& name, const std
   code.args.insert(code.args.end(), ids.begin(), ids.end());
   const Type result = row.result;
   const std::uint32_t function = function_row(code, std::move(row));
-  return Typed{make({.op = Op::Call, .type = result, .index = function, .int_value = first, .a = {}, .b = {}, .loc = loc(at)}), result};
+  return Typed{
+      make({.op = Op::Call, .type = result, .index = function, .int_value = first, .a = {}, .b = {}, .loc = loc(at)}),
+      result};
 }
 
-std::optional<Typed> CodeBuilder::extern_function(const syntax::Expr* e, const std::string& name, const std::vector<const syntax::Decl*>& prototypes) {
+std::optional<Typed> CodeBuilder::extern_function(const syntax::Expr* e, const std::string& name,
+                                                  const std::vector<const syntax::Decl*>& prototypes) {
   const bool needs_value = !is_statement_;
   is_statement_ = false;
   std::vector<Argument> args;
@@ -95,7 +101,8 @@ std::optional<Typed> CodeBuilder::extern_function(const syntax::Expr* e, const s
   return extern_call(name, prototypes, std::move(args), e->range, needs_value);
 }
 
-std::optional<Typed> CodeBuilder::extern_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args, bool& handled) {
+std::optional<Typed> CodeBuilder::extern_operator(const syntax::Expr* e, std::string_view sign,
+                                                  std::vector<Argument> args, bool& handled) {
   bool has_object = false, has_string = false;
   for (const Argument& arg : args) {
     has_object = has_object || is_extern(arg.typed.type);
@@ -104,21 +111,38 @@ std::optional<Typed> CodeBuilder::extern_operator(const syntax::Expr* e, std::st
   const auto found = model_.operators.find("operator " + std::string(sign));
   handled = has_object;
   if (found == model_.operators.end()) {
-    if (has_object) diags_.report(Diag::kB1042, e->op_range, sign, types_text(model_.code, args)).help(fmt::format("declare it: `extern operator const bool {}(…)`", sign));
+    if (has_object)
+      diags_.report(Diag::kB1042, e->op_range, sign, types_text(model_.code, args))
+          .help(fmt::format("declare it: `extern operator const bool {}(…)`", sign));
     return std::nullopt;
   }
   // Native values keep their own meaning; strings may get one that BIP does not have.
-  if (!has_object && !(has_string && sign != "==" && sign != "!=" && !best_prototypes(model_, found->second, args).empty())) return std::nullopt;
+  if (!has_object &&
+      !(has_string && sign != "==" && sign != "!=" && !best_prototypes(model_, found->second, args).empty()))
+    return std::nullopt;
   handled = true;
   return extern_call(std::string(sign), found->second, std::move(args), e->op_range, true);
 }
 
 Typed CodeBuilder::cast(Typed v, Type to) {
   CodeTable& code = model_.code;
-  const std::uint32_t function = function_row(code, {.kind = FunctionKind::Cast, .name = code.type_name(to), .is_const = false, .has_result = true, .result = to, .params = {{v.type, false}}, .loc = code.extern_types[extern_row(v.type)].loc});
+  const std::uint32_t function = function_row(code, {.kind = FunctionKind::Cast,
+                                                     .name = code.type_name(to),
+                                                     .is_const = false,
+                                                     .has_result = true,
+                                                     .result = to,
+                                                     .params = {{v.type, false}},
+                                                     .loc = code.extern_types[extern_row(v.type)].loc});
   const auto first = static_cast<std::int32_t>(code.args.size());
   code.args.push_back(v.id);
-  return {make({.op = Op::Call, .type = to, .index = function, .int_value = first, .a = {}, .b = {}, .loc = code.exprs[v.id].loc}), to};
+  return {make({.op = Op::Call,
+                .type = to,
+                .index = function,
+                .int_value = first,
+                .a = {},
+                .b = {},
+                .loc = code.exprs[v.id].loc}),
+          to};
 }
 
 }  // namespace bip::model

@@ -17,7 +17,8 @@ Type data_type(const Model& model, const syntax::TypeRef& type, Diagnostics& dia
   auto d = diags.report(Diag::kB1003, type.name.range, name);
   std::vector<std::string> known;
   for (const auto& [key, row] : model.extern_type_names) {
-    if (std::string shown = shown_key(model, key, type.name.range.file); !shown.empty()) known.push_back(std::move(shown));
+    if (std::string shown = shown_key(model, key, type.name.range.file); !shown.empty())
+      known.push_back(std::move(shown));
   }
   std::sort(known.begin(), known.end());
   const std::vector<std::string> similar = similar_names(name, known);
@@ -60,7 +61,9 @@ Type quiet_type(const Model& model, const syntax::TypeRef& type) {
   return data_type(model, type, quiet);
 }
 
-bool converts(const CodeTable& code, Type from, Type to) { return refines(code, from, to) || (from == Type::Int && to == Type::Float); }
+bool converts(const CodeTable& code, Type from, Type to) {
+  return refines(code, from, to) || (from == Type::Int && to == Type::Float);
+}
 
 bool fits_prototype(const Model& model, const syntax::Decl& prototype, const std::vector<Argument>& args) {
   if (prototype.params.size() != args.size()) return false;
@@ -76,11 +79,13 @@ bool fits_prototype(const Model& model, const syntax::Decl& prototype, const std
 /// Parameters that say `const` for a variable, or do not for a value: only the last word between equal types.
 std::size_t mismatches(const syntax::Decl& prototype, const std::vector<Argument>& args) {
   std::size_t count = 0;
-  for (std::size_t k = 0; k < args.size(); ++k) count += prototype.params[k].type.is_const == args[k].is_variable ? 1 : 0;
+  for (std::size_t k = 0; k < args.size(); ++k)
+    count += prototype.params[k].type.is_const == args[k].is_variable ? 1 : 0;
   return count;
 }
 
-bool is_more_specific(const Model& model, const syntax::Decl& a, const syntax::Decl& b, const std::vector<Argument>& args) {
+bool is_more_specific(const Model& model, const syntax::Decl& a, const syntax::Decl& b,
+                      const std::vector<Argument>& args) {
   bool all_equal = true;
   for (std::size_t k = 0; k < args.size(); ++k) {
     const Type x = quiet_type(model, a.params[k].type);
@@ -94,9 +99,12 @@ bool is_more_specific(const Model& model, const syntax::Decl& a, const syntax::D
 }  // namespace
 
 std::string prototype_text(const Model& model, const syntax::Decl& prototype) {
-  const auto type = [&](const syntax::TypeRef& t) { return (t.is_const ? "const " : "") + path_key(t.name, *model.sources); };
+  const auto type = [&](const syntax::TypeRef& t) {
+    return (t.is_const ? "const " : "") + path_key(t.name, *model.sources);
+  };
   std::string text = prototype.result.is_written() ? type(prototype.result) + " " : "";
-  text += prototype.kind == DeclKind::ExternOperator ? "operator " + std::string(prototype.op.text) : std::string(prototype.name.text);
+  text += prototype.kind == DeclKind::ExternOperator ? "operator " + std::string(prototype.op.text)
+                                                     : std::string(prototype.name.text);
   text += "(";
   for (const syntax::Param& p : prototype.params) text += (&p == &prototype.params[0] ? "" : ", ") + type(p.type);
   return text + ")";
@@ -120,9 +128,10 @@ std::vector<const syntax::Decl*> best_prototypes(const Model& model, const std::
 std::uint32_t function_row(CodeTable& code, Function function) {
   for (std::size_t row = 0; row < code.functions.size(); ++row) {
     const Function& f = code.functions[row];
-    const bool same_place = f.loc.file == function.loc.file && f.loc.line == function.loc.line && f.loc.column == function.loc.column;
-    if (same_place && f.kind == function.kind && f.name == function.name && f.is_const == function.is_const && f.has_result == function.has_result &&
-        f.result == function.result && f.params == function.params) {
+    const bool same_place =
+        f.loc.file == function.loc.file && f.loc.line == function.loc.line && f.loc.column == function.loc.column;
+    if (same_place && f.kind == function.kind && f.name == function.name && f.is_const == function.is_const &&
+        f.has_result == function.has_result && f.result == function.result && f.params == function.params) {
       return static_cast<std::uint32_t>(row);
     }
   }
@@ -170,11 +179,15 @@ void check_prototypes(ModelBuilder& b) {
     if (decl->kind != DeclKind::ExternFunction && decl->kind != DeclKind::ExternOperator) continue;
     for (const syntax::Param& p : decl->params) (void)data_type(b.model, p.type, b.diags);
     if (decl->result.is_written()) (void)data_type(b.model, decl->result, b.diags);
-    auto& rows = decl->kind == DeclKind::ExternFunction ? b.model.prototypes[b.key(*decl)] : b.model.operators["operator " + std::string(decl->op.text)];
+    auto& rows = decl->kind == DeclKind::ExternFunction ? b.model.prototypes[b.key(*decl)]
+                                                        : b.model.operators["operator " + std::string(decl->op.text)];
     for (const syntax::Decl* other : rows) {
-      const bool same = other->range.file == decl->range.file && std::equal(other->params.begin(), other->params.end(), decl->params.begin(), decl->params.end(), [&](const syntax::Param& x, const syntax::Param& y) {
-        return x.type.is_const == y.type.is_const && quiet_type(b.model, x.type) == quiet_type(b.model, y.type);
-      });
+      const bool same = other->range.file == decl->range.file &&
+                        std::equal(other->params.begin(), other->params.end(), decl->params.begin(), decl->params.end(),
+                                   [&](const syntax::Param& x, const syntax::Param& y) {
+                                     return x.type.is_const == y.type.is_const &&
+                                            quiet_type(b.model, x.type) == quiet_type(b.model, y.type);
+                                   });
       if (!same) continue;
       b.diags.report(Diag::kB1048, decl->range, prototype_text(b.model, *decl)).label(other->range, "here first");
       break;
@@ -192,7 +205,10 @@ void collect_cpp(ModelBuilder& b, const std::vector<const syntax::Syntax*>& pack
     for (const syntax::Annotation& annotation : syntax->package->annotations) {
       if (annotation.name.text != "cpp") continue;
       for (const syntax::AnnotationArg& arg : annotation.args) {
-        std::vector<CppFile>* files = arg.key.text == "include" ? &cpp.includes : arg.key.text == "src" ? &cpp.sources : arg.key.text == "obj" ? &cpp.objects : nullptr;
+        std::vector<CppFile>* files = arg.key.text == "include" ? &cpp.includes
+                                      : arg.key.text == "src"   ? &cpp.sources
+                                      : arg.key.text == "obj"   ? &cpp.objects
+                                                                : nullptr;
         if (files == nullptr) {
           b.diags.report(Diag::kB1047, arg.key.range, arg.key.text).help("it takes `include`, `src` and `obj`");
           continue;

@@ -10,7 +10,8 @@ namespace bip::model {
 /// The type of data that a name means: native, or an extern type that is visible there. Anything else is reported.
 [[nodiscard]] Type data_type(const Model& model, const syntax::TypeRef& type, Diagnostics& diags);
 /// The same where only a native type may be: `what` is "a parameter".
-[[nodiscard]] Type native_data_type(const Model& model, const syntax::TypeRef& type, const char* what, Diagnostics& diags);
+[[nodiscard]] Type native_data_type(const Model& model, const syntax::TypeRef& type, const char* what,
+                                    Diagnostics& diags);
 /// True if `type` is `wanted` or refines it, at any distance.
 [[nodiscard]] bool refines(const CodeTable& code, Type type, Type wanted);
 
@@ -24,8 +25,10 @@ struct Argument {
 [[nodiscard]] std::string types_text(const CodeTable& code, const std::vector<Argument>& args);
 /// "int f(const List, int)".
 [[nodiscard]] std::string prototype_text(const Model& model, const syntax::Decl& prototype);
-/// The prototypes that fit and that no other fitting one is more specific than: none, one, or several in declaration order.
-[[nodiscard]] std::vector<const syntax::Decl*> best_prototypes(const Model& model, const std::vector<const syntax::Decl*>& prototypes,
+/// The prototypes that fit and that no other fitting one is more specific than: none, one, or several in declaration
+/// order.
+[[nodiscard]] std::vector<const syntax::Decl*> best_prototypes(const Model& model,
+                                                               const std::vector<const syntax::Decl*>& prototypes,
                                                                const std::vector<Argument>& args);
 /// The row of the function as it is called with such arguments; added if it is new.
 [[nodiscard]] std::uint32_t function_row(CodeTable& code, Function function);

@@ -5,7 +5,8 @@
 
 namespace bip::model {
 
-void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* const> items, NameSpace& names, bool in_loop) {
+void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* const> items, NameSpace& names,
+                                       bool in_loop) {
   for (const syntax::CompoundItem* i : items) {
     if (i->kind == syntax::ItemKind::For) {
       declare_families(i->items, names, true);
@@ -13,13 +14,17 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
     }
     const std::string name(i->name.text);
     if (i->kind == syntax::ItemKind::Priority) {
-      if (i->index == nullptr) b.diags.report(Diag::kB4010, i->name.range, name).help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range, fmt::format("{}[i]", name));
+      if (i->index == nullptr)
+        b.diags.report(Diag::kB4010, i->name.range, name)
+            .help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range,
+                  fmt::format("{}[i]", name));
       if (loop_priorities.insert(name).second) names.declare(i->name, "priority");
       continue;
     }
     const bool is_component = i->kind == syntax::ItemKind::Component;
     auto& rows = is_component ? components : connectors;
-    // Elements of one array may be declared by several items: of loops, and connectors, whose index is never a size, anywhere.
+    // Elements of one array may be declared by several items: of loops, and connectors, whose index is never a size,
+    // anywhere.
     if (const auto known = rows.find(name); known != rows.end() && i->index != nullptr && (in_loop || !is_component)) {
       if (is_component && out.components[known->second].is_array) continue;
       if (!is_component && out.connectors[known->second].is_array) {
@@ -28,10 +33,13 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
         continue;
       }
     }
-    if (in_loop && i->index == nullptr) b.diags.report(Diag::kB4010, i->name.range, name).help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range, fmt::format("{}[i]", name));
+    if (in_loop && i->index == nullptr)
+      b.diags.report(Diag::kB4010, i->name.range, name)
+          .help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range, fmt::format("{}[i]", name));
     if (!names.declare(i->name, is_component ? "component" : "connector")) continue;
     if (is_component) {
-      ComponentFamily family{.name = name, .atom = {}, .compound = {}, .is_array = i->index != nullptr, .range = i->name.range};
+      ComponentFamily family{
+          .name = name, .atom = {}, .compound = {}, .is_array = i->index != nullptr, .range = i->name.range};
       const TypeName* known = b.find_type(i->type.name);
       if (known != nullptr && known->kind == TypeName::Kind::Atom) {
         family.atom = AtomTypeId(known->row);
@@ -45,7 +53,8 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
           b.diags.report(Diag::kB0008, i->type.name.range, kMaxNesting).label("compounds in compounds");
         } else if (!all.ensure(id)) {
           const std::string& inner = b.model.compound_types[id].name;
-          b.diags.report(Diag::kB4001, i->type.name.range, out.name, inner == out.name ? "" : fmt::format(" through `{}`", inner));
+          b.diags.report(Diag::kB4001, i->type.name.range, out.name,
+                         inner == out.name ? "" : fmt::format(" through `{}`", inner));
         } else {
           family.compound = id;
           height = std::max(height, all.heights[id.value] + 1);

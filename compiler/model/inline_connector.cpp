@@ -59,8 +59,9 @@ std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i,
   return reads;
 }
 
-void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths, const std::vector<std::uint32_t>& counts,
-                            const std::vector<DataRead>& reads, const OuterBindings& values, ConnectorType& out) {
+void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, const std::vector<PortPath>& paths,
+                            const std::vector<std::uint32_t>& counts, const std::vector<DataRead>& reads,
+                            const OuterBindings& values, ConnectorType& out) {
   ConnectorPorts ports;
   ports.data = values;
   std::uint32_t bind = 0;
@@ -68,30 +69,48 @@ void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, c
     const std::string key = b.text(*paths[k].path);
     auto& rows = ports.rows[key];
     if (!rows.empty()) {
-      const auto first = std::find_if(paths.begin(), paths.end(), [&](const PortPath& p) { return b.text(*p.path) == key; });
+      const auto first =
+          std::find_if(paths.begin(), paths.end(), [&](const PortPath& p) { return b.text(*p.path) == key; });
       b.diags.report(Diag::kB2024, paths[k].range, key, item.name.text).label(first->range, "here first");
     }
     for (std::uint32_t n = 0; n < counts[k]; ++n) {
       std::string name = key;
-      if (const std::size_t star = name.find("[*]"); star != std::string::npos) name.replace(star, 3, fmt::format("[{}]", n));
+      if (const std::size_t star = name.find("[*]"); star != std::string::npos)
+        name.replace(star, 3, fmt::format("[{}]", n));
       rows.push_back(static_cast<std::uint32_t>(ports.params.size()));
       ports.params.push_back({name, paths[k].type, bind, b.loc(paths[k].range)});
-      if (paths[k].type.is_valid()) bind += static_cast<std::uint32_t>(b.model.port_types[paths[k].type].variables.size());
+      if (paths[k].type.is_valid())
+        bind += static_cast<std::uint32_t>(b.model.port_types[paths[k].type].variables.size());
     }
   }
   for (const DataRead& read : reads) {
-    ports.data[read.path] = {.load = Op::LoadBind, .index = bind++, .type = read.type, .read_only = "exported data are read-only from outside", .value = {}, .declared = {}};
+    ports.data[read.path] = {.load = Op::LoadBind,
+                             .index = bind++,
+                             .type = read.type,
+                             .read_only = "exported data are read-only from outside",
+                             .value = {},
+                             .declared = {}};
   }
   ports.data_reads = reads;
   build_connector_body(b, *item.inline_body, ports, true, item.name.range, item.annotations, out);
 }
 
-ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts,
-                                        const std::vector<Value>& self) {
+ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item,
+                                        const std::vector<std::uint32_t>& counts, const std::vector<Value>& self) {
   ModelBuilder b{model, diags, *model.sources, {}};
   const std::vector<DataRead> reads = model.connector_types[item.type].data_reads;
-  ConnectorType type{.name = model.connector_types[item.type].name, .params = {}, .data_reads = {}, .slots = {}, .define = {}, .clauses = {}, .export_name = {}, .export_type = {}, .export_slots = {}, .loc = model.connector_types[item.type].loc};
-  build_inline_connector(b, *item.syntax, item.ports, counts, reads, outer_bindings(model.code, item.values, &self), type);
+  ConnectorType type{.name = model.connector_types[item.type].name,
+                     .params = {},
+                     .data_reads = {},
+                     .variables = {},
+                     .define = {},
+                     .clauses = {},
+                     .export_name = {},
+                     .export_type = {},
+                     .export_variables = {},
+                     .loc = model.connector_types[item.type].loc};
+  build_inline_connector(b, *item.syntax, item.ports, counts, reads, outer_bindings(model.code, item.values, &self),
+                         type);
   return model.connector_types.push(std::move(type));
 }
 

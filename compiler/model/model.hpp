@@ -17,21 +17,22 @@ using CompoundTypeId = Id<struct CompoundTypeTag>;
 /// `a[i].p` inside a compound: a component or connector of the compound, then what it exports.
 /// Index code reads Self = the compound's parameters, then the loop variables in scope.
 struct ElementRef {
-  std::uint32_t family = 0;   // row of CompoundType::components or ::connectors
-  ExprId index;               // invalid: no index
-  bool star = false;          // [*]: all elements
+  std::uint32_t family = 0;  // row of CompoundType::components or ::connectors
+  ExprId index;              // invalid: no index
+  bool star = false;         // [*]: all elements
 };
 struct PortPath {
   bool is_connector = false;  // the family is a connector: its exported port
   ElementRef element;
-  std::uint32_t port = 0;     // component: row of the atom type's ports, then of its merged ones, or of the compound type's exports
+  std::uint32_t port =
+      0;  // component: row of the atom type's ports, then of its merged ones, or of the compound type's exports
   PortTypeId type;
   const syntax::Path* path = nullptr;
   SourceRange range;
 };
 struct DataPath {
-  ElementRef element;         // a component
-  std::uint32_t slot = 0;     // atom: slot; compound: row of data_exports
+  ElementRef element;          // a component
+  std::uint32_t variable = 0;  // atom: variable; compound: row of data_exports
   Type type = Type::Int;
   SourceRange range;
   const syntax::Path* path = nullptr;
@@ -55,11 +56,11 @@ struct ConnectorFamily {
   SourceRange range;
 };
 
-/// A parameter of the compound or a variable of a loop that the code of an inline connector or a priority's guard names: a
-/// constant of each element, so the code is built again with its value.
+/// A parameter of the compound or a variable of a loop that the code of an inline connector or a priority's guard
+/// names: a constant of each element, so the code is built again with its value.
 struct OuterValue {
   std::string name;
-  std::uint32_t slot = 0;  // of Self where the item is declared
+  std::uint32_t variable = 0;  // of Self where the item is declared
   Type type = Type::Int;
 };
 
@@ -67,16 +68,16 @@ enum class ItemKind : std::uint8_t { Component, Connector, For, Priority };
 struct CompoundItem {
   ItemKind kind = ItemKind::Component;
   SourceRange range;
-  std::uint32_t family = 0;    // Priority: row of CompoundType::priorities
-  ExprId index;                // array size (outside For), element (inside), invalid: neither
-  std::vector<ExprId> args;    // Component: one a parameter, of the parameter's type
-  ConnectorTypeId type;        // Connector
-  std::vector<PortPath> ports; // Connector: as written; a star path stands for several parameters
-  std::vector<DataPath> data;  // Connector: one a data read of the type
+  std::uint32_t family = 0;          // Priority: row of CompoundType::priorities
+  ExprId index;                      // array size (outside For), element (inside), invalid: neither
+  std::vector<ExprId> args;          // Component: one a parameter, of the parameter's type
+  ConnectorTypeId type;              // Connector
+  std::vector<PortPath> ports;       // Connector: as written; a star path stands for several parameters
+  std::vector<DataPath> data;        // Connector: one a data read of the type
   std::vector<OuterValue> values{};  // Connector: an inline one gets its type when they are known
   const syntax::CompoundItem* syntax = nullptr;
-  bool has_star = false;       // Connector: a path with [*]; an inline one gets its type when its ports are counted
-  std::uint32_t loop_slot = 0; // For: Self slot of the variable
+  bool has_star = false;  // Connector: a path with [*]; an inline one gets its type when its ports are counted
+  std::uint32_t loop_variable = 0;  // For: Self variable of the variable
   ExprId low, high;
   std::vector<CompoundItem> items;
 };
@@ -96,13 +97,13 @@ struct PatternPath {
 struct PriorityRule {
   std::string name;
   PatternPath low, high;
-  ExprId guard;                // reads Bind = data
+  ExprId guard;  // reads Bind = data
   std::vector<DataPath> data;
-  std::vector<std::string> data_names{};        // as the guard calls them
+  std::vector<std::string> data_names{};  // as the guard calls them
   std::vector<OuterValue> values{};
-  const syntax::Expr* guard_syntax = nullptr;   // may be null
+  const syntax::Expr* guard_syntax = nullptr;  // may be null
   SourceRange range;
-  bool in_loop = false;        // an item of a `for` says when it is made
+  bool in_loop = false;  // an item of a `for` says when it is made
   syntax::Annotations annotations{};
 };
 struct PortExport {
@@ -118,7 +119,7 @@ struct DataExport {
 };
 struct CompoundType {
   std::string name;
-  std::vector<Slot> params;
+  std::vector<DataVariable> params;
   std::vector<ComponentFamily> components;
   std::vector<ConnectorFamily> connectors;
   std::vector<CompoundItem> items;
@@ -146,17 +147,17 @@ struct CodeShape {
 /// one of a package that it uses is `p.X`, whatever the text says; model/packages.hpp finds the one from the other.
 struct PackageScope {
   std::string name;
-  std::string prefix;                // of its names in the tables: "" or "p."
-  FileId file;                       // a package is one file
-  std::vector<std::uint32_t> uses;   // rows of Model::packages; not transitive
+  std::string prefix;               // of its names in the tables: "" or "p."
+  FileId file;                      // a package is one file
+  std::vector<std::uint32_t> uses;  // rows of Model::packages; not transitive
 };
 
 struct Model {
   const SourceMap* sources = nullptr;
-  std::string package;                      // the one that is compiled
-  std::vector<PackageScope> packages;       // a package comes after those it uses; the compiled one is the last
+  std::string package;                         // the one that is compiled
+  std::vector<PackageScope> packages;          // a package comes after those it uses; the compiled one is the last
   std::vector<std::uint32_t> package_of_file;  // by FileId: row of packages
-  std::vector<const syntax::Decl*> decls;   // of all packages, in that order
+  std::vector<const syntax::Decl*> decls;      // of all packages, in that order
   std::vector<std::string> files;
   CodeTable code;
   std::vector<CodeShape> code_shapes;  // of the first rows of code.exprs, as far as they were asked for
@@ -165,11 +166,12 @@ struct Model {
   IndexVector<AtomTypeId, AtomType> atom_types;
   IndexVector<CompoundTypeId, CompoundType> compound_types;
   std::unordered_map<std::string, TypeName> type_names;
-  std::unordered_map<std::string, PortTypeId> anonymous_port_types;  // by names and types of their variables
+  std::unordered_map<std::string, PortTypeId> anonymous_port_types;    // by names and types of their variables
   std::unordered_map<std::string, std::pair<ExprId, Type>> constants;  // const data
-  std::unordered_map<std::string, const syntax::Decl*> functions;  // with a body
+  std::unordered_map<std::string, const syntax::Decl*> functions;      // with a body
   std::unordered_map<std::string, std::vector<const syntax::Decl*>> prototypes;  // `extern function`, in source order
-  std::unordered_map<std::string, std::vector<const syntax::Decl*>> operators;   // by "operator +"; they know no packages
+  std::unordered_map<std::string, std::vector<const syntax::Decl*>>
+      operators;  // by "operator +"; they know no packages
   std::unordered_map<std::string, Type> extern_type_names;
 
   [[nodiscard]] Loc loc(SourceRange r) const { return sources->loc(r); }
@@ -180,19 +182,24 @@ namespace model {
 [[nodiscard]] bool is_suppressed(syntax::Annotations annotations, std::string_view name);
 /// Names, types and all checks that need no instance. nullopt if there were errors. The syntax must outlive the model.
 /// `packages`: a package after those it uses, the one that is compiled last.
-[[nodiscard]] std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages, const SourceMap& sources, Diagnostics& diags);
+[[nodiscard]] std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packages,
+                                               const SourceMap& sources, Diagnostics& diags);
 /// A package that uses no other.
-[[nodiscard]] std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& sources, Diagnostics& diags);
-/// The type of an inline connector whose paths with [*] stand for `counts[k]` ports, where its outer values are those of `self`; it
-/// reads the same data as the item's.
-[[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item, const std::vector<std::uint32_t>& counts,
+[[nodiscard]] std::optional<Model> build_model(const syntax::Syntax& syntax, const SourceMap& sources,
+                                               Diagnostics& diags);
+/// The type of an inline connector whose paths with [*] stand for `counts[k]` ports, where its outer values are those
+/// of `self`; it reads the same data as the item's.
+[[nodiscard]] ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item,
+                                                      const std::vector<std::uint32_t>& counts,
                                                       const std::vector<Value>& self);
 /// The guard of a rule whose outer values are those of `self`.
-[[nodiscard]] ExprId priority_guard(Model& model, Diagnostics& diags, const PriorityRule& rule, const std::vector<Value>& self);
+[[nodiscard]] ExprId priority_guard(Model& model, Diagnostics& diags, const PriorityRule& rule,
+                                    const std::vector<Value>& self);
 /// True if `define` gives the interaction of these parameters (sorted).
 [[nodiscard]] bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
 /// The largest interaction within `params` (sorted); empty if there is none.
-[[nodiscard]] std::vector<std::uint32_t> largest_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params);
+[[nodiscard]] std::vector<std::uint32_t> largest_interaction(const ConnectorType& type,
+                                                             const std::vector<std::uint32_t>& params);
 /// How many interactions a `define` gives, as a double: it may be 2^1000.
 [[nodiscard]] double interaction_count(const ConnectorType& type, std::uint32_t node = 0);
 /// True if a port of type `given` can be used where `wanted` is asked for.

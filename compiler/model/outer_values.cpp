@@ -1,5 +1,6 @@
-// Parameters of a compound and variables of loops in the code of its inline connectors and priorities. That code is shared by
-// all elements and runs long after they were made; where it names such a value it is built once for each value instead.
+// Parameters of a compound and variables of loops in the code of its inline connectors and priorities. That code is
+// shared by all elements and runs long after they were made; where it names such a value it is built once for each
+// value instead.
 #include "compiler/model/compound_builder.hpp"
 
 namespace bip::model {
@@ -15,23 +16,33 @@ OuterBindings outer_bindings(CodeTable& code, std::span<const OuterValue> values
   OuterBindings bindings;
   for (const OuterValue& v : values) {
     Expr e{.type = v.type};
-    e.op = v.type == Type::Bool ? Op::ConstBool : v.type == Type::Float ? Op::ConstFloat : v.type == Type::String ? Op::ConstString : Op::ConstInt;
+    e.op = v.type == Type::Bool     ? Op::ConstBool
+           : v.type == Type::Float  ? Op::ConstFloat
+           : v.type == Type::String ? Op::ConstString
+                                    : Op::ConstInt;
     if (self != nullptr) {
-      e.int_value = (*self)[v.slot].int_value;
-      e.float_value = (*self)[v.slot].float_value;
+      e.int_value = (*self)[v.variable].int_value;
+      e.float_value = (*self)[v.variable].float_value;
     } else {
       e.int_value = v.type == Type::String ? static_cast<std::int32_t>(code.string("")) : 1;
       e.float_value = 1;
     }
-    bindings[v.name] = {.type = v.type, .read_only = "it keeps its value", .value = code.exprs.push(std::move(e)), .declared = {}};
+    bindings[v.name] = {
+        .type = v.type, .read_only = "it keeps its value", .value = code.exprs.push(std::move(e)), .declared = {}};
   }
   return bindings;
 }
 
 ExprId priority_guard(Model& model, Diagnostics& diags, const PriorityRule& rule, const std::vector<Value>& self) {
-  Scope scope{.names = outer_bindings(model.code, rule.values, &self), .owner = fmt::format("priority `{}`", rule.name)};
+  Scope scope{.names = outer_bindings(model.code, rule.values, &self),
+              .owner = fmt::format("priority `{}`", rule.name)};
   for (std::uint32_t k = 0; k < rule.data.size(); ++k) {
-    scope.names[rule.data_names[k]] = {.load = Op::LoadBind, .index = k, .type = rule.data[k].type, .read_only = "a guard", .value = {}, .declared = {}};
+    scope.names[rule.data_names[k]] = {.load = Op::LoadBind,
+                                       .index = k,
+                                       .type = rule.data[k].type,
+                                       .read_only = "a guard",
+                                       .value = {},
+                                       .declared = {}};
   }
   return CodeBuilder(model, diags, scope).guard(rule.guard_syntax);
 }

@@ -8,7 +8,8 @@
 namespace bip::model {
 
 const PackageScope& package_of(const Model& model, FileId file) {
-  return file.value < model.package_of_file.size() ? model.packages[model.package_of_file[file.value]] : model.packages.back();
+  return file.value < model.package_of_file.size() ? model.packages[model.package_of_file[file.value]]
+                                                   : model.packages.back();
 }
 
 KeysOfName keys_of(const Model& model, std::string_view name, FileId file) {
@@ -36,7 +37,8 @@ void report_ambiguous(Diagnostics& diags, SourceRange at, std::string_view name,
   std::vector<std::string> packages;
   for (const std::string& key : keys) packages.push_back(key.substr(0, key.rfind('.')));
   std::string text;
-  for (const std::string& package : packages) text += (text.empty() ? "`" : &package == &packages.back() ? " and `" : ", `") + package + "`";
+  for (const std::string& package : packages)
+    text += (text.empty() ? "`" : &package == &packages.back() ? " and `" : ", `") + package + "`";
   auto d = diags.report(Diag::kB1064, at, name, text);
   for (const std::string& key : keys) d.help(fmt::format("write `{}`", key), at, key);
 }
@@ -59,9 +61,12 @@ std::vector<const syntax::Decl*> visible_prototypes(const Model& model, const st
     const std::size_t before = shapes.size();
     for (const syntax::Decl* decl : model.prototypes.find(key)->second) {
       std::string shape;
-      for (const syntax::Param& p : decl->params) shape += (p.type.is_const ? "const " : "") + path_key(p.type.name, *model.sources) + ",";
+      for (const syntax::Param& p : decl->params)
+        shape += (p.type.is_const ? "const " : "") + path_key(p.type.name, *model.sources) + ",";
       // A second package may repeat what the first says; within one package that is reported elsewhere.
-      if (std::find(shapes.begin(), shapes.begin() + static_cast<std::ptrdiff_t>(before), shape) != shapes.begin() + static_cast<std::ptrdiff_t>(before)) continue;
+      if (std::find(shapes.begin(), shapes.begin() + static_cast<std::ptrdiff_t>(before), shape) !=
+          shapes.begin() + static_cast<std::ptrdiff_t>(before))
+        continue;
       shapes.push_back(std::move(shape));
       all.push_back(decl);
     }

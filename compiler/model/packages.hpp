@@ -1,7 +1,7 @@
 // Names across packages: from a name as it is written in a file to its key in the model's tables.
 //
-// A package sees its own names, then those of the packages it uses, unqualified and as `p.X`; what a used package uses it
-// does not see. An own name hides a used one; two used packages with the same name are an error where it is written.
+// A package sees its own names, then those of the packages it uses, unqualified and as `p.X`; what a used package uses
+// it does not see. An own name hides a used one; two used packages with the same name are an error where it is written.
 // Cost: a look-up in a hash table, and one more a used package.
 #pragma once
 #include <string>
@@ -25,7 +25,9 @@ struct KeysOfName {
 
 /// Every key that `name` may mean in `file`: none, one, or several if used packages disagree.
 template <class Row>
-[[nodiscard]] std::vector<std::string> visible_keys(const Model& model, const std::unordered_map<std::string, Row>& table, std::string_view name, FileId file) {
+[[nodiscard]] std::vector<std::string> visible_keys(const Model& model,
+                                                    const std::unordered_map<std::string, Row>& table,
+                                                    std::string_view name, FileId file) {
   KeysOfName keys = keys_of(model, name, file);
   if (table.contains(keys.own)) return {std::move(keys.own)};
   std::vector<std::string> found;
@@ -35,22 +37,27 @@ template <class Row>
   return found;
 }
 
-/// The row of `name` as written at `at`, or nullptr. Reports it if two used packages have the name; the first is meant then.
+/// The row of `name` as written at `at`, or nullptr. Reports it if two used packages have the name; the first is meant
+/// then.
 template <class Row>
-[[nodiscard]] const Row* find_visible(const Model& model, const std::unordered_map<std::string, Row>& table, std::string_view name, SourceRange at, Diagnostics& diags);
+[[nodiscard]] const Row* find_visible(const Model& model, const std::unordered_map<std::string, Row>& table,
+                                      std::string_view name, SourceRange at, Diagnostics& diags);
 
 /// What find_visible reports.
 void report_ambiguous(Diagnostics& diags, SourceRange at, std::string_view name, const std::vector<std::string>& keys);
 
 /// The `extern function`s of a name, of all used packages together: one C++ name is one set of overloads, wherever its
 /// prototypes are written.
-[[nodiscard]] std::vector<const syntax::Decl*> visible_prototypes(const Model& model, const std::string& name, FileId file);
+[[nodiscard]] std::vector<const syntax::Decl*> visible_prototypes(const Model& model, const std::string& name,
+                                                                  FileId file);
 
-/// A key of the tables as one writes it in `file`, without the package where that is clear; empty if it is not visible there.
+/// A key of the tables as one writes it in `file`, without the package where that is clear; empty if it is not visible
+/// there.
 [[nodiscard]] std::string shown_key(const Model& model, const std::string& key, FileId file);
 
 template <class Row>
-const Row* find_visible(const Model& model, const std::unordered_map<std::string, Row>& table, std::string_view name, SourceRange at, Diagnostics& diags) {
+const Row* find_visible(const Model& model, const std::unordered_map<std::string, Row>& table, std::string_view name,
+                        SourceRange at, Diagnostics& diags) {
   const std::vector<std::string> keys = visible_keys(model, table, name, at.file);
   if (keys.empty()) return nullptr;
   if (keys.size() > 1) report_ambiguous(diags, at, name, keys);

@@ -27,7 +27,8 @@ const std::string& type_name(const ModelBuilder& b, const ComponentFamily& famil
 
 bool CompoundBuilder::element(const syntax::PathPart& part, bool is_array, ElementRef& ref, const std::string& what) {
   if (is_array && part.index == nullptr && !part.star) {
-    b.diags.report(Diag::kB4011, part.name.range, what).help(fmt::format("write `{}[0]`, or `{}[*]` for all", part.name.text, part.name.text));
+    b.diags.report(Diag::kB4011, part.name.range, what)
+        .help(fmt::format("write `{}[0]`, or `{}[*]` for all", part.name.text, part.name.text));
     return false;
   }
   if (!is_array && (part.index != nullptr || part.star)) {
@@ -35,7 +36,8 @@ bool CompoundBuilder::element(const syntax::PathPart& part, bool is_array, Eleme
     return false;
   }
   ref.star = part.star;
-  if (part.index != nullptr) ref.index = CodeBuilder(b.model, b.diags, scope).expr_as(part.index, Type::Int, "the index");
+  if (part.index != nullptr)
+    ref.index = CodeBuilder(b.model, b.diags, scope).expr_as(part.index, Type::Int, "the index");
   return true;
 }
 
@@ -45,12 +47,14 @@ bool CompoundBuilder::port_path(const syntax::Path& path, PortPath& ref) {
   const std::string name(path.parts[0].name.text);
   const auto connector = connectors.find(name);
   // A connector stands for the port that it exports: `moduleTick[i]`.
-  const bool is_short = path.parts.size() == 1 && connector != connectors.end() && out.connectors[connector->second].exports;
+  const bool is_short =
+      path.parts.size() == 1 && connector != connectors.end() && out.connectors[connector->second].exports;
   if (path.parts.size() > 2) return deep_port_path(path, ref);
   if (path.parts.size() == 1 && !is_short) {
     auto d = b.diags.report(Diag::kB2017, path.range, b.text(path));
     if (const auto c = components.find(name); c != components.end()) {
-      if (const auto ports = port_names(b, out.components[c->second]); !ports.empty()) d.note(fmt::format("the ports of `{}`: {}", name, quoted_list(ports)));
+      if (const auto ports = port_names(b, out.components[c->second]); !ports.empty())
+        d.note(fmt::format("the ports of `{}`: {}", name, quoted_list(ports)));
     } else if (connector != connectors.end()) {
       d.note(fmt::format("connector `{}` exports no port", name));
     }
@@ -114,7 +118,8 @@ bool CompoundBuilder::connector_port(const syntax::Path& path, std::uint32_t row
   const std::string name = out.connectors[row].name;
   ref.is_connector = true;
   ref.element.family = row;
-  if (!element(path.parts[0], out.connectors[row].is_array, ref.element, fmt::format("connector `{}`", name))) return false;
+  if (!element(path.parts[0], out.connectors[row].is_array, ref.element, fmt::format("connector `{}`", name)))
+    return false;
   const syntax::CompoundItem& item = *connector_items[row];
   if (item.inline_body != nullptr && out.connectors[row].exports && connector_states[row] != BuildState::Done) {
     // Its type is known only after its body: build it now, on a scratch row.
@@ -123,7 +128,8 @@ bool CompoundBuilder::connector_port(const syntax::Path& path, std::uint32_t row
       return false;
     }
     if (chain >= kMaxNesting) {
-      b.diags.report(Diag::kB0008, path.range, kMaxNesting).label("a chain of connectors, each used before it is declared");
+      b.diags.report(Diag::kB0008, path.range, kMaxNesting)
+          .label("a chain of connectors, each used before it is declared");
       return false;
     }
     ++chain;
@@ -144,11 +150,12 @@ bool CompoundBuilder::connector_port(const syntax::Path& path, std::uint32_t row
   return true;
 }
 
-std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family, std::string_view name) {
+std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, const ComponentFamily& family,
+                                                            std::string_view name) {
   if (family.atom.is_valid()) {
-    const auto& slots = model.atom_types[family.atom].slots;
-    for (std::uint32_t s = 0; s < slots.size(); ++s) {
-      if (slots[s].exported && slots[s].name == name) return std::pair{s, slots[s].type};
+    const auto& variables = model.atom_types[family.atom].variables;
+    for (std::uint32_t s = 0; s < variables.size(); ++s) {
+      if (variables[s].exported && variables[s].name == name) return std::pair{s, variables[s].type};
     }
   } else if (family.compound.is_valid()) {
     const auto& rows = model.compound_types[family.compound].data_exports;
@@ -167,11 +174,13 @@ bool CompoundBuilder::data_path(const syntax::Path& path, DataPath& ref, bool re
     const ComponentFamily& family = out.components[c->second];
     if (const auto data = deep_data(family, path.parts.subspan(1))) {
       ref.element.family = c->second;
-      ref.slot = data->first, ref.type = data->second;
+      ref.variable = data->first, ref.type = data->second;
       return element(path.parts[0], family.is_array, ref.element, fmt::format("component `{}`", family.name));
     }
   }
-  if (report) b.diags.report(Diag::kB1031, path.range, b.text(path), out.name).help("only data declared with `export data` are seen from outside");
+  if (report)
+    b.diags.report(Diag::kB1031, path.range, b.text(path), out.name)
+        .help("only data declared with `export data` are seen from outside");
   return false;
 }
 

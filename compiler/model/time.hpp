@@ -1,9 +1,11 @@
-// Time in atom types: clocks, bounds of guards on them, urgency, `resume`, `@async`, events from outside (LANGUAGE.md §5).
+// Time in atom types: clocks, bounds of guards on them, urgency, `resume`, `@async`, events from outside (LANGUAGE.md
+// §5).
 //
-// Executors of code know nothing of clocks. A clock owns three hidden slots of its atom, and an assignment to it is two
-// stores: the value, in the clock's unit, and that there is one; whoever ran the action looks there and zeroes them again.
-// A bound compares a clock, or the difference of two, with a limit: a constant in ticks of 1 ns, or a hidden slot into which
-// `measure`, a body of stores, puts the limit in the clock's unit. Conditions on data stay what they were: guards.
+// Executors of code know nothing of clocks. A clock owns three hidden variables of its atom, and an assignment to it is
+// two stores: the value, in the clock's unit, and that there is one; whoever ran the action looks there and zeroes them
+// again. A bound compares a clock, or the difference of two, with a limit: a constant in ticks of 1 ns, or a hidden
+// variable into which `measure`, a body of stores, puts the limit in the clock's unit. Conditions on data stay what
+// they were: guards.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -14,13 +16,13 @@
 
 namespace bip {
 
-/// Hidden slots of a clock, from Clock::slot on.
-enum class ClockSlot : std::uint8_t { Value, IsSet, Speed };  // float, bool, float
-inline constexpr std::uint32_t kClockSlots = 3;
+/// Hidden variables of a clock, from Clock::variable on.
+enum class ClockVariable : std::uint8_t { Value, IsSet, Speed };  // float, bool, float
+inline constexpr std::uint32_t kClockVariables = 3;
 struct Clock {
   std::string name;
   std::int64_t unit = 1'000'000'000;  // ticks
-  std::uint32_t slot = 0;             // the first of its hidden slots
+  std::uint32_t variable = 0;         // the first of its hidden variables
   Loc loc{};
 };
 
@@ -32,14 +34,14 @@ struct Bound {
   std::uint32_t clock = 0;
   std::uint32_t minus = kNone;  // a second clock, of the same unit
   BoundOp op = BoundOp::Ge;
-  std::int64_t ticks = 0;       // the limit, if `slot` is kNone
-  std::uint32_t slot = kNone;   // a hidden slot: float, in the clock's unit
+  std::int64_t ticks = 0;          // the limit, if `variable` is kNone
+  std::uint32_t variable = kNone;  // a hidden variable: float, in the clock's unit
   Loc loc{};
 };
 /// What a condition says of time: all of its bounds hold.
 struct TimeGuard {
   std::vector<Bound> bounds{};
-  StmtId measure{};             // invalid: every limit is a constant. Writes the slots of the bounds
+  StmtId measure{};  // invalid: every limit is a constant. Writes the variables of the bounds
   [[nodiscard]] bool empty() const { return bounds.empty(); }
 };
 
@@ -48,7 +50,7 @@ enum class Urgency : std::uint8_t { Lazy, Delayable, Eager };
 /// After the step the atom is busy until this holds.
 struct Resume {
   bool present = false;
-  ExprId guard{};               // invalid: true
+  ExprId guard{};  // invalid: true
   TimeGuard when{};
   Loc loc{};
 };
@@ -56,8 +58,8 @@ struct Resume {
 struct Async {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   bool present = false;
-  std::int64_t budget = -1;         // ticks that it may take; -1: none is given
-  std::uint32_t overrun = kNone;    // a port for events, without variables: gets one when the budget is over
+  std::int64_t budget = -1;       // ticks that it may take; -1: none is given
+  std::uint32_t overrun = kNone;  // a port for events, without variables: gets one when the budget is over
 };
 /// Do the ports of an interaction resume together?
 enum class ResumeMode : std::uint8_t { Async, Sync };

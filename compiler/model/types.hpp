@@ -31,8 +31,9 @@ struct PortType {
 };
 
 // ---- atoms ---------------------------------------------------------------------------------------------------
-/// A slot of an atom: parameters first (read-only), then data in declaration order, then the hidden slots of time.
-struct Slot {
+/// A variable of an atom: parameters first (read-only), then data in declaration order, then the hidden variables of
+/// time.
+struct DataVariable {
   std::string name;
   Type type = Type::Int;
   bool is_param = false;
@@ -42,27 +43,28 @@ struct Slot {
 struct Port {
   std::string name;
   PortTypeId type;
-  std::vector<std::uint32_t> slots;  // one a variable of the port type
-  bool exported = false;             // false: its transitions are steps of their own
+  std::vector<std::uint32_t> variables;  // one a variable of the port type
+  bool exported = false;                 // false: its transitions are steps of their own
   Loc loc{};
-  bool external = false;             // its transitions wait for an event from outside; not exported
+  bool external = false;  // its transitions wait for an event from outside; not exported
   EventPolicy policy = EventPolicy::Remember;
-  std::string event_class{};         // external: the C++ class of its events; may be empty
+  std::string event_class{};  // external: the C++ class of its events; may be empty
 };
 struct Transition {
   static constexpr std::uint32_t kInternal = 0xffffffffu;
   std::uint32_t port = kInternal;   // row of ports
   std::vector<std::uint32_t> from;  // places, at least one
   std::vector<std::uint32_t> to;
-  ExprId guard;                     // invalid: true. Reads Self
-  StmtId action;                    // invalid: nothing. Reads and writes Self
+  ExprId guard;   // invalid: true. Reads Self
+  StmtId action;  // invalid: nothing. Reads and writes Self
   Loc loc{};
   TimeGuard when{};
   Urgency urgency = Urgency::Lazy;
   Resume resume{};
   Async async{};
 };
-/// low < high provided guard: low is hidden while high is enabled (closed transitively through rules whose guards hold).
+/// low < high provided guard: low is hidden while high is enabled (closed transitively through rules whose guards
+/// hold).
 struct AtomPriority {
   static constexpr std::uint32_t kAnyPort = 0xffffffffu;  // *: every port but the one on the other side
   std::string name;
@@ -85,31 +87,35 @@ struct Invariant {
 struct MergedPort {
   std::string name;
   PortTypeId type;
-  std::vector<std::uint32_t> ports;   // rows of ports, at least two
+  std::vector<std::uint32_t> ports;  // rows of ports, at least two
   Loc loc{};
 };
 struct AtomType {
   std::string name;
-  std::vector<Slot> slots;
+  std::vector<DataVariable> variables;
   std::vector<Port> ports;
   std::vector<std::string> places;
-  std::vector<std::uint32_t> initial;  // places
-  StmtId initial_action;               // initialisers of data, then `initial … do`; Self
-  std::vector<Transition> transitions; // in source order
+  std::vector<std::uint32_t> initial;   // places
+  StmtId initial_action;                // initialisers of data, then `initial … do`; Self
+  std::vector<Transition> transitions;  // in source order
   std::vector<AtomPriority> priorities;
   std::vector<Invariant> invariants;
-  std::vector<MergedPort> merged;      // their ports are exported under the merged name only
+  std::vector<MergedPort> merged;  // their ports are exported under the merged name only
   Loc loc{};
   std::vector<Clock> clocks{};
   Resume initial_resume{};
 
-  /// Returns whether exactly one place is marked at any time: one initial place, one place on each side of each transition.
+  /// Returns whether exactly one place is marked at any time: one initial place, one place on each side of each
+  /// transition.
   [[nodiscard]] bool is_automaton() const {
-    return initial.size() == 1 &&
-           std::all_of(transitions.begin(), transitions.end(), [](const Transition& t) { return t.from.size() == 1 && t.to.size() == 1; });
+    return initial.size() == 1 && std::all_of(transitions.begin(), transitions.end(), [](const Transition& t) {
+             return t.from.size() == 1 && t.to.size() == 1;
+           });
   }
-  /// The first hidden slot: none of the model's own.
-  [[nodiscard]] std::size_t visible_slots() const { return clocks.empty() ? slots.size() : clocks.front().slot; }
+  /// The first hidden variable: none of the model's own.
+  [[nodiscard]] std::size_t visible_variables() const {
+    return clocks.empty() ? variables.size() : clocks.front().variable;
+  }
 };
 
 // ---- connectors ----------------------------------------------------------------------------------------------
@@ -117,18 +123,18 @@ struct AtomType {
 struct DefineNode {
   bool is_leaf = false;
   bool trigger = false;
-  std::uint32_t param = 0;               // leaf
-  std::vector<std::uint32_t> children;   // group: rows of ConnectorType::define, all greater than this one
+  std::uint32_t param = 0;              // leaf
+  std::vector<std::uint32_t> children;  // group: rows of ConnectorType::define, all greater than this one
 };
 struct ConnectorParam {
-  std::string name;       // for inline connectors the path, "a.p"
+  std::string name;  // for inline connectors the path, "a.p"
   PortTypeId type;
   std::uint32_t first_bind = 0;  // its variables are Bind first_bind … + variables of the port type
   Loc loc{};
 };
 /// Exported data of a participating component that the code reads (inline connectors).
 struct DataRead {
-  std::string path;       // "battery.totalPwr"
+  std::string path;  // "battery.totalPwr"
   Type type = Type::Int;
 };
 struct Clause {
@@ -142,13 +148,13 @@ struct ConnectorType {
   std::string name;
   std::vector<ConnectorParam> params;
   std::vector<DataRead> data_reads;     // Bind numbers after the port variables
-  std::vector<Slot> slots;              // its own data
+  std::vector<DataVariable> variables;  // its own data
   std::vector<DefineNode> define;
-  std::vector<Clause> clauses;          // at most one an interaction
+  std::vector<Clause> clauses;  // at most one an interaction
   bool exports = false;
   std::string export_name;
   PortTypeId export_type;
-  std::vector<std::uint32_t> export_slots;  // one a variable of export_type
+  std::vector<std::uint32_t> export_variables;  // one a variable of export_type
   Loc loc{};
   ResumeMode resume = ResumeMode::Async;
 

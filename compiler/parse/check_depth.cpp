@@ -42,9 +42,7 @@ bool check_depth(const std::vector<TokenRow>& rows, FileId file, Diagnostics& di
       case BipLexer::PLUS:
       case BipLexer::TILDE:
       case BipLexer::BANG:
-      case BipLexer::NOT_WORD:
-        ++run;
-        break;
+      case BipLexer::NOT_WORD: ++run; break;
       case BipLexer::IF:
         ++ifs;
         run = 0;
@@ -67,11 +65,11 @@ bool check_depth(const std::vector<TokenRow>& rows, FileId file, Diagnostics& di
         fors = 0;
         run = 0;
         break;
-      default:
-        run = 0;
+      default: run = 0;
     }
     if (brackets + runs + run + ifs + fors > kMaxDepth) {
-      diags.report(Diag::kB0008, SourceRange{file, row.begin, row.end}, kMaxDepth).help("name a part of it in a variable or a function of its own");
+      diags.report(Diag::kB0008, SourceRange{file, row.begin, row.end}, kMaxDepth)
+          .help("name a part of it in a variable or a function of its own");
       return false;
     }
   }

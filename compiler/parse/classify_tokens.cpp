@@ -1,9 +1,9 @@
 // What a word is, where that depends on its neighbours: one left-to-right pass with at most three tokens of lookahead.
 //
 // The late words of BIP2 and the paper's own words are names in older models, so they become keywords only where what
-// follows makes them so. The pass also marks the words that begin declarations of a package (`port type`, `connector type`,
-// a paper `component`), which leaves the parser nearly LL(1) and lets it see that an `end` is missing. It knows the kind
-// of declaration it is in from the marked words and `end`; nothing else is remembered.
+// follows makes them so. The pass also marks the words that begin declarations of a package (`port type`, `connector
+// type`, a paper `component`), which leaves the parser nearly LL(1) and lets it see that an `end` is missing. It knows
+// the kind of declaration it is in from the marked words and `end`; nothing else is remembered.
 #include <algorithm>
 
 #include "BipLexer.h"
@@ -21,8 +21,8 @@ bool is_one_of(std::size_t type, std::initializer_list<std::size_t> types) {
 }
 /// A name, or a word that this pass may still turn into one.
 bool may_be_name(std::size_t type) {
-  return is_name(type) ||
-         is_one_of(type, {BipLexer::BEHAVIOR, BipLexer::STATE, BipLexer::CONTAINS, BipLexer::FOR, BipLexer::IN, BipLexer::NOT_WORD});
+  return is_name(type) || is_one_of(type, {BipLexer::BEHAVIOR, BipLexer::STATE, BipLexer::CONTAINS, BipLexer::FOR,
+                                           BipLexer::IN, BipLexer::NOT_WORD});
 }
 
 class Classifier {
@@ -69,12 +69,8 @@ class Classifier {
       case BipLexer::FUNCTION:
         if (previous() != BipLexer::EXTERN_DECL) enter(Region::None, 0);
         break;
-      case BipLexer::ATOM:
-        enter(Region::Atom, 1);
-        break;
-      case BipLexer::COMPOUND:
-        enter(Region::Compound, 1);
-        break;
+      case BipLexer::ATOM: enter(Region::Atom, 1); break;
+      case BipLexer::COMPOUND: enter(Region::Compound, 1); break;
       case BipLexer::COMPONENT:
         if (!begins_component()) break;
         enter(Region::Component, 1);
@@ -87,25 +83,19 @@ class Classifier {
         if (!begins_behavior()) return push(row, BipLexer::ID);
         ++open_;
         break;
-      case BipLexer::STATE:
-        return push(row, begins_state() ? BipLexer::STATE : BipLexer::ID);
-      case BipLexer::CONTAINS:
-        return push(row, begins_contains() ? BipLexer::CONTAINS : BipLexer::ID);
+      case BipLexer::STATE: return push(row, begins_state() ? BipLexer::STATE : BipLexer::ID);
+      case BipLexer::CONTAINS: return push(row, begins_contains() ? BipLexer::CONTAINS : BipLexer::ID);
       case BipLexer::FOR:
         if (!may_be_name(ahead(1)) || ahead(2) != BipLexer::IN) return push(row, BipLexer::ID);
         in_of_for_ = at_ + 2;
         break;
-      case BipLexer::IN:
-        return push(row, in_of_for_ == at_ && at_ > 0 ? BipLexer::IN : BipLexer::ID);
-      case BipLexer::NOT_WORD:
-        return push(row, negates() ? BipLexer::NOT_WORD : BipLexer::ID);
-      case BipLexer::DASHED:
-        return push_dashed(row);
+      case BipLexer::IN: return push(row, in_of_for_ == at_ && at_ > 0 ? BipLexer::IN : BipLexer::ID);
+      case BipLexer::NOT_WORD: return push(row, negates() ? BipLexer::NOT_WORD : BipLexer::ID);
+      case BipLexer::DASHED: return push_dashed(row);
       case BipLexer::INT_RANGE:
         push({0, row.begin, row.end - 2, row.line}, BipLexer::INT);
         return push({0, row.end - 2, row.end, row.line}, BipLexer::DOTDOT);
-      default:
-        break;
+      default: break;
     }
     out_.push_back(row);
   }
@@ -132,18 +122,22 @@ class Classifier {
   }
   [[nodiscard]] bool begins_contains() const {
     return (region_ == Region::Component || region_ == Region::Compound) && may_be_name(ahead(1)) &&
-           (may_be_name(ahead(2)) || ahead(2) == BipLexer::DOT) && !is_one_of(previous(), {BipLexer::DOT, BipLexer::COMMA});
+           (may_be_name(ahead(2)) || ahead(2) == BipLexer::DOT) &&
+           !is_one_of(previous(), {BipLexer::DOT, BipLexer::COMMA});
   }
   [[nodiscard]] bool negates() const {
-    const bool operand = may_be_name(ahead(1)) || is_one_of(ahead(1), {BipLexer::LPAREN, BipLexer::TRUE, BipLexer::FALSE, BipLexer::BANG});
-    return operand && is_one_of(previous(), {BipLexer::LPAREN, BipLexer::PROVIDED, BipLexer::AND_WORD, BipLexer::OR_WORD,
-                                             BipLexer::ANDAND, BipLexer::OROR, BipLexer::ASSIGN, BipLexer::ARROW, BipLexer::EQ,
-                                             BipLexer::NE, BipLexer::BANG, BipLexer::NOT_WORD});
+    const bool operand = may_be_name(ahead(1)) ||
+                         is_one_of(ahead(1), {BipLexer::LPAREN, BipLexer::TRUE, BipLexer::FALSE, BipLexer::BANG});
+    return operand &&
+           is_one_of(previous(), {BipLexer::LPAREN, BipLexer::PROVIDED, BipLexer::AND_WORD, BipLexer::OR_WORD,
+                                  BipLexer::ANDAND, BipLexer::OROR, BipLexer::ASSIGN, BipLexer::ARROW, BipLexer::EQ,
+                                  BipLexer::NE, BipLexer::BANG, BipLexer::NOT_WORD});
   }
   /// A report in a paper component, else names and minus signs.
   void push_dashed(const TokenRow& row) {
     const std::string_view word = text_.substr(row.begin, row.end - row.begin);
-    const bool upper = std::all_of(word.begin(), word.end(), [](char c) { return c == '-' || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
+    const bool upper = std::all_of(word.begin(), word.end(),
+                                   [](char c) { return c == '-' || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
     if (upper && region_ == Region::Component) return push(row, BipLexer::REPORT);
     std::uint32_t begin = row.begin;
     for (std::uint32_t i = row.begin; i < row.end; ++i) {
@@ -164,9 +158,9 @@ class Classifier {
   int open_ = 0;
 };
 
-/// Marks the `else` of each `else if` that has no `fi` of its own. BIP2 closes every `if`; the short spelling closes a whole
-/// chain by one `fi`. Counting as if all were chains, an outermost `if` that has `fi`s left over has so many of the long kind.
-/// (A parser that looks ahead for this takes cubic time on long chains.)
+/// Marks the `else` of each `else if` that has no `fi` of its own. BIP2 closes every `if`; the short spelling closes a
+/// whole chain by one `fi`. Counting as if all were chains, an outermost `if` that has `fi`s left over has so many of
+/// the long kind. (A parser that looks ahead for this takes cubic time on long chains.)
 void mark_else_chains(std::vector<TokenRow>& rows) {
   std::vector<std::size_t> elses;
   for (std::size_t i = 0; i < rows.size(); ++i) {

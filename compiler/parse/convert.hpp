@@ -1,7 +1,8 @@
 // From ANTLR's parse tree to syntax::Syntax, with the checks that the permissive grammar leaves to it.
 //
-// The converter skips what the parser could not read (a context with an exception). Nodes go to an arena; names are views
-// into the source. Depth: the tree that it builds is at most kMaxDepth deep (B0008 otherwise), whatever its width.
+// The converter skips what the parser could not read (a context with an exception). Nodes go to an arena; names are
+// views into the source. Depth: the tree that it builds is at most kMaxDepth deep (B0008 otherwise), whatever its
+// width.
 #pragma once
 #include <string>
 #include <vector>
@@ -79,7 +80,9 @@ class Converter {
   [[nodiscard]] std::string_view text(SourceRange r) const { return text_.substr(r.begin, r.end - r.begin); }
   /// The parser found something wrong in the declaration: what seems to be missing or misplaced in it is a consequence.
   bool is_broken(SourceRange declaration);
-  [[nodiscard]] static bool failed(const antlr4::ParserRuleContext* ctx) { return ctx == nullptr || ctx->exception != nullptr; }
+  [[nodiscard]] static bool failed(const antlr4::ParserRuleContext* ctx) {
+    return ctx == nullptr || ctx->exception != nullptr;
+  }
   syntax::Name name(const antlr4::Token* token) const;
   syntax::Name name(BipParser::IdContext* ctx) const;
   std::span<const syntax::Name> names(BipParser::IdListContext* ctx);
@@ -118,14 +121,16 @@ class Converter {
   void behavior(BipParser::BehaviorContext* ctx, Items& to);
   syntax::PortDecl port(BipParser::PortDeclContext* ctx, syntax::Annotations annotations);
   syntax::Initial initial(BipParser::InitialContext* ctx);
-  void transition(BipParser::TransitionContext* ctx, syntax::Annotations annotations, const syntax::Name* state, Items& to);
+  void transition(BipParser::TransitionContext* ctx, syntax::Annotations annotations, const syntax::Name* state,
+                  Items& to);
   void atom_priority(BipParser::PriorityContext* ctx, Items& to);
   syntax::Invariant invariant(BipParser::InvariantContext* ctx);
   void missing_from_or_to(BipParser::TransitionContext* ctx, std::string_view word);
 
   // convert_compound.cpp
   bool compound_item(BipParser::BodyItemContext* ctx, syntax::Annotations annotations, Items& to);
-  void instances(const std::vector<BipParser::InstanceContext*>& list, BipParser::PathContext* type, SourceRange at, syntax::Annotations annotations, Items& to);
+  void instances(const std::vector<BipParser::InstanceContext*>& list, BipParser::PathContext* type, SourceRange at,
+                 syntax::Annotations annotations, Items& to);
   void bindings(BipParser::ConnectorDeclContext* ctx, syntax::Annotations annotations, Items& to);
   void inline_connector(BipParser::InlineConnectorContext* ctx, syntax::Annotations annotations, Items& to);
   void bound_ports(BipParser::BoundPortsContext* ctx, std::vector<syntax::Path>& to);

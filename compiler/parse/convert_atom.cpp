@@ -37,7 +37,8 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
     if (clock->UNIT() != nullptr) {
       made.unit = name(ids.back());
       ids.pop_back();
-      constexpr std::string_view kUnits[] = {"nanosecond", "microsecond", "millisecond", "second", "minute", "hour", "day"};
+      constexpr std::string_view kUnits[] = {"nanosecond", "microsecond", "millisecond", "second",
+                                             "minute",     "hour",        "day"};
       if (std::find(std::begin(kUnits), std::end(kUnits), made.unit.text) == std::end(kUnits)) {
         diags_.report(Diag::kB0021, made.unit.range, made.unit.text)
             .note("units are `nanosecond`, `microsecond`, `millisecond`, `second`, `minute`, `hour` and `day`");
@@ -55,7 +56,8 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
     if (!failed(ctx->transition())) transition(ctx->transition(), marks, nullptr, to);
   } else if (ctx->priority() != nullptr) {
     atom_priority(ctx->priority(), to);
-    if (BipParser::IndexContext* index = ctx->priority()->index()) diags_.report(Diag::kB3020, range(index), name(ctx->priority()->id()).text);
+    if (BipParser::IndexContext* index = ctx->priority()->index())
+      diags_.report(Diag::kB3020, range(index), name(ctx->priority()->id()).text);
   } else if (ctx->invariant() != nullptr) {
     if (!failed(ctx->invariant()->provided())) to.invariants.push_back(invariant(ctx->invariant()));
   } else if (ctx->behavior() != nullptr) {
@@ -79,9 +81,7 @@ void Converter::behavior(BipParser::BehaviorContext* ctx, Items& to) {
     auto* rule = dynamic_cast<antlr4::ParserRuleContext*>(child);
     if (rule == nullptr || failed(rule)) continue;
     switch (rule->getRuleIndex()) {
-      case BipParser::RuleAnnotation:
-        marks.push_back(static_cast<BipParser::AnnotationContext*>(rule));
-        break;
+      case BipParser::RuleAnnotation: marks.push_back(static_cast<BipParser::AnnotationContext*>(rule)); break;
       case BipParser::RuleInitial:
         if (to.initial.present) repeated("`initial`", owner_.phrase, range(rule));
         to.initial = initial(static_cast<BipParser::InitialContext*>(rule));
@@ -132,7 +132,8 @@ PortDecl Converter::port(BipParser::PortDeclContext* ctx, Annotations marks) {
     diags_.report(Diag::kB0019, made.range, "a class or a policy belongs to an `extern port`");
   }
   if (made.role != PortRole::Exported && ctx->id() != nullptr) {
-    diags_.report(Diag::kB0019, made.merged_as.range, "only exported ports are merged by `as`").help("write `export port`");
+    diags_.report(Diag::kB0019, made.merged_as.range, "only exported ports are merged by `as`")
+        .help("write `export port`");
   }
   return made;
 }
@@ -161,18 +162,22 @@ void Converter::missing_from_or_to(BipParser::TransitionContext* ctx, std::strin
   // The child that follows the port, or for `to` whatever follows `from …`.
   const std::size_t at = ctx->INTERNAL() != nullptr ? 1 : 2;
   if (word == "from") {
-    after += ctx->INTERNAL() != nullptr ? std::string("`internal`") : "port `" + std::string(name(ctx->id()).text) + "`";
+    after +=
+        ctx->INTERNAL() != nullptr ? std::string("`internal`") : "port `" + std::string(name(ctx->id()).text) + "`";
     if (ctx->children.size() > at) next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at])->start;
   } else {
     const antlr4::ParserRuleContext* last = ctx->from().empty() ? nullptr : ctx->from(0);
     after += last == nullptr ? std::string("the port") : "`" + std::string(text(range(last))) + "`";
-    if (ctx->from().empty() && ctx->children.size() > at) next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at])->start;
-    if (last != nullptr && ctx->children.size() > at + 1) next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at + 1])->start;
+    if (ctx->from().empty() && ctx->children.size() > at)
+      next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at])->start;
+    if (last != nullptr && ctx->children.size() > at + 1)
+      next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at + 1])->start;
   }
   const SourceRange whole = range(ctx);
   const SourceRange where = next != nullptr ? range(next) : SourceRange{file_, whole.begin, whole.end};
   const std::string found = next != nullptr ? "`" + std::string(text(where)) + "`" : "the next item";
-  diags_.report(Diag::kB0001, where, "`" + std::string(word) + "`", after + " in a transition of " + owner_.phrase, found);
+  diags_.report(Diag::kB0001, where, "`" + std::string(word) + "`", after + " in a transition of " + owner_.phrase,
+                found);
 }
 
 void Converter::transition(BipParser::TransitionContext* ctx, Annotations marks, const Name* state, Items& to) {
@@ -210,7 +215,8 @@ void Converter::atom_priority(BipParser::PriorityContext* ctx, Items& to) {
   for (std::size_t i = 0; i < 2; ++i) {
     BipParser::PrioritySideContext* side = ctx->prioritySide(i);
     if (side->start != side->stop) {
-      diags_.report(Diag::kB0019, range(side), "a priority of an atom compares ports of its own, `*` stands for all others");
+      diags_.report(Diag::kB0019, range(side),
+                    "a priority of an atom compares ports of its own, `*` stands for all others");
       return;
     }
     *sides[i] = name(side->start);

@@ -8,8 +8,9 @@ using namespace syntax;
 /// True if the item is one of a compound (or was reported as misplaced in an atom).
 bool Converter::compound_item(BipParser::BodyItemContext* ctx, Annotations marks, Items& to) {
   const bool in_compound = owner_.kind == DeclKind::CompoundType;
-  const bool belongs = ctx->contains() != nullptr || ctx->componentDecl() != nullptr || ctx->connectorDecl() != nullptr ||
-                       ctx->inlineConnector() != nullptr || ctx->forItems() != nullptr || ctx->compoundExport() != nullptr;
+  const bool belongs = ctx->contains() != nullptr || ctx->componentDecl() != nullptr ||
+                       ctx->connectorDecl() != nullptr || ctx->inlineConnector() != nullptr ||
+                       ctx->forItems() != nullptr || ctx->compoundExport() != nullptr;
   if (belongs && !in_compound) {
     std::string_view what = "an export of a part's port or data";
     if (ctx->contains() != nullptr || ctx->componentDecl() != nullptr) what = "a component";
@@ -32,10 +33,12 @@ bool Converter::compound_item(BipParser::BodyItemContext* ctx, Annotations marks
   } else if (ctx->priority() != nullptr) {
     to.priorities.push_back(compound_priority(ctx->priority(), marks));
     if (const CompoundPriority& made = to.priorities.back(); made.index != nullptr) {
-      diags_.report(Diag::kB3020, made.index->range, made.name.text).help("only in a `for` are there several of one name");
+      diags_.report(Diag::kB3020, made.index->range, made.name.text)
+          .help("only in a `for` are there several of one name");
     }
   } else if (BipParser::CompoundExportContext* e = ctx->compoundExport()) {
-    CompoundExport made{.annotations = marks, .is_data = e->DATA() != nullptr, .name = name(e->id()), .range = range(e)};
+    CompoundExport made{
+        .annotations = marks, .is_data = e->DATA() != nullptr, .name = name(e->id()), .range = range(e)};
     std::vector<Path> targets;
     for (BipParser::PathContext* p : e->path()) targets.push_back(path(p));
     made.targets = arena_.list(targets);
@@ -57,8 +60,8 @@ bool Converter::compound_item(BipParser::BodyItemContext* ctx, Annotations marks
   return true;
 }
 
-void Converter::instances(const std::vector<BipParser::InstanceContext*>& list, BipParser::PathContext* type, SourceRange at, Annotations marks,
-                          Items& to) {
+void Converter::instances(const std::vector<BipParser::InstanceContext*>& list, BipParser::PathContext* type,
+                          SourceRange at, Annotations marks, Items& to) {
   const TypeRef ref{.name = path(type)};
   for (BipParser::InstanceContext* i : list) {
     CompoundItem item{.kind = ItemKind::Component, .annotations = marks, .range = list.size() == 1 ? at : range(i)};
@@ -66,7 +69,8 @@ void Converter::instances(const std::vector<BipParser::InstanceContext*>& list, 
     item.type = ref;
     if (i->index() != nullptr) {
       item.index = value(i->index()->expr());
-      if (i->index()->STAR() != nullptr) diags_.report(Diag::kB0019, range(i->index()), "a component's `[ ]` holds a size or an index, not `*`");
+      if (i->index()->STAR() != nullptr)
+        diags_.report(Diag::kB0019, range(i->index()), "a component's `[ ]` holds a size or an index, not `*`");
     }
     item.args = named_args(i->args());
     to.items.push_back(arena_.make(item));
@@ -89,12 +93,14 @@ void Converter::bound_ports(BipParser::BoundPortsContext* ctx, std::vector<Path>
 void Converter::bindings(BipParser::ConnectorDeclContext* ctx, Annotations marks, Items& to) {
   const TypeRef ref{.name = path(ctx->path())};
   for (BipParser::BindingContext* b : ctx->binding()) {
-    CompoundItem item{.kind = ItemKind::Connector, .annotations = marks, .range = ctx->binding().size() == 1 ? range(ctx) : range(b)};
+    CompoundItem item{
+        .kind = ItemKind::Connector, .annotations = marks, .range = ctx->binding().size() == 1 ? range(ctx) : range(b)};
     item.name = name(b->id());
     item.type = ref;
     if (b->index() != nullptr) {
       item.index = value(b->index()->expr());
-      if (b->index()->STAR() != nullptr) diags_.report(Diag::kB0019, range(b->index()), "a connector's `[ ]` holds a size or an index, not `*`");
+      if (b->index()->STAR() != nullptr)
+        diags_.report(Diag::kB0019, range(b->index()), "a connector's `[ ]` holds a size or an index, not `*`");
     }
     std::vector<Path> ports;
     bound_ports(b->boundPorts(), ports);
@@ -132,7 +138,8 @@ void Converter::for_items(BipParser::ForItemsContext* ctx, Annotations marks, It
     if (repeats) {
       body_item(i, inner);
     } else if (i->priority() != nullptr) {
-      CompoundItem rule{.kind = ItemKind::Priority, .annotations = annotations(i->annotation()), .range = range(i->priority())};
+      CompoundItem rule{
+          .kind = ItemKind::Priority, .annotations = annotations(i->annotation()), .range = range(i->priority())};
       rule.priority = arena_.make(compound_priority(i->priority(), rule.annotations));
       rule.name = rule.priority->name;
       rule.index = rule.priority->index;
@@ -161,10 +168,15 @@ InteractionPattern Converter::pattern(BipParser::PrioritySideContext* ctx) {
 }
 
 CompoundPriority Converter::compound_priority(BipParser::PriorityContext* ctx, Annotations marks) {
-  CompoundPriority made{.annotations = marks, .name = name(ctx->id()), .index = nullptr, .low = pattern(ctx->prioritySide(0)), .high = pattern(ctx->prioritySide(1))};
+  CompoundPriority made{.annotations = marks,
+                        .name = name(ctx->id()),
+                        .index = nullptr,
+                        .low = pattern(ctx->prioritySide(0)),
+                        .high = pattern(ctx->prioritySide(1))};
   if (ctx->provided() != nullptr) made.guard = guard(ctx->provided());
   if (ctx->index() != nullptr && ctx->index()->expr() != nullptr) made.index = value(ctx->index()->expr());
-  if (ctx->index() != nullptr && ctx->index()->STAR() != nullptr) diags_.report(Diag::kB0019, range(ctx->index()), "a priority's `[ ]` holds an index, not `*`");
+  if (ctx->index() != nullptr && ctx->index()->STAR() != nullptr)
+    diags_.report(Diag::kB0019, range(ctx->index()), "a priority's `[ ]` holds an index, not `*`");
   made.range = range(ctx);
   return made;
 }

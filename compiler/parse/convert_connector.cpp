@@ -5,7 +5,9 @@ namespace bip::parse {
 
 using namespace syntax;
 
-void Converter::repeated(std::string_view part, std::string_view whole, SourceRange at) { diags_.report(Diag::kB0013, at, part, whole); }
+void Converter::repeated(std::string_view part, std::string_view whole, SourceRange at) {
+  diags_.report(Diag::kB0013, at, part, whole);
+}
 
 const ConnectorBody* Converter::connector_body(const std::vector<BipParser::ConnectorPartContext*>& parts) {
   ConnectorBody body;
@@ -50,8 +52,10 @@ const PortExpr* Converter::define(BipParser::DefineContext* ctx, Name& resume) {
     children.resize(n - 2);
   }
   // One group around everything says nothing: `define (p q)` is `define p q`.
-  const PortExpr* only = children.size() == 1 && children[0]->kind == PortExprKind::Group && !children[0]->trigger ? children[0] : nullptr;
-  while (only != nullptr && only->children.size() == 1 && only->children[0]->kind == PortExprKind::Group && !only->children[0]->trigger) {
+  const PortExpr* only =
+      children.size() == 1 && children[0]->kind == PortExprKind::Group && !children[0]->trigger ? children[0] : nullptr;
+  while (only != nullptr && only->children.size() == 1 && only->children[0]->kind == PortExprKind::Group &&
+         !only->children[0]->trigger) {
     only = only->children[0];
   }
   if (only != nullptr) return only;
@@ -80,7 +84,8 @@ const PortExpr* Converter::port_term(BipParser::PortTermContext* ctx) {
 Clause Converter::clause(BipParser::ClauseContext* ctx, Annotations marks) {
   Clause c{.annotations = marks, .range = range(ctx)};
   std::vector<Path> ports;
-  for (BipParser::ClausePortContext* p : ctx->clausePort()) ports.push_back(p->family() != nullptr ? path(p->family()) : path(p->portPath()));
+  for (BipParser::ClausePortContext* p : ctx->clausePort())
+    ports.push_back(p->family() != nullptr ? path(p->family()) : path(p->portPath()));
   c.ports = arena_.list(ports);
   constexpr std::string_view kWhole = "an `on` clause";
   for (std::size_t i = 1; i < ctx->provided().size(); ++i) repeated("`provided`", kWhole, range(ctx->provided(i)));

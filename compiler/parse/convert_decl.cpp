@@ -31,7 +31,10 @@ const Package* Converter::file(BipParser::FileContext* ctx) {
     auto* p = dynamic_cast<BipParser::PackageContext*>(child);
     if (p == nullptr) continue;
     if (first != nullptr) {
-      if (!failed(first->path())) diags_.report(Diag::kB0017, range(p->start)).label(range(first->start), "the first one").help("one package a file");
+      if (!failed(first->path()))
+        diags_.report(Diag::kB0017, range(p->start))
+            .label(range(first->start), "the first one")
+            .help("one package a file");
       continue;
     }
     first = p;
@@ -89,7 +92,8 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
     d.params = params(n->params());
     owner_ = {"connector type `" + std::string(d.name.text) + "`", d.kind, Notation::Bip2, false};
     d.connector = connector_body(n->connectorPart());
-    if (d.connector->define == nullptr && !is_broken(d.range)) diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`define`");
+    if (d.connector->define == nullptr && !is_broken(d.range))
+      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`define`");
   } else if (BipParser::AtomTypeContext* a = ctx->atomType()) {
     if (failed(a)) return nullptr;
     d.kind = DeclKind::AtomType;
@@ -110,7 +114,8 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
     // The behavior makes a component an atom: known only after a look at its items.
     d.kind = DeclKind::CompoundType;
     for (BipParser::BodyItemContext* item : m->bodyItem()) {
-      if (item->behavior() != nullptr || item->initial() != nullptr || item->transition() != nullptr || item->places() != nullptr) {
+      if (item->behavior() != nullptr || item->initial() != nullptr || item->transition() != nullptr ||
+          item->places() != nullptr) {
         d.kind = DeclKind::AtomType;
       }
     }
@@ -196,13 +201,17 @@ void Converter::check_body(const Decl& d, const Items& items) {
   if (diags_.has_errors()) return;
   if (d.kind == DeclKind::AtomType) {
     if (items.places.empty()) {
-      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, d.notation == Notation::Paper ? "state" : "`place` line");
+      diags_.report(Diag::kB0014, d.name.range, owner_.phrase,
+                    d.notation == Notation::Paper ? "state" : "`place` line");
     } else if (!items.initial.present) {
-      const char* help = d.notation == Notation::Paper ? "say where it begins: `behavior initial to " : "say where it begins: `initial to ";
-      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`initial`").help(help + std::string(items.places.front().text) + "`");
+      const char* help = d.notation == Notation::Paper ? "say where it begins: `behavior initial to "
+                                                       : "say where it begins: `initial to ";
+      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`initial`")
+          .help(help + std::string(items.places.front().text) + "`");
     }
   } else if (items.items.empty()) {
-    diags_.report(Diag::kB0014, d.name.range, owner_.phrase, d.notation == Notation::Paper ? "behavior and no `contains`" : "component");
+    diags_.report(Diag::kB0014, d.name.range, owner_.phrase,
+                  d.notation == Notation::Paper ? "behavior and no `contains`" : "component");
   }
 }
 

@@ -1,5 +1,5 @@
-// Conversion of expressions. A chain a + b + c … is a left spine in the parse tree: it is walked by a loop, so its length
-// costs no stack; right operands, parentheses and arguments recurse and are bounded by check_depth.
+// Conversion of expressions. A chain a + b + c … is a left spine in the parse tree: it is walked by a loop, so its
+// length costs no stack; right operands, parentheses and arguments recurse and are bounded by check_depth.
 #include <algorithm>
 
 #include "compiler/parse/convert.hpp"
@@ -146,7 +146,8 @@ Converter::Built Converter::build_primary(BipParser::PrimaryContext* ctx, Assign
     if (ctx->LPAREN() != nullptr) {
       e.kind = ExprKind::Call;
       std::vector<const Expr*> operands;
-      for (BipParser::ExprContext* arg : ctx->args() == nullptr ? std::vector<BipParser::ExprContext*>() : ctx->args()->expr()) {
+      for (BipParser::ExprContext* arg :
+           ctx->args() == nullptr ? std::vector<BipParser::ExprContext*>() : ctx->args()->expr()) {
         const Built built = build(arg, Assigning::Forbidden);
         if (built.expr == nullptr) return {};
         depth = std::max(depth, built.depth + 1);

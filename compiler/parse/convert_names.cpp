@@ -72,7 +72,8 @@ Path Converter::path(BipParser::FamilyContext* ctx) {
   const std::string_view high = text(range(ctx->SUBSCRIPT(1)->getSymbol()));
   if (first.text != name(ctx->id(1)).text || low != "\u2081" || high != "\u2099") {
     diags_.report(Diag::kB2051, range(ctx), text(range(ctx)))
-        .help(fmt::format("write `{0}\u2081, \u2026, {0}\u2099`, or `{0}[*]`", first.text), range(ctx), fmt::format("{}[*]", first.text));
+        .help(fmt::format("write `{0}\u2081, \u2026, {0}\u2099`, or `{0}[*]`", first.text), range(ctx),
+              fmt::format("{}[*]", first.text));
   }
   return {arena_.list(std::vector<PathPart>{{.name = first, .star = true}}), range(ctx)};
 }

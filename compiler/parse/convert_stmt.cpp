@@ -32,11 +32,13 @@ std::span<const Stmt* const> Converter::stmts(BipParser::StmtsContext* ctx) {
     if (unfinished != nullptr) {
       const SourceRange at = range(unfinished);
       const SourceRange after{file_, at.end, at.end};
-      diags_.report(Diag::kB0012, at, "`" + std::string(text(range(rule->start))) + "`").help("write `;` after it", after, ";");
+      diags_.report(Diag::kB0012, at, "`" + std::string(text(range(rule->start))) + "`")
+          .help("write `;` after it", after, ";");
     }
     const bool is_if = rule->getRuleIndex() == BipParser::RuleIfStmt;
     unfinished = is_if ? nullptr : rule;
-    const Stmt* stmt = is_if ? if_stmt(static_cast<BipParser::IfStmtContext*>(rule)) : simple(static_cast<BipParser::SimpleContext*>(rule));
+    const Stmt* stmt = is_if ? if_stmt(static_cast<BipParser::IfStmtContext*>(rule))
+                             : simple(static_cast<BipParser::SimpleContext*>(rule));
     if (stmt != nullptr) list.push_back(stmt);
   }
   return arena_.list(list);
@@ -49,7 +51,8 @@ const Stmt* Converter::simple(BipParser::SimpleContext* ctx) {
     Expr call{.kind = ExprKind::Call, .range = range(ctx)};
     call.path = path(ctx->path());
     std::vector<const Expr*> operands;
-    for (BipParser::ExprContext* arg : ctx->args() == nullptr ? std::vector<BipParser::ExprContext*>() : ctx->args()->expr()) {
+    for (BipParser::ExprContext* arg :
+         ctx->args() == nullptr ? std::vector<BipParser::ExprContext*>() : ctx->args()->expr()) {
       const Expr* operand = expr(arg);
       if (operand == nullptr) return nullptr;
       operands.push_back(operand);

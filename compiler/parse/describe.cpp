@@ -16,59 +16,126 @@ struct Spelling {
   std::string_view text;
 };
 constexpr Spelling kSpellings[] = {
-    {BipParser::FROM, "from"},         {BipParser::TO, "to"},             {BipParser::PROVIDED, "provided"},
-    {BipParser::DO, "do"},             {BipParser::UP, "up"},             {BipParser::DOWN, "down"},
-    {BipParser::THEN, "then"},         {BipParser::ELSE, "else"},         {BipParser::ELSE_CHAIN, "else"},   {BipParser::FI, "fi"},
-    {BipParser::DEFINE, "define"},     {BipParser::TYPE, "type"},         {BipParser::DATA, "data"},
-    {BipParser::PORT, "port"},         {BipParser::PORT_DECL, "port"},    {BipParser::CONNECTOR, "connector"},
-    {BipParser::CONNECTOR_DECL, "connector"}, {BipParser::ATOM, "atom"},  {BipParser::COMPOUND, "compound"},
-    {BipParser::COMPONENT, "component"}, {BipParser::COMPONENT_DECL, "component"}, {BipParser::EXTERN, "extern"},
-    {BipParser::EXTERN_DECL, "extern"}, {BipParser::FUNCTION, "function"}, {BipParser::OPERATOR, "operator"},
-    {BipParser::REFINE, "refine"},     {BipParser::CONST, "const"},       {BipParser::EXPORT, "export"},
-    {BipParser::ON, "on"},             {BipParser::INTERNAL, "internal"}, {BipParser::PLACE, "place"},
-    {BipParser::INITIAL, "initial"},   {BipParser::PRIORITY, "priority"}, {BipParser::INVARIANT, "invariant"},
-    {BipParser::CLOCK, "clock"},       {BipParser::UNIT, "unit"},         {BipParser::AT, "at"},
-    {BipParser::LAZY, "lazy"},         {BipParser::DELAYABLE, "delayable"}, {BipParser::EAGER, "eager"},
-    {BipParser::RESUME, "resume"},     {BipParser::REMEMBER, "remember"}, {BipParser::IGNORE, "ignore"},
-    {BipParser::ERROR, "error"},       {BipParser::BEHAVIOR, "behavior"}, {BipParser::STATE, "state"},
-    {BipParser::CONTAINS, "contains"}, {BipParser::FOR, "for"},           {BipParser::IN, "in"},
-    {BipParser::IF, "if"},             {BipParser::PACKAGE, "package"},   {BipParser::USE, "use"},
-    {BipParser::AS, "as"},             {BipParser::END, "end"},           {BipParser::TRUE, "true"},
-    {BipParser::FALSE, "false"},       {BipParser::AND_WORD, "and"},      {BipParser::OR_WORD, "or"},
-    {BipParser::NOT_WORD, "not"},      {BipParser::LPAREN, "("},          {BipParser::RPAREN, ")"},
-    {BipParser::LBRACK, "["},          {BipParser::GROUP_OPEN, "["},      {BipParser::RBRACK, "]"},
-    {BipParser::LBRACE, "{"},          {BipParser::RBRACE, "}"},          {BipParser::SEMI, ";"},
-    {BipParser::ASSIGN, "="},          {BipParser::ARROW, "<-"},          {BipParser::LT, "<"},
-    {BipParser::COLON, ":"},           {BipParser::DOTDOT, ".."},         {BipParser::COMMA, ","},
+    {BipParser::FROM, "from"},
+    {BipParser::TO, "to"},
+    {BipParser::PROVIDED, "provided"},
+    {BipParser::DO, "do"},
+    {BipParser::UP, "up"},
+    {BipParser::DOWN, "down"},
+    {BipParser::THEN, "then"},
+    {BipParser::ELSE, "else"},
+    {BipParser::ELSE_CHAIN, "else"},
+    {BipParser::FI, "fi"},
+    {BipParser::DEFINE, "define"},
+    {BipParser::TYPE, "type"},
+    {BipParser::DATA, "data"},
+    {BipParser::PORT, "port"},
+    {BipParser::PORT_DECL, "port"},
+    {BipParser::CONNECTOR, "connector"},
+    {BipParser::CONNECTOR_DECL, "connector"},
+    {BipParser::ATOM, "atom"},
+    {BipParser::COMPOUND, "compound"},
+    {BipParser::COMPONENT, "component"},
+    {BipParser::COMPONENT_DECL, "component"},
+    {BipParser::EXTERN, "extern"},
+    {BipParser::EXTERN_DECL, "extern"},
+    {BipParser::FUNCTION, "function"},
+    {BipParser::OPERATOR, "operator"},
+    {BipParser::REFINE, "refine"},
+    {BipParser::CONST, "const"},
+    {BipParser::EXPORT, "export"},
+    {BipParser::ON, "on"},
+    {BipParser::INTERNAL, "internal"},
+    {BipParser::PLACE, "place"},
+    {BipParser::INITIAL, "initial"},
+    {BipParser::PRIORITY, "priority"},
+    {BipParser::INVARIANT, "invariant"},
+    {BipParser::CLOCK, "clock"},
+    {BipParser::UNIT, "unit"},
+    {BipParser::AT, "at"},
+    {BipParser::LAZY, "lazy"},
+    {BipParser::DELAYABLE, "delayable"},
+    {BipParser::EAGER, "eager"},
+    {BipParser::RESUME, "resume"},
+    {BipParser::REMEMBER, "remember"},
+    {BipParser::IGNORE, "ignore"},
+    {BipParser::ERROR, "error"},
+    {BipParser::BEHAVIOR, "behavior"},
+    {BipParser::STATE, "state"},
+    {BipParser::CONTAINS, "contains"},
+    {BipParser::FOR, "for"},
+    {BipParser::IN, "in"},
+    {BipParser::IF, "if"},
+    {BipParser::PACKAGE, "package"},
+    {BipParser::USE, "use"},
+    {BipParser::AS, "as"},
+    {BipParser::END, "end"},
+    {BipParser::TRUE, "true"},
+    {BipParser::FALSE, "false"},
+    {BipParser::AND_WORD, "and"},
+    {BipParser::OR_WORD, "or"},
+    {BipParser::NOT_WORD, "not"},
+    {BipParser::LPAREN, "("},
+    {BipParser::RPAREN, ")"},
+    {BipParser::LBRACK, "["},
+    {BipParser::GROUP_OPEN, "["},
+    {BipParser::RBRACK, "]"},
+    {BipParser::LBRACE, "{"},
+    {BipParser::RBRACE, "}"},
+    {BipParser::SEMI, ";"},
+    {BipParser::ASSIGN, "="},
+    {BipParser::ARROW, "<-"},
+    {BipParser::LT, "<"},
+    {BipParser::COLON, ":"},
+    {BipParser::DOTDOT, ".."},
+    {BipParser::COMMA, ","},
     {BipParser::ELLIPSIS, "\u2026"},
-    {BipParser::AT_SIGN, "@"},         {BipParser::STAR, "*"},            {BipParser::PRIME, "'"},
-    {BipParser::DOT, "."},             {BipParser::GT, ">"},              {BipParser::LE, "<="},
-    {BipParser::GE, ">="},             {BipParser::EQ, "=="},             {BipParser::NE, "!="},
-    {BipParser::PLUS, "+"},            {BipParser::MINUS, "-"},           {BipParser::SLASH, "/"},
-    {BipParser::PERCENT, "%"},         {BipParser::PIPE, "|"},            {BipParser::CARET, "^"},
-    {BipParser::AMP, "&"},             {BipParser::ANDAND, "&&"},         {BipParser::OROR, "||"},
-    {BipParser::BANG, "!"},            {BipParser::TILDE, "~"},
+    {BipParser::AT_SIGN, "@"},
+    {BipParser::STAR, "*"},
+    {BipParser::PRIME, "'"},
+    {BipParser::DOT, "."},
+    {BipParser::GT, ">"},
+    {BipParser::LE, "<="},
+    {BipParser::GE, ">="},
+    {BipParser::EQ, "=="},
+    {BipParser::NE, "!="},
+    {BipParser::PLUS, "+"},
+    {BipParser::MINUS, "-"},
+    {BipParser::SLASH, "/"},
+    {BipParser::PERCENT, "%"},
+    {BipParser::PIPE, "|"},
+    {BipParser::CARET, "^"},
+    {BipParser::AMP, "&"},
+    {BipParser::ANDAND, "&&"},
+    {BipParser::OROR, "||"},
+    {BipParser::BANG, "!"},
+    {BipParser::TILDE, "~"},
 };
 
-constexpr std::size_t kLateWords[] = {BipParser::CLOCK, BipParser::UNIT, BipParser::INVARIANT, BipParser::AT, BipParser::LAZY,
-                                      BipParser::DELAYABLE, BipParser::EAGER, BipParser::RESUME, BipParser::REMEMBER,
-                                      BipParser::IGNORE, BipParser::ERROR, BipParser::AND_WORD, BipParser::OR_WORD};
-constexpr std::size_t kBinarySigns[] = {BipParser::STAR, BipParser::SLASH, BipParser::PERCENT, BipParser::PLUS, BipParser::MINUS,
-                                        BipParser::LT, BipParser::GT, BipParser::LE, BipParser::GE, BipParser::EQ,
-                                        BipParser::NE, BipParser::ASSIGN, BipParser::AMP, BipParser::CARET, BipParser::PIPE,
-                                        BipParser::ANDAND, BipParser::OROR, BipParser::AND_WORD, BipParser::OR_WORD};
-constexpr std::size_t kExprStarts[] = {BipParser::INT, BipParser::FLOAT, BipParser::STRING, BipParser::TRUE, BipParser::FALSE,
-                                       BipParser::REPORT, BipParser::MINUS, BipParser::PLUS, BipParser::TILDE, BipParser::BANG,
-                                       BipParser::NOT_WORD, BipParser::LPAREN, BipParser::ID};
-constexpr std::size_t kItemStarts[] = {BipParser::DATA, BipParser::EXPORT, BipParser::PORT, BipParser::EXTERN, BipParser::CLOCK,
-                                       BipParser::PLACE, BipParser::INITIAL, BipParser::ON, BipParser::INTERNAL,
-                                       BipParser::PRIORITY, BipParser::INVARIANT, BipParser::BEHAVIOR, BipParser::CONTAINS,
-                                       BipParser::COMPONENT, BipParser::CONNECTOR, BipParser::FOR, BipParser::AT_SIGN,
-                                       BipParser::DEFINE};
-constexpr std::size_t kDeclStarts[] = {BipParser::ATOM, BipParser::COMPOUND, BipParser::CONNECTOR_DECL, BipParser::PORT_DECL,
-                                       BipParser::EXTERN_DECL, BipParser::COMPONENT_DECL, BipParser::CONST, BipParser::DATA, BipParser::FUNCTION,
+constexpr std::size_t kLateWords[] = {
+    BipParser::CLOCK,     BipParser::UNIT,     BipParser::INVARIANT, BipParser::AT,       BipParser::LAZY,
+    BipParser::DELAYABLE, BipParser::EAGER,    BipParser::RESUME,    BipParser::REMEMBER, BipParser::IGNORE,
+    BipParser::ERROR,     BipParser::AND_WORD, BipParser::OR_WORD};
+constexpr std::size_t kBinarySigns[] = {BipParser::STAR,  BipParser::SLASH,    BipParser::PERCENT, BipParser::PLUS,
+                                        BipParser::MINUS, BipParser::LT,       BipParser::GT,      BipParser::LE,
+                                        BipParser::GE,    BipParser::EQ,       BipParser::NE,      BipParser::ASSIGN,
+                                        BipParser::AMP,   BipParser::CARET,    BipParser::PIPE,    BipParser::ANDAND,
+                                        BipParser::OROR,  BipParser::AND_WORD, BipParser::OR_WORD};
+constexpr std::size_t kExprStarts[] = {BipParser::INT,   BipParser::FLOAT,  BipParser::STRING,   BipParser::TRUE,
+                                       BipParser::FALSE, BipParser::REPORT, BipParser::MINUS,    BipParser::PLUS,
+                                       BipParser::TILDE, BipParser::BANG,   BipParser::NOT_WORD, BipParser::LPAREN,
+                                       BipParser::ID};
+constexpr std::size_t kItemStarts[] = {
+    BipParser::DATA,      BipParser::EXPORT,   BipParser::PORT,     BipParser::EXTERN,    BipParser::CLOCK,
+    BipParser::PLACE,     BipParser::INITIAL,  BipParser::ON,       BipParser::INTERNAL,  BipParser::PRIORITY,
+    BipParser::INVARIANT, BipParser::BEHAVIOR, BipParser::CONTAINS, BipParser::COMPONENT, BipParser::CONNECTOR,
+    BipParser::FOR,       BipParser::AT_SIGN,  BipParser::DEFINE};
+constexpr std::size_t kDeclStarts[] = {BipParser::ATOM,      BipParser::COMPOUND,    BipParser::CONNECTOR_DECL,
+                                       BipParser::PORT_DECL, BipParser::EXTERN_DECL, BipParser::COMPONENT_DECL,
+                                       BipParser::CONST,     BipParser::DATA,        BipParser::FUNCTION,
                                        BipParser::AT_SIGN};
-constexpr std::size_t kPostfix[] = {BipParser::SUBSCRIPT, BipParser::LBRACK, BipParser::GROUP_OPEN, BipParser::DOT, BipParser::PRIME};
+constexpr std::size_t kPostfix[] = {BipParser::SUBSCRIPT, BipParser::LBRACK, BipParser::GROUP_OPEN, BipParser::DOT,
+                                    BipParser::PRIME};
 
 template <std::size_t N>
 void drop(std::vector<std::size_t>& types, const std::size_t (&set)[N]) {
@@ -124,7 +191,8 @@ std::string_view construct(std::size_t rule) {
 }
 
 std::string named(std::string_view what, const antlr4::ParserRuleContext* id, std::string_view text) {
-  if (id == nullptr || id->exception != nullptr || id->start == nullptr || id->stop == nullptr) return std::string("this ").append(what);
+  if (id == nullptr || id->exception != nullptr || id->start == nullptr || id->stop == nullptr)
+    return std::string("this ").append(what);
   const std::size_t begin = id->start->getStartIndex();
   const std::size_t end = id->stop != nullptr ? id->stop->getStopIndex() : id->start->getStopIndex();
   return std::string(what).append(" `").append(text.substr(begin, end - begin)).append("`");
@@ -134,11 +202,13 @@ std::string owner_phrase(const antlr4::RuleContext* context, std::string_view te
   auto* any = const_cast<antlr4::RuleContext*>(context);
   switch (context->getRuleIndex()) {
     case BipParser::RuleAtomType: return named("atom type", static_cast<BipParser::AtomTypeContext*>(any)->id(), text);
-    case BipParser::RuleCompoundType: return named("compound type", static_cast<BipParser::CompoundTypeContext*>(any)->id(), text);
+    case BipParser::RuleCompoundType:
+      return named("compound type", static_cast<BipParser::CompoundTypeContext*>(any)->id(), text);
     case BipParser::RuleConnectorType:
       return named("connector type", static_cast<BipParser::ConnectorTypeContext*>(any)->id(), text);
     case BipParser::RulePortType: return named("port type", static_cast<BipParser::PortTypeContext*>(any)->id(), text);
-    case BipParser::RuleComponent: return named("component", static_cast<BipParser::ComponentContext*>(any)->id(), text);
+    case BipParser::RuleComponent:
+      return named("component", static_cast<BipParser::ComponentContext*>(any)->id(), text);
     case BipParser::RulePackage: return named("package", static_cast<BipParser::PackageContext*>(any)->path(), text);
     default: return {};
   }
@@ -257,7 +327,10 @@ std::string describe_place(const antlr4::RuleContext* context, std::string_view 
     const std::string owner = owner_phrase(context, text);
     if (owner.empty()) continue;
     if (inner.empty()) return " in " + owner;
-    return std::string(" in ").append(inner).append(context->getRuleIndex() == BipParser::RulePackage ? " in " : " of ").append(owner);
+    return std::string(" in ")
+        .append(inner)
+        .append(context->getRuleIndex() == BipParser::RulePackage ? " in " : " of ")
+        .append(owner);
   }
   return inner.empty() ? std::string() : std::string(" in ").append(inner);
 }

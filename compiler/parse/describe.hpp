@@ -14,7 +14,8 @@ namespace bip::parse {
 /// The spelling of a keyword or sign, empty for names, literals and tokens without one spelling.
 [[nodiscard]] std::string_view spelling(std::size_t type);
 
-/// At most five alternatives, the likeliest first: "`from`, `to` or `do`"; groups such as "an expression" stand for many.
+/// At most five alternatives, the likeliest first: "`from`, `to` or `do`"; groups such as "an expression" stand for
+/// many.
 [[nodiscard]] std::string describe_expected(const antlr4::misc::IntervalSet& expected);
 
 /// Spellings of the words in the set, to compare with a misspelled name.
@@ -29,7 +30,8 @@ struct Owner {
   const antlr4::Token* opener = nullptr;
 };
 /// The declaration below `context` whose `end` is `last`; empty if none.
-[[nodiscard]] Owner find_closed_by(const antlr4::RuleContext* context, const antlr4::Token* last, std::string_view text);
+[[nodiscard]] Owner find_closed_by(const antlr4::RuleContext* context, const antlr4::Token* last,
+                                   std::string_view text);
 [[nodiscard]] Owner find_owner(const antlr4::RuleContext* context, std::string_view text);
 
 }  // namespace bip::parse

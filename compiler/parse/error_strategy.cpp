@@ -22,10 +22,8 @@ bool begins_declaration(std::size_t type) {
     case BipParser::EXTERN_DECL:
     case BipParser::COMPONENT_DECL:
     case BipParser::PACKAGE:
-    case BipParser::FUNCTION:
-      return true;
-    default:
-      return false;
+    case BipParser::FUNCTION: return true;
+    default: return false;
   }
 }
 
@@ -48,10 +46,8 @@ bool begins_item(std::size_t type) {
     case BipParser::FOR:
     case BipParser::DEFINE:
     case BipParser::AT_SIGN:
-    case BipParser::END:
-      return true;
-    default:
-      return begins_declaration(type);
+    case BipParser::END: return true;
+    default: return begins_declaration(type);
   }
 }
 
@@ -63,9 +59,13 @@ bool begins_late_item(antlr4::TokenStream* input) {
   return before == nullptr || before->getLine() != input->LT(1)->getLine();
 }
 
-bool begins_use_or_declaration(std::size_t type) { return begins_declaration(type) || type == BipParser::USE || type == BipParser::CONST; }
+bool begins_use_or_declaration(std::size_t type) {
+  return begins_declaration(type) || type == BipParser::USE || type == BipParser::CONST;
+}
 
-bool is_closer(std::size_t type) { return type == BipParser::RPAREN || type == BipParser::RBRACK || type == BipParser::RBRACE; }
+bool is_closer(std::size_t type) {
+  return type == BipParser::RPAREN || type == BipParser::RBRACK || type == BipParser::RBRACE;
+}
 
 /// What cannot go on inside brackets.
 bool cannot_be_inside(std::size_t type) {
@@ -81,10 +81,8 @@ bool cannot_be_inside(std::size_t type) {
     case BipParser::THEN:
     case BipParser::ELSE:
     case BipParser::ELSE_CHAIN:
-    case BipParser::FI:
-      return true;
-    default:
-      return is_closer(type) || begins_item(type);
+    case BipParser::FI: return true;
+    default: return is_closer(type) || begins_item(type);
   }
 }
 
@@ -99,7 +97,8 @@ bool has_both(const antlr4::RuleContext* file) {
 }
 
 IntervalSet expected_by(antlr4::Parser* parser, const antlr4::RecognitionException& e) {
-  if (const auto* stuck = dynamic_cast<const antlr4::NoViableAltException*>(&e); stuck != nullptr && stuck->getDeadEndConfigs() != nullptr) {
+  if (const auto* stuck = dynamic_cast<const antlr4::NoViableAltException*>(&e);
+      stuck != nullptr && stuck->getDeadEndConfigs() != nullptr) {
     IntervalSet expected;
     for (const auto& config : stuck->getDeadEndConfigs()->configs) {
       IntervalSet next = parser->getATN().nextTokens(config->state);
@@ -166,7 +165,8 @@ void ReportingStrategy::reportError(antlr4::Parser* parser, const antlr4::Recogn
   const antlr4::Token* found = e.getOffendingToken();
   furthest_error_ = std::max(furthest_error_, found->getTokenIndex());
   in_inline_connector_ = false;
-  for (const antlr4::RuleContext* c = parser->getContext(); c != nullptr; c = static_cast<const antlr4::RuleContext*>(c->parent)) {
+  for (const antlr4::RuleContext* c = parser->getContext(); c != nullptr;
+       c = static_cast<const antlr4::RuleContext*>(c->parent)) {
     in_inline_connector_ |= c->getRuleIndex() == BipParser::RuleInlineConnector;
   }
   if (!is_first_report_at(parser, found)) return;
@@ -181,7 +181,8 @@ bool ReportingStrategy::is_like_named_port(antlr4::Parser* parser, const antlr4:
          input->get(index - 2)->getType() == BipParser::PORT && input->get(index + 1)->getType() == BipParser::LPAREN;
 }
 
-void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::Token* found, const IntervalSet& expected) {
+void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::Token* found,
+                                          const IntervalSet& expected) {
   std::string place;
   const std::size_t index = found->getTokenIndex();
   if (index > 0) {
@@ -190,9 +191,11 @@ void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::
   }
   place += describe_place(parser->getContext(), text_);
   // A new item while the one before is not complete: its rest is missing where it stops.
-  const bool is_complete = expected.contains(static_cast<ssize_t>(BipParser::END)) || expected.contains(static_cast<ssize_t>(antlr4::Token::EOF));
+  const bool is_complete = expected.contains(static_cast<ssize_t>(BipParser::END)) ||
+                           expected.contains(static_cast<ssize_t>(antlr4::Token::EOF));
   const bool is_cut_short = !is_complete && begins_item(found->getType());
-  auto diagnostic = diags_.report(Diag::kB0001, is_cut_short ? missing_before(parser, found) : range(found), describe_expected(expected), place, found_phrase(found));
+  auto diagnostic = diags_.report(Diag::kB0001, is_cut_short ? missing_before(parser, found) : range(found),
+                                  describe_expected(expected), place, found_phrase(found));
   const SourceRange at = range(found);
   const std::string word(text_.substr(at.begin, at.end - at.begin));
   if (found->getType() == BipParser::ID) {
@@ -213,7 +216,8 @@ bool ReportingStrategy::report_missing_closer(antlr4::Parser* parser, std::size_
     const antlr4::Token* token = input->get(i);
     const std::size_t type = token->getType();
     if (is_closer(type)) ++closed;
-    const bool opens = type == BipParser::LPAREN || type == BipParser::LBRACK || type == BipParser::GROUP_OPEN || type == BipParser::LBRACE;
+    const bool opens = type == BipParser::LPAREN || type == BipParser::LBRACK || type == BipParser::GROUP_OPEN ||
+                       type == BipParser::LBRACE;
     if (opens && closed-- == 0) opener = token;
   }
   if (opener == nullptr) return false;
@@ -221,7 +225,9 @@ bool ReportingStrategy::report_missing_closer(antlr4::Parser* parser, std::size_
   conjured_closer_ = closer;
   conjured_at_ = found->getTokenIndex();
   if (!is_first) return true;
-  diags_.report(Diag::kB0007, missing_before(parser, found), spelling(opener->getType()), spelling(closer), describe_place(parser->getContext(), text_), found_phrase(found))
+  diags_
+      .report(Diag::kB0007, missing_before(parser, found), spelling(opener->getType()), spelling(closer),
+              describe_place(parser->getContext(), text_), found_phrase(found))
       .label(range(opener), "opened here");
   return true;
 }
@@ -241,8 +247,10 @@ void ReportingStrategy::report_missing_end(antlr4::Parser* parser, const antlr4:
   Owner owner = find_owner(parser->getContext(), text_);
   if (owner.opener == nullptr || (is_end_lost_ && found->getType() == antlr4::Token::EOF)) return;
   SourceRange at = missing_before(parser, found);
-  const antlr4::Token* last = found->getTokenIndex() == 0 ? nullptr : parser->getTokenStream()->get(found->getTokenIndex() - 1);
-  if (last != nullptr && last->getType() == BipParser::END && is_first_of_line(parser, last) && column(last) == column(owner.opener)) {
+  const antlr4::Token* last =
+      found->getTokenIndex() == 0 ? nullptr : parser->getTokenStream()->get(found->getTokenIndex() - 1);
+  if (last != nullptr && last->getType() == BipParser::END && is_first_of_line(parser, last) &&
+      column(last) == column(owner.opener)) {
     const Owner inner = find_closed_by(parser->getContext(), last, text_);
     if (inner.opener != nullptr && column(inner.opener) != column(last)) {
       owner = inner;
@@ -262,7 +270,8 @@ antlr4::Token* ReportingStrategy::recoverInline(antlr4::Parser* parser) {
     return conjure(parser, BipParser::END);
   }
   for (const std::size_t closer : {BipParser::RPAREN, BipParser::RBRACK, BipParser::RBRACE}) {
-    if (expected.contains(static_cast<ssize_t>(closer)) && cannot_be_inside(type) && report_missing_closer(parser, closer)) {
+    if (expected.contains(static_cast<ssize_t>(closer)) && cannot_be_inside(type) &&
+        report_missing_closer(parser, closer)) {
       return conjure(parser, closer);
     }
   }
@@ -278,8 +287,10 @@ void ReportingStrategy::sync(antlr4::Parser* parser) {
   if (expected.contains(static_cast<ssize_t>(next))) return;
   if (expected.contains(static_cast<ssize_t>(BipParser::END)) && begins_declaration(next)) return;
   // A missing closer is told by recoverInline, which can also assume it.
-  const bool can_leave = here.contains(antlr4::Token::EPSILON) || is_closer(static_cast<std::size_t>(here.isEmpty() ? 0 : here.getMaxElement()));
-  const bool closes = expected.contains(static_cast<ssize_t>(BipParser::RPAREN)) || expected.contains(static_cast<ssize_t>(BipParser::RBRACK)) ||
+  const bool can_leave = here.contains(antlr4::Token::EPSILON) ||
+                         is_closer(static_cast<std::size_t>(here.isEmpty() ? 0 : here.getMaxElement()));
+  const bool closes = expected.contains(static_cast<ssize_t>(BipParser::RPAREN)) ||
+                      expected.contains(static_cast<ssize_t>(BipParser::RBRACK)) ||
                       expected.contains(static_cast<ssize_t>(BipParser::RBRACE));
   if (can_leave && closes && cannot_be_inside(next)) return;
   if (skip_stray_words(parser, expected)) return;
@@ -303,23 +314,24 @@ bool ReportingStrategy::skip_stray_words(antlr4::Parser* parser, const IntervalS
       if (!expected.contains(static_cast<ssize_t>(BipParser::END))) return false;
       stops = begins_use_or_declaration;
       break;
-    case BipParser::RuleFile:
-      stops = begins_use_or_declaration;
-      break;
-    default:
-      return false;
+    case BipParser::RuleFile: stops = begins_use_or_declaration; break;
+    default: return false;
   }
-  // After an earlier error an `end` too many is its consequence; after declarations behind the package's `end` these are told.
+  // After an earlier error an `end` too many is its consequence; after declarations behind the package's `end` these
+  // are told.
   const bool is_end_of_file = rule == BipParser::RuleFile && input->LA(1) == BipParser::END;
   const bool consequence = is_end_of_file && (diags_.has_errors() || has_both(parser->getContext()));
   const antlr4::Token* stray = input->LT(1);
   if (is_first_report_at(parser, stray) && !consequence) report_unexpected(parser, stray, expected);
   // What stands deeper than a line that cannot be read belongs to it.
   const bool by_columns = stops == begins_use_or_declaration && is_first_of_line(parser, stray);
-  const auto is_inside = [&](const antlr4::Token* token) { return by_columns && is_first_of_line(parser, token) && column(token) > column(stray); };
+  const auto is_inside = [&](const antlr4::Token* token) {
+    return by_columns && is_first_of_line(parser, token) && column(token) > column(stray);
+  };
   do {
     parser->consume();
-  } while (input->LA(1) != antlr4::Token::EOF && (!(stops(input->LA(1)) || (stops == begins_item && begins_late_item(input))) || is_inside(input->LT(1))));
+  } while (input->LA(1) != antlr4::Token::EOF &&
+           (!(stops(input->LA(1)) || (stops == begins_item && begins_late_item(input))) || is_inside(input->LT(1))));
   note_skipped_to_end(parser);
   sync(parser);
   return true;
@@ -333,7 +345,8 @@ void ReportingStrategy::note_skipped_to_end(antlr4::Parser* parser) {
 void ReportingStrategy::recover(antlr4::Parser* parser, std::exception_ptr e) {
   antlr4::TokenStream* input = parser->getTokenStream();
   const auto skip = [&](auto&& stops) {
-    while (input->LA(1) != antlr4::Token::EOF && (input->index() < furthest_error_ || !stops(input->LA(1)))) parser->consume();
+    while (input->LA(1) != antlr4::Token::EOF && (input->index() < furthest_error_ || !stops(input->LA(1))))
+      parser->consume();
     note_skipped_to_end(parser);
   };
   switch (parser->getContext()->getRuleIndex()) {
@@ -342,21 +355,20 @@ void ReportingStrategy::recover(antlr4::Parser* parser, std::exception_ptr e) {
     case BipParser::RuleTransition:
     case BipParser::RuleState:
       skip([&](std::size_t type) {
-        if (in_inline_connector_ && parser->getContext()->getRuleIndex() == BipParser::RuleBodyItem && (type == BipParser::DEFINE || type == BipParser::ON)) return false;
+        if (in_inline_connector_ && parser->getContext()->getRuleIndex() == BipParser::RuleBodyItem &&
+            (type == BipParser::DEFINE || type == BipParser::ON))
+          return false;
         return begins_item(type) || begins_late_item(input);
       });
       return;
     case BipParser::RuleDecl:
     case BipParser::RuleUse:
-    case BipParser::RulePackage:
-      skip(begins_use_or_declaration);
-      return;
+    case BipParser::RulePackage: skip(begins_use_or_declaration); return;
     case BipParser::RuleFile:
       // Something between the declarations of the file: skip it and go on with the next one.
       while (input->LA(1) != antlr4::Token::EOF) parser->consume();
       return;
-    default:
-      std::rethrow_exception(e);
+    default: std::rethrow_exception(e);
   }
 }
 

@@ -1,8 +1,8 @@
 // Text to tree: tokens, depth check, ANTLR in two stages, conversion.
 //
-// A file about which there is nothing to say is read in pieces (read_in_pieces.cpp) and that is all. Any other is read whole:
-// stage one predicts without context (SLL) and gives up at the first error; it reads every sound file. Only if it gives up
-// does stage two predict with full context and report. Nothing that ANTLR throws leaves this file.
+// A file about which there is nothing to say is read in pieces (read_in_pieces.cpp) and that is all. Any other is read
+// whole: stage one predicts without context (SLL) and gives up at the first error; it reads every sound file. Only if
+// it gives up does stage two predict with full context and report. Nothing that ANTLR throws leaves this file.
 #include "compiler/parse/parse.hpp"
 
 #include <algorithm>
@@ -42,7 +42,8 @@ const syntax::Package* read_sound_file(const TokenList& list, const SourceMap& s
 
 /// The parse tree of `rule`, from whichever stage could make it; null if neither could. `convert` runs while it lives.
 template <class Rule, class Convert>
-void with_tree(const TokenList& list, const SourceMap& sources, FileId file, Diagnostics& diags, Rule rule, Convert convert) {
+void with_tree(const TokenList& list, const SourceMap& sources, FileId file, Diagnostics& diags, Rule rule,
+               Convert convert) {
   RowStream stream(list.rows, sources.text(file).size());
   BipParser parser(&stream);
   give_up_at_errors(parser);
@@ -68,7 +69,8 @@ std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, 
   TokenList list = read_tokens(sources, file, diags);
   if (list.rows.empty()) {
     const SourceRange start{file, 0, 0};
-    if (!diags.has_errors()) diags.report(Diag::kB0009, start).help("a file holds a `package … end`, or components of the paper's notation");
+    if (!diags.has_errors())
+      diags.report(Diag::kB0009, start).help("a file holds a `package … end`, or components of the paper's notation");
     return std::nullopt;
   }
   if (!check_depth(list.rows, file, diags)) return std::nullopt;
@@ -94,7 +96,7 @@ std::string dump_tokens(const SourceMap& sources, FileId file) {
   std::vector<TokenRow> rows = list.rows;
   for (const syntax::Comment& c : list.comments) rows.push_back({0, c.range.begin, c.range.end, 0});
   std::sort(rows.begin(), rows.end(), [](const TokenRow& a, const TokenRow& b) { return a.begin < b.begin; });
-  const ::antlr4::dfa::Vocabulary& names = [] () -> const ::antlr4::dfa::Vocabulary& {
+  const ::antlr4::dfa::Vocabulary& names = []() -> const ::antlr4::dfa::Vocabulary& {
     static antlr4::ANTLRInputStream none;
     static const antlr::BipLexer lexer(&none);
     return lexer.getVocabulary();
@@ -102,7 +104,8 @@ std::string dump_tokens(const SourceMap& sources, FileId file) {
   for (const TokenRow& row : rows) {
     const Loc at = sources.loc(file, row.begin);
     const std::string_view text = sources.text(SourceRange{file, row.begin, row.end});
-    out += fmt::format("{}:{}  {}  {}\n", at.line, at.column, row.type == 0 ? "COMMENT" : names.getSymbolicName(row.type), text);
+    out += fmt::format("{}:{}  {}  {}\n", at.line, at.column,
+                       row.type == 0 ? "COMMENT" : names.getSymbolicName(row.type), text);
   }
   return out;
 }
@@ -110,7 +113,8 @@ std::string dump_tokens(const SourceMap& sources, FileId file) {
 std::optional<RootSpec> parse_root(SourceMap& sources, const std::string& text, Diagnostics& diags) {
   const FileId file = sources.add("--root", text);
   const auto bad = [&]() -> std::optional<RootSpec> {
-    if (!diags.has_errors()) diags.report(Diag::kB0020, SourceRange{file, 0, static_cast<std::uint32_t>(text.size())}, text);
+    if (!diags.has_errors())
+      diags.report(Diag::kB0020, SourceRange{file, 0, static_cast<std::uint32_t>(text.size())}, text);
     return std::nullopt;
   };
   const TokenList list = read_tokens(sources, file, diags);
@@ -122,7 +126,9 @@ std::optional<RootSpec> parse_root(SourceMap& sources, const std::string& text, 
     Converter converter(sources, file, *root.arena, diags);
     if (tree->exception == nullptr && tree->expr() != nullptr) expr = converter.expr(tree->expr());
   });
-  if (expr == nullptr || (expr->kind != syntax::ExprKind::Call && expr->kind != syntax::ExprKind::Path) || expr->parenthesised) return bad();
+  if (expr == nullptr || (expr->kind != syntax::ExprKind::Call && expr->kind != syntax::ExprKind::Path) ||
+      expr->parenthesised)
+    return bad();
   for (const syntax::PathPart& part : expr->path.parts) {
     if (part.index != nullptr || part.star) return bad();
     if (!root.type.empty()) root.type += '.';

@@ -1,5 +1,6 @@
-// A sound file, a declaration or an item of a compound at a time: each piece is parsed, converted and forgotten, so that the
-// parse tree of a large file never exists whole. That tree is 50 times the text, and freeing it costs as much as parsing.
+// A sound file, a declaration or an item of a compound at a time: each piece is parsed, converted and forgotten, so
+// that the parse tree of a large file never exists whole. That tree is 50 times the text, and freeing it costs as much
+// as parsing.
 #pragma once
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/row_stream.hpp"
@@ -9,9 +10,11 @@ namespace bip::parse {
 class PieceReader {
  public:
   /// `parser` reads `stream`, predicts without context and gives up at the first error.
-  PieceReader(BipParser& parser, RowStream& stream, Converter& converter) : parser_(parser), stream_(stream), converter_(converter) {}
+  PieceReader(BipParser& parser, RowStream& stream, Converter& converter)
+      : parser_(parser), stream_(stream), converter_(converter) {}
 
-  /// The package. Throws ParseCancellationException if the file is not sound; the caller then reads it whole, with messages.
+  /// The package. Throws ParseCancellationException if the file is not sound; the caller then reads it whole, with
+  /// messages.
   [[nodiscard]] const syntax::Package* read();
 
  private:

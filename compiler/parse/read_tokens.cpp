@@ -52,17 +52,19 @@ bool is_name(std::size_t type) {
     case BipLexer::IGNORE:
     case BipLexer::ERROR:
     case BipLexer::AND_WORD:
-    case BipLexer::OR_WORD:
-      return true;
-    default:
-      return false;
+    case BipLexer::OR_WORD: return true;
+    default: return false;
   }
 }
 
 std::size_t find_bad_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    std::size_t length = lead < 0x80 ? 1 : (lead & 0xE0u) == 0xC0u ? 2 : (lead & 0xF0u) == 0xE0u ? 3 : (lead & 0xF8u) == 0xF0u ? 4 : 0;
+    std::size_t length = lead < 0x80               ? 1
+                         : (lead & 0xE0u) == 0xC0u ? 2
+                         : (lead & 0xF0u) == 0xE0u ? 3
+                         : (lead & 0xF8u) == 0xF0u ? 4
+                                                   : 0;
     if (length == 0 || i + length > text.size()) return i;
     std::uint32_t code = length == 1 ? lead : lead & (0xFFu >> (length + 1));
     for (std::size_t k = 1; k < length; ++k) {
@@ -70,7 +72,8 @@ std::size_t find_bad_utf8(std::string_view text) {
       if ((next & 0xC0u) != 0x80u) return i;
       code = (code << 6u) | (next & 0x3Fu);
     }
-    const bool overlong = (length == 2 && code < 0x80) || (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    const bool overlong =
+        (length == 2 && code < 0x80) || (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
     if (overlong || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) return i;
     i += length;
   }
@@ -82,7 +85,10 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
   std::string_view text = sources.text(file);
   if (const std::size_t bad = find_bad_utf8(text); bad != std::string_view::npos) {
     const auto at = static_cast<std::uint32_t>(bad);
-    diags.report(Diag::kB0002, SourceRange{file, at, at + 1}, fmt::format("\\x{:02x}", static_cast<unsigned char>(text[bad]))).label("not UTF-8");
+    diags
+        .report(Diag::kB0002, SourceRange{file, at, at + 1},
+                fmt::format("\\x{:02x}", static_cast<unsigned char>(text[bad])))
+        .label("not UTF-8");
     return list;
   }
   // ANTLR would swallow a byte order mark and count positions from after it.
@@ -101,22 +107,20 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
     const SourceRange range{file, row.begin, row.end};
     switch (row.type) {
       case BipLexer::LINE_COMMENT:
-      case BipLexer::BLOCK_COMMENT:
-        list.comments.push_back({range});
-        break;
+      case BipLexer::BLOCK_COMMENT: list.comments.push_back({range}); break;
       case BipLexer::UNCLOSED_COMMENT:
-        diags.report(Diag::kB0003, SourceRange{file, row.begin, row.begin + 2}).label("opened here, open to the end of the file");
+        diags.report(Diag::kB0003, SourceRange{file, row.begin, row.begin + 2})
+            .label("opened here, open to the end of the file");
         break;
       case BipLexer::UNCLOSED_STRING:
-        diags.report(Diag::kB0004, range).label("the line ends inside the string").help("a line break in a string is written `\\n`");
+        diags.report(Diag::kB0004, range)
+            .label("the line ends inside the string")
+            .help("a line break in a string is written `\\n`");
         list.rows.push_back(row);
         list.rows.back().type = BipLexer::STRING;
         break;
-      case BipLexer::STRAY:
-        report_stray(sources.text(range), range, diags);
-        break;
-      default:
-        list.rows.push_back(row);
+      case BipLexer::STRAY: report_stray(sources.text(range), range, diags); break;
+      default: list.rows.push_back(row);
     }
   }
   classify_tokens(list.rows, sources.text(file));

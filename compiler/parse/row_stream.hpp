@@ -1,4 +1,5 @@
-// The token list as ANTLR wants to see it: a token is 40 bytes in one vector, where ANTLR's own are 150 and stand alone.
+// The token list as ANTLR wants to see it: a token is 40 bytes in one vector, where ANTLR's own are 150 and stand
+// alone.
 //
 // Positions are byte offsets, the end excluded. The last token is the end of file; looking beyond it gives it again.
 #pragma once

@@ -1,7 +1,7 @@
 // The tokens of one file, after the lexer and the pass that decides what depends on context.
 //
-// A token is a type of the grammar and a byte range; comments are kept apart. Lexical errors are reported here, and what
-// they concern is dropped or mended, so that the parser goes on. Cost: linear in the text.
+// A token is a type of the grammar and a byte range; comments are kept apart. Lexical errors are reported here, and
+// what they concern is dropped or mended, so that the parser goes on. Cost: linear in the text.
 #pragma once
 #include <string_view>
 #include <vector>
@@ -29,8 +29,8 @@ struct TokenList {
 /// Decides contextual words, reports, ranges and groups in place (see BipLexer.g4). Called by `read_tokens`.
 void classify_tokens(std::vector<TokenRow>& rows, std::string_view text);
 
-/// Reports B0008 and returns false if something is nested deeper than kMaxDepth: parentheses, blocks, `if`, `for`, runs of
-/// unary operators. ANTLR recurses over all of these, so this must come first.
+/// Reports B0008 and returns false if something is nested deeper than kMaxDepth: parentheses, blocks, `if`, `for`, runs
+/// of unary operators. ANTLR recurses over all of these, so this must come first.
 [[nodiscard]] bool check_depth(const std::vector<TokenRow>& rows, FileId file, Diagnostics& diags);
 
 /// ID and the words that are names where the grammar has no use for them.

@@ -1,7 +1,7 @@
 // The base of the generated parser's tree nodes: the accessors of children without `dynamic_cast`.
 //
-// ANTLR's own ask every child for its class by walking the class hierarchy, twice a hit; that was an eighth of the time of
-// parsing. Node classes are final in fact and all are made in this program, so equal classes have one `type_info`.
+// ANTLR's own ask every child for its class by walking the class hierarchy, twice a hit; that was an eighth of the time
+// of parsing. Node classes are final in fact and all are made in this program, so equal classes have one `type_info`.
 #pragma once
 #include <typeinfo>
 #include <vector>
@@ -12,7 +12,8 @@ namespace bip::antlr {
 
 class TreeNode : public antlr4::ParserRuleContext {
  public:
-  TreeNode(antlr4::ParserRuleContext* parent, std::size_t invoking_state) : antlr4::ParserRuleContext(parent, invoking_state) {}
+  TreeNode(antlr4::ParserRuleContext* parent, std::size_t invoking_state)
+      : antlr4::ParserRuleContext(parent, invoking_state) {}
 
   template <class T>
   T* getRuleContext(std::size_t i) {
@@ -51,7 +52,8 @@ class TreeNode : public antlr4::ParserRuleContext {
   /// The leaf that `child` is, or null. Leaves of recovery (conjured tokens) count.
   [[nodiscard]] static antlr4::tree::TerminalNode* as_leaf(antlr4::tree::ParseTree* child) {
     const std::type_info& type = typeid(*child);
-    const bool is_leaf = &type == &typeid(antlr4::tree::TerminalNodeImpl) || &type == &typeid(antlr4::tree::ErrorNodeImpl);
+    const bool is_leaf =
+        &type == &typeid(antlr4::tree::TerminalNodeImpl) || &type == &typeid(antlr4::tree::ErrorNodeImpl);
     return is_leaf ? static_cast<antlr4::tree::TerminalNode*>(child) : nullptr;
   }
 };

@@ -1,4 +1,5 @@
-// Escapes of string literals. \uXXXX becomes UTF-8 (a surrogate is no character, so it is a bad escape); \ooo is one byte.
+// Escapes of string literals. \uXXXX becomes UTF-8 (a surrogate is no character, so it is a bad escape); \ooo is one
+// byte.
 #include "compiler/parse/unescape.hpp"
 
 namespace bip::parse {

@@ -1,5 +1,6 @@
-// Each rule to constraints, a pair of services at a time. What no controller can do is told here: it can refuse a request, let
-// an accepted activity wait, and tell one to stop; it cannot delay an end, and a control service is over at once.
+// Each rule to constraints, a pair of services at a time. What no controller can do is told here: it can refuse a
+// request, let an accepted activity wait, and tell one to stop; it cannot delay an end, and a control service is over
+// at once.
 #include "compiler/rules/check.hpp"
 
 #include <fmt/format.h>
@@ -72,7 +73,10 @@ class Checker {
  private:
   // It stands between quotes in BIP, too.
   void plain(const std::string& text, SourceRange range) {
-    const auto is_plain = [](char c) { return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || std::string_view(" -_.:+/").find(c) != std::string_view::npos; };
+    const auto is_plain = [](char c) {
+      return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+             std::string_view(" -_.:+/").find(c) != std::string_view::npos;
+    };
     if (!std::all_of(text.begin(), text.end(), is_plain)) diags_.report(Diag::kB6108, range, text);
   }
   void plain(const Expr& e) {
@@ -117,7 +121,8 @@ class Checker {
     const std::vector<ServiceRef> right = services(r.right);
     if (r.report.is_set()) plain(r.report.text, r.report.range);
     plain(r.condition);
-    if (r.name.is_set() && !rule_names_.insert(r.name.text).second) diags_.report(Diag::kB6013, r.name.range, "rule", r.name.text);
+    if (r.name.is_set() && !rule_names_.insert(r.name.text).second)
+      diags_.report(Diag::kB6013, r.name.range, "rule", r.name.text);
     recovery_.reset();
     if (r.recovery) recovery_ = names_.service(*r.recovery);
     if (diags_.error_count() > errors) return;
@@ -135,7 +140,9 @@ class Checker {
 
   // A rule about one service and a condition.
   void one(const Rule& r, const Path& path, ServiceRef s) {
-    const std::string name = bare(s) + (r.verb == Verb::Requires ? "_requires" : r.verb == Verb::Maintains ? "_maintains" : "_at_most");
+    const std::string name = bare(s) + (r.verb == Verb::Requires    ? "_requires"
+                                        : r.verb == Verb::Maintains ? "_maintains"
+                                                                    : "_at_most");
     if (r.verb != Verb::Requires && !can_stop(path, s)) return;
     if (r.verb == Verb::AtMost) {
       if (measured(r, path, s)) add(r, ConstraintKind::Keep, s, stopwatch(s, true, r.span), name);
@@ -153,14 +160,19 @@ class Checker {
     switch (r.verb) {
       case Verb::Before:
         if (r.since || r.within) {
-          if (const auto condition = recent(r, left)) add(r, ConstraintKind::Admit, right, *condition, fmt::format("{}_before_{}", bare(left), bare(right)));
+          if (const auto condition = recent(r, left))
+            add(r, ConstraintKind::Admit, right, *condition, fmt::format("{}_before_{}", bare(left), bare(right)));
         } else {
-          add(r, ConstraintKind::Admit, right, leaf(ConditionKind::Done, left), fmt::format("{}_before_{}", bare(left), bare(right)));
+          add(r, ConstraintKind::Admit, right, leaf(ConditionKind::Done, left),
+              fmt::format("{}_before_{}", bare(left), bare(right)));
         }
         break;
       case Verb::During:
-        add(r, ConstraintKind::Admit, left, leaf(ConditionKind::Active, right), fmt::format("{}_during_{}", bare(left), bare(right)));
-        if (!is_control(left)) add(r, ConstraintKind::Keep, left, leaf(ConditionKind::Active, right), fmt::format("{}_during_{}", bare(left), bare(right)));
+        add(r, ConstraintKind::Admit, left, leaf(ConditionKind::Active, right),
+            fmt::format("{}_during_{}", bare(left), bare(right)));
+        if (!is_control(left))
+          add(r, ConstraintKind::Keep, left, leaf(ConditionKind::Active, right),
+              fmt::format("{}_during_{}", bare(left), bare(right)));
         break;
       case Verb::AtLeast:
         if (measured(r, right_path, right)) {
@@ -215,8 +227,8 @@ class Checker {
     add(r, std::move(c), name);
   }
 
-  // Whose requests are rejected while the other runs may have been accepted before, and still wait for something else when the other, which
-  // waits only for what runs, begins.
+  // Whose requests are rejected while the other runs may have been accepted before, and still wait for something else
+  // when the other, which waits only for what runs, begins.
   void late(const Rule& r, ServiceRef accepted, ServiceRef other, Policy policy, Policy of_other) {
     if (policy != Policy::Reject || of_other != Policy::Wait || is_control(accepted) || is_control(other)) return;
     Constraint c;
@@ -228,7 +240,8 @@ class Checker {
 
   bool can_stop(const Path& path, ServiceRef s) {
     if (!is_control(s)) return true;
-    diags_.report(Diag::kB6103, path.range(), names_.text(s)).help("say `requires`: it is looked at when it is asked for");
+    diags_.report(Diag::kB6103, path.range(), names_.text(s))
+        .help("say `requires`: it is looked at when it is asked for");
     return false;
   }
 
@@ -261,7 +274,8 @@ class Checker {
 
 }  // namespace
 
-std::optional<Checked> check_rules(const SourceMap& sources, const RuleFile& file, const std::vector<genom::Module>& modules, Diagnostics& diags) {
+std::optional<Checked> check_rules(const SourceMap& sources, const RuleFile& file,
+                                   const std::vector<genom::Module>& modules, Diagnostics& diags) {
   return Checker(sources, file, modules, diags).run();
 }
 

@@ -1,4 +1,5 @@
-// Names of a .rules file to services, posters and parameters of resolved modules; each rule to what it asks of the functional level.
+// Names of a .rules file to services, posters and parameters of resolved modules; each rule to what it asks of the
+// functional level.
 #pragma once
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/rules/rules.hpp"
@@ -10,6 +11,7 @@ struct Checked {
   genom::Constraints constraints;
   std::vector<std::size_t> rule;
 };
-[[nodiscard]] std::optional<Checked> check_rules(const SourceMap& sources, const RuleFile& file, const std::vector<genom::Module>& modules, Diagnostics& diags);
+[[nodiscard]] std::optional<Checked> check_rules(const SourceMap& sources, const RuleFile& file,
+                                                 const std::vector<genom::Module>& modules, Diagnostics& diags);
 
 }  // namespace bip::rules

@@ -5,9 +5,12 @@
 //             | 'parameter' NAME 'of' paths ':' VALUE { ',' VALUE } ';'
 //             | 'value' NAME 'of' path ':' VALUE { ',' VALUE } ';'
 //             | [ NAME ':' ] rule { 'report' STRING | 'on' 'violation' 'run' path } ';'
-//             | 'request' path [ '(' '?' NAME { ',' '?' NAME } ')' ] '{' 'fail' '{' { ( 'check' | 'maintain' ) ':' | condition ';' } '}' '}'
-//   rule      = paths ( 'before' paths [ 'since' path ] [ 'within' TIME ] | 'does' 'not' 'overlap' paths [ ':' policy [ ',' policy ] ] | 'only' 'during' path
-//             | 'requires' condition | 'maintains' condition | 'takes' 'at' 'most' TIME | 'at' 'least' TIME 'after' path )
+//             | 'request' path [ '(' '?' NAME { ',' '?' NAME } ')' ] '{' 'fail' '{' { ( 'check' | 'maintain' ) ':' |
+//             condition ';' } '}' '}'
+//   rule      = paths ( 'before' paths [ 'since' path ] [ 'within' TIME ] | 'does' 'not' 'overlap' paths [ ':' policy [
+//   ',' policy ] ] | 'only' 'during' path
+//             | 'requires' condition | 'maintains' condition | 'takes' 'at' 'most' TIME | 'at' 'least' TIME 'after'
+//             path )
 //   policy    = 'reject' | 'wait' | 'interrupt'
 #include "compiler/rules/parse.hpp"
 
@@ -69,11 +72,13 @@ class RulesParser {
   bool parameter() {
     at_.take();
     ParameterDecl p;
-    if (!at_.name(p.name, "a parameter") || !at_.expect("of") || !paths(p.services, "a service") || !at_.expect(":")) return false;
+    if (!at_.name(p.name, "a parameter") || !at_.expect("of") || !paths(p.services, "a service") || !at_.expect(":"))
+      return false;
     do {
       const genom::Token& token = at_.peek();
       std::int64_t value = 0;
-      const bool is_number = token.kind == genom::TokenKind::Number && genom::whole_number(token.text, value) && value <= 2147483647;
+      const bool is_number =
+          token.kind == genom::TokenKind::Number && genom::whole_number(token.text, value) && value <= 2147483647;
       const bool is_text = token.kind == genom::TokenKind::String || token.kind == genom::TokenKind::Word;
       if ((!is_number && !is_text) || (!p.values.empty() && is_text != p.is_text)) {
         at_.unexpected(p.values.empty() ? "a value" : p.is_text ? "a word, as before" : "a number, as before");
@@ -91,14 +96,18 @@ class RulesParser {
   bool value() {
     at_.take();
     ValueDecl v;
-    if (!at_.name(v.name, "a value") || !at_.expect("of") || !parse_path(at_, v.poster, "a poster") || !at_.expect(":")) return false;
+    if (!at_.name(v.name, "a value") || !at_.expect("of") || !parse_path(at_, v.poster, "a poster") || !at_.expect(":"))
+      return false;
     do {
       const genom::Token& token = at_.peek();
       std::int64_t whole = 0;
-      const bool is_int = token.kind == genom::TokenKind::Number && genom::whole_number(token.text, whole) && whole <= 2147483647;
+      const bool is_int =
+          token.kind == genom::TokenKind::Number && genom::whole_number(token.text, whole) && whole <= 2147483647;
       const bool is_fraction = !is_int && token.kind == genom::TokenKind::Number && is_decimal(token.text);
       const bool is_text = token.kind == genom::TokenKind::String || token.kind == genom::TokenKind::Word;
-      const genom::ValueType type = is_text ? genom::ValueType::Text : is_int ? genom::ValueType::Int : genom::ValueType::Float;
+      const genom::ValueType type = is_text  ? genom::ValueType::Text
+                                    : is_int ? genom::ValueType::Int
+                                             : genom::ValueType::Float;
       const bool was_text = v.type == genom::ValueType::Text;
       if ((!is_int && !is_fraction && !is_text) || (!v.values.empty() && is_text != was_text)) {
         at_.unexpected(v.values.empty() ? "a value" : was_text ? "a word, as before" : "a number, as before");
@@ -125,7 +134,8 @@ class RulesParser {
       if (at_.accept("report")) {
         if (!quoted(r.report, "a report in quotes")) return false;
       } else if (at_.accept("on")) {
-        if (!at_.expect("violation") || !at_.expect("run") || !parse_path(at_, r.recovery.emplace(), "a service")) return false;
+        if (!at_.expect("violation") || !at_.expect("run") || !parse_path(at_, r.recovery.emplace(), "a service"))
+          return false;
       } else {
         return at_.expect(";");
       }
@@ -141,21 +151,27 @@ class RulesParser {
       if (at_.accept("since") && !parse_path(at_, r.since.emplace(), "a service")) return false;
       return !at_.accept("within") || parse_span(at_, r.within.emplace());
     }
-    if (at_.accept("does")) return set(r, Verb::Apart) && at_.expect("not") && at_.expect("overlap") && paths(r.right, "a service") && policies(r);
-    if (at_.accept("only")) return set(r, Verb::During) && at_.expect("during") && parse_path(at_, r.right.emplace_back(), "a service");
+    if (at_.accept("does"))
+      return set(r, Verb::Apart) && at_.expect("not") && at_.expect("overlap") && paths(r.right, "a service") &&
+             policies(r);
+    if (at_.accept("only"))
+      return set(r, Verb::During) && at_.expect("during") && parse_path(at_, r.right.emplace_back(), "a service");
     if (at_.accept("requires")) return set(r, Verb::Requires) && parse_condition(at_, r.condition);
     if (at_.accept("maintains")) return set(r, Verb::Maintains) && parse_condition(at_, r.condition);
     if (at_.at("takes") || at_.at("ends")) {
       const SourceRange range = at_.take().range;
-      if (range.end - range.begin == 5 && at_.expect("at") && at_.accept("most")) return set(r, Verb::AtMost) && parse_span(at_, r.span);
+      if (range.end - range.begin == 5 && at_.expect("at") && at_.accept("most"))
+        return set(r, Verb::AtMost) && parse_span(at_, r.span);
       // How long something takes at least, or what ends first, nobody can decide who only hears of it.
       at_.diags().report(Diag::kB6104, r.range, r.left[0].text());
       return false;
     }
     if (at_.accept("at")) {
-      return set(r, Verb::AtLeast) && at_.expect("least") && parse_span(at_, r.span) && at_.expect("after") && parse_path(at_, r.right.emplace_back(), "a service");
+      return set(r, Verb::AtLeast) && at_.expect("least") && parse_span(at_, r.span) && at_.expect("after") &&
+             parse_path(at_, r.right.emplace_back(), "a service");
     }
-    at_.unexpected("`before`, `does not overlap`, `only during`, `requires`, `maintains`, `takes at most` or `at least`");
+    at_.unexpected(
+        "`before`, `does not overlap`, `only during`, `requires`, `maintains`, `takes at most` or `at least`");
     return false;
   }
 
@@ -172,7 +188,8 @@ class RulesParser {
   }
 
   bool policy(Policy& into) {
-    for (const auto& [word, meaning] : {std::pair("reject", Policy::Reject), std::pair("wait", Policy::Wait), std::pair("interrupt", Policy::Interrupt)}) {
+    for (const auto& [word, meaning] : {std::pair("reject", Policy::Reject), std::pair("wait", Policy::Wait),
+                                        std::pair("interrupt", Policy::Interrupt)}) {
       if (!at_.accept(word)) continue;
       into = meaning;
       return true;
@@ -229,7 +246,9 @@ bool parse_path(genom::Cursor& at, Path& into, const char* what) {
 
 bool is_decimal(std::string_view text) {
   const std::size_t dot = text.find('.');
-  const auto digits = [](std::string_view part) { return !part.empty() && part.size() <= 4 && part.find_first_not_of("0123456789") == std::string_view::npos; };
+  const auto digits = [](std::string_view part) {
+    return !part.empty() && part.size() <= 4 && part.find_first_not_of("0123456789") == std::string_view::npos;
+  };
   return dot != std::string_view::npos && digits(text.substr(0, dot)) && digits(text.substr(dot + 1));
 }
 
@@ -240,7 +259,8 @@ bool parse_span(genom::Cursor& at, genom::Span& into) {
     return false;
   }
   at.take();
-  for (const auto& [unit, us] : {std::pair("us", 1), std::pair("ms", 1000), std::pair("s", 1000000), std::pair("min", 60000000)}) {
+  for (const auto& [unit, us] :
+       {std::pair("us", 1), std::pair("ms", 1000), std::pair("s", 1000000), std::pair("min", 60000000)}) {
     if (!at.accept(unit)) continue;
     into = {value * us, false};
     return true;

@@ -1,7 +1,8 @@
 // Conditions, by precedence climbing; depth is limited, so that a text can't exhaust the stack.
 //
 //   condition = C's || && == != < <= > >= + - * ! ( ) over
-//               NUMBER | STRING | NAME | SERVICE.active | SERVICE.done | SERVICE.PARAMETER | request.PARAMETER | total(PARAMETER)
+//               NUMBER | STRING | NAME | SERVICE.active | SERVICE.done | SERVICE.PARAMETER | request.PARAMETER |
+//               total(PARAMETER)
 //             | POSTER is fresh within TIME | POSTER.age
 //             | POSTER.VALUE | VALUE | … in '[' LEAST ',' MOST ']'
 //             | past(SERVICE [() | (?P) with condition]) | running(SERVICE) | '[' SERVICE < SERVICE ']' | ?PARAMETER
@@ -102,7 +103,9 @@ class ConditionParser {
   bool range_of(Expr& into, int depth) {
     at_.take();
     Expr bounds[2];
-    if (!at_.expect("[") || !expression(bounds[0], 5, depth + 1) || !at_.expect(",") || !expression(bounds[1], 5, depth + 1)) return false;
+    if (!at_.expect("[") || !expression(bounds[0], 5, depth + 1) || !at_.expect(",") ||
+        !expression(bounds[1], 5, depth + 1))
+      return false;
     Expr both{.kind = ExprKind::Operator, .range = into.range, .text = "&&"};
     both.range.end = at_.peek().range.end;
     for (int k = 0; k < 2; ++k) {
@@ -192,7 +195,10 @@ class ConditionParser {
     }
     const Name& what = parts.back();
     path(parts.size() - 1);
-    into.kind = what.text == "active" ? ExprKind::Active : what.text == "done" ? ExprKind::Done : what.text == "age" ? ExprKind::Age : ExprKind::Of;
+    into.kind = what.text == "active" ? ExprKind::Active
+                : what.text == "done" ? ExprKind::Done
+                : what.text == "age"  ? ExprKind::Age
+                                      : ExprKind::Of;
     into.name = what;
     return true;
   }

@@ -1,4 +1,5 @@
-// The two halves of the parser: rules (parse.cpp) and their conditions (parse_condition.cpp). Inside compiler/rules only.
+// The two halves of the parser: rules (parse.cpp) and their conditions (parse_condition.cpp). Inside compiler/rules
+// only.
 #pragma once
 #include "compiler/genom/cursor.hpp"
 #include "compiler/rules/rules.hpp"

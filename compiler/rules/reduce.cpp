@@ -16,7 +16,9 @@ constexpr std::int64_t kTick = 10000;
 
 class Reducer {
  public:
-  Reducer(const std::vector<Module>& modules, const genom::Constraints& constraints) : old_(modules) { out_.constraints = constraints; }
+  Reducer(const std::vector<Module>& modules, const genom::Constraints& constraints) : old_(modules) {
+    out_.constraints = constraints;
+  }
 
   Reduced run() {
     genom::Constraints& c = out_.constraints;
@@ -80,7 +82,9 @@ class Reducer {
     reduced.kind = old_[was.module].services[was.service].kind;
     if (reduced.kind == genom::ServiceKind::Execution) {
       // It runs, and ends when it likes, well or not.
-      genom::State run{.name = {"EXEC", {}}, .codel = {{"run", {}}, {}}, .yields = {{genom::Next::State, {}, 0}, {genom::Next::Ether, {}, 0}}};
+      genom::State run{.name = {"EXEC", {}},
+                       .codel = {{"run", {}}, {}},
+                       .yields = {{genom::Next::State, {}, 0}, {genom::Next::Ether, {}, 0}}};
       genom::State stop{.name = {"INTER", {}}, .codel = {{"stop", {}}, {}}, .yields = {{genom::Next::Ether, {}, 0}}};
       reduced.activity = {{std::move(run), std::move(stop)}, 0, 1};
       reduced.reports.push_back({"FAILED", {}});
@@ -119,6 +123,8 @@ class Reducer {
 
 }  // namespace
 
-Reduced reduce(const std::vector<Module>& modules, const genom::Constraints& constraints) { return Reducer(modules, constraints).run(); }
+Reduced reduce(const std::vector<Module>& modules, const genom::Constraints& constraints) {
+  return Reducer(modules, constraints).run();
+}
 
 }  // namespace bip::rules

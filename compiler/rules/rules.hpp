@@ -23,15 +23,30 @@ struct Path {
   [[nodiscard]] std::string text() const { return module.is_set() ? module.text + "." + name.text : name.text; }
 };
 
-enum class ExprKind : std::uint8_t { Number, Text, Word, Of, Active, Done, Request, Total, Fresh, Age, Ordered, Not, Operator };
-/// `Of` is a parameter of a service or a value of a poster, Word such a value or a text; Active and Done of a service, Fresh and Age of a poster.
+enum class ExprKind : std::uint8_t {
+  Number,
+  Text,
+  Word,
+  Of,
+  Active,
+  Done,
+  Request,
+  Total,
+  Fresh,
+  Age,
+  Ordered,
+  Not,
+  Operator
+};
+/// `Of` is a parameter of a service or a value of a poster, Word such a value or a text; Active and Done of a service,
+/// Fresh and Age of a poster.
 struct Expr {
   ExprKind kind = ExprKind::Number;
   SourceRange range;
   std::int64_t number = 0;
   std::string text{};  // of a string or word; a fraction; an operator's sign
   Path path{}, second{};
-  Name name{};         // of a parameter
+  Name name{};  // of a parameter
   genom::Span span{};
   std::vector<Expr> operands{};
 };
@@ -49,9 +64,10 @@ enum class Policy : std::uint8_t { Reject, Wait, Interrupt };
 
 struct Rule {
   Verb verb = Verb::Before;
-  Name name;                          // as given; else made of the rule
+  Name name;  // as given; else made of the rule
   std::vector<Path> left, right;
-  Policy policy[2] = {Policy::Reject, Policy::Reject};  // for requests to the left while the right runs, and the other way
+  Policy policy[2] = {Policy::Reject,
+                      Policy::Reject};  // for requests to the left while the right runs, and the other way
   Expr condition;
   genom::Span span;
   std::optional<Path> since;          // Before: the success has to be later than the last request for this

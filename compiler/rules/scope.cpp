@@ -14,7 +14,8 @@ using genom::ConditionKind;
 // The index of what is called so in a module, or its size.
 template <class Rows>
 std::size_t find(const Rows& rows, const std::string& name) {
-  return static_cast<std::size_t>(std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.name.text == name; }) - rows.begin());
+  return static_cast<std::size_t>(
+      std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.name.text == name; }) - rows.begin());
 }
 
 // What a poster may hold, all its values together.
@@ -28,17 +29,21 @@ struct Found {
 
 // Of services or posters, with or without their module.
 template <class Rows>
-std::optional<Found> look_up(const std::vector<genom::Module>& modules, Rows genom::Module::*rows, const Path& path, const char* what, Diagnostics& diags) {
+std::optional<Found> look_up(const std::vector<genom::Module>& modules, Rows genom::Module::*rows, const Path& path,
+                             const char* what, Diagnostics& diags) {
   std::vector<std::string> known;
   std::optional<Found> found;
   for (std::size_t m = 0; m < modules.size(); ++m) {
     const bool is_named = path.module.is_set();
     if (is_named && modules[m].name.text != path.module.text) continue;
     const std::size_t row = find(modules[m].*rows, path.name.text);
-    for (const auto& r : modules[m].*rows) known.push_back(is_named ? modules[m].name.text + "." + r.name.text : r.name.text);
+    for (const auto& r : modules[m].*rows)
+      known.push_back(is_named ? modules[m].name.text + "." + r.name.text : r.name.text);
     if (row == (modules[m].*rows).size()) continue;
     if (found) {
-      diags.report(Diag::kB6100, path.range(), path.name.text, what, modules[found->module].name.text, modules[m].name.text)
+      diags
+          .report(Diag::kB6100, path.range(), path.name.text, what, modules[found->module].name.text,
+                  modules[m].name.text)
           .help("name the module", path.range(), modules[m].name.text + "." + path.name.text);
       return std::nullopt;
     }
@@ -46,7 +51,8 @@ std::optional<Found> look_up(const std::vector<genom::Module>& modules, Rows gen
   }
   if (found) return found;
   auto d = diags.report(Diag::kB6008, path.range(), what, path.text());
-  for (const std::string& similar : similar_names(path.text(), known)) d.help(fmt::format("there is `{}`", similar), path.range(), similar);
+  for (const std::string& similar : similar_names(path.text(), known))
+    d.help(fmt::format("there is `{}`", similar), path.range(), similar);
   return std::nullopt;
 }
 
@@ -80,7 +86,8 @@ void NameScope::parameter(const ParameterDecl& decl) {
     const auto s = service(path);
     if (!s) continue;
     for (const genom::ParameterRow& p : constraints_.parameters) {
-      if (p.service == *s && p.name == decl.name.text) diags_.report(Diag::kB6013, decl.name.range, "parameter", decl.name.text);
+      if (p.service == *s && p.name == decl.name.text)
+        diags_.report(Diag::kB6013, decl.name.range, "parameter", decl.name.text);
     }
     genom::ParameterRow row{decl.name.text, *s, decl.is_text, {}};
     for (const std::string& v : decl.values) row.values.push_back(decl.is_text ? "\"" + v + "\"" : v);
@@ -101,12 +108,18 @@ void NameScope::value(const ValueDecl& decl) {
     choices *= v.values.size();
   }
   // A write is a choice among all of them.
-  if (choices > kMostChoices) diags_.report(Diag::kB6010, decl.name.range, fmt::format("the number of values that poster `{}` may hold", decl.poster.text()), choices, 1, kMostChoices);
+  if (choices > kMostChoices)
+    diags_.report(Diag::kB6010, decl.name.range,
+                  fmt::format("the number of values that poster `{}` may hold", decl.poster.text()), choices, 1,
+                  kMostChoices);
   genom::ValueRow row{*p, decl.name.text, decl.type, {}};
   for (const std::string& v : decl.values) {
     const bool is_whole = v.find('.') == std::string::npos;
-    if (decl.type == genom::ValueType::Float && is_whole && v.size() > 4) diags_.report(Diag::kB6010, decl.name.range, "a number beside a fraction", v, 0, kMostWhole);
-    row.values.push_back(decl.type == genom::ValueType::Text ? "\"" + v + "\"" : decl.type == genom::ValueType::Float && is_whole ? v + ".0" : v);
+    if (decl.type == genom::ValueType::Float && is_whole && v.size() > 4)
+      diags_.report(Diag::kB6010, decl.name.range, "a number beside a fraction", v, 0, kMostWhole);
+    row.values.push_back(decl.type == genom::ValueType::Text                ? "\"" + v + "\""
+                         : decl.type == genom::ValueType::Float && is_whole ? v + ".0"
+                                                                            : v);
   }
   constraints_.values.push_back(std::move(row));
 }
@@ -118,10 +131,14 @@ Type NameScope::value_of(const Expr& e, Condition& into) {
     const genom::Module& m = modules_[v.poster.module];
     const std::string& first = e.path.name.text;
     const bool is_module = !e.path.module.is_set() && first == m.name.text;
-    const bool is_poster = first == m.posters[v.poster.poster].name.text && (!e.path.module.is_set() || e.path.module.text == m.name.text);
+    const bool is_poster =
+        first == m.posters[v.poster.poster].name.text && (!e.path.module.is_set() || e.path.module.text == m.name.text);
     if (v.name != e.name.text || !(first.empty() || is_module || is_poster)) continue;
     if (found < i) {
-      const auto owner = [&](std::size_t k) { return modules_[constraints_.values[k].poster.module].name.text + "." + modules_[constraints_.values[k].poster.module].posters[constraints_.values[k].poster.poster].name.text; };
+      const auto owner = [&](std::size_t k) {
+        return modules_[constraints_.values[k].poster.module].name.text + "." +
+               modules_[constraints_.values[k].poster.module].posters[constraints_.values[k].poster.poster].name.text;
+      };
       diags_.report(Diag::kB6100, e.range, e.name.text, "value", owner(found), owner(i));
       return Type::None;
     }
@@ -144,15 +161,19 @@ bool NameScope::condition(const Expr& e, genom::ServiceRef subject, bool is_kept
 // An instance of a service can't be rejected or told to stop and be asked how it is in one interaction.
 bool NameScope::sees_itself(const Expr& e, genom::ServiceRef seen, genom::ServiceRef subject) {
   if (seen != subject) return false;
-  diags_.report(Diag::kB6101, e.range, text(subject)).help("while it runs it is active, and a module refuses one activity too many by itself");
+  diags_.report(Diag::kB6101, e.range, text(subject))
+      .help("while it runs it is active, and a module refuses one activity too many by itself");
   return true;
 }
 
 // A poster that has no such value.
 bool NameScope::is_poster(const Expr& e) {
   for (const genom::Module& m : modules_) {
-    if ((e.path.module.is_set() && e.path.module.text != m.name.text) || find(m.posters, e.path.name.text) == m.posters.size()) continue;
-    diags_.report(Diag::kB6008, e.range, "value", e.path.text() + "." + e.name.text).help(fmt::format("declare it: `value {} of {}: VALUES;`", e.name.text, e.path.text()));
+    if ((e.path.module.is_set() && e.path.module.text != m.name.text) ||
+        find(m.posters, e.path.name.text) == m.posters.size())
+      continue;
+    diags_.report(Diag::kB6008, e.range, "value", e.path.text() + "." + e.name.text)
+        .help(fmt::format("declare it: `value {} of {}: VALUES;`", e.name.text, e.path.text()));
     return true;
   }
   return false;
@@ -167,7 +188,8 @@ Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, 
     into.row = i;
     return p.is_text ? Type::Text : Type::Int;
   }
-  diags_.report(Diag::kB6105, e.name.range, e.name.text, text(*s)).help(fmt::format("declare it: `parameter {} of {}: VALUES;`", e.name.text, text(*s)));
+  diags_.report(Diag::kB6105, e.name.range, e.name.text, text(*s))
+      .help(fmt::format("declare it: `parameter {} of {}: VALUES;`", e.name.text, text(*s)));
   return Type::None;
 }
 
@@ -262,20 +284,28 @@ Type NameScope::combine(const Expr& e, genom::ServiceRef subject, bool is_kept, 
   for (std::size_t i = 0; i < 2 && e.operands.size() == 2 && !is_logic; ++i) {
     Condition& of = into.operands[i];
     if (types[i] != Type::Int || types[1 - i] != Type::Float || of.kind != ConditionKind::Number) continue;
-    if (of.number > kMostWhole) diags_.report(Diag::kB6010, e.operands[i].range, "a number beside a fraction", of.number, 0, kMostWhole);
+    if (of.number > kMostWhole)
+      diags_.report(Diag::kB6010, e.operands[i].range, "a number beside a fraction", of.number, 0, kMostWhole);
     of.text = std::to_string(std::min(of.number, kMostWhole)) + ".0";
     types[i] = Type::Float;
   }
   const bool is_fraction = types[0] == Type::Float;
   for (std::size_t i = 0; i < e.operands.size(); ++i) {
-    const Type wanted = is_logic ? Type::Bool : is_equality ? types[0] : is_fraction && e.text != "*" ? Type::Float : Type::Int;
+    const Type wanted = is_logic                       ? Type::Bool
+                        : is_equality                  ? types[0]
+                        : is_fraction && e.text != "*" ? Type::Float
+                                                       : Type::Int;
     if (types[i] == wanted) continue;
     diags_.report(Diag::kB6106, e.operands[i].range, "`" + sign + "`", name_of(wanted), name_of(types[i]));
     return Type::None;
   }
   if (!is_logic && !is_sum && is_constant(into)) {
-    auto d = diags_.report(Diag::kB6106, e.range, "`" + sign + "`", "something that may change", "a comparison of constants");
-    if (is_equality && types[0] == Type::Text) d.help("a word that is nobody's value is a text: `request.PARAMETER`, `SERVICE.PARAMETER`, or declare `value NAME of POSTER: VALUES;`");
+    auto d = diags_.report(Diag::kB6106, e.range, "`" + sign + "`", "something that may change",
+                           "a comparison of constants");
+    if (is_equality && types[0] == Type::Text)
+      d.help(
+          "a word that is nobody's value is a text: `request.PARAMETER`, `SERVICE.PARAMETER`, or declare `value NAME "
+          "of POSTER: VALUES;`");
     return Type::None;
   }
   return !is_sum ? Type::Bool : is_fraction ? Type::Float : Type::Int;

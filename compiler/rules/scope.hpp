@@ -15,16 +15,20 @@ class NameScope {
   [[nodiscard]] std::optional<genom::ServiceRef> service(const Path& path);
   [[nodiscard]] std::optional<genom::PosterRef> poster(const Path& path);
   [[nodiscard]] const genom::Service& at(genom::ServiceRef s) const { return modules_[s.module].services[s.service]; }
-  [[nodiscard]] std::string text(genom::ServiceRef s) const { return modules_[s.module].name.text + "." + at(s).name.text; }
+  [[nodiscard]] std::string text(genom::ServiceRef s) const {
+    return modules_[s.module].name.text + "." + at(s).name.text;
+  }
   void parameter(const ParameterDecl& decl);
   void value(const ValueDecl& decl);
-  /// A condition of a rule about `subject`; false if it was reported. `is_kept`: it is looked at while the subject runs.
+  /// A condition of a rule about `subject`; false if it was reported. `is_kept`: it is looked at while the subject
+  /// runs.
   [[nodiscard]] bool condition(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
 
  private:
   [[nodiscard]] Type convert(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
   [[nodiscard]] Type combine(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
-  [[nodiscard]] Type parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, bool is_asked, genom::Condition& into);
+  [[nodiscard]] Type parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, bool is_asked,
+                                  genom::Condition& into);
   /// A value of a poster, with or without poster and module before it; None if there is none, and nothing is reported.
   [[nodiscard]] Type value_of(const Expr& e, genom::Condition& into);
   [[nodiscard]] bool is_poster(const Expr& e);

@@ -1,7 +1,7 @@
 // A model that runs on a thread of its own while others post events, look at it, pause it and take it back.
 //
-// Whoever wants to see or change more than an event hands over a function; it runs on the engine's thread between two steps, so
-// nothing is ever seen half-way. A waiting engine is woken for it. Cost while nothing happens: none.
+// Whoever wants to see or change more than an event hands over a function; it runs on the engine's thread between two
+// steps, so nothing is ever seen half-way. A waiting engine is woken for it. Cost while nothing happens: none.
 #pragma once
 #include <condition_variable>
 #include <deque>

@@ -30,12 +30,12 @@ std::string refusal_of(const Json& id, const std::string& what) {
   return line_of(answer);
 }
 
-const char* type_name(rt::SlotType type) {
+const char* type_name(rt::CellType type) {
   switch (type) {
-    case rt::SlotType::Int: return "int";
-    case rt::SlotType::Bool: return "bool";
-    case rt::SlotType::Float: return "float";
-    case rt::SlotType::String: return "string";
+    case rt::CellType::Int: return "int";
+    case rt::CellType::Bool: return "bool";
+    case rt::CellType::Float: return "float";
+    case rt::CellType::String: return "string";
   }
   return "object";
 }
@@ -58,10 +58,10 @@ Json ports_of(const rt::Image& image) {
 }
 
 // The value, or an empty text for what no event carries.
-bool value_of(const Json& json, rt::SlotType type, EventValue& out, std::string& wrong) {
+bool value_of(const Json& json, rt::CellType type, EventValue& out, std::string& wrong) {
   if (json.is_boolean()) out = json.get<bool>();
   else if (json.is_string()) out = json.get<std::string>();
-  else if (json.is_number() && type == rt::SlotType::Float) out = json.get<double>();
+  else if (json.is_number() && type == rt::CellType::Float) out = json.get<double>();
   else if (json.is_number_integer() && json >= INT32_MIN && json <= INT32_MAX) out = json.get<std::int32_t>();
   else wrong = "a value is an int of 32 bits, a float, a string, true or false";
   return wrong.empty();
@@ -90,7 +90,8 @@ std::string post(Controller& controller, const Json& request) {
   std::vector<EventValue> values(vars.size);
   std::string wrong;
   const Json given = request.value("values", Json::array());
-  if (given.size() != vars.size || !(given.is_array() || given.is_object())) return "`" + path + "` takes " + std::to_string(vars.size) + " values";
+  if (given.size() != vars.size || !(given.is_array() || given.is_object()))
+    return "`" + path + "` takes " + std::to_string(vars.size) + " values";
   for (std::uint32_t k = 0; k < vars.size && wrong.empty(); ++k) {
     if (given.is_object() && !given.contains(vars[k].name)) return std::string("`") + vars[k].name + "` is missing";
     (void)value_of(given.is_object() ? given[vars[k].name] : given[k], vars[k].type, values[k], wrong);
@@ -113,18 +114,19 @@ Json state_of(const Controller& controller, const std::set<std::string>& wanted)
     if (!wanted.empty() && !wanted.contains(atom.path())) continue;
     if (atoms.size() == kMaxAtoms) break;
     const rt::AtomType& type = image.atom_types[atom.type];
-    const std::uint32_t hidden = type.time != nullptr && type.time->clocks.size != 0 ? type.time->clocks[0].slot : type.slots.size;
+    const std::uint32_t hidden =
+        type.time != nullptr && type.time->clocks.size != 0 ? type.time->clocks[0].variable : type.variables.size;
     Json data = Json::object();
     for (std::uint32_t k = 0; k < hidden; ++k) {
-      const std::string path = atom.path() + "." + type.slots[k].name;
+      const std::string path = atom.path() + "." + type.variables[k].name;
       std::int32_t whole = 0;
       bool truth = false;
       double real = 0;
       std::string text;
-      if (system.read(path, whole)) data[type.slots[k].name] = whole;
-      else if (system.read(path, truth)) data[type.slots[k].name] = truth;
-      else if (system.read(path, real)) data[type.slots[k].name] = real;
-      else if (system.read(path, text)) data[type.slots[k].name] = text;
+      if (system.read(path, whole)) data[type.variables[k].name] = whole;
+      else if (system.read(path, truth)) data[type.variables[k].name] = truth;
+      else if (system.read(path, real)) data[type.variables[k].name] = real;
+      else if (system.read(path, text)) data[type.variables[k].name] = text;
     }
     atoms[atom.path()] = {{"place", system.place(atom.path())}, {"data", std::move(data)}};
   }
@@ -167,7 +169,8 @@ bool is_too_deep(const std::string& line) {
 }
 
 // What is done between two steps, and answered then.
-void ask(Controller& controller, const Reply& reply, const Json& id, std::function<std::string(Controller&, Json&)> work) {
+void ask(Controller& controller, const Reply& reply, const Json& id,
+         std::function<std::string(Controller&, Json&)> work) {
   controller.ask([send = reply.send, id, work = std::move(work)](Controller& c) {
     Json answer = answer_to(id);
     const std::string wrong = work(c, answer);
@@ -178,7 +181,9 @@ void ask(Controller& controller, const Reply& reply, const Json& id, std::functi
 }  // namespace
 
 void handle_line(Controller& controller, const std::string& line, Reply reply) {
-  if (is_too_deep(line)) return reply.send(refusal_of(Json(), "a line has no more than " + std::to_string(kMaxDepth) + " arrays and objects in one another"));
+  if (is_too_deep(line))
+    return reply.send(refusal_of(
+        Json(), "a line has no more than " + std::to_string(kMaxDepth) + " arrays and objects in one another"));
   const Json request = Json::parse(line, nullptr, false);
   if (!request.is_object()) return reply.send(refusal_of(Json(), "a line is an object of JSON"));
   const Json id = request.value("id", Json());
@@ -244,7 +249,9 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
   }
   if (what == "restore") {
     if (!count_of(request, "snapshot", ~0ull, count)) return refuse("`snapshot` is a number that `snapshot` gave");
-    return ask(controller, reply, id, [count](Controller& c, Json&) { return c.restore(count) ? std::string() : std::string("there is no such snapshot"); });
+    return ask(controller, reply, id, [count](Controller& c, Json&) {
+      return c.restore(count) ? std::string() : std::string("there is no such snapshot");
+    });
   }
   if (what == "shutdown") {
     reply.send(line_of(answer_to(id)));
@@ -265,7 +272,8 @@ bool Subscription::wants(const Step& step) const {
 }
 
 std::string step_line(const Step& step, std::int64_t now) {
-  Json line = {{"note", "step"}, {"step", step.number}, {"time", now}, {"interaction", step.interaction}, {"ports", step.ports}};
+  Json line = {
+      {"note", "step"}, {"step", step.number}, {"time", now}, {"interaction", step.interaction}, {"ports", step.ports}};
   for (const StepValue& v : step.values) {
     std::visit([&](const auto& value) { line["values"][step.ports[v.port]][v.name] = value; }, v.value);
   }

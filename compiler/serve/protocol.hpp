@@ -1,7 +1,7 @@
 // What a line from a client means (compiler/docs/serve.md): checked, done, answered with one line. No sockets here.
 //
-// Nothing that a client sends can do more than be refused: lines are limited in size by who reads them, values are checked
-// against the model, unknown words are named. Nothing throws.
+// Nothing that a client sends can do more than be refused: lines are limited in size by who reads them, values are
+// checked against the model, unknown words are named. Nothing throws.
 #pragma once
 #include <functional>
 #include <memory>

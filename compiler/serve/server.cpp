@@ -1,5 +1,5 @@
-// See server.hpp. A client lives in a table by number; handlers name the number, so that one that is gone is not touched. It is
-// taken out when no operation of it is under way, for those use its buffers.
+// See server.hpp. A client lives in a table by number; handlers name the number, so that one that is gone is not
+// touched. It is taken out when no operation of it is under way, for those use its buffers.
 #include "compiler/serve/server.hpp"
 
 #include <unistd.h>
@@ -37,7 +37,7 @@ struct Client {
   std::string received;
   std::deque<std::string> waiting;  // the first one is being written
   std::size_t waiting_bytes = 0;
-  std::size_t asked = 0;            // requests without an answer so far
+  std::size_t asked = 0;  // requests without an answer so far
   std::uint64_t dropped = 0;
   bool is_subscribed = false;
   bool reads = false, writes = false, has_finished = false, is_closing = false, is_stdio = false;
@@ -45,7 +45,8 @@ struct Client {
 
 class Server {
  public:
-  Server(Controller& controller, const ServerOptions& options) : controller_(controller), options_(options), signals_(io_, SIGINT, SIGTERM) {}
+  Server(Controller& controller, const ServerOptions& options)
+      : controller_(controller), options_(options), signals_(io_, SIGINT, SIGTERM) {}
 
   bool open(std::string& error) {
     std::error_code failed;
@@ -67,7 +68,8 @@ class Server {
         error = "cannot listen at port " + std::to_string(options_.tcp_port) + ": " + failed.message();
         return false;
       }
-      std::fprintf(stderr, "bipc: listening at 127.0.0.1:%u\n", static_cast<unsigned>(tcp_->local_endpoint(failed).port()));
+      std::fprintf(stderr, "bipc: listening at 127.0.0.1:%u\n",
+                   static_cast<unsigned>(tcp_->local_endpoint(failed).port()));
       accept(*tcp_);
     }
     if (options_.uses_stdio) {
@@ -178,41 +180,45 @@ class Server {
 
   void write(std::uint64_t number, Client& client) {
     client.writes = true;
-    net::async_write(client.out, net::buffer(client.waiting.front()), [this, number, &client](const std::error_code& failed, std::size_t) {
-      client.writes = false;
-      client.waiting_bytes -= client.waiting.front().size();
-      client.waiting.pop_front();
-      if (failed) return close(number, client);
-      if (!client.waiting.empty()) return write(number, client);
-      // Its answers are read: so are its lines again.
-      if (client.is_closing) close(number, client);
-      else read_on(number, client);
-    });
+    net::async_write(client.out, net::buffer(client.waiting.front()),
+                     [this, number, &client](const std::error_code& failed, std::size_t) {
+                       client.writes = false;
+                       client.waiting_bytes -= client.waiting.front().size();
+                       client.waiting.pop_front();
+                       if (failed) return close(number, client);
+                       if (!client.waiting.empty()) return write(number, client);
+                       // Its answers are read: so are its lines again.
+                       if (client.is_closing) close(number, client);
+                       else read_on(number, client);
+                     });
   }
 
   void read(std::uint64_t number) {
     Client& client = *clients_.at(number);
     client.reads = true;
-    net::async_read_until(client.in, net::dynamic_buffer(client.received, options_.max_line), '\n',
-                          [this, number, &client](const std::error_code& failed, std::size_t size) {
-      client.reads = false;
-      if (client.is_closing) return close(number, client);
-      if (failed == net::error::not_found) {
-        send(number, error_line("a line is no longer than " + std::to_string(options_.max_line) + " bytes"));
-        return finish(number, client);
-      }
-      if (failed) return finish(number, client);
-      const std::string line = client.received.substr(0, size - 1);
-      client.received.erase(0, size);
-      if (line.find_first_not_of(" \t\r") != std::string::npos) handle(number, line);
-      if (!clients_.contains(number) || client.is_closing) return;
-      read_on(number, client);
-    });
+    net::async_read_until(
+        client.in, net::dynamic_buffer(client.received, options_.max_line), '\n',
+        [this, number, &client](const std::error_code& failed, std::size_t size) {
+          client.reads = false;
+          if (client.is_closing) return close(number, client);
+          if (failed == net::error::not_found) {
+            send(number, error_line("a line is no longer than " + std::to_string(options_.max_line) + " bytes"));
+            return finish(number, client);
+          }
+          if (failed) return finish(number, client);
+          const std::string line = client.received.substr(0, size - 1);
+          client.received.erase(0, size);
+          if (line.find_first_not_of(" \t\r") != std::string::npos) handle(number, line);
+          if (!clients_.contains(number) || client.is_closing) return;
+          read_on(number, client);
+        });
   }
 
   // The next line, unless the client has not read the answers to many, or many are still to be answered.
   void read_on(std::uint64_t number, const Client& client) {
-    if (!client.reads && !client.has_finished && !client.is_closing && client.waiting_bytes < options_.max_waiting && client.asked < kMaxAsked) read(number);
+    if (!client.reads && !client.has_finished && !client.is_closing && client.waiting_bytes < options_.max_waiting &&
+        client.asked < kMaxAsked)
+      read(number);
   }
 
   void answer(std::uint64_t number, std::string text) {
@@ -226,18 +232,24 @@ class Server {
   void handle(std::uint64_t number, const std::string& line) {
     Reply reply;
     ++clients_.at(number)->asked;
-    reply.send = [this, number](std::string text) { net::post(io_, [this, number, said = std::move(text)] { answer(number, said); }); };
+    reply.send = [this, number](std::string text) {
+      net::post(io_, [this, number, said = std::move(text)] { answer(number, said); });
+    };
     reply.subscribe = [this, number](const Subscription& subscription) {
       clients_.at(number)->is_subscribed = subscription.is_on;
       forget(number);
       const std::lock_guard<std::mutex> hold(subscriptions_lock_);
       if (subscription.is_on) subscriptions_[number] = subscription;
     };
-    reply.shut_down = [this] { ends_ = true; net::post(io_, [this] { net::post(io_, [this] { try_stop(); }); }); };
+    reply.shut_down = [this] {
+      ends_ = true;
+      net::post(io_, [this] { net::post(io_, [this] { try_stop(); }); });
+    };
     handle_line(controller_, line, std::move(reply));
   }
 
-  // No more is read; what waits is still written. The engine is asked once more, so that answers on their way come first.
+  // No more is read; what waits is still written. The engine is asked once more, so that answers on their way come
+  // first.
   void finish(std::uint64_t number, Client& client) {
     client.has_finished = true;
     const bool ends_all = client.is_stdio && !local_ && !tcp_;

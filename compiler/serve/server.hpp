@@ -1,7 +1,9 @@
-// Connections of clients to a running model: standard input, a Unix socket, TCP on the loopback. asio is caged in this folder.
+// Connections of clients to a running model: standard input, a Unix socket, TCP on the loopback. asio is caged in this
+// folder.
 //
-// One thread serves all clients and never waits for one: what a client does not read is kept up to a bound, then notes are dropped
-// and counted to it, and its own lines are no longer read until it reads the answers. A line has a largest size.
+// One thread serves all clients and never waits for one: what a client does not read is kept up to a bound, then notes
+// are dropped and counted to it, and its own lines are no longer read until it reads the answers. A line has a largest
+// size.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -13,16 +15,16 @@ namespace bip::serve {
 
 struct ServerOptions {
   bool uses_stdio = true;
-  std::string socket_path;       // empty: none
+  std::string socket_path;  // empty: none
   bool uses_tcp = false;
-  std::uint16_t tcp_port = 0;    // 0: one that is free
+  std::uint16_t tcp_port = 0;  // 0: one that is free
   std::size_t max_line = 1 << 16;
   std::size_t max_waiting = 1 << 20;  // bytes to a client
   std::size_t max_clients = 64;
 };
 
-/// Until a client says `shutdown`, standard input ends (if it is served and nothing else is), or SIGINT or SIGTERM come. False: `error` says
-/// what could not be opened. Tells where it listens on standard error.
+/// Until a client says `shutdown`, standard input ends (if it is served and nothing else is), or SIGINT or SIGTERM
+/// come. False: `error` says what could not be opened. Tells where it listens on standard error.
 [[nodiscard]] bool serve(Controller& controller, const ServerOptions& options, std::string& error);
 
 }  // namespace bip::serve

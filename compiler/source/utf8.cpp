@@ -1,4 +1,5 @@
-// Checking and measuring UTF-8. Linear, no tables beyond the ranges below; ASCII runs are skipped eight bytes at a time.
+// Checking and measuring UTF-8. Linear, no tables beyond the ranges below; ASCII runs are skipped eight bytes at a
+// time.
 #include "compiler/source/utf8.hpp"
 
 #include <cstdint>
@@ -9,7 +10,9 @@ namespace {
 
 unsigned char byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
 
-bool is_continuation(std::string_view text, std::size_t i) { return i < text.size() && (byte_at(text, i) & 0xC0u) == 0x80u; }
+bool is_continuation(std::string_view text, std::size_t i) {
+  return i < text.size() && (byte_at(text, i) & 0xC0u) == 0x80u;
+}
 
 std::uint32_t decode(std::string_view text, std::size_t length) {
   if (length == 1) return byte_at(text, 0);

@@ -1,6 +1,6 @@
-// Columns: see columns.hpp. A cell's number is its variable's column, then the atom's rank among those of its type; connectors'
-// own data follow as they are. Operands are moved there one value after the other, which also shows whether they still move by
-// equal distances.
+// Columns: see columns.hpp. A cell's number is its variable's column, then the atom's rank among those of its type;
+// connectors' own data follow as they are. Operands are moved there one value after the other, which also shows whether
+// they still move by equal distances.
 #include "compiler/steps/columns.hpp"
 
 #include <algorithm>
@@ -16,14 +16,14 @@ using u32 = std::uint32_t;
 
 bool is_narrow(const rt::Span<rt::Var>& variables) {
   return std::all_of(variables.begin(), variables.end(), [](const rt::Var& v) {
-    return v.type == rt::SlotType::Int || v.type == rt::SlotType::Bool || v.type == rt::SlotType::String;
+    return v.type == rt::CellType::Int || v.type == rt::CellType::Bool || v.type == rt::CellType::String;
   });
 }
 
 class Layout {
  public:
-  Layout(const lower::LoweredSystem& lowered, u32 atom_slots, Columns columns, lower::Steps& steps)
-      : lowered_(lowered), image_(lowered.image), atom_slots_(atom_slots), columns_(columns), steps_(steps) {}
+  Layout(const lower::LoweredSystem& lowered, u32 atom_cells, Columns columns, lower::Steps& steps)
+      : lowered_(lowered), image_(lowered.image), atom_cells_(atom_cells), columns_(columns), steps_(steps) {}
 
   [[nodiscard]] bool is_possible() const {
     const bool wherever = columns_ == Columns::WherePossible;
@@ -34,8 +34,10 @@ class Layout {
       for (const StepOp& op : shape.ops) goes_over_many = goes_over_many || (op.repeats && moves_data(op));
     }
     return goes_over_many && !steps_.loop.empty() && (wherever || steps_.loop.size() == steps_.runs.size()) &&
-           std::all_of(image_.atom_types.begin(), image_.atom_types.end(), [](const rt::AtomType& type) { return is_narrow(type.slots); }) &&
-           std::all_of(image_.connector_types.begin(), image_.connector_types.end(), [](const rt::ConnectorType& type) { return is_narrow(type.slots); });
+           std::all_of(image_.atom_types.begin(), image_.atom_types.end(),
+                       [](const rt::AtomType& type) { return is_narrow(type.variables); }) &&
+           std::all_of(image_.connector_types.begin(), image_.connector_types.end(),
+                       [](const rt::ConnectorType& type) { return is_narrow(type.variables); });
   }
 
   bool make() {
@@ -63,36 +65,39 @@ class Layout {
   }
 
  private:
-  static bool moves_data(const StepOp& op) { return op.kind == StepOpKind::Reduce || op.kind == StepOpKind::Copy || op.kind == StepOpKind::Code; }
+  static bool moves_data(const StepOp& op) {
+    return op.kind == StepOpKind::Reduce || op.kind == StepOpKind::Copy || op.kind == StepOpKind::Code;
+  }
 
   void number_cells() {
     std::vector<std::vector<u32>> bases(image_.atom_types.size);
-    for (const rt::Atom& atom : image_.atoms) bases[atom.type].push_back(atom.slot_base);
-    cell_of_.assign(image_.slot_count, kNone);
+    for (const rt::Atom& atom : image_.atoms) bases[atom.type].push_back(atom.first_cell);
+    cell_of_.assign(image_.cell_count, kNone);
     for (u32 type = 0; type < bases.size(); ++type) {
       std::sort(bases[type].begin(), bases[type].end());
       atoms_of_.push_back(static_cast<u32>(bases[type].size()));
-      for (u32 k = 0; k < image_.atom_types[type].slots.size; ++k) {
+      for (u32 k = 0; k < image_.atom_types[type].variables.size; ++k) {
         for (const u32 base : bases[type]) add_cell(base + k);
       }
     }
     // Their data are never seen after a step: they have cells, but no columns.
-    for (u32 slot = atom_slots_; slot < image_.slot_count; ++slot) cell_of_[slot] = cells_.count++;
+    for (u32 cell = atom_cells_; cell < image_.cell_count; ++cell) cell_of_[cell] = cells_.count++;
   }
-  void add_cell(u32 slot) {
-    cell_of_[slot] = cells_.count;
+  void add_cell(u32 cell) {
+    cell_of_[cell] = cells_.count;
     std::vector<rt::StepColumn>& columns = cells_.columns;
     rt::StepColumn* last = columns.empty() ? nullptr : &columns.back();
-    if (last != nullptr && last->count == 1 && slot > last->slot) last->distance = slot - last->slot;
-    if (last != nullptr && slot == last->slot + last->distance * last->count) ++last->count;
-    else columns.push_back({slot, 1, cells_.count, 1});
+    if (last != nullptr && last->count == 1 && cell > last->cell) last->distance = cell - last->cell;
+    if (last != nullptr && cell == last->cell + last->distance * last->count) ++last->count;
+    else columns.push_back({cell, 1, cells_.count, 1});
     ++cells_.count;
   }
   void set_distances() {
-    for (const lower::CodeUnit& unit : lowered_.units) cells_.self_distance.push_back(unit.owner == lower::CodeOwner::Atom ? atoms_of_[unit.owner_row] : 1);
+    for (const lower::CodeUnit& unit : lowered_.units)
+      cells_.self_distance.push_back(unit.owner == lower::CodeOwner::Atom ? atoms_of_[unit.owner_row] : 1);
   }
 
-  // Which operands of an operation are slots of data: from `first` on, so many.
+  // Which operands of an operation are cells of data: from `first` on, so many.
   static rt::Slice data_of(const StepOp& op) {
     const u32 refs = op.refs - (op.repeats ? 1 : 0);
     switch (op.kind) {
@@ -100,7 +105,7 @@ class Layout {
       case StepOpKind::Copy:
       case StepOpKind::Code: return {0, refs};
       case StepOpKind::Ready: return {1, op.unit != kNone ? 1u : 0u};
-      case StepOpKind::Slot: return {1, op.unit != kNone ? refs - 1 - op.hiders : 0};
+      case StepOpKind::Interaction: return {1, op.unit != kNone ? refs - 1 - op.hiders : 0};
       case StepOpKind::Place: break;
     }
     return {0, 0};
@@ -109,13 +114,16 @@ class Layout {
   [[nodiscard]] bool has_no_self(const StepOp& op) const {
     if (op.unit == kNone || op.zeroed != 0) return false;
     const lower::CodeUnit& unit = lowered_.units[op.unit];
-    return unit.owner == lower::CodeOwner::Atom ? image_.atom_types[unit.owner_row].slots.size == 0 : image_.connector_types[unit.owner_row].slots.size == 0;
+    return unit.owner == lower::CodeOwner::Atom ? image_.atom_types[unit.owner_row].variables.size == 0
+                                                : image_.connector_types[unit.owner_row].variables.size == 0;
   }
 
   bool move(const rt::StepRun& run) {
     cells_.shapes.push_back(steps_.shapes[run.shape]);
     lower::StepShape& shape = cells_.shapes.back();
-    std::vector<rt::StepOperand> operands(steps_.operands.begin() + run.operands, steps_.operands.begin() + run.operands + static_cast<std::ptrdiff_t>(shape.strides.size()));
+    std::vector<rt::StepOperand> operands(
+        steps_.operands.begin() + run.operands,
+        steps_.operands.begin() + run.operands + static_cast<std::ptrdiff_t>(shape.strides.size()));
     for (std::size_t row = 0; row < shape.ops.size(); ++row) {
       StepOp& op = shape.ops[row];
       if (op.unit != kNone && lowered_.units[op.unit].owner == lower::CodeOwner::Priority) return false;
@@ -149,7 +157,7 @@ class Layout {
     return shape.ops[row];
   }
 
-  // From slots base + stride * i + distance * t to cells, for i < count, t < repeats.
+  // From cells base + stride * i + distance * t to cells, for i < count, t < repeats.
   bool move(rt::StepOperand& operand, std::int32_t& distance, u32 count, u32 repeats) const {
     const auto cell = [&](u32 i, u32 t) { return cell_of_[operand.at(i) + static_cast<u32>(distance) * t]; };
     const u32 base = cell(0, 0);
@@ -166,19 +174,19 @@ class Layout {
 
   const lower::LoweredSystem& lowered_;
   const rt::Image& image_;
-  u32 atom_slots_;
+  u32 atom_cells_;
   Columns columns_;
   lower::Steps& steps_;
   lower::StepCells cells_;
-  std::vector<u32> cell_of_;   // by slot
+  std::vector<u32> cell_of_;   // by cell
   std::vector<u32> atoms_of_;  // by atom type: how many
   u32 work_ = 0;
 };
 
 }  // namespace
 
-void lay_out_columns(const lower::LoweredSystem& lowered, u32 atom_slots, Columns columns, lower::Steps& steps) {
-  Layout layout(lowered, atom_slots, columns, steps);
+void lay_out_columns(const lower::LoweredSystem& lowered, u32 atom_cells, Columns columns, lower::Steps& steps) {
+  Layout layout(lowered, atom_cells, columns, steps);
   if (layout.is_possible()) (void)layout.make();
 }
 

@@ -1,7 +1,7 @@
-// Shapes and runs: see derive_steps.hpp. Two interactions have one shape if their folded operations are equal but for the
-// operands. If there are few, shapes whose runs have other strides are told apart too: then strides are constants in the
-// code. A run goes on while slots come at equal distances and every operand grows by an equal stride; the borders of
-// a ring or a grid are runs of their own.
+// Shapes and runs: see derive_steps.hpp. Two interactions have one shape if their folded operations are equal but for
+// the operands. If there are few, shapes whose runs have other strides are told apart too: then strides are constants
+// in the code. A run goes on while interactions come at equal distances and every operand grows by an equal stride; the
+// borders of a ring or a grid are runs of their own.
 #include "compiler/steps/derive_steps.hpp"
 
 #include <algorithm>
@@ -16,41 +16,42 @@ namespace {
 
 constexpr std::size_t kLeastRepeats = 4;  // in a row, to become a loop
 constexpr std::size_t kMostOps = 48;
-constexpr std::size_t kMostShapes = 64;       // with strides in them
+constexpr std::size_t kMostShapes = 64;  // with strides in them
 
 bool alike(const StepOp& a, const StepOp& b) {
-  return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta && a.from == b.from &&
-         a.to == b.to && a.hiders == b.hiders && a.refs == b.refs && a.reduction == b.reduction;
+  return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta &&
+         a.from == b.from && a.to == b.to && a.hiders == b.hiders && a.refs == b.refs && a.reduction == b.reduction;
 }
 
 std::vector<u32> key_of(const Instance& folded, const std::vector<std::int32_t>& strides) {
   std::vector<u32> key;
   for (const StepOp& op : folded.ops) {
-    key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit, op.zeroed,
-                           static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs, static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset});
+    key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit,
+                           op.zeroed, static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs,
+                           static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset});
   }
   for (const std::int32_t stride : strides) key.push_back(static_cast<u32>(stride));
   return key;
 }
 
-// Slots of one shape, as they come.
+// Interactions of one shape, as they come.
 class Runs {
  public:
   Runs(lower::Steps& steps, u32 shape) : steps_(&steps), shape_(shape) {}
 
-  void add(u32 slot, const std::vector<u32>& operands) {
+  void add(u32 interaction, const std::vector<u32>& operands) {
     if (count_ == 1) {
-      distance_ = slot - first_;
+      distance_ = interaction - first_;
       for (std::size_t k = 0; k < operands.size(); ++k) strides_[k] = operands[k] - bases_[k];
       count_ = 2;
       return;
     }
-    if (count_ > 1 && goes_on(slot, operands)) {
+    if (count_ > 1 && goes_on(interaction, operands)) {
       ++count_;
       return;
     }
     close();
-    first_ = slot;
+    first_ = interaction;
     distance_ = 1;
     count_ = 1;
     bases_ = operands;
@@ -64,8 +65,8 @@ class Runs {
   }
 
  private:
-  [[nodiscard]] bool goes_on(u32 slot, const std::vector<u32>& operands) const {
-    if (slot != first_ + distance_ * count_) return false;
+  [[nodiscard]] bool goes_on(u32 interaction, const std::vector<u32>& operands) const {
+    if (interaction != first_ + distance_ * count_) return false;
     for (std::size_t k = 0; k < operands.size(); ++k) {
       if (operands[k] != bases_[k] + strides_[k] * count_) return false;
     }
@@ -100,12 +101,14 @@ void split_by_strides(lower::Steps& steps) {
   steps.shapes = std::move(shapes);
 }
 
-// The runs with the most slots, unless there are so many that a loop over steps would know but few of the slots.
+// The runs with the most interactions, unless there are so many that a loop over steps would know but few of the
+// interactions.
 std::vector<rt::StepRun> choose_loop(const lower::Steps& steps) {
   constexpr std::size_t kMostRuns = 6;
   constexpr std::uint64_t kLeastPart = 8;  // of nine
   std::vector<rt::StepRun> runs = steps.runs;
-  std::stable_sort(runs.begin(), runs.end(), [](const rt::StepRun& a, const rt::StepRun& b) { return a.count > b.count; });
+  std::stable_sort(runs.begin(), runs.end(),
+                   [](const rt::StepRun& a, const rt::StepRun& b) { return a.count > b.count; });
   std::uint64_t all = 0, known = 0;
   for (const rt::StepRun& run : runs) all += run.count;
   runs.resize(std::min(runs.size(), kMostRuns));
@@ -166,12 +169,12 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   Instance instance, folded;
   std::vector<std::int32_t> strides;
   bool has_all = true;
-  for (u32 slot = 0; slot < deriver.slots(); ++slot) {
-    Deriver::Found found = deriver.describe(slot, instance);
+  for (u32 interaction = 0; interaction < deriver.interactions(); ++interaction) {
+    Deriver::Found found = deriver.describe(interaction, instance);
     if (found == Deriver::Found::Yes) {
       const bool is_star = !instance.ops.empty() && instance.ops[0].kind == StepOpKind::Ready;
       fold(instance, is_star ? 1 : kLeastRepeats, folded, strides);
-      inline_copies(folded, strides, deriver.atom_slots());
+      inline_copies(folded, strides, deriver.atom_cells());
       if (folded.ops.size() > kMostOps) found = Deriver::Found::No;
     }
     if (found == Deriver::Found::No && deriver.needs_all()) return;
@@ -182,16 +185,17 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
       steps.shapes.push_back({folded.ops, strides, {}});
       runs.emplace_back(steps, at->second);
     }
-    runs[at->second].add(slot, folded.refs);
+    runs[at->second].add(interaction, folded.refs);
   }
   for (Runs& rest : runs) rest.close();
   split_by_strides(steps);
   steps.loop = choose_loop(steps);
   for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
-  if (has_all || columns == Columns::WherePossible) lay_out_columns(lowered, deriver.atom_slots(), columns, steps);
+  if (has_all || columns == Columns::WherePossible) lay_out_columns(lowered, deriver.atom_cells(), columns, steps);
   lowered.steps = std::move(steps);
   lowered.image.step_runs = {lowered.steps.runs.data(), static_cast<u32>(lowered.steps.runs.size())};
-  lowered.image.step_columns = {lowered.steps.cells.columns.data(), static_cast<u32>(lowered.steps.cells.columns.size())};
+  lowered.image.step_columns = {lowered.steps.cells.columns.data(),
+                                static_cast<u32>(lowered.steps.cells.columns.size())};
   lowered.image.step_cells = lowered.steps.cells.count;
   lowered.image.step_cells_pay = lowered.steps.cells.pay;
   lowered.image.step_operands = {lowered.steps.operands.data(), static_cast<u32>(lowered.steps.operands.size())};

@@ -1,4 +1,4 @@
-// One derivation: what interactions do, slot by slot. Private to steps/.
+// One derivation: what interactions do, interaction by interaction. Private to steps/.
 #pragma once
 #include <map>
 #include <vector>
@@ -6,18 +6,18 @@
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/steps/values.hpp"
-#include "runtime/core/priorities.hpp"
-#include "runtime/core/tables.hpp"
+#include "runtime/core/link/priorities.hpp"
+#include "runtime/core/link/tables.hpp"
 
 namespace bip::steps {
 
-using lower::SlotChange;
+using lower::InteractionChange;
 using lower::StepOp;
 using lower::StepOpKind;
 using rt::kNone;
 using rt::u32;
 
-/// The operations of one slot's interaction with the values of their operands.
+/// The operations of one interaction's interaction with the values of their operands.
 struct Instance {
   std::vector<StepOp> ops;
   std::vector<u32> refs;
@@ -40,7 +40,7 @@ struct Instance {
 /// Operations that repeat with equal strides, `least` or more in a row, become one. strides: by operand.
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides);
 /// Copies to variables of atoms go into the loop of the code that follows and works on these atoms.
-void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u32 atom_slots);
+void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u32 atom_cells);
 
 class Deriver {
  public:
@@ -49,22 +49,23 @@ class Deriver {
   /// False: priorities that only the core knows how to follow.
   [[nodiscard]] bool link_priorities();
   [[nodiscard]] const std::vector<lower::CodeFacts>& facts() const { return facts_; }
-  [[nodiscard]] u32 slots() const { return static_cast<u32>(tables_.slots.size()); }
-  /// Must every slot have a shape, if any is to have one? Compiled steps do not keep the core's books of priority rules.
+  [[nodiscard]] u32 interactions() const { return static_cast<u32>(tables_.interactions.size()); }
+  /// Must every interaction have a shape, if any is to have one? Compiled steps do not keep the core's books of
+  /// priority rules.
   [[nodiscard]] bool needs_all() const { return rules_.count != 0; }
-  /// Slots below belong to atoms.
-  [[nodiscard]] u32 atom_slots() const { return tables_.atom_slots; }
+  /// Interactions below belong to atoms.
+  [[nodiscard]] u32 atom_cells() const { return tables_.atom_cells; }
   enum class Found { Yes, Never, No };  // Never: it cannot fire
-  /// The interaction of a slot, not folded.
-  Found describe(u32 slot, Instance& out);
+  /// The interaction of an interaction, not folded.
+  Found describe(u32 interaction, Instance& out);
 
  private:
   struct Effect {
-    u32 slot;
+    u32 interaction;
     std::int32_t delta;
   };
   bool add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out);
-  bool add_connector_codes(const rt::SlotInfo& info, Instance& out);
+  bool add_connector_codes(const rt::InteractionInfo& info, Instance& out);
   bool add_plan_codes(const rt::Plan& plan, Instance& out);
   bool order_uses(const rt::Plan& plan);
   [[nodiscard]] u32 unit_of(u32 use, bool is_up) const;
@@ -77,7 +78,7 @@ class Deriver {
   void add_copies(Instance& out);
   bool add_actions(Instance& out);
   bool add_effects(u32 fired, Instance& out);
-  bool add_slot(Effect effect, u32 fired, Instance& out);
+  bool add_interaction(Effect effect, u32 fired, Instance& out);
   bool add_star(Instance& out);
   [[nodiscard]] u32 transition_of(u32 instance) const;
   [[nodiscard]] bool have_distinct_atoms();
@@ -87,20 +88,20 @@ class Deriver {
   rt::Tables tables_;
   rt::Binds binds_;
   rt::PriorityTables rules_;
-  std::vector<lower::CodeFacts> facts_;             // by unit
-  std::vector<u32> first_port_;                     // by atom type: its rows of transitions_
-  std::vector<u32> transitions_;                    // by atom type and port: the only transition, or none
-  std::map<u32, std::vector<u32>> hiders_, hidden_;  // by slot
+  std::vector<lower::CodeFacts> facts_;              // by unit
+  std::vector<u32> first_port_;                      // by atom type: its rows of transitions_
+  std::vector<u32> transitions_;                     // by atom type and port: the only transition, or none
+  std::map<u32, std::vector<u32>> hiders_, hidden_;  // by interaction
   // scratch
   std::vector<u32> ports_, atoms_, touched_;
   std::vector<Effect> effects_;
   // of one plan: see transfers.cpp
   Values values_;
   const rt::PlanUse* uses_ = nullptr;
-  std::vector<u32> ups_, downs_;                    // uses, in the order in which their code runs
-  std::vector<u32> homes_;                          // by value that an `up` gave: the slot, or none
-  std::vector<std::pair<u32, u32>> assigned_;       // slots of atoms that get a value from connectors, and which
-  std::vector<std::pair<u32, u32>> copies_;         // to, from
+  std::vector<u32> ups_, downs_;               // uses, in the order in which their code runs
+  std::vector<u32> homes_;                     // by value that an `up` gave: the interaction, or none
+  std::vector<std::pair<u32, u32>> assigned_;  // interactions of atoms that get a value from connectors, and which
+  std::vector<std::pair<u32, u32>> copies_;    // to, from
 };
 
 }  // namespace bip::steps

@@ -2,21 +2,25 @@
 //
 // Covered: rendezvous of atoms of simple types (each port one transition, without guards), flat or a hierarchy without
 // triggers, guards of flat connectors, internal ports, broadcasts of atoms without transfer, code that cannot fault. As
-// nothing faults and codes of different atoms or connectors share no variables, `up`s run bottom up, `down`s top down, then
-// actions: an order that repeats where the core's depth-first one does not. Hierarchies: transfers.cpp.
+// nothing faults and codes of different atoms or connectors share no variables, `up`s run bottom up, `down`s top down,
+// then actions: an order that repeats where the core's depth-first one does not. Hierarchies: transfers.cpp.
 #include <algorithm>
 
 #include "compiler/steps/deriver.hpp"
 
 namespace bip::steps {
 
-using rt::SlotKind;
+using rt::InteractionKind;
 
 Deriver::Deriver(const lower::LoweredSystem& lowered)
-    : lowered_(lowered), image_(lowered.image), tables_(rt::link(image_, rt::MaximalProgress::On)), rules_(rt::link_priorities(tables_)),
-      values_(lowered.system->code, image_.slot_count) {
+    : lowered_(lowered),
+      image_(lowered.image),
+      tables_(rt::link(image_, rt::MaximalProgress::On)),
+      rules_(rt::link_priorities(tables_)),
+      values_(lowered.system->code, image_.cell_count) {
   binds_.make(image_);
-  for (const lower::CodeUnit& unit : lowered.units) facts_.push_back(lower::code_facts(lowered.system->code, unit.expr, unit.body));
+  for (const lower::CodeUnit& unit : lowered.units)
+    facts_.push_back(lower::code_facts(lowered.system->code, unit.expr, unit.body));
   for (u32 type = 0; type < image_.atom_types.size; ++type) {
     const rt::LinkedType& linked = tables_.types[type];
     first_port_.push_back(static_cast<u32>(transitions_.size()));
@@ -51,16 +55,16 @@ bool Deriver::add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out)
   return true;
 }
 
-bool Deriver::add_connector_codes(const rt::SlotInfo& info, Instance& out) {
+bool Deriver::add_connector_codes(const rt::InteractionInfo& info, Instance& out) {
   if (info.clause() == kNone) return true;
   const rt::Connector& row = image_.connectors[info.row];
   const rt::ConnectorType& type = tables_.connector_type(info.row);
   const rt::Clause& clause = type.clauses[info.clause()];
   if (clause.may_fault || (clause.guard != kNone && facts_[clause.guard].may_fault)) return false;
-  u32 zeroed = type.slots.size;
+  u32 zeroed = type.variables.size;
   for (const u32 unit : {clause.up, clause.down}) {
     if (unit == kNone) continue;
-    if (!add_code(unit, zeroed, row.slot_base, row.binds, out)) return false;
+    if (!add_code(unit, zeroed, row.first_cell, row.binds, out)) return false;
     zeroed = 0;
   }
   return true;
@@ -71,7 +75,8 @@ bool Deriver::add_actions(Instance& out) {
   for (const u32 port : ports_) {
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
     if (transition.source->action == kNone) continue;
-    if (!add_code(transition.source->action, 0, tables_.atoms[tables_.port_atom[port]].slot_base, 0, out)) return false;
+    if (!add_code(transition.source->action, 0, tables_.atoms[tables_.port_atom[port]].first_cell, 0, out))
+      return false;
   }
   for (const u32 port : ports_) {
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
@@ -83,18 +88,18 @@ bool Deriver::add_actions(Instance& out) {
   return true;
 }
 
-Deriver::Found Deriver::describe(u32 slot, Instance& out) {
-  const rt::SlotInfo info = tables_.slots[slot];
+Deriver::Found Deriver::describe(u32 interaction, Instance& out) {
+  const rt::InteractionInfo info = tables_.interactions[interaction];
   out.clear();
   ports_.clear();
-  if (info.kind == SlotKind::Planned) {
+  if (info.kind == InteractionKind::Planned) {
     const rt::Plan& plan = tables_.plans[info.plan()];
     if (info.searched || !plan.rigid || plan.guarded || plan.has_choice) return Found::No;
     for (u32 i = 0; i < plan.node_count; ++i) {
       const rt::PlanNode& node = tables_.plan_nodes[plan.first_node + i];
       if (node.kind == rt::NodeKind::Leaf) ports_.push_back(node.ref);
     }
-  } else if (info.kind == SlotKind::Port) {
+  } else if (info.kind == InteractionKind::Port) {
     ports_.push_back(info.row);
   } else {
     for (u32 i = 0; i < info.count; ++i) ports_.push_back(tables_.flat_ports[info.first + i]);
@@ -103,15 +108,21 @@ Deriver::Found Deriver::describe(u32 slot, Instance& out) {
     const u32 atom = tables_.port_atom[port];
     if (!tables_.types[tables_.atoms[atom].type].simple) return Found::No;
     // A port without a transition: never ready. In a broadcast others go on without it; those are rare.
-    if (transition_of(port) == kNone) return info.kind == SlotKind::Star ? Found::No : Found::Never;
+    if (transition_of(port) == kNone) return info.kind == InteractionKind::Star ? Found::No : Found::Never;
   }
   if (!have_distinct_atoms()) return Found::No;
   bool done = false;
   switch (info.kind) {
-    case SlotKind::Flat: done = add_connector_codes(info, out) && add_actions(out) && add_effects(slot, out); break;
-    case SlotKind::Planned: done = add_plan_codes(tables_.plans[info.plan()], out) && add_actions(out) && add_effects(slot, out); break;
-    case SlotKind::Port: done = add_actions(out) && add_effects(slot, out); break;
-    case SlotKind::Star: done = tables_.clause_order[image_.connectors[info.row].type].empty() && add_star(out); break;
+    case InteractionKind::Flat:
+      done = add_connector_codes(info, out) && add_actions(out) && add_effects(interaction, out);
+      break;
+    case InteractionKind::Planned:
+      done = add_plan_codes(tables_.plans[info.plan()], out) && add_actions(out) && add_effects(interaction, out);
+      break;
+    case InteractionKind::Port: done = add_actions(out) && add_effects(interaction, out); break;
+    case InteractionKind::Star:
+      done = tables_.clause_order[image_.connectors[info.row].type].empty() && add_star(out);
+      break;
   }
   return done ? Found::Yes : Found::No;
 }

@@ -1,12 +1,12 @@
-// Whose being enabled an interaction may change: slots that count ports which flip, guards over data of atoms that move, slots
-// that such a slot hides.
+// Whose being enabled an interaction may change: interactions that count ports which flip, guards over data of atoms
+// that move, interactions that such an interaction hides.
 #include <algorithm>
 
 #include "compiler/steps/deriver.hpp"
 
 namespace bip::steps {
 
-using rt::SlotKind;
+using rt::InteractionKind;
 
 namespace {
 
@@ -14,12 +14,12 @@ constexpr std::size_t kMaxHiders = 8;
 
 }  // namespace
 
-// Rules that always hold between whole rendezvous without guards: then a slot is hidden iff one of a fixed set of others is
-// available, at the end of a chain of rules or directly.
+// Rules that always hold between whole rendezvous without guards: then an interaction is hidden iff one of a fixed set
+// of others is available, at the end of a chain of rules or directly.
 bool Deriver::link_priorities() {
   std::vector<u32> all;
-  const auto matches = [&](u32 rule, u32 slot, bool high) {
-    const u32 connector = tables_.connector_of(slot);
+  const auto matches = [&](u32 rule, u32 interaction, bool high) {
+    const u32 connector = tables_.connector_of(interaction);
     all.clear();
     for (u32 k = 0; k < tables_.connector_type(connector).params.size; ++k) all.push_back(k);
     const rt::Priority& row = image_.priorities[rule];
@@ -27,14 +27,16 @@ bool Deriver::link_priorities() {
   };
   std::vector<std::vector<u32>> highs(rules_.count);
   for (const rt::HighEdge& edge : rules_.high_edges) {
-    const rt::SlotInfo info = tables_.slots[edge.slot];
-    if (info.kind != SlotKind::Flat || info.searched) return false;
-    if (matches(edge.rule, edge.slot, true)) highs[edge.rule].push_back(edge.slot);
+    const rt::InteractionInfo info = tables_.interactions[edge.interaction];
+    if (info.kind != InteractionKind::Flat || info.searched) return false;
+    if (matches(edge.rule, edge.interaction, true)) highs[edge.rule].push_back(edge.interaction);
   }
   std::vector<u32> reached;
   for (u32 rule = 0; rule < rules_.count; ++rule) {
     const rt::Priority& row = image_.priorities[rule];
-    if (row.guard != kNone || row.low.any_connector || row.high.any_connector || rules_.cyclic[rules_.component[rule]] != 0) return false;
+    if (row.guard != kNone || row.low.any_connector || row.high.any_connector ||
+        rules_.cyclic[rules_.component[rule]] != 0)
+      return false;
     reached.assign(1, rule);
     for (std::size_t i = 0; i < reached.size(); ++i) {
       for (const u32 next : rules_.next[reached[i]]) {
@@ -42,8 +44,8 @@ bool Deriver::link_priorities() {
       }
       if (reached.size() > kMaxHiders) return false;
     }
-    for (const u32 low : rules_.slots_of_low[rule]) {
-      if (tables_.slots[low].kind != SlotKind::Flat) return false;
+    for (const u32 low : rules_.interactions_of_low[rule]) {
+      if (tables_.interactions[low].kind != InteractionKind::Flat) return false;
       if (!matches(rule, low, false)) continue;
       std::vector<u32>& hiders = hiders_[low];
       for (const u32 other : reached) hiders.insert(hiders.end(), highs[other].begin(), highs[other].end());
@@ -64,7 +66,7 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
   for (const u32 port : ports_) {
     const u32 atom = tables_.port_atom[port];
     for (const u32 item : tables_.atom_watch[atom]) {
-      if (item >= slots()) return false;
+      if (item >= interactions()) return false;
       touched_.push_back(item);
     }
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
@@ -73,17 +75,18 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
       const u32 moved = tables_.port_base(atom) + delta.port;
       if (tables_.port_watch[moved].size != 0) return false;
       for (const u32 node : tables_.port_out[moved]) {
-        if (node >= slots()) return false;
+        if (node >= interactions()) return false;
         effects_.push_back({node, delta.transition != kNone ? 1 : -1});
       }
     }
   }
   const auto tidy = [&] {
-    std::sort(effects_.begin(), effects_.end(), [](const Effect& a, const Effect& b) { return a.slot < b.slot; });
+    std::sort(effects_.begin(), effects_.end(),
+              [](const Effect& a, const Effect& b) { return a.interaction < b.interaction; });
     std::size_t kept = 0;
     for (std::size_t i = 0; i < effects_.size();) {
       Effect sum = effects_[i];
-      for (++i; i < effects_.size() && effects_[i].slot == sum.slot; ++i) sum.delta += effects_[i].delta;
+      for (++i; i < effects_.size() && effects_[i].interaction == sum.interaction; ++i) sum.delta += effects_[i].delta;
       effects_[kept++] = sum;
     }
     effects_.resize(kept);
@@ -91,41 +94,43 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
   tidy();
   std::erase_if(effects_, [](const Effect& e) { return e.delta == 0; });
   for (std::size_t i = effects_.size(); i-- > 0 && !hidden_.empty();) {
-    const auto found = hidden_.find(effects_[i].slot);
+    const auto found = hidden_.find(effects_[i].interaction);
     if (found != hidden_.end()) touched_.insert(touched_.end(), found->second.begin(), found->second.end());
   }
-  for (const u32 slot : touched_) effects_.push_back({slot, 0});
+  for (const u32 interaction : touched_) effects_.push_back({interaction, 0});
   tidy();
-  return std::all_of(effects_.begin(), effects_.end(), [&](const Effect& effect) { return add_slot(effect, fired, out); });
+  return std::all_of(effects_.begin(), effects_.end(),
+                     [&](const Effect& effect) { return add_interaction(effect, fired, out); });
 }
 
-bool Deriver::add_slot(Effect effect, u32 fired, Instance& out) {
-  const rt::SlotInfo info = tables_.slots[effect.slot];
-  const bool exact = info.kind == SlotKind::Flat || info.kind == SlotKind::Port;  // its value is never above 0
-  StepOp& op = out.add(StepOpKind::Slot);
+bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
+  const rt::InteractionInfo info = tables_.interactions[effect.interaction];
+  const bool exact =
+      info.kind == InteractionKind::Flat || info.kind == InteractionKind::Port;  // its value is never above 0
+  StepOp& op = out.add(StepOpKind::Interaction);
   op.delta = effect.delta;
-  out.ref(effect.slot);
+  out.ref(effect.interaction);
   if (info.searched) {
-    if (info.kind != SlotKind::Flat || info.clause() == kNone) return false;
+    if (info.kind != InteractionKind::Flat || info.clause() == kNone) return false;
     const rt::Connector connector = image_.connectors[info.row];
     const rt::ConnectorType& type = tables_.connector_type(info.row);
     const rt::Clause& clause = type.clauses[info.clause()];
     if (clause.guard == kNone || clause.may_fault || facts_[clause.guard].may_fault) return false;
     op.unit = clause.guard;
-    op.zeroed = type.slots.size;
-    out.ref(connector.slot_base);
+    op.zeroed = type.variables.size;
+    out.ref(connector.first_cell);
     for (const u32 bound : facts_[clause.guard].binds) out.ref(binds_.rows[connector.binds + bound]);
   }
-  if (const auto hiders = hiders_.find(effect.slot); hiders != hiders_.end()) {
-    for (const u32 slot : hiders->second) out.ref(slot);
+  if (const auto hiders = hiders_.find(effect.interaction); hiders != hiders_.end()) {
+    for (const u32 interaction : hiders->second) out.ref(interaction);
     out.ops.back().hiders = static_cast<u32>(hiders->second.size());
   }
   StepOp& made = out.ops.back();
-  const std::int32_t all = -tables_.slot_start(effect.slot);
-  if (exact && effect.delta < 0 && effect.slot == fired) made.change = SlotChange::Leaves;
+  const std::int32_t all = -tables_.start_of(effect.interaction);
+  if (exact && effect.delta < 0 && effect.interaction == fired) made.change = InteractionChange::Leaves;
   if (exact && made.unit == kNone && made.hiders == 0) {
-    if (effect.delta == all) made.change = SlotChange::Enters;
-    if (effect.delta == -all) made.change = SlotChange::Leaves;
+    if (effect.delta == all) made.change = InteractionChange::Enters;
+    if (effect.delta == -all) made.change = InteractionChange::Leaves;
   }
   return true;
 }
@@ -143,15 +148,16 @@ bool Deriver::add_star(Instance& out) {
       const u32 moved = tables_.port_base(atom) + delta.port;
       if (tables_.port_watch[moved].size != 0) return false;
       for (const u32 node : tables_.port_out[moved]) {
-        if (node >= slots() || effect.slot != kNone) return false;
+        if (node >= interactions() || effect.interaction != kNone) return false;
         effect = {node, delta.transition != kNone ? 1 : -1};
       }
     }
-    if (effect.slot != kNone) {
-      const rt::SlotInfo info = tables_.slots[effect.slot];
-      const bool exact = info.kind == SlotKind::Flat || info.kind == SlotKind::Port;
-      if (!exact || info.searched || hiders_.contains(effect.slot) || hidden_.contains(effect.slot)) return false;
-      if (effect.delta != -tables_.slot_start(effect.slot)) return false;
+    if (effect.interaction != kNone) {
+      const rt::InteractionInfo info = tables_.interactions[effect.interaction];
+      const bool exact = info.kind == InteractionKind::Flat || info.kind == InteractionKind::Port;
+      if (!exact || info.searched || hiders_.contains(effect.interaction) || hidden_.contains(effect.interaction))
+        return false;
+      if (effect.delta != -tables_.start_of(effect.interaction)) return false;
     }
     const u32 action = transition.source->action;
     if (action != kNone && facts_[action].may_fault) return false;
@@ -161,18 +167,18 @@ bool Deriver::add_star(Instance& out) {
     op.to = transition.to;
     op.delta = effect.delta;
     each.ref(atom);
-    if (action != kNone) each.ref(image_.atoms[atom].slot_base);
-    if (effect.slot != kNone) each.ref(effect.slot);
+    if (action != kNone) each.ref(image_.atoms[atom].first_cell);
+    if (effect.interaction != kNone) each.ref(effect.interaction);
   }
-  // The list changes in slot order: one group of parameters changes it, in that order.
+  // The list changes in interaction order: one group of parameters changes it, in that order.
   std::vector<std::int32_t> strides;
   fold(each, 1, out, strides);
   u32 changing = 0;
   for (const StepOp& op : out.ops) {
     if (op.delta == 0) continue;
     ++changing;
-    const u32 slot = op.first_ref + op.refs - 1;
-    if (out.refs[op.first_ref] > 1 && strides[slot] <= 0) return false;
+    const u32 interaction = op.first_ref + op.refs - 1;
+    if (out.refs[op.first_ref] > 1 && strides[interaction] <= 0) return false;
   }
   // Folded for good in derive_steps: here the parameters one by one.
   out = each;

@@ -1,10 +1,12 @@
 // Data that go up and down a hierarchy of connectors in one step.
 //
 // A connector's own data are zero before each use and nobody sees them after a step. So only what the atoms get counts:
-// - the old value of a variable, or many of them joined in any order (a sum, the largest): it is calculated in one loop, and
+// - the old value of a variable, or many of them joined in any order (a sum, the largest): it is calculated in one
+// loop, and
 //   given to all at once;
 // - what an `up` calculated otherwise: `up`s run, and what `down`s only pass on is given at once;
-// - anything else: all code runs, `up`s bottom up, `down`s top down, the connectors of one depth by where their data are, for
+// - anything else: all code runs, `up`s bottom up, `down`s top down, the connectors of one depth by where their data
+// are, for
 //   levels of regular trees are regular.
 #include <algorithm>
 #include <numeric>
@@ -22,7 +24,8 @@ bool Deriver::order_uses(const rt::Plan& plan) {
   for (u32 i = 0; i < plan.use_count; ++i) {
     const rt::ConnectorType& type = tables_.connector_type(uses_[i].connector);
     u32 bound = 0;
-    for (const rt::ConnectorParam& param : type.params) bound = std::max(bound, param.first_bind + image_.port_types[param.type].vars.size);
+    for (const rt::ConnectorParam& param : type.params)
+      bound = std::max(bound, param.first_bind + image_.port_types[param.type].vars.size);
     // It reads data of bystanders: those might have moved by then.
     if (image_.connectors[uses_[i].connector].bind_count > bound) return false;
     if (uses_[i].link != kNone) depth[i] = depth[nodes[nodes[uses_[i].link].parent].use] + 1;
@@ -33,8 +36,9 @@ bool Deriver::order_uses(const rt::Plan& plan) {
   }
   downs_.resize(plan.use_count);
   std::iota(downs_.begin(), downs_.end(), 0u);
-  const auto base = [&](u32 use) { return image_.connectors[uses_[use].connector].slot_base; };
-  std::stable_sort(downs_.begin(), downs_.end(), [&](u32 a, u32 b) { return depth[a] != depth[b] ? depth[a] < depth[b] : base(a) < base(b); });
+  const auto base = [&](u32 use) { return image_.connectors[uses_[use].connector].first_cell; };
+  std::stable_sort(downs_.begin(), downs_.end(),
+                   [&](u32 a, u32 b) { return depth[a] != depth[b] ? depth[a] < depth[b] : base(a) < base(b); });
   // Last levels first, but each in ascending order.
   ups_.clear();
   for (std::size_t end = downs_.size(); end > 0;) {
@@ -52,75 +56,80 @@ u32 Deriver::unit_of(u32 use, bool is_up) const {
   return is_up ? clause.up : clause.down;
 }
 
-// Values of slots after all `up`s, where they are then, and after all `down`s.
+// Values of cells after all `up`s, where they are then, and after all `down`s.
 void Deriver::evaluate_uses() {
   values_.begin();
   const auto run = [&](u32 use, bool is_up) {
     const rt::Connector& row = image_.connectors[uses_[use].connector];
-    if (const u32 unit = unit_of(use, is_up); unit != kNone) values_.run(lowered_.units[unit].body, row.slot_base, binds_.rows + row.binds);
+    if (const u32 unit = unit_of(use, is_up); unit != kNone)
+      values_.run(lowered_.units[unit].body, row.first_cell, binds_.rows + row.binds);
   };
   for (const u32 use : ups_) {
-    values_.zero(image_.connectors[uses_[use].connector].slot_base, tables_.connector_type(uses_[use].connector).slots.size);
+    values_.zero(image_.connectors[uses_[use].connector].first_cell,
+                 tables_.connector_type(uses_[use].connector).variables.size);
     run(use, true);
   }
   homes_.assign(values_.count(), kNone);
-  for (const u32 slot : values_.slots()) {
-    if (slot >= tables_.atom_slots) homes_[values_.in(slot)] = slot;
+  for (const u32 cell : values_.cells()) {
+    if (cell >= tables_.atom_cells) homes_[values_.in(cell)] = cell;
   }
   for (const u32 use : downs_) run(use, false);
 }
 
 u32 Deriver::home_of(u32 value) const { return value < homes_.size() ? homes_[value] : kNone; }
 
-// By type, variable and atom: those of one type are at equal distances, mostly. False: a variable would have to be read before
-// another one is assigned.
+// By type, variable and atom: those of one type are at equal distances, mostly. False: a variable would have to be read
+// before another one is assigned.
 bool Deriver::list_assigned() {
   std::vector<std::pair<u32, u32>> atoms;  // where data are, which
-  for (const u32 port : ports_) atoms.emplace_back(image_.atoms[tables_.port_atom[port]].slot_base, tables_.port_atom[port]);
+  for (const u32 port : ports_)
+    atoms.emplace_back(image_.atoms[tables_.port_atom[port]].first_cell, tables_.port_atom[port]);
   std::sort(atoms.begin(), atoms.end());
   struct Row {
-    u32 type, variable, slot, value;
+    u32 type, variable, cell, value;
   };
   std::vector<Row> rows;
-  for (const u32 slot : values_.slots()) {
-    const u32 value = values_.in(slot);
-    if (slot >= tables_.atom_slots || (values_[value].kind == Values::Kind::Old && values_[value].a == slot)) continue;
-    const auto after = std::upper_bound(atoms.begin(), atoms.end(), std::pair{slot, kNone});
+  for (const u32 cell : values_.cells()) {
+    const u32 value = values_.in(cell);
+    if (cell >= tables_.atom_cells || (values_[value].kind == Values::Kind::Old && values_[value].a == cell)) continue;
+    const auto after = std::upper_bound(atoms.begin(), atoms.end(), std::pair{cell, kNone});
     if (after == atoms.begin()) return false;
     const auto [base, atom] = *(after - 1);
-    rows.push_back({image_.atoms[atom].type, slot - base, slot, value});
+    rows.push_back({image_.atoms[atom].type, cell - base, cell, value});
   }
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-    return std::tie(a.type, a.variable, a.slot) < std::tie(b.type, b.variable, b.slot);
+    return std::tie(a.type, a.variable, a.cell) < std::tie(b.type, b.variable, b.cell);
   });
   assigned_.clear();
-  std::vector<u32> slots;
+  std::vector<u32> cells;
   for (const Row& row : rows) {
-    assigned_.emplace_back(row.slot, row.value);
-    slots.push_back(row.slot);
+    assigned_.emplace_back(row.cell, row.value);
+    cells.push_back(row.cell);
   }
-  std::sort(slots.begin(), slots.end());
+  std::sort(cells.begin(), cells.end());
   return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
     const Values::Value& value = values_[row.value];
-    return value.kind != Values::Kind::Old || (value.a < tables_.atom_slots && !std::binary_search(slots.begin(), slots.end(), value.a));
+    return value.kind != Values::Kind::Old ||
+           (value.a < tables_.atom_cells && !std::binary_search(cells.begin(), cells.end(), value.a));
   });
 }
 
-// No code at all: values are old ones, or joined in the slot of a connector that would have had them.
+// No code at all: values are old ones, or joined in the cell of a connector that would have had them.
 bool Deriver::add_joined(Instance& out) {
   copies_.clear();
   std::vector<u32> done, elements;
-  for (const auto& [slot, value] : assigned_) {
+  for (const auto& [cell, value] : assigned_) {
     if (values_[value].kind == Values::Kind::Old) {
-      copies_.emplace_back(slot, values_[value].a);
+      copies_.emplace_back(cell, values_[value].a);
       continue;
     }
     const u32 home = home_of(value);
     if (home == kNone) return false;
-    copies_.emplace_back(slot, home);
+    copies_.emplace_back(cell, home);
     if (std::find(done.begin(), done.end(), value) != done.end()) continue;
     constexpr std::size_t kMostJoined = 16;
-    if (done.size() == kMostJoined || !values_.elements(value, elements) || elements.back() >= tables_.atom_slots) return false;
+    if (done.size() == kMostJoined || !values_.elements(value, elements) || elements.back() >= tables_.atom_cells)
+      return false;
     done.push_back(value);
     out.add(StepOpKind::Copy);
     out.ref(home);
@@ -142,10 +151,10 @@ bool Deriver::add_moved(Instance& out) {
     const u32 unit = unit_of(use, true);
     if (unit != kNone && facts_[unit].writes_binds) return false;
   }
-  for (const auto& [slot, value] : assigned_) {
+  for (const auto& [cell, value] : assigned_) {
     const u32 from = values_[value].kind == Values::Kind::Old ? values_[value].a : home_of(value);
     if (from == kNone) return false;
-    copies_.emplace_back(slot, from);
+    copies_.emplace_back(cell, from);
   }
   if (!add_ups(out)) return false;
   add_copies(out);
@@ -156,9 +165,9 @@ bool Deriver::add_ups(Instance& out) {
   for (const u32 use : ups_) {
     const rt::Connector& row = image_.connectors[uses_[use].connector];
     const bool needs_zeroes = !values_.is_known() || values_.has_read_zero();
-    const u32 zeroed = needs_zeroes ? tables_.connector_type(uses_[use].connector).slots.size : 0;
+    const u32 zeroed = needs_zeroes ? tables_.connector_type(uses_[use].connector).variables.size : 0;
     const u32 unit = unit_of(use, true);
-    if ((unit != kNone || zeroed != 0) && !add_code(unit, zeroed, row.slot_base, row.binds, out)) return false;
+    if ((unit != kNone || zeroed != 0) && !add_code(unit, zeroed, row.first_cell, row.binds, out)) return false;
   }
   return true;
 }
@@ -185,25 +194,26 @@ bool Deriver::add_plan_codes(const rt::Plan& plan, Instance& out) {
   for (const u32 use : downs_) {
     const rt::Connector& row = image_.connectors[uses_[use].connector];
     const u32 unit = unit_of(use, false);
-    if (unit != kNone && !add_code(unit, 0, row.slot_base, row.binds, out)) return false;
+    if (unit != kNone && !add_code(unit, 0, row.first_cell, row.binds, out)) return false;
   }
   return true;
 }
 
-void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u32 atom_slots) {
+void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u32 atom_cells) {
   for (std::size_t code = 1; code < folded.ops.size(); ++code) {
     const StepOp& op = folded.ops[code];
     // A count, self: the code of atoms.
     if (op.kind != StepOpKind::Code || !op.repeats || op.refs != 2 || op.unit == kNone || op.zeroed != 0) continue;
     const u32 self = folded.refs[op.first_ref + 1];
     const std::int32_t stride = strides[op.first_ref + 1];
-    if (stride <= 0 || self >= atom_slots) continue;
+    if (stride <= 0 || self >= atom_cells) continue;
     for (std::size_t i = code; i-- > 0;) {
       StepOp& copy = folded.ops[i];
-      if (copy.kind != StepOpKind::Copy || !copy.repeats || folded.refs[copy.first_ref] != folded.refs[op.first_ref]) break;
+      if (copy.kind != StepOpKind::Copy || !copy.repeats || folded.refs[copy.first_ref] != folded.refs[op.first_ref])
+        break;
       const u32 to = folded.refs[copy.first_ref + 1], from = folded.refs[copy.first_ref + 2];
       const bool moves_along = strides[copy.first_ref + 1] == stride && to - self < static_cast<u32>(stride);
-      if (!moves_along || strides[copy.first_ref + 2] != 0 || from < atom_slots) break;
+      if (!moves_along || strides[copy.first_ref + 2] != 0 || from < atom_cells) break;
       copy.inlined = true;
       copy.offset = to - self;
     }

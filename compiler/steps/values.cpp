@@ -1,6 +1,6 @@
-// Values of slots: see values.hpp. Both branches of an `if` run, one after the other on the same slots; where they differ,
-// the larger or the smaller of two is recognised. Expressions recurse (their depth is limited by `validate`), so do
-// branches, up to a depth of their own, for chains of `else if` have no limit.
+// Values of cells: see values.hpp. Both branches of an `if` run, one after the other on the same cells; where they
+// differ, the larger or the smaller of two is recognised. Expressions recurse (their depth is limited by `validate`),
+// so do branches, up to a depth of their own, for chains of `else if` have no limit.
 #include "compiler/steps/values.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ using lower::Reduction;
 
 namespace {
 
-constexpr u32 kMostBranches = 32;          // within one another
+constexpr u32 kMostBranches = 32;  // within one another
 constexpr std::size_t kMostElements = 1u << 17;
 
 bool is_idempotent(Reduction by) {
@@ -21,8 +21,8 @@ bool is_idempotent(Reduction by) {
 }  // namespace
 
 void Values::begin() {
-  for (const u32 slot : slots_) now_[slot] = rt::kNone;
-  slots_.clear();
+  for (const u32 cell : cells_) now_[cell] = rt::kNone;
+  cells_.clear();
   values_.clear();
   before_.clear();
   is_known_ = true;
@@ -34,26 +34,26 @@ u32 Values::add(Value value) {
   return static_cast<u32>(values_.size() - 1);
 }
 
-u32 Values::in(u32 slot) {
-  if (now_[slot] == rt::kNone) {
-    slots_.push_back(slot);
-    now_[slot] = add({Kind::Old, {}, slot, 0});
+u32 Values::in(u32 cell) {
+  if (now_[cell] == rt::kNone) {
+    cells_.push_back(cell);
+    now_[cell] = add({Kind::Old, {}, cell, 0});
   }
-  return now_[slot];
+  return now_[cell];
 }
 
-void Values::set(u32 slot, u32 value) {
-  const u32 before = in(slot);
-  if (depth_ > 0) before_.emplace_back(slot, before);
-  now_[slot] = value;
+void Values::set(u32 cell, u32 value) {
+  const u32 before = in(cell);
+  if (depth_ > 0) before_.emplace_back(cell, before);
+  now_[cell] = value;
 }
 
 void Values::zero(u32 first, u32 count) {
-  for (u32 slot = first; slot < first + count; ++slot) set(slot, add({Kind::Zero, {}, 0, 0}));
+  for (u32 cell = first; cell < first + count; ++cell) set(cell, add({Kind::Zero, {}, 0, 0}));
 }
 
-u32 Values::read(u32 slot) {
-  const u32 value = in(slot);
+u32 Values::read(u32 cell) {
+  const u32 value = in(cell);
   if (values_[value].kind != Kind::Zero) return value;
   has_read_zero_ = true;
   return opaque();
@@ -99,7 +99,7 @@ u32 Values::either(ExprId condition, u32 yes, u32 no) {
   return opaque();
 }
 
-// What was assigned since, each slot once; the slots hold again what they held.
+// What was assigned since, each cell once; the cells hold again what they held.
 Values::Assigned Values::take_back(std::size_t mark) {
   Assigned assigned;
   for (std::size_t i = mark; i < before_.size(); ++i) assigned.emplace_back(before_[i].first, now_[before_[i].first]);
@@ -122,16 +122,16 @@ void Values::branch(const Stmt& s) {
   run(s.else_body, self_, bind_);
   const Assigned no = take_back(mark);
   --depth_;
-  // Both lists with all slots of both.
+  // Both lists with all cells of both.
   Assigned merged;
   for (std::size_t i = 0, j = 0; i < yes.size() || j < no.size();) {
     const bool takes_yes = j == no.size() || (i < yes.size() && yes[i].first <= no[j].first);
-    const u32 slot = takes_yes ? yes[i].first : no[j].first;
-    const u32 if_yes = takes_yes ? yes[i++].second : in(slot);
-    const u32 if_no = j < no.size() && no[j].first == slot ? no[j++].second : in(slot);
-    merged.emplace_back(slot, either(s.value, if_yes, if_no));
+    const u32 cell = takes_yes ? yes[i].first : no[j].first;
+    const u32 if_yes = takes_yes ? yes[i++].second : in(cell);
+    const u32 if_no = j < no.size() && no[j].first == cell ? no[j++].second : in(cell);
+    merged.emplace_back(cell, either(s.value, if_yes, if_no));
   }
-  for (const auto& [slot, value] : merged) set(slot, value);
+  for (const auto& [cell, value] : merged) set(cell, value);
 }
 
 void Values::run(StmtId body, u32 self, const u32* bind) {

@@ -41,7 +41,8 @@ std::vector<Edit> deprecated_spellings(const Syntax& syntax) {
   if (syntax.package != nullptr) {
     for (const Decl* decl : syntax.package->decls) finder.decl(*decl);
   }
-  std::sort(finder.edits.begin(), finder.edits.end(), [](const Edit& a, const Edit& b) { return a.range.begin < b.range.begin; });
+  std::sort(finder.edits.begin(), finder.edits.end(),
+            [](const Edit& a, const Edit& b) { return a.range.begin < b.range.begin; });
   return std::move(finder.edits);
 }
 

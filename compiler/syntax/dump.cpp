@@ -1,5 +1,5 @@
-// The tree as text, for goldens and `--emit=syntax`: a node a line, `Kind @line:column-line:column details`. Small things
-// (expressions, paths, lists of names) stand on their parent's line in a form of their own, fully parenthesised.
+// The tree as text, for goldens and `--emit=syntax`: a node a line, `Kind @line:column-line:column details`. Small
+// things (expressions, paths, lists of names) stand on their parent's line in a form of their own, fully parenthesised.
 #include "compiler/syntax/dump.hpp"
 
 #include <algorithm>
@@ -65,10 +65,8 @@ void Dumper::stmt(const Stmt& s) {
   switch (s.kind) {
     case StmtKind::Assign:
       return line("Assign", s.range, text(s.target) + (s.clock_speed ? "'" : "") + " = " + text(s.value));
-    case StmtKind::Call:
-      return line("CallStmt", s.range, text(s.value));
-    case StmtKind::If:
-      break;
+    case StmtKind::Call: return line("CallStmt", s.range, text(s.value));
+    case StmtKind::If: break;
   }
   line("If", s.range, text(s.value));
   ++indent_;
@@ -135,7 +133,8 @@ void Dumper::connector(const ConnectorBody& c) {
     line("ExportPort", c.exported.range, details + names(c.exported.vars));
   }
   if (c.define != nullptr) {
-    line("Define", c.define->range, text(*c.define) + (c.resume.text.empty() ? "" : " resume " + std::string(c.resume.text)));
+    line("Define", c.define->range,
+         text(*c.define) + (c.resume.text.empty() ? "" : " resume " + std::string(c.resume.text)));
   }
   for (const Clause& clause : c.clauses) {
     std::string ports;
@@ -163,7 +162,8 @@ void Dumper::atom(const Decl& d) {
   for (const ClockDecl& c : d.clocks) line("Clock", c.range, names(c.names) + " " + std::string(c.unit.text));
   for (const Name& p : d.places) line("Place", p.range, p.text);
   if (d.initial.present) {
-    line("Initial", d.initial.range, names(d.initial.to) + (d.initial.resumes ? " resume" + guard(d.initial.resume) : ""));
+    line("Initial", d.initial.range,
+         names(d.initial.to) + (d.initial.resumes ? " resume" + guard(d.initial.resume) : ""));
     ++indent_;
     block("Do", d.initial.action);
     --indent_;
@@ -209,7 +209,8 @@ void Dumper::item(const CompoundItem& i) {
       --indent_;
       return;
     case ItemKind::Priority:
-      return line("Priority", i.range, details + " " + text(i.priority->low) + " < " + text(i.priority->high) + guard(i.priority->guard));
+      return line("Priority", i.range,
+                  details + " " + text(i.priority->low) + " < " + text(i.priority->high) + guard(i.priority->guard));
     case ItemKind::For:
       line("For", i.range, details + " in " + text(i.low) + ".." + text(i.high));
       ++indent_;

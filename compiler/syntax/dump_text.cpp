@@ -5,7 +5,8 @@
 namespace bip::syntax {
 namespace {
 
-constexpr std::string_view kBinary[] = {"||", "&&", "|", "^", "&", "==", "!=", "<", ">", "<=", ">=", "+", "-", "*", "/", "%"};
+constexpr std::string_view kBinary[] = {"||", "&&", "|",  "^", "&", "==", "!=", "<",
+                                        ">",  "<=", ">=", "+", "-", "*",  "/",  "%"};
 constexpr std::string_view kUnary[] = {"-", "+", "!", "~"};
 
 }  // namespace
@@ -28,20 +29,16 @@ std::string Dumper::text(const Expr* e) {
   switch (e->kind) {
     case ExprKind::Int:
     case ExprKind::Float:
-    case ExprKind::Report:
-      return std::string(e->text);
-    case ExprKind::Bool:
-      return e->truth ? "true" : "false";
-    case ExprKind::String:
-      return quoted(e->text);
-    case ExprKind::Path:
-      return text(e->path) + (e->clock_speed ? "'" : "");
+    case ExprKind::Report: return std::string(e->text);
+    case ExprKind::Bool: return e->truth ? "true" : "false";
+    case ExprKind::String: return quoted(e->text);
+    case ExprKind::Path: return text(e->path) + (e->clock_speed ? "'" : "");
     case ExprKind::Unary:
       return std::string("(").append(kUnary[static_cast<std::size_t>(e->unary)]) + text(e->operands[0]) + ")";
     case ExprKind::Binary:
-      return "(" + text(e->operands[0]) + " " + std::string(kBinary[static_cast<std::size_t>(e->binary)]) + " " + text(e->operands[1]) + ")";
-    case ExprKind::Call:
-      break;
+      return "(" + text(e->operands[0]) + " " + std::string(kBinary[static_cast<std::size_t>(e->binary)]) + " " +
+             text(e->operands[1]) + ")";
+    case ExprKind::Call: break;
   }
   std::string out = text(e->path) + "(";
   for (std::size_t i = 0; i < e->operands.size(); ++i) out += (i > 0 ? ", " : "") + text(e->operands[i]);

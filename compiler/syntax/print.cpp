@@ -34,7 +34,8 @@ bool SyntaxPrinter::has_comment_before(std::uint32_t offset) const {
 void SyntaxPrinter::blank_line_if_source_has_one(std::uint32_t begin) {
   if (first_in_block_ || begin <= last_end_) return;
   const std::string_view gap = source_.substr(last_end_, begin - last_end_);
-  if (std::count(gap.begin(), gap.end(), '\n') >= 2 && out_.substr(out_.size() >= 2 ? out_.size() - 2 : 0) != "\n\n") out_ += '\n';
+  if (std::count(gap.begin(), gap.end(), '\n') >= 2 && out_.substr(out_.size() >= 2 ? out_.size() - 2 : 0) != "\n\n")
+    out_ += '\n';
 }
 
 /// The comment with its inner lines re-indented if they begin with `*`, verbatim otherwise; no trailing blanks.

@@ -1,5 +1,5 @@
-// The bodies of atoms and compounds. An atom of the paper's notation is printed as states if each of its transitions leaves
-// one place and they stand place by place, else as places with transitions `from … to …`, as in BIP2.
+// The bodies of atoms and compounds. An atom of the paper's notation is printed as states if each of its transitions
+// leaves one place and they stand place by place, else as places with transitions `from … to …`, as in BIP2.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 
@@ -39,7 +39,8 @@ void SyntaxPrinter::transition(const Transition& t, bool in_state) {
   if (!in_state) put(" from " + text(t.from) + " to " + text(t.to));
   if (t.guard != nullptr) put(guard(t.guard));
   if (!t.urgency.text.empty()) put(" " + std::string(t.urgency.text));
-  const bool bare = in_state && t.action.stmts.size() == 1 && t.action.stmts[0]->kind != StmtKind::If && !has_comment_before(t.action.range.end);
+  const bool bare = in_state && t.action.stmts.size() == 1 && t.action.stmts[0]->kind != StmtKind::If &&
+                    !has_comment_before(t.action.range.end);
   if (bare) {
     put(" do " + simple(*t.action.stmts[0]));
   } else {
@@ -54,7 +55,9 @@ bool SyntaxPrinter::has_state_form(const Decl& d) {
   if (d.notation != Notation::Paper) return false;
   std::size_t next = 0;
   for (const Name& place : d.places) {
-    while (next < d.transitions.size() && d.transitions[next].from.size() == 1 && d.transitions[next].from[0].text == place.text) ++next;
+    while (next < d.transitions.size() && d.transitions[next].from.size() == 1 &&
+           d.transitions[next].from[0].text == place.text)
+      ++next;
   }
   return next == d.transitions.size();
 }
@@ -66,7 +69,8 @@ std::uint32_t SyntaxPrinter::end_of_word(std::string_view word, std::uint32_t fr
     const std::size_t at = source_.find(word, from);
     if (at == std::string_view::npos) return from;
     while (comment < syntax_.comments.size() && syntax_.comments[comment].range.end <= at) ++comment;
-    if (comment == syntax_.comments.size() || syntax_.comments[comment].range.begin > at) return static_cast<std::uint32_t>(at + word.size());
+    if (comment == syntax_.comments.size() || syntax_.comments[comment].range.begin > at)
+      return static_cast<std::uint32_t>(at + word.size());
     from = syntax_.comments[comment].range.end;
   }
 }
@@ -145,7 +149,12 @@ void SyntaxPrinter::atom(const Decl& d) {
     pieces.push_back({p.range.begin, [this, &p] {
                         lead_in(p.range.begin, p.range.end);
                         begin_line();
-                        out_.append("priority ").append(p.name.text).append(" ").append(p.low.text).append(" < ").append(p.high.text);
+                        out_.append("priority ")
+                            .append(p.name.text)
+                            .append(" ")
+                            .append(p.low.text)
+                            .append(" < ")
+                            .append(p.high.text);
                         if (p.guard != nullptr) put(guard(p.guard));
                         end_line(p.range.end);
                       }});
@@ -155,7 +164,8 @@ void SyntaxPrinter::atom(const Decl& d) {
                         lead_in(i.range.begin, i.range.end);
                         begin_line();
                         out_.append("invariant ").append(i.name.text);
-                        if (i.scope != InvariantScope::Always) put((i.scope == InvariantScope::At ? " at " : " from ") + text(i.places));
+                        if (i.scope != InvariantScope::Always)
+                          put((i.scope == InvariantScope::At ? " at " : " from ") + text(i.places));
                         put(guard(i.expr));
                         end_line(i.range.end);
                       }});

@@ -13,7 +13,12 @@ void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, bool 
     begin_line();
   }
   if (first.kind == ItemKind::For) {
-    out_.append("for ").append(first.name.text).append(" in ").append(text(first.low)).append("..").append(text(first.high));
+    out_.append("for ")
+        .append(first.name.text)
+        .append(" in ")
+        .append(text(first.low))
+        .append("..")
+        .append(text(first.high));
     std::vector<Piece> pieces;
     items(first.items, pieces);
     const bool alone = pieces.size() == 1 && first.items.front()->annotations.empty();
@@ -70,7 +75,8 @@ void SyntaxPrinter::items(std::span<const CompoundItem* const> list, std::vector
       ++n;
     }
     const auto group = list.subspan(i, n);
-    pieces.push_back({first.type.is_written() ? first.type.name.range.begin : first.range.begin, [this, group] { item_group(group, false); }});
+    pieces.push_back({first.type.is_written() ? first.type.name.range.begin : first.range.begin,
+                      [this, group] { item_group(group, false); }});
     i += n;
   }
 }

@@ -41,7 +41,9 @@ void SyntaxPrinter::package(const Package& p) {
     if (gap.find_first_not_of(" \t\r\n\f") != std::string_view::npos) break;
     end = syntax_.comments[i].range.begin;
   }
-  while (end > 0 && (source_[end - 1] == ' ' || source_[end - 1] == '\n' || source_[end - 1] == '\t' || source_[end - 1] == '\r')) --end;
+  while (end > 0 &&
+         (source_[end - 1] == ' ' || source_[end - 1] == '\n' || source_[end - 1] == '\t' || source_[end - 1] == '\r'))
+    --end;
   end_block(end);
 }
 
@@ -56,9 +58,7 @@ void SyntaxPrinter::data(const DataDecl& d) {
 void SyntaxPrinter::one_line_decl(const Decl& d) {
   const std::string params = "(" + text(d.params) + ")";
   switch (d.kind) {
-    case DeclKind::ConstData:
-      put("const data " + text(d.data[0].type.name) + " " + text(d.data[0].vars));
-      break;
+    case DeclKind::ConstData: put("const data " + text(d.data[0].type.name) + " " + text(d.data[0].vars)); break;
     case DeclKind::ExternType: {
       put("extern data type ");
       put(d.name.text);

@@ -1,5 +1,5 @@
-// Pieces of lines: expressions, paths, lists. Operators keep the sign that was written (`&&`, `and`, `∧`); parentheses are
-// kept where they were. Recursion follows the depth of expressions, which the parser limits.
+// Pieces of lines: expressions, paths, lists. Operators keep the sign that was written (`&&`, `and`, `∧`); parentheses
+// are kept where they were. Recursion follows the depth of expressions, which the parser limits.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 
@@ -88,18 +88,10 @@ std::string SyntaxPrinter::text(const Expr* e, bool without_parentheses) const {
   switch (e->kind) {
     case ExprKind::Int:
     case ExprKind::Float:
-    case ExprKind::Report:
-      out = e->text;
-      break;
-    case ExprKind::Bool:
-      out = e->truth ? "true" : "false";
-      break;
-    case ExprKind::String:
-      out = quoted(e->text);
-      break;
-    case ExprKind::Path:
-      out = text(e->path) + (e->clock_speed ? "'" : "");
-      break;
+    case ExprKind::Report: out = e->text; break;
+    case ExprKind::Bool: out = e->truth ? "true" : "false"; break;
+    case ExprKind::String: out = quoted(e->text); break;
+    case ExprKind::Path: out = text(e->path) + (e->clock_speed ? "'" : ""); break;
     case ExprKind::Unary: {
       const std::string_view sign = source(e->op_range);
       out.append(sign).append(sign == "not" ? " " : "");

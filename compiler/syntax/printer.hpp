@@ -1,5 +1,5 @@
-// The printer's state, shared by its files. Lines are appended to one text; comments are taken from the source in order and
-// put before the line that they preceded, or after the line that they followed.
+// The printer's state, shared by its files. Lines are appended to one text; comments are taken from the source in order
+// and put before the line that they preceded, or after the line that they followed.
 #pragma once
 #include <functional>
 #include <string>
@@ -11,7 +11,8 @@ namespace bip::syntax {
 
 class SyntaxPrinter {
  public:
-  SyntaxPrinter(const Syntax& syntax, const SourceMap& sources) : syntax_(syntax), sources_(sources), source_(sources.text(syntax.file)) {}
+  SyntaxPrinter(const Syntax& syntax, const SourceMap& sources)
+      : syntax_(syntax), sources_(sources), source_(sources.text(syntax.file)) {}
   std::string run();
 
  private:

@@ -35,20 +35,18 @@ struct Path {
 // ---- expressions -----------------------------------------------------------------------------------------------
 enum class ExprKind : std::uint8_t { Int, Float, Bool, String, Report, Path, Unary, Binary, Call };
 enum class UnaryOp : std::uint8_t { Neg, Plus, Not, BitNot };
-enum class BinaryOp : std::uint8_t {
-  Or, And, BitOr, BitXor, BitAnd, Eq, Ne, Lt, Gt, Le, Ge, Add, Sub, Mul, Div, Mod
-};
+enum class BinaryOp : std::uint8_t { Or, And, BitOr, BitXor, BitAnd, Eq, Ne, Lt, Gt, Le, Ge, Add, Sub, Mul, Div, Mod };
 struct Expr {
   ExprKind kind = ExprKind::Bool;
   SourceRange range{};
-  std::string_view text{};           // Int, Float: as written; String: without quotes, unescaped; Report: UPPER-CASE-NAME
-  bool truth = false;              // Bool
-  Path path{};                     // Path; Call: the function's name
-  bool clock_speed = false;        // Path followed by ' (the speed of a clock)
+  std::string_view text{};   // Int, Float: as written; String: without quotes, unescaped; Report: UPPER-CASE-NAME
+  bool truth = false;        // Bool
+  Path path{};               // Path; Call: the function's name
+  bool clock_speed = false;  // Path followed by ' (the speed of a clock)
   UnaryOp unary{};
   BinaryOp binary{};
-  SourceRange op_range{};          // Unary, Binary: the operator
-  bool parenthesised = false;      // written in ( )
+  SourceRange op_range{};                   // Unary, Binary: the operator
+  bool parenthesised = false;               // written in ( )
   std::span<const Expr* const> operands{};  // Unary 1, Binary 2, Call n
 };
 
@@ -57,12 +55,12 @@ enum class StmtKind : std::uint8_t { Assign, Call, If };
 struct Stmt {
   StmtKind kind = StmtKind::Call;
   SourceRange range{};
-  Path target{};                    // Assign
-  bool clock_speed = false;         // Assign: x' = 2.0
-  const Expr* value = nullptr;      // Assign: right side; Call: the call; If: the condition
+  Path target{};                // Assign
+  bool clock_speed = false;     // Assign: x' = 2.0
+  const Expr* value = nullptr;  // Assign: right side; Call: the call; If: the condition
   std::span<const Stmt* const> then_body{};
   std::span<const Stmt* const> else_body{};
-  bool shares_fi = false;           // If after `else`: ended by the `fi` of the one before it
+  bool shares_fi = false;  // If after `else`: ended by the `fi` of the one before it
 };
 /// `{ … }`. present tells an empty block from none.
 struct Block {
@@ -110,7 +108,7 @@ enum class PortExprKind : std::uint8_t { Port, Group };
 struct PortExpr {
   PortExprKind kind = PortExprKind::Port;
   bool trigger = false;
-  Path port{};                                // Port: a parameter's name, or a.p in an inline connector
+  Path port{};                                  // Port: a parameter's name, or a.p in an inline connector
   std::span<const PortExpr* const> children{};  // Group
   SourceRange range{};
 };
@@ -146,15 +144,16 @@ struct PortItem {
   std::span<const Name> vars{};
   bool has_vars = false;  // ( ) was written
 };
-/// `[export] port T p(x), q(y) [as e]`, `extern port …`. In the paper's notation role is Exported and type may be unwritten.
+/// `[export] port T p(x), q(y) [as e]`, `extern port …`. In the paper's notation role is Exported and type may be
+/// unwritten.
 struct PortDecl {
   Annotations annotations{};
   PortRole role = PortRole::Internal;
   TypeRef type{};
   std::span<const PortItem> items{};
-  Name merged_as{};              // export … as e; empty: none
-  std::string_view extern_class{}; // extern … as "Class"
-  Name extern_policy{};          // remember | ignore | error
+  Name merged_as{};                 // export … as e; empty: none
+  std::string_view extern_class{};  // extern … as "Class"
+  Name extern_policy{};             // remember | ignore | error
   SourceRange range{};
 };
 struct ClockDecl {
@@ -166,7 +165,7 @@ struct ClockDecl {
 struct Transition {
   Annotations annotations{};
   bool internal = false;
-  Name port{};                  // empty if internal
+  Name port{};  // empty if internal
   std::span<const Name> from{};
   std::span<const Name> to{};
   const Expr* guard = nullptr;  // may be null
@@ -186,7 +185,7 @@ struct Initial {
 };
 struct AtomPriority {
   Name name{};
-  Name low{};   // text "*" for the wildcard
+  Name low{};  // text "*" for the wildcard
   Name high{};
   const Expr* guard = nullptr;
   SourceRange range{};
@@ -211,13 +210,13 @@ struct CompoundItem {
   ItemKind kind = ItemKind::Component;
   Annotations annotations{};
   SourceRange range{};
-  Name name{};                     // Component, Connector; For: the loop variable
+  Name name{};                       // Component, Connector; For: the loop variable
   TypeRef type{};                    // Component, Connector (unwritten if inline)
-  const Expr* index = nullptr;     // name[index]: an array's size outside `for`, an element inside; may be null
+  const Expr* index = nullptr;       // name[index]: an array's size outside `for`, an element inside; may be null
   std::span<const NamedArg> args{};  // Component
   std::span<const Path> ports{};     // Connector
   const ConnectorBody* inline_body = nullptr;  // Connector in the paper's notation; null: a typed one
-  const Expr* low = nullptr;       // For i in low..high (high excluded)
+  const Expr* low = nullptr;                   // For i in low..high (high excluded)
   const Expr* high = nullptr;
   std::span<const CompoundItem* const> items{};  // For
   const CompoundPriority* priority = nullptr;    // Priority: one in a `for`; name and index are its own
@@ -249,7 +248,15 @@ struct CompoundExport {
 
 // ---- declarations ----------------------------------------------------------------------------------------------
 enum class DeclKind : std::uint8_t {
-  ConstData, ExternType, ExternFunction, ExternOperator, Function, PortType, ConnectorType, AtomType, CompoundType
+  ConstData,
+  ExternType,
+  ExternFunction,
+  ExternOperator,
+  Function,
+  PortType,
+  ConnectorType,
+  AtomType,
+  CompoundType
 };
 enum class Notation : std::uint8_t { Bip2, Paper };
 struct Decl {
@@ -258,7 +265,8 @@ struct Decl {
   Annotations annotations{};
   SourceRange range{};
   Name name{};
-  std::span<const Param> params{};  // types: parameters; PortType: its variables; ConnectorType: its ports; Extern*: parameters
+  std::span<const Param>
+      params{};  // types: parameters; PortType: its variables; ConnectorType: its ports; Extern*: parameters
 
   // ConstData; AtomType, paper compounds: data
   std::span<const DataDecl> data{};

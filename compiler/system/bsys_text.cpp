@@ -7,15 +7,29 @@
 namespace bip::system::text {
 namespace {
 
-constexpr std::array<std::pair<Type, const char*>, 4> kTypes{{
-    {Type::Int, "int"}, {Type::Bool, "bool"}, {Type::Float, "float"}, {Type::String, "string"}}};
+constexpr std::array<std::pair<Type, const char*>, 4> kTypes{
+    {{Type::Int, "int"}, {Type::Bool, "bool"}, {Type::Float, "float"}, {Type::String, "string"}}};
 
-constexpr std::array<std::pair<Op, const char*>, 20> kOps{{
-    {Op::IntToFloat, "to-float"}, {Op::Neg, "neg"},       {Op::Not, "not"},        {Op::BitNot, "bit-not"},
-    {Op::Add, "add"},             {Op::Sub, "sub"},       {Op::Mul, "mul"},        {Op::Div, "div"},
-    {Op::Mod, "mod"},             {Op::BitAnd, "bit-and"}, {Op::BitOr, "bit-or"},  {Op::BitXor, "bit-xor"},
-    {Op::And, "and"},             {Op::Or, "or"},         {Op::Eq, "eq"},          {Op::Ne, "ne"},
-    {Op::Lt, "lt"},               {Op::Gt, "gt"},         {Op::Le, "le"},          {Op::Ge, "ge"}}};
+constexpr std::array<std::pair<Op, const char*>, 20> kOps{{{Op::IntToFloat, "to-float"},
+                                                           {Op::Neg, "neg"},
+                                                           {Op::Not, "not"},
+                                                           {Op::BitNot, "bit-not"},
+                                                           {Op::Add, "add"},
+                                                           {Op::Sub, "sub"},
+                                                           {Op::Mul, "mul"},
+                                                           {Op::Div, "div"},
+                                                           {Op::Mod, "mod"},
+                                                           {Op::BitAnd, "bit-and"},
+                                                           {Op::BitOr, "bit-or"},
+                                                           {Op::BitXor, "bit-xor"},
+                                                           {Op::And, "and"},
+                                                           {Op::Or, "or"},
+                                                           {Op::Eq, "eq"},
+                                                           {Op::Ne, "ne"},
+                                                           {Op::Lt, "lt"},
+                                                           {Op::Gt, "gt"},
+                                                           {Op::Le, "le"},
+                                                           {Op::Ge, "ge"}}};
 
 }  // namespace
 
@@ -67,13 +81,15 @@ bool is_bare(std::string_view name) {
 
 CodeScope scope_of(const AtomType& type) {
   CodeScope scope;
-  for (const Slot& slot : type.slots) scope.self.push_back({slot.name, slot.type, !slot.is_param});
+  for (const DataVariable& variable : type.variables)
+    scope.self.push_back({variable.name, variable.type, !variable.is_param});
   return scope;
 }
 
 CodeScope scope_of(const System& system, const ConnectorType& type) {
   CodeScope scope;
-  for (const Slot& slot : type.slots) scope.self.push_back({slot.name, slot.type, !slot.is_param});
+  for (const DataVariable& variable : type.variables)
+    scope.self.push_back({variable.name, variable.type, !variable.is_param});
   for (const ConnectorParam& param : type.params) {
     if (!system.port_types.contains(param.type)) continue;
     for (const Variable& variable : system.port_types[param.type].variables)
@@ -89,9 +105,9 @@ CodeScope scope_of(const System& system, const Priority& priority) {
     if (!system.atoms.contains(data.atom)) continue;
     const Atom& atom = system.atoms[data.atom];
     if (!system.atom_types.contains(atom.type)) continue;
-    const std::vector<Slot>& slots = system.atom_types[atom.type].slots;
-    if (data.slot >= slots.size()) continue;
-    scope.bind.push_back({atom.path + "." + slots[data.slot].name, slots[data.slot].type, false});
+    const std::vector<DataVariable>& variables = system.atom_types[atom.type].variables;
+    if (data.variable >= variables.size()) continue;
+    scope.bind.push_back({atom.path + "." + variables[data.variable].name, variables[data.variable].type, false});
   }
   return scope;
 }

@@ -1,5 +1,5 @@
-// What the printer, the reader and the validator of .bsys share: its words, its limits, and the variables that a piece of
-// code sees (its scope), by which loads and stores get names and types.
+// What the printer, the reader and the validator of .bsys share: its words, its limits, and the variables that a piece
+// of code sees (its scope), by which loads and stores get names and types.
 //
 // Internal to system/. Scopes are built once a type or a priority; building one costs the number of its variables.
 #pragma once

@@ -1,8 +1,8 @@
 // No component twice in one interaction, where merged ports are bound below: their alternatives exclude each other.
 //
-// The tree below a connector is walked once, alternatives included; every visit of an atom knows the alternatives that lead
-// to it. Two visits may meet in one interaction unless they go through different alternatives of one choice. Cost: the
-// expanded tree, which has a bound, times the visits of an atom and the depth of its choices.
+// The tree below a connector is walked once, alternatives included; every visit of an atom knows the alternatives that
+// lead to it. Two visits may meet in one interaction unless they go through different alternatives of one choice. Cost:
+// the expanded tree, which has a bound, times the visits of an atom and the depth of its choices.
 #include "compiler/system/instantiator.hpp"
 
 namespace bip::system {

@@ -1,5 +1,6 @@
-// Takes the types of used packages that no instance needs out of a System: `use std.sync` brings a dozen connector types,
-// of which a model has one. The compiled file's own types stay, used or not. Linear in the tables; ids keep their order.
+// Takes the types of used packages that no instance needs out of a System: `use std.sync` brings a dozen connector
+// types, of which a model has one. The compiled file's own types stay, used or not. Linear in the tables; ids keep
+// their order.
 #include "compiler/system/instantiator.hpp"
 
 namespace bip::system {

@@ -17,7 +17,8 @@ std::optional<Value> Instantiator::value(ExprId expr, const std::vector<Value>& 
     diags.report(Diag::kB4008, at, "a C++ function, which runs with the system, is called");
     return std::nullopt;
   }
-  diags.report(Diag::kB4008, at, v.fault == model::Fault::DivisionByZero ? "division by zero" : "-2147483648 / -1 does not fit an `int`");
+  diags.report(Diag::kB4008, at,
+               v.fault == model::Fault::DivisionByZero ? "division by zero" : "-2147483648 / -1 does not fit an `int`");
   return std::nullopt;
 }
 
@@ -27,7 +28,8 @@ bool Instantiator::too_many(std::size_t count, const char* what, SourceRange at)
   return stopped = true;
 }
 
-void Instantiator::component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self, bool in_loop, std::size_t depth) {
+void Instantiator::component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self,
+                             bool in_loop, std::size_t depth) {
   const CompoundTypeId type_id = instances[instance].type;
   const ComponentFamily& family = model.compound_types[type_id].components[item.family];
   std::int64_t first = 0;
@@ -46,21 +48,25 @@ void Instantiator::component(std::uint32_t instance, const CompoundItem& item, c
     }
     // Before the first of them takes memory.
     const std::size_t others = family.is_compound ? out.compounds.size() : out.atoms.size();
-    if (last > first && too_many(others + static_cast<std::size_t>(last - first), family.is_compound ? "compounds" : "atoms", at)) return;
+    if (last > first &&
+        too_many(others + static_cast<std::size_t>(last - first), family.is_compound ? "compounds" : "atoms", at))
+      return;
     if (in_loop && too_many(static_cast<std::size_t>(first), "elements in an array", at)) return;
   }
   std::vector<Value> args;
   for (std::size_t k = 0; k < item.args.size(); ++k) {
     const auto& written = item.syntax->args;
     const bool by_position = k < written.size() && written[k].name.text.empty();
-    const std::optional<Value> v = value(item.args[k], self, by_position ? written[k].value->range : item.syntax->name.range);
+    const std::optional<Value> v =
+        value(item.args[k], self, by_position ? written[k].value->range : item.syntax->name.range);
     if (!v) return;
     args.push_back(*v);
   }
   const CompoundId parent = instances[instance].row;
   const Loc loc = model.loc(item.range);
   for (std::int64_t i = first; i <= last && !stopped; ++i) {
-    if (too_many(out.atoms.size(), "atoms", item.range) || too_many(out.compounds.size(), "compounds", item.range)) return;
+    if (too_many(out.atoms.size(), "atoms", item.range) || too_many(out.compounds.size(), "compounds", item.range))
+      return;
     std::string path = out.compounds[parent].path + "." + family.name;
     if (family.is_array) path += fmt::format("[{}]", i);
     auto& elements = instances[instance].components[item.family];
@@ -107,7 +113,8 @@ void Instantiator::declare_connector(std::uint32_t instance, const CompoundItem&
   in.pending.push_back({&item, self, item.family, std::move(name), {}, false});
 }
 
-void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self, std::size_t depth) {
+void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self,
+                         std::size_t depth) {
   const std::size_t params = instances[instance].params.size();
   for (const CompoundItem& item : list) {
     if (stopped || diags.error_count() >= kEnoughErrors) return;
@@ -121,7 +128,8 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
         if (!low || !high) return;
         self.push_back({});
         // A round may declare nothing, so rounds are counted, too.
-        for (std::int32_t i = low->int_value; i < high->int_value && !stopped && diags.error_count() < kEnoughErrors; ++i) {
+        for (std::int32_t i = low->int_value; i < high->int_value && !stopped && diags.error_count() < kEnoughErrors;
+             ++i) {
           if (too_many(rounds++, "rounds of loops", item.syntax->high->range)) break;
           self.back() = {Type::Int, i, 0};
           items(instance, item.items, self, depth);
@@ -133,10 +141,12 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
   }
 }
 
-std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc, std::size_t depth) {
+std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> params, std::string path,
+                                     CompoundId parent, Loc loc, std::size_t depth) {
   const CompoundType& t = model.compound_types[type];
   const std::uint32_t row = static_cast<std::uint32_t>(instances.size());
-  Instance in{.type = type, .row = {}, .params = params, .components = {}, .connectors = {}, .pending = {}, .priorities = {}};
+  Instance in{
+      .type = type, .row = {}, .params = params, .components = {}, .connectors = {}, .pending = {}, .priorities = {}};
   in.row = out.compounds.push({std::move(path), t.name, parent, loc});
   in.components.resize(t.components.size());
   in.connectors.resize(t.connectors.size());
@@ -145,7 +155,8 @@ std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> par
   items(row, t.items, self, depth);
   // Each wrong connector is reported, but not what follows from a wrong component.
   if (diags.has_errors()) return row;
-  for (std::uint32_t p = 0; p < instances[row].pending.size() && !stopped && diags.error_count() < kEnoughErrors; ++p) resolve_connector(row, p, 0);
+  for (std::uint32_t p = 0; p < instances[row].pending.size() && !stopped && diags.error_count() < kEnoughErrors; ++p)
+    resolve_connector(row, p, 0);
   for (std::uint32_t e = 0; e < t.exports.size() && !stopped && !diags.has_errors(); ++e) exported_port(row, e, 0);
   if (!stopped && !diags.has_errors()) priorities(row);
   return row;
@@ -154,7 +165,9 @@ std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> par
 namespace {
 
 /// The compound types that no other one instantiates and that need no parameter.
-bool is_of_compiled_package(const Model& model, const CompoundType& type) { return type.decl->name.range.file == model.packages.back().file; }
+bool is_of_compiled_package(const Model& model, const CompoundType& type) {
+  return type.decl->name.range.file == model.packages.back().file;
+}
 
 std::vector<CompoundTypeId> possible_roots(const Model& model) {
   std::vector<bool> used(model.compound_types.size());
@@ -171,24 +184,29 @@ std::vector<CompoundTypeId> possible_roots(const Model& model) {
   return roots;
 }
 
-std::optional<CompoundTypeId> find_root(const Model& model, const std::string& name, Diagnostics& diags, SourceRange at) {
+std::optional<CompoundTypeId> find_root(const Model& model, const std::string& name, Diagnostics& diags,
+                                        SourceRange at) {
   if (name.empty()) {
     const std::vector<CompoundTypeId> roots = possible_roots(model);
     if (roots.size() == 1) return roots[0];
     if (roots.empty()) {
-      const bool has_compounds = !model.compound_types.empty() && is_of_compiled_package(model, model.compound_types.rows().back());
-      auto d = diags.report(Diag::kB4003, at, has_compounds ? "every compound type has parameters or is part of another" : "there is no compound type to run");
+      const bool has_compounds =
+          !model.compound_types.empty() && is_of_compiled_package(model, model.compound_types.rows().back());
+      auto d = diags.report(Diag::kB4003, at,
+                            has_compounds ? "every compound type has parameters or is part of another"
+                                          : "there is no compound type to run");
       if (has_compounds) {
         const CompoundType& last = model.compound_types[CompoundTypeId(model.compound_types.size() - 1)];
         std::string params;
-        for (const Slot& p : last.params) params += (params.empty() ? "" : ", ") + p.name;
+        for (const DataVariable& p : last.params) params += (params.empty() ? "" : ", ") + p.name;
         d.help(fmt::format("name the root and its arguments: `--root '{}({})'`", last.name, params));
       }
       return std::nullopt;
     }
     std::string names;
     for (const CompoundTypeId r : roots) names += (names.empty() ? "`" : ", `") + model.compound_types[r].name + "`";
-    diags.report(Diag::kB4004, at, names).help(fmt::format("choose one: `--root '{}()'`", model.compound_types[roots.back()].name));
+    diags.report(Diag::kB4004, at, names)
+        .help(fmt::format("choose one: `--root '{}()'`", model.compound_types[roots.back()].name));
     return std::nullopt;
   }
   const TypeName* type = model::find_visible(model, model.type_names, name, at, diags);
@@ -202,13 +220,15 @@ std::optional<CompoundTypeId> find_root(const Model& model, const std::string& n
 
 }  // namespace
 
-std::optional<System> instantiate(Model& model, const std::string& root_type, const std::vector<const syntax::Expr*>& args, Diagnostics& diags,
+std::optional<System> instantiate(Model& model, const std::string& root_type,
+                                  const std::vector<const syntax::Expr*>& args, Diagnostics& diags,
                                   SourceRange root_range) {
   const std::optional<CompoundTypeId> root = find_root(model, root_type, diags, root_range);
   if (!root) return std::nullopt;
   const CompoundType& type = model.compound_types[*root];
   if (args.size() != type.params.size()) {
-    diags.report(Diag::kB1015, root_range, model::counted(args.size(), "argument"), fmt::format("compound type `{}`", type.name), type.params.size());
+    diags.report(Diag::kB1015, root_range, model::counted(args.size(), "argument"),
+                 fmt::format("compound type `{}`", type.name), type.params.size());
     return std::nullopt;
   }
   Instantiator unfold{model, diags};

@@ -1,5 +1,5 @@
-// Priority rules of a compound instance, and what can be said of them before running: rules against maximal progress and
-// cycles of rules without guards.
+// Priority rules of a compound instance, and what can be said of them before running: rules against maximal progress
+// and cycles of rules without guards.
 #include <algorithm>
 #include <iterator>
 #include <unordered_map>
@@ -10,7 +10,9 @@
 namespace bip::system {
 
 // The connectors that a side of a rule may be about: one, or with [*] all elements; *:* is one without a row.
-std::optional<std::vector<std::uint32_t>> Instantiator::pattern_connectors(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self) {
+std::optional<std::vector<std::uint32_t>> Instantiator::pattern_connectors(std::uint32_t instance,
+                                                                           const PatternPath& path,
+                                                                           const std::vector<Value>& self) {
   if (path.any_connector) return std::vector<std::uint32_t>{Element::kHole};
   if (path.connector.star) {
     std::vector<std::uint32_t> rows = instances[instance].connectors[path.connector.family];
@@ -22,7 +24,8 @@ std::optional<std::vector<std::uint32_t>> Instantiator::pattern_connectors(std::
   return std::vector<std::uint32_t>{*row};
 }
 
-bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending, const std::vector<Value>& self, Pattern& to) {
+bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending,
+                           const std::vector<Value>& self, Pattern& to) {
   to.any_connector = path.any_connector;
   to.any_interaction = path.any_interaction;
   if (path.any_connector) return true;
@@ -35,7 +38,9 @@ bool Instantiator::pattern(std::uint32_t instance, const PatternPath& path, std:
     std::vector<PortRef> refs;
     if (port.param.empty() && !resolve_port(instance, port.path, self, refs, 0)) return false;
     std::uint32_t k = 0;
-    while (k < type.params.size() && (port.param.empty() ? refs.size() != 1 || !(connector.ports[k] == refs[0]) : type.params[k].name != port.param)) ++k;
+    while (k < type.params.size() && (port.param.empty() ? refs.size() != 1 || !(connector.ports[k] == refs[0])
+                                                         : type.params[k].name != port.param))
+      ++k;
     if (k == type.params.size()) {
       diags.report(Diag::kB3004, port.range, bound.name, model.sources->text(port.range));
       return false;
@@ -81,7 +86,13 @@ void Instantiator::priorities(std::uint32_t instance) {
   std::vector<const PriorityRule*> rules;
   for (const PendingPriority& p : pending) {
     const PriorityRule& rule = types[p.rule];
-    Priority row{.name = p.name, .parent = instances[instance].row, .low = {}, .high = {}, .guard = rule.guard, .data = {}, .loc = model.loc(rule.range)};
+    Priority row{.name = p.name,
+                 .parent = instances[instance].row,
+                 .low = {},
+                 .high = {},
+                 .guard = rule.guard,
+                 .data = {},
+                 .loc = model.loc(rule.range)};
     if (!rule.values.empty()) row.guard = model::priority_guard(model, diags, rule, p.self);
     for (const DataPath& d : rule.data) {
       const std::optional<DataRef> ref = resolve_data(instance, d, p.self);
@@ -96,7 +107,8 @@ void Instantiator::priorities(std::uint32_t instance) {
         if (too_many(out.priorities.size(), "priorities", rule.range)) return;
         row.low = {};
         row.high = {};
-        if (!pattern(instance, rule.low, low, p.self, row.low) || !pattern(instance, rule.high, high, p.self, row.high)) return;
+        if (!pattern(instance, rule.low, low, p.self, row.low) || !pattern(instance, rule.high, high, p.self, row.high))
+          return;
         out.priorities.push(row);
         rules.push_back(&rule);
       }
@@ -106,7 +118,8 @@ void Instantiator::priorities(std::uint32_t instance) {
   if (diags.has_errors() || check_cycle(instances[instance].row, first, rules, false)) return;
   // One word a type: its instances have the same rules.
   const syntax::Decl& decl = *model.compound_types[instances[instance].type].decl;
-  if (!model::is_suppressed(decl.annotations, "compoundprioritycycle") && warned_cycles.insert(instances[instance].type.value).second) {
+  if (!model::is_suppressed(decl.annotations, "compoundprioritycycle") &&
+      warned_cycles.insert(instances[instance].type.value).second) {
     check_cycle(instances[instance].row, first, rules, true);
   }
 }
@@ -114,9 +127,13 @@ void Instantiator::priorities(std::uint32_t instance) {
 namespace {
 
 /// `c:p < d:*` without its name and guard.
-SourceRange compared(const PriorityRule& rule) { return {rule.low.range.file, rule.low.range.begin, rule.high.range.end}; }
+SourceRange compared(const PriorityRule& rule) {
+  return {rule.low.range.file, rule.low.range.begin, rule.high.range.end};
+}
 
-bool contains(const std::vector<std::uint32_t>& big, const std::vector<std::uint32_t>& small) { return std::includes(big.begin(), big.end(), small.begin(), small.end()); }
+bool contains(const std::vector<std::uint32_t>& big, const std::vector<std::uint32_t>& small) {
+  return std::includes(big.begin(), big.end(), small.begin(), small.end());
+}
 
 std::vector<std::uint32_t> all_params(const ConnectorType& type) {
   std::vector<std::uint32_t> all(type.params.size());
@@ -131,7 +148,9 @@ struct Chains {
 
   [[nodiscard]] const ConnectorType& type(ConnectorId c) const { return types[system.connectors[c].type]; }
   // Parameters that an interaction below the pattern may use.
-  [[nodiscard]] std::vector<std::uint32_t> upper(const Pattern& low) const { return low.any_interaction ? all_params(type(low.connector)) : low.params; }
+  [[nodiscard]] std::vector<std::uint32_t> upper(const Pattern& low) const {
+    return low.any_interaction ? all_params(type(low.connector)) : low.params;
+  }
 
   [[nodiscard]] bool holds(const Priority& r, const Priority& s) const {
     const Pattern& high = r.high;
@@ -158,7 +177,8 @@ struct Chains {
     }
     for (std::size_t c = 0; c < system.connectors.size(); ++c) {  // some interaction in neither r.low nor s.high
       const Connector& connector = system.connectors[ConnectorId(c)];
-      if (connector.parent != r.parent || ConnectorId(c) == r.low.connector || ConnectorId(c) == s.high.connector) continue;
+      if (connector.parent != r.parent || ConnectorId(c) == r.low.connector || ConnectorId(c) == s.high.connector)
+        continue;
       if (!types[connector.type].exports) return true;
     }
     return false;
@@ -171,14 +191,19 @@ void Instantiator::check_priorities(std::size_t first_rule, const std::vector<co
   const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const Priority& r = row(i);
-    if (r.low.any_connector || r.high.any_connector || r.low.connector != r.high.connector || r.low.any_interaction || r.high.any_interaction) continue;
-    if (contains(r.low.params, r.high.params)) diags.report(Diag::kB3007, compared(*rules[i]), r.name).help("maximal progress always prefers the larger interaction");
+    if (r.low.any_connector || r.high.any_connector || r.low.connector != r.high.connector || r.low.any_interaction ||
+        r.high.any_interaction)
+      continue;
+    if (contains(r.low.params, r.high.params))
+      diags.report(Diag::kB3007, compared(*rules[i]), r.name)
+          .help("maximal progress always prefers the larger interaction");
     else if (contains(r.high.params, r.low.params)) diags.report(Diag::kB3008, compared(*rules[i]), r.name);
   }
 }
 
 // True if there is one. Without guards it is an error, with them it closes only if they hold: a warning.
-bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules, bool with_guards) {
+bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules,
+                               bool with_guards) {
   const Chains chains{out, model.connector_types};
   const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
   // Depth first through the rules; a rule that is met on its own path closes a cycle. A rule can be followed
@@ -187,7 +212,9 @@ bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const 
   std::vector<std::size_t> all;
   std::unordered_map<std::uint32_t, std::vector<std::size_t>> by_low;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (row(i).guard.is_valid() && (!with_guards || model::is_suppressed(rules[i]->annotations, "compoundprioritycycle"))) continue;
+    if (row(i).guard.is_valid() &&
+        (!with_guards || model::is_suppressed(rules[i]->annotations, "compoundprioritycycle")))
+      continue;
     all.push_back(i);
     (row(i).low.any_connector ? wild : by_low[row(i).low.connector.value]).push_back(i);
   }
@@ -235,7 +262,10 @@ bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const 
       for (auto it = first; it != path.end(); ++it) {
         if (it->rule != j) d.label(compared(*rules[it->rule]), "");
       }
-      if (with_guards) d.help("write guards that exclude each other, or `@SuppressWarning(compoundprioritycycle)` before the compound type");
+      if (with_guards)
+        d.help(
+            "write guards that exclude each other, or `@SuppressWarning(compoundprioritycycle)` before the compound "
+            "type");
       return true;
     }
   }

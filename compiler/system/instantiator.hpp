@@ -1,5 +1,5 @@
-// The state of one unfolding. Passes over a compound instance, in this order: components (depth first), connectors (those
-// that are bound by others first), priorities. Each lives in its own file.
+// The state of one unfolding. Passes over a compound instance, in this order: components (depth first), connectors
+// (those that are bound by others first), priorities. Each lives in its own file.
 #pragma once
 #include <map>
 #include <set>
@@ -19,10 +19,10 @@ struct PendingConnector {
   const CompoundItem* item = nullptr;
   std::vector<Value> self;  // values of parameters and loop variables where it was declared
   std::uint32_t family = 0;
-  std::string name;         // "c[3]"
-  ConnectorId id;           // valid when resolved
+  std::string name;  // "c[3]"
+  ConnectorId id;    // valid when resolved
   bool in_progress = false;
-  bool failed = false;      // reported
+  bool failed = false;  // reported
 };
 
 /// A priority that a `for` makes.
@@ -36,8 +36,8 @@ struct Instance {
   CompoundTypeId type;
   CompoundId row;
   std::vector<Value> params;
-  std::vector<std::vector<Element>> components;             // by family and index
-  std::vector<std::vector<std::uint32_t>> connectors;       // by family and index: rows of pending, or kHole
+  std::vector<std::vector<Element>> components;        // by family and index
+  std::vector<std::vector<std::uint32_t>> connectors;  // by family and index: rows of pending, or kHole
   std::vector<PendingConnector> pending;
   std::vector<PendingPriority> priorities;
 };
@@ -52,23 +52,28 @@ struct Instantiator {
   std::vector<Instance> instances{};
   std::map<std::pair<const CompoundItem*, std::vector<std::uint32_t>>, ConnectorTypeId> expanded{};
   std::size_t rounds = 0;
-  bool stopped = false;  // a limit was reached: unwind
+  bool stopped = false;                     // a limit was reached: unwind
   std::set<std::uint32_t> warned_cycles{};  // compound types
 
   // instantiate.cpp
-  std::uint32_t compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc, std::size_t depth);
+  std::uint32_t compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc,
+                         std::size_t depth);
   std::optional<Value> value(ExprId expr, const std::vector<Value>& self, SourceRange at);
-  void items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self, std::size_t depth);
-  void component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self, bool in_loop, std::size_t depth);
+  void items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self,
+             std::size_t depth);
+  void component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self, bool in_loop,
+                 std::size_t depth);
   void declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   void declare_priority(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   bool too_many(std::size_t count, const char* what, SourceRange at);
 
   // resolve.cpp
-  std::optional<std::uint32_t> find(const Instance& in, const ElementRef& ref, bool is_connector, const std::vector<Value>& self, SourceRange at);
+  std::optional<std::uint32_t> find(const Instance& in, const ElementRef& ref, bool is_connector,
+                                    const std::vector<Value>& self, SourceRange at);
   ConnectorId resolve_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
   ConnectorId bind_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
-  bool resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self, std::vector<PortRef>& to, std::size_t depth);
+  bool resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self,
+                    std::vector<PortRef>& to, std::size_t depth);
   std::optional<PortRef> exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth);
   std::optional<DataRef> resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self);
   PortRef choice_of(const std::string& path, const std::vector<PortRef>& ports);
@@ -77,10 +82,13 @@ struct Instantiator {
 
   // instantiate_priorities.cpp
   void priorities(std::uint32_t instance);
-  std::optional<std::vector<std::uint32_t>> pattern_connectors(std::uint32_t instance, const PatternPath& path, const std::vector<Value>& self);
-  bool pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending, const std::vector<Value>& self, Pattern& to);
+  std::optional<std::vector<std::uint32_t>> pattern_connectors(std::uint32_t instance, const PatternPath& path,
+                                                               const std::vector<Value>& self);
+  bool pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending, const std::vector<Value>& self,
+               Pattern& to);
   void check_priorities(std::size_t first_rule, const std::vector<const PriorityRule*>& rules);
-  bool check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules, bool with_guards);
+  bool check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules,
+                   bool with_guards);
 
   // check_alternatives.cpp
   void check_alternatives(ConnectorId id, SourceRange at);

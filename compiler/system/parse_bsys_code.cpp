@@ -28,7 +28,8 @@ Type result_of(Op op, Type operand) {
 }  // namespace
 
 std::uint32_t BsysReader::variable(List& list, const std::vector<ScopeVariable>& variables) {
-  return ref(list, variables.size(), "variable", [&](std::uint32_t k) -> const std::string& { return variables[k].name; });
+  return ref(list, variables.size(), "variable",
+             [&](std::uint32_t k) -> const std::string& { return variables[k].name; });
 }
 
 ExprId BsysReader::expr(List& list, const CodeScope& scope) {
@@ -57,10 +58,12 @@ ExprId BsysReader::expr(std::uint32_t node, const CodeScope& scope) {
     if (!failed()) e.type = variables[e.index].type;
   } else if (head == "call") {
     e.op = Op::Call;
-    e.index = ref(list, s_.code.functions.size(), "function", [&](std::uint32_t k) -> const std::string& { return s_.code.functions[k].name; });
+    e.index = ref(list, s_.code.functions.size(), "function",
+                  [&](std::uint32_t k) -> const std::string& { return s_.code.functions[k].name; });
     std::vector<ExprId> args;
     while (more(list)) args.push_back(expr(list, scope));
-    if (!failed() && args.size() != s_.code.functions[e.index].params.size()) fail(node, "a call has not one argument a parameter");
+    if (!failed() && args.size() != s_.code.functions[e.index].params.size())
+      fail(node, "a call has not one argument a parameter");
     if (!failed()) e.type = s_.code.functions[e.index].result;
     e.int_value = static_cast<std::int32_t>(s_.code.args.size());
     s_.code.args.insert(s_.code.args.end(), args.begin(), args.end());

@@ -23,9 +23,8 @@ AtomId RowParser::atom_ref(List& list) {
 }
 
 ConnectorId RowParser::connector_ref(List& list) {
-  return ConnectorId(r_.ref(list, s_.connectors.size(), "connector", [&](std::uint32_t k) -> const std::string& {
-    return s_.connectors[ConnectorId(k)].path;
-  }));
+  return ConnectorId(r_.ref(list, s_.connectors.size(), "connector",
+                            [&](std::uint32_t k) -> const std::string& { return s_.connectors[ConnectorId(k)].path; }));
 }
 
 std::vector<DataRef> RowParser::data(List& list) {
@@ -35,10 +34,10 @@ std::vector<DataRef> RowParser::data(List& list) {
     List one = r_.need(*found, "of");
     const AtomId atom = atom_ref(one);
     if (r_.failed()) return out;
-    const std::vector<Slot>& slots = s_.atom_types[s_.atoms[atom].type].slots;
-    out.push_back({.atom = atom, .slot = r_.ref(one, slots.size(), "slot", [&](std::uint32_t k) -> const std::string& {
-                     return slots[k].name;
-                   })});
+    const std::vector<DataVariable>& variables = s_.atom_types[s_.atoms[atom].type].variables;
+    out.push_back({.atom = atom,
+                   .variable = r_.ref(one, variables.size(), "slot",
+                                      [&](std::uint32_t k) -> const std::string& { return variables[k].name; })});
     r_.close(one);
   }
   if (found) r_.close(*found);
@@ -101,10 +100,9 @@ Connector RowParser::connector(List& list) {
   Connector row;
   r_.row(list, s_.connectors.size());
   row.path = r_.name(list);
-  row.type = ConnectorTypeId(r_.ref(list, s_.connector_types.size(), "connector type",
-                                    [&](std::uint32_t k) -> const std::string& {
-                                      return s_.connector_types[ConnectorTypeId(k)].name;
-                                    }));
+  row.type = ConnectorTypeId(
+      r_.ref(list, s_.connector_types.size(), "connector type",
+             [&](std::uint32_t k) -> const std::string& { return s_.connector_types[ConnectorTypeId(k)].name; }));
   row.bound = r_.flag(list, "bound");
   row.parent = parent(list);
   List ports = r_.need(list, "ports");
@@ -124,7 +122,8 @@ PortRef RowParser::port_ref(std::uint32_t node, bool in_choice) {
     port.atom = atom_ref(list);
     if (r_.failed()) return port;
     const std::vector<Port>& ports = s_.atom_types[s_.atoms[port.atom].type].ports;
-    port.port = r_.ref(list, ports.size(), "port", [&](std::uint32_t k) -> const std::string& { return ports[k].name; });
+    port.port =
+        r_.ref(list, ports.size(), "port", [&](std::uint32_t k) -> const std::string& { return ports[k].name; });
   } else if (head == "connector" || head == "maximal") {
     port.kind = PortRef::Kind::Connector;
     port.maximal_only = head == "maximal";

@@ -55,8 +55,8 @@ void BsysReader::take_loc(List& list, std::uint32_t node) {
   const std::size_t second = first == std::string_view::npos ? first : word.find(':', first + 1);
   Loc loc;
   if (second == std::string_view::npos || !to_number(word.substr(0, first), loc.file) ||
-      !to_number(word.substr(first + 1, second - first - 1), loc.line) || !to_number(word.substr(second + 1), loc.column) ||
-      loc.line == 0)
+      !to_number(word.substr(first + 1, second - first - 1), loc.line) ||
+      !to_number(word.substr(second + 1), loc.column) || loc.line == 0)
     return fail(node, "a place is `@file:line:column`, lines from 1");
   if (list.loc.line != 0) return fail(node, "a list has one place");
   list.loc = loc;
@@ -103,10 +103,12 @@ std::string BsysReader::quoted(List& list) {
 Type BsysReader::type(List& list) {
   const std::uint32_t node = next(list, "a type");
   if (node == kNoNode) return Type::Int;
-  const std::optional<Type> type = tree_.nodes[node].kind == Node::Kind::Word ? type_of(tree_.word(node)) : std::nullopt;
+  const std::optional<Type> type =
+      tree_.nodes[node].kind == Node::Kind::Word ? type_of(tree_.word(node)) : std::nullopt;
   if (!type && !s_.code.extern_types.empty()) {
     list.at = node;
-    return extern_type(ref(list, s_.code.extern_types.size(), "type", [&](std::uint32_t k) -> const std::string& { return s_.code.extern_types[k].name; }));
+    return extern_type(ref(list, s_.code.extern_types.size(), "type",
+                           [&](std::uint32_t k) -> const std::string& { return s_.code.extern_types[k].name; }));
   }
   if (!type) fail(node, "expected int, bool, float or string");
   return type.value_or(Type::Int);
@@ -120,7 +122,7 @@ void BsysReader::row(List& list, std::size_t expected) {
 }
 
 std::uint32_t BsysReader::number_of_ref(List& list, std::size_t count, const char* what, std::string_view& hint,
-                                    std::uint32_t& node) {
+                                        std::uint32_t& node) {
   node = next(list, what);
   if (node == kNoNode) return 0;
   std::string_view word = tree_.nodes[node].kind == Node::Kind::Word ? tree_.word(node) : std::string_view();
@@ -175,7 +177,8 @@ Value BsysReader::literal(std::uint32_t node) {
     return {.type = Type::String, .int_value = static_cast<std::int32_t>(strings_[text]), .float_value = 0};
   }
   const std::string_view word = tree_.nodes[node].kind == Node::Kind::Word ? tree_.word(node) : std::string_view();
-  if (word == "true" || word == "false") return {.type = Type::Bool, .int_value = word == "true" ? 1 : 0, .float_value = 0};
+  if (word == "true" || word == "false")
+    return {.type = Type::Bool, .int_value = word == "true" ? 1 : 0, .float_value = 0};
   // Each into its own variable: a number that is read in part writes too.
   std::int32_t as_int = 0;
   double as_float = 0;

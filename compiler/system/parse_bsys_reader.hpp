@@ -31,7 +31,9 @@ class BsysReader {
   /// Opens a list node; its first element must be a word, which is taken and stored in `head`.
   List open(std::uint32_t node, std::string_view& head);
   /// Opens a list node without a head.
-  [[nodiscard]] List open_bare(std::uint32_t node) const { return {.node = node, .at = tree_.nodes[node].first, .loc = {}}; }
+  [[nodiscard]] List open_bare(std::uint32_t node) const {
+    return {.node = node, .at = tree_.nodes[node].first, .loc = {}};
+  }
   [[nodiscard]] bool more(List& list);
   /// The next element, whatever it is.
   std::uint32_t next(List& list, std::string_view wanted);
@@ -68,7 +70,8 @@ class BsysReader {
   bool add_string(const std::string& text);
 
  private:
-  std::uint32_t number_of_ref(List& list, std::size_t count, const char* what, std::string_view& hint, std::uint32_t& node);
+  std::uint32_t number_of_ref(List& list, std::size_t count, const char* what, std::string_view& hint,
+                              std::uint32_t& node);
   std::string text_of(std::uint32_t node);
   void take_loc(List& list, std::uint32_t node);
   std::uint32_t variable(List& list, const std::vector<ScopeVariable>& variables);

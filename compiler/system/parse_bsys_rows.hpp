@@ -53,7 +53,7 @@ class RowParser {
   std::vector<DataRef> data(List& list);
   ExprId guard(List& list, const CodeScope& scope);
   StmtId body(List& list, const char* head, const CodeScope& scope);
-  std::vector<Slot> slots(List& list);
+  std::vector<DataVariable> variables(List& list);
   Clock clock(List& list, const AtomType& type);
   TimeGuard when(List& list, const AtomType& type, const CodeScope& scope);
   Resume resume(List& list, const AtomType& type, const CodeScope& scope);

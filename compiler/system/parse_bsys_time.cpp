@@ -14,7 +14,8 @@ std::int64_t ticks(BsysReader& r, const Tree& tree, List& list) {
   if (r.failed()) return value;
   const std::string_view word = tree.nodes[node].kind == Node::Kind::Word ? tree.word(node) : std::string_view();
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || word.substr(static_cast<std::size_t>(end - word.data())) != "ns") r.fail(node, "expected a time such as 5000000ns");
+  if (error != std::errc() || word.substr(static_cast<std::size_t>(end - word.data())) != "ns")
+    r.fail(node, "expected a time such as 5000000ns");
   return value;
 }
 
@@ -25,7 +26,8 @@ Clock RowParser::clock(List& list, const AtomType& type) {
   r_.row(list, type.clocks.size());
   row.name = r_.name(list);
   row.unit = ticks(r_, tree_, list);
-  row.slot = r_.ref(list, type.slots.size(), "slot", [&](std::uint32_t k) -> const std::string& { return type.slots[k].name; });
+  row.variable = r_.ref(list, type.variables.size(), "slot",
+                        [&](std::uint32_t k) -> const std::string& { return type.variables[k].name; });
   r_.close(list);
   row.loc = list.loc;
   return row;
@@ -34,7 +36,8 @@ Clock RowParser::clock(List& list, const AtomType& type) {
 TimeGuard RowParser::when(List& list, const AtomType& type, const CodeScope& scope) {
   TimeGuard row;
   const auto clock_ref = [&](List& from) {
-    return r_.ref(from, type.clocks.size(), "clock", [&](std::uint32_t k) -> const std::string& { return type.clocks[k].name; });
+    return r_.ref(from, type.clocks.size(), "clock",
+                  [&](std::uint32_t k) -> const std::string& { return type.clocks[k].name; });
   };
   while (std::optional<List> one = r_.sub(list, "bound")) {
     Bound bound;
@@ -51,9 +54,10 @@ TimeGuard RowParser::when(List& list, const AtomType& type, const CodeScope& sco
       bound.minus = clock_ref(*minus);
       r_.close(*minus);
     }
-    if (std::optional<List> slot = r_.sub(*one, "slot")) {
-      bound.slot = r_.ref(*slot, type.slots.size(), "slot", [&](std::uint32_t k) -> const std::string& { return type.slots[k].name; });
-      r_.close(*slot);
+    if (std::optional<List> variable = r_.sub(*one, "slot")) {
+      bound.variable = r_.ref(*variable, type.variables.size(), "slot",
+                              [&](std::uint32_t k) -> const std::string& { return type.variables[k].name; });
+      r_.close(*variable);
     } else {
       bound.ticks = ticks(r_, tree_, *one);
     }
@@ -84,7 +88,8 @@ Async RowParser::async(List& list, const AtomType& type) {
   row.present = true;
   if (r_.more(*one)) row.budget = ticks(r_, tree_, *one);
   if (std::optional<List> port = r_.sub(*one, "overrun")) {
-    row.overrun = r_.ref(*port, type.ports.size(), "port", [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
+    row.overrun = r_.ref(*port, type.ports.size(), "port",
+                         [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
     r_.close(*port);
   }
   r_.close(*one);

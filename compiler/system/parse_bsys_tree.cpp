@@ -51,7 +51,8 @@ Result<Tree> read_tree(std::string_view text) {
 
   const auto add = [&](Node::Kind kind, std::size_t begin, std::size_t end) {
     const auto node = static_cast<std::uint32_t>(tree.nodes.size());
-    tree.nodes.push_back({.kind = kind, .begin = static_cast<std::uint32_t>(begin), .end = static_cast<std::uint32_t>(end)});
+    tree.nodes.push_back(
+        {.kind = kind, .begin = static_cast<std::uint32_t>(begin), .end = static_cast<std::uint32_t>(end)});
     OpenList& list = open.back();
     (list.last == kNoNode ? tree.nodes[list.node].first : tree.nodes[list.last].next) = node;
     list.last = node;
@@ -66,7 +67,8 @@ Result<Tree> read_tree(std::string_view text) {
     } else if (c == ';') {
       while (at < text.size() && text[at] != '\n') ++at;
     } else if (c == '(') {
-      if (open.size() > kMaxParentheses) return failure_at(text, at, fmt::format("nested deeper than {}", kMaxParentheses));
+      if (open.size() > kMaxParentheses)
+        return failure_at(text, at, fmt::format("nested deeper than {}", kMaxParentheses));
       const std::uint32_t node = add(Node::Kind::List, at, at + 1);
       open.push_back({.node = node});
       ++at;

@@ -18,18 +18,18 @@ PortType RowParser::port_type(List& list) {
   return row;
 }
 
-std::vector<Slot> RowParser::slots(List& list) {
-  std::vector<Slot> out;
+std::vector<DataVariable> RowParser::variables(List& list) {
+  std::vector<DataVariable> out;
   while (std::optional<List> one = r_.sub(list, "slot")) {
-    Slot slot;
+    DataVariable variable;
     r_.row(*one, out.size());
-    slot.name = r_.name(*one);
-    slot.type = r_.type(*one);
-    slot.is_param = r_.flag(*one, "param");
-    slot.exported = r_.flag(*one, "export");
+    variable.name = r_.name(*one);
+    variable.type = r_.type(*one);
+    variable.is_param = r_.flag(*one, "param");
+    variable.exported = r_.flag(*one, "export");
     r_.close(*one);
-    slot.loc = one->loc;
-    out.push_back(std::move(slot));
+    variable.loc = one->loc;
+    out.push_back(std::move(variable));
   }
   return out;
 }
@@ -38,7 +38,7 @@ AtomType RowParser::atom_type(List& list) {
   AtomType row;
   r_.row(list, s_.atom_types.size());
   row.name = r_.name(list);
-  row.slots = slots(list);
+  row.variables = variables(list);
   while (std::optional<List> one = r_.sub(list, "port")) {
     Port port;
     r_.row(*one, row.ports.size());
@@ -46,7 +46,7 @@ AtomType RowParser::atom_type(List& list) {
     port.type = port_type_ref(*one);
     port.exported = r_.flag(*one, "export");
     if (std::optional<List> extern_list = r_.sub(*one, "extern")) event(*extern_list, port);
-    port.slots = sub_refs(*one, "slots", row.slots, "slot");
+    port.variables = sub_refs(*one, "slots", row.variables, "slot");
     r_.close(*one);
     port.loc = one->loc;
     row.ports.push_back(std::move(port));
@@ -84,7 +84,9 @@ Transition RowParser::transition(List& list, const AtomType& type, const CodeSco
   row.to = sub_refs(list, "to", type.places, "place");
   row.guard = guard(list, scope);
   row.when = when(list, type, scope);
-  row.urgency = r_.flag(list, "eager") ? Urgency::Eager : r_.flag(list, "delayable") ? Urgency::Delayable : Urgency::Lazy;
+  row.urgency = r_.flag(list, "eager")       ? Urgency::Eager
+                : r_.flag(list, "delayable") ? Urgency::Delayable
+                                             : Urgency::Lazy;
   row.async = async(list, type);
   row.action = body(list, "do", scope);
   row.resume = resume(list, type, scope);
@@ -101,7 +103,8 @@ AtomPriority RowParser::atom_priority(List& list, const AtomType& type, const Co
     List one = r_.need(list, head);
     std::uint32_t port = AtomPriority::kAnyPort;
     if (!r_.flag(one, "any"))
-      port = r_.ref(one, type.ports.size(), "port", [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
+      port = r_.ref(one, type.ports.size(), "port",
+                    [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
     r_.close(one);
     return port;
   };
@@ -164,7 +167,7 @@ ConnectorType RowParser::connector_type(List& list) {
     r_.close(*one);
     row.data_reads.push_back(std::move(read));
   }
-  row.slots = slots(list);
+  row.variables = variables(list);
   List define_list = r_.need(list, "define");
   if (!r_.failed()) define(define_list, row);
   r_.close(define_list);
@@ -188,7 +191,7 @@ ConnectorType RowParser::connector_type(List& list) {
     row.exports = true;
     row.export_name = r_.name(*one);
     row.export_type = port_type_ref(*one);
-    row.export_slots = sub_refs(*one, "slots", row.slots, "slot");
+    row.export_variables = sub_refs(*one, "slots", row.variables, "slot");
     r_.close(*one);
   }
   r_.close(list);

@@ -23,7 +23,9 @@ class BsysPrinter {
     out_ = "(bsys 1)\n";
     for (std::size_t k = 0; k < s_.files.size(); ++k) quoted_row("(file", k, s_.files[k]);
     for (std::size_t k = 0; k < s_.code.strings.size(); ++k) quoted_row("(string", k, s_.code.strings[k]);
-    for (const auto& [head, files] : {std::pair("(cpp include ", &s_.code.cpp.includes), {"(cpp source ", &s_.code.cpp.sources}, {"(cpp object ", &s_.code.cpp.objects}})
+    for (const auto& [head, files] : {std::pair("(cpp include ", &s_.code.cpp.includes),
+                                      {"(cpp source ", &s_.code.cpp.sources},
+                                      {"(cpp object ", &s_.code.cpp.objects}})
       for (const CppFile& file : *files) cpp_file(head, file);
     for (std::size_t k = 0; k < s_.code.extern_types.size(); ++k) extern_type_row(s_.code.extern_types[k], k);
     for (std::size_t k = 0; k < s_.code.functions.size(); ++k) function(s_.code.functions[k], k);
@@ -113,16 +115,17 @@ class BsysPrinter {
     out_ += row.kind == FunctionKind::Cast ? " cast" : row.kind == FunctionKind::Operator ? " operator" : "";
     if (row.is_const) out_ += " const";
     if (row.has_result) fmt::format_to(std::back_inserter(out_), " (result {})", type_text(row.result));
-    for (const FunctionParam& param : row.params) fmt::format_to(std::back_inserter(out_), " ({} {})", param.by_reference ? "ref" : "value", type_text(param.type));
+    for (const FunctionParam& param : row.params)
+      fmt::format_to(std::back_inserter(out_), " ({} {})", param.by_reference ? "ref" : "value", type_text(param.type));
     close(row.loc);
   }
-  void slots(const std::vector<Slot>& slots) {
-    for (std::size_t k = 0; k < slots.size(); ++k) {
-      open("  (slot", k, slots[k].name);
-      fmt::format_to(std::back_inserter(out_), " {}", type_text(slots[k].type));
-      if (slots[k].is_param) out_ += " param";
-      if (slots[k].exported) out_ += " export";
-      close(slots[k].loc);
+  void variables(const std::vector<DataVariable>& variables) {
+    for (std::size_t k = 0; k < variables.size(); ++k) {
+      open("  (slot", k, variables[k].name);
+      fmt::format_to(std::back_inserter(out_), " {}", type_text(variables[k].type));
+      if (variables[k].is_param) out_ += " param";
+      if (variables[k].exported) out_ += " export";
+      close(variables[k].loc);
     }
   }
   void parent(CompoundId id) {
@@ -137,7 +140,7 @@ class BsysPrinter {
     for (const DataRef& r : refs) {
       out_ += " (of";
       ref(r.atom.value, s_.atoms[r.atom].path);
-      ref(r.slot, s_.atom_types[s_.atoms[r.atom].type].slots[r.slot].name);
+      ref(r.variable, s_.atom_types[s_.atoms[r.atom].type].variables[r.variable].name);
       out_ += ')';
     }
     out_ += ')';
@@ -158,7 +161,7 @@ class BsysPrinter {
     const CodeScope scope = scope_of(row);
     open("(atom-type", k, row.name);
     close(row.loc, "\n");
-    slots(row.slots);
+    variables(row.variables);
     for (std::size_t p = 0; p < row.ports.size(); ++p) {
       const Port& port = row.ports[p];
       open("  (port", p, port.name);
@@ -169,7 +172,7 @@ class BsysPrinter {
         put_quoted(out_, port.event_class);
         out_ += ')';
       }
-      refs(" (slots", port.slots, row.slots);
+      refs(" (slots", port.variables, row.variables);
       close(port.loc);
     }
     for (std::size_t p = 0; p < row.places.size(); ++p) {
@@ -179,7 +182,7 @@ class BsysPrinter {
     for (std::size_t c = 0; c < row.clocks.size(); ++c) {
       open("  (clock", c, row.clocks[c].name);
       fmt::format_to(std::back_inserter(out_), " {}ns", row.clocks[c].unit);
-      ref(row.clocks[c].slot, row.slots[row.clocks[c].slot].name);
+      ref(row.clocks[c].variable, row.variables[row.clocks[c].variable].name);
       close(row.clocks[c].loc);
     }
     out_ += " ";
@@ -268,7 +271,7 @@ class BsysPrinter {
       open("  (read", r, row.data_reads[r].path);
       fmt::format_to(std::back_inserter(out_), " {})\n", type_text(row.data_reads[r].type));
     }
-    slots(row.slots);
+    variables(row.variables);
     define(row);
     if (row.resume == ResumeMode::Sync) out_ += "  (resume sync)\n";
     for (std::size_t c = 0; c < row.clauses.size(); ++c) {
@@ -284,7 +287,7 @@ class BsysPrinter {
       out_ += "  (export ";
       put_name(out_, row.export_name);
       ref(row.export_type.value, s_.port_types[row.export_type].name);
-      refs(" (slots", row.export_slots, row.slots);
+      refs(" (slots", row.export_variables, row.variables);
       out_ += ")\n";
     }
     out_ += ")\n";

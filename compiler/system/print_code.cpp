@@ -22,7 +22,8 @@ struct Item {
 
 class CodePrinter {
  public:
-  CodePrinter(std::string& out, const CodeTable& code, const CodeScope& scope) : out_(out), code_(code), scope_(scope) {}
+  CodePrinter(std::string& out, const CodeTable& code, const CodeScope& scope)
+      : out_(out), code_(code), scope_(scope) {}
 
   void run(const Item& first) {
     stack_.push_back(first);

@@ -20,7 +20,9 @@ void put_expr(std::string& out, const CodeTable& code, ExprId expr, const CodeSc
 void put_stmts(std::string& out, const CodeTable& code, StmtId first, const CodeScope& scope);
 
 // print_time.cpp
-void put_when(std::string& out, const CodeTable& code, const AtomType& type, const TimeGuard& when, const CodeScope& scope);
-void put_resume(std::string& out, const CodeTable& code, const AtomType& type, const Resume& resume, const CodeScope& scope);
+void put_when(std::string& out, const CodeTable& code, const AtomType& type, const TimeGuard& when,
+              const CodeScope& scope);
+void put_resume(std::string& out, const CodeTable& code, const AtomType& type, const Resume& resume,
+                const CodeScope& scope);
 
 }  // namespace bip::system::text

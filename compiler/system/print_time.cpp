@@ -7,7 +7,8 @@
 
 namespace bip::system::text {
 
-void put_when(std::string& out, const CodeTable& code, const AtomType& type, const TimeGuard& when, const CodeScope& scope) {
+void put_when(std::string& out, const CodeTable& code, const AtomType& type, const TimeGuard& when,
+              const CodeScope& scope) {
   for (const Bound& bound : when.bounds) {
     fmt::format_to(std::back_inserter(out), " (bound {} ", name_of(bound.op));
     put_ref(out, bound.clock, type.clocks[bound.clock].name);
@@ -16,11 +17,11 @@ void put_when(std::string& out, const CodeTable& code, const AtomType& type, con
       put_ref(out, bound.minus, type.clocks[bound.minus].name);
       out += ')';
     }
-    if (bound.slot == Bound::kNone) {
+    if (bound.variable == Bound::kNone) {
       fmt::format_to(std::back_inserter(out), " {}ns", bound.ticks);
     } else {
       out += " (slot ";
-      put_ref(out, bound.slot, type.slots[bound.slot].name);
+      put_ref(out, bound.variable, type.variables[bound.variable].name);
       out += ')';
     }
     put_loc(out, bound.loc);
@@ -32,7 +33,8 @@ void put_when(std::string& out, const CodeTable& code, const AtomType& type, con
   out += ')';
 }
 
-void put_resume(std::string& out, const CodeTable& code, const AtomType& type, const Resume& resume, const CodeScope& scope) {
+void put_resume(std::string& out, const CodeTable& code, const AtomType& type, const Resume& resume,
+                const CodeScope& scope) {
   if (!resume.present) return;
   out += " (resume";
   if (resume.guard.is_valid()) {

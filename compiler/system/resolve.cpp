@@ -1,4 +1,4 @@
-// Bindings: from paths in a compound to atoms' ports, connectors' exported ports and data slots.
+// Bindings: from paths in a compound to atoms' ports, connectors' exported ports and data variables.
 #include <algorithm>
 #include <bit>
 
@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t kMaxConnectorDepth = 5000;
 }
 
-std::optional<std::uint32_t> Instantiator::find(const Instance& in, const ElementRef& ref, bool is_connector, const std::vector<Value>& self, SourceRange at) {
+std::optional<std::uint32_t> Instantiator::find(const Instance& in, const ElementRef& ref, bool is_connector,
+                                                const std::vector<Value>& self, SourceRange at) {
   std::size_t index = 0;
   std::int64_t wanted = 0;
   if (ref.index.is_valid()) {
@@ -29,7 +30,8 @@ std::optional<std::uint32_t> Instantiator::find(const Instance& in, const Elemen
   }
   const std::string& name = is_connector ? type.connectors[ref.family].name : type.components[ref.family].name;
   diags.report(Diag::kB4014, at, ref.index.is_valid() ? fmt::format("{}[{}]", name, wanted) : name,
-               size == 0 ? fmt::format("`{}` has no elements here", name) : fmt::format("the elements of `{}` here are 0 to {}", name, size - 1));
+               size == 0 ? fmt::format("`{}` has no elements here", name)
+                         : fmt::format("the elements of `{}` here are 0 to {}", name, size - 1));
   return std::nullopt;
 }
 
@@ -81,7 +83,9 @@ PortRef Instantiator::choice_of(const std::string& path, const std::vector<PortR
 // A port of an atom, or a merged one of its type.
 PortRef Instantiator::atom_port(AtomId atom, std::uint32_t port) {
   const AtomType& type = model.atom_types[out.atoms[atom].type];
-  const auto own = [&](std::uint32_t p) { return PortRef{.kind = PortRef::Kind::Atom, .atom = atom, .port = p, .connector = {}, .maximal_only = false}; };
+  const auto own = [&](std::uint32_t p) {
+    return PortRef{.kind = PortRef::Kind::Atom, .atom = atom, .port = p, .connector = {}, .maximal_only = false};
+  };
   if (port < type.ports.size()) return own(port);
   const auto [known, is_new] = merged_ports.try_emplace({atom.value, port});
   if (is_new) {
@@ -93,7 +97,8 @@ PortRef Instantiator::atom_port(AtomId atom, std::uint32_t port) {
   return known->second;
 }
 
-bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self, std::vector<PortRef>& to, std::size_t depth) {
+bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self,
+                                std::vector<PortRef>& to, std::size_t depth) {
   std::vector<std::uint32_t> rows;
   if (path.element.star) {
     if (path.is_connector) {
@@ -103,11 +108,13 @@ bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, co
     }
     std::erase(rows, Element::kHole);
   } else {
-    const std::optional<std::uint32_t> row = find(instances[instance], path.element, path.is_connector, self, path.range);
+    const std::optional<std::uint32_t> row =
+        find(instances[instance], path.element, path.is_connector, self, path.range);
     if (!row) return false;
     rows.push_back(*row);
   }
-  const bool is_compound = !path.is_connector && model.compound_types[instances[instance].type].components[path.element.family].is_compound;
+  const bool is_compound =
+      !path.is_connector && model.compound_types[instances[instance].type].components[path.element.family].is_compound;
   for (const std::uint32_t row : rows) {
     if (path.is_connector) {
       const ConnectorId id = resolve_connector(instance, row, depth + 1);
@@ -149,7 +156,13 @@ ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_
 ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth) {
   const CompoundItem& item = *instances[instance].pending[pending].item;
   const std::vector<Value> self = instances[instance].pending[pending].self;
-  Connector row{.path = {}, .type = item.type, .parent = instances[instance].row, .ports = {}, .data = {}, .bound = false, .loc = model.loc(item.range)};
+  Connector row{.path = {},
+                .type = item.type,
+                .parent = instances[instance].row,
+                .ports = {},
+                .data = {},
+                .bound = false,
+                .loc = model.loc(item.range)};
   std::vector<std::uint32_t> counts;
   for (const PortPath& path : item.ports) {
     const std::size_t before = row.ports.size();
@@ -159,7 +172,8 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
   if ((item.has_star || !item.values.empty()) && item.syntax->inline_body != nullptr) {
     std::vector<std::uint32_t> variant = counts;
     for (const OuterValue& v : item.values) {
-      const auto bits = v.type == Type::Float ? std::bit_cast<std::uint64_t>(self[v.slot].float_value) : static_cast<std::uint64_t>(self[v.slot].int_value);
+      const auto bits = v.type == Type::Float ? std::bit_cast<std::uint64_t>(self[v.variable].float_value)
+                                              : static_cast<std::uint64_t>(self[v.variable].int_value);
       variant.push_back(static_cast<std::uint32_t>(bits));
       variant.push_back(static_cast<std::uint32_t>(bits >> 32));
     }
@@ -170,14 +184,17 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
   }
   const ConnectorType& type = model.connector_types[row.type];
   if (row.ports.size() != type.params.size()) {
-    diags.report(Diag::kB2022, item.syntax->name.range, model::counted(row.ports.size(), "port"), type.name, type.params.size());
+    diags.report(Diag::kB2022, item.syntax->name.range, model::counted(row.ports.size(), "port"), type.name,
+                 type.params.size());
     return {};
   }
   if (item.has_star) {
     for (std::size_t k = 0, path = 0, used = 0; k < row.ports.size(); ++k, ++used) {
       while (used == counts[path]) used = 0, ++path;
       if (model::fits(model, item.ports[path].type, type.params[k].type)) continue;
-      diags.report(Diag::kB2023, item.ports[path].range, model.sources->text(item.ports[path].range), model::port_type_text(model, item.ports[path].type), type.params[k].name, type.name, model::port_type_text(model, type.params[k].type));
+      diags.report(Diag::kB2023, item.ports[path].range, model.sources->text(item.ports[path].range),
+                   model::port_type_text(model, item.ports[path].type), type.params[k].name, type.name,
+                   model::port_type_text(model, type.params[k].type));
       return {};
     }
   }
@@ -199,12 +216,13 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
   return id;
 }
 
-std::optional<DataRef> Instantiator::resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self) {
+std::optional<DataRef> Instantiator::resolve_data(std::uint32_t instance, const DataPath& path,
+                                                  const std::vector<Value>& self) {
   const std::optional<std::uint32_t> row = find(instances[instance], path.element, false, self, path.range);
   if (!row) return std::nullopt;
   const ComponentFamily& family = model.compound_types[instances[instance].type].components[path.element.family];
-  if (!family.is_compound) return DataRef{AtomId(*row), path.slot};
-  const DataExport& e = model.compound_types[instances[*row].type].data_exports[path.slot];
+  if (!family.is_compound) return DataRef{AtomId(*row), path.variable};
+  const DataExport& e = model.compound_types[instances[*row].type].data_exports[path.variable];
   const std::vector<Value> inner = instances[*row].params;
   return resolve_data(*row, e.target, inner);
 }

@@ -19,14 +19,14 @@ using PriorityId = Id<struct PriorityTag>;
 
 /// A compound instance: only its name and place in the hierarchy are left after flattening.
 struct Compound {
-  std::string path;  // "ROOT", "ROOT.left"
-  std::string type;  // "Ring"
-  CompoundId parent; // invalid for the root, which is row 0
+  std::string path;   // "ROOT", "ROOT.left"
+  std::string type;   // "Ring"
+  CompoundId parent;  // invalid for the root, which is row 0
   Loc loc{};
 };
 
 struct Atom {
-  std::string path;         // "ROOT.phil[0]"
+  std::string path;  // "ROOT.phil[0]"
   AtomTypeId type;
   CompoundId parent;
   std::vector<Value> args;  // one a parameter
@@ -38,23 +38,24 @@ struct PortRef {
   enum class Kind : std::uint8_t { Atom, Connector, Choice };
   Kind kind = Kind::Atom;
   AtomId atom;
-  std::uint32_t port = 0;     // Atom: row of the atom type's ports
-  ConnectorId connector;      // Connector
+  std::uint32_t port = 0;  // Atom: row of the atom type's ports
+  ConnectorId connector;   // Connector
   // Connector reached through a compound's exported port: only its maximal interactions are seen.
   bool maximal_only = false;
-  std::uint32_t choice = 0;   // Choice: row of System::choices
+  std::uint32_t choice = 0;  // Choice: row of System::choices
   friend bool operator==(const PortRef&, const PortRef&) = default;
 };
-/// A merged port: each enabled one of its ports (atoms' ports or connectors' exported ports, no choices) is an alternative.
+/// A merged port: each enabled one of its ports (atoms' ports or connectors' exported ports, no choices) is an
+/// alternative.
 struct Choice {
   std::string name;  // as it is bound: "a.e", "c.xport"
   std::vector<PortRef> ports;
   friend bool operator==(const Choice&, const Choice&) = default;
 };
-/// A data slot of an atom.
+/// A data variable of an atom.
 struct DataRef {
   AtomId atom;
-  std::uint32_t slot = 0;
+  std::uint32_t variable = 0;
   friend bool operator==(const DataRef&, const DataRef&) = default;
 };
 
@@ -73,10 +74,10 @@ struct Connector {
 
 /// One side of a priority rule.
 struct Pattern {
-  bool any_connector = false;           // *:*  every interaction (of the compound's connectors) not on the other side
+  bool any_connector = false;  // *:*  every interaction (of the compound's connectors) not on the other side
   ConnectorId connector;
-  bool any_interaction = false;         // c:*
-  std::vector<std::uint32_t> params;    // sorted: parameters of the connector
+  bool any_interaction = false;       // c:*
+  std::vector<std::uint32_t> params;  // sorted: parameters of the connector
   friend bool operator==(const Pattern&, const Pattern&) = default;
 };
 /// low < high provided guard: every interaction contained in low's loses against every one that contains high's.
@@ -84,7 +85,7 @@ struct Priority {
   std::string name;
   CompoundId parent;
   Pattern low, high;
-  ExprId guard;                 // invalid: true. Reads Bind = data
+  ExprId guard;  // invalid: true. Reads Bind = data
   std::vector<DataRef> data;
   Loc loc{};
 };

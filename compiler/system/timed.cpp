@@ -8,7 +8,8 @@ namespace bip::system {
 namespace {
 
 std::string told(const System& system, const AtomType& type, const std::string& what, const Loc& loc) {
-  const std::string place = loc.line == 0 ? "" : fmt::format(" ({}:{}:{})", system.files[loc.file], loc.line, loc.column);
+  const std::string place =
+      loc.line == 0 ? "" : fmt::format(" ({}:{}:{})", system.files[loc.file], loc.line, loc.column);
   return fmt::format("atom type `{}` has {}{}", type.name, what, place);
 }
 
@@ -43,7 +44,9 @@ std::string first_event_with_object(const System& system) {
     for (const Port& port : type.ports) {
       if (!port.external) continue;
       for (const Variable& var : system.port_types[port.type].variables) {
-        if (is_extern(var.type)) return told(system, type, fmt::format("port `{}` for events with `{}`, a C++ object", port.name, var.name), port.loc);
+        if (is_extern(var.type))
+          return told(system, type, fmt::format("port `{}` for events with `{}`, a C++ object", port.name, var.name),
+                      port.loc);
       }
     }
     return {};
@@ -52,9 +55,11 @@ std::string first_event_with_object(const System& system) {
 
 std::string first_timed(const System& system) {
   return first_of(system, [&](const AtomType& type) -> std::string {
-    if (!type.clocks.empty()) return told(system, type, fmt::format("clock `{}`", type.clocks[0].name), type.clocks[0].loc);
+    if (!type.clocks.empty())
+      return told(system, type, fmt::format("clock `{}`", type.clocks[0].name), type.clocks[0].loc);
     for (const Transition& t : type.transitions) {
-      if (t.urgency != Urgency::Lazy) return told(system, type, fmt::format("a transition that is {}", name_of(t.urgency)), t.loc);
+      if (t.urgency != Urgency::Lazy)
+        return told(system, type, fmt::format("a transition that is {}", name_of(t.urgency)), t.loc);
       if (t.async.present) return told(system, type, "an action that runs beside the others (`@async`)", t.loc);
       if (t.resume.present) return told(system, type, "a transition with `resume`", t.loc);
     }

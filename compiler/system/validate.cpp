@@ -25,11 +25,14 @@ void check_functions(const System& system, Problems& problems) {
     check_loc(system, row.loc, problems);
     problems.expect(is_type(system, row.result), "a function's result has no type");
     const std::size_t count = row.params.size();
-    problems.expect(row.kind != FunctionKind::Cast || (count == 1 && row.has_result), "a conversion has not one parameter and a result");
-    problems.expect(row.kind != FunctionKind::Operator || count == 1 || count == 2, "an operator has one or two parameters");
+    problems.expect(row.kind != FunctionKind::Cast || (count == 1 && row.has_result),
+                    "a conversion has not one parameter and a result");
+    problems.expect(row.kind != FunctionKind::Operator || count == 1 || count == 2,
+                    "an operator has one or two parameters");
     for (const FunctionParam& param : row.params) {
       problems.expect(is_type(system, param.type), "a function's parameter has no type");
-      problems.expect(!param.by_reference || (param.type != Type::Bool && param.type != Type::String), "bool and string are passed by value");
+      problems.expect(!param.by_reference || (param.type != Type::Bool && param.type != Type::String),
+                      "bool and string are passed by value");
     }
   }
 }
@@ -38,41 +41,51 @@ void check_port(const System& system, const AtomType& type, const Port& port, Pr
   check_loc(system, port.loc, problems);
   if (!problems.expect(system.port_types.contains(port.type), "a port's type is no row")) return;
   const std::vector<Variable>& variables = system.port_types[port.type].variables;
-  if (!problems.expect(port.slots.size() == variables.size(), "a port has not one slot a variable of its type")) return;
+  if (!problems.expect(port.variables.size() == variables.size(), "a port has not one slot a variable of its type"))
+    return;
   for (std::size_t k = 0; k < variables.size(); ++k) {
-    if (problems.expect(port.slots[k] < type.slots.size(), "a port's slot is no row"))
-      problems.expect(type.slots[port.slots[k]].type == variables[k].type, "a port's slot has not the variable's type");
+    if (problems.expect(port.variables[k] < type.variables.size(), "a port's slot is no row"))
+      problems.expect(type.variables[port.variables[k]].type == variables[k].type,
+                      "a port's slot has not the variable's type");
   }
 }
 
-/// Three slots a clock, in their order, and nobody else's; limits are known.
+/// Three variables a clock, in their order, and nobody else's; limits are known.
 void check_when(const AtomType& type, const TimeGuard& when, Problems& problems) {
   for (const Bound& bound : when.bounds) {
-    const bool has_clocks = bound.clock < type.clocks.size() && (bound.minus == Bound::kNone || bound.minus < type.clocks.size());
+    const bool has_clocks =
+        bound.clock < type.clocks.size() && (bound.minus == Bound::kNone || bound.minus < type.clocks.size());
     if (!problems.expect(has_clocks, "a bound's clock is no row")) continue;
     problems.expect(bound.minus != bound.clock, "a bound is on the difference of a clock with itself");
-    problems.expect(bound.minus == Bound::kNone || type.clocks[bound.minus].unit == type.clocks[bound.clock].unit, "a bound is on clocks of two units");
+    problems.expect(bound.minus == Bound::kNone || type.clocks[bound.minus].unit == type.clocks[bound.clock].unit,
+                    "a bound is on clocks of two units");
     problems.expect(bound.ticks >= -kMaxTicks && bound.ticks <= kMaxTicks, "a bound is beyond the end of time");
-    if (bound.slot == Bound::kNone) continue;
-    const bool is_hidden = bound.slot < type.slots.size() && bound.slot >= type.visible_slots();
-    if (problems.expect(is_hidden, "a bound's slot is none of the hidden ones")) problems.expect(type.slots[bound.slot].type == Type::Float, "a bound's slot is no float");
+    if (bound.variable == Bound::kNone) continue;
+    const bool is_hidden = bound.variable < type.variables.size() && bound.variable >= type.visible_variables();
+    if (problems.expect(is_hidden, "a bound's slot is none of the hidden ones"))
+      problems.expect(type.variables[bound.variable].type == Type::Float, "a bound's slot is no float");
     problems.expect(when.measure.is_valid(), "nothing measures a bound's limit");
   }
 }
 void check_time(const AtomType& type, Problems& problems) {
-  std::uint32_t next = static_cast<std::uint32_t>(type.visible_slots());
+  std::uint32_t next = static_cast<std::uint32_t>(type.visible_variables());
   for (const Clock& clock : type.clocks) {
     problems.expect(clock.unit > 0 && clock.unit <= 86'400'000'000'000, "a clock's unit is not between 1 ns and a day");
-    if (!problems.expect(clock.slot == next && clock.slot + kClockSlots <= type.slots.size(), "a clock's slots do not follow those before it")) return;
-    problems.expect(type.slots[next].type == Type::Float && type.slots[next + 1].type == Type::Bool && type.slots[next + 2].type == Type::Float,
+    if (!problems.expect(clock.variable == next && clock.variable + kClockVariables <= type.variables.size(),
+                         "a clock's slots do not follow those before it"))
+      return;
+    problems.expect(type.variables[next].type == Type::Float && type.variables[next + 1].type == Type::Bool &&
+                        type.variables[next + 2].type == Type::Float,
                     "a clock's slots are not float, bool, float");
-    next += kClockSlots;
+    next += kClockVariables;
   }
-  for (std::size_t k = type.visible_slots(); k < type.slots.size(); ++k)
-    problems.expect(!type.slots[k].is_param && !type.slots[k].exported, "a hidden slot is a parameter or exported");
+  for (std::size_t k = type.visible_variables(); k < type.variables.size(); ++k)
+    problems.expect(!type.variables[k].is_param && !type.variables[k].exported,
+                    "a hidden slot is a parameter or exported");
   for (const Port& port : type.ports) {
     problems.expect(!(port.external && port.exported), "a port of events from outside is exported");
-    for (const std::uint32_t slot : port.slots) problems.expect(slot < type.visible_slots(), "a port shows a hidden slot");
+    for (const std::uint32_t variable : port.variables)
+      problems.expect(variable < type.visible_variables(), "a port shows a hidden slot");
   }
   check_when(type, type.initial_resume.when, problems);
   for (const Transition& row : type.transitions) {
@@ -81,10 +94,12 @@ void check_time(const AtomType& type, Problems& problems) {
     const bool is_timed = !row.when.empty() || row.urgency != Urgency::Lazy || row.resume.present || row.async.present;
     problems.expect(row.port != Transition::kInternal || !is_timed, "an internal transition has to do with time");
     const Async& async = row.async;
-    problems.expect(async.present ? async.budget == -1 || (async.budget > 0 && async.budget <= kMaxTicks) : async.budget == -1 && async.overrun == Async::kNone,
+    problems.expect(async.present ? async.budget == -1 || (async.budget > 0 && async.budget <= kMaxTicks)
+                                  : async.budget == -1 && async.overrun == Async::kNone,
                     "a budget is no time");
     if (async.overrun == Async::kNone) continue;
-    problems.expect(async.budget > 0 && async.overrun < type.ports.size() && type.ports[async.overrun].external && type.ports[async.overrun].slots.empty(),
+    problems.expect(async.budget > 0 && async.overrun < type.ports.size() && type.ports[async.overrun].external &&
+                        type.ports[async.overrun].variables.empty(),
                     "an overrun has no budget, or its port is not for events without variables");
   }
 }
@@ -103,7 +118,8 @@ void check_rules(const System& system, const AtomType& type, Problems& problems)
     problems.expect(row.scope <= InvariantScope::From, "an invariant has no scope");
     problems.expect(row.condition.is_valid() || !row.when.empty(), "an invariant has no condition");
     check_when(type, row.when, problems);
-    problems.expect(row.places.empty() == (row.scope == InvariantScope::Always), "an invariant has places if it is not `always`");
+    problems.expect(row.places.empty() == (row.scope == InvariantScope::Always),
+                    "an invariant has places if it is not `always`");
     for (std::size_t k = 0; k < row.places.size(); ++k) {
       problems.expect(row.places[k] < type.places.size(), "a place is no row");
       problems.expect(k == 0 || row.places[k - 1] < row.places[k], "an invariant's places are not sorted");
@@ -116,18 +132,19 @@ void check_rules(const System& system, const AtomType& type, Problems& problems)
     for (const std::uint32_t port : row.ports)
       if (problems.expect(is_port(port), "a merged port's port is no row") &&
           system.port_types.contains(type.ports[port].type))
-        problems.expect(same_variables(system, type.ports[port].type, row.type), "a merged port's port has other variables");
+        problems.expect(same_variables(system, type.ports[port].type, row.type),
+                        "a merged port's port has other variables");
   }
 }
 
 void check_atom_type(const System& system, const AtomType& type, Problems& problems) {
   check_loc(system, type.loc, problems);
   bool data_begun = false;
-  for (const Slot& slot : type.slots) {
-    check_loc(system, slot.loc, problems);
-    problems.expect(is_type(system, slot.type), "a slot has no type");
-    problems.expect(!(data_begun && slot.is_param), "a parameter's slot comes after data");
-    data_begun = data_begun || !slot.is_param;
+  for (const DataVariable& variable : type.variables) {
+    check_loc(system, variable.loc, problems);
+    problems.expect(is_type(system, variable.type), "a slot has no type");
+    problems.expect(!(data_begun && variable.is_param), "a parameter's slot comes after data");
+    data_begun = data_begun || !variable.is_param;
   }
   for (const Port& port : type.ports) check_port(system, type, port, problems);
 
@@ -185,14 +202,15 @@ std::vector<Problem> find_problems(const System& system) {
 }
 
 std::vector<std::string> validate(const System& system) {
-  static constexpr const char* kNames[kTables] = {"system", "port type", "atom type", "connector type",
-                                                  "compound", "atom", "choice",   "connector", "priority"};
+  static constexpr const char* kNames[kTables] = {"system", "port type", "atom type", "connector type", "compound",
+                                                  "atom",   "choice",    "connector", "priority"};
   std::vector<std::string> out;
   for (const Problem& problem : find_problems(system)) {
     if (problem.table == Table::Whole) {
       out.push_back(fmt::format("system: {}", problem.message));
     } else {
-      out.push_back(fmt::format("{} {}: {}", kNames[static_cast<std::size_t>(problem.table)], problem.row, problem.message));
+      out.push_back(
+          fmt::format("{} {}: {}", kNames[static_cast<std::size_t>(problem.table)], problem.row, problem.message));
     }
   }
   return out;

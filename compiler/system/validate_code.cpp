@@ -1,8 +1,9 @@
 // Promises of code.hpp: trees, types, variables in range and of the right type, parameters never written.
 //
 // Two walks, both iterative. The first marks every row that some guard or body reaches and finds rows with two parents,
-// cycles and depth; each row is met once. The second follows each use of a piece of code with the variables of its owner
-// (a guard may serve many priorities): linear in the uses, that is, in the printed text. Needs sound types and instances.
+// cycles and depth; each row is met once. The second follows each use of a piece of code with the variables of its
+// owner (a guard may serve many priorities): linear in the uses, that is, in the printed text. Needs sound types and
+// instances.
 #include "compiler/system/bsys_text.hpp"
 #include "compiler/system/validate_problems.hpp"
 
@@ -26,7 +27,10 @@ bool is_int_or_float(Type type) { return type == Type::Int || type == Type::Floa
 class CodeChecker {
  public:
   CodeChecker(const System& system, Problems& problems)
-      : system_(system), code_(system.code), problems_(problems), expr_marks_(system.code.exprs.size(), Mark::New),
+      : system_(system),
+        code_(system.code),
+        problems_(problems),
+        expr_marks_(system.code.exprs.size(), Mark::New),
         stmt_marks_(system.code.stmts.size(), Mark::New) {}
 
   void guard(ExprId id, const CodeScope& scope) {
@@ -43,7 +47,8 @@ class CodeChecker {
 
   /// First walk. False if the tree under this root is broken (now or when it was met before).
   bool reach(const Visit& root) {
-    const bool in_range = root.is_stmt ? code_.stmts.contains(StmtId(root.row)) : code_.exprs.contains(ExprId(root.row));
+    const bool in_range =
+        root.is_stmt ? code_.stmts.contains(StmtId(root.row)) : code_.exprs.contains(ExprId(root.row));
     if (!problems_.expect(in_range, "code is no row")) return false;
     Mark& mark = mark_of(root);
     if (mark == Mark::Root) return true;
@@ -73,7 +78,8 @@ class CodeChecker {
   }
   bool reach_from_expr(const Visit& at) {
     const Expr& e = code_.exprs[ExprId(at.row)];
-    if (!problems_.expect(e.op <= Op::Ge && is_type(system_, e.type), "an expression has no operator or no type")) return false;
+    if (!problems_.expect(e.op <= Op::Ge && is_type(system_, e.type), "an expression has no operator or no type"))
+      return false;
     check_loc(system_, e.loc, problems_);
     if (e.op == Op::Call) return reach_from_call(e, at);
     const int count = operand_count(e.op);
@@ -134,12 +140,15 @@ class CodeChecker {
     for (std::size_t k = 0; k < args.size(); ++k) {
       const Expr& arg = code_.exprs[args[k]];
       problems_.expect(arg.type == function.params[k].type, "an argument has not its parameter's type");
-      problems_.expect(arg.op != Op::Call || code_.functions[arg.index].has_result, "a call without a result is used as a value");
+      problems_.expect(arg.op != Op::Call || code_.functions[arg.index].has_result,
+                       "a call without a result is used as a value");
       if (!function.params[k].by_reference) continue;
       const bool is_self = arg.op == Op::LoadSelf;
       const std::vector<ScopeVariable>& variables = is_self ? scope.self : scope.bind;
-      const bool is_variable = (is_self || arg.op == Op::LoadBind) && arg.index < variables.size() && variables[arg.index].writable;
-      problems_.expect(is_variable && (is_self ? writes != Writes::Nothing : writes == Writes::SelfAndBind), "an argument by reference is no variable that may change here");
+      const bool is_variable =
+          (is_self || arg.op == Op::LoadBind) && arg.index < variables.size() && variables[arg.index].writable;
+      problems_.expect(is_variable && (is_self ? writes != Writes::Nothing : writes == Writes::SelfAndBind),
+                       "an argument by reference is no variable that may change here");
     }
   }
 
@@ -150,7 +159,8 @@ class CodeChecker {
       problems_.expect(given.op == Op::Call, "a statement that calls has no call");
       return;
     }
-    problems_.expect(given.op != Op::Call || code_.functions[given.index].has_result, "a call without a result is used as a value");
+    problems_.expect(given.op != Op::Call || code_.functions[given.index].has_result,
+                     "a call without a result is used as a value");
     if (s.op == StmtOp::If) {
       problems_.expect(value == Type::Bool, "a condition is not a bool");
       return;

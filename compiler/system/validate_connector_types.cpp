@@ -15,8 +15,13 @@ constexpr std::uint32_t kNoRow = 0xffffffffu;
 class DefineTree {
  public:
   DefineTree(const ConnectorType& type, Problems& problems)
-      : type_(type), problems_(problems), parent_(type.define.size(), kNoRow), leaf_of_(type.params.size(), kNoRow),
-        present_(type.define.size(), 0), triggers_(type.define.size(), 0), seen_(type.define.size(), false),
+      : type_(type),
+        problems_(problems),
+        parent_(type.define.size(), kNoRow),
+        leaf_of_(type.params.size(), kNoRow),
+        present_(type.define.size(), 0),
+        triggers_(type.define.size(), 0),
+        seen_(type.define.size(), false),
         trigger_children_(type.define.size(), 0) {}
 
   /// Preorder rows, each but the root the child of one group, each parameter one leaf.
@@ -27,7 +32,8 @@ class DefineTree {
     std::vector<std::uint32_t> expected{0};
     std::vector<std::uint32_t> depth(nodes.size(), 0);
     for (std::uint32_t row = 0; row < nodes.size(); ++row) {
-      if (!problems_.expect(!expected.empty() && expected.back() == row, "a define is not a tree in preorder")) return false;
+      if (!problems_.expect(!expected.empty() && expected.back() == row, "a define is not a tree in preorder"))
+        return false;
       expected.pop_back();
       if (!(nodes[row].is_leaf ? check_leaf(row) : check_group(row, depth))) return false;
       expected.insert(expected.end(), nodes[row].children.rbegin(), nodes[row].children.rend());
@@ -43,7 +49,8 @@ class DefineTree {
     for (const std::uint32_t param : params) climb(leaf_of_[param]);
     bool is_interaction = !params.empty();
     for (const std::uint32_t row : touched_) {
-      const bool joined = trigger_children_[row] == 0 ? present_[row] == type_.define[row].children.size() : triggers_[row] > 0;
+      const bool joined =
+          trigger_children_[row] == 0 ? present_[row] == type_.define[row].children.size() : triggers_[row] > 0;
       is_interaction = is_interaction && (type_.define[row].is_leaf || joined);
       present_[row] = 0;
       triggers_[row] = 0;
@@ -110,9 +117,9 @@ bool check_params(const System& system, const ConnectorType& type, Problems& pro
     bind += system.port_types[param.type].variables.size();
   }
   for (const DataRead& read : type.data_reads) problems.expect(is_type(system, read.type), "a data read has no type");
-  for (const Slot& slot : type.slots) {
-    check_loc(system, slot.loc, problems);
-    problems.expect(is_type(system, slot.type), "a slot has no type");
+  for (const DataVariable& variable : type.variables) {
+    check_loc(system, variable.loc, problems);
+    problems.expect(is_type(system, variable.type), "a slot has no type");
   }
   return true;
 }
@@ -123,8 +130,9 @@ void check_clauses(const System& system, const ConnectorType& type, DefineTree& 
     check_loc(system, clause.loc, problems);
     bool sound = true;
     for (std::size_t k = 0; k < clause.params.size() && sound; ++k)
-      sound = problems.expect(clause.params[k] < type.params.size(), "a clause's parameter is no row") &&
-              problems.expect(k == 0 || clause.params[k - 1] < clause.params[k], "a clause's parameters are not sorted");
+      sound =
+          problems.expect(clause.params[k] < type.params.size(), "a clause's parameter is no row") &&
+          problems.expect(k == 0 || clause.params[k - 1] < clause.params[k], "a clause's parameters are not sorted");
     if (!sound) continue;
     problems.expect(tree.gives(clause.params), "a clause is no interaction of the define");
     problems.expect(seen.insert(clause.params).second, "two clauses are about one interaction");
@@ -134,10 +142,12 @@ void check_clauses(const System& system, const ConnectorType& type, DefineTree& 
 void check_export(const System& system, const ConnectorType& type, Problems& problems) {
   if (!problems.expect(system.port_types.contains(type.export_type), "an exported port's type is no row")) return;
   const std::vector<Variable>& variables = system.port_types[type.export_type].variables;
-  if (!problems.expect(type.export_slots.size() == variables.size(), "an exported port has not one slot a variable")) return;
+  if (!problems.expect(type.export_variables.size() == variables.size(),
+                       "an exported port has not one slot a variable"))
+    return;
   for (std::size_t k = 0; k < variables.size(); ++k)
-    if (problems.expect(type.export_slots[k] < type.slots.size(), "an exported port's slot is no row"))
-      problems.expect(type.slots[type.export_slots[k]].type == variables[k].type,
+    if (problems.expect(type.export_variables[k] < type.variables.size(), "an exported port's slot is no row"))
+      problems.expect(type.variables[type.export_variables[k]].type == variables[k].type,
                       "an exported port's slot has not the variable's type");
 }
 

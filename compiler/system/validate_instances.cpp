@@ -41,18 +41,19 @@ void check_atoms(const System& system, Problems& problems) {
     check_loc(system, row.loc, problems);
     check_parent(system, row.parent, problems);
     if (!problems.expect(system.atom_types.contains(row.type), "the type is no row")) continue;
-    const std::vector<Slot>& slots = system.atom_types[row.type].slots;
+    const std::vector<DataVariable>& variables = system.atom_types[row.type].variables;
     const std::size_t count = row.args.size();
-    const bool fits = count <= slots.size() && (count == 0 || slots[count - 1].is_param) &&
-                      (count == slots.size() || !slots[count].is_param);
+    const bool fits = count <= variables.size() && (count == 0 || variables[count - 1].is_param) &&
+                      (count == variables.size() || !variables[count].is_param);
     if (!problems.expect(fits, "there is not one argument a parameter")) continue;
-    for (std::size_t a = 0; a < count; ++a) check_value(system, row.args[a], slots[a].type, problems);
+    for (std::size_t a = 0; a < count; ++a) check_value(system, row.args[a], variables[a].type, problems);
   }
 }
 
 void check_data(const System& system, const DataRef& data, Problems& problems) {
   if (problems.expect(system.atoms.contains(data.atom), "data of no atom"))
-    problems.expect(data.slot < system.atom_types[system.atoms[data.atom].type].slots.size(), "data is no slot of its atom");
+    problems.expect(data.variable < system.atom_types[system.atoms[data.atom].type].variables.size(),
+                    "data is no slot of its atom");
 }
 
 /// What is bound, measured once: the port type and the connectors below. `PortTypeId()`: broken, and said so.
@@ -111,7 +112,8 @@ class Bindings {
     if (choices_[choice].marked) return true;
     choices_[choice].marked = true;
     for (const PortRef& ref : system_.choices[choice].ports)
-      if (ref.kind == PortRef::Kind::Connector && system_.connectors.contains(ref.connector)) bound_[ref.connector.value] = true;
+      if (ref.kind == PortRef::Kind::Connector && system_.connectors.contains(ref.connector))
+        bound_[ref.connector.value] = true;
     return true;
   }
   PortTypeId port_type(const PortRef& ref, std::size_t& end) {
@@ -152,14 +154,14 @@ void check_connectors(const System& system, Problems& problems) {
     problems.at(Table::Connectors, k);
     const ConnectorType& type = system.connector_types[row.type];
     if (problems.expect(row.ports.size() == type.params.size(), "there is not one port a parameter"))
-      for (std::size_t p = 0; p < row.ports.size(); ++p)
-        bindings.check(k, row.ports[p], type.params[p].type);
+      for (std::size_t p = 0; p < row.ports.size(); ++p) bindings.check(k, row.ports[p], type.params[p].type);
     if (!problems.expect(row.data.size() == type.data_reads.size(), "there is not one datum a data read")) continue;
     for (std::size_t d = 0; d < row.data.size(); ++d) {
       check_data(system, row.data[d], problems);
       if (!problems.empty()) continue;
-      const Slot& slot = system.atom_types[system.atoms[row.data[d].atom].type].slots[row.data[d].slot];
-      problems.expect(slot.type == type.data_reads[d].type, "a datum has not the type of its data read");
+      const DataVariable& variable =
+          system.atom_types[system.atoms[row.data[d].atom].type].variables[row.data[d].variable];
+      problems.expect(variable.type == type.data_reads[d].type, "a datum has not the type of its data read");
     }
   }
   for (std::size_t k = 0; k < system.connectors.size(); ++k) {

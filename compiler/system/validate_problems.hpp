@@ -8,7 +8,17 @@
 
 namespace bip::system {
 
-enum class Table : std::uint8_t { Whole, PortTypes, AtomTypes, ConnectorTypes, Compounds, Atoms, Choices, Connectors, Priorities };
+enum class Table : std::uint8_t {
+  Whole,
+  PortTypes,
+  AtomTypes,
+  ConnectorTypes,
+  Compounds,
+  Atoms,
+  Choices,
+  Connectors,
+  Priorities
+};
 inline constexpr std::size_t kTables = 9;
 
 struct Problem {
@@ -59,6 +69,8 @@ inline void check_loc(const System& system, const Loc& loc, Problems& problems) 
 }
 /// Port types whose variables agree: as many, of the same types. Both must be rows.
 [[nodiscard]] bool same_variables(const System& system, PortTypeId a, PortTypeId b);
-inline bool is_type(const System& system, Type type) { return !is_extern(type) || extern_row(type) < system.code.extern_types.size(); }
+inline bool is_type(const System& system, Type type) {
+  return !is_extern(type) || extern_row(type) < system.code.extern_types.size();
+}
 
 }  // namespace bip::system

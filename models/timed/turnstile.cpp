@@ -1,9 +1,11 @@
-// A program around a model: turnstile.bip runs in real time, 20 times as fast as the wall clock, and threads of visitors post events.
+// A program around a model: turnstile.bip runs in real time, 20 times as fast as the wall clock, and threads of
+// visitors post events.
 //
 //   bipc emit --emit=cpp turnstile.bip > model.cpp
 //   c++ -std=c++20 -DBIP_NO_MAIN -I RUNTIME/include -I RUNTIME/.. model.cpp turnstile.cpp libbip_runtime.a -pthread
 //
-// RUNTIME is the folder `runtime` of bipc (or of what `bipc emit -o DIR` writes). Ends with 0 if the model took every coin.
+// RUNTIME is the folder `runtime` of bipc (or of what `bipc emit -o DIR` writes). Ends with 0 if the model took every
+// coin.
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -48,11 +50,13 @@ int main() {
   last.join();
 
   std::int32_t total = 0, passed = 0;
-  const bool sound = system.outcome() == bip::Outcome::Stopped && system.read("ROOT.arm.total", total) && system.read("ROOT.arm.passed", passed);
+  const bool sound = system.outcome() == bip::Outcome::Stopped && system.read("ROOT.arm.total", total) &&
+                     system.read("ROOT.arm.passed", passed);
   if (!sound) {
     std::fputs(system.fault().c_str(), stderr);
     return 1;
   }
-  std::printf("%d coins worth %d, %s passed, the arm is %s\n", coins, total, passed > 0 ? "some" : "none", system.place("ROOT.arm").c_str());
+  std::printf("%d coins worth %d, %s passed, the arm is %s\n", coins, total, passed > 0 ? "some" : "none",
+              system.place("ROOT.arm").c_str());
   return coins == kVisitors * kCoins && total == kVisitors * (kCoins + kCoins / 2) && passed > 0 ? 0 : 1;
 }

@@ -8,25 +8,27 @@ namespace bip::rt {
 
 Core::Core(const Image& image, CoreOptions options)
     : tables_(link(image, options.progress)), options_(options), rules_(link_priorities(tables_)), extern_data_(image) {
-  const u32 slot_count = static_cast<u32>(tables_.slots.size());
+  const u32 cell_count = static_cast<u32>(tables_.interactions.size());
   atoms_ = {tables_.atoms.data(), image.atoms.size};
-  all_.assign(image.slot_count, Slot{0});
+  all_.assign(image.cell_count, Cell{0});
   for (u32 i = 0; !extern_data_.empty() && i < image.connectors.size; ++i) zero_frame(i);
   ports_.resize(tables_.port_atom.size());
-  const auto is_direct = [&](u32 slot) { return !tables_.slots[slot].searched && (rules_.count == 0 || rules_.slot_involved[slot] == 0); };
-  while (direct_.below < slot_count && is_direct(direct_.below)) ++direct_.below;
-  if (direct_.below != slot_count) {
-    for (u32 i = 0; i < slot_count; ++i) direct_.is_direct.push_back(is_direct(i) ? 1 : 0);
-    is_dirty_.assign(slot_count, 0);
+  const auto is_direct = [&](u32 interaction) {
+    return !tables_.interactions[interaction].searched && (rules_.count == 0 || rules_.is_involved[interaction] == 0);
+  };
+  while (direct_.below < cell_count && is_direct(direct_.below)) ++direct_.below;
+  if (direct_.below != cell_count) {
+    for (u32 i = 0; i < cell_count; ++i) direct_.is_direct.push_back(is_direct(i) ? 1 : 0);
+    is_dirty_.assign(cell_count, 0);
   }
-  listing_of_.assign(tables_.any_searched ? slot_count : 0, kNone);
-  for (u32 i = 0; tables_.any_searched && i < slot_count; ++i) {
-    const SlotInfo info = tables_.slots[i];
+  listing_of_.assign(tables_.any_searched ? cell_count : 0, kNone);
+  for (u32 i = 0; tables_.any_searched && i < cell_count; ++i) {
+    const InteractionInfo info = tables_.interactions[i];
     if (!info.searched) continue;
     listing_of_[i] = static_cast<u32>(listings_.size());
     listings_.emplace_back();
     flat_guards_.push_back(flat_guard(info));
-    is_weighted_ |= info.kind != SlotKind::Flat;
+    is_weighted_ |= info.kind != InteractionKind::Flat;
   }
   u32 ports = 0, nodes = 0, uses = 0;
   for (const AtomType& type : image.atom_types) ports = std::max(ports, type.ports.size);
@@ -45,18 +47,18 @@ Core::Core(const Image& image, CoreOptions options)
   link_steps();
 }
 
-FlatGuard Core::flat_guard(const SlotInfo& info) {
-  if (info.kind != SlotKind::Flat || info.clause() == kNone || !extern_data_.empty()) return {};
+FlatGuard Core::flat_guard(const InteractionInfo& info) {
+  if (info.kind != InteractionKind::Flat || info.clause() == kNone || !extern_data_.empty()) return {};
   const Clause& clause = tables_.connector_type(info.row).clauses[info.clause()];
   const Code guard = tables_.code(clause.guard);
   if (guard.fn == nullptr || clause.may_fault) return {};
   const Connector& row = tables_.image->connectors[info.row];
-  return {code_row(guard, tables_.connector_type(info.row).slots.size), row.slot_base, row.binds};
+  return {code_row(guard, tables_.connector_type(info.row).variables.size), row.first_cell, row.binds};
 }
 
 // To no state at all: no atom is anywhere, no port enabled.
 void Core::forget() {
-  const u32 slot_count = static_cast<u32>(tables_.slots.size());
+  const u32 cell_count = static_cast<u32>(tables_.interactions.size());
   places_.assign(atoms_.size, kNone);
   history_.assign(kHistory, kNone);
   history_at_ = 0;
@@ -73,10 +75,11 @@ void Core::forget() {
     }
   }
   values_.resize(tables_.node_count());
-  for (u32 slot = 0; slot < slot_count; ++slot) values_[slot] = tables_.slot_start(slot);
-  std::copy(tables_.inner_start.begin(), tables_.inner_start.end(), values_.begin() + slot_count);
+  for (u32 interaction = 0; interaction < cell_count; ++interaction)
+    values_[interaction] = tables_.start_of(interaction);
+  std::copy(tables_.inner_start.begin(), tables_.inner_start.end(), values_.begin() + cell_count);
   if (time_ != nullptr) forget_time();
-  enabled_.reset(slot_count, is_weighted_);
+  enabled_.reset(cell_count, is_weighted_);
   for (Listing& listing : listings_) listing = {};
   dirty_.clear();
   std::fill(is_dirty_.begin(), is_dirty_.end(), std::uint8_t{0});
@@ -89,7 +92,7 @@ void Core::forget() {
   changed_components_.clear();
   is_component_changed_.assign(rules_.cyclic.size(), 0);
   reweigh_.clear();
-  is_reweighed_.assign(rules_.count == 0 ? 0 : slot_count, 0);
+  is_reweighed_.assign(rules_.count == 0 ? 0 : cell_count, 0);
 }
 
 bool Core::initialize() {
@@ -100,13 +103,13 @@ bool Core::initialize() {
     const AtomType& type = tables_.atom_type(atom);
     const LinkedType& linked = tables_.types[atoms_[atom].type];
     const AtomInfo& state = atoms_[atom];
-    Slot* slots = all_.data() + state.slot_base;
+    Cell* interactions = all_.data() + state.first_cell;
     u32 args = image.atoms[atom].args;
-    for (u32 i = 0; i < type.slots.size; ++i) {
-      slots[i] = Slot{0};
-      if (type.slots[i].is_param) slots[i] = image.args[args++];
+    for (u32 i = 0; i < type.variables.size; ++i) {
+      interactions[i] = Cell{0};
+      if (type.variables[i].is_param) interactions[i] = image.args[args++];
     }
-    if (!extern_data_.empty()) extern_data_.reset(type.slots, all_.data(), state.slot_base);
+    if (!extern_data_.empty()) extern_data_.reset(type.variables, all_.data(), state.first_cell);
     if (linked.mark_words == 0) {
       places_[atom] = type.initial[0];
     } else {
@@ -116,7 +119,7 @@ bool Core::initialize() {
     }
     if (time_ != nullptr) start_clocks(atom);
     if (linked.initial.fn != nullptr) {
-      const std::int32_t status = linked.initial.fn(linked.initial.context, slots, all_.data(), nullptr);
+      const std::int32_t status = linked.initial.fn(linked.initial.context, interactions, all_.data(), nullptr);
       if (status >= 2) return fail_code(status, atom, kNone, nullptr);
     }
     if (time_ != nullptr && !read_clocks(atom, nullptr)) return false;
@@ -131,13 +134,13 @@ bool Core::initialize() {
 bool Core::settle_anew() {
   enabled_.unlist();
   if (!settle()) return false;
-  if (keeps_list_) enabled_.list(static_cast<u32>(tables_.slots.size()));
+  if (keeps_list_) enabled_.list(static_cast<u32>(tables_.interactions.size()));
   return true;
 }
 
 void Core::keep_list() {
   keeps_list_ = true;
-  enabled_.list(static_cast<u32>(tables_.slots.size()));
+  enabled_.list(static_cast<u32>(tables_.interactions.size()));
 }
 
 std::vector<u32> Core::list_order() const {
@@ -147,21 +150,21 @@ std::vector<u32> Core::list_order() const {
 }
 
 void Core::set_list_order(const std::vector<u32>& order) {
-  if (keeps_list_) enabled_.list(order, static_cast<u32>(tables_.slots.size()));
+  if (keeps_list_) enabled_.list(order, static_cast<u32>(tables_.interactions.size()));
 }
 
 Candidate Core::candidate(EnabledSet::Position at) const {
   Candidate candidate;
-  candidate.slot = at.slot;
-  if (at.slot >= tables_.connector_slots) {
-    const u32 instance = tables_.slots[at.slot].row;
+  candidate.interaction = at.interaction;
+  if (at.interaction >= tables_.connector_interactions) {
+    const u32 instance = tables_.interactions[at.interaction].row;
     candidate.atom = tables_.port_atom[instance];
     candidate.port = instance - tables_.port_base(candidate.atom);
     return candidate;
   }
-  candidate.connector = tables_.connector_of(at.slot);
+  candidate.connector = tables_.connector_of(at.interaction);
   candidate.config = at.rank;
-  const u32 listing = listing_of(at.slot);
+  const u32 listing = listing_of(at.interaction);
   if (listing == kNone) return candidate;
   const std::vector<std::uint8_t>& hidden = listings_[listing].hidden;
   if (hidden.empty()) return candidate;
@@ -170,8 +173,8 @@ Candidate Core::candidate(EnabledSet::Position at) const {
   return candidate;
 }
 
-std::uint64_t Core::next_after(u32 slot) const {
-  const std::uint64_t k = enabled_.rank(slot + 1);
+std::uint64_t Core::next_after(u32 interaction) const {
+  const std::uint64_t k = enabled_.rank(interaction + 1);
   return k < enabled_.total() ? k : 0;
 }
 
@@ -179,8 +182,8 @@ State Core::snapshot() const {
   State state;
   state.places = places_;
   state.marks = marks_;
-  state.data.resize(tables_.atom_slots);
-  if (!state.data.empty()) std::memcpy(state.data.data(), all_.data(), state.data.size() * sizeof(Slot));
+  state.data.resize(tables_.atom_cells);
+  if (!state.data.empty()) std::memcpy(state.data.data(), all_.data(), state.data.size() * sizeof(Cell));
   extern_data_.save(state.data, state.objects);
   if (time_ != nullptr) save_time(state.time);
   return state;
@@ -198,16 +201,17 @@ bool Core::restore(const State& state) {
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomInfo& now = atoms_[atom];
     const AtomType& type = image.atom_types[now.type];
-    const u32 slots = type.slots.size;
+    const u32 interactions = type.variables.size;
     const u32 words = tables_.types[now.type].mark_words;
     const u32 mark = tables_.first_mark(atom);
-    const bool same_data = slots == 0 || std::memcmp(&all_[now.slot_base], &state.data[now.slot_base], slots * sizeof(Slot)) == 0;
+    const bool same_data = interactions == 0 || std::memcmp(&all_[now.first_cell], &state.data[now.first_cell],
+                                                            interactions * sizeof(Cell)) == 0;
     const bool same_marks = words == 0 || std::memcmp(&marks_[mark], &state.marks[mark], words * sizeof(u64)) == 0;
     // What a timed atom offers depends on the instant.
     const bool is_still = time_ == nullptr || type.time == nullptr;
     if (is_still && same_data && same_marks && places_[atom] == state.places[atom]) continue;
-    for (u32 i = 0; i < slots; ++i) {
-      if (!is_extern(type.slots[i].type)) all_[now.slot_base + i].bits = state.data[now.slot_base + i];
+    for (u32 i = 0; i < interactions; ++i) {
+      if (!is_extern(type.variables[i].type)) all_[now.first_cell + i].bits = state.data[now.first_cell + i];
     }
     if (words != 0) std::memcpy(&marks_[mark], &state.marks[mark], words * sizeof(u64));
     const u32 before = places_[atom];
@@ -229,34 +233,36 @@ u32 Core::enabled_transition(u32 atom, u32 port) const {
   return row == kNone ? kNone : row - tables_.types[atoms_[atom].type].first_transition;
 }
 
-std::vector<u32> Core::last_slots() const {
+std::vector<u32> Core::last_interactions() const {
   std::vector<u32> last(atoms_.size, kNone);
   for (u32 i = 0; i < kHistory; ++i) {
-    const u32 slot = history_[(history_at_ + i) % kHistory];
-    if (slot == kNone) continue;
-    const SlotInfo info = tables_.slots[slot];
-    if (info.kind == SlotKind::Port) last[tables_.port_atom[info.row]] = slot;
-    for (u32 port = 0; port < info.count; ++port) last[tables_.port_atom[tables_.flat_ports[info.first + port]]] = slot;
+    const u32 interaction = history_[(history_at_ + i) % kHistory];
+    if (interaction == kNone) continue;
+    const InteractionInfo info = tables_.interactions[interaction];
+    if (info.kind == InteractionKind::Port) last[tables_.port_atom[info.row]] = interaction;
+    for (u32 port = 0; port < info.count; ++port)
+      last[tables_.port_atom[tables_.flat_ports[info.first + port]]] = interaction;
     if (info.plan() == kNone) continue;
     const Plan& plan = tables_.plans[info.plan()];
     for (u32 node = plan.first_node; node < plan.first_node + plan.node_count; ++node) {
-      if (tables_.plan_nodes[node].kind == NodeKind::Leaf) last[tables_.port_atom[tables_.plan_nodes[node].ref]] = slot;
+      if (tables_.plan_nodes[node].kind == NodeKind::Leaf)
+        last[tables_.port_atom[tables_.plan_nodes[node].ref]] = interaction;
     }
   }
   return last;
 }
 
-std::vector<u32> Core::recent_slots(u64 count) const {
-  std::vector<u32> slots;
-  for (u64 i = count; i > 0; --i) slots.push_back(history_[(history_at_ + kHistory - i) % kHistory]);
-  return slots;
+std::vector<u32> Core::recent_interactions(u64 count) const {
+  std::vector<u32> interactions;
+  for (u64 i = count; i > 0; --i) interactions.push_back(history_[(history_at_ + kHistory - i) % kHistory]);
+  return interactions;
 }
 
 u32 Core::listed_count(u32 connector) const {
-  const u32 slot = tables_.slot_of(connector);
-  if (slot == kNone) return 0;
+  const u32 interaction = tables_.interaction_of(connector);
+  if (interaction == kNone) return 0;
   // Compiled steps keep the list of the enabled alone.
-  return rules_.count == 0 ? enabled_.weight(slot) : base_count(slot);
+  return rules_.count == 0 ? enabled_.weight(interaction) : base_count(interaction);
 }
 
 }  // namespace bip::rt

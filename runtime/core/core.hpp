@@ -1,8 +1,10 @@
-// The core: the only meaning of *enabled* and *fire* (compiler/docs/semantics.md). Engines, explorer, debugger and replays all drive it:
-// initialize, look at the candidates, fire one, look again. Faults (R codes) stop it: initialize and fire return false, fault() tells why.
+// The core: the only meaning of *enabled* and *fire* (compiler/docs/semantics.md). Engines, explorer, debugger and
+// replays all drive it: initialize, look at the candidates, fire one, look again. Faults (R codes) stop it: initialize
+// and fire return false, fault() tells why.
 //
-// Needs an image with code in it, which must outlive it. After a step only the atoms that moved look at their transitions, only connectors that watch
-// what changed are looked at again: its cost is proportional to what it touched. No allocation in steady state unless a guarded connector is searched.
+// Needs an image with code in it, which must outlive it. After a step only the atoms that moved look at their
+// transitions, only connectors that watch what changed are looked at again: its cost is proportional to what it
+// touched. No allocation in steady state unless a guarded connector is searched.
 #pragma once
 #include <functional>
 #include <map>
@@ -12,16 +14,16 @@
 #include <vector>
 
 #include "bip/prng.hpp"
-#include "runtime/core/bits.hpp"
+#include "runtime/core/search/bits.hpp"
 #include "runtime/core/core_rows.hpp"
-#include "runtime/core/extern_data.hpp"
-#include "runtime/core/fault.hpp"
-#include "runtime/core/partial.hpp"
-#include "runtime/core/priorities.hpp"
-#include "runtime/core/select.hpp"
-#include "runtime/core/state.hpp"
-#include "runtime/core/tables.hpp"
-#include "runtime/core/time_state.hpp"
+#include "runtime/core/state/extern_data.hpp"
+#include "runtime/core/fire/fault.hpp"
+#include "runtime/core/fire/partial.hpp"
+#include "runtime/core/link/priorities.hpp"
+#include "runtime/core/state/enabled_set.hpp"
+#include "runtime/core/state/state.hpp"
+#include "runtime/core/link/tables.hpp"
+#include "runtime/core/time/time_state.hpp"
 
 namespace bip::rt {
 
@@ -41,59 +43,66 @@ class Core {
   [[nodiscard]] bool initialize();
 
   [[nodiscard]] std::uint64_t candidate_count() const { return enabled_.total(); }
-  /// The k-th candidate in canonical order, k < candidate_count(). O(log slots).
+  /// The k-th candidate in canonical order, k < candidate_count(). O(log interactions).
   [[nodiscard]] Candidate candidate(std::uint64_t k) const { return candidate(enabled_.select(k)); }
-  /// The number of the first candidate in a slot greater than `slot`, cyclically. O(log slots).
-  [[nodiscard]] std::uint64_t next_after(u32 slot) const;
+  /// The number of the first candidate in an interaction greater than `interaction`, cyclically. O(log interactions).
+  [[nodiscard]] std::uint64_t next_after(u32 interaction) const;
 
-  // ---- the list of the slots that have candidates, whose order is the history's: what the policy `uniform` draws from
+  // ---- the list of the interactions that have candidates, whose order is the history's: what the policy `uniform`
+  // draws from
   /// From now on, starting in canonical order. `initialize` and `restore` start it anew.
   void keep_list();
   /// In the list's order; empty without one.
   [[nodiscard]] std::vector<u32> list_order() const;
   void set_list_order(const std::vector<u32>& order);
-  /// The k-th candidate in the list's order while every slot in it has one, else in canonical order; k < candidate_count().
-  /// Needs the list. O(1) while every slot has one.
+  /// The k-th candidate in the list's order while every interaction in it has one, else in canonical order; k <
+  /// candidate_count(). Needs the list. O(1) while every interaction has one.
   [[nodiscard]] EnabledSet::Position drawn(std::uint64_t k) const {
     if (enabled_.listed_count() == enabled_.total()) return {enabled_.listed(k), 0};
     return enabled_.select(k);
   }
-  /// Where the k-th candidate in canonical order is. O(log slots).
+  /// Where the k-th candidate in canonical order is. O(log interactions).
   [[nodiscard]] EnabledSet::Position position(std::uint64_t k) const { return enabled_.select(k); }
-  /// The number of a candidate in canonical order. O(log slots).
-  [[nodiscard]] std::uint64_t number(EnabledSet::Position at) const { return enabled_.rank(at.slot) + at.rank; }
+  /// The number of a candidate in canonical order. O(log interactions).
+  [[nodiscard]] std::uint64_t number(EnabledSet::Position at) const { return enabled_.rank(at.interaction) + at.rank; }
   [[nodiscard]] Candidate candidate(EnabledSet::Position at) const;
   /// Is there such a candidate?
-  [[nodiscard]] bool has(EnabledSet::Position at) const { return at.slot < tables_.slots.size() && at.rank < enabled_.weight(at.slot); }
+  [[nodiscard]] bool has(EnabledSet::Position at) const {
+    return at.interaction < tables_.interactions.size() && at.rank < enabled_.weight(at.interaction);
+  }
   /// Takes the step. False: a fault; the state is then between two stable ones.
   bool fire(const Candidate& candidate);
   bool fire(std::uint64_t k) { return take(enabled_.select(k)); }
   /// fire(candidate(at)) by the shortest way. The engine's loop.
   bool take(EnabledSet::Position at) {
     if (rows_.empty()) build_programs();
-    const u32* program = rows_.data() + std::size_t{at.slot} * row_words_;
-    return *program != kNone ? run_program(program, at.slot) : fire_parts(candidate(at));
+    const u32* program = rows_.data() + std::size_t{at.interaction} * row_words_;
+    return *program != kNone ? run_program(program, at.interaction) : fire_parts(candidate(at));
   }
   void drop_programs();  // if all steps are compiled; `take` and `fire` make them anew
   /// Has the image step functions for this system, and is the list kept?
   [[nodiscard]] bool has_steps() const { return !run_of_.blocks.empty() && keeps_list_; }
-  /// The image has other code now, which means the same, or compiled steps that it had not. `before`: its rows as they were.
+  /// The image has other code now, which means the same, or compiled steps that it had not. `before`: its rows as they
+  /// were.
   void take_new_code(const std::vector<Code>& before);
-  /// Up to `limit` steps, drawn as `drawn` does; returns how many. Asks is_stopped now and then. sound: false after a fault.
+  /// Up to `limit` steps, drawn as `drawn` does; returns how many. Asks is_stopped now and then. sound: false after a
+  /// fault.
   u64 run_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr);
-  /// Has every slot a step function?
+  /// Has every interaction a step function?
   [[nodiscard]] bool can_batch() const;
   /// The same on the team's threads, in epochs (batch.hpp), while there is enough to do for all; run_steps must follow.
   /// record, unless empty, is given what was fired, in an order that is a run.
-  u64 run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(), const std::function<void(const std::vector<u32>&)>& record);
+  u64 run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(),
+                const std::function<void(const std::vector<u32>&)>& record);
   [[nodiscard]] const PriorityTables& priorities() const { return rules_; }
   static constexpr u32 kHistory = StepHistory::kSize;
-  /// The slots fired last, at most kHistory of them, in their order.
-  [[nodiscard]] std::vector<u32> recent_slots(u64 count) const;
+  /// The interactions fired last, at most kHistory of them, in their order.
+  [[nodiscard]] std::vector<u32> recent_interactions(u64 count) const;
 
   /// The atom ports that take part, in the order in which they fire.
   void participants(const Candidate& candidate, std::vector<Participant>& out);
-  /// The ports of the connector itself; exported ports of connectors below as such, with this candidate's values: runs `up`.
+  /// The ports of the connector itself; exported ports of connectors below as such, with this candidate's values: runs
+  /// `up`.
   void direct_participants(const Candidate& candidate, std::vector<Participant>& out);
 
   [[nodiscard]] State snapshot() const;
@@ -114,8 +123,8 @@ class Core {
   /// The last instant that the invariants allow.
   [[nodiscard]] i64 last_instant() const { return time_->ends.first_key(); }
   [[nodiscard]] i64 time_unit() const;
-  /// The last instant to which time may pass in this state, candidates' urgency and invariants considered; of each candidate
-  /// the last instant of its interval.
+  /// The last instant to which time may pass in this state, candidates' urgency and invariants considered; of each
+  /// candidate the last instant of its interval.
   i64 wait_limit(std::vector<i64>& ends);
   /// Of a candidate of this instant.
   CandidateTime time_of(const Candidate& candidate);
@@ -125,9 +134,11 @@ class Core {
   bool fail_time_lock();
   /// Real time: the step was planned for now, could start until `last`, and starts at `actual`. Always false.
   bool fail_late(const Candidate& candidate, i64 last, i64 actual);
-  // ---- conditions on clocks apart from the instant, for who explores all instants at once (measured.cpp). False: a fault.
+  // ---- conditions on clocks apart from the instant, for who explores all instants at once (measured.cpp). False: a
+  // fault.
   [[nodiscard]] bool measure(u32 atom, const TimeGuard& when, MeasuredGuard& out);
-  /// The labelled transitions that the atom's marking and data enable, whether it is busy or not and whether events wait or not.
+  /// The labelled transitions that the atom's marking and data enable, whether it is busy or not and whether events
+  /// wait or not.
   [[nodiscard]] bool timed_transitions(u32 atom, std::vector<TimedTransition>& out);
   /// Of the invariants in scope, those that bound clocks.
   [[nodiscard]] bool timed_invariants(u32 atom, std::vector<MeasuredGuard>& out);
@@ -144,20 +155,23 @@ class Core {
   /// The atoms' ports for them, in canonical order; a row is how others name one. Empty in images without.
   [[nodiscard]] const std::vector<EventPortRow>& event_ports() const;
   /// An event comes at this instant, with one value for each variable of the port's type. False: a fault.
-  bool deliver(u32 row, const Slot* values);
+  bool deliver(u32 row, const Cell* values);
   /// What has gone wrong outside, at this instant. Always false.
   bool fail_outside(FaultCode code, const std::string& what);
   /// How many came to the port and were not taken.
   [[nodiscard]] u32 waiting_events(u32 row) const { return time_->queues[row].count; }
-  [[nodiscard]] bool is_event_port(u32 atom, u32 port) const { return time_ != nullptr && event_row(tables_.instance(atom, port)) != kNone; }
+  [[nodiscard]] bool is_event_port(u32 atom, u32 port) const {
+    return time_ != nullptr && event_row(tables_.instance(atom, port)) != kNone;
+  }
   /// A variable of a port as a step shows it: of a port for events what the event brings.
-  [[nodiscard]] const Slot& shown(u32 atom, u32 port, u32 variable) const;
+  [[nodiscard]] const Cell& shown(u32 atom, u32 port, u32 variable) const;
 
-  // ---- partial states (partial.hpp): steps begun and finished apart. One caller at a time; only `run` may go on elsewhere
+  // ---- partial states (partial.hpp): steps begun and finished apart. One caller at a time; only `run` may go on
+  // elsewhere
   /// From now on only these take steps. Of an initialized image without time.
   void allow_partial();
-  /// May a candidate of the slot begin, although atoms are at work?
-  [[nodiscard]] bool is_decided(u32 slot) const;
+  /// May a candidate of the interaction begin, although atoms are at work?
+  [[nodiscard]] bool is_decided(u32 interaction) const;
   /// Appends what must run then, also if it returns false: a fault.
   bool begin(EnabledSet::Position at, u64 step, std::vector<Work>& works);
   [[nodiscard]] std::int32_t run(const Work& work);
@@ -167,7 +181,8 @@ class Core {
   bool end_partial();
   // ---- actions that run beside the others (async.cpp)
   [[nodiscard]] bool has_async() const { return time_ != nullptr && !time_->at_work.empty(); }
-  /// Before the first step: from now on actions end when return_action says so, not with their budget. pool: null: they run then.
+  /// Before the first step: from now on actions end when return_action says so, not with their budget. pool: null: they
+  /// run then.
   void await_returns(ActionPool* pool);
   /// The atoms whose actions have not taken effect, in the order in which they began; what of one of them.
   [[nodiscard]] const std::vector<u32>& working() const { return time_->working; }
@@ -178,13 +193,13 @@ class Core {
   bool return_action(u32 atom);
 
   // ---- looking at the state
-  [[nodiscard]] const Slot& slot(u32 row) const { return all_[row]; }
+  [[nodiscard]] const Cell& cell(u32 row) const { return all_[row]; }
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const;
   /// The transition (row of the type's) that the port would fire, or kNone if the port is disabled.
   [[nodiscard]] u32 enabled_transition(u32 atom, u32 port) const;
-  /// By atom the slot of the last step in which it may have taken part, as far as the core remembers; kNone: not known.
-  /// No part of the state.
-  [[nodiscard]] std::vector<u32> last_slots() const;
+  /// By atom the interaction of the last step in which it may have taken part, as far as the core remembers; kNone: not
+  /// known. No part of the state.
+  [[nodiscard]] std::vector<u32> last_interactions() const;
   /// Is a node of the availability network available? (semantics.md)
   [[nodiscard]] bool is_available(u32 node) const { return values_[node] >= 0; }
   /// Candidates of the connector before priorities; 0 also if it exports a port.
@@ -194,12 +209,14 @@ class Core {
   [[nodiscard]] const SearchWork& search_work() const { return search_work_; }
 
  private:
-  FlatGuard flat_guard(const SlotInfo& info);
-  [[nodiscard]] bool looks_at_binds() const { return tables_.any_searched || rules_.count != 0 || time_ != nullptr || image().choices.size != 0; }
+  FlatGuard flat_guard(const InteractionInfo& info);
+  [[nodiscard]] bool looks_at_binds() const {
+    return tables_.any_searched || rules_.count != 0 || time_ != nullptr || image().choices.size != 0;
+  }
   void forget();
   bool settle_anew();
-  [[nodiscard]] u32 listing_of(u32 slot) const { return listing_of_.empty() ? kNone : listing_of_[slot]; }
-  void remember(u32 slot) { history_[std::exchange(history_at_, (history_at_ + 1) % kHistory)] = slot; }
+  [[nodiscard]] u32 listing_of(u32 interaction) const { return listing_of_.empty() ? kNone : listing_of_[interaction]; }
+  void remember(u32 interaction) { history_[std::exchange(history_at_, (history_at_ + 1) % kHistory)] = interaction; }
   [[nodiscard]] u32 enabled_row(u32 instance) const {
     const PortState& port = ports_[instance];
     return port.place == kNone || places_[tables_.port_atom[instance]] == port.place ? port.transition : kNone;
@@ -219,12 +236,12 @@ class Core {
   void bump(u32 node, bool on);
   void crossed(u32 node, bool on);
   void touch(u32 atom);
-  void mark_dirty(u32 slot);
+  void mark_dirty(u32 interaction);
   // partial.cpp
   bool begin_port(u32 instance);
   bool settle_partial();
   void note_fault(u64 step, u32 order);
-  [[nodiscard]] u64 last_step_of(u32 slot) const;
+  [[nodiscard]] u64 last_step_of(u32 interaction) const;
 
   // timed.cpp, timed_ports.cpp, measured.cpp, time_faults.cpp
   void build_time();
@@ -252,7 +269,9 @@ class Core {
   void restart_jobs();
   // events.cpp
   void list_event_ports();
-  [[nodiscard]] u32 event_row(u32 instance) const { return time_->event_row.empty() ? kNone : time_->event_row[instance]; }
+  [[nodiscard]] u32 event_row(u32 instance) const {
+    return time_->event_row.empty() ? kNone : time_->event_row[instance];
+  }
   [[nodiscard]] bool is_without_event(u32 instance) const {
     const u32 row = event_row(instance);
     return row != kNone && time_->queues[row].count == 0;
@@ -271,25 +290,26 @@ class Core {
   void list_port(u32 instance, ProgramParts& parts);
   void list_plan(const Plan& plan, ProgramParts& parts);
   bool list_effects(ProgramParts& parts);
-  bool list_program(u32 slot, ProgramParts& parts);
-  bool run_codes(const u32* word, u32 count, u32 slot, bool is_before);
-  bool fail_program(std::int32_t status, u32 slot, bool is_before, u32 index);
+  bool list_program(u32 interaction, ProgramParts& parts);
+  bool run_codes(const u32* word, u32 count, u32 interaction, bool is_before);
+  bool fail_program(std::int32_t status, u32 interaction, bool is_before, u32 index);
 
   // fire.cpp
   bool fire_parts(const Candidate& candidate);
-  bool run_program(const u32* word, u32 slot);
+  bool run_program(const u32* word, u32 interaction);
   bool fire_port(u32 instance);
-  bool fire_flat(const SlotInfo& info);
-  bool fire_star(const SlotInfo& info);
-  bool run_transfer(const SlotInfo& info, u32 clause);
-  bool fire_planned(const Candidate& candidate, const SlotInfo& info);
+  bool fire_flat(const InteractionInfo& info);
+  bool fire_star(const InteractionInfo& info);
+  bool run_transfer(const InteractionInfo& info, u32 clause);
+  bool fire_planned(const Candidate& candidate, const InteractionInfo& info);
   bool run_code(Code code, u32 connector);
   void zero_frame(u32 connector);
   [[nodiscard]] u32 chosen_alternative(const Plan& plan, u32 choice) const;
   void bind_choices(const Plan& plan, const PlanUse& use);
 
   // run_steps.cpp
-  template <class Watch> u64 run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
+  template <class Watch>
+  u64 run_watched_steps(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
   void link_steps();
 
   // run_batch.cpp
@@ -314,7 +334,7 @@ class Core {
   bool may_hold(const Plan& plan, u32 root, const std::vector<Bits>& largest);
   bool search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest, std::vector<Bits>& found);
   bool enumerate(const Plan& plan, std::vector<Bits>& found);
-  bool list(u32 slot);
+  bool list(u32 interaction);
   void choose(const Candidate& candidate, const Plan& plan);
 
   // settle.cpp: after a step, what follows from what changed
@@ -322,14 +342,15 @@ class Core {
   bool settle_priorities();
   bool evaluate_rule_guards();
   bool recompute_component(u32 component);
-  void recount(u32 slot);
-  void weigh(u32 slot);
-  u32 base_count(u32 slot) const;
-  void direct_params(u32 slot, u32 config, std::vector<u32>& out) const;
+  void recount(u32 interaction);
+  void weigh(u32 interaction);
+  u32 base_count(u32 interaction) const;
+  void direct_params(u32 interaction, u32 config, std::vector<u32>& out) const;
 
   // faults
   bool fail(FaultCode code, u32 atom, const Transition* transition, const Transition* other);
-  bool fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition, const char* rule = nullptr);
+  bool fail_code(std::int32_t status, u32 atom, u32 connector, const Transition* transition,
+                 const char* rule = nullptr);
   bool fail_invariant(u32 atom, const Invariant& invariant, const Transition* fired);
   bool fail_atom_rules(u32 atom, const std::vector<u32>& rules);
   bool fail_connector(FaultCode code, u32 connector);
@@ -340,39 +361,39 @@ class Core {
   PriorityTables rules_;
   Fault fault_;
 
-  Span<AtomInfo> atoms_;                   // the tables'
-  std::vector<u32> places_;                // by atom: automata
-  std::vector<u32> history_;               // the slots fired last, a ring; only for telling stories
+  Span<AtomInfo> atoms_;      // the tables'
+  std::vector<u32> places_;   // by atom: automata
+  std::vector<u32> history_;  // the interactions fired last, a ring; only for telling stories
   u32 history_at_ = 0;
   std::vector<u64> marks_;
-  std::vector<Slot, InCacheLines<Slot>> all_;
+  std::vector<Cell, InCacheLines<Cell>> all_;
   ExternData extern_data_;
-  Binds binds_;                            // made when code that needs them may run
+  Binds binds_;  // made when code that needs them may run
   std::vector<PortState> ports_;
-  std::vector<std::int32_t> values_;       // by node of the availability network
-  DirectSlots direct_;
-  std::vector<u32> rows_;                  // by slot, row_words_ each: its program; kNone: it has none. Made when needed
-  std::vector<u32> programs_;              // those longer than a row
+  std::vector<std::int32_t> values_;  // by node of the availability network
+  DirectInteractions direct_;
+  std::vector<u32> rows_;      // by interaction, row_words_ each: its program; kNone: it has none. Made when needed
+  std::vector<u32> programs_;  // those longer than a row
   u32 row_words_ = 1;
-  bool is_weighted_ = false;               // a slot may have more than one candidate
-  std::vector<ProgramCode> codes_;         // what programs call
+  bool is_weighted_ = false;        // an interaction may have more than one candidate
+  std::vector<ProgramCode> codes_;  // what programs call
   std::map<std::tuple<CodeFn, const void*, u32>, u32> code_rows_;
   EnabledSet enabled_;
   bool keeps_list_ = false;
-  std::vector<CompiledRun> runs_;                  // the image's runs of step functions
-  RunRows run_of_;                         // by slot: row of runs_, or kNone
+  std::vector<CompiledRun> runs_;  // the image's runs of step functions
+  RunRows run_of_;                 // by interaction: row of runs_, or kNone
   std::vector<u32> step_scratch_;
 
   std::vector<u32> dirty_;
-  std::vector<std::uint8_t> is_dirty_;     // by slot; empty: all are direct
-  std::vector<u32> listing_of_;            // by slot; kNone: not searched. Empty: none is
+  std::vector<std::uint8_t> is_dirty_;  // by interaction; empty: all are direct
+  std::vector<u32> listing_of_;         // by interaction; kNone: not searched. Empty: none is
   std::vector<Listing> listings_;
-  std::vector<FlatGuard> flat_guards_;     // by listing; code == kNone: not that simple
+  std::vector<FlatGuard> flat_guards_;  // by listing; code == kNone: not that simple
 
   std::vector<u32> dirty_rules_;
   std::vector<std::uint8_t> is_rule_dirty_;
   std::vector<RuleState> rule_states_;
-  std::vector<u32> contributions_;         // by high edge
+  std::vector<u32> contributions_;  // by high edge
   std::vector<u32> changed_components_;
   std::vector<std::uint8_t> is_component_changed_;
   std::vector<u32> rule_todo_;

@@ -1,11 +1,11 @@
-// The rows of the core's own tables: ports, searched slots, programs. Nobody else needs them.
+// The rows of the core's own tables: ports, searched interactions, programs. Nobody else needs them.
 #pragma once
 #include <cstddef>
 #include <new>
 #include <utility>
 #include <vector>
 
-#include "runtime/core/tables.hpp"
+#include "runtime/core/link/tables.hpp"
 
 namespace bip::rt {
 
@@ -30,20 +30,21 @@ struct PortState {
   u32 transition = kNone;
   u32 place = kNone;
 };
-/// Slots of which all there is to know is that their value crosses zero: without guards and rules.
-struct DirectSlots {
-  u32 below = 0;                        // all slots below
-  std::vector<std::uint8_t> is_direct;  // by slot; empty: all are
+/// Interactions of which all there is to know is that their value crosses zero: without guards and rules.
+struct DirectInteractions {
+  u32 below = 0;                        // all interactions below
+  std::vector<std::uint8_t> is_direct;  // by interaction; empty: all are
   [[nodiscard]] bool has(u32 node) const { return node < below || (node < is_direct.size() && is_direct[node] != 0); }
 };
-/// The candidates of a searched slot.
+/// The candidates of a searched interaction.
 struct Listing {
   std::vector<u64> configs;  // Planned: count * words
   u32 count = 0;
   std::vector<std::uint8_t> hidden;  // by configuration; empty: none
 };
 
-/// By use of the plan that is searched: the sub-choice for which it was evaluated last, and whether its guard held then.
+/// By use of the plan that is searched: the sub-choice for which it was evaluated last, and whether its guard held
+/// then.
 struct EvaluatedUses {
   struct Use {
     bool is_known = false, holds = false;
@@ -86,11 +87,11 @@ struct SearchWork {
 
 /// The guard of a flat rendezvous, found without a look at the image.
 struct FlatGuard {
-  u32 code = kNone;                // row of codes_
+  u32 code = kNone;  // row of codes_
   u32 own = 0, binds = 0;
 };
 
-/// Slots from `first` on with one compiled step (run_steps.cpp).
+/// Interactions from `first` on with one compiled step (run_steps.cpp).
 struct CompiledRun {
   StepFn fn;
   const StepOperand* operands;
@@ -98,30 +99,31 @@ struct CompiledRun {
   u64 inverse;
 };
 
-/// A number for each slot, by 64 slots if those have the same, or the same as 64 others: small enough to stay at hand.
+/// A number for each interaction, by 64 interactions if those have the same, or the same as 64 others: small enough to
+/// stay at hand.
 struct RunRows {
-  static constexpr u32 kSlotsDiffer = 1u << 31;
-  std::vector<u32> blocks;         // a number, or kSlotsDiffer and where theirs are in `rows`
+  static constexpr u32 kInteractionsDiffer = 1u << 31;
+  std::vector<u32> blocks;  // a number, or kInteractionsDiffer and where theirs are in `rows`
   std::vector<u32> rows;
-  [[nodiscard]] u32 operator[](u32 slot) const { return find(blocks.data(), rows.data(), slot); }
-  static u32 find(const u32* blocks, const u32* rows, u32 slot) {
-    const u32 row = blocks[slot >> 6];
-    if (row < kSlotsDiffer || row == kNone) return row;
-    return rows[row - kSlotsDiffer + (slot & 63)];
+  [[nodiscard]] u32 operator[](u32 interaction) const { return find(blocks.data(), rows.data(), interaction); }
+  static u32 find(const u32* blocks, const u32* rows, u32 interaction) {
+    const u32 row = blocks[interaction >> 6];
+    if (row < kInteractionsDiffer || row == kNone) return row;
+    return rows[row - kInteractionsDiffer + (interaction & 63)];
   }
 };
 
 // ---- programs (programs.cpp)
 struct ProgramCode {
   Code code;
-  u32 zeroed = 0;  // own slots that are zeroed before it runs
+  u32 zeroed = 0;  // own interactions that are zeroed before it runs
 };
 struct ProgramCodes {
-  std::vector<u32> words;                      // three a code
-  std::vector<std::pair<bool, u32>> owners;    // by code: a port instance (true) or a connector
+  std::vector<u32> words;                    // three a code
+  std::vector<std::pair<bool, u32>> owners;  // by code: a port instance (true) or a connector
 };
 struct ProgramParts {
-  ProgramCodes before, after;                  // the places
+  ProgramCodes before, after;  // the places
   std::vector<u32> places, touched, instances;
   std::vector<std::pair<u32, std::int32_t>> deltas;
 };

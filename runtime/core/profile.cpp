@@ -1,4 +1,5 @@
-// See profile.hpp. Interactions of one declaration are one row, so that a table has as many rows as the model has lines.
+// See profile.hpp. Interactions of one declaration are one row, so that a table has as many rows as the model has
+// lines.
 #include "runtime/core/profile.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ namespace bip::rt {
 
 namespace {
 
-std::int32_t nothing(const void*, Slot*, Slot*, const std::uint32_t*) { return 1; }
+std::int32_t nothing(const void*, Cell*, Cell*, const std::uint32_t*) { return 1; }
 
 // The path with `*` for each index.
 std::string pattern_of(const char* path) {
@@ -30,7 +31,9 @@ std::string pattern_of(const char* path) {
 }  // namespace
 
 #if !defined(__x86_64__)
-std::uint64_t Profile::ticks_now() { return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()); }
+std::uint64_t Profile::ticks_now() {
+  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+}
 #endif
 
 Profile::Profile(std::vector<Code>& codes) : codes_(codes), rows_(codes.size()) {
@@ -46,7 +49,7 @@ Profile::~Profile() {
   for (std::size_t row = 0; row < codes_.size(); ++row) codes_[row] = rows_[row].code;
 }
 
-std::int32_t Profile::call(const void* context, Slot* self, Slot* all, const std::uint32_t* bind) {
+std::int32_t Profile::call(const void* context, Cell* self, Cell* all, const std::uint32_t* bind) {
   // The rows are the owner's own and not constant; the type of a context is.
   auto& row = *const_cast<Row*>(static_cast<const Row*>(context));
   const std::uint64_t from = ticks_now();
@@ -84,11 +87,11 @@ void Profile::start(const Tables& tables) {
   // Type, file, line, column; an internal port has no connector's type.
   using Key = std::tuple<bool, u32, u32, u32, u32, u32>;
   std::map<Key, u32> known;
-  for (u32 slot = 0; slot < tables.slots.size(); ++slot) {
-    const SlotInfo info = tables.slots[slot];
+  for (u32 interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+    const InteractionInfo info = tables.interactions[interaction];
     InteractionProfile row;
     std::string path;
-    if (info.kind == SlotKind::Port) {
+    if (info.kind == InteractionKind::Port) {
       const u32 atom = tables.port_atom[info.row];
       row.atom_type = image.atoms[atom].type;
       row.port = info.row - tables.port_base(atom);
@@ -99,8 +102,10 @@ void Profile::start(const Tables& tables) {
       row.loc = image.connectors[info.row].loc;
       path = image.connectors[info.row].path();
     }
-    const bool is_port = info.kind == SlotKind::Port;
-    const Key key{is_port, is_port ? row.atom_type : row.connector_type, is_port ? row.port : 0, row.loc.file, row.loc.line, row.loc.column};
+    const bool is_port = info.kind == InteractionKind::Port;
+    const Key key{
+        is_port,       is_port ? row.atom_type : row.connector_type, is_port ? row.port : 0, row.loc.file, row.loc.line,
+        row.loc.column};
     const auto [at, is_new] = known.try_emplace(key, static_cast<u32>(interactions_.size()));
     interaction_of_.push_back(at->second);
     if (is_new) {
@@ -130,7 +135,8 @@ void Profile::finish(double seconds) {
 }
 
 double Profile::seconds_of(const InteractionProfile& row) const {
-  return in_seconds(static_cast<double>(row.ticks) - static_cast<double>(row.steps) * shown_ - static_cast<double>(row.code_calls) * cost_);
+  return in_seconds(static_cast<double>(row.ticks) - static_cast<double>(row.steps) * shown_ -
+                    static_cast<double>(row.code_calls) * cost_);
 }
 double Profile::code_seconds_of(const InteractionProfile& row) const {
   return in_seconds(static_cast<double>(row.code_ticks) - static_cast<double>(row.code_calls) * shown_);

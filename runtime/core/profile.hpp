@@ -1,21 +1,22 @@
 // Where the time of a run goes: each interaction's steps and each piece of code's calls, counted and measured.
 //
-// A Profile puts itself between the core and the image's code: it takes the rows of code over and measures what it passes
-// on. The engine tells it where a step begins and ends. Counts are exact. Times are those of the processor's own counter where
-// there is one; what measuring itself costs is measured once and taken off. A run without a Profile does not know of it.
+// A Profile puts itself between the core and the image's code: it takes the rows of code over and measures what it
+// passes on. The engine tells it where a step begins and ends. Counts are exact. Times are those of the processor's own
+// counter where there is one; what measuring itself costs is measured once and taken off. A run without a Profile does
+// not know of it.
 #pragma once
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "bip/image.hpp"
-#include "runtime/core/tables.hpp"
+#include "runtime/core/link/tables.hpp"
 
 namespace bip::rt {
 
 /// All interactions that one declaration of the model makes.
 struct InteractionProfile {
-  std::string name;      // "ROOT.table.take[*]"; one instance: its path
+  std::string name;  // "ROOT.table.take[*]"; one instance: its path
   Loc loc;
   std::uint32_t connector_type = kNone;  // kNone: an internal port
   std::uint32_t atom_type = kNone, port = kNone;
@@ -43,9 +44,9 @@ class Profile {
     code_calls_ = code_ticks_ = 0;
     step_began_ = ticks_now();
   }
-  void end_step(std::uint32_t slot) {
+  void end_step(std::uint32_t interaction) {
     const std::uint64_t took = ticks_now() - step_began_;
-    InteractionProfile& row = interactions_[interaction_of_[slot]];
+    InteractionProfile& row = interactions_[interaction_of_[interaction]];
     ++row.steps;
     row.ticks += took;
     row.code_calls += code_calls_;
@@ -70,14 +71,14 @@ class Profile {
     Profile* owner = nullptr;
     CodeProfile count;
   };
-  static std::int32_t call(const void* context, Slot* self, Slot* all, const std::uint32_t* bind);
+  static std::int32_t call(const void* context, Cell* self, Cell* all, const std::uint32_t* bind);
   static std::uint64_t ticks_now();
   void calibrate();
   [[nodiscard]] double in_seconds(double ticks) const { return ticks > 0 ? ticks * seconds_per_tick_ : 0; }
 
   std::vector<Code>& codes_;
   std::vector<Row> rows_;
-  std::vector<std::uint32_t> interaction_of_;  // by slot
+  std::vector<std::uint32_t> interaction_of_;  // by interaction
   std::vector<InteractionProfile> interactions_;
   std::uint64_t started_ = 0, step_began_ = 0;
   std::uint64_t code_calls_ = 0, code_ticks_ = 0;  // of the step at hand

@@ -49,16 +49,16 @@ void append_quoted(std::string& out, const char* text) {
   out += '"';
 }
 
-void append_value(std::string& out, const Image& image, SlotType type, Slot value) {
+void append_value(std::string& out, const Image& image, CellType type, Cell value) {
   switch (type) {
-    case SlotType::Int: {
+    case CellType::Int: {
       char buffer[16];
       out.append(buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value.i).ptr - buffer));
       break;
     }
-    case SlotType::Bool: out += value.i != 0 ? "true" : "false"; break;
-    case SlotType::Float: append_double(out, value.f); break;
-    case SlotType::String: append_quoted(out, string_of(image, value)); break;
+    case CellType::Bool: out += value.i != 0 ? "true" : "false"; break;
+    case CellType::Float: append_double(out, value.f); break;
+    case CellType::String: append_quoted(out, string_of(image, value)); break;
     default:
       out += '<';
       out += image.extern_types[static_cast<u32>(type) - kFirstExtern].name;
@@ -100,14 +100,14 @@ std::string places_of(const Core& core, u32 atom) {
 
 std::string data_of(const Core& core, u32 atom) {
   const AtomType& type = core.tables().atom_type(atom);
-  const u32 base = core.image().atoms[atom].slot_base;
+  const u32 base = core.image().atoms[atom].first_cell;
   std::string out;
   const u32 clocks = type.time == nullptr ? 0 : type.time->clocks.size;
-  for (u32 i = 0; i < (clocks == 0 ? type.slots.size : type.time->clocks[0].slot); ++i) {
+  for (u32 i = 0; i < (clocks == 0 ? type.variables.size : type.time->clocks[0].variable); ++i) {
     if (i != 0) out += ", ";
-    out += type.slots[i].name;
+    out += type.variables[i].name;
     out += " = ";
-    append_value(out, core.image(), type.slots[i].type, core.slot(base + i));
+    append_value(out, core.image(), type.variables[i].type, core.cell(base + i));
   }
   for (u32 i = 0; i < clocks; ++i) {
     if (!out.empty()) out += ", ";

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "runtime/core/core.hpp"
-#include "runtime/core/time_state.hpp"
+#include "runtime/core/time/time_state.hpp"
 
 namespace bip::rt {
 
@@ -13,7 +13,7 @@ void append_number(std::string& out, std::uint64_t value);
 /// A string constant with quotes and escapes (JSON's).
 void append_quoted(std::string& out, const char* text);
 /// `1`, `true`, `2.5`, `"text"`.
-void append_value(std::string& out, const Image& image, SlotType type, Slot value);
+void append_value(std::string& out, const Image& image, CellType type, Cell value);
 /// `dine.bip:21`; nothing if there is no location.
 void append_line(std::string& out, const Image& image, Loc loc);
 /// A name with the index where `#` is (rows.hpp).
@@ -22,9 +22,13 @@ void append_name(std::string& out, const char* name, u32 index);
 [[nodiscard]] const char* relative(const char* path);
 /// The path of an atom or a connector, as path() gives it; the same without "ROOT.".
 template <class Row>
-void append_path(std::string& out, const Row& row) { append_name(out, row.name, row.index); }
+void append_path(std::string& out, const Row& row) {
+  append_name(out, row.name, row.index);
+}
 template <class Row>
-void append_relative(std::string& out, const Row& row) { append_name(out, relative(row.name), row.index); }
+void append_relative(std::string& out, const Row& row) {
+  append_name(out, relative(row.name), row.index);
+}
 /// The marked places, "A, B".
 [[nodiscard]] std::string places_of(const Core& core, u32 atom);
 /// `x = 1, b = true`, or empty.

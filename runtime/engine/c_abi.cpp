@@ -24,8 +24,10 @@ std::size_t copy_out(const std::string& text, char* buffer, std::size_t size) {
   return text.size();
 }
 int code_of(bip::Outcome outcome) { return static_cast<int>(outcome); }
-static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED && static_cast<int>(bip::Outcome::Deadlock) == BIP_DEADLOCK &&
-              static_cast<int>(bip::Outcome::Fault) == BIP_FAULT && static_cast<int>(bip::Outcome::Stopped) == BIP_STOPPED);
+static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED &&
+              static_cast<int>(bip::Outcome::Deadlock) == BIP_DEADLOCK &&
+              static_cast<int>(bip::Outcome::Fault) == BIP_FAULT &&
+              static_cast<int>(bip::Outcome::Stopped) == BIP_STOPPED);
 
 }  // namespace
 
@@ -36,7 +38,9 @@ bip_execution* bip_create(const bip_image* image, uint64_t seed, int policy) {
   bip::ExecutionOptions options;
   options.seed = seed;
   options.policy = static_cast<bip::rt::Policy>(policy);
-  return std::make_unique<bip_execution>(bip_execution{bip::Execution(*reinterpret_cast<const bip::rt::Image*>(image), options)}).release();
+  return std::make_unique<bip_execution>(
+             bip_execution{bip::Execution(*reinterpret_cast<const bip::rt::Image*>(image), options)})
+      .release();
 }
 void bip_destroy(bip_execution* system) { const std::unique_ptr<bip_execution> owner(system); }
 
@@ -56,17 +60,22 @@ void bip_on_step(bip_execution* system, bip_callback callback, void* user) {
     system->system.on_step(nullptr);
     return;
   }
-  system->system.on_step([callback, user](const bip::Step& step) { callback(user, step.number, step.interaction.c_str()); });
+  system->system.on_step(
+      [callback, user](const bip::Step& step) { callback(user, step.number, step.interaction.c_str()); });
 }
 
-int bip_read_int(const bip_execution* system, const char* path, int32_t* value) { return system->system.read(path, *value) ? 1 : 0; }
+int bip_read_int(const bip_execution* system, const char* path, int32_t* value) {
+  return system->system.read(path, *value) ? 1 : 0;
+}
 int bip_read_bool(const bip_execution* system, const char* path, int* value) {
   bool truth = false;
   if (!system->system.read(path, truth)) return 0;
   *value = truth ? 1 : 0;
   return 1;
 }
-int bip_read_float(const bip_execution* system, const char* path, double* value) { return system->system.read(path, *value) ? 1 : 0; }
+int bip_read_float(const bip_execution* system, const char* path, double* value) {
+  return system->system.read(path, *value) ? 1 : 0;
+}
 size_t bip_read_string(const bip_execution* system, const char* path, char* buffer, size_t size) {
   std::string value;
   (void)system->system.read(path, value);
@@ -82,7 +91,11 @@ bip_snapshot* bip_save(const bip_execution* system) {
 void bip_restore(bip_execution* system, const bip_snapshot* snapshot) { system->system.restore(snapshot->snapshot); }
 void bip_free_snapshot(bip_snapshot* snapshot) { const std::unique_ptr<bip_snapshot> owner(snapshot); }
 
-size_t bip_fault(const bip_execution* system, char* buffer, size_t size) { return copy_out(system->system.fault(), buffer, size); }
-size_t bip_story(const bip_execution* system, char* buffer, size_t size) { return copy_out(system->system.story(), buffer, size); }
+size_t bip_fault(const bip_execution* system, char* buffer, size_t size) {
+  return copy_out(system->system.fault(), buffer, size);
+}
+size_t bip_story(const bip_execution* system, char* buffer, size_t size) {
+  return copy_out(system->system.story(), buffer, size);
+}
 
 }  // extern "C"

@@ -48,7 +48,8 @@ void EventFeed::stop() {
 
 void EventFeed::open_pool(Core& core) {
   if (!core.has_async() || wall_ == nullptr) return;
-  pool_ = std::make_unique<ActionPool>(kMostThreads, [this](u32 atom, u64 job) { inbox_.note_return(atom, job, *wall_); });
+  pool_ =
+      std::make_unique<ActionPool>(kMostThreads, [this](u32 atom, u64 job) { inbox_.note_return(atom, job, *wall_); });
   core.await_returns(pool_.get());
 }
 
@@ -59,12 +60,19 @@ bool EventFeed::read(const std::string& path, std::string& error) {
 }
 
 // A recorded event came after the look that its line names, whatever the instants say.
-bool EventFeed::is_due(const Event& event, i64 target) const { return event.look == kAnyLook ? event.time <= target : event.look <= looks_; }
+bool EventFeed::is_due(const Event& event, i64 target) const {
+  return event.look == kAnyLook ? event.time <= target : event.look <= looks_;
+}
 
 // Jobs of a state that was left are nothing.
 void EventFeed::forget_jobs(const Core& core, std::size_t first) {
   const auto begin = arrived_.begin() + static_cast<std::ptrdiff_t>(first);
-  arrived_.erase(std::remove_if(begin, arrived_.end(), [&](const Event& e) { return e.kind != EventKind::Port && !(core.is_at_work(e.row) && core.work_of(e.row).job == e.job); }), arrived_.end());
+  arrived_.erase(std::remove_if(begin, arrived_.end(),
+                                [&](const Event& e) {
+                                  return e.kind != EventKind::Port &&
+                                         !(core.is_at_work(e.row) && core.work_of(e.row).job == e.job);
+                                }),
+                 arrived_.end());
 }
 
 // Whose budget is over, by what arrived from row `first` on and by the clock. The news comes before the return.
@@ -73,7 +81,8 @@ void EventFeed::look_at_budgets(Core& core, std::size_t first) {
     if (arrived_[k].kind != EventKind::Return) continue;
     const Event event = arrived_[k];
     if (event.time > core.work_of(event.row).until && !core.work_of(event.row).is_overrun) {
-      arrived_.insert(arrived_.begin() + static_cast<std::ptrdiff_t>(k++), {core.work_of(event.row).until, event.row, kAnyLook, {}, EventKind::Overrun, event.job});
+      arrived_.insert(arrived_.begin() + static_cast<std::ptrdiff_t>(k++),
+                      {core.work_of(event.row).until, event.row, kAnyLook, {}, EventKind::Overrun, event.job});
     }
     core.mark_overrun(event.row);
   }
@@ -140,11 +149,15 @@ i64 EventFeed::wait_for_outside(Core& core, i64 target) {
     if (!collect(core, target)) return kForever;
     i64 event = kForever;
     if (next_ < script_.size() && is_due(script_[next_], target)) event = script_[next_].time;
-    if (!arrived_.empty() && (arrived_.front().time <= target || stalls_ > kMaxStalls)) event = std::min({event, arrived_.front().time, target});
-    if (event != kForever && next_ < script_.size() && script_[next_].look != kAnyLook && (script_[next_].look != looks_ || event < core.now() || event > target)) {
+    if (!arrived_.empty() && (arrived_.front().time <= target || stalls_ > kMaxStalls))
+      event = std::min({event, arrived_.front().time, target});
+    if (event != kForever && next_ < script_.size() && script_[next_].look != kAnyLook &&
+        (script_[next_].look != looks_ || event < core.now() || event > target)) {
       failed_ = true;
       const Event& next = script_[next_];
-      const std::string what = next.kind == EventKind::Port ? "the event for port `" + ports_.path(next.row) : std::string("what ended in `") + ports_.atom_path(next.row);
+      const std::string what = next.kind == EventKind::Port
+                                   ? "the event for port `" + ports_.path(next.row)
+                                   : std::string("what ended in `") + ports_.atom_path(next.row);
       (void)core.fail_outside(FaultCode::ReplayDiffers, "the run differs from what was recorded before " + what + '`');
       return kForever;
     }
@@ -186,7 +199,8 @@ bool EventFeed::deliver(Core& core) {
 
 // It is told, and an event comes to the port that wants to know.
 bool EventFeed::overrun(Core& core, u32 atom) {
-  if (!core.is_at_work(atom)) return core.fail_outside(FaultCode::ReplayDiffers, std::string("nothing runs in `") + ports_.atom_path(atom) + '`');
+  if (!core.is_at_work(atom))
+    return core.fail_outside(FaultCode::ReplayDiffers, std::string("nothing runs in `") + ports_.atom_path(atom) + '`');
   ++overruns_;
   core.mark_overrun(atom);
   if (warnings_ != nullptr) {
@@ -205,11 +219,13 @@ bool EventFeed::deliver(Core& core, const Event& event) {
   }
   if (event.kind == EventKind::Overrun) return overrun(core, event.row);
   if (event.kind == EventKind::Return) {
-    if (!core.is_at_work(event.row)) return core.fail_outside(FaultCode::ReplayDiffers, std::string("nothing runs in `") + ports_.atom_path(event.row) + '`');
+    if (!core.is_at_work(event.row))
+      return core.fail_outside(FaultCode::ReplayDiffers,
+                               std::string("nothing runs in `") + ports_.atom_path(event.row) + '`');
     return core.return_action(event.row);
   }
-  ports_.to_slots(event.row, event.values, slots_);
-  return core.deliver(event.row, slots_.data());
+  ports_.to_cells(event.row, event.values, cells_);
+  return core.deliver(event.row, cells_.data());
 }
 
 }  // namespace bip::rt

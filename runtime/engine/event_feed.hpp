@@ -1,8 +1,10 @@
-// Where a run's events come from: a file, or C++ classes and other threads; and in real time the clock on the wall that says when.
+// Where a run's events come from: a file, or C++ classes and other threads; and in real time the clock on the wall that
+// says when.
 //
-// The engine looks what is next, then asks whether something comes from outside before that. In logical time the answer follows
-// from the events alone, so a run with the same events is the same run; in real time asking sleeps, and uses no time while
-// nothing comes. What is delivered can be recorded: the instants, and after which look. Cost without ports for events: a comparison.
+// The engine looks what is next, then asks whether something comes from outside before that. In logical time the answer
+// follows from the events alone, so a run with the same events is the same run; in real time asking sleeps, and uses no
+// time while nothing comes. What is delivered can be recorded: the instants, and after which look. Cost without ports
+// for events: a comparison.
 #pragma once
 #include <cstdio>
 #include <deque>
@@ -10,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/core/action_pool.hpp"
+#include "runtime/core/fire/action_pool.hpp"
 #include "runtime/engine/event_sources.hpp"
 #include "runtime/engine/inbox.hpp"
 #include "runtime/engine/interrupt.hpp"
@@ -26,7 +28,9 @@ class EventFeed {
   /// The events of a file, and nothing else; once, before the first question. False: `error` says what is wrong.
   [[nodiscard]] bool read(const std::string& path, std::string& error);
   /// Those of a record, each after the look after which it came.
-  [[nodiscard]] bool replay(const std::string& path, std::string& error) { return read_events(path, ports_, true, script_, error); }
+  [[nodiscard]] bool replay(const std::string& path, std::string& error) {
+    return read_events(path, ports_, true, script_, error);
+  }
   /// Makes the objects of the model's classes. False: a fault.
   [[nodiscard]] bool open_sources(Core& core);
   /// Threads may post from now on: in real time their events are waited for, however long.
@@ -42,7 +46,9 @@ class EventFeed {
   void record(std::FILE* file) { record_ = file; }
 
   /// Any thread, after open_inbox. Values as EventPorts::check wants them. False: too many wait for the port.
-  [[nodiscard]] bool post(u32 row, std::vector<EventValue> values) { return inbox_.post(row, std::move(values), wall_); }
+  [[nodiscard]] bool post(u32 row, std::vector<EventValue> values) {
+    return inbox_.post(row, std::move(values), wall_);
+  }
   /// Any thread: who waits returns, and is_stopped().
   void stop();
   void go_on() { wants_stop_.store(false); }
@@ -50,8 +56,8 @@ class EventFeed {
   void restart(RealTime& wall, i64 now);
   [[nodiscard]] Waker& waker() { return inbox_.waker(); }
 
-  /// The engine has looked, and without us it goes on at `target`. The instant of the first event that comes until then, no
-  /// earlier than now; kForever: none does, or is_stopped(), or failed(). In real time it is then `target`.
+  /// The engine has looked, and without us it goes on at `target`. The instant of the first event that comes until
+  /// then, no earlier than now; kForever: none does, or is_stopped(), or failed(). In real time it is then `target`.
   [[nodiscard]] i64 wait(Core& core, i64 target) {
     if (ports_.size() != 0 || wall_ != nullptr || !script_.empty()) return wait_for_outside(core, target);
     // Nothing comes from outside and nobody sleeps.
@@ -80,13 +86,13 @@ class EventFeed {
 
   EventPorts ports_;
   std::vector<Event> script_;
-  std::size_t next_ = 0;           // of script_
+  std::size_t next_ = 0;  // of script_
   Inbox inbox_;
   EventSources sources_;
   EventSources::Engine engine_;
-  std::deque<Event> arrived_;      // in the order of their instants
-  std::vector<u32> held_;          // by row: posted events in the core, when we looked last
-  std::vector<u32> active_;        // rows of which there are some
+  std::deque<Event> arrived_;  // in the order of their instants
+  std::vector<u32> held_;      // by row: posted events in the core, when we looked last
+  std::vector<u32> active_;    // rows of which there are some
   u64 looks_ = 0;
   u32 stalls_ = 0;
   RealTime* wall_ = nullptr;
@@ -94,7 +100,7 @@ class EventFeed {
   bool is_open_ = false, failed_ = false;
   bool gave_up_ = false;
   std::atomic<bool> wants_stop_{false};
-  std::vector<Slot> slots_;
+  std::vector<Cell> cells_;
   std::FILE* warnings_ = nullptr;
   u64 overruns_ = 0;
   std::unique_ptr<ActionPool> pool_;  // the last: its threads reach the rest

@@ -20,20 +20,20 @@ namespace {
 // Longer lines are no events.
 constexpr std::size_t kMaxLine = 1 << 20;
 
-EventValue value_of(JsonLine& json, SlotType type) {
+EventValue value_of(JsonLine& json, CellType type) {
   switch (json.kind()) {
     case JsonLine::Kind::Bool: return json.boolean();
     case JsonLine::Kind::String: {
       std::string text = json.string();
       // As traces write floats that JSON has no word for.
-      if (type != SlotType::Float) return text;
+      if (type != CellType::Float) return text;
       if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
       if (text == "inf") return std::numeric_limits<double>::infinity();
       if (text == "-inf") return -std::numeric_limits<double>::infinity();
       return text;
     }
     case JsonLine::Kind::Number: {
-      if (type == SlotType::Float) return json.real();
+      if (type == CellType::Float) return json.real();
       const std::int64_t whole = json.integer();
       if (json.ok() && (whole < INT32_MIN || whole > INT32_MAX)) json.fail("the number does not fit an int");
       return static_cast<std::int32_t>(whole);
@@ -57,7 +57,7 @@ void read_values(JsonLine& json, const EventPorts& ports, Event& event) {
   if (json.kind() == JsonLine::Kind::Array) {
     for (bool more = json.open('['); more; more = json.next(']')) {
       const std::size_t k = event.values.size();
-      event.values.push_back(value_of(json, k < vars.size ? vars[k].type : SlotType::Int));
+      event.values.push_back(value_of(json, k < vars.size ? vars[k].type : CellType::Int));
     }
     return;
   }
@@ -113,21 +113,24 @@ bool read_event(JsonLine& json, const EventPorts& ports, bool is_record, Event& 
   if (!has_time) json.fail("`time` is missing");
   if (!has_port) json.fail("`port` is missing");
   if (!json.at_end() || event.kind != EventKind::Port) return true;
-  if (std::string problem = ports.check(event.row, event.values); !problem.empty()) json.fail(has_values ? problem : problem + ": `values` is missing");
+  if (std::string problem = ports.check(event.row, event.values); !problem.empty())
+    json.fail(has_values ? problem : problem + ": `values` is missing");
   return true;
 }
 
 }  // namespace
 
 i64 parse_time(std::string_view text) {
-  constexpr std::pair<std::string_view, i64> kUnits[] = {{"s", 1'000'000'000}, {"ms", 1'000'000}, {"us", 1'000}, {"ns", 1}};
+  constexpr std::pair<std::string_view, i64> kUnits[] = {
+      {"s", 1'000'000'000}, {"ms", 1'000'000}, {"us", 1'000}, {"ns", 1}};
   if (text == "0") return 0;
   Int128 total = 0;
   std::size_t at = 0, unit = 0;
   while (at < text.size()) {
     i64 count = 0;
     const std::size_t first = at;
-    for (; at < text.size() && text[at] >= '0' && text[at] <= '9' && count < kMaxTicks / 10; ++at) count = count * 10 + (text[at] - '0');
+    for (; at < text.size() && text[at] >= '0' && text[at] <= '9' && count < kMaxTicks / 10; ++at)
+      count = count * 10 + (text[at] - '0');
     if (at == first) return -1;
     std::size_t end = at;
     while (end < text.size() && text[end] >= 'a' && text[end] <= 'z') ++end;
@@ -187,7 +190,8 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
     else if (key == "asap") out.asap = json.boolean();
     else if (key == "returns") out.tells_returns = json.boolean();
     else if (key == "maximal_progress") out.maximal_progress = json.boolean();
-    else if (key == "end") out.has_end = true, out.end = word_of(json, {End::Limit, End::Deadlock, End::Fault, End::Interrupted});
+    else if (key == "end")
+      out.has_end = true, out.end = word_of(json, {End::Limit, End::Deadlock, End::Fault, End::Interrupted});
     else if (key == "steps") out.steps = static_cast<u64>(json.integer());
     else if (key == "looks") out.looks = static_cast<u64>(json.integer());
     else if (key == "time") (void)json.integer();
@@ -202,7 +206,8 @@ bool read_record(const std::string& path, Record& out, std::string& error) {
   bool is_record = false;
   const bool sound = read_lines(path, error, [&](JsonLine& json, std::size_t number) {
     if (number != 1 && json.first_key() != "end") return;
-    if (number == 1 && json.first_key() != "format") return json.fail("this is no record of a run: --record writes one");
+    if (number == 1 && json.first_key() != "format")
+      return json.fail("this is no record of a run: --record writes one");
     read_record_line(json, out, is_record);
     if (number == 1 && !is_record) json.fail("this is no record of a run: --record writes one");
   });
@@ -216,7 +221,8 @@ void append_record_head(std::string& out, const Record& record) {
   out += R"(,"seed":)";
   append_number(out, record.seed);
   out += std::string(R"(,"policy":")") + name_of(record.policy) + R"(","asap":)" + (record.asap ? "true" : "false");
-  out += std::string(R"(,"maximal_progress":)") + (record.maximal_progress ? "true" : "false") + (record.tells_returns ? ",\"returns\":true}\n" : "}\n");
+  out += std::string(R"(,"maximal_progress":)") + (record.maximal_progress ? "true" : "false") +
+         (record.tells_returns ? ",\"returns\":true}\n" : "}\n");
 }
 
 void append_record_end(std::string& out, const Record& record) {
@@ -227,7 +233,8 @@ void append_record_end(std::string& out, const Record& record) {
   out += "}\n";
 }
 
-bool read_events(const std::string& path, const EventPorts& ports, bool is_record, std::vector<Event>& out, std::string& error) {
+bool read_events(const std::string& path, const EventPorts& ports, bool is_record, std::vector<Event>& out,
+                 std::string& error) {
   return read_lines(path, error, [&](JsonLine& json, std::size_t) {
     Event event;
     if (!read_event(json, ports, is_record, event)) return;

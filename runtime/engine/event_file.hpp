@@ -1,4 +1,5 @@
-// Events in a file, one a line of JSON, in the order in which they come (semantics.md, Events). Written by --record, read by
+// Events in a file, one a line of JSON, in the order in which they come (semantics.md, Events). Written by --record,
+// read by
 // --events and `bipc replay`.
 #pragma once
 #include <string>
@@ -15,16 +16,16 @@ enum class EventKind : std::uint8_t { Port, Return, Overrun };
 /// An event for a row of EventPorts, or of an atom.
 struct Event {
   i64 time = 0;
-  u32 row = 0;             // of the ports; Return, Overrun: the atom
+  u32 row = 0;          // of the ports; Return, Overrun: the atom
   u64 look = kAnyLook;  // replay: how often the engine had looked for its next step when it came
   std::vector<EventValue> values;
   EventKind kind = EventKind::Port;
-  u64 job = 0;             // Return: its number in the pool
+  u64 job = 0;  // Return: its number in the pool
 };
 
 /// What the first and the last line of a record say of the run: replay needs it.
 struct Record {
-  bool has_end = false;      // false: the run was cut off
+  bool has_end = false;  // false: the run was cut off
   std::string model;
   u64 seed = 0;
   Policy policy = Policy::Uniform;
@@ -39,7 +40,8 @@ void append_record_head(std::string& out, const Record& record);
 void append_record_end(std::string& out, const Record& record);
 
 /// All events of the file; only records tell of actions. False: `error` says in which line what is wrong.
-[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, bool is_record, std::vector<Event>& out, std::string& error);
+[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, bool is_record,
+                               std::vector<Event>& out, std::string& error);
 /// A line with its newline.
 void append_event(std::string& out, const EventPorts& ports, const Event& event);
 

@@ -10,22 +10,22 @@ namespace bip::rt {
 
 namespace {
 
-const char* name_of(SlotType type) {
+const char* name_of(CellType type) {
   switch (type) {
-    case SlotType::Int: return "an int";
-    case SlotType::Bool: return "a bool";
-    case SlotType::Float: return "a float";
-    case SlotType::String: return "a string";
+    case CellType::Int: return "an int";
+    case CellType::Bool: return "a bool";
+    case CellType::Float: return "a float";
+    case CellType::String: return "a string";
   }
   return "a C++ object";
 }
 
-bool fits(SlotType type, const EventValue& value) {
+bool fits(CellType type, const EventValue& value) {
   switch (type) {
-    case SlotType::Int: return std::holds_alternative<std::int32_t>(value);
-    case SlotType::Bool: return std::holds_alternative<bool>(value);
-    case SlotType::Float: return std::holds_alternative<double>(value);
-    case SlotType::String: return std::holds_alternative<std::string>(value);
+    case CellType::Int: return std::holds_alternative<std::int32_t>(value);
+    case CellType::Bool: return std::holds_alternative<bool>(value);
+    case CellType::Float: return std::holds_alternative<double>(value);
+    case CellType::String: return std::holds_alternative<std::string>(value);
   }
   return false;
 }
@@ -44,7 +44,8 @@ std::string EventPorts::path(u32 row) const {
 
 u32 EventPorts::find(std::string_view text) const {
   const std::string wanted = (text.starts_with("ROOT.") ? "" : "ROOT.") + std::string(text);
-  const auto at = std::lower_bound(by_path_.begin(), by_path_.end(), wanted, [this](u32 row, const std::string& key) { return path(row) < key; });
+  const auto at = std::lower_bound(by_path_.begin(), by_path_.end(), wanted,
+                                   [this](u32 row, const std::string& key) { return path(row) < key; });
   return at != by_path_.end() && path(*at) == wanted ? *at : kNone;
 }
 
@@ -75,33 +76,36 @@ std::string EventPorts::check(u32 row, std::vector<EventValue>& values) const {
     return problem;
   }
   for (u32 i = 0; i < wanted.size; ++i) {
-    if (const auto* whole = std::get_if<std::int32_t>(&values[i]); whole != nullptr && wanted[i].type == SlotType::Float) values[i] = static_cast<double>(*whole);
-    if (!fits(wanted[i].type, values[i])) return "`" + std::string(wanted[i].name) + "` of `" + path(row) + "` is " + name_of(wanted[i].type);
+    if (const auto* whole = std::get_if<std::int32_t>(&values[i]);
+        whole != nullptr && wanted[i].type == CellType::Float)
+      values[i] = static_cast<double>(*whole);
+    if (!fits(wanted[i].type, values[i]))
+      return "`" + std::string(wanted[i].name) + "` of `" + path(row) + "` is " + name_of(wanted[i].type);
   }
   return problem;
 }
 
-void EventPorts::to_slots(u32 row, const std::vector<EventValue>& values, std::vector<Slot>& out) const {
+void EventPorts::to_cells(u32 row, const std::vector<EventValue>& values, std::vector<Cell>& out) const {
   const Span<Var>& wanted = vars(row);
   out.clear();
   for (u32 i = 0; i < wanted.size; ++i) {
-    Slot slot{0};
-    if (const auto* truth = std::get_if<bool>(&values[i])) slot.i = *truth ? 1 : 0;
-    else if (const auto* whole = std::get_if<std::int32_t>(&values[i])) slot.i = *whole;
-    else if (const auto* real = std::get_if<double>(&values[i])) slot.f = *real;
-    else if (const auto* text = std::get_if<std::string>(&values[i])) slot.i = image_.outside->intern(*text);
-    out.push_back(slot);
+    Cell cell{0};
+    if (const auto* truth = std::get_if<bool>(&values[i])) cell.i = *truth ? 1 : 0;
+    else if (const auto* whole = std::get_if<std::int32_t>(&values[i])) cell.i = *whole;
+    else if (const auto* real = std::get_if<double>(&values[i])) cell.f = *real;
+    else if (const auto* text = std::get_if<std::string>(&values[i])) cell.i = image_.outside->intern(*text);
+    out.push_back(cell);
   }
 }
 
-EventValue EventPorts::from_slot(SlotType type, Slot slot) const {
+EventValue EventPorts::from_cell(CellType type, Cell cell) const {
   switch (type) {
-    case SlotType::Int: break;
-    case SlotType::Bool: return slot.i != 0;
-    case SlotType::Float: return slot.f;
-    case SlotType::String: return std::string(string_of(image_, slot));
+    case CellType::Int: break;
+    case CellType::Bool: return cell.i != 0;
+    case CellType::Float: return cell.f;
+    case CellType::String: return std::string(string_of(image_, cell));
   }
-  return slot.i;
+  return cell.i;
 }
 
 }  // namespace bip::rt

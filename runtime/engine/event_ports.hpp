@@ -26,8 +26,8 @@ class EventPorts {
   /// Empty, or what is wrong with these values for the port; ints become floats where those are wanted.
   [[nodiscard]] std::string check(u32 row, std::vector<EventValue>& values) const;
   /// As the core wants them. Only where the model runs: strings are made rows.
-  void to_slots(u32 row, const std::vector<EventValue>& values, std::vector<Slot>& out) const;
-  [[nodiscard]] EventValue from_slot(SlotType type, Slot slot) const;
+  void to_cells(u32 row, const std::vector<EventValue>& values, std::vector<Cell>& out) const;
+  [[nodiscard]] EventValue from_cell(CellType type, Cell cell) const;
 
  private:
   const Image& image_;

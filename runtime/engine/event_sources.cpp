@@ -44,15 +44,16 @@ bool EventSources::poll(const Core& core, const EventPorts& ports, i64 until, st
   for (Object& object : objects_) {
     if (object.is_on_way || core.waiting_events(object.row) != 0) continue;
     const Span<Var>& vars = ports.vars(object.row);
-    slots_.assign(vars.size, Slot{0});
+    cells_.assign(vars.size, Cell{0});
     Event event{0, object.row, kAnyLook, {}};
-    switch (object.type->poll(object.address, *core.image().outside, object.context.now(object.context.engine), until, event.time, slots_.data())) {
+    switch (object.type->poll(object.address, *core.image().outside, object.context.now(object.context.engine), until,
+                              event.time, cells_.data())) {
       case Poll::None: continue;
       case Poll::Exception: return fail(object, core);
       case Poll::Event: break;
     }
     object.is_on_way = true;
-    for (u32 i = 0; i < vars.size; ++i) event.values.push_back(ports.from_slot(vars[i].type, slots_[i]));
+    for (u32 i = 0; i < vars.size; ++i) event.values.push_back(ports.from_cell(vars[i].type, cells_[i]));
     out.push_back(std::move(event));
   }
   return true;

@@ -1,7 +1,7 @@
 // The objects of C++ classes behind `extern port … as "Class"`: one a port of an atom, asked for events one at a time.
 //
-// Lives on the thread that runs the model; only notify() and now() are called from others. What throws is told as a fault by
-// whoever asks.
+// Lives on the thread that runs the model; only notify() and now() are called from others. What throws is told as a
+// fault by whoever asks.
 #pragma once
 #include <deque>
 #include <memory>
@@ -41,7 +41,7 @@ class EventSources {
     u32 row = 0;
     const EventClass* type = nullptr;
     void* address = nullptr;
-    bool is_on_way = false;   // an event of it was taken and is not yet in the core
+    bool is_on_way = false;  // an event of it was taken and is not yet in the core
     std::string path;
     SourceContext context{};
   };
@@ -50,7 +50,7 @@ class EventSources {
   std::deque<Object> objects_;  // their contexts never move
   std::vector<u32> object_of_;  // by row of the ports; kNone: none
   std::string problem_;
-  std::vector<Slot> slots_;
+  std::vector<Cell> cells_;
 };
 
 }  // namespace bip::rt

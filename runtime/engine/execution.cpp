@@ -6,7 +6,7 @@
 
 #include "bip/bip.hpp"
 #include "bip/outside.hpp"
-#include "runtime/core/story.hpp"
+#include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
@@ -16,7 +16,8 @@ namespace bip {
 
 /// A trace on its way to its file.
 struct Execution::TraceFile {
-  TraceFile(std::FILE* opened, const rt::RunOptions& given) : options(given), text(options, options.seed), file(opened), sink(opened) {}
+  TraceFile(std::FILE* opened, const rt::RunOptions& given)
+      : options(given), text(options, options.seed), file(opened), sink(opened) {}
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
   ~TraceFile() { (void)close(); }
@@ -44,9 +45,8 @@ struct Execution::Impl {
         policy(options.policy),
         seed(options.seed) {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
-    std::sort(by_path.begin(), by_path.end(), [&](rt::u32 a, rt::u32 b) {
-      return image.atoms[a].path() < image.atoms[b].path();
-    });
+    std::sort(by_path.begin(), by_path.end(),
+              [&](rt::u32 a, rt::u32 b) { return image.atoms[a].path() < image.atoms[b].path(); });
     if (image.outside != nullptr) std::srand(static_cast<unsigned>(options.seed));
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
     if (outcome == Outcome::Stepped) scheduler.start(core);
@@ -59,31 +59,32 @@ struct Execution::Impl {
 
   [[nodiscard]] rt::u32 find_atom(const std::string& path) const {
     const rt::Image& image = core.image();
-    const auto at = std::lower_bound(by_path.begin(), by_path.end(), path,
-                                     [&](rt::u32 atom, const std::string& key) { return image.atoms[atom].path() < key; });
+    const auto at = std::lower_bound(by_path.begin(), by_path.end(), path, [&](rt::u32 atom, const std::string& key) {
+      return image.atoms[atom].path() < key;
+    });
     return at != by_path.end() && image.atoms[*at].path() == path ? *at : rt::kNone;
   }
-  [[nodiscard]] const rt::Slot* find_slot(const std::string& path, rt::SlotType type) const {
+  [[nodiscard]] const rt::Cell* find_cell(const std::string& path, rt::CellType type) const {
     const std::size_t dot = path.rfind('.');
     if (dot == std::string::npos) return nullptr;
     const rt::u32 atom = find_atom(path.substr(0, dot));
     if (atom == rt::kNone) return nullptr;
     const rt::AtomType& atom_type = core.tables().atom_type(atom);
-    for (rt::u32 i = 0; i < atom_type.slots.size; ++i) {
-      if (path.compare(dot + 1, std::string::npos, atom_type.slots[i].name) != 0) continue;
-      return atom_type.slots[i].type == type ? &core.slot(core.image().atoms[atom].slot_base + i) : nullptr;
+    for (rt::u32 i = 0; i < atom_type.variables.size; ++i) {
+      if (path.compare(dot + 1, std::string::npos, atom_type.variables[i].name) != 0) continue;
+      return atom_type.variables[i].type == type ? &core.cell(core.image().atoms[atom].first_cell + i) : nullptr;
     }
     return nullptr;
   }
-  [[nodiscard]] EventValue value_of(rt::SlotType type, rt::Slot slot) const {
+  [[nodiscard]] EventValue value_of(rt::CellType type, rt::Cell cell) const {
     switch (type) {
-      case rt::SlotType::Int: return slot.i;
-      case rt::SlotType::Bool: return slot.i != 0;
-      case rt::SlotType::Float: return slot.f;
-      case rt::SlotType::String: return std::string(rt::string_of(core.image(), slot));
+      case rt::CellType::Int: return cell.i;
+      case rt::CellType::Bool: return cell.i != 0;
+      case rt::CellType::Float: return cell.f;
+      case rt::CellType::String: return std::string(rt::string_of(core.image(), cell));
     }
     std::string text;
-    rt::append_value(text, core.image(), type, slot);
+    rt::append_value(text, core.image(), type, cell);
     return text;
   }
   Outcome take(rt::EnabledSet::Position at) {
@@ -97,8 +98,9 @@ struct Execution::Impl {
         const rt::Port& port = core.tables().atom_type(p.atom).ports[p.port];
         step.ports.push_back(core.image().atoms[p.atom].path() + "." + port.name);
         const rt::PortType& type = core.image().port_types[port.type];
-        for (rt::u32 i = 0; i < port.slots.size; ++i) {
-          step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name, value_of(type.vars[i].type, core.shown(p.atom, p.port, i))});
+        for (rt::u32 i = 0; i < port.variables.size; ++i) {
+          step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name,
+                                 value_of(type.vars[i].type, core.shown(p.atom, p.port, i))});
         }
       }
     }
@@ -107,7 +109,7 @@ struct Execution::Impl {
       trace->sink.drain(TraceFile::kPiece);
     }
     if (!(core.is_timed() ? core.take_timed(at) : core.take(at))) return outcome = Outcome::Fault;
-    scheduler.fired(at.slot);
+    scheduler.fired(at.interaction);
     ++steps;
     if (callback) callback(step);
     return outcome = Outcome::Stepped;
@@ -120,7 +122,8 @@ struct Execution::Impl {
   }
   std::uint64_t run_compiled(std::uint64_t n) {
     bool sound = true;
-    const std::uint64_t done = core.run_steps(scheduler.prng(), n, [] { return false; }, sound);
+    const std::uint64_t done = core.run_steps(
+        scheduler.prng(), n, [] { return false; }, sound);
     steps += done;
     outcome = !sound ? Outcome::Fault : done < n ? Outcome::Deadlock : Outcome::Stepped;
     return done;
@@ -159,7 +162,8 @@ struct Execution::Snapshot::Impl {
   Outcome outcome;
 };
 
-Execution::Execution(const rt::Image& image, ExecutionOptions options) : impl_(std::make_unique<Impl>(image, options)) {}
+Execution::Execution(const rt::Image& image, ExecutionOptions options)
+    : impl_(std::make_unique<Impl>(image, options)) {}
 Execution::~Execution() = default;
 Execution::Execution(Execution&&) noexcept = default;
 Execution& Execution::operator=(Execution&&) noexcept = default;
@@ -182,12 +186,15 @@ Outcome Execution::step() {
       case rt::Due::Stopped: return impl_->outcome = Outcome::Stopped;
       case rt::Due::Deadlock: return impl_->outcome = Outcome::Deadlock;
       case rt::Due::Fault: return impl_->outcome = Outcome::Fault;
-      case rt::Due::Step: return impl_->is_in_time() ? impl_->take(impl_->scheduler.choice()) : impl_->outcome = Outcome::Fault;
+      case rt::Due::Step:
+        return impl_->is_in_time() ? impl_->take(impl_->scheduler.choice()) : impl_->outcome = Outcome::Fault;
     }
   }
 }
 
-Posted Execution::post(const std::string& port, std::vector<EventValue> values) { return post(event_port(port), std::move(values)); }
+Posted Execution::post(const std::string& port, std::vector<EventValue> values) {
+  return post(event_port(port), std::move(values));
+}
 
 std::uint32_t Execution::event_port(const std::string& port) const { return impl_->feed.ports().find(port); }
 
@@ -243,7 +250,9 @@ bool Execution::trace(const std::string& path, rt::TraceFormat format) {
 
 bool Execution::end_trace() {
   if (!impl_->trace) return true;
-  const rt::End how = impl_->outcome == Outcome::Deadlock ? rt::End::Deadlock : impl_->outcome == Outcome::Fault ? rt::End::Fault : rt::End::Interrupted;
+  const rt::End how = impl_->outcome == Outcome::Deadlock ? rt::End::Deadlock
+                      : impl_->outcome == Outcome::Fault  ? rt::End::Fault
+                                                          : rt::End::Interrupted;
   impl_->trace->text.end(impl_->trace->sink.text, impl_->core, how, impl_->steps);
   const bool is_written = impl_->trace->close();
   impl_->trace.reset();
@@ -256,24 +265,24 @@ std::string Execution::place(const std::string& atom_path) const {
 }
 
 bool Execution::read(const std::string& path, std::int32_t& value) const {
-  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Int);
-  if (slot != nullptr) value = slot->i;
-  return slot != nullptr;
+  const rt::Cell* cell = impl_->find_cell(path, rt::CellType::Int);
+  if (cell != nullptr) value = cell->i;
+  return cell != nullptr;
 }
 bool Execution::read(const std::string& path, bool& value) const {
-  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Bool);
-  if (slot != nullptr) value = slot->i != 0;
-  return slot != nullptr;
+  const rt::Cell* cell = impl_->find_cell(path, rt::CellType::Bool);
+  if (cell != nullptr) value = cell->i != 0;
+  return cell != nullptr;
 }
 bool Execution::read(const std::string& path, double& value) const {
-  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::Float);
-  if (slot != nullptr) value = slot->f;
-  return slot != nullptr;
+  const rt::Cell* cell = impl_->find_cell(path, rt::CellType::Float);
+  if (cell != nullptr) value = cell->f;
+  return cell != nullptr;
 }
 bool Execution::read(const std::string& path, std::string& value) const {
-  const rt::Slot* slot = impl_->find_slot(path, rt::SlotType::String);
-  if (slot != nullptr) value = rt::string_of(impl_->core.image(), *slot);
-  return slot != nullptr;
+  const rt::Cell* cell = impl_->find_cell(path, rt::CellType::String);
+  if (cell != nullptr) value = rt::string_of(impl_->core.image(), *cell);
+  return cell != nullptr;
 }
 
 Execution::Snapshot Execution::snapshot() const {

@@ -1,9 +1,9 @@
-// Events, and what tells that actions have ended, on their way from other threads to the engine, with a bound on what waits for each
-// port, so that nobody who posts faster than the model takes fills the memory. A full queue is told to who posts; nothing that was
-// taken in is lost.
+// Events, and what tells that actions have ended, on their way from other threads to the engine, with a bound on what
+// waits for each port, so that nobody who posts faster than the model takes fills the memory. A full queue is told to
+// who posts; nothing that was taken in is lost.
 //
-// Any thread posts, one thread takes. Cost of a post: a lock held for a move, and a system call if the engine sleeps; of a look that
-// finds nothing: a load.
+// Any thread posts, one thread takes. Cost of a post: a lock held for a move, and a system call if the engine sleeps;
+// of a look that finds nothing: a load.
 #pragma once
 #include <atomic>
 #include <deque>
@@ -19,8 +19,8 @@ class Inbox {
  public:
   Inbox(std::size_t ports, u32 capacity) : capacity_(capacity), waiting_(ports, 0) {}
 
-  /// False: `capacity` events for the port wait here or in the core. The event's instant is that of `wall`, else that at which
-  /// it is taken.
+  /// False: `capacity` events for the port wait here or in the core. The event's instant is that of `wall`, else that
+  /// at which it is taken.
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values, const RealTime* wall);
   /// A job of the atom has ended, now.
   void note_return(u32 atom, u64 job, const RealTime& wall);

@@ -1,6 +1,6 @@
-// Reads one line of JSON whose shape is known: a cursor with a function for each thing that may come next. Strict (RFC 8259),
-// never recursive, allocates only strings. The first thing that is wrong is remembered and everything after it is refused, so
-// callers check once.
+// Reads one line of JSON whose shape is known: a cursor with a function for each thing that may come next. Strict (RFC
+// 8259), never recursive, allocates only strings. The first thing that is wrong is remembered and everything after it
+// is refused, so callers check once.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,7 +1,7 @@
 // What a run writes: see output.hpp.
 #include "runtime/engine/output.hpp"
 
-#include "runtime/core/story.hpp"
+#include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -40,7 +40,8 @@ void Output::list(Core& core, std::uint64_t number) {
   out_.flush();
 }
 
-void Output::append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k) {
+void Output::append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at,
+                         std::uint64_t number, std::uint64_t k) {
   const Candidate candidate = core.candidate(at);
   if (bip2_format()) {
     in_bip2([&](std::string& text) {
@@ -81,8 +82,8 @@ void Output::put(const StepText& text) {
   drain(false);
 }
 
-void Output::record(const std::vector<u32>& slots) {
-  for (const u32 slot : slots) append_recorded_step(trace_.text, {slot, 0});
+void Output::record(const std::vector<u32>& interactions) {
+  for (const u32 interaction : interactions) append_recorded_step(trace_.text, {interaction, 0});
   trace_.drain(kPiece);
 }
 

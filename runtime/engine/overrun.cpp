@@ -7,7 +7,9 @@ namespace bip::rt {
 
 namespace {
 
-u32 row_of(const Core& core, u32 atom) { return core.work_of(atom).transition - core.tables().types[core.image().atoms[atom].type].first_transition; }
+u32 row_of(const Core& core, u32 atom) {
+  return core.work_of(atom).transition - core.tables().types[core.image().atoms[atom].type].first_transition;
+}
 
 }  // namespace
 
@@ -15,7 +17,8 @@ u32 next_overrun(const Core& core) {
   u32 first = kNone;
   for (const u32 atom : core.working()) {
     const AtWork& work = core.work_of(atom);
-    if (!work.is_overrun && work.until != kForever && (first == kNone || work.until < core.work_of(first).until)) first = atom;
+    if (!work.is_overrun && work.until != kForever && (first == kNone || work.until < core.work_of(first).until))
+      first = atom;
   }
   return first;
 }
@@ -32,7 +35,8 @@ std::string overrun_text(const Core& core, u32 atom) {
   const AtomType& type = core.tables().atom_type(atom);
   const Transition& transition = type.transitions[row_of(core, atom)];
   const i64 budget = type.time->transitions[row_of(core, atom)].async.budget;
-  std::string text = "the action of port `" + core.image().atoms[atom].path() + '.' + type.ports[transition.port].name + "`, begun at ";
+  std::string text = "the action of port `" + core.image().atoms[atom].path() + '.' + type.ports[transition.port].name +
+                     "`, begun at ";
   append_time(text, core.work_of(atom).until - budget);
   text += ", is beyond its budget of ";
   append_time(text, budget);

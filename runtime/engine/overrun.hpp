@@ -1,4 +1,5 @@
-// Budgets of actions that run beside the others (`@async(budget="10ms")`): whose is over next, and what is said and done then.
+// Budgets of actions that run beside the others (`@async(budget="10ms")`): whose is over next, and what is said and
+// done then.
 #pragma once
 #include <string>
 

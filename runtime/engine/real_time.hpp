@@ -1,14 +1,14 @@
 // Model time against the wall clock: sleeps to absolute deadlines and keeps how late each step was.
 //
-// An instant of the model is due at start + (instant - first) / speed on the system's monotonic clock, so lateness never adds up.
-// Nothing here sleeps: who waits (event_feed.hpp) asks when an instant is due. Lateness is told, never fed back: the run's steps and instants are those
-// of logical time.
+// An instant of the model is due at start + (instant - first) / speed on the system's monotonic clock, so lateness
+// never adds up. Nothing here sleeps: who waits (event_feed.hpp) asks when an instant is due. Lateness is told, never
+// fed back: the run's steps and instants are those of logical time.
 #pragma once
 #include <array>
 #include <atomic>
 #include <string>
 
-#include "runtime/core/interval.hpp"
+#include "runtime/core/time/interval.hpp"
 
 namespace bip::rt {
 
@@ -28,7 +28,9 @@ class RealTime {
   /// What `late` ns of the wall clock are in the model's time.
   [[nodiscard]] i64 in_model(i64 late) const { return static_cast<i64>(static_cast<double>(late) * speed_); }
   /// A step that was possible until `last` starts at `actual`: by more than a millisecond of the wall clock?
-  [[nodiscard]] bool is_too_late(i64 actual, i64 last) const { return last < actual && actual - last > in_model(1'000'000); }
+  [[nodiscard]] bool is_too_late(i64 actual, i64 last) const {
+    return last < actual && actual - last > in_model(1'000'000);
+  }
   /// Median, largest, and a line for each power of two of microseconds that occurred.
   void append_histogram(std::string& out) const;
 

@@ -26,7 +26,8 @@ void RealTimeThread::raise(int priority) {
   given.sched_priority = priority;
   if (error == 0) error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &given);
   is_first_ = error == 0;
-  if (!is_first_) problem_ += std::string(problem_.empty() ? "" : "; ") + "no real-time priority: " + std::strerror(error);
+  if (!is_first_)
+    problem_ += std::string(problem_.empty() ? "" : "; ") + "no real-time priority: " + std::strerror(error);
 }
 
 RealTimeThread::~RealTimeThread() {

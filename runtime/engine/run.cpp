@@ -1,7 +1,8 @@
 // The sequential engine: initialize, then choose and fire until the limit, a deadlock, a fault or Ctrl-C.
 //
 // With nothing to write the loop builds no strings. SIGINT is caught while a run is on, and the handler that was there
-// before is put back; the flag it sets and whom it wakes are the only globals of the runtime: a signal handler can reach nothing else.
+// before is put back; the flag it sets and whom it wakes are the only globals of the runtime: a signal handler can
+// reach nothing else.
 #include "bip/run.hpp"
 
 #include <algorithm>
@@ -17,7 +18,7 @@
 #include "bip/real_time_thread.hpp"
 #include "runtime/core/profile.hpp"
 #include "runtime/engine/ask.hpp"
-#include "runtime/engine/batch.hpp"
+#include "runtime/engine/batch_engine.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/new_code.hpp"
 #include "runtime/engine/output.hpp"
@@ -36,7 +37,6 @@ extern "C" void bip_on_interrupt(int) {
   interrupted = 1;
   if (Waker* const waker = interrupt_wakes.load()) waker->wake();
 }
-
 
 // A file to write, or null after a report.
 std::FILE* open_file(const std::string& path, std::FILE* err) {
@@ -58,7 +58,8 @@ bool begin_replay(const Image& image, RunOptions& options, Record& record, std::
     return false;
   }
   if (record.model != image.name) {
-    std::fprintf(err, "error: %s: a run of `%s` was recorded, this is `%s`\n", options.replay_path.c_str(), record.model.c_str(), image.name);
+    std::fprintf(err, "error: %s: a run of `%s` was recorded, this is `%s`\n", options.replay_path.c_str(),
+                 record.model.c_str(), image.name);
     return false;
   }
   options.seed = record.seed;
@@ -74,7 +75,8 @@ bool begin_replay(const Image& image, RunOptions& options, Record& record, std::
 
 // Was the recorded run ended here? Deadlocks and faults come again by themselves.
 bool ends_here(const Record& record, u64 steps, u64 looks) {
-  return record.has_end && (record.end == End::Limit || record.end == End::Interrupted) && steps == record.steps && looks == record.looks;
+  return record.has_end && (record.end == End::Limit || record.end == End::Interrupted) && steps == record.steps &&
+         looks == record.looks;
 }
 
 // How many interactions the states offered: of every state, or now and then where compiled steps follow each other.
@@ -90,23 +92,32 @@ struct EnabledSizes {
 };
 
 // Of the steps alone, without the initial state.
-void print_stats(std::FILE* err, const Core& core, const EnabledSizes& enabled, std::uint64_t steps, double seconds, double cpu_seconds) {
+void print_stats(std::FILE* err, const Core& core, const EnabledSizes& enabled, std::uint64_t steps, double seconds,
+                 double cpu_seconds) {
   const double scale = steps == 0 ? 0 : 1e9 / static_cast<double>(steps);
-  std::fprintf(err, "steps %llu, seconds %.6f, ns/step %.1f, CPU ns/step %.1f\n", static_cast<unsigned long long>(steps), seconds,
-               seconds * scale, cpu_seconds * scale);
+  std::fprintf(err, "steps %llu, seconds %.6f, ns/step %.1f, CPU ns/step %.1f\n",
+               static_cast<unsigned long long>(steps), seconds, seconds * scale, cpu_seconds * scale);
   if (enabled.looks != 0) {
-    std::fprintf(err, "enabled %.1f on average, %llu to %llu, in %llu states\n", static_cast<double>(enabled.sum) / static_cast<double>(enabled.looks),
-                 static_cast<unsigned long long>(enabled.least), static_cast<unsigned long long>(enabled.most), static_cast<unsigned long long>(enabled.looks));
+    std::fprintf(err, "enabled %.1f on average, %llu to %llu, in %llu states\n",
+                 static_cast<double>(enabled.sum) / static_cast<double>(enabled.looks),
+                 static_cast<unsigned long long>(enabled.least), static_cast<unsigned long long>(enabled.most),
+                 static_cast<unsigned long long>(enabled.looks));
   }
   if (const SearchWork& work = core.search_work(); work.searches != 0) {
-    std::fprintf(err, "searches of maximal interactions %llu, configurations looked at %llu, connectors evaluated %llu, sets looked at as ranges %llu\n",
+    std::fprintf(err,
+                 "searches of maximal interactions %llu, configurations looked at %llu, connectors evaluated %llu, "
+                 "sets looked at as ranges %llu\n",
                  static_cast<unsigned long long>(work.searches), static_cast<unsigned long long>(work.configurations),
                  static_cast<unsigned long long>(work.connectors), static_cast<unsigned long long>(work.range_looks));
   }
   const MemoryUse use = core.memory();
-  const auto a_row = [](u64 bytes, std::size_t rows) { return rows == 0 ? 0.0 : static_cast<double>(bytes) / static_cast<double>(rows); };
-  std::fprintf(err, "bytes %.1f an atom beside its data, %.1f a connector; %llu in all, of them %llu data\n", a_row(use.atoms, core.image().atoms.size),
-               a_row(use.connectors, core.image().connectors.size + core.tables().slots.size() - core.tables().connector_slots),
+  const auto a_row = [](u64 bytes, std::size_t rows) {
+    return rows == 0 ? 0.0 : static_cast<double>(bytes) / static_cast<double>(rows);
+  };
+  std::fprintf(err, "bytes %.1f an atom beside its data, %.1f a connector; %llu in all, of them %llu data\n",
+               a_row(use.atoms, core.image().atoms.size),
+               a_row(use.connectors, core.image().connectors.size + core.tables().interactions.size() -
+                                         core.tables().connector_interactions),
                static_cast<unsigned long long>(use.all()), static_cast<unsigned long long>(use.data));
 }
 
@@ -116,12 +127,16 @@ const char* refusal(const Image& image, const RunOptions& options) {
     if (has_time(image)) return "an engine with several threads does not run models with time";
     if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
     if (options.profile != nullptr) return "--profile needs the sequential engine";
-    if (!options.record_path.empty() || !options.replay_path.empty()) return "--record and --replay need the sequential engine";
-    if (options.engine == Engine::Threads && options.format == TraceFormat::Bip2) return "--trace-format=bip2 needs the sequential engine: it lists what each state offers";
+    if (!options.record_path.empty() || !options.replay_path.empty())
+      return "--record and --replay need the sequential engine";
+    if (options.engine == Engine::Threads && options.format == TraceFormat::Bip2)
+      return "--trace-format=bip2 needs the sequential engine: it lists what each state offers";
   }
-  if (options.format == TraceFormat::Binary && has_time(image)) return "--trace-format=binary does not record models with time";
+  if (options.format == TraceFormat::Binary && has_time(image))
+    return "--trace-format=binary does not record models with time";
   if (options.format == TraceFormat::Mcap || options.format == TraceFormat::Perfetto) {
-    if (options.trace_path.empty()) return "--trace-format=mcap and perfetto need --trace: they are no text for standard output";
+    if (options.trace_path.empty())
+      return "--trace-format=mcap and perfetto need --trace: they are no text for standard output";
     if (options.engine != Engine::Sequential) return "--trace-format=mcap and perfetto need the sequential engine";
   }
   return nullptr;
@@ -182,7 +197,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   EventFeed feed(core);
   const InterruptGuard guard(&feed.waker());
   const bool is_replay = !options.replay_path.empty();
-  if (std::string error; (is_replay && !feed.replay(options.replay_path, error)) || (!options.events_path.empty() && !feed.read(options.events_path, error))) {
+  if (std::string error; (is_replay && !feed.replay(options.replay_path, error)) ||
+                         (!options.events_path.empty() && !feed.read(options.events_path, error))) {
     std::fprintf(err, "error: %s\n", error.c_str());
     (void)close_file(file, options.trace_path, err);
     (void)close_file(record_file, options.record_path, err);
@@ -190,7 +206,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   }
   if (record_file != nullptr) {
     std::string text;
-    append_record_head(text, {false, image.name, seed, options.policy, options.asap, options.maximal_progress, options.speed > 0 && core.has_async()});
+    append_record_head(text, {false, image.name, seed, options.policy, options.asap, options.maximal_progress,
+                              options.speed > 0 && core.has_async()});
     std::fwrite(text.data(), 1, text.size(), record_file);
     feed.record(record_file);
   }
@@ -216,7 +233,10 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     thread->raise(options.real_time_priority);
     if (!thread->problem().empty()) std::fprintf(err, "warning: %s\n", thread->problem().c_str());
   }
-  const auto can_be_compiled = [&] { return (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform && !core.is_timed() && core.has_steps(); };
+  const auto can_be_compiled = [&] {
+    return (!writes || output.records_only()) && !options.interactive && options.policy == Policy::Uniform &&
+           !core.is_timed() && core.has_steps();
+  };
   bool is_compiled = can_be_compiled();
   if (sound && options.profile != nullptr) options.profile->start(core.tables());
   const auto started = std::chrono::steady_clock::now();
@@ -260,9 +280,10 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
         enabled.look(core.candidate_count());
         most = std::min(most, kStepsBetweenLooks);
       }
-      const u64 done = core.run_steps(scheduler.prng(), writes ? std::min<u64>(most, Core::kHistory) : most, is_interrupted, sound, options.profile);
+      const u64 done = core.run_steps(scheduler.prng(), writes ? std::min<u64>(most, Core::kHistory) : most,
+                                      is_interrupted, sound, options.profile);
       result.steps += done;
-      if (writes) output.record(core.recent_slots(done + (sound ? 0 : 1)));
+      if (writes) output.record(core.recent_interactions(done + (sound ? 0 : 1)));
       continue;
     } else {
       if (options.stats) enabled.look(core.candidate_count());
@@ -293,13 +314,13 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
       if (options.profile != nullptr) options.profile->begin_step();
       if (core.is_timed()) {
         sound = core.take_timed(at);
-        timed.fired(at.slot);
+        timed.fired(at.interaction);
       } else {
         sound = core.take(at);
-        scheduler.fired(at.slot);
+        scheduler.fired(at.interaction);
       }
       if (!sound) continue;
-      if (options.profile != nullptr) options.profile->end_step(at.slot);
+      if (options.profile != nullptr) options.profile->end_step(at.interaction);
       ++result.steps;
       continue;
     }
@@ -326,7 +347,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   const bool is_trace_written = close_file(file, options.trace_path, err);
   if (!close_file(record_file, options.record_path, err) || !is_trace_written) result.exit_code = 2;
   if (record.has_end && (result.end != record.end || result.steps != record.steps)) {
-    std::fprintf(err, "error: %s: recorded were %llu steps and the end `%s`\n", options.replay_path.c_str(), static_cast<unsigned long long>(record.steps), name_of(record.end));
+    std::fprintf(err, "error: %s: recorded were %llu steps and the end `%s`\n", options.replay_path.c_str(),
+                 static_cast<unsigned long long>(record.steps), name_of(record.end));
     result.exit_code = 1;
   }
   if (options.stats && sleeps) {
@@ -343,8 +365,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     std::fprintf(err, "one part: the system does not come apart, or has steps without compiled code\n");
   }
   if (options.stats && threaded.threads != 0) {
-    std::fprintf(err, "threads %u, atoms at work at once %u, actions handed over %llu\n", threaded.threads, threaded.most_busy,
-                 static_cast<unsigned long long>(threaded.handed_over));
+    std::fprintf(err, "threads %u, atoms at work at once %u, actions handed over %llu\n", threaded.threads,
+                 threaded.most_busy, static_cast<unsigned long long>(threaded.handed_over));
   }
   return result;
 }

@@ -20,8 +20,10 @@ constexpr const char* kHelp =
     "  --real-time                 time passes as on the wall clock; without, it is logical and nothing sleeps\n"
     "  --speed F                   --real-time, F seconds of the model a second\n"
     "  --relaxed                   real time: a step that starts too late is a warning\n"
-    "  --real-time-priority N      in real time: before other programs (SCHED_FIFO, 1 to 99), memory locked; a warning if that is refused\n"
-    "  --events FILE               events from outside, JSON lines: {\"time\":\"1s500ms\",\"port\":\"a.press\",\"values\":{\"x\":1}}\n"
+    "  --real-time-priority N      in real time: before other programs (SCHED_FIFO, 1 to 99), memory locked; a warning "
+    "if that is refused\n"
+    "  --events FILE               events from outside, JSON lines: "
+    "{\"time\":\"1s500ms\",\"port\":\"a.press\",\"values\":{\"x\":1}}\n"
     "  --record FILE               write the events that come, for --replay\n"
     "  --replay FILE               repeat the run that was recorded, in logical time\n"
     "  --silent                    no line a step\n"
@@ -118,9 +120,9 @@ int run_main(const Image& image, int argc, char** argv) {
     else if (name == "--relaxed") options.relaxed = true;
     else if (name == "--stats") options.stats = true;
     else if (name == "--disable-maximal-progress") options.maximal_progress = false;
-    else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" || name == "--trace-format" ||
-             name == "--speed" || name == "--events" || name == "--record" || name == "--replay" || name == "--engine" ||
-             name == "--threads" || name == "--real-time-priority") {
+    else if (name == "--seed" || name == "--limit" || name == "--policy" || name == "--trace" ||
+             name == "--trace-format" || name == "--speed" || name == "--events" || name == "--record" ||
+             name == "--replay" || name == "--engine" || name == "--threads" || name == "--real-time-priority") {
       if (!joined && i + 1 < argc) value = argv[++i];
       if (value == nullptr) good = false;
       else if (name == "--seed") good = options.has_seed = parse_number(value, options.seed);

@@ -1,5 +1,5 @@
-// Which candidate is taken: the three policies. `uniform` draws only if there is a choice; `fair` goes on after the slot that
-// was fired last, cyclically. See semantics.md.
+// Which candidate is taken: the three policies. `uniform` draws only if there is a choice; `fair` goes on after the
+// interaction that was fired last, cyclically. See semantics.md.
 #pragma once
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
@@ -27,8 +27,8 @@ class Scheduler {
   }
   /// The random numbers of `uniform`, for who draws by himself.
   [[nodiscard]] Prng& prng() { return prng_; }
-  void fired(u32 slot) {
-    last_ = slot;
+  void fired(u32 interaction) {
+    last_ = interaction;
     has_fired_ = true;
   }
 

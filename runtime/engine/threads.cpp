@@ -16,9 +16,9 @@ namespace bip::rt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::int64_t kShort = 3000;        // ns: handing an action over costs about as much
-constexpr std::uint32_t kTrials = 3;         // times that an action is handed over before it is judged
-constexpr std::uint32_t kLookAgain = 64;     // a short one is timed again every so often
+constexpr std::int64_t kShort = 3000;     // ns: handing an action over costs about as much
+constexpr std::uint32_t kTrials = 3;      // times that an action is handed over before it is judged
+constexpr std::uint32_t kLookAgain = 64;  // a short one is timed again every so often
 
 // What actions of one transition have cost, in ns.
 struct Cost {
@@ -40,7 +40,12 @@ struct Flight {
 class ThreadedRun {
  public:
   ThreadedRun(Core& core, Scheduler& scheduler, const RunOptions& options, Output& output)
-      : core_(core), scheduler_(scheduler), options_(options), output_(output), writes_(output.writes_steps()), costs_(core.tables().transitions.size()) {}
+      : core_(core),
+        scheduler_(scheduler),
+        options_(options),
+        output_(output),
+        writes_(output.writes_steps()),
+        costs_(core.tables().transitions.size()) {}
 
   ThreadedResult run() {
     core_.allow_partial();
@@ -86,12 +91,12 @@ class ThreadedRun {
     const u64 count = core_.candidate_count();
     if (count == 0) return false;
     at = scheduler_.choose(core_);
-    if (core_.is_decided(at.slot)) return true;
+    if (core_.is_decided(at.interaction)) return true;
     u64 k = core_.number(at);
     for (u64 tried = 1; tried < count; ++tried) {
       k = k + 1 == count ? 0 : k + 1;
       at = core_.position(k);
-      if (core_.is_decided(at.slot)) return true;
+      if (core_.is_decided(at.interaction)) return true;
     }
     return false;
   }
@@ -104,7 +109,7 @@ class ThreadedRun {
       flights_.emplace_back();
       output_.describe(flights_.back().text, core_, at, steps_, kNoChoice);
     }
-    scheduler_.fired(at.slot);
+    scheduler_.fired(at.interaction);
     if (!core_.begin(at, steps_, fresh_)) stopping_ = true;
     if (writes_) {
       flights_.back().open = static_cast<u32>(fresh_.size()) + 1;
@@ -115,7 +120,9 @@ class ThreadedRun {
     return true;
   }
 
-  [[nodiscard]] Cost& cost_of(const Work& work) { return costs_[static_cast<std::size_t>(work.transition - core_.tables().transitions.data())]; }
+  [[nodiscard]] Cost& cost_of(const Work& work) {
+    return costs_[static_cast<std::size_t>(work.transition - core_.tables().transitions.data())];
+  }
 
   // Under the lock, if that is the shorter way; else somebody hands it over to himself.
   void run_or_queue(Work work) {
@@ -202,13 +209,13 @@ class ThreadedRun {
   std::mutex lock_;
   std::condition_variable wake_;
   // All of the rest only under the lock.
-  std::vector<Cost> costs_;        // by transition
+  std::vector<Cost> costs_;  // by transition
   std::deque<Work> ready_;
   std::vector<Work> fresh_;
-  std::deque<Flight> flights_;     // steps flushed_ ... steps_ - 1
+  std::deque<Flight> flights_;  // steps flushed_ ... steps_ - 1
   u64 flushed_ = 0, steps_ = 0, handed_over_ = 0;
   u32 waiting_ = 0;
-  bool stopping_ = false;          // a fault was met
+  bool stopping_ = false;  // a fault was met
 };
 
 }  // namespace

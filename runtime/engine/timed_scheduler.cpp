@@ -1,12 +1,13 @@
-// See timed_scheduler.hpp. Cost of a state: O(log atoms) an instant that is passed; if instants are planned, the candidates and their
-// participants.
+// See timed_scheduler.hpp. Cost of a state: O(log atoms) an instant that is passed; if instants are planned, the
+// candidates and their participants.
 #include "runtime/engine/timed_scheduler.hpp"
 
 namespace bip::rt {
 
-// Uniform in [first, last]; past `first` exponential with the mean if there is no last. The exponential is von Neumann's
-// ("Various techniques used in connection with random digits", 1951): comparisons of uniform numbers, no logarithm, so that
-// every machine draws the same.
+// Uniform in [first, last]; past `first` exponential with the mean if there is no last. The exponential is von
+// Neumann's
+// ("Various techniques used in connection with random digits", 1951): comparisons of uniform numbers, no logarithm, so
+// that every machine draws the same.
 i64 TimedScheduler::draw(i64 first, i64 last, i64 mean) {
   if (first == last) return first;
   if (last != kForever) return first + static_cast<i64>(prng_.below(static_cast<std::uint64_t>(last - first) + 1));

@@ -1,8 +1,9 @@
 // When is the next step, and which? Lets time pass until a step is due or an event comes (semantics.md, Time, Events).
 //
-// `uniform` plans every candidate at a random instant of its interval and takes the earliest; the other policies, and all with
-// `asap`, take the first instant at which there is a candidate. Plans are drawn anew at each instant at which something changes:
-// uniform and exponential waiting times forget how long one waited, so the distribution is the same and nothing is kept.
+// `uniform` plans every candidate at a random instant of its interval and takes the earliest; the other policies, and
+// all with `asap`, take the first instant at which there is a candidate. Plans are drawn anew at each instant at which
+// something changes: uniform and exponential waiting times forget how long one waited, so the distribution is the same
+// and nothing is kept.
 #pragma once
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
@@ -12,27 +13,30 @@
 
 namespace bip::rt {
 
-/// Event: some were delivered at this instant, and it is not decided what is next. Stopped: by a signal, before anything was.
+/// Event: some were delivered at this instant, and it is not decided what is next. Stopped: by a signal, before
+/// anything was.
 enum class Due : std::uint8_t { Step, Event, Deadlock, Fault, Stopped };
 
 class TimedScheduler {
  public:
-  TimedScheduler(Policy policy, bool asap, std::uint64_t seed) : scheduler_(policy, seed), plans_(policy == Policy::Uniform && !asap), prng_(~seed) {}
+  TimedScheduler(Policy policy, bool asap, std::uint64_t seed)
+      : scheduler_(policy, seed), plans_(policy == Policy::Uniform && !asap), prng_(~seed) {}
 
-  /// Lets time pass until a step is due; choice() is it. Without time one is due at once. Deadlock: there never will be one.
+  /// Lets time pass until a step is due; choice() is it. Without time one is due at once. Deadlock: there never will be
+  /// one.
   Due wait(Core& core, EventFeed& feed);
   [[nodiscard]] EnabledSet::Position choice() const { return choice_; }
   /// The last instant at which it may be taken, before it is. O(candidates).
   [[nodiscard]] i64 latest(Core& core);
   /// Once, after the initial state is known.
   void start(Core& core) const { scheduler_.start(core); }
-  void fired(u32 slot) { scheduler_.fired(slot); }
+  void fired(u32 interaction) { scheduler_.fired(interaction); }
   /// The random numbers of `uniform` without time.
   [[nodiscard]] Prng& prng() { return scheduler_.prng(); }
 
  private:
-  /// What happens next if nothing comes from outside, at the instant at_: a step, a change of what is enabled, nothing more,
-  /// or no time may pass beyond it.
+  /// What happens next if nothing comes from outside, at the instant at_: a step, a change of what is enabled, nothing
+  /// more, or no time may pass beyond it.
   enum class Next : std::uint8_t { Step, Change, Never, Lock };
   Next look(Core& core);
   bool plan(Core& core, i64 last);
@@ -40,7 +44,7 @@ class TimedScheduler {
 
   Scheduler scheduler_;
   bool plans_;
-  Prng prng_;            // of instants; which candidate is the scheduler's
+  Prng prng_;  // of instants; which candidate is the scheduler's
   EnabledSet::Position choice_{};
   i64 at_ = 0;
   std::vector<i64> ends_;  // by candidate: the last instant of its interval

@@ -5,7 +5,9 @@ namespace bip::rt {
 
 void TraceText::begin(std::string& out, const Image& image) {
   switch (options_.format) {
-    case TraceFormat::Binary: return append_recorded_begin(out, {image.name, seed_, options_.policy, options_.engine, options_.maximal_progress});
+    case TraceFormat::Binary:
+      return append_recorded_begin(out,
+                                   {image.name, seed_, options_.policy, options_.engine, options_.maximal_progress});
     case TraceFormat::Mcap: return mcap_.begin(out, image, seed_, options_.policy);
     case TraceFormat::Perfetto: return perfetto_.begin(out, image, seed_, options_.policy);
     default: return json_.begin(out, image, seed_, options_.policy, options_.engine);

@@ -1,7 +1,8 @@
-// The text of a run's trace in the format that was asked for, all but bip2: that one lists what each state offers (output.hpp).
+// The text of a run's trace in the format that was asked for, all but bip2: that one lists what each state offers
+// (output.hpp).
 //
-// A step is told in the state before it. Each call appends to `out`, or keeps something for later (MCAP's chunks): what was appended
-// since begin(), in this order, is the file.
+// A step is told in the state before it. Each call appends to `out`, or keeps something for later (MCAP's chunks): what
+// was appended since begin(), in this order, is the file.
 #pragma once
 #include <string>
 

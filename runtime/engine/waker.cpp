@@ -35,7 +35,9 @@ void Waker::sleep_until(i64 instant) noexcept {
   const timespec until{static_cast<std::time_t>(end / kSecond), static_cast<long>(end % kSecond)};
   // An instant that has passed times out at once; a wake since prepare() has changed the word.
   while (sleeps_.load(std::memory_order_seq_cst) != 0) {
-    if (::syscall(SYS_futex, &sleeps_, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr, FUTEX_BITSET_MATCH_ANY) != 0 && errno != EAGAIN) break;
+    if (::syscall(SYS_futex, &sleeps_, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr, FUTEX_BITSET_MATCH_ANY) != 0 &&
+        errno != EAGAIN)
+      break;
   }
   sleeps_.store(0, std::memory_order_relaxed);
 }

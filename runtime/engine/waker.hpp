@@ -1,12 +1,12 @@
 // Sleeping until an instant of the wall clock, or until somebody wakes: another thread, or a signal handler.
 //
-// A futex: the kernel compares the word before it lets anybody sleep, so no wake is lost between looking and sleeping, and no time
-// is spent between. wake() costs a system call only if somebody sleeps. One thread sleeps.
+// A futex: the kernel compares the word before it lets anybody sleep, so no wake is lost between looking and sleeping,
+// and no time is spent between. wake() costs a system call only if somebody sleeps. One thread sleeps.
 #pragma once
 #include <atomic>
 #include <cstdint>
 
-#include "runtime/core/interval.hpp"
+#include "runtime/core/time/interval.hpp"
 
 namespace bip::rt {
 

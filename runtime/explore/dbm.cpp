@@ -44,7 +44,8 @@ void Zone::set_clock(u32 clock, i64 value) {
 }
 
 bool Zone::includes(const Zone& other) const {
-  return std::equal(bounds_.begin(), bounds_.end(), other.bounds_.begin(), [](i64 mine, i64 its) { return its <= mine; });
+  return std::equal(bounds_.begin(), bounds_.end(), other.bounds_.begin(),
+                    [](i64 mine, i64 its) { return its <= mine; });
 }
 
 std::vector<Zone::i64> Zone::least_point() const {
@@ -80,7 +81,8 @@ void Zone::extrapolate(const std::vector<i64>& max, const std::vector<i64>& min)
   };
   for (u32 i = 1; i < size_; ++i) {
     for (u32 j = 0; j < size_; ++j) {
-      if (i != j && (at(i, j) > max[i] - min[j] || least[i] > max[i] || (j != 0 && least[j] > max[j]))) widen(i, j, kInf);
+      if (i != j && (at(i, j) > max[i] - min[j] || least[i] > max[i] || (j != 0 && least[j] > max[j])))
+        widen(i, j, kInf);
     }
     if (least[i] > max[i]) widen(0, i, -(max[i] + 1));
   }

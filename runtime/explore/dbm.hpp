@@ -1,8 +1,10 @@
-// Zones: sets of clock values given by bounds on clocks and on their differences (difference bound matrices: Dill 1989).
+// Zones: sets of clock values given by bounds on clocks and on their differences (difference bound matrices: Dill
+// 1989).
 //
-// Clocks count whole ticks, so a zone is a set of integer points, every bound belongs to it, and all operations here are exact:
-// a matrix that shortest paths have closed has an integer point on each of its bounds. Row and column 0 stand for the value 0.
-// A zone that an operation returned is closed and not empty unless it says so. Bounds stay below 2^61 in size.
+// Clocks count whole ticks, so a zone is a set of integer points, every bound belongs to it, and all operations here
+// are exact: a matrix that shortest paths have closed has an integer point on each of its bounds. Row and column 0
+// stand for the value 0. A zone that an operation returned is closed and not empty unless it says so. Bounds stay below
+// 2^61 in size.
 #pragma once
 #include <cstddef>
 #include <cstdint>

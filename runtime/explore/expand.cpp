@@ -1,5 +1,5 @@
-// Which candidates a state has, and the states they lead to. Three ways: masks alone; tables, then rules and reductions;
-// the core, where rules have guards or C++ is called.
+// Which candidates a state has, and the states they lead to. Three ways: masks alone; tables, then rules and
+// reductions; the core, where rules have guards or C++ is called.
 #include <algorithm>
 
 #include "runtime/explore/expander.hpp"
@@ -19,7 +19,7 @@ void Expander::put(const u64* state, Outbox& out) {
   else list.insert(list.end(), state, state + words);
 }
 
-void Expander::emit(u32 slot, u32 row, const u64* state, Outbox& out, Result& result) {
+void Expander::emit(u32 interaction, u32 row, const u64* state, Outbox& out, Result& result) {
   const Outcome outcome = outcomes_[row];
   for (u32 k = outcome.first; k < outcome.first + outcome.count; ++k) {
     const Effect effect = effects_[k];
@@ -28,8 +28,9 @@ void Expander::emit(u32 slot, u32 row, const u64* state, Outbox& out, Result& re
       continue;
     }
     std::copy(state, state + space_.layout.words(), next_.begin());
-    for (u32 piece = effect.first; piece < effect.first + effect.count; ++piece) next_[pieces_[piece].word] ^= pieces_[piece].change;
-    if (!is_sound(slot, next_.data())) {
+    for (u32 piece = effect.first; piece < effect.first + effect.count; ++piece)
+      next_[pieces_[piece].word] ^= pieces_[piece].change;
+    if (!is_sound(interaction, next_.data())) {
       result.has_error = true;
       continue;
     }
@@ -38,7 +39,7 @@ void Expander::emit(u32 slot, u32 row, const u64* state, Outbox& out, Result& re
   }
 }
 
-// Every slot is a mask, a value and a change of one word.
+// Every interaction is a mask, a value and a change of one word.
 Expander::Result Expander::expand_moves(u64 state, Outbox& out) {
   Result result;
   if (owners_ == 1) {
@@ -46,7 +47,7 @@ Expander::Result Expander::expand_moves(u64 state, Outbox& out) {
     const std::size_t before = list.size();
     list.resize(before + moves_.size());
     u64* to = list.data() + before;
-    // Written always and kept if enabled: which slots are is not predictable.
+    // Written always and kept if enabled: which interactions are is not predictable.
     for (const Move& move : moves_) {
       *to = state ^ move.change;
       to += (state & move.mask) == move.value ? 1 : 0;
@@ -73,22 +74,23 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
   }
   const u64 count = core_->candidate_count();
   result.is_deadlock = count == 0;
-  // Rules hide what tables tell of; a slot with one candidate is hidden or not, so its table serves.
-  const bool may_look_up = !space_.shapes.calls_cpp && space_.shapes.watched.items.empty() && space_.image->sites.size == 0;
+  // Rules hide what tables tell of; an interaction with one candidate is hidden or not, so its table serves.
+  const bool may_look_up =
+      !space_.shapes.calls_cpp && space_.shapes.watched.items.empty() && space_.image->sites.size == 0;
   for (u64 k = 0; k < count; ++k) {
-    const u32 slot = core_->candidate(k).slot;
-    if (may_look_up && space_.shapes.slots[slot].is_rendezvous) {
-      const u32 row = outcome_of(slot, state);
+    const u32 interaction = core_->candidate(k).interaction;
+    if (may_look_up && space_.shapes.interactions[interaction].is_rendezvous) {
+      const u32 row = outcome_of(interaction, state);
       if (row == kUnknown) return result;
       // Tables are filled by another core, which has no rules: this one stays where it is.
-      emit(slot, row, state, out, result);
+      emit(interaction, row, state, out, result);
       continue;
     }
     if (!core_->fire(k)) {
       result.has_error = true;
     } else {
       std::copy(state, state + space_.layout.words(), next_.begin());
-      for (const u32 atom : space_.shapes.atoms_of(slot)) {
+      for (const u32 atom : space_.shapes.atoms_of(interaction)) {
         const u32 number = space_.locals->number(atom, *core_);
         if (!space_.layout.fits(atom, number)) {
           is_too_narrow_ = true;
@@ -109,39 +111,39 @@ Expander::Result Expander::expand(const u64* state, Outbox& out) {
   if (space_.shapes.needs_core) return expand_by_core(state, out);
   Result result;
   const Shapes& shapes = space_.shapes;
-  const u32 slots = static_cast<u32>(shapes.slots.size());
+  const u32 interactions = static_cast<u32>(shapes.interactions.size());
   const std::size_t kept_effects = effects_.size(), kept_pieces = pieces_.size(), kept_outcomes = outcomes_.size();
   if (space_.stubborn == nullptr && shapes.dominators.items.empty()) {
     bool any = false;
-    for (u32 slot = 0; slot < slots; ++slot) {
-      const u32 row = outcome_of(slot, state);
+    for (u32 interaction = 0; interaction < interactions; ++interaction) {
+      const u32 row = outcome_of(interaction, state);
       if (row == kNothing) continue;
       if (row == kUnknown) return result;
       any = true;
-      emit(slot, row, state, out, result);
+      emit(interaction, row, state, out, result);
       if (is_too_narrow_) return result;
     }
     result.is_deadlock = !any;
   } else {
     chosen_.clear();
-    for (u32 slot = 0; slot < slots; ++slot) {
-      outcome_row_[slot] = peek(slot, state);
-      if (outcome_row_[slot] != kNothing) chosen_.push_back(slot);
+    for (u32 interaction = 0; interaction < interactions; ++interaction) {
+      outcome_row_[interaction] = peek(interaction, state);
+      if (outcome_row_[interaction] != kNothing) chosen_.push_back(interaction);
     }
     result.is_deadlock = chosen_.empty();
     if (!shapes.dominators.items.empty()) {
-      std::erase_if(chosen_, [&](u32 slot) {
-        const Span<u32> high = shapes.dominators[slot];
+      std::erase_if(chosen_, [&](u32 interaction) {
+        const Span<u32> high = shapes.dominators[interaction];
         return std::any_of(high.begin(), high.end(), [&](u32 other) { return outcome_row_[other] != kNothing; });
       });
     }
     if (space_.stubborn != nullptr && chosen_.size() > 1) {
       space_.stubborn->choose(state, space_.layout, *space_.locals, outcome_row_, stubborn_scratch_, chosen_);
     }
-    for (const u32 slot : chosen_) {
-      const u32 row = outcome_of(slot, state);
+    for (const u32 interaction : chosen_) {
+      const u32 row = outcome_of(interaction, state);
       if (row == kUnknown) return result;
-      emit(slot, row, state, out, result);
+      emit(interaction, row, state, out, result);
     }
   }
   forget_unkept(kept_outcomes, kept_effects, kept_pieces);

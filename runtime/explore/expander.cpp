@@ -7,12 +7,13 @@
 
 namespace bip::rt {
 
-Expander::Expander(StateSpace& space, u32 owners) : space_(space), owners_(owners), plain_image_(*space.image), scratch_(space.initial) {
+Expander::Expander(StateSpace& space, u32 owners)
+    : space_(space), owners_(owners), plain_image_(*space.image), scratch_(space.initial) {
   const CoreOptions options{.progress = space.progress};
   core_ = std::make_unique<Core>(*space.image, options);
   plain_ = core_.get();
   if (space.image->priorities.size != 0) {
-    // Tables hold what slots offer before rules hide some of it.
+    // Tables hold what interactions offer before rules hide some of it.
     plain_image_.priorities = {};
     plain_own_ = std::make_unique<Core>(plain_image_, options);
     plain_ = plain_own_.get();
@@ -24,7 +25,7 @@ void Expander::relayout() {
   const Shapes& shapes = space_.shapes;
   is_too_narrow_ = false;
   entered_.clear();
-  tables_.assign(shapes.slots.size(), {});
+  tables_.assign(shapes.interactions.size(), {});
   parts_.clear();
   dense_.clear();
   entries_.assign(1u << 10, {});
@@ -35,20 +36,21 @@ void Expander::relayout() {
   moves_.clear();
   kept_ = 0;
   next_.resize(space_.layout.words());
-  outcome_row_.resize(shapes.slots.size());
-  only_moves_ = space_.layout.words() == 1 && !shapes.needs_core && shapes.dominators.items.empty() && space_.stubborn == nullptr &&
-                space_.symmetry == nullptr;
-  for (u32 slot = 0; slot < shapes.slots.size(); ++slot) {
-    SlotTable& table = tables_[slot];
+  outcome_row_.resize(shapes.interactions.size());
+  only_moves_ = space_.layout.words() == 1 && !shapes.needs_core && shapes.dominators.items.empty() &&
+                space_.stubborn == nullptr && space_.symmetry == nullptr;
+  for (u32 interaction = 0; interaction < shapes.interactions.size(); ++interaction) {
+    InteractionTable& table = tables_[interaction];
     table.first_part = static_cast<u32>(parts_.size());
-    if (shapes.slots[slot].form == SlotForm::Moves) {
-      add_moves(slot, table);
+    if (shapes.interactions[interaction].form == InteractionForm::Moves) {
+      add_moves(interaction, table);
       continue;
     }
     only_moves_ = false;
-    for (const u32 atom : shapes.atoms_of(slot)) {
+    for (const u32 atom : shapes.atoms_of(interaction)) {
       const Field& field = space_.layout[atom];
-      if (table.key_bits <= 64) parts_.push_back({field.word, field.mask, 0, field.shift, static_cast<std::uint8_t>(table.key_bits)});
+      if (table.key_bits <= 64)
+        parts_.push_back({field.word, field.mask, 0, field.shift, static_cast<std::uint8_t>(table.key_bits)});
       table.key_bits += field.width;
     }
     table.part_count = static_cast<u32>(parts_.size()) - table.first_part;
@@ -58,10 +60,10 @@ void Expander::relayout() {
   }
 }
 
-// One mask and value a word that the slot's atoms lie in, and the change.
-void Expander::add_moves(u32 slot, SlotTable& table) {
+// One mask and value a word that the interaction's atoms lie in, and the change.
+void Expander::add_moves(u32 interaction, InteractionTable& table) {
   const u32 first_piece = static_cast<u32>(pieces_.size());
-  for (const SlotLeaf& leaf : space_.shapes.leaves_of(slot)) {
+  for (const InteractionLeaf& leaf : space_.shapes.leaves_of(interaction)) {
     const Field& field = space_.layout[leaf.atom];
     auto part = parts_.begin() + table.first_part;
     while (part != parts_.end() && part->word != field.word) ++part;
@@ -84,8 +86,8 @@ void Expander::add_moves(u32 slot, SlotTable& table) {
 }
 
 std::size_t Expander::bytes() const {
-  return dense_.size() * sizeof(u32) + entries_.size() * sizeof(Entry) + outcomes_.size() * sizeof(Outcome) + effects_.size() * sizeof(Effect) +
-         pieces_.size() * sizeof(Piece);
+  return dense_.size() * sizeof(u32) + entries_.size() * sizeof(Entry) + outcomes_.size() * sizeof(Outcome) +
+         effects_.size() * sizeof(Effect) + pieces_.size() * sizeof(Piece);
 }
 
 u32 Expander::owner_of(const u64* state) const {
@@ -95,16 +97,17 @@ u32 Expander::owner_of(const u64* state) const {
   return static_cast<u32>((hash >> 16 & 0xffff) * owners_ >> 16);
 }
 
-u64 Expander::key_of(const SlotTable& table, const u64* state) const {
+u64 Expander::key_of(const InteractionTable& table, const u64* state) const {
   u64 key = 0;
   const Part* part = parts_.data() + table.first_part;
-  for (u32 k = 0; k < table.part_count; ++k, ++part) key |= (state[part->word] >> part->shift & part->mask) << (part->offset & 63);
+  for (u32 k = 0; k < table.part_count; ++k, ++part)
+    key |= (state[part->word] >> part->shift & part->mask) << (part->offset & 63);
   return key;
 }
 
-// What is known of the slot in the state: a row of outcomes_, or kUnknown.
-u32 Expander::known(u32 slot, const u64* state) const {
-  const SlotTable& table = tables_[slot];
+// What is known of the interaction in the state: a row of outcomes_, or kUnknown.
+u32 Expander::known(u32 interaction, const u64* state) const {
+  const InteractionTable& table = tables_[interaction];
   if (table.outcome != kUnknown) {
     const Part* part = parts_.data() + table.first_part;
     for (u32 k = 0; k < table.part_count; ++k, ++part) {
@@ -116,14 +119,15 @@ u32 Expander::known(u32 slot, const u64* state) const {
   if (table.key_bits > 64) return kUnknown;
   const u64 key = key_of(table, state);
   const std::size_t mask = entries_.size() - 1;
-  for (std::size_t at = WordSet::hash_of(key + slot * 0x9e3779b97f4a7c15ull) & mask; entries_[at].slot != kNone; at = (at + 1) & mask) {
-    if (entries_[at].key == key && entries_[at].slot == slot) return entries_[at].outcome;
+  for (std::size_t at = WordSet::hash_of(key + interaction * 0x9e3779b97f4a7c15ull) & mask;
+       entries_[at].interaction != kNone; at = (at + 1) & mask) {
+    if (entries_[at].key == key && entries_[at].interaction == interaction) return entries_[at].outcome;
   }
   return kUnknown;
 }
 
-void Expander::remember(u32 slot, const u64* state, u32 outcome) {
-  const SlotTable& table = tables_[slot];
+void Expander::remember(u32 interaction, const u64* state, u32 outcome) {
+  const InteractionTable& table = tables_[interaction];
   const u64 key = key_of(table, state);
   if (table.key_bits <= kDenseBits) {
     dense_[table.dense + key] = outcome;
@@ -131,15 +135,15 @@ void Expander::remember(u32 slot, const u64* state, u32 outcome) {
   }
   const auto insert = [](std::vector<Entry>& entries, const Entry& entry) {
     const std::size_t mask = entries.size() - 1;
-    std::size_t at = WordSet::hash_of(entry.key + entry.slot * 0x9e3779b97f4a7c15ull) & mask;
-    while (entries[at].slot != kNone) at = (at + 1) & mask;
+    std::size_t at = WordSet::hash_of(entry.key + entry.interaction * 0x9e3779b97f4a7c15ull) & mask;
+    while (entries[at].interaction != kNone) at = (at + 1) & mask;
     entries[at] = entry;
   };
-  insert(entries_, {key, slot, outcome});
+  insert(entries_, {key, interaction, outcome});
   if (++entry_count_ * 2 <= entries_.size()) return;
   std::vector<Entry> wider(entries_.size() * 2);
   for (const Entry& entry : entries_) {
-    if (entry.slot != kNone) insert(wider, entry);
+    if (entry.interaction != kNone) insert(wider, entry);
   }
   entries_ = std::move(wider);
 }
@@ -157,7 +161,7 @@ bool Expander::enter(Core& core, const u64* state) {
   return core.restore(scratch_);
 }
 
-// plain_ to the state; after a step of one of its slots only a few atoms differ, which restore sees.
+// plain_ to the state; after a step of one of its interactions only a few atoms differ, which restore sees.
 bool Expander::enter_plain(const u64* state) {
   if (!entered_.empty() && std::equal(entered_.begin(), entered_.end(), state)) return true;
   entered_.clear();
@@ -176,10 +180,10 @@ bool Expander::pack(const Core& core, u64* out) {
   return true;
 }
 
-// After a step of the slot: how its atoms differ from the state's, as an effect.
-bool Expander::read_effect(Core& core, u32 slot, const u64* state) {
+// After a step of the interaction: how its atoms differ from the state's, as an effect.
+bool Expander::read_effect(Core& core, u32 interaction, const u64* state) {
   Effect effect{static_cast<u32>(pieces_.size()), 0, false};
-  for (const u32 atom : space_.shapes.atoms_of(slot)) {
+  for (const u32 atom : space_.shapes.atoms_of(interaction)) {
     const u32 number = space_.locals->number(atom, core);
     if (!space_.layout.fits(atom, number)) {
       is_too_narrow_ = true;
@@ -200,32 +204,32 @@ bool Expander::read_effect(Core& core, u32 slot, const u64* state) {
   return true;
 }
 
-// The slot's candidates in the state that plain_ is in: numbers [first, end).
-std::pair<u64, u64> Expander::candidates_of(u32 slot) const {
-  const u64 first = slot == 0 ? 0 : plain_->next_after(slot - 1);
+// The interaction's candidates in the state that plain_ is in: numbers [first, end).
+std::pair<u64, u64> Expander::candidates_of(u32 interaction) const {
+  const u64 first = interaction == 0 ? 0 : plain_->next_after(interaction - 1);
   u64 end = first;
-  while (end < plain_->candidate_count() && plain_->candidate(end).slot == slot) ++end;
+  while (end < plain_->candidate_count() && plain_->candidate(end).interaction == interaction) ++end;
   return {first, end};
 }
 
-// Has the slot a candidate in the state? What it does is not asked: rules may hide it. kNothing: no.
-u32 Expander::peek(u32 slot, const u64* state) {
-  const u32 row = known(slot, state);
+// Has the interaction a candidate in the state? What it does is not asked: rules may hide it. kNothing: no.
+u32 Expander::peek(u32 interaction, const u64* state) {
+  const u32 row = known(interaction, state);
   if (row != kUnknown || !enter_plain(state)) return row;
-  const auto [first, end] = candidates_of(slot);
+  const auto [first, end] = candidates_of(interaction);
   if (first != end) return kUnknown;
-  keep(slot, state, kNothing);
+  keep(interaction, state, kNothing);
   return kNothing;
 }
 
-void Expander::keep(u32 slot, const u64* state, u32 row) {
-  if (tables_[slot].key_bits > 64 || outcomes_.size() >= kKept || entry_count_ >= kKept) return;
-  remember(slot, state, row);
+void Expander::keep(u32 interaction, const u64* state, u32 row) {
+  if (tables_[interaction].key_bits > 64 || outcomes_.size() >= kKept || entry_count_ >= kKept) return;
+  remember(interaction, state, row);
   kept_ = std::max(kept_, row);
 }
 
-// Asks the core what the slot does in the state. kUnknown: a number that does not fit.
-u32 Expander::learn(u32 slot, const u64* state) {
+// Asks the core what the interaction does in the state. kUnknown: a number that does not fit.
+u32 Expander::learn(u32 interaction, const u64* state) {
   const Outcome before{static_cast<u32>(effects_.size()), 0};
   Outcome outcome = before;
   bool is_kept = true;
@@ -234,15 +238,15 @@ u32 Expander::learn(u32 slot, const u64* state) {
     outcome.count = 1;
     is_kept = false;
   } else {
-    const auto [first, end] = candidates_of(slot);
+    const auto [first, end] = candidates_of(interaction);
     for (u64 k = first; k < end; ++k) {
       if (k != first && !enter_plain(state)) break;
       entered_.clear();
       if (!plain_->fire(k)) {
         effects_.push_back({0, 0, true});
-        // Whether the fault is the slot's own or that of a neighbour that looks at the new state is not known.
+        // Whether the fault is the interaction's own or that of a neighbour that looks at the new state is not known.
         is_kept = false;
-      } else if (!read_effect(*plain_, slot, state)) {
+      } else if (!read_effect(*plain_, interaction, state)) {
         return kUnknown;
       }
       ++outcome.count;
@@ -253,24 +257,25 @@ u32 Expander::learn(u32 slot, const u64* state) {
     row = static_cast<u32>(outcomes_.size());
     outcomes_.push_back(outcome);
   }
-  if (is_kept) keep(slot, state, row);
+  if (is_kept) keep(interaction, state, row);
   return row;
 }
 
-u32 Expander::outcome_of(u32 slot, const u64* state) {
-  const u32 row = known(slot, state);
-  return row != kUnknown ? row : learn(slot, state);
+u32 Expander::outcome_of(u32 interaction, const u64* state) {
+  const u32 row = known(interaction, state);
+  return row != kUnknown ? row : learn(interaction, state);
 }
 
-// Does nothing fault in the state that a step of the slot leads to? What has a table entry there was evaluated before.
-bool Expander::is_sound(u32 slot, const u64* state) {
+// Does nothing fault in the state that a step of the interaction leads to? What has a table entry there was evaluated
+// before.
+bool Expander::is_sound(u32 interaction, const u64* state) {
   const Csr& watched = space_.shapes.watched;
   if (watched.items.empty()) return true;
   const auto is_unknown = [&](u32 other) { return known(other, state) == kUnknown; };
-  if (std::none_of(watched[slot].begin(), watched[slot].end(), is_unknown)) return true;
+  if (std::none_of(watched[interaction].begin(), watched[interaction].end(), is_unknown)) return true;
   if (!enter_plain(state)) return false;
   // Everything has been evaluated. The tables are told, so that it need not be done again.
-  for (const u32 other : watched[slot]) {
+  for (const u32 other : watched[interaction]) {
     if (is_unknown(other)) (void)peek(other, state);
   }
   return true;

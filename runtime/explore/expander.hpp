@@ -1,9 +1,9 @@
 // The successors of a state, as words: tables that the core has filled, the core itself where there is no table.
 //
-// An expander belongs to one thread. What it knows of a slot and the numbers of its atoms it has asked a core once: restore
-// that state, fire, look at what the atoms are in afterwards. So nothing here defines what a step does; a table remembers
-// it. Tables live as long as the layout. A number that no longer fits sets `is_too_narrow`; the caller then makes a wider
-// layout and starts the batch again.
+// An expander belongs to one thread. What it knows of an interaction and the numbers of its atoms it has asked a core
+// once: restore that state, fire, look at what the atoms are in afterwards. So nothing here defines what a step does; a
+// table remembers it. Tables live as long as the layout. A number that no longer fits sets `is_too_narrow`; the caller
+// then makes a wider layout and starts the batch again.
 #pragma once
 #include <memory>
 #include <vector>
@@ -48,7 +48,7 @@ class Expander {
   void relayout();
 
   struct Result {
-    u64 steps = 0;          // that lead to a state
+    u64 steps = 0;  // that lead to a state
     bool is_deadlock = false;
     bool has_error = false;
   };
@@ -68,12 +68,12 @@ class Expander {
  private:
   static constexpr u32 kUnknown = 0xffffffffu, kNothing = 0;  // rows of outcomes_
   static constexpr u32 kDenseBits = 12;
-  static constexpr u32 kKept = 1u << 22;   // outcomes that are remembered
+  static constexpr u32 kKept = 1u << 22;  // outcomes that are remembered
   struct Piece {
     u32 word;
-    u64 change;   // exclusive or
+    u64 change;  // exclusive or
   };
-  /// One candidate of a slot: pieces [first, first + count).
+  /// One candidate of an interaction: pieces [first, first + count).
   struct Effect {
     u32 first = 0, count = 0;
     bool is_fault = false;
@@ -82,39 +82,39 @@ class Expander {
   struct Outcome {
     u32 first = 0, count = 0;
   };
-  struct Part {   // of a key, or of a mask
+  struct Part {  // of a key, or of a mask
     u32 word;
-    u64 mask, value;           // Moves: of the word. Table: mask of the number
+    u64 mask, value;  // Moves: of the word. Table: mask of the number
     std::uint8_t shift, offset;
   };
-  struct SlotTable {
+  struct InteractionTable {
     u32 first_part = 0, part_count = 0;
     u32 key_bits = 0;
-    u32 dense = 0;             // first row of dense_, if key_bits <= kDenseBits
-    u32 outcome = kUnknown;    // Moves: the only one
+    u32 dense = 0;           // first row of dense_, if key_bits <= kDenseBits
+    u32 outcome = kUnknown;  // Moves: the only one
   };
   struct Entry {
     u64 key = 0;
-    u32 slot = kNone, outcome = 0;
+    u32 interaction = kNone, outcome = 0;
   };
-  struct Move {                // Moves in a state of one word
+  struct Move {  // Moves in a state of one word
     u64 mask, value, change;
   };
 
-  void add_moves(u32 slot, SlotTable& table);
-  [[nodiscard]] u64 key_of(const SlotTable& table, const u64* state) const;
-  [[nodiscard]] u32 known(u32 slot, const u64* state) const;
-  u32 outcome_of(u32 slot, const u64* state);
-  [[nodiscard]] std::pair<u64, u64> candidates_of(u32 slot) const;
-  u32 peek(u32 slot, const u64* state);
-  u32 learn(u32 slot, const u64* state);
-  void keep(u32 slot, const u64* state, u32 row);
-  void remember(u32 slot, const u64* state, u32 outcome);
+  void add_moves(u32 interaction, InteractionTable& table);
+  [[nodiscard]] u64 key_of(const InteractionTable& table, const u64* state) const;
+  [[nodiscard]] u32 known(u32 interaction, const u64* state) const;
+  u32 outcome_of(u32 interaction, const u64* state);
+  [[nodiscard]] std::pair<u64, u64> candidates_of(u32 interaction) const;
+  u32 peek(u32 interaction, const u64* state);
+  u32 learn(u32 interaction, const u64* state);
+  void keep(u32 interaction, const u64* state, u32 row);
+  void remember(u32 interaction, const u64* state, u32 outcome);
   bool enter_plain(const u64* state);
-  bool read_effect(Core& core, u32 slot, const u64* state);
-  bool is_sound(u32 slot, const u64* state);
+  bool read_effect(Core& core, u32 interaction, const u64* state);
+  bool is_sound(u32 interaction, const u64* state);
   void put(const u64* state, Outbox& out);
-  void emit(u32 slot, u32 outcome, const u64* state, Outbox& out, Result& result);
+  void emit(u32 interaction, u32 outcome, const u64* state, Outbox& out, Result& result);
   Result expand_moves(u64 state, Outbox& out);
   Result expand_by_core(const u64* state, Outbox& out);
   void forget_unkept(std::size_t outcomes, std::size_t effects, std::size_t pieces);
@@ -129,22 +129,22 @@ class Expander {
   std::vector<u32> scratch_numbers_;  // its atoms' numbers
   std::vector<u64> entered_;          // the state that plain_ is in; empty: none
   bool is_too_narrow_ = false;
-  bool only_moves_ = false;           // every slot is one, in one word, without rules
+  bool only_moves_ = false;  // every interaction is one, in one word, without rules
 
-  std::vector<SlotTable> tables_;     // by slot
+  std::vector<InteractionTable> tables_;  // by interaction
   std::vector<Part> parts_;
   std::vector<u32> dense_;
-  std::vector<Entry> entries_;        // open addressing
+  std::vector<Entry> entries_;  // open addressing
   u32 entry_count_ = 0;
   std::vector<Outcome> outcomes_;
   std::vector<Effect> effects_;
   std::vector<Piece> pieces_;
   std::vector<Move> moves_;
 
-  u32 kept_ = 0;                      // the last outcome that a table refers to
+  u32 kept_ = 0;  // the last outcome that a table refers to
 
   std::vector<u64> next_, canonical_, symmetry_scratch_;
-  std::vector<u32> outcome_row_;      // by slot, of the state at hand
+  std::vector<u32> outcome_row_;  // by interaction, of the state at hand
   std::vector<u32> chosen_;
   StubbornScratch stubborn_scratch_;
 };

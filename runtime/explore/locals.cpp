@@ -12,7 +12,8 @@ namespace bip::rt {
 
 namespace {
 
-// Above so many bits a state has several words; each is kept well below 64, for words that states share are stored once.
+// Above so many bits a state has several words; each is kept well below 64, for words that states share are stored
+// once.
 constexpr u32 kBitsOfSharedWord = 48;
 constexpr u32 kInPlace = 32;  // words of a key that need no allocation
 
@@ -33,7 +34,7 @@ Locals::Locals(const Core& core) : image_(core.image()) {
     const AtomType& type = image_.atom_types[row.type];
     std::vector<u64> key{row.type};
     u32 arg = row.args, own_objects = 0;
-    for (const Var& var : type.slots) {
+    for (const Var& var : type.variables) {
       if (var.is_param) key.push_back(image_.args[arg++].bits);
       own_objects += is_extern(var.type) ? 1u : 0u;
     }
@@ -47,12 +48,12 @@ Locals::Locals(const Core& core) : image_(core.image()) {
     made->type = row.type;
     made->places = type.places.size;
     made->mark_words = tables.types[row.type].mark_words;
-    for (u32 slot = 0; slot < type.slots.size; ++slot) {
-      if (is_extern(type.slots[slot].type)) made->objects.push_back(slot);
-      else if (!type.slots[slot].is_param) made->slots.push_back(slot);
+    for (u32 cell = 0; cell < type.variables.size; ++cell) {
+      if (is_extern(type.variables[cell].type)) made->objects.push_back(cell);
+      else if (!type.variables[cell].is_param) made->cells.push_back(cell);
     }
-    made->is_direct = made->mark_words == 0 && made->slots.empty() && made->objects.empty();
-    made->width = std::max(1u, made->mark_words) + static_cast<u32>(made->slots.size());
+    made->is_direct = made->mark_words == 0 && made->cells.empty() && made->objects.empty();
+    made->width = std::max(1u, made->mark_words) + static_cast<u32>(made->cells.size());
     if (!made->is_direct) made->index.assign(2 * kFirst, 0);
     classes_.push_back(std::move(made));
   }
@@ -92,7 +93,8 @@ u32 Locals::find_or_add(Class& row, const u64* key, std::vector<ExternValue>&& o
   const auto [piece, rank] = position(number);
   if (row.pieces[piece] == nullptr) {
     row.pieces[piece].reset(new u64[std::size_t{row.width} * (std::size_t{kFirst} << piece)]);
-    if (!row.objects.empty()) row.object_pieces[piece].reset(new std::vector<ExternValue>[std::size_t{kFirst} << piece]);
+    if (!row.objects.empty())
+      row.object_pieces[piece].reset(new std::vector<ExternValue>[std::size_t{kFirst} << piece]);
   }
   std::memcpy(row.pieces[piece].get() + std::size_t{rank} * row.width, key, row.width * sizeof(u64));
   if (!row.objects.empty()) row.object_pieces[piece][rank] = std::move(objects);
@@ -126,16 +128,18 @@ u32 Locals::number(u32 atom, const Core& core) {
   if (row.mark_words == 0) *out++ = place;
   for (u32 word = 0; word < row.mark_words; ++word) {
     u64 marks = 0;
-    for (u32 bit = 0; bit < 64 && word * 64 + bit < row.places; ++bit) marks |= u64{core.is_marked(atom, word * 64 + bit)} << bit;
+    for (u32 bit = 0; bit < 64 && word * 64 + bit < row.places; ++bit)
+      marks |= u64{core.is_marked(atom, word * 64 + bit)} << bit;
     *out++ = marks;
   }
-  const u32 base = core.tables().atoms[atom].slot_base;
-  for (u32 slot : row.slots) *out++ = core.slot(base + slot).bits;
+  const u32 base = core.tables().atoms[atom].first_cell;
+  for (u32 cell : row.cells) *out++ = core.cell(base + cell).bits;
   std::vector<ExternValue> objects;
-  for (u32 slot : row.objects) {
-    const SlotType type = image_.atom_types[row.type].slots[slot].type;
+  for (u32 cell : row.objects) {
+    const CellType type = image_.atom_types[row.type].variables[cell].type;
     const ExternType& extern_type = image_.extern_types[static_cast<u32>(type) - kFirstExtern];
-    objects.emplace_back(extern_type, reinterpret_cast<const void*>(static_cast<std::uintptr_t>(core.slot(base + slot).bits)));
+    objects.emplace_back(extern_type,
+                         reinterpret_cast<const void*>(static_cast<std::uintptr_t>(core.cell(base + cell).bits)));
   }
   return find_or_add(row, key, std::move(objects));
 }
@@ -149,10 +153,11 @@ void Locals::write(u32 atom, u32 number, State& state) const {
   const u64* from = entry(row, number);
   if (row.mark_words == 0) state.places[atom] = static_cast<u32>(*from++);
   for (u32 word = 0; word < row.mark_words; ++word) state.marks[mark_base_[atom] + word] = *from++;
-  for (u32 slot : row.slots) state.data[image_.atoms[atom].slot_base + slot] = *from++;
+  for (u32 cell : row.cells) state.data[image_.atoms[atom].first_cell + cell] = *from++;
   if (row.objects.empty()) return;
   const auto [piece, rank] = position(number);
-  for (std::size_t k = 0; k < row.objects.size(); ++k) state.objects[object_base_[atom] + k] = row.object_pieces[piece][rank][k];
+  for (std::size_t k = 0; k < row.objects.size(); ++k)
+    state.objects[object_base_[atom] + k] = row.object_pieces[piece][rank][k];
 }
 
 std::size_t Locals::bytes() const {
@@ -182,7 +187,8 @@ Layout::Layout(const Locals& locals) {
       ++words_;
       used = 0;
     }
-    fields_.push_back({words_ - 1, static_cast<std::uint8_t>(used), static_cast<std::uint8_t>(width), (u64{1} << width) - 1});
+    fields_.push_back(
+        {words_ - 1, static_cast<std::uint8_t>(used), static_cast<std::uint8_t>(width), (u64{1} << width) - 1});
     used += width;
   }
 }

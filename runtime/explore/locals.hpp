@@ -1,9 +1,10 @@
 // Local states of atoms as small numbers, and where these lie in the words of a state.
 //
-// What an atom is in (its marking and data, parameters apart) is numbered as it is first seen. An automaton without data
-// needs no table: its number is its place. Atoms of one type with the same arguments share the numbers. A state is one
-// number an atom, side by side in as few bits as the numbers need; when a table outgrows its bits, a wider layout is made.
-// Numbering is thread-safe; reading a number needs no lock once the number was handed over (a barrier, a mutex).
+// What an atom is in (its marking and data, parameters apart) is numbered as it is first seen. An automaton without
+// data needs no table: its number is its place. Atoms of one type with the same arguments share the numbers. A state is
+// one number an atom, side by side in as few bits as the numbers need; when a table outgrows its bits, a wider layout
+// is made. Numbering is thread-safe; reading a number needs no lock once the number was handed over (a barrier, a
+// mutex).
 #pragma once
 #include <array>
 #include <memory>
@@ -44,13 +45,13 @@ class Locals {
   struct Class {
     u32 type = 0, places = 0, mark_words = 0, width = 0;  // width: words of an entry
     bool is_direct = false;
-    std::vector<u32> slots;          // of data that is no parameter and no object
-    std::vector<u32> objects;        // of extern types
+    std::vector<u32> cells;    // of data that is no parameter and no object
+    std::vector<u32> objects;  // of extern types
     mutable std::mutex lock;
     u32 size = 0;
     std::array<std::unique_ptr<u64[]>, 26> pieces;  // never moved, so that numbers can be read while others are added
     std::array<std::unique_ptr<std::vector<ExternValue>[]>, 26> object_pieces;
-    std::vector<u32> index;          // open addressing: number + 1, 0 is empty
+    std::vector<u32> index;  // open addressing: number + 1, 0 is empty
   };
   [[nodiscard]] static std::pair<u32, u32> position(u32 number);
   [[nodiscard]] static const u64* entry(const Class& row, u32 number);

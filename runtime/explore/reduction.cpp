@@ -9,7 +9,8 @@ std::string reduction_problem(const Image& image, const ExploreOptions& options)
   if (options.reduction == Reduction::None) return {};
   if (has_time(image)) return "the model has time, on whose passing all components agree";
   if (image.outside != nullptr) return "the model calls C++, and what a function remembers belongs to no component";
-  if (image.priorities.size != 0) return "the model has priorities between interactions, which compare components that share no interaction";
+  if (image.priorities.size != 0)
+    return "the model has priorities between interactions, which compare components that share no interaction";
   const Core core(image, {.progress = options.progress});
   if (options.reduction == Reduction::Por) {
     // A step would then depend on guards of connectors that it shares no atom with.
@@ -17,7 +18,9 @@ std::string reduction_problem(const Image& image, const ExploreOptions& options)
     return may_fault ? "a guard of a connector may end in a run-time error, which depends on the order of steps" : "";
   }
   const Locals locals(core);
-  if (Symmetry(image, locals).is_trivial()) return "no two members of an array are interchangeable: same arguments, and connectors that stay the same when the two change places";
+  if (Symmetry(image, locals).is_trivial())
+    return "no two members of an array are interchangeable: same arguments, and connectors that stay the same when the "
+           "two change places";
   return {};
 }
 

@@ -7,8 +7,8 @@ namespace bip::rt {
 
 namespace {
 
-constexpr u64 kSmall = 512;                 // a frontier that one thread does alone
-constexpr u64 kStatesPerLook = 16;          // at the clock: where the core is asked, a state can take milliseconds
+constexpr u64 kSmall = 512;                    // a frontier that one thread does alone
+constexpr u64 kStatesPerLook = 16;             // at the clock: where the core is asked, a state can take milliseconds
 constexpr std::size_t kBatchWords = 1u << 18;  // of successors a thread: a batch ends, limits are looked at
 
 }  // namespace
@@ -76,8 +76,8 @@ void Search::begin() {
   (void)owners_[team_.size() == 1 ? 0 : workers_[0].expander->owner_of(state.data())]->add(state.data(), 1);
 }
 
-// Every state anew in a wider layout, level by level: which level a state belongs to stays. The current level's steps are
-// taken again, for its states may have other owners now.
+// Every state anew in a wider layout, level by level: which level a state belongs to stays. The current level's steps
+// are taken again, for its states may have other owners now.
 bool Search::widen() {
   bool is_done = true;
   const Layout before = space_.layout;
@@ -101,7 +101,8 @@ bool Search::widen() {
       for (u32 row = level_first_[std::size_t{level} * count + owner]; row < end; ++row) {
         old[owner]->read(row, from.data(), scratch);
         std::fill(to.begin(), to.end(), u64{0});
-        for (u32 atom = 0; atom < space_.locals->atoms(); ++atom) space_.layout.set(to.data(), atom, before.get(from.data(), atom));
+        for (u32 atom = 0; atom < space_.locals->atoms(); ++atom)
+          space_.layout.set(to.data(), atom, before.get(from.data(), atom));
         is_done = owners_[count == 1 ? 0 : workers_[0].expander->owner_of(to.data())]->add(to.data(), 1) && is_done;
       }
     }
@@ -114,7 +115,8 @@ bool Search::widen() {
 u64 Search::frontier_size(u32 level) const {
   u64 sum = 0;
   const std::size_t count = owners_.size();
-  for (std::size_t owner = 0; owner < count; ++owner) sum += level_first_[(level + 1) * count + owner] - level_first_[level * count + owner];
+  for (std::size_t owner = 0; owner < count; ++owner)
+    sum += level_first_[(level + 1) * count + owner] - level_first_[level * count + owner];
   return sum;
 }
 
@@ -148,7 +150,8 @@ bool Search::insert(bool is_small) {
   return is_done;
 }
 
-// One state's successors, in the order of the candidates; a new one beyond the limit ends it, and its step does not count.
+// One state's successors, in the order of the candidates; a new one beyond the limit ends it, and its step does not
+// count.
 bool Search::insert_up_to_limit() {
   const std::vector<u64>& list = workers_[0].out.words[0];
   const u32 words = space_.layout.words();
@@ -190,13 +193,15 @@ bool Search::run_batch(u64 frontier, u64& done) {
         at.counts.broken += at.judge && at.judge->is_broken(state, *at.expander) ? 1 : 0;
         return !at.expander->is_too_narrow();
       });
-      if (worker.expander->is_too_narrow() || worker.out.size() > kBatchWords) is_batch_full_.store(true, std::memory_order_relaxed);
+      if (worker.expander->is_too_narrow() || worker.out.size() > kBatchWords)
+        is_batch_full_.store(true, std::memory_order_relaxed);
     }
   };
   if (is_small) job(0);
   else team_.run(job);
 
-  if (std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) { return worker.expander->is_too_narrow(); })) {
+  if (std::any_of(workers_.begin(), workers_.end(),
+                  [](const Worker& worker) { return worker.expander->is_too_narrow(); })) {
     // Both layouts are there for a moment.
     const bool has_room = options_.bytes == 0 || 2 * kept_bytes() <= options_.bytes;
     if (!has_room || !widen()) report_.end = ExploreEnd::Memory;
@@ -235,8 +240,14 @@ void Search::tell(u64 expanded_of_level) const {
   if (!options_.tell) return;
   std::size_t bytes = 0;
   for (const auto& owner : owners_) bytes += owner->bytes();
-  options_.tell({.states = states(), .expanded = expanded_before_ + expanded_of_level, .steps = counts_.steps, .deadlocks = counts_.deadlocks,
-                 .errors = counts_.errors, .broken = counts_.broken, .depth = level_, .bytes = bytes});
+  options_.tell({.states = states(),
+                 .expanded = expanded_before_ + expanded_of_level,
+                 .steps = counts_.steps,
+                 .deadlocks = counts_.deadlocks,
+                 .errors = counts_.errors,
+                 .broken = counts_.broken,
+                 .depth = level_,
+                 .bytes = bytes});
 }
 
 void Search::run_levels() {

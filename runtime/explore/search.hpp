@@ -1,9 +1,9 @@
 // One exploration: levels, batches of a level, and the ways to what was found. Internal to runtime/explore.
 //
-// A batch has two phases with nothing shared but what both only read. First each thread expands states of the frontier and
-// sorts what it finds by owner; then each owner adds to its own store. So no word is written by two threads, counts do not
-// depend on timing, and the set of states is the same for any number of threads. The order within a level is not; nothing
-// that is told depends on it.
+// A batch has two phases with nothing shared but what both only read. First each thread expands states of the frontier
+// and sorts what it finds by owner; then each owner adds to its own store. So no word is written by two threads, counts
+// do not depend on timing, and the set of states is the same for any number of threads. The order within a level is
+// not; nothing that is told depends on it.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -11,9 +11,9 @@
 
 #include "runtime/explore/expander.hpp"
 #include "runtime/explore/explore.hpp"
-#include "runtime/explore/judge.hpp"
+#include "runtime/explore/state_predicate.hpp"
 #include "runtime/explore/state_store.hpp"
-#include "runtime/core/team.hpp"
+#include "runtime/core/programs/team.hpp"
 
 namespace bip::rt {
 
@@ -75,9 +75,9 @@ class Search {
   std::vector<u32> level_first_;  // by level and owner: the first row
   u32 level_ = 0;                 // the one that is expanded
   Counts counts_, counts_before_level_;
-  u64 expanded_before_ = 0;       // states of the levels before
+  u64 expanded_before_ = 0;  // states of the levels before
   u32 deadlock_level_ = kNone, error_level_ = kNone, broken_level_ = kNone;
-  bool is_one_by_one_ = false;    // the limit of states is near
+  bool is_one_by_one_ = false;  // the limit of states is near
   std::atomic<u64> cursor_{0};
   std::atomic<bool> is_batch_full_{false};
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

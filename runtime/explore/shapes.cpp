@@ -1,4 +1,5 @@
-// See shapes.hpp. Slots are in the candidate order of semantics.md: connectors that export no port, then internal ports.
+// See shapes.hpp. Interactions are in the candidate order of semantics.md: connectors that export no port, then
+// internal ports.
 #include "runtime/explore/shapes.hpp"
 
 #include <algorithm>
@@ -7,21 +8,23 @@ namespace bip::rt {
 
 namespace {
 
-// An automaton whose ports each label one transition without guard and action, and nothing else that could be looked at.
+// An automaton whose ports each label one transition without guard and action, and nothing else that could be looked
+// at.
 bool only_moves(const AtomType& type) {
   if (type.priorities.size != 0 || type.invariants.size != 0 || type.initial.size != 1) return false;
   std::vector<bool> seen(type.ports.size, false);
   for (const Transition& t : type.transitions) {
-    if (t.from.size != 1 || t.to.size != 1 || t.guard != kNone || t.action != kNone || t.port == kNone || seen[t.port]) return false;
+    if (t.from.size != 1 || t.to.size != 1 || t.guard != kNone || t.action != kNone || t.port == kNone || seen[t.port])
+      return false;
     seen[t.port] = true;
   }
-  return std::all_of(type.slots.begin(), type.slots.end(), [](const Var& var) { return var.is_param; });
+  return std::all_of(type.variables.begin(), type.variables.end(), [](const Var& var) { return var.is_param; });
 }
 
 // A connector's tree, what it binds included.
 struct Tree {
-  std::vector<SlotLeaf> leaves;
-  std::vector<u32> reads;   // atoms whose data it names
+  std::vector<InteractionLeaf> leaves;
+  std::vector<u32> reads;  // atoms whose data it names
   bool has_trigger = false, has_choice = false, has_code = false, has_fault = false;
 };
 
@@ -29,10 +32,11 @@ class ShapeBuilder {
  public:
   ShapeBuilder(const Core& core, MaximalProgress progress) : core_(core), image_(core.image()), progress_(progress) {
     for (const AtomType& type : image_.atom_types) only_moves_.push_back(only_moves(type));
-    owner_.assign(image_.slot_count, kNone);
+    owner_.assign(image_.cell_count, kNone);
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const Atom& row = image_.atoms[atom];
-      for (u32 slot = 0; slot < image_.atom_types[row.type].slots.size; ++slot) owner_[row.slot_base + slot] = atom;
+      for (u32 interaction = 0; interaction < image_.atom_types[row.type].variables.size; ++interaction)
+        owner_[row.first_cell + interaction] = atom;
     }
   }
 
@@ -51,10 +55,10 @@ class ShapeBuilder {
       }
     }
     std::vector<Csr::Pair> pairs;
-    for (u32 slot = 0; slot < shapes_.slots.size(); ++slot) {
-      for (const u32 atom : shapes_.atoms_of(slot)) pairs.push_back({atom, slot});
+    for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction) {
+      for (const u32 atom : shapes_.atoms_of(interaction)) pairs.push_back({atom, interaction});
     }
-    shapes_.slots_of_atom = Csr::build(image_.atoms.size, pairs);
+    shapes_.interactions_of_atom = Csr::build(image_.atoms.size, pairs);
     shapes_.calls_cpp = image_.outside != nullptr;
     shapes_.needs_core = shapes_.calls_cpp;
     if (image_.priorities.size != 0 && !shapes_.needs_core && !add_rules()) shapes_.needs_core = true;
@@ -63,7 +67,7 @@ class ShapeBuilder {
   }
 
  private:
-  SlotLeaf leaf(u32 atom, u32 port) const {
+  InteractionLeaf leaf(u32 atom, u32 port) const {
     for (const Transition& t : image_.atom_types[image_.atoms[atom].type].transitions) {
       if (t.port == port) return {atom, port, t.from[0], t.to[0]};
     }
@@ -85,7 +89,7 @@ class ShapeBuilder {
         tree.has_fault |= clause.guard != kNone || clause.may_fault;
       }
       for (u32 k = 0; k < row.bind_count; ++k) {
-        const u32 atom = owner_[image_.binds[row.binds + k].slot];
+        const u32 atom = owner_[image_.binds[row.binds + k].cell];
         if (atom != kNone) tree.reads.push_back(atom);
       }
       refs.clear();
@@ -106,22 +110,23 @@ class ShapeBuilder {
   }
 
   void add(const Tree& tree, u32 connector) {
-    SlotShape shape;
+    InteractionShape shape;
     shape.is_rendezvous = !tree.has_trigger && !tree.has_choice;
     shape.leaves = {static_cast<u32>(shapes_.leaves.size()), static_cast<u32>(tree.leaves.size())};
     shapes_.leaves.insert(shapes_.leaves.end(), tree.leaves.begin(), tree.leaves.end());
     std::vector<u32> atoms = tree.reads;
-    for (const SlotLeaf& at : tree.leaves) atoms.push_back(at.atom);
+    for (const InteractionLeaf& at : tree.leaves) atoms.push_back(at.atom);
     std::sort(atoms.begin(), atoms.end());
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
     shape.atoms = {static_cast<u32>(shapes_.atoms.size()), static_cast<u32>(atoms.size())};
     shapes_.atoms.insert(shapes_.atoms.end(), atoms.begin(), atoms.end());
     bool moves = shape.is_rendezvous && !tree.has_code && !tree.has_fault && atoms.size() == tree.leaves.size();
-    for (const SlotLeaf& at : tree.leaves) moves = moves && only_moves_[image_.atoms[at.atom].type] && at.from != kNone;
-    shape.form = moves ? SlotForm::Moves : SlotForm::Table;
-    shapes_.slots.push_back(shape);
-    has_fault_.push_back(connector != kNone &&
-                         ((tree.has_fault && image_.sites.size != 0) || tree.has_choice || (tree.has_trigger && progress_ == MaximalProgress::Off)));
+    for (const InteractionLeaf& at : tree.leaves)
+      moves = moves && only_moves_[image_.atoms[at.atom].type] && at.from != kNone;
+    shape.form = moves ? InteractionForm::Moves : InteractionForm::Table;
+    shapes_.interactions.push_back(shape);
+    has_fault_.push_back(connector != kNone && ((tree.has_fault && image_.sites.size != 0) || tree.has_choice ||
+                                                (tree.has_trigger && progress_ == MaximalProgress::Off)));
   }
 
   // Rules as sets of dominators. False: they are not that simple.
@@ -130,26 +135,29 @@ class ShapeBuilder {
     for (const Priority& rule : image_.priorities) {
       if (rule.guard != kNone) return false;
     }
-    const u32 slots = static_cast<u32>(shapes_.slots.size());
-    for (u32 slot = 0; slot < slots; ++slot) {
-      if (rules.slot_involved[slot] != 0 && !shapes_.slots[slot].is_rendezvous) return false;
+    const u32 interactions = static_cast<u32>(shapes_.interactions.size());
+    for (u32 interaction = 0; interaction < interactions; ++interaction) {
+      if (rules.is_involved[interaction] != 0 && !shapes_.interactions[interaction].is_rendezvous) return false;
     }
-    const auto connector_of = [&](u32 slot) { return core_.tables().slots[slot].row; };
-    const auto params_of = [&](u32 slot) {
-      std::vector<u32> params(core_.tables().connector_type(connector_of(slot)).params.size);
+    const auto connector_of = [&](u32 interaction) { return core_.tables().interactions[interaction].row; };
+    const auto params_of = [&](u32 interaction) {
+      std::vector<u32> params(core_.tables().connector_type(connector_of(interaction)).params.size);
       for (u32 k = 0; k < params.size(); ++k) params[k] = k;
       return params;
     };
     std::vector<std::vector<u32>> highs(rules.count);
     for (const HighEdge& edge : rules.high_edges) {
-      if (matches_high(core_.tables(), image_.priorities[edge.rule], connector_of(edge.slot), params_of(edge.slot))) highs[edge.rule].push_back(edge.slot);
+      if (matches_high(core_.tables(), image_.priorities[edge.rule], connector_of(edge.interaction),
+                       params_of(edge.interaction)))
+        highs[edge.rule].push_back(edge.interaction);
     }
     std::vector<Csr::Pair> pairs;
-    for (u32 slot = 0; slot < slots; ++slot) {
-      std::vector<bool> seen(rules.count, false), is_high(slots, false);
+    for (u32 interaction = 0; interaction < interactions; ++interaction) {
+      std::vector<bool> seen(rules.count, false), is_high(interactions, false);
       std::vector<u32> todo;
-      for (const u32 rule : rules.low_of_slot[slot]) {
-        if (matches_low(core_.tables(), image_.priorities[rule], connector_of(slot), params_of(slot))) todo.push_back(rule);
+      for (const u32 rule : rules.low_of_interaction[interaction]) {
+        if (matches_low(core_.tables(), image_.priorities[rule], connector_of(interaction), params_of(interaction)))
+          todo.push_back(rule);
       }
       while (!todo.empty()) {
         const u32 rule = todo.back();
@@ -157,39 +165,39 @@ class ShapeBuilder {
         if (seen[rule]) continue;
         seen[rule] = true;
         for (const u32 high : highs[rule]) {
-          if (!is_high[high]) pairs.push_back({slot, high});
+          if (!is_high[high]) pairs.push_back({interaction, high});
           is_high[high] = true;
         }
         for (const u32 next : rules.next[rule]) todo.push_back(next);
       }
     }
-    shapes_.dominators = Csr::build(slots, pairs);
+    shapes_.dominators = Csr::build(interactions, pairs);
     return true;
   }
 
   void add_watched() {
     if (std::find(has_fault_.begin(), has_fault_.end(), true) == has_fault_.end()) return;
     std::vector<Csr::Pair> pairs;
-    for (u32 slot = 0; slot < shapes_.slots.size(); ++slot) {
+    for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction) {
       std::vector<u32> near;
-      for (const u32 atom : shapes_.atoms_of(slot)) {
-        for (const u32 other : shapes_.slots_of_atom[atom]) {
+      for (const u32 atom : shapes_.atoms_of(interaction)) {
+        for (const u32 other : shapes_.interactions_of_atom[atom]) {
           if (has_fault_[other]) near.push_back(other);
         }
       }
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
-      for (const u32 other : near) pairs.push_back({slot, other});
+      for (const u32 other : near) pairs.push_back({interaction, other});
     }
-    shapes_.watched = Csr::build(shapes_.slots.size(), pairs);
+    shapes_.watched = Csr::build(shapes_.interactions.size(), pairs);
   }
 
   const Core& core_;
   const Image& image_;
   MaximalProgress progress_;
   std::vector<bool> only_moves_;
-  std::vector<u32> owner_;        // by row of all variables
-  std::vector<bool> has_fault_;   // by slot
+  std::vector<u32> owner_;       // by row of all variables
+  std::vector<bool> has_fault_;  // by interaction
   Shapes shapes_;
 };
 

@@ -1,5 +1,5 @@
-// See state_store.hpp. Roots of a batch are computed first, then looked up with loads begun ahead of time: a look-up alone
-// waits for memory twice, sixteen in flight share the wait.
+// See state_store.hpp. Roots of a batch are computed first, then looked up with loads begun ahead of time: a look-up
+// alone waits for memory twice, sixteen in flight share the wait.
 #include "runtime/explore/state_store.hpp"
 
 #include <algorithm>
@@ -89,7 +89,8 @@ bool StateStore::contains(const u64* state) const {
   if (words_ == 1) return sets_[0].find(state[0]) != WordSet::kFull;
   std::vector<u64> value(words_ + nodes_.size());
   for (u32 node = 0; node < value.size(); ++node) {
-    const u64 word = node < words_ ? state[node] : value[nodes_[node - words_].left] << 32 | value[nodes_[node - words_].right];
+    const u64 word =
+        node < words_ ? state[node] : value[nodes_[node - words_].left] << 32 | value[nodes_[node - words_].right];
     const u32 row = sets_[node].find(word);
     if (row == WordSet::kFull) return false;
     value[node] = row;

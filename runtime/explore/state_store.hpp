@@ -17,8 +17,8 @@ class StateStore {
   /// words: of a state, at least 1. limit: in bytes, 0: none.
   StateStore(u32 words, std::size_t limit);
 
-  /// Adds `count` states of `words()` words each. True unless memory is short; then those before are added. New ones are
-  /// numbered in order; `is_new` (may be null) has a byte a state.
+  /// Adds `count` states of `words()` words each. True unless memory is short; then those before are added. New ones
+  /// are numbered in order; `is_new` (may be null) has a byte a state.
   bool add(const u64* states, std::size_t count, std::uint8_t* is_new = nullptr);
   [[nodiscard]] bool contains(const u64* state) const;
   /// scratch: of the caller's thread.
@@ -37,9 +37,9 @@ class StateStore {
 
   u32 words_;
   std::size_t limit_;
-  std::vector<Node> nodes_;      // inner nodes but the root, then the root
-  std::vector<WordSet> sets_;    // by node: words, inner nodes, the root (words_ == 1: only the root)
-  std::vector<u64> roots_;       // scratch
+  std::vector<Node> nodes_;    // inner nodes but the root, then the root
+  std::vector<WordSet> sets_;  // by node: words, inner nodes, the root (words_ == 1: only the root)
+  std::vector<u64> roots_;     // scratch
   std::vector<u64> values_;
 };
 

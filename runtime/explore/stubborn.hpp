@@ -1,15 +1,18 @@
-// Which of a state's slots suffice to reach every deadlock: strong stubborn sets (Valmari 1990; Godefroid 1996).
+// Which of a state's interactions suffice to reach every deadlock: strong stubborn sets (Valmari 1990; Godefroid 1996).
 //
-// A set T of slots, one with a candidate among them, such that what is left out can neither move nor be influenced by an
-// atom of T's slots: if t in T has a candidate, all slots that could use one of its atoms where that atom stands now are in
-// T; if it has none, it is because an atom's port is not offered there, and all slots that may bring that atom to where it is
-// offered are in T, or all that could use the atom where it stands (if no single atom is to blame: those near all its atoms). Steps outside T then commute with those in T, and what keeps a slot of T disabled only T can change. So a
-// deadlock is reached from here exactly if it is through a step of T; each such step is taken, the others are not.
-// Kept: which deadlocks are reachable. Not kept: other states, run-time errors, numbers of steps. No proviso about cycles is
-// needed for that (Valmari 1990): a deadlock that can be reached from a state can be reached through the state's set.
+// A set T of interactions, one with a candidate among them, such that what is left out can neither move nor be
+// influenced by an atom of T's interactions: if t in T has a candidate, all interactions that could use one of its
+// atoms where that atom stands now are in T; if it has none, it is because an atom's port is not offered there, and all
+// interactions that may bring that atom to where it is offered are in T, or all that could use the atom where it stands
+// (if no single atom is to blame: those near all its atoms). Steps outside T then commute with those in T, and what
+// keeps an interaction of T disabled only T can change. So a deadlock is reached from here exactly if it is through a
+// step of T; each such step is taken, the others are not. Kept: which deadlocks are reachable. Not kept: other states,
+// run-time errors, numbers of steps. No proviso about cycles is needed for that (Valmari 1990): a deadlock that can be
+// reached from a state can be reached through the state's set.
 //
-// "t needs u" is a graph over slots, and T is closed in it. The smallest closed sets with a candidate are strongly connected
-// components with no candidate below them (Valmari's algorithm of strong components, with Tarjan's of 1972).
+// "t needs u" is a graph over interactions, and T is closed in it. The smallest closed sets with a candidate are
+// strongly connected components with no candidate below them (Valmari's algorithm of strong components, with Tarjan's
+// of 1972).
 #pragma once
 #include <vector>
 
@@ -20,18 +23,18 @@ namespace bip::rt {
 
 struct StubbornScratch {
   struct Visit {
-    std::uint32_t round = 0;    // of the state at hand, if it was visited
-    u32 order = 0, low = 0;     // Tarjan's numbers
-    bool is_open = false;       // its component is not complete
-    bool has_candidate = false; // in the complete components that it needs; once its own is complete, in that too
+    std::uint32_t round = 0;     // of the state at hand, if it was visited
+    u32 order = 0, low = 0;      // Tarjan's numbers
+    bool is_open = false;        // its component is not complete
+    bool has_candidate = false;  // in the complete components that it needs; once its own is complete, in that too
   };
   struct Frame {
-    u32 slot = 0;
-    bool is_blocked = false;    // it needs `needed`, else what is near its atoms
+    u32 interaction = 0;
+    bool is_blocked = false;  // it needs `needed`, else what is near its atoms
     Span<u32> needed;
-    u32 atom = 0, at = 0;       // position among its atoms, among slots
+    u32 atom = 0, at = 0;  // position among its atoms, among interactions
   };
-  std::vector<Visit> visits;    // by slot
+  std::vector<Visit> visits;  // by interaction
   std::uint32_t round = 0;
   std::vector<Frame> frames;
   std::vector<u32> open, set;
@@ -41,26 +44,28 @@ class Stubborn {
  public:
   Stubborn(const Core& core, const Shapes& shapes);
 
-  /// has_candidate: by slot, 0 is none. At least one has. `chosen` becomes the slots to take, sorted.
-  void choose(const u64* state, const Layout& layout, const Locals& locals, const std::vector<u32>& has_candidate, StubbornScratch& scratch,
-              std::vector<u32>& chosen) const;
+  /// has_candidate: by interaction, 0 is none. At least one has. `chosen` becomes the interactions to take, sorted.
+  void choose(const u64* state, const Layout& layout, const Locals& locals, const std::vector<u32>& has_candidate,
+              StubbornScratch& scratch, std::vector<u32>& chosen) const;
 
  private:
   [[nodiscard]] Span<u32> near(const u64* state, const Layout& layout, const Locals& locals, u32 atom) const;
   [[nodiscard]] bool offers(u32 atom, u32 port, u32 place) const;
   static std::vector<std::vector<bool>> ports_that_lead(const AtomType& type);
   void list_enabling();
-  [[nodiscard]] StubbornScratch::Frame frame_of(u32 slot, const u64* state, const Layout& layout, const Locals& locals, const std::vector<u32>& has_candidate,
+  [[nodiscard]] StubbornScratch::Frame frame_of(u32 interaction, const u64* state, const Layout& layout,
+                                                const Locals& locals, const std::vector<u32>& has_candidate,
                                                 const StubbornScratch& scratch) const;
-  [[nodiscard]] u32 next_needed(StubbornScratch::Frame& frame, const u64* state, const Layout& layout, const Locals& locals) const;
+  [[nodiscard]] u32 next_needed(StubbornScratch::Frame& frame, const u64* state, const Layout& layout,
+                                const Locals& locals) const;
 
   const Image& image_;
   const Shapes& shapes_;
-  std::vector<u32> place_base_;   // by atom: its first row of by_place_; Petri types have one row
+  std::vector<u32> place_base_;  // by atom: its first row of by_place_; Petri types have one row
   std::vector<bool> is_automaton_;
-  Csr by_place_;                  // by atom and place: slots that may use the atom there
-  std::vector<u32> port_base_;    // by atom: its first row of enabling_
-  Csr enabling_;                  // by atom and port: slots that may bring an automaton to where the port is offered
+  Csr by_place_;                // by atom and place: interactions that may use the atom there
+  std::vector<u32> port_base_;  // by atom: its first row of enabling_
+  Csr enabling_;  // by atom and port: interactions that may bring an automaton to where the port is offered
 };
 
 }  // namespace bip::rt

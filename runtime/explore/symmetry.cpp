@@ -19,18 +19,18 @@ using Key = std::vector<u32>;
 
 // A component array: by index its atoms, in the order of what follows the index in their paths.
 struct Family {
-  std::string name;  // up to the bracket
-  std::string scope; // the compound that has it
+  std::string name;   // up to the bracket
+  std::string scope;  // the compound that has it
   std::map<u32, std::vector<std::pair<std::string, u32>>> members;
 };
 
 class SymmetryDetector {
  public:
   SymmetryDetector(const Image& image, const Locals& locals) : image_(image), locals_(locals) {
-    owner_.assign(image.slot_count, {kNone, 0});
+    owner_.assign(image.cell_count, {kNone, 0});
     for (u32 atom = 0; atom < image.atoms.size; ++atom) {
-      for (u32 slot = 0; slot < image.atom_types[image.atoms[atom].type].slots.size; ++slot) {
-        owner_[image.atoms[atom].slot_base + slot] = {atom, slot};
+      for (u32 interaction = 0; interaction < image.atom_types[image.atoms[atom].type].variables.size; ++interaction) {
+        owner_[image.atoms[atom].first_cell + interaction] = {atom, interaction};
       }
     }
     connectors_of_.resize(image.atoms.size);
@@ -40,10 +40,12 @@ class SymmetryDetector {
       const Connector& row = image.connectors[connector];
       std::vector<u32>& atoms = atoms_of[connector];
       std::vector<PortRef> refs;
-      for (u32 param = 0; param < image.connector_types[row.type].params.size; ++param) refs.push_back(image.port_refs[row.ports + param]);
+      for (u32 param = 0; param < image.connector_types[row.type].params.size; ++param)
+        refs.push_back(image.port_refs[row.ports + param]);
       for (std::size_t k = 0; k < refs.size(); ++k) {
         const PortRef ref = refs[k];
-        if (ref.choice != kNone) refs.insert(refs.end(), image.choices[ref.choice].ports.begin(), image.choices[ref.choice].ports.end());
+        if (ref.choice != kNone)
+          refs.insert(refs.end(), image.choices[ref.choice].ports.begin(), image.choices[ref.choice].ports.end());
         else if (ref.atom != kNone) atoms.push_back(ref.atom);
         else {
           atoms.insert(atoms.end(), atoms_of[ref.connector].begin(), atoms_of[ref.connector].end());
@@ -52,7 +54,7 @@ class SymmetryDetector {
       }
       is_too_deep_ = is_too_deep_ || depth[connector] > kDeepest;
       for (u32 k = 0; k < row.bind_count; ++k) {
-        const u32 atom = owner_[image.binds[row.binds + k].slot].first;
+        const u32 atom = owner_[image.binds[row.binds + k].cell].first;
         if (atom != kNone) atoms.push_back(atom);
       }
       std::sort(atoms.begin(), atoms.end());
@@ -73,7 +75,8 @@ class SymmetryDetector {
         Family& family = found[name];
         family.name = name;
         family.scope = name.substr(0, name.rfind('.'));
-        family.members[static_cast<u32>(std::stoul(path.substr(at + 1, end - at - 1)))].emplace_back(path.substr(end + 1), atom);
+        family.members[static_cast<u32>(std::stoul(path.substr(at + 1, end - at - 1)))].emplace_back(
+            path.substr(end + 1), atom);
       }
     }
     std::vector<Family> families;
@@ -125,7 +128,8 @@ class SymmetryDetector {
   }
 
  private:
-  // What a connector is: type, ports, data that it names. Where nothing tells its ports apart their order does not count.
+  // What a connector is: type, ports, data that it names. Where nothing tells its ports apart their order does not
+  // count.
   Key key_of(u32 connector, const std::map<u32, u32>& exchange) const {
     const Connector& row = image_.connectors[connector];
     const ConnectorType& type = image_.connector_types[row.type];
@@ -141,7 +145,8 @@ class SymmetryDetector {
       params.push_back(std::move(key));
     }
     bool is_plain = true;
-    for (const Clause& clause : type.clauses) is_plain = is_plain && clause.guard == kNone && clause.up == kNone && clause.down == kNone;
+    for (const Clause& clause : type.clauses)
+      is_plain = is_plain && clause.guard == kNone && clause.up == kNone && clause.down == kNone;
     for (u32 node = 1; node < type.define.size; ++node) is_plain = is_plain && type.define[node].is_leaf;
     if (is_plain && !type.exports) {
       for (const DefineNode& node : type.define) {
@@ -155,10 +160,10 @@ class SymmetryDetector {
       key.insert(key.end(), param.begin(), param.end());
     }
     for (u32 k = 0; k < row.bind_count && !is_plain; ++k) {
-      const auto& [atom, slot] = owner_[image_.binds[row.binds + k].slot];
+      const auto& [atom, interaction] = owner_[image_.binds[row.binds + k].cell];
       // Rows of connectors below say nothing that the parameters do not.
       key.push_back(atom == kNone ? kNone : image_of(atom));
-      key.push_back(slot);
+      key.push_back(interaction);
     }
     return key;
   }
@@ -178,7 +183,7 @@ class SymmetryDetector {
 
   const Image& image_;
   const Locals& locals_;
-  std::vector<std::pair<u32, u32>> owner_;       // by row of all variables: atom and slot
+  std::vector<std::pair<u32, u32>> owner_;       // by row of all variables: atom and interaction
   std::vector<std::vector<u32>> connectors_of_;  // by atom: those that run
   bool is_too_deep_ = false;
 };
@@ -244,18 +249,21 @@ void Symmetry::normalize(u64* state, const Layout& layout, std::vector<u64>& scr
     u64* values = scratch.data() + group.members;  // scratch begins with the order
     bool is_sorted = true;
     const auto less = [&](u64 a, u64 b) {
-      return std::lexicographical_compare(values + a * width, values + (a + 1) * width, values + b * width, values + (b + 1) * width);
+      return std::lexicographical_compare(values + a * width, values + (a + 1) * width, values + b * width,
+                                          values + (b + 1) * width);
     };
     for (u32 member = 0; member < group.members; ++member) {
       scratch[member] = member;
-      for (u32 k = 0; k < width; ++k) values[std::size_t{member} * width + k] = layout.get(state, group.atoms[std::size_t{member} * width + k]);
+      for (u32 k = 0; k < width; ++k)
+        values[std::size_t{member} * width + k] = layout.get(state, group.atoms[std::size_t{member} * width + k]);
       is_sorted = is_sorted && (member == 0 || !less(member, member - 1));
     }
     if (is_sorted) continue;
     std::sort(scratch.begin(), scratch.begin() + group.members, less);
     for (u32 member = 0; member < group.members; ++member) {
       const u64* from = values + scratch[member] * width;
-      for (u32 k = 0; k < width; ++k) layout.set(state, group.atoms[std::size_t{member} * width + k], static_cast<u32>(from[k]));
+      for (u32 k = 0; k < width; ++k)
+        layout.set(state, group.atoms[std::size_t{member} * width + k], static_cast<u32>(from[k]));
     }
   }
 }

@@ -1,10 +1,11 @@
 // Components that may change places: states that differ only in who is who count as one.
 //
-// A family is a component array, `c[0] … c[n-1]` (or several arrays of one compound that go together). Two of its members
-// are interchangeable if exchanging them, with all that is inside, maps every connector onto a connector: same type, same
-// ports, same arguments of the atoms. That is checked for each pair that is used, so the permutations of a group are
-// automorphisms of the system and its quotient has the same deadlocks and errors up to who is who (Ip, Dill 1996; Clarke,
-// Emerson, Jha, Sistla 1998). The representative of a state has the members of each group in ascending order.
+// A family is a component array, `c[0] … c[n-1]` (or several arrays of one compound that go together). Two of its
+// members are interchangeable if exchanging them, with all that is inside, maps every connector onto a connector: same
+// type, same ports, same arguments of the atoms. That is checked for each pair that is used, so the permutations of a
+// group are automorphisms of the system and its quotient has the same deadlocks and errors up to who is who (Ip, Dill
+// 1996; Clarke, Emerson, Jha, Sistla 1998). The representative of a state has the members of each group in ascending
+// order.
 #pragma once
 #include <vector>
 
@@ -26,8 +27,8 @@ class Symmetry {
 
  private:
   struct Group {
-    u32 members = 0, width = 0;   // width: atoms of a member
-    std::vector<u32> atoms;       // member after member
+    u32 members = 0, width = 0;  // width: atoms of a member
+    std::vector<u32> atoms;      // member after member
   };
   std::vector<Group> groups_;
   std::vector<std::string> names_;

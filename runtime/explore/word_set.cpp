@@ -51,7 +51,9 @@ bool WordSet::make_index(u64 buckets) {
   return true;
 }
 
-std::size_t WordSet::bytes() const { return bucket_count_ * sizeof(Bucket) + (std::size_t{size_} * sizeof(u64) + 4095) / 4096 * 4096; }
+std::size_t WordSet::bytes() const {
+  return bucket_count_ * sizeof(Bucket) + (std::size_t{size_} * sizeof(u64) + 4095) / 4096 * 4096;
+}
 
 bool WordSet::grow() {
   const u64 buckets = bucket_count_ * kGrowNumerator / kGrowDenominator + 1;

@@ -1,10 +1,10 @@
 // An exact set of 64-bit words that numbers them: the only container that grows with the number of states.
 //
-// Words lie in the order in which they came, 8 bytes each; an index of 32-bit rows finds them. The index is buckets of one
-// cache line: 12 rows and 8 bits of each word's hash, so that a look-up reads one line, and one word where the bits agree
-// (1 of 256 that differ agree by chance; the word decides, so nothing is lost). At 55 to 85 percent full a word costs
-// 8 + 6.3 to 9.7 bytes. To grow, the index is thrown away before the new one is made from the words: no moment needs two.
-// Not thread-safe. No more than 2^32 - 2 words.
+// Words lie in the order in which they came, 8 bytes each; an index of 32-bit rows finds them. The index is buckets of
+// one cache line: 12 rows and 8 bits of each word's hash, so that a look-up reads one line, and one word where the bits
+// agree (1 of 256 that differ agree by chance; the word decides, so nothing is lost). At 55 to 85 percent full a word
+// costs 8 + 6.3 to 9.7 bytes. To grow, the index is thrown away before the new one is made from the words: no moment
+// needs two. Not thread-safe. No more than 2^32 - 2 words.
 #pragma once
 #include <cstddef>
 #include <cstdint>

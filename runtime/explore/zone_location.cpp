@@ -7,7 +7,9 @@ namespace bip::rt {
 
 namespace {
 
-void append_row(std::string& key, const void* data, std::size_t bytes) { key.append(static_cast<const char*>(data), bytes); }
+void append_row(std::string& key, const void* data, std::size_t bytes) {
+  key.append(static_cast<const char*>(data), bytes);
+}
 
 template <class T>
 void append_all(std::string& key, const std::vector<T>& values) {
@@ -22,8 +24,10 @@ void sort_unique(Bounds& bounds) {
 }  // namespace
 
 // Constants that can be known are noted at once, in the initial state: most limits are constants or parameters.
-Locations::Locations(Core& core, const ExploreOptions& options) : core_(core), shapes_(shapes_of(core, options.progress)), asked_atoms_(options.asked_atoms) {
-  for (const u32 connector : options.asked_connectors) asked_slots_.push_back(core.tables().slot_of(connector));
+Locations::Locations(Core& core, const ExploreOptions& options)
+    : core_(core), shapes_(shapes_of(core, options.progress)), asked_atoms_(options.asked_atoms) {
+  for (const u32 connector : options.asked_connectors)
+    asked_interactions_.push_back(core.tables().interaction_of(connector));
   const Image& image = core.image();
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomType& type = image.atom_types[image.atoms[atom].type];
@@ -33,12 +37,12 @@ Locations::Locations(Core& core, const ExploreOptions& options) : core_(core), s
   max_.assign(clocks_ + 1, 0);
   min_.assign(clocks_ + 1, 0);
   transitions_.resize(image.atoms.size);
-  is_ruled_.assign(shapes_.slots.size(), false);
+  is_ruled_.assign(shapes_.interactions.size(), false);
   const PriorityTables rules = link_priorities(core.tables());
-  for (u32 slot = 0; slot < rules.slot_involved.size(); ++slot) {
-    if (rules.slot_involved[slot] == 0) continue;
-    is_ruled_[slot] = true;
-    for (const u32 atom : shapes_.atoms_of(slot)) ruled_atoms_.push_back(atom);
+  for (u32 interaction = 0; interaction < rules.is_involved.size(); ++interaction) {
+    if (rules.is_involved[interaction] == 0) continue;
+    is_ruled_[interaction] = true;
+    for (const u32 atom : shapes_.atoms_of(interaction)) ruled_atoms_.push_back(atom);
   }
   std::sort(ruled_atoms_.begin(), ruled_atoms_.end());
   ruled_atoms_.erase(std::unique(ruled_atoms_.begin(), ruled_atoms_.end()), ruled_atoms_.end());
@@ -115,19 +119,20 @@ void Locations::append(u32 atom, const MeasuredGuard& guard, Bounds& out) {
   }
 }
 
-bool Locations::measure_slot(Location& at, u32 slot) {
+bool Locations::measure_variable(Location& at, u32 interaction) {
   const Image& image = core_.image();
-  const SlotShape& shape = shapes_.slots[slot];
-  SlotCondition condition{slot, shape.is_rendezvous && !is_ruled_[slot], {}};
+  const InteractionShape& shape = shapes_.interactions[interaction];
+  InteractionCondition condition{interaction, shape.is_rendezvous && !is_ruled_[interaction], {}};
   bool is_urgent = false;
-  const auto is_offered = [&](const SlotLeaf& leaf) {
+  const auto is_offered = [&](const InteractionLeaf& leaf) {
     if (!is_timed_[leaf.atom]) return core_.enabled_transition(leaf.atom, leaf.port) != kNone;
-    return std::any_of(transitions_[leaf.atom].begin(), transitions_[leaf.atom].end(), [&](const TimedTransition& t) { return t.port == leaf.port; });
+    return std::any_of(transitions_[leaf.atom].begin(), transitions_[leaf.atom].end(),
+                       [&](const TimedTransition& t) { return t.port == leaf.port; });
   };
-  const Span<SlotLeaf> leaves = shapes_.leaves_of(slot);
+  const Span<InteractionLeaf> leaves = shapes_.leaves_of(interaction);
   const auto offered = std::count_if(leaves.begin(), leaves.end(), is_offered);
   if (offered == 0 || (shape.is_rendezvous && offered != static_cast<std::ptrdiff_t>(leaves.size))) return false;
-  for (const SlotLeaf& leaf : leaves) {
+  for (const InteractionLeaf& leaf : leaves) {
     if (!is_timed_[leaf.atom]) continue;
     std::size_t count = 0;
     for (const TimedTransition& transition : transitions_[leaf.atom]) {
@@ -140,9 +145,10 @@ bool Locations::measure_slot(Location& at, u32 slot) {
     const bool has_rules = image.atom_types[image.atoms[leaf.atom].type].priorities.size != 0;
     if (count > 1 || has_rules) condition.is_conjunction = false;
     if (!has_rules) continue;
-    for (const TimedTransition& transition : transitions_[leaf.atom]) append(leaf.atom, transition.when, condition.bounds);
+    for (const TimedTransition& transition : transitions_[leaf.atom])
+      append(leaf.atom, transition.when, condition.bounds);
   }
-  if (is_ruled_[slot]) {
+  if (is_ruled_[interaction]) {
     for (const u32 atom : ruled_atoms_) {
       for (const TimedTransition& transition : transitions_[atom]) append(atom, transition.when, condition.bounds);
     }
@@ -150,15 +156,17 @@ bool Locations::measure_slot(Location& at, u32 slot) {
   sort_unique(condition.bounds);
   if (is_urgent) at.cells.insert(at.cells.end(), condition.bounds.begin(), condition.bounds.end());
   at.has_urgent = at.has_urgent || is_urgent;
-  at.slots.push_back(std::move(condition));
+  at.interactions.push_back(std::move(condition));
   return true;
 }
 
-// Candidates of a slot depend on its condition; a port on its atom's transitions, for those of one port are alternatives and rules of
-// the atom hide ports.
+// Candidates of an interaction depend on its condition; a port on its atom's transitions, for those of one port are
+// alternatives and rules of the atom hide ports.
 void Locations::measure_asked(Location& at) {
-  for (const SlotCondition& slot : at.slots) {
-    if (std::find(asked_slots_.begin(), asked_slots_.end(), slot.slot) != asked_slots_.end()) at.asked.insert(at.asked.end(), slot.bounds.begin(), slot.bounds.end());
+  for (const InteractionCondition& interaction : at.interactions) {
+    if (std::find(asked_interactions_.begin(), asked_interactions_.end(), interaction.interaction) !=
+        asked_interactions_.end())
+      at.asked.insert(at.asked.end(), interaction.bounds.begin(), interaction.bounds.end());
   }
   for (const u32 atom : asked_atoms_) {
     for (const TimedTransition& transition : transitions_[atom]) append(atom, transition.when, at.asked);
@@ -183,7 +191,8 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
       if (!core_.timed_transitions(atom, transitions_[atom])) return false;
       continue;
     }
-    auto group = std::find_if(at.groups.begin(), at.groups.end(), [&](const WaitGroup& other) { return other.leader == at.leaders[atom]; });
+    auto group = std::find_if(at.groups.begin(), at.groups.end(),
+                              [&](const WaitGroup& other) { return other.leader == at.leaders[atom]; });
     if (group == at.groups.end()) group = at.groups.insert(group, {at.leaders[atom], true, {}});
     MeasuredGuard guard;
     if (!core_.measured_resume(atom, at.waits[atom] == kAfterInitial ? kNone : at.waits[atom], guard)) return false;
@@ -194,7 +203,8 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
   for (const WaitGroup& group : at.groups) {
     if (group.ends) at.cells.insert(at.cells.end(), group.bounds.begin(), group.bounds.end());
   }
-  for (u32 slot = 0; slot < shapes_.slots.size(); ++slot) (void)measure_slot(at, slot);
+  for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction)
+    (void)measure_variable(at, interaction);
   sort_unique(at.cells);
   measure_asked(at);
   at.is_measured = true;
@@ -220,7 +230,8 @@ Bounds Locations::all_bounds(const Location& at) const {
   Bounds all = at.cells;
   all.insert(all.end(), at.asked.begin(), at.asked.end());
   all.insert(all.end(), at.invariants.begin(), at.invariants.end());
-  for (const SlotCondition& slot : at.slots) all.insert(all.end(), slot.bounds.begin(), slot.bounds.end());
+  for (const InteractionCondition& interaction : at.interactions)
+    all.insert(all.end(), interaction.bounds.begin(), interaction.bounds.end());
   sort_unique(all);
   return all;
 }

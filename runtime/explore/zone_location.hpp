@@ -1,7 +1,8 @@
 // The discrete half of a timed state, and what it demands of the clocks. Internal to runtime/explore.
 //
-// A condition is a list of bounds (dbm.hpp). For each slot the list says what its candidates depend on; those of urgent slots, and
-// what busy atoms wait for, cut a zone into cells in each of which the passing of time is ruled alike.
+// A condition is a list of bounds (dbm.hpp). For each interaction the list says what its candidates depend on; those of
+// urgent interactions, and what busy atoms wait for, cut a zone into cells in each of which the passing of time is
+// ruled alike.
 #pragma once
 #include <string>
 #include <unordered_map>
@@ -16,31 +17,31 @@ namespace bip::rt {
 
 using Bounds = std::vector<ZoneBound>;
 
-struct SlotCondition {
-  u32 slot = 0;
+struct InteractionCondition {
+  u32 interaction = 0;
   bool is_conjunction = false;  // a candidate exactly where all bounds hold
   Bounds bounds;
 };
 /// Atoms that go on together once all bounds hold.
 struct WaitGroup {
   u32 leader = 0;
-  bool ends = true;             // false: never
+  bool ends = true;  // false: never
   Bounds bounds;
 };
 struct Location {
-  State state;                  // its `time` is of no meaning
-  std::vector<u32> waits;       // by atom: the transition after which it is busy, kInitial, or kNone
-  std::vector<u32> leaders;     // by atom: with whom it goes on
+  State state;               // its `time` is of no meaning
+  std::vector<u32> waits;    // by atom: the transition after which it is busy, kInitial, or kNone
+  std::vector<u32> leaders;  // by atom: with whom it goes on
   bool is_measured = false;
   enum class Asked : std::uint8_t { Not, Possible, Impossible } asked_whole = Asked::Not;  // of a part (PartQuestion)
-  bool may_go_on = true;        // false: an invariant holds nowhere
+  bool may_go_on = true;  // false: an invariant holds nowhere
   Bounds invariants;
-  std::vector<SlotCondition> slots;
+  std::vector<InteractionCondition> interactions;
   std::vector<WaitGroup> groups;
-  Bounds cells;                 // sorted
-  Bounds asked;                 // in a part that they cut, what is asked of candidates and ports has one answer; sorted
+  Bounds cells;  // sorted
+  Bounds asked;  // in a part that they cut, what is asked of candidates and ports has one answer; sorted
   bool has_urgent = false;
-  std::vector<u32> nodes;       // of the zone graph
+  std::vector<u32> nodes;  // of the zone graph
 };
 inline constexpr u32 kAfterInitial = kNone - 1;
 
@@ -76,15 +77,15 @@ class Locations {
   void append(u32 atom, const MeasuredGuard& guard, Bounds& out);
   void measure_asked(Location& at);
   void note(const ZoneBound& bound);
-  bool measure_slot(Location& at, u32 slot);
+  bool measure_variable(Location& at, u32 interaction);
 
   Core& core_;
   Shapes shapes_;
   u32 clocks_ = 0;
-  std::vector<bool> is_timed_;        // by atom
-  std::vector<bool> is_ruled_;        // by slot: priorities compare it with others
-  std::vector<u32> ruled_atoms_;      // of all those slots
-  std::vector<u32> asked_slots_, asked_atoms_;
+  std::vector<bool> is_timed_;    // by atom
+  std::vector<bool> is_ruled_;    // by interaction: priorities compare it with others
+  std::vector<u32> ruled_atoms_;  // of all those interactions
+  std::vector<u32> asked_interactions_, asked_atoms_;
   std::vector<i64> max_, min_;
   bool has_grown_ = false, has_differences_ = false;
   std::vector<Location> rows_;

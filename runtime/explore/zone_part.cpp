@@ -1,5 +1,5 @@
-// A part of a system (zones.hpp, PartQuestion): which locations the whole cannot have, and where time stands still though nobody in the
-// part can go on. Steps in which others take part count for what they lead to, not as a way out.
+// A part of a system (zones.hpp, PartQuestion): which locations the whole cannot have, and where time stands still
+// though nobody in the part can go on. Steps in which others take part count for what they lead to, not as a way out.
 #include <algorithm>
 
 #include "runtime/explore/zone_search.hpp"
@@ -20,7 +20,8 @@ bool ZoneSearch::is_impossible(u32 row) {
 }
 
 bool ZoneSearch::is_asked_for(u32 node) {
-  return part_->asks_places && enter_core(locations_[nodes_[node].location], nodes_[node].zone.least_point()) && part_->is_asked(core_);
+  return part_->asks_places && enter_core(locations_[nodes_[node].location], nodes_[node].zone.least_point()) &&
+         part_->is_asked(core_);
 }
 
 // rest: where no step of the part alone can be taken.
@@ -56,6 +57,8 @@ PartReport ZoneSearch::run_part() {
   return report;
 }
 
-PartReport explore_part(const Image& image, const ExploreOptions& options, const PartQuestion& question) { return ZoneSearch(image, options, &question).run_part(); }
+PartReport explore_part(const Image& image, const ExploreOptions& options, const PartQuestion& question) {
+  return ZoneSearch(image, options, &question).run_part();
+}
 
 }  // namespace bip::rt

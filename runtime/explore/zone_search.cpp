@@ -27,12 +27,16 @@ bool agree(Zone& zone, const Zone& part, const Bounds& bounds) {
 }
 
 ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part)
-    : image_(image), options_(options), core_(image, {.progress = options.progress}), locations_((static_cast<void>(core_.initialize()), core_), options), part_(part) {
+    : image_(image),
+      options_(options),
+      core_(image, {.progress = options.progress}),
+      locations_((static_cast<void>(core_.initialize()), core_), options),
+      part_(part) {
   if (part_ == nullptr) return;
-  is_sure_.assign(locations_.shapes().slots.size(), 1);
+  is_sure_.assign(locations_.shapes().interactions.size(), 1);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
-    const u32 slot = core_.tables().slot_of(connector);
-    if (slot != kNone) is_sure_[slot] = part_->is_whole[connector];
+    const u32 interaction = core_.tables().interaction_of(connector);
+    if (interaction != kNone) is_sure_[interaction] = part_->is_whole[connector];
   }
 }
 
@@ -46,8 +50,9 @@ bool ZoneSearch::follow_clocks(Zone& zone) {
       const bool is_far = std::max(clock.value, -clock.value) > kFarLimit;
       if (clock.speed == kUnitSpeed && !is_far) continue;
       const Loc& loc = time->clocks[k].loc;
-      report_.inexact = "clock `" + std::string(time->clocks[k].name) + "` of `" + image_.atoms[atom].path() + "` (" + image_.files[loc.file] + ":" +
-                        std::to_string(loc.line) + ") " + (is_far ? "is set to a value beyond 18 years" : "runs at another speed than 1");
+      report_.inexact = "clock `" + std::string(time->clocks[k].name) + "` of `" + image_.atoms[atom].path() + "` (" +
+                        image_.files[loc.file] + ":" + std::to_string(loc.line) + ") " +
+                        (is_far ? "is set to a value beyond 18 years" : "runs at another speed than 1");
       return false;
     }
   }
@@ -88,12 +93,14 @@ bool ZoneSearch::begin() {
 }
 
 bool ZoneSearch::is_inside(const Location& at, const Zone& zone) const {
-  return at.may_go_on && std::all_of(at.invariants.begin(), at.invariants.end(), [&](const ZoneBound& bound) { return zone.implies(bound); });
+  return at.may_go_on && std::all_of(at.invariants.begin(), at.invariants.end(),
+                                     [&](const ZoneBound& bound) { return zone.implies(bound); });
 }
 
 bool ZoneSearch::wakes(const Location& at, const Zone& zone) const {
   return std::any_of(at.groups.begin(), at.groups.end(), [&](const WaitGroup& group) {
-    return group.ends && std::all_of(group.bounds.begin(), group.bounds.end(), [&](const ZoneBound& bound) { return zone.implies(bound); });
+    return group.ends && std::all_of(group.bounds.begin(), group.bounds.end(),
+                                     [&](const ZoneBound& bound) { return zone.implies(bound); });
   });
 }
 
@@ -113,7 +120,7 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
     if (!locations_.measure(at, zone.least_point())) {
       // The fault shows wherever the step led.
       if (label.parent == kNone) ++report_.errors, report_.has_error = true;
-      else note_error(label.parent, label.origin, label.edge == ZoneEdge::Step, label.slot, label.config);
+      else note_error(label.parent, label.origin, label.edge == ZoneEdge::Step, label.interaction, label.config);
       return;
     }
   }
@@ -158,10 +165,10 @@ void ZoneSearch::insert(ZoneNode&& node) {
   ++report_.zones;
 }
 
-void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 slot, u32 config) {
+void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 interaction, u32 config) {
   if (!is_node_faulty_) ++report_.errors;
   is_node_faulty_ = report_.has_error = true;
-  if (error_.node == kNone) error_ = {node, point, true, is_step, slot, config, false, false};
+  if (error_.node == kNone) error_ = {node, point, true, is_step, interaction, config, false, false};
 }
 
 // Takes a candidate from a cell of the node. False: the search has to end.
@@ -194,18 +201,24 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
   }
   ++report_.steps;
   if (!core_.take_timed(position)) {
-    note_error(node, point, true, candidate.slot, candidate.config);
+    note_error(node, point, true, candidate.interaction, candidate.config);
     return true;
   }
   Zone zone = cell;
   if (!follow_clocks(zone)) return false;
-  ZoneNode label{.parent = node, .depth = nodes_[node].depth + 1, .edge = ZoneEdge::Step, .slot = candidate.slot, .config = candidate.config, .origin = point, .zone = Zone(0)};
+  ZoneNode label{.parent = node,
+                 .depth = nodes_[node].depth + 1,
+                 .edge = ZoneEdge::Step,
+                 .interaction = candidate.interaction,
+                 .config = candidate.config,
+                 .origin = point,
+                 .zone = Zone(0)};
   enter(locations_.find_or_add(core_.snapshot(), waits, leaders), std::move(zone), std::move(label));
   return true;
 }
 
-// All candidates of a slot; what has one is taken out of `rest`.
-bool ZoneSearch::step_from(u32 node, const SlotCondition& condition, std::vector<Zone>& rest) {
+// All candidates of an interaction; what has one is taken out of `rest`.
+bool ZoneSearch::step_from(u32 node, const InteractionCondition& condition, std::vector<Zone>& rest) {
   std::vector<Zone> cells;
   if (condition.is_conjunction) {
     Zone cell = nodes_[node].zone;
@@ -219,17 +232,17 @@ bool ZoneSearch::step_from(u32 node, const SlotCondition& condition, std::vector
   for (const Zone& cell : cells) {
     const std::vector<i64> point = cell.least_point();
     if (!enter_core(locations_[nodes_[node].location], point)) {
-      note_error(node, point, false, condition.slot, 0);
+      note_error(node, point, false, condition.interaction, 0);
       continue;
     }
     u64 first = 0, end = 0;
     for (u64 k = 0; k < core_.candidate_count(); ++k) {
-      const u32 slot = core_.candidate(k).slot;
-      if (slot < condition.slot) first = k + 1;
-      if (slot <= condition.slot) end = k + 1;
+      const u32 interaction = core_.candidate(k).interaction;
+      if (interaction < condition.interaction) first = k + 1;
+      if (interaction <= condition.interaction) end = k + 1;
     }
     if (first == end) continue;
-    if (part_ == nullptr || is_sure_[condition.slot] != 0) {
+    if (part_ == nullptr || is_sure_[condition.interaction] != 0) {
       std::vector<Zone> left;
       for (const Zone& part : rest) subtract(part, cell, left);
       rest = std::move(left);
@@ -262,7 +275,9 @@ Bounds ZoneSearch::deadlines(const Location& at, const std::vector<i64>& point) 
         return bound.low <= value && value <= bound.high;
       };
       for (const TimedTransition& transition : transitions) {
-        if (transition.port != participant.port || !std::all_of(transition.when.bounds.begin(), transition.when.bounds.end(), holds)) continue;
+        if (transition.port != participant.port ||
+            !std::all_of(transition.when.bounds.begin(), transition.when.bounds.end(), holds))
+          continue;
         for (const ClockBound& bound : transition.when.bounds) {
           if (bound.high != kNoBound && bound.minus == kNone) out.push_back({first + bound.clock, 0, bound.high});
         }
@@ -287,7 +302,8 @@ void ZoneSearch::pass_time(u32 node) {
   for (Zone& cell : cut(next, locations_[row].cells)) {
     Zone same = cell;
     if (agree(same, nodes_[node].zone, locations_[row].cells)) continue;
-    enter(row, std::move(cell), {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::Time, .origin = {}, .zone = Zone(0)});
+    enter(row, std::move(cell),
+          {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::Time, .origin = {}, .zone = Zone(0)});
   }
 }
 
@@ -296,7 +312,9 @@ void ZoneSearch::go_on(u32 node) {
   std::vector<u32> waits = at.waits, leaders = at.leaders;
   for (const WaitGroup& group : at.groups) {
     const Zone& zone = nodes_[node].zone;
-    if (!group.ends || !std::all_of(group.bounds.begin(), group.bounds.end(), [&](const ZoneBound& bound) { return zone.implies(bound); })) continue;
+    if (!group.ends || !std::all_of(group.bounds.begin(), group.bounds.end(),
+                                    [&](const ZoneBound& bound) { return zone.implies(bound); }))
+      continue;
     for (u32 atom = 0; atom < waits.size(); ++atom) {
       if (at.waits[atom] == kNone || at.leaders[atom] != group.leader) continue;
       waits[atom] = kNone;
@@ -321,9 +339,9 @@ void ZoneSearch::expand(u32 node) {
     return;
   }
   std::vector<Zone> rest{nodes_[node].zone};
-  const std::size_t slots = locations_[nodes_[node].location].slots.size();
-  for (std::size_t k = 0; k < slots; ++k) {
-    const SlotCondition condition = locations_[nodes_[node].location].slots[k];
+  const std::size_t interactions = locations_[nodes_[node].location].interactions.size();
+  for (std::size_t k = 0; k < interactions; ++k) {
+    const InteractionCondition condition = locations_[nodes_[node].location].interactions[k];
     if (!step_from(node, condition, rest)) return;
   }
   if (part_ == nullptr) {
@@ -336,15 +354,21 @@ void ZoneSearch::expand(u32 node) {
 }
 
 bool ZoneSearch::is_over() {
-  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty() || broken_.node != kNone || open_ != kNone) return true;
+  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty() || broken_.node != kNone || open_ != kNone)
+    return true;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   report_.bytes = node_bytes_ + locations_.bytes();
   if (options_.is_stopped && options_.is_stopped()) report_.end = ExploreEnd::Stopped;
   else if (options_.seconds > 0 && spent.count() > options_.seconds) report_.end = ExploreEnd::Time;
   else if (options_.bytes != 0 && report_.bytes > options_.bytes) report_.end = ExploreEnd::Memory;
   if (options_.tell && next_ % 256 == 0) {
-    options_.tell({.states = report_.zones, .expanded = next_, .steps = report_.steps, .deadlocks = report_.deadlocks + report_.time_locks,
-                   .errors = report_.errors, .depth = report_.depth, .bytes = report_.bytes});
+    options_.tell({.states = report_.zones,
+                   .expanded = next_,
+                   .steps = report_.steps,
+                   .deadlocks = report_.deadlocks + report_.time_locks,
+                   .errors = report_.errors,
+                   .depth = report_.depth,
+                   .bytes = report_.bytes});
   }
   return report_.end != ExploreEnd::Complete;
 }

@@ -1,7 +1,8 @@
 // One exploration of a zone graph. Internal to runtime/explore; what it computes is in zones.hpp.
 //
-// A node is a location with a zone that lies in one cell (zone_location.hpp) and is closed under the time that may pass in it. Its
-// edges: a step; time that goes on into a neighbour cell; atoms that stop being busy, which takes no time and comes first.
+// A node is a location with a zone that lies in one cell (zone_location.hpp) and is closed under the time that may pass
+// in it. Its edges: a step; time that goes on into a neighbour cell; atoms that stop being busy, which takes no time
+// and comes first.
 #pragma once
 #include <chrono>
 #include <deque>
@@ -16,7 +17,7 @@ enum class ZoneEdge : std::uint8_t { Initial, Step, Time, GoOn };
 struct ZoneNode {
   u32 location = 0, parent = kNone, depth = 0;
   ZoneEdge edge = ZoneEdge::Initial;
-  u32 slot = 0, config = 0;         // Step
+  u32 interaction = 0, config = 0;  // Step
   bool is_still = false;            // no time passes in it
   bool is_waking = false;           // busy atoms may go on
   bool is_covered = false;          // by a later one, before it was expanded
@@ -34,13 +35,13 @@ class ZoneSearch {
   [[nodiscard]] Locations& locations() { return locations_; }
 
  private:
-  struct Target {                   // what was found first
+  struct Target {  // what was found first
     u32 node = kNone;
     std::vector<i64> point;
-    bool is_error = false, is_step = false;  // is_step: in a step of this slot
-    u32 slot = 0, config = 0;
-    bool is_far = false;            // deadlock: however long time passes
-    bool is_state = false;          // it is enough to be there
+    bool is_error = false, is_step = false;  // is_step: in a step of this interaction
+    u32 interaction = 0, config = 0;
+    bool is_far = false;    // deadlock: however long time passes
+    bool is_state = false;  // it is enough to be there
   };
   // zone_search.cpp
   bool begin();
@@ -48,14 +49,16 @@ class ZoneSearch {
   void expand(u32 node);
   void enter(u32 location, Zone&& zone, ZoneNode&& label);
   void insert(ZoneNode&& node);
-  bool step_from(u32 node, const SlotCondition& condition, std::vector<Zone>& rest);
+  bool step_from(u32 node, const InteractionCondition& condition, std::vector<Zone>& rest);
   bool fire(u32 node, const Zone& cell, const std::vector<i64>& point, u64 k);
   void pass_time(u32 node);
   void go_on(u32 node);
-  void note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 slot, u32 config);
+  void note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 interaction, u32 config);
   [[nodiscard]] bool is_over();
   bool follow_clocks(Zone& zone);
-  [[nodiscard]] bool enter_core(const Location& at, const std::vector<i64>& point) { return core_.restore(locations_.point(at, point)); }
+  [[nodiscard]] bool enter_core(const Location& at, const std::vector<i64>& point) {
+    return core_.restore(locations_.point(at, point));
+  }
   [[nodiscard]] bool is_inside(const Location& at, const Zone& zone) const;
   [[nodiscard]] bool wakes(const Location& at, const Zone& zone) const;
   [[nodiscard]] bool is_eager(const Location& at, const std::vector<i64>& point);
@@ -76,12 +79,12 @@ class ZoneSearch {
   ExploreOptions options_;
   Core core_;
   Locations locations_;
-  const PartQuestion* part_;        // not null: the image is a part of a system
-  std::vector<std::uint8_t> is_sure_;  // of a part, by slot: a candidate is one in the whole
-  u32 open_ = kNone;                // of a part: a location
+  const PartQuestion* part_;           // not null: the image is a part of a system
+  std::vector<std::uint8_t> is_sure_;  // of a part, by interaction: a candidate is one in the whole
+  u32 open_ = kNone;                   // of a part: a location
   u64 impossible_ = 0;
   std::deque<ZoneNode> nodes_;
-  u32 next_ = 0;                    // the first that was not expanded
+  u32 next_ = 0;  // the first that was not expanded
   std::size_t node_bytes_ = 0;
   Target deadlock_, time_lock_, error_, broken_;
   bool is_node_faulty_ = false;

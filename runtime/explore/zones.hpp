@@ -1,18 +1,20 @@
-// All behaviours of a timed image at all instants: its zone graph (Daws, Tripakis 1998; Bengtsson, Yi 2004), breadth first.
+// All behaviours of a timed image at all instants: its zone graph (Daws, Tripakis 1998; Bengtsson, Yi 2004), breadth
+// first.
 //
-// A state of the graph is a *location* (markings, data, who is busy) with a zone of clock values. Time is the core's: whole ticks,
-// so zones are exact, and what is enabled in a part of a zone in which no condition changes its truth is asked of a core at one point of
-// it. Deadlock: no candidate now, and none however long time passes. Time lock: no candidate, and time may not pass. A lazy step
-// may be missed; a state in which it was counts. Not exact, and then ended with the reason: clocks that run at another speed than 1.
-// Conditions on differences of clocks are exact too, but nothing is forgotten then, so the graph may have no end.
-// Cost: zones times slots times clocks squared; a location's zones are compared pairwise.
+// A state of the graph is a *location* (markings, data, who is busy) with a zone of clock values. Time is the core's:
+// whole ticks, so zones are exact, and what is enabled in a part of a zone in which no condition changes its truth is
+// asked of a core at one point of it. Deadlock: no candidate now, and none however long time passes. Time lock: no
+// candidate, and time may not pass. A lazy step may be missed; a state in which it was counts. Not exact, and then
+// ended with the reason: clocks that run at another speed than 1. Conditions on differences of clocks are exact too,
+// but nothing is forgotten then, so the graph may have no end. Cost: zones times interactions times clocks squared; a
+// location's zones are compared pairwise.
 #pragma once
 #include "runtime/explore/explore.hpp"
 
 namespace bip::rt {
 
 struct TimedStep {
-  i64 at = 0;   // the instant
+  i64 at = 0;      // the instant
   u64 choice = 0;  // number of the candidate at that instant
 };
 /// From the initial state. `end`: the instant to which time passes afterwards.
@@ -23,14 +25,14 @@ struct TimedWay {
 
 struct ZoneReport {
   ExploreEnd end = ExploreEnd::Complete;
-  std::string inexact;            // what could not be followed, with its place; the exploration ended there
+  std::string inexact;  // what could not be followed, with its place; the exploration ended there
   u64 zones = 0, locations = 0, steps = 0;
   u64 deadlocks = 0, time_locks = 0, errors = 0;  // zones with such a point; with a step that ends in a run-time error
   u32 depth = 0;
   bool has_deadlock = false, has_time_lock = false, has_error = false;
-  bool has_broken = false;        // options.is_broken was true somewhere: the exploration ended there
+  bool has_broken = false;  // options.is_broken was true somewhere: the exploration ended there
   TimedWay deadlock, time_lock, error, broken;
-  bool are_ways_known = true;     // false: a way could not be taken by the core
+  bool are_ways_known = true;  // false: a way could not be taken by the core
   std::size_t bytes = 0;
   double seconds = 0;
 };
@@ -38,19 +40,21 @@ struct ZoneReport {
 /// One thread. options.reduction and threads mean nothing here; options.limit counts zones.
 [[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options);
 
-/// An image that stands for a part of a system whose other components may do anything (compiler/verify/part.hpp), and one component of
-/// it: is there an instant to which its invariants hold time up and at which no step of the part alone can be taken?
+/// An image that stands for a part of a system whose other components may do anything
+/// (compiler/verify/timed/localization.hpp), and one component of it: is there an instant to which its invariants hold
+/// time up and at which no step of the part alone can be taken?
 struct PartQuestion {
   u32 atom = 0;
-  std::vector<std::uint8_t> is_whole;                 // by connector: a candidate in the part is one in the whole; so are internal ports
-  std::function<bool(const Core&)> is_impossible;     // no state of the whole has these markings and data; asked once each
-  std::function<bool(const Core&)> is_asked;          // only there; empty: everywhere
-  bool asks_places = false;                           // else: is there a state where is_asked says so, whatever time does?
+  std::vector<std::uint8_t>
+      is_whole;  // by connector: a candidate in the part is one in the whole; so are internal ports
+  std::function<bool(const Core&)> is_impossible;  // no state of the whole has these markings and data; asked once each
+  std::function<bool(const Core&)> is_asked;       // only there; empty: everywhere
+  bool asks_places = false;                        // else: is there a state where is_asked says so, whatever time does?
 };
 struct PartReport {
-  bool is_complete = false;       // all zones were seen, or an open one was found
-  bool is_open = false;           // there is such an instant, as far as the part knows
-  State open;                     // the markings and data there
+  bool is_complete = false;  // all zones were seen, or an open one was found
+  bool is_open = false;      // there is such an instant, as far as the part knows
+  State open;                // the markings and data there
   std::string inexact;
   u64 zones = 0, locations = 0, impossible = 0;
 };

@@ -10,12 +10,12 @@ namespace {
 
 constexpr const char* kPrefix = "[BIP ENGINE]: ";
 
-void append_values(std::string& out, const Core& core, const PortType& type, u32 base, Span<u32> slots) {
+void append_values(std::string& out, const Core& core, const PortType& type, u32 base, Span<u32> cells) {
   out += '(';
-  for (u32 i = 0; i < slots.size; ++i) {
+  for (u32 i = 0; i < cells.size; ++i) {
     out += type.vars[i].name;
     out += '=';
-    append_value(out, core.image(), type.vars[i].type, core.slot(base + slots[i]));
+    append_value(out, core.image(), type.vars[i].type, core.cell(base + cells[i]));
     out += ';';
   }
   out += ')';
@@ -82,14 +82,14 @@ void Bip2Writer::append_body(std::string& out, Core& core, const Candidate& cand
       out += seen_from(image, compound, below.path().c_str());
       out += '.';
       out += type.export_name;
-      append_values(out, core, image.port_types[type.export_type], below.slot_base, type.export_slots);
+      append_values(out, core, image.port_types[type.export_type], below.first_cell, type.export_variables);
     } else {
       const Atom& atom = image.atoms[participant.atom];
       const Port& port = image.atom_types[atom.type].ports[participant.port];
       out += seen_from(image, compound, atom.path().c_str());
       out += '.';
       out += port.name;
-      append_values(out, core, image.port_types[port.type], atom.slot_base, port.slots);
+      append_values(out, core, image.port_types[port.type], atom.first_cell, port.variables);
     }
   }
 }
@@ -125,7 +125,8 @@ void Bip2Writer::choice(std::string& out, Core& core, std::uint64_t k) {
 
 void Bip2Writer::foresee(Core& core) {
   foreseen_at_ = core.now();
-  future_ = future_candidates(core, [this](std::string& text, Core& c, const Candidate& candidate) { append_body(text, c, candidate); });
+  future_ = future_candidates(
+      core, [this](std::string& text, Core& c, const Candidate& candidate) { append_body(text, c, candidate); });
 }
 
 void Bip2Writer::append_foreseen(std::string& out, std::size_t k) const {
@@ -165,7 +166,7 @@ void Bip2Writer::foreseen(std::string& out, Core& core, std::uint64_t number, co
   std::string text;
   append_body(text, core, chosen);
   for (std::size_t k = 0; k < future_.size(); ++k) {
-    if (future_[k].slot != chosen.slot || future_[k].text != text) continue;
+    if (future_[k].interaction != chosen.interaction || future_[k].text != text) continue;
     out += kPrefix;
     out += "-> choose ";
     append_foreseen(out, k);

@@ -17,7 +17,8 @@ Last last_instant(Core& core) {
   for (std::uint64_t k = 0; k < core.candidate_count() && last.at > core.now(); ++k) {
     const CandidateTime time = core.time_of(core.candidate(k));
     if (time.urgency == Urgency::Eager) last = {core.now(), false};
-    else if (time.urgency == Urgency::Delayable && time.interval.high < last.at) last = {time.interval.high, time.interval.high_open};
+    else if (time.urgency == Urgency::Delayable && time.interval.high < last.at)
+      last = {time.interval.high, time.interval.high_open};
   }
   if (last.at < core.now()) last = {core.now(), false};
   return last;
@@ -32,7 +33,8 @@ bool has_just_ended(const std::vector<FutureCandidate>& all, i64 now) {
 
 }  // namespace
 
-std::vector<FutureCandidate> future_candidates(Core& core, const std::function<void(std::string&, Core&, const Candidate&)>& tell) {
+std::vector<FutureCandidate> future_candidates(Core& core,
+                                               const std::function<void(std::string&, Core&, const Candidate&)>& tell) {
   const State state = core.snapshot();
   const std::vector<u32> order = core.list_order();
   std::vector<FutureCandidate> all;
@@ -47,9 +49,11 @@ std::vector<FutureCandidate> future_candidates(Core& core, const std::function<v
       const Candidate candidate = core.candidate(k);
       std::string text;
       tell(text, core, candidate);
-      auto known = std::find_if(all.begin(), all.end(), [&](const FutureCandidate& f) { return f.slot == candidate.slot && f.text == text; });
+      auto known = std::find_if(all.begin(), all.end(), [&](const FutureCandidate& f) {
+        return f.interaction == candidate.interaction && f.text == text;
+      });
       if (known == all.end()) {
-        all.push_back({std::move(text), candidate.connector == kNone, candidate.slot, {}});
+        all.push_back({std::move(text), candidate.connector == kNone, candidate.interaction, {}});
         known = all.end() - 1;
       }
       Interval here = core.time_of(candidate).interval;
@@ -66,7 +70,8 @@ std::vector<FutureCandidate> future_candidates(Core& core, const std::function<v
   }
   (void)core.restore(state);
   core.set_list_order(order);
-  std::stable_sort(all.begin(), all.end(), [](const FutureCandidate& a, const FutureCandidate& b) { return a.slot < b.slot; });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const FutureCandidate& a, const FutureCandidate& b) { return a.interaction < b.interaction; });
   return all;
 }
 

@@ -1,7 +1,7 @@
 // The trace file: JSON lines, version 1. Byte-identical for the same model, seed and policy. See trace.hpp.
 //
-// Names are quoted once. Where a slot has one set of participants all of its line is known but for numbers: a step copies the pieces
-// between them, and the string that all goes to grows once.
+// Names are quoted once. Where a cell has one set of participants all of its line is known but for numbers: a step
+// copies the pieces between them, and the string that all goes to grows once.
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -13,15 +13,16 @@ namespace bip::rt {
 
 namespace {
 
-void append_json_value(std::string& out, const Image& image, SlotType type, Slot value) {
+void append_json_value(std::string& out, const Image& image, CellType type, Cell value) {
   // JSON has no word for these.
-  const bool quoted = is_extern(type) || (type == SlotType::Float && !std::isfinite(value.f));
+  const bool quoted = is_extern(type) || (type == CellType::Float && !std::isfinite(value.f));
   if (quoted) out += '"';
   append_value(out, image, type, value);
   if (quoted) out += '"';
 }
 
-constexpr std::size_t kRoom = 2048, kHeadRoom = 192, kValueRoom = 12, kNumberRoom = 20;  // of a line; before its name; of an int or bool; of any
+constexpr std::size_t kRoom = 2048, kHeadRoom = 192, kValueRoom = 12,
+                      kNumberRoom = 20;  // of a line; before its name; of an int or bool; of any
 // Writes where there is room.
 struct Pen {
   static constexpr std::size_t kBlock = 32;
@@ -49,7 +50,7 @@ void append_port_head(std::string& out, const Core& core, const Participant& par
   name += port.name;
   out += R"({"port":)";
   append_quoted(out, name.c_str());
-  out += port.slots.size == 0 ? "}" : R"(,"values":{)";
+  out += port.variables.size == 0 ? "}" : R"(,"values":{)";
 }
 
 }  // namespace
@@ -59,7 +60,7 @@ void append_json_values(std::string& out, const Core& core, u32 atom, u32 port) 
   const Port& declared = core.tables().atom_type(atom).ports[port];
   const PortType& type = image.port_types[declared.type];
   out += '{';
-  for (u32 i = 0; i < declared.slots.size; ++i) {
+  for (u32 i = 0; i < declared.variables.size; ++i) {
     if (i != 0) out += ',';
     append_quoted(out, type.vars[i].name);
     out += ':';
@@ -89,7 +90,7 @@ void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed,
 
 void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
   if (lines_.empty()) begin_lines(core);
-  Line& line = lines_[candidate.slot];
+  Line& line = lines_[candidate.interaction];
   if (line.text.empty()) begin_line(line, core, candidate);
   char room[kRoom + kNumberRoom + Pen::kBlock];
   Pen pen{room};
@@ -121,14 +122,14 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
     const Value& value = values_[row];
     pen.put_blocks(text + from, value.at - from);
     from = value.at;
-    const Slot& slot = core.is_timed() ? core.shown(value.atom, value.port, value.variable) : core.slot(value.slot);
-    if (value.type == SlotType::Int) {
-      pen.number(slot.i);
-    } else if (value.type == SlotType::Bool) {
-      pen.put(slot.i != 0 ? "true" : "false");
+    const Cell& cell = core.is_timed() ? core.shown(value.atom, value.port, value.variable) : core.cell(value.cell);
+    if (value.type == CellType::Int) {
+      pen.number(cell.i);
+    } else if (value.type == CellType::Bool) {
+      pen.put(cell.i != 0 ? "true" : "false");
     } else {
       flush();
-      append_json_value(out, core.image(), value.type, slot);
+      append_json_value(out, core.image(), value.type, cell);
     }
   }
   pen.put_blocks(text + from, line.text.size() - Pen::kBlock - from);
@@ -136,7 +137,7 @@ void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, 
 }
 
 void JsonWriter::begin_lines(const Core& core) {
-  lines_.resize(core.tables().slots.size());
+  lines_.resize(core.tables().interactions.size());
   ports_.resize(core.tables().port_atom.size());
   for (const PortType& type : core.image().port_types) {
     first_variable_.push_back(static_cast<u32>(variables_.size()));
@@ -154,8 +155,8 @@ void JsonWriter::begin_line(Line& line, Core& core, const Candidate& candidate) 
   line.text = R"(,"interaction":)";
   append_quoted(line.text, name.c_str());
   line.text += R"(,"ports":[)";
-  const SlotKind kind = core.tables().slots[candidate.slot].kind;
-  if (kind != SlotKind::Port && kind != SlotKind::Flat) return;
+  const InteractionKind kind = core.tables().interactions[candidate.interaction].kind;
+  if (kind != InteractionKind::Port && kind != InteractionKind::Flat) return;
   std::string whole = line.text;
   line.first_value = static_cast<u32>(values_.size());
   core.participants(candidate, participants_);
@@ -163,13 +164,16 @@ void JsonWriter::begin_line(Line& line, Core& core, const Candidate& candidate) 
     if (whole.back() != '[') whole += ',';
     append_port_head(whole, core, participant);
     const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
-    for (u32 i = 0; i < port.slots.size; ++i) {
+    for (u32 i = 0; i < port.variables.size; ++i) {
       if (i != 0) whole += ',';
       whole += variables_[first_variable_[port.type] + i];
-      const u32 slot = core.is_timed() ? kNone : static_cast<u32>(&core.shown(participant.atom, participant.port, i) - &core.slot(0));
-      values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, slot, core.image().port_types[port.type].vars[i].type});
+      const u32 cell = core.is_timed()
+                           ? kNone
+                           : static_cast<u32>(&core.shown(participant.atom, participant.port, i) - &core.cell(0));
+      values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, cell,
+                         core.image().port_types[port.type].vars[i].type});
     }
-    if (port.slots.size != 0) whole += "}}";
+    if (port.variables.size != 0) whole += "}}";
   }
   whole += "]}\n";
   whole.append(Pen::kBlock, ' ');
@@ -189,9 +193,9 @@ void JsonWriter::append_ports(std::string& out, Core& core, const Candidate& can
     if (text.empty()) append_port_head(text, core, participant);
     out += text;
     const Port& port = core.tables().atom_type(participant.atom).ports[participant.port];
-    if (port.slots.size == 0) continue;
+    if (port.variables.size == 0) continue;
     const PortType& type = core.image().port_types[port.type];
-    for (u32 i = 0; i < port.slots.size; ++i) {
+    for (u32 i = 0; i < port.variables.size; ++i) {
       if (i != 0) out += ',';
       out += variables_[first_variable_[port.type] + i];
       append_json_value(out, core.image(), type.vars[i].type, core.shown(participant.atom, participant.port, i));

@@ -1,4 +1,5 @@
-// See mcap.hpp. A record is an opcode, its length in 8 bytes, and fields in little endian; a text has its length before it.
+// See mcap.hpp. A record is an opcode, its length in 8 bytes, and fields in little endian; a text has its length before
+// it.
 #include "runtime/trace/mcap.hpp"
 
 #include <algorithm>
@@ -16,8 +17,17 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr u32 kMostChannels = 65535;
 
 enum Opcode : std::uint8_t {
-  kHeader = 1, kFooter, kSchemaRecord, kChannelRecord, kMessage, kChunkRecord, kMessageIndex, kChunkIndex,
-  kStatistics = 11, kSummaryOffset = 14, kDataEnd = 15
+  kHeader = 1,
+  kFooter,
+  kSchemaRecord,
+  kChannelRecord,
+  kMessage,
+  kChunkRecord,
+  kMessageIndex,
+  kChunkIndex,
+  kStatistics = 11,
+  kSummaryOffset = 14,
+  kDataEnd = 15
 };
 
 template <class Integer>
@@ -126,7 +136,8 @@ void McapWriter::begin(std::string& out, const Image& image, std::uint64_t seed,
   put(out, head);
   std::string metadata, number;
   append_number(number, seed);
-  const std::pair<std::string_view, std::string_view> entries[] = {{"model", image.name}, {"policy", name_of(policy)}, {"seed", number}};
+  const std::pair<std::string_view, std::string_view> entries[] = {
+      {"model", image.name}, {"policy", name_of(policy)}, {"seed", number}};
   for (const auto& [key, value] : entries) {
     add_text(metadata, key);
     add_text(metadata, value);

@@ -1,9 +1,11 @@
-// Traces as MCAP files (mcap.dev, "MCAP format specification", version 0), which Foxglove and rosbag tools open: messages in JSON
-// with their JSON Schemas, in chunks without compression, with the indexes by which readers find an instant at once.
+// Traces as MCAP files (mcap.dev, "MCAP format specification", version 0), which Foxglove and rosbag tools open:
+// messages in JSON with their JSON Schemas, in chunks without compression, with the indexes by which readers find an
+// instant at once.
 //
-// Channels: `/steps`, a message a step; `/a/b` for the component ROOT.a.b, a message for each step in which it takes part, with the place
-// it leaves; `/end`. Instants are the model's (without time a millisecond a step), so the same run gives the same bytes. A file has at
-// most 65,535 channels: components whose turn comes after that are in `/steps` alone. Memory: a chunk, and its row of the index.
+// Channels: `/steps`, a message a step; `/a/b` for the component ROOT.a.b, a message for each step in which it takes
+// part, with the place it leaves; `/end`. Instants are the model's (without time a millisecond a step), so the same run
+// gives the same bytes. A file has at most 65,535 channels: components whose turn comes after that are in `/steps`
+// alone. Memory: a chunk, and its row of the index.
 #pragma once
 #include <string>
 #include <string_view>
@@ -25,14 +27,14 @@ class McapWriter {
  private:
   enum class Schema : std::uint16_t { Step = 1, Part, End };
   struct Channel {
-    std::string topic, metadata;                     // metadata as it is written
+    std::string topic, metadata;  // metadata as it is written
     Schema schema;
     u64 messages = 0;
-    std::vector<std::pair<u64, u64>> index;          // of the open chunk: instant, offset
+    std::vector<std::pair<u64, u64>> index;  // of the open chunk: instant, offset
   };
-  struct Chunk {                                     // one that was written
+  struct Chunk {  // one that was written
     u64 first = 0, last = 0, at = 0, size = 0, index_size = 0, bytes = 0;
-    std::vector<std::pair<u32, u64>> index_at;       // by channel with messages in it: where its index is
+    std::vector<std::pair<u32, u64>> index_at;  // by channel with messages in it: where its index is
   };
   u32 open_channel(std::string topic, Schema schema, std::string metadata);
   void message(u32 channel, i64 instant, std::string_view json);
@@ -43,14 +45,14 @@ class McapWriter {
   static void append_schema(std::string& out, Schema schema);
   static void append_channel(std::string& out, u32 row, const Channel& channel);
 
-  u64 written_ = 0;                                  // bytes of the file so far
-  u32 crc_ = 0;                                      // of them
-  std::vector<Channel> channels_;                    // a channel's id is its row + 1
-  std::vector<u32> channel_of_;                      // by atom; kNone: none yet
+  u64 written_ = 0;                // bytes of the file so far
+  u32 crc_ = 0;                    // of them
+  std::vector<Channel> channels_;  // a channel's id is its row + 1
+  std::vector<u32> channel_of_;    // by atom; kNone: none yet
   std::vector<Chunk> chunks_;
-  std::string open_;                                 // records of the chunk that is not written yet
-  u64 first_ = 0, last_ = 0, messages_ = 0;          // of the open chunk
-  std::string json_, name_, ports_;                  // scratch
+  std::string open_;                         // records of the chunk that is not written yet
+  u64 first_ = 0, last_ = 0, messages_ = 0;  // of the open chunk
+  std::string json_, name_, ports_;          // scratch
   std::vector<Participant> participants_;
 };
 

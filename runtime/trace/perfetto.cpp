@@ -55,7 +55,8 @@ void PerfettoWriter::begin(std::string& out, const Image& image, std::uint64_t s
   append_quoted(out, image.name);
   out += "}}";
   append_track(out, 0, "interactions");
-  for (u32 atom = 0; atom < image.atoms.size; ++atom) append_track(out, u64{atom} + 1, image.atoms[atom].path().c_str());
+  for (u32 atom = 0; atom < image.atoms.size; ++atom)
+    append_track(out, u64{atom} + 1, image.atoms[atom].path().c_str());
   since_.assign(image.atoms.size, 0);
 }
 

@@ -1,8 +1,9 @@
-// Traces for ui.perfetto.dev and chrome://tracing: the Trace Event Format in JSON (Google, "Trace Event Format", 2016), a track a component.
+// Traces for ui.perfetto.dev and chrome://tracing: the Trace Event Format in JSON (Google, "Trace Event Format", 2016),
+// a track a component.
 //
-// A slice of a component's track is the time it spends in a place, an arrow-head the port that fires, with its values; the first track has
-// the interactions. Instants are the model's, in us with three decimals (without time a millisecond a step), so the same run gives
-// the same bytes. Memory: an instant and a place an atom.
+// A slice of a component's track is the time it spends in a place, an arrow-head the port that fires, with its values;
+// the first track has the interactions. Instants are the model's, in us with three decimals (without time a millisecond
+// a step), so the same run gives the same bytes. Memory: an instant and a place an atom.
 #pragma once
 #include <string>
 #include <vector>

@@ -38,14 +38,15 @@ class Digest {
 
 void append_recorded_begin(std::string& out, const RecordedBegin& begin) {
   out += kRecordMagic;
-  append_leb(out, (begin.maximal_progress ? 1u : 0u) | static_cast<unsigned>(begin.policy) << 1 | static_cast<unsigned>(begin.engine) << 3);
+  append_leb(out, (begin.maximal_progress ? 1u : 0u) | static_cast<unsigned>(begin.policy) << 1 |
+                      static_cast<unsigned>(begin.engine) << 3);
   append_leb(out, begin.seed);
   append_leb(out, begin.name.size());
   out += begin.name;
 }
 
 void append_recorded_step(std::string& out, EnabledSet::Position at) {
-  append_leb(out, 1 + (u64{at.slot} << 1 | (at.rank != 0 ? 1 : 0)));
+  append_leb(out, 1 + (u64{at.interaction} << 1 | (at.rank != 0 ? 1 : 0)));
   if (at.rank != 0) append_leb(out, at.rank);
 }
 
@@ -66,12 +67,12 @@ std::uint64_t digest_of(const Core& core) {
   for (const i64 word : state.time) digest.add(static_cast<u64>(word));
   for (const Atom& atom : image.atoms) {
     const AtomType& type = image.atom_types[atom.type];
-    for (u32 i = 0; i < type.slots.size; ++i) {
-      const Slot slot = core.slot(atom.slot_base + i);
-      if (is_extern(type.slots[i].type)) continue;
-      if (type.slots[i].type == SlotType::String) digest.add(string_of(image, slot));
-      else if (type.slots[i].type == SlotType::Float && std::isnan(slot.f)) digest.add("nan");
-      else digest.add(slot.bits);
+    for (u32 i = 0; i < type.variables.size; ++i) {
+      const Cell cell = core.cell(atom.first_cell + i);
+      if (is_extern(type.variables[i].type)) continue;
+      if (type.variables[i].type == CellType::String) digest.add(string_of(image, cell));
+      else if (type.variables[i].type == CellType::Float && std::isnan(cell.f)) digest.add("nan");
+      else digest.add(cell.bits);
     }
   }
   return digest.value();
@@ -93,7 +94,9 @@ bool RecordedReader::open(std::string_view bytes, RecordedBegin& begin) {
   at_ = kRecordMagic.size();
   std::uint64_t flags = 0, size = 0;
   if (!bytes.starts_with(kRecordMagic) || !number(flags) || !number(begin.seed) || !number(size)) return false;
-  if (flags >= 1u << 5 || (flags >> 1 & 3) > static_cast<unsigned>(Policy::Fair) || flags >> 3 > static_cast<unsigned>(Engine::Batch)) return false;
+  if (flags >= 1u << 5 || (flags >> 1 & 3) > static_cast<unsigned>(Policy::Fair) ||
+      flags >> 3 > static_cast<unsigned>(Engine::Batch))
+    return false;
   begin.maximal_progress = (flags & 1) != 0;
   begin.policy = static_cast<Policy>(flags >> 1 & 3);
   begin.engine = static_cast<Engine>(flags >> 3);
@@ -109,12 +112,13 @@ RecordedReader::Next RecordedReader::next(EnabledSet::Position& at, RecordedEnd&
   if (word != 0) {
     --word;
     if ((word & 1) != 0 && !number(rank)) return Next::Cut;
-    // What is no slot of any core stays none.
-    at.slot = word >> 1 > kNone ? kNone : static_cast<u32>(word >> 1);
+    // What is no interaction of any core stays none.
+    at.interaction = word >> 1 > kNone ? kNone : static_cast<u32>(word >> 1);
     at.rank = rank > kNone ? kNone : static_cast<u32>(rank);
     return Next::Step;
   }
-  if (!number(word) || word > static_cast<u64>(End::Interrupted) || !number(end.steps) || bytes_.size() - at_ < 8) return Next::Cut;
+  if (!number(word) || word > static_cast<u64>(End::Interrupted) || !number(end.steps) || bytes_.size() - at_ < 8)
+    return Next::Cut;
   end.how = static_cast<End>(word);
   end.digest = 0;
   for (unsigned i = 0; i < 8; ++i) end.digest |= u64{static_cast<unsigned char>(bytes_[at_ + i])} << (8 * i);

@@ -1,9 +1,10 @@
-// Binary traces (`--trace-format=binary`): which slot was fired in each step, a byte or two each, and a digest of the last state.
-// Everything else follows from the model, so `bipc replay --recorded` shows such a run in any other format, and checks it.
+// Binary traces (`--trace-format=binary`): which interaction was fired in each step, a byte or two each, and a digest
+// of the last state. Everything else follows from the model, so `bipc replay --recorded` shows such a run in any other
+// format, and checks it.
 //
-// "BIPTRC1\n", then numbers as LEB128: flags (1: maximal progress, 2: policy * 2 ..., 8: engine * 8 ...), seed, length of the name
-// and the root's name; a step is 1 + (slot * 2 + (1 if a rank among the slot's candidates follows)); the end is 0,
-// how it ended, the number of steps, digest (8 bytes; 0: none).
+// "BIPTRC1\n", then numbers as LEB128: flags (1: maximal progress, 2: policy * 2 ..., 8: engine * 8 ...), seed, length
+// of the name and the root's name; a step is 1 + (interaction * 2 + (1 if a rank among the interaction's candidates
+// follows)); the end is 0, how it ended, the number of steps, digest (8 bytes; 0: none).
 #pragma once
 #include <string>
 #include <string_view>

@@ -47,7 +47,8 @@ class Bip2Writer {
   void begin(std::string& out, std::uint64_t seed, Policy policy);
   void state(std::string& out, Core& core, std::uint64_t number);
   void choice(std::string& out, Core& core, std::uint64_t k);
-  /// Images with time: the state's candidates now and later, before time passes; then the state and the choice as they were.
+  /// Images with time: the state's candidates now and later, before time passes; then the state and the choice as they
+  /// were.
   void foresee(Core& core);
   /// The state alone, with the intervals; for who only looks at it.
   void future_state(std::string& out, std::uint64_t number) const;
@@ -75,27 +76,28 @@ class JsonWriter {
   void end(std::string& out, const Core& core, End end, std::uint64_t steps);
 
  private:
-  /// What a step of a slot writes: all after the number of candidates, values left out, or, if who takes part differs, the name.
+  /// What a step of an interaction writes: all after the number of candidates, values left out, or, if who takes part
+  /// differs, the name.
   struct Line {
-    std::string text;                    // if it is whole with some room behind it
-    u32 first_value = 0, values = 0;     // rows of values_
+    std::string text;                 // if it is whole with some room behind it
+    u32 first_value = 0, values = 0;  // rows of values_
     bool is_whole = false;
   };
   /// Of a variable of a port: it comes before the character `at`.
   struct Value {
     u32 at, atom, port, variable;
-    u32 slot;                            // without time: where it is
-    SlotType type;
+    u32 cell;  // without time: where it is
+    CellType type;
   };
   void begin_lines(const Core& core);
   void begin_line(Line& line, Core& core, const Candidate& candidate);
   void append_ports(std::string& out, Core& core, const Candidate& candidate);
   std::vector<Participant> participants_;
   // Text that comes again, made when it comes first: a writer is for one image.
-  std::vector<Line> lines_;              // by slot
+  std::vector<Line> lines_;  // by interaction
   std::vector<Value> values_;
-  std::vector<std::string> ports_;       // by port instance, for lines that are not whole
-  std::vector<std::string> variables_;   // by first_variable_ of a port type + variable: the quoted name and a colon
+  std::vector<std::string> ports_;      // by port instance, for lines that are not whole
+  std::vector<std::string> variables_;  // by first_variable_ of a port type + variable: the quoted name and a colon
   std::vector<u32> first_variable_;
 };
 

@@ -3,8 +3,8 @@
 //   bip-fuzz TARGET FILE...                          each file once
 //   bip-fuzz TARGET --edits N --seed S FILE...       N edits of the files
 //
-// An input that crashes or takes more than ten seconds is left in `fuzz-failed` in the working directory. The last line is
-// "N inputs, N accepted, N failed". Exit code 1 if one failed.
+// An input that crashes or takes more than ten seconds is left in `fuzz-failed` in the working directory. The last line
+// is "N inputs, N accepted, N failed". Exit code 1 if one failed.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -35,7 +35,8 @@ std::size_t current_size = 0;
 extern "C" void leave_input(int signal) {
   const int file = open("fuzz-failed", O_WRONLY | O_CREAT | O_TRUNC, 0644);
   if (file >= 0 && write(file, current, current_size) >= 0) close(file);
-  const char* what = signal == SIGPROF ? "too slow; the input is in fuzz-failed\n" : "crashed; the input is in fuzz-failed\n";
+  const char* what =
+      signal == SIGPROF ? "too slow; the input is in fuzz-failed\n" : "crashed; the input is in fuzz-failed\n";
   if (write(2, what, std::strlen(what)) < 0) _exit(3);
   _exit(2);
 }
@@ -97,7 +98,8 @@ int main(int argc, char** argv) {
   if (edits > 0 && !sources.empty()) {
     for (std::size_t i = 0; i < edits; ++i) {
       bip::fuzz::Random random(seed * 0x100000001u + i);
-      run(target, bip::fuzz::mutated(sources, random), "edit " + std::to_string(i) + " of seed " + std::to_string(seed));
+      run(target, bip::fuzz::mutated(sources, random),
+          "edit " + std::to_string(i) + " of seed " + std::to_string(seed));
     }
     std::printf("%zu inputs, %zu accepted, %zu failed\n", edits, accepted, failed);
   } else {

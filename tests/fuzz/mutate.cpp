@@ -9,9 +9,36 @@
 namespace bip::fuzz {
 namespace {
 
-constexpr const char* kWords[] = {"end", "'", "[*]", "0..", "index", "export", "port", "package", "(", ")", "{", "}", "[", "]", "*", ".", ",", ":", "<", "=", "-1", "99999999999",
-                                  "2147483647", "1.5e308", "\"", "\\u00e9", "/*", "//", "@", "if", "fi", "then", "else", "for", "in", "define", "provided", "\xE2\x80\x99", "\xC3", "_", "true",
-                                  "data", "const", "extern", "priority", "on", "from", "to", "do", "up", "down", "PARAMS-NOT-SET", "behavior", "state", "not", "resume", "clock", "at", "invariant"};
+constexpr const char* kWords[] = {"end",        "'",
+                                  "[*]",        "0..",
+                                  "index",      "export",
+                                  "port",       "package",
+                                  "(",          ")",
+                                  "{",          "}",
+                                  "[",          "]",
+                                  "*",          ".",
+                                  ",",          ":",
+                                  "<",          "=",
+                                  "-1",         "99999999999",
+                                  "2147483647", "1.5e308",
+                                  "\"",         "\\u00e9",
+                                  "/*",         "//",
+                                  "@",          "if",
+                                  "fi",         "then",
+                                  "else",       "for",
+                                  "in",         "define",
+                                  "provided",   "\xE2\x80\x99",
+                                  "\xC3",       "_",
+                                  "true",       "data",
+                                  "const",      "extern",
+                                  "priority",   "on",
+                                  "from",       "to",
+                                  "do",         "up",
+                                  "down",       "PARAMS-NOT-SET",
+                                  "behavior",   "state",
+                                  "not",        "resume",
+                                  "clock",      "at",
+                                  "invariant"};
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 

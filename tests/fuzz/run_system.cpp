@@ -1,8 +1,8 @@
-// A few steps of an accepted system, chosen by a walk that reaches different candidates. What is looked for are crashes,
-// broken asserts and sanitizers' reports; the meaning of a step is what tools/gen checks.
+// A few steps of an accepted system, chosen by a walk that reaches different candidates. What is looked for are
+// crashes, broken asserts and sanitizers' reports; the meaning of a step is what tools/gen checks.
 //
-// The core's bounds are lowered: a model whose internal transitions never end, or whose connector has 2^30 interactions,
-// must be told so, and it need not take a million steps to see that.
+// The core's bounds are lowered: a model whose internal transitions never end, or whose connector has 2^30
+// interactions, must be told so, and it need not take a million steps to see that.
 #include "tests/fuzz/run_system.hpp"
 
 #include <memory>
@@ -19,22 +19,24 @@ namespace {
 constexpr int kSteps = 20;
 constexpr rt::CoreOptions kBounds{.internal_bound = 1000, .enumeration_bound = 1u << 10};
 
-std::int32_t answer_zero(rt::Outside*, rt::Slot* result, rt::Slot* const*) {
-  *result = rt::Slot{.bits = 0};
+std::int32_t answer_zero(rt::Outside*, rt::Cell* result, rt::Cell* const*) {
+  *result = rt::Cell{.bits = 0};
   return 0;
 }
-std::int32_t answer_empty(rt::Outside* outside, rt::Slot* result, rt::Slot* const*) {
-  *result = rt::Slot{.bits = static_cast<std::uint32_t>(outside->intern(""))};
+std::int32_t answer_empty(rt::Outside* outside, rt::Cell* result, rt::Cell* const*) {
+  *result = rt::Cell{.bits = static_cast<std::uint32_t>(outside->intern(""))};
   return 0;
 }
-// The object that the slot points to stays as it is.
-std::int32_t answer_object(rt::Outside*, rt::Slot*, rt::Slot* const*) { return 0; }
+// The object that the cell points to stays as it is.
+std::int32_t answer_object(rt::Outside*, rt::Cell*, rt::Cell* const*) { return 0; }
 
 void stand_in(lower::LoweredSystem& lowered, const CodeTable& code) {
   for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
     const Function& function = code.functions[row];
     const bool gives = function.has_result;
-    lowered.functions[row] = gives && is_extern(function.result) ? &answer_object : gives && function.result == Type::String ? &answer_empty : &answer_zero;
+    lowered.functions[row] = gives && is_extern(function.result)        ? &answer_object
+                             : gives && function.result == Type::String ? &answer_empty
+                                                                        : &answer_zero;
   }
   for (rt::ExternType& type : lowered.extern_types) type = rt::extern_type_of<int>(type.name);
 }

@@ -10,16 +10,20 @@ Verdict try_genom(std::string_view input) {
   const FileId file = sources.add("fuzz.gen", genom::as_utf8(std::string(input)));
   genom::TranslateOptions options;
   options.generate.package = "fuzz";
-  const std::optional<std::vector<genom::Module>> modules = genom::read_modules(sources, {{"/nowhere/fuzz.gen", file}}, {}, options, diags);
+  const std::optional<std::vector<genom::Module>> modules =
+      genom::read_modules(sources, {{"/nowhere/fuzz.gen", file}}, {}, options, diags);
   const std::string messages = render(diags, sources, {});
-  if (!modules) return {diags.has_errors() && !messages.empty() ? "" : "genom: neither a product nor a diagnostic", false};
+  if (!modules)
+    return {diags.has_errors() && !messages.empty() ? "" : "genom: neither a product nor a diagnostic", false};
   if (diags.has_errors()) return {"genom: a product and errors", true};
   const std::string text = genom::write_package(*modules, options.generate).bip;
   if (text.size() > kMaxBip) return {"", true};
   driver::Compilation c{driver::CompileOptions{}};
   c.open_texts["/nowhere/fuzz.bip"] = text;
   if (!driver::check(c, "/nowhere/fuzz.bip") || c.diags.warning_count() > 0) {
-    return {"genom: what was written is not clean: " + first_line(render(c.diags, c.sources, {.format = DiagnosticFormat::Short})), true};
+    return {"genom: what was written is not clean: " +
+                first_line(render(c.diags, c.sources, {.format = DiagnosticFormat::Short})),
+            true};
   }
   return {"", true};
 }

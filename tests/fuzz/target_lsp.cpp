@@ -1,6 +1,7 @@
 // The language server with any bytes as its input, in this process. Input that begins as a header does goes through the
-// framing, in pieces of changing length; any other input is cut at line ends, and each line is a message's body, so that
-// an edit does not have to mend a length. The server starts initialised, for most of what it can do comes after that.
+// framing, in pieces of changing length; any other input is cut at line ends, and each line is a message's body, so
+// that an edit does not have to mend a length. The server starts initialised, for most of what it can do comes after
+// that.
 //
 // What it must keep: everything sent is JSON; a request has one answer, which is no internal error; and it goes on: the
 // last question has an answer unless the input ended the session.
@@ -27,14 +28,16 @@ class Client {
     const Json message = Json::parse(text, nullptr, /*allow_exceptions=*/false);
     if (message.is_discarded() || !message.is_object()) return note("the server sent no JSON");
     if (message.contains("method")) return;
-    if (!message.contains("id") || message.contains("result") == message.contains("error")) return note("an answer that is none: " + std::string(text));
+    if (!message.contains("id") || message.contains("result") == message.contains("error"))
+      return note("an answer that is none: " + std::string(text));
     ++answers_[message["id"].dump(-1, ' ', false, Json::error_handler_t::replace)];
     const auto error = message.find("error");
     if (error == message.end()) {
       ++results_;
       return;
     }
-    if (error->value("code", 0) == static_cast<int>(lsp::ErrorCode::InternalError)) note("internal error: " + error->value("message", std::string()));
+    if (error->value("code", 0) == static_cast<int>(lsp::ErrorCode::InternalError))
+      note("internal error: " + error->value("message", std::string()));
   }
   void note(std::string problem) {
     if (problem_.empty()) problem_ = std::move(problem);

@@ -36,14 +36,17 @@ Verdict try_rules(std::string_view input) {
   const rules::RuleFile rule_file = rules::parse_rules(sources, file, diags);
   const auto checked = diags.has_errors() ? std::nullopt : rules::check_rules(sources, rule_file, *modules, diags);
   const std::string messages = render(diags, sources, {});
-  if (!checked) return {diags.has_errors() && !messages.empty() ? "" : "rules: neither a product nor a diagnostic", false};
+  if (!checked)
+    return {diags.has_errors() && !messages.empty() ? "" : "rules: neither a product nor a diagnostic", false};
   options.generate.constraints = checked->constraints;
   const std::string text = genom::write_package(*modules, options.generate).bip;
   if (text.size() > kMaxBip) return {"", true};
   driver::Compilation c{driver::CompileOptions{}};
   c.open_texts["/nowhere/fuzz.bip"] = text;
   if (!driver::check(c, "/nowhere/fuzz.bip") || c.diags.warning_count() > 0) {
-    return {"rules: what was written is not clean: " + first_line(render(c.diags, c.sources, {.format = DiagnosticFormat::Short})), true};
+    return {"rules: what was written is not clean: " +
+                first_line(render(c.diags, c.sources, {.format = DiagnosticFormat::Short})),
+            true};
   }
   return {"", true};
 }

@@ -55,7 +55,9 @@ Verdict try_text(std::string_view input) {
 
 Verdict try_bsys(std::string_view input) {
   const Result<System> system = system::parse_bsys(input);
-  if (!system) return {system.error().find(':') == std::string::npos ? "a failure without a place: " + system.error() : std::string()};
+  if (!system)
+    return {system.error().find(':') == std::string::npos ? "a failure without a place: " + system.error()
+                                                          : std::string()};
   if (std::string problem = unsound(*system); !problem.empty()) return {problem};
   if (std::string problem = changed_by_print(*system); !problem.empty()) return {problem};
   return {try_running(*system), true};
@@ -70,7 +72,9 @@ Verdict try_format(std::string_view input) {
   const std::string once = syntax::print(*syntax, sources);
   const FileId second = sources.add("once.bip", once);
   const std::optional<syntax::Syntax> again = parse::parse_file(sources, second, diags);
-  if (!again || diags.has_errors()) return {"what was formatted does not parse: " + first_line(render(diags, sources, {.format = DiagnosticFormat::Short}))};
+  if (!again || diags.has_errors())
+    return {"what was formatted does not parse: " +
+            first_line(render(diags, sources, {.format = DiagnosticFormat::Short}))};
   return {syntax::print(*again, sources) == once ? "" : "formatting twice is not formatting once", true};
 }
 

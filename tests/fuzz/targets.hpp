@@ -1,8 +1,8 @@
-// What is tried with any bytes at all. A crash, a sanitizer's report or a failed BIP_ASSERT speaks for itself; the other
-// things that can be wrong are returned.
+// What is tried with any bytes at all. A crash, a sanitizer's report or a failed BIP_ASSERT speaks for itself; the
+// other things that can be wrong are returned.
 //
-// The same functions run in three places: under libFuzzer (preset `fuzz`), over the kept crashers and over random edits of
-// good sources (`bip-fuzz`, in every test run).
+// The same functions run in three places: under libFuzzer (preset `fuzz`), over the kept crashers and over random edits
+// of good sources (`bip-fuzz`, in every test run).
 #pragma once
 #include <string>
 #include <string_view>
@@ -10,8 +10,8 @@
 namespace bip::fuzz {
 
 struct Verdict {
-  std::string problem;      // one line; empty: nothing is wrong
-  bool is_accepted = false; // the input was good, so that all of the target was tried
+  std::string problem;       // one line; empty: nothing is wrong
+  bool is_accepted = false;  // the input was good, so that all of the target was tried
 };
 
 /// Longest generated BIP text, in bytes, that a target checks: a check costs time linear in the text.
@@ -19,8 +19,8 @@ inline constexpr std::size_t kMaxBip = 400'000;
 /// Returns the text up to its first line break.
 [[nodiscard]] inline std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// `check` of a text: errors that can be read, or acceptance, never both, never neither. The system of each root is sound,
-/// can be written and read back, and runs 20 steps in the interpreter.
+/// `check` of a text: errors that can be read, or acceptance, never both, never neither. The system of each root is
+/// sound, can be written and read back, and runs 20 steps in the interpreter.
 [[nodiscard]] Verdict try_text(std::string_view input);
 
 /// `.bsys`: a failure with a place, or a system that is sound, whose text reads back as itself, and that runs 20 steps.

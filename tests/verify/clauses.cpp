@@ -24,7 +24,7 @@ bool find_name(const Names& names, const std::string& name, std::uint32_t& row, 
   }
   return false;
 }
-const std::string& slot_name(const Slot& slot) { return slot.name; }
+const std::string& variable_name(const DataVariable& variable) { return variable.name; }
 const std::string& own_name(const std::string& name) { return name; }
 
 }  // namespace
@@ -36,11 +36,12 @@ std::size_t Clauses::atom_of(const std::string& path) const {
   return kNone;
 }
 
-bool Clauses::split_data(const std::string& path, std::size_t& atom, std::uint32_t& slot) const {
+bool Clauses::split_data(const std::string& path, std::size_t& atom, std::uint32_t& variable) const {
   const std::size_t dot = path.rfind('.');
   if (dot == std::string::npos) return false;
   atom = atom_of(path.substr(0, dot));
-  return atom != kNone && find_name(system_.atom_types[system_.atoms[AtomId(atom)].type].slots, path.substr(dot + 1), slot, slot_name);
+  return atom != kNone && find_name(system_.atom_types[system_.atoms[AtomId(atom)].type].variables,
+                                    path.substr(dot + 1), variable, variable_name);
 }
 
 bool Clauses::read_literal(std::string word, Literal& literal) const {
@@ -50,15 +51,18 @@ bool Clauses::read_literal(std::string word, Literal& literal) const {
   literal.is_place = at != std::string::npos;
   if (literal.is_place) {
     literal.atom = atom_of(word.substr(0, at));
-    return literal.atom != kNone && find_name(system_.atom_types[system_.atoms[AtomId(literal.atom)].type].places, word.substr(at + 1), literal.row, own_name);
+    return literal.atom != kNone && find_name(system_.atom_types[system_.atoms[AtomId(literal.atom)].type].places,
+                                              word.substr(at + 1), literal.row, own_name);
   }
   if (sign == std::string::npos || !split_data(word.substr(0, sign), literal.atom, literal.row)) return false;
-  const Type type = system_.atom_types[system_.atoms[AtomId(literal.atom)].type].slots[literal.row].type;
+  const Type type = system_.atom_types[system_.atoms[AtomId(literal.atom)].type].variables[literal.row].type;
   const std::string what = word.substr(sign + 1);
   literal.is_bit = word[sign] == ':';
   if (literal.is_bit) return read_row_number(what, type == Type::Bool ? 1 : 32, literal.bit);
   const std::size_t dots = what.find("..");
-  if (!read_number(what.substr(0, dots), literal.low) || !read_number(dots == std::string::npos ? what : what.substr(dots + 2), literal.high)) return false;
+  if (!read_number(what.substr(0, dots), literal.low) ||
+      !read_number(dots == std::string::npos ? what : what.substr(dots + 2), literal.high))
+    return false;
   return type != Type::Bool || (literal.low >= 0 && literal.low <= 1 && literal.high >= 0 && literal.high <= 1);
 }
 
@@ -86,15 +90,15 @@ bool Clauses::read_mode(const std::vector<std::string>& words, Rows& rows) const
       ++places;
       continue;
     }
-    if (word[0] != '.' || !find_name(type.slots, word.substr(1, equals - 1), found, slot_name)) return false;
+    if (word[0] != '.' || !find_name(type.variables, word.substr(1, equals - 1), found, variable_name)) return false;
     std::int64_t number = 0;
     if (equals == word.size() || !read_number(word.substr(equals + 1), number)) return false;
-    if (type.slots[found].type == Type::String) rows.is_listable = false;
+    if (type.variables[found].type == Type::String) rows.is_listable = false;
     mode.values[found] = static_cast<std::int32_t>(number);
   }
   // Data that the modes don't know can be anything.
-  const bool knows_all = std::all_of(type.slots.begin(), type.slots.end(), [&](const Slot& slot) {
-    return slot.is_param || mode.values.contains(static_cast<std::uint32_t>(&slot - type.slots.data()));
+  const bool knows_all = std::all_of(type.variables.begin(), type.variables.end(), [&](const DataVariable& variable) {
+    return variable.is_param || mode.values.contains(static_cast<std::uint32_t>(&variable - type.variables.data()));
   });
   rows.is_listable = rows.is_listable && places == 1 && knows_all;
   if (std::find(row.modes.begin(), row.modes.end(), mode) != row.modes.end()) return false;
@@ -109,7 +113,9 @@ bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const 
     std::uint32_t type = 0;
     std::vector<std::string> names;
     for (const AtomType& one : system_.atom_types) names.push_back(one.name);
-    if (words.size() != 3 || words[1] != std::to_string(rows.classes.size()) || !find_name(names, words[2], type, own_name)) return false;
+    if (words.size() != 3 || words[1] != std::to_string(rows.classes.size()) ||
+        !find_name(names, words[2], type, own_name))
+      return false;
     row.type = AtomTypeId(std::size_t{type});
     rows.classes.push_back(std::move(row));
     return true;
@@ -118,7 +124,8 @@ bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const 
   if (head == "component") {
     const std::size_t atom = words.size() < 5 ? kNone : atom_of(words[1]);
     std::uint32_t row = 0;
-    if (atom == kNone || rows.class_of[atom] != kNone || !read_row_number(words[3], rows.classes.size(), row)) return false;
+    if (atom == kNone || rows.class_of[atom] != kNone || !read_row_number(words[3], rows.classes.size(), row))
+      return false;
     rows.class_of[atom] = row;
     if (rows.classes[row].type != system_.atoms[AtomId(atom)].type) return false;
     for (std::size_t k = 5; k < words.size(); ++k) {
@@ -149,7 +156,9 @@ bool Clauses::read_row(const std::vector<std::string>& words, Rows& rows) const 
       if (colon == std::string::npos || star == std::string::npos || star < colon) return false;
       Member member{atom_of(words[k].substr(0, colon)), 0};
       std::int64_t weight = 0;
-      if (member.atom == kNone || !read_row_number(words[k].substr(colon + 1, star - colon - 1), 0x7fffffff, member.mode)) return false;
+      if (member.atom == kNone ||
+          !read_row_number(words[k].substr(colon + 1, star - colon - 1), 0x7fffffff, member.mode))
+        return false;
       if (!read_number(words[k].substr(star + 1), weight)) return false;
       sum.weights[member] += weight;
     }
@@ -198,13 +207,15 @@ bool Clauses::read(const std::string& text, Rows& rows) const {
   return std::find(rows.class_of.begin(), rows.class_of.end(), kNone) == rows.class_of.end();
 }
 
-std::int32_t Clauses::value(const rt::State& state, std::size_t atom, std::uint32_t slot) const {
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(state.data[image_.atoms[static_cast<u32>(atom)].slot_base + slot]));
+std::int32_t Clauses::value(const rt::State& state, std::size_t atom, std::uint32_t variable) const {
+  return static_cast<std::int32_t>(
+      static_cast<std::uint32_t>(state.data[image_.atoms[static_cast<u32>(atom)].first_cell + variable]));
 }
 
 bool Clauses::is_in(const rt::State& state, std::size_t atom, const Mode& mode) const {
   return state.places[atom] == mode.place &&
-         std::all_of(mode.values.begin(), mode.values.end(), [&](const auto& known) { return value(state, atom, known.first) == known.second; });
+         std::all_of(mode.values.begin(), mode.values.end(),
+                     [&](const auto& known) { return value(state, atom, known.first) == known.second; });
 }
 
 bool Clauses::hold(const Rows& rows, const rt::State& state) const {
@@ -213,10 +224,13 @@ bool Clauses::hold(const Rows& rows, const rt::State& state) const {
     return mode < modes.size() && rows.reachable[atom].contains(mode) && is_in(state, atom, modes[mode]);
   };
   for (std::size_t atom = 0; atom < rows.reachable.size(); ++atom) {
-    if (std::none_of(rows.reachable[atom].begin(), rows.reachable[atom].end(), [&](std::uint32_t mode) { return in_mode(atom, mode); })) return false;
+    if (std::none_of(rows.reachable[atom].begin(), rows.reachable[atom].end(),
+                     [&](std::uint32_t mode) { return in_mode(atom, mode); }))
+      return false;
   }
   const auto tokens = [&](const std::set<Member>& members) {
-    return std::count_if(members.begin(), members.end(), [&](const Member& member) { return in_mode(member.atom, member.mode); });
+    return std::count_if(members.begin(), members.end(),
+                         [&](const Member& member) { return in_mode(member.atom, member.mode); });
   };
   for (const std::set<Member>& trap : rows.traps) {
     if (tokens(trap) == 0) return false;
@@ -233,7 +247,9 @@ bool Clauses::hold(const Rows& rows, const rt::State& state) const {
     std::uint32_t total = 0;
     for (const auto& [term, weight] : equation.terms) {
       const bool is_value = term[0].is_value;
-      const std::uint32_t one = is_value ? static_cast<std::uint32_t>(value(state, term[0].atom, term[0].row)) : holds(term, state) ? 1 : 0;
+      const std::uint32_t one = is_value ? static_cast<std::uint32_t>(value(state, term[0].atom, term[0].row))
+                                : holds(term, state) ? 1
+                                                     : 0;
       total += static_cast<std::uint32_t>(weight) * one;
     }
     if (total != equation.total) return false;
@@ -276,11 +292,12 @@ Worth Clauses::worth(const std::string& text, const SearchGoal& goal, std::size_
       std::advance(chosen, static_cast<long>(rest % rows.reachable[atom].size()));
       rest /= rows.reachable[atom].size();
       const Mode& mode = rows.classes[rows.class_of[atom]].modes[*chosen];
-      const std::vector<Slot>& slots = system_.atom_types[system_.atoms[AtomId(atom)].type].slots;
+      const std::vector<DataVariable>& variables = system_.atom_types[system_.atoms[AtomId(atom)].type].variables;
       state.places[atom] = mode.place;
-      for (const auto& [slot, v] : mode.values) {
-        if (slots[slot].is_param && value(first, atom, slot) != v) exists = false;
-        if (!slots[slot].is_param) state.data[image_.atoms[static_cast<u32>(atom)].slot_base + slot] = static_cast<std::uint32_t>(v);
+      for (const auto& [variable, v] : mode.values) {
+        if (variables[variable].is_param && value(first, atom, variable) != v) exists = false;
+        if (!variables[variable].is_param)
+          state.data[image_.atoms[static_cast<u32>(atom)].first_cell + variable] = static_cast<std::uint32_t>(v);
       }
     }
     if (!exists || !hold(rows, state)) continue;

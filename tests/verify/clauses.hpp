@@ -1,8 +1,8 @@
-// What a certificate's rows say of single states, read once more (neither by the prover's code nor by certcheck's), and whether
-// they suffice: true at first, kept by every step that the engine knows, and of no state that is bad.
+// What a certificate's rows say of single states, read once more (neither by the prover's code nor by certcheck's), and
+// whether they suffice: true at first, kept by every step that the engine knows, and of no state that is bad.
 //
-// Only for small systems whose atoms are automata and whose modes know the values of all data: then the states that satisfy the
-// rows can be listed, reachable or not, and each is tried on the engine's core.
+// Only for small systems whose atoms are automata and whose modes know the values of all data: then the states that
+// satisfy the rows can be listed, reachable or not, and each is tried on the engine's core.
 #pragma once
 #include <charconv>
 #include <map>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/verify/search.hpp"
+#include "compiler/verify/portfolio/search.hpp"
 
 namespace bip::verify::test {
 
@@ -40,13 +40,14 @@ class Clauses {
  public:
   /// `system` and `image` are of one compilation and must outlive it.
   Clauses(const System& system, const rt::Image& image) : system_(system), image_(image) {}
-  /// Worth of the rows as a proof that nothing of `goal` is reachable. TooLarge: more than `limit` states, or what is not listable.
+  /// Worth of the rows as a proof that nothing of `goal` is reachable. TooLarge: more than `limit` states, or what is
+  /// not listable.
   [[nodiscard]] Worth worth(const std::string& text, const SearchGoal& goal, std::size_t limit);
 
  private:
   struct Mode {
     std::uint32_t place = 0;
-    std::map<std::uint32_t, std::int32_t> values;  // by slot
+    std::map<std::uint32_t, std::int32_t> values;  // by variable
     friend bool operator==(const Mode&, const Mode&) = default;
   };
   struct Class {
@@ -89,12 +90,12 @@ class Clauses {
   [[nodiscard]] bool read_mode(const std::vector<std::string>& words, Rows& rows) const;
   [[nodiscard]] bool read_literal(std::string word, Literal& literal) const;
   [[nodiscard]] bool read_case(const std::string& word, Case& one) const;
-  [[nodiscard]] bool split_data(const std::string& path, std::size_t& atom, std::uint32_t& slot) const;
+  [[nodiscard]] bool split_data(const std::string& path, std::size_t& atom, std::uint32_t& variable) const;
   [[nodiscard]] std::size_t atom_of(const std::string& path) const;
   [[nodiscard]] bool is_in(const rt::State& state, std::size_t atom, const Mode& mode) const;
   [[nodiscard]] bool hold(const Rows& rows, const rt::State& state) const;
   [[nodiscard]] bool holds(const Case& one, const rt::State& state) const;
-  [[nodiscard]] std::int32_t value(const rt::State& state, std::size_t atom, std::uint32_t slot) const;
+  [[nodiscard]] std::int32_t value(const rt::State& state, std::size_t atom, std::uint32_t variable) const;
 
   const System& system_;
   const rt::Image& image_;

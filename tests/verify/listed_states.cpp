@@ -18,9 +18,10 @@ class List {
     for (std::size_t atom = 0; atom < system_.atoms.size(); ++atom) {
       first_.push_back(open_.size());
       open_.emplace_back();
-      const std::vector<Slot>& slots = type_of(atom).slots;
+      const std::vector<DataVariable>& variables = type_of(atom).variables;
       const Numbers numbers = numbers_of(first, atom);
-      for (std::size_t k = 0; k < slots.size(); ++k) open_.push_back(slots[k].is_param ? std::optional(numbers[1 + k]) : std::nullopt);
+      for (std::size_t k = 0; k < variables.size(); ++k)
+        open_.push_back(variables[k].is_param ? std::optional(numbers[1 + k]) : std::nullopt);
     }
   }
 
@@ -48,24 +49,30 @@ class List {
   void write(const Numbers& numbers, rt::State& state) const {
     for (std::size_t atom = 0; atom < system_.atoms.size(); ++atom) {
       state.places[atom] = static_cast<u32>(numbers[first_[atom]]);
-      const std::size_t base = image_.atoms[static_cast<u32>(atom)].slot_base;
-      for (std::size_t k = 0; k < type_of(atom).slots.size(); ++k) {
-        if (!type_of(atom).slots[k].is_param) state.data[base + k] = static_cast<std::uint32_t>(numbers[first_[atom] + 1 + k]);
+      const std::size_t base = image_.atoms[static_cast<u32>(atom)].first_cell;
+      for (std::size_t k = 0; k < type_of(atom).variables.size(); ++k) {
+        if (!type_of(atom).variables[k].is_param)
+          state.data[base + k] = static_cast<std::uint32_t>(numbers[first_[atom] + 1 + k]);
       }
     }
   }
 
  private:
-  [[nodiscard]] const AtomType& type_of(std::size_t atom) const { return system_.atom_types[system_.atoms[AtomId(atom)].type]; }
+  [[nodiscard]] const AtomType& type_of(std::size_t atom) const {
+    return system_.atom_types[system_.atoms[AtomId(atom)].type];
+  }
   [[nodiscard]] Numbers numbers_of(const rt::State& state, std::size_t atom) const {
     Numbers numbers{static_cast<std::int64_t>(state.places[atom])};
-    const std::size_t base = image_.atoms[static_cast<u32>(atom)].slot_base;
-    for (std::size_t k = 0; k < type_of(atom).slots.size(); ++k) numbers.push_back(static_cast<std::int32_t>(static_cast<std::uint32_t>(state.data[base + k])));
+    const std::size_t base = image_.atoms[static_cast<u32>(atom)].first_cell;
+    for (std::size_t k = 0; k < type_of(atom).variables.size(); ++k)
+      numbers.push_back(static_cast<std::int32_t>(static_cast<std::uint32_t>(state.data[base + k])));
     return numbers;
   }
 
   bool read_row(const std::vector<std::string>& words) {
-    if (words[0] != "state") return words[0] == "root" || words[0] == "claim" || words[0] == "method" || words[0] == "end" || words[0] == "bipc-certificate";
+    if (words[0] != "state")
+      return words[0] == "root" || words[0] == "claim" || words[0] == "method" || words[0] == "end" ||
+             words[0] == "bipc-certificate";
     for (std::size_t k = 1; k < words.size(); ++k) {
       if (!read_word(words[k])) return false;
     }
@@ -93,10 +100,13 @@ class List {
         open_[first_[atom]] = place - type.places.begin();
         return place != type.places.end();
       }
-      const auto slot = std::find_if(type.slots.begin(), type.slots.end(), [&](const Slot& one) { return one.name == name; });
+      const auto variable = std::find_if(type.variables.begin(), type.variables.end(),
+                                         [&](const DataVariable& one) { return one.name == name; });
       std::int64_t value = 0;
-      if (slot == type.slots.end() || slot->is_param || !read_number(word.substr(equals + 1), value) || (slot->type == Type::Bool && value != 0 && value != 1)) return false;
-      open_[first_[atom] + 1 + static_cast<std::size_t>(slot - type.slots.begin())] = value;
+      if (variable == type.variables.end() || variable->is_param || !read_number(word.substr(equals + 1), value) ||
+          (variable->type == Type::Bool && value != 0 && value != 1))
+        return false;
+      open_[first_[atom] + 1 + static_cast<std::size_t>(variable - type.variables.begin())] = value;
       return true;
     }
     return false;
@@ -111,14 +121,17 @@ class List {
 
 }  // namespace
 
-Worth listed_worth(const std::string& text, const System& system, const rt::Image& image, const SearchGoal& goal, std::size_t limit) {
+Worth listed_worth(const std::string& text, const System& system, const rt::Image& image, const SearchGoal& goal,
+                   std::size_t limit) {
   rt::Core core(image);
   if (!core.initialize()) return Worth::TooLarge;
   rt::State state = core.snapshot();
   if (!state.marks.empty() || !state.time.empty()) return Worth::TooLarge;
   for (const AtomType& type : system.atom_types) {
-    const auto is_told = [](const Slot& slot) { return slot.is_param || slot.type == Type::Int || slot.type == Type::Bool; };
-    if (!std::all_of(type.slots.begin(), type.slots.end(), is_told)) return Worth::TooLarge;
+    const auto is_told = [](const DataVariable& variable) {
+      return variable.is_param || variable.type == Type::Int || variable.type == Type::Bool;
+    };
+    if (!std::all_of(type.variables.begin(), type.variables.end(), is_told)) return Worth::TooLarge;
   }
   List list(system, image, state);
   if (!list.read(text)) return Worth::Malformed;
@@ -126,7 +139,8 @@ Worth listed_worth(const std::string& text, const System& system, const rt::Imag
   if (!list.states().contains(list.numbers_of(state))) return Worth::Insufficient;
   for (const auto& numbers : list.states()) {
     list.write(numbers, state);
-    if (breaks(core, state, goal, [&](const rt::State& next) { return list.states().contains(list.numbers_of(next)); })) return Worth::Insufficient;
+    if (breaks(core, state, goal, [&](const rt::State& next) { return list.states().contains(list.numbers_of(next)); }))
+      return Worth::Insufficient;
   }
   return Worth::Suffices;
 }

@@ -1,13 +1,13 @@
-// bip-verify-check: random systems, each asked three questions (deadlock, run-time errors, a random property), the prover's
-// verdicts against a visit of all states.
+// bip-verify-check: random systems, each asked three questions (deadlock, run-time errors, a random property), the
+// prover's verdicts against a visit of all states.
 //
 //   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models]
 //
-// Of every fifth seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a right hash. Answers
-// must be the same; what forged proofs led to is given to certcheck, too.
+// Of every fifth seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a
+// right hash. Answers must be the same; what forged proofs led to is given to certcheck, too.
 //
-// Two provers a question: one without search, whose proofs and replayed ways must agree with the visit; and the whole one,
-// which should have an answer. With --out each proof of a system leaves N.bsys, N.cert for certcheck. --print DIR
+// Two provers a question: one without search, whose proofs and replayed ways must agree with the visit; and the whole
+// one, which should have an answer. With --out each proof of a system leaves N.bsys, N.cert for certcheck. --print DIR
 // writes all systems there, as .bsys, and asks nothing.
 #include <cstdio>
 #include <cstdlib>
@@ -17,8 +17,8 @@
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/system/bsys.hpp"
-#include "compiler/verify/certificate.hpp"
-#include "compiler/verify/tell.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
+#include "compiler/verify/evidence/counterexample_text.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/small_net.hpp"
 #include "tests/verify/tampering.hpp"
@@ -36,7 +36,8 @@ struct Options {
   bool nets = true, models = true;
 };
 struct Totals {
-  std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0, failed = 0, certificates = 0;
+  std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0,
+                failed = 0, certificates = 0;
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
 };
 
@@ -71,8 +72,8 @@ class Check {
     }
     const interp::Interpreter interpreter(*c.lowered);
     verify::Question deadlock, errors, state;
-    errors.what = verify::Asked::NoErrors;
-    state.what = verify::Asked::State;
+    errors.what = verify::QuestionKind::NoErrors;
+    state.what = verify::QuestionKind::State;
     const std::string property = verify::test::random_property(*c.system, seed);
     Result<verify::Property> parsed = verify::parse_property(property, *c.system);
     if (!parsed) {
@@ -81,7 +82,8 @@ class Check {
     }
     state.property = std::move(*parsed);
     int number = 0;
-    for (const verify::Question* question : {&deadlock, &errors, &state}) one(c, *question, name + '-' + std::to_string(number++));
+    for (const verify::Question* question : {&deadlock, &errors, &state})
+      one(c, *question, name + '-' + std::to_string(number++));
   }
 
  private:
@@ -94,7 +96,8 @@ class Check {
   void one(const gen::Compiled& c, const verify::Question& question, const std::string& file) {
     ++t_.questions;
     const verify::Net net = verify::build_net(*c.system);
-    const verify::SearchLimits limits{.end = verify::seconds_from_now(20), .megabytes = 1000, .states = o_.states, .report = {}};
+    const verify::SearchLimits limits{
+        .end = verify::seconds_from_now(20), .megabytes = 1000, .states = o_.states, .report = {}};
     const verify::SearchResult all = verify::search(net, c.lowered->image, verify::goal_of(question), {}, limits);
     const bool is_known = all.end != verify::SearchEnd::Limit;
     t_.too_large += is_known ? 0 : 1;
@@ -102,12 +105,13 @@ class Check {
     (is_violated ? t_.violated : t_.holds) += is_known ? 1 : 0;
 
     for (const bool with_search : {false, true}) {
-      verify::DecideLimits decide;
+      verify::PortfolioLimits decide;
       decide.end = verify::seconds_from_now(with_search ? 10 * o_.seconds : o_.seconds);
       decide.megabytes = 1000;
       decide.may_search = with_search;
       decide.wants_certificate = wants_certificate_;
-      verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
+      verify::Portfolio decider(
+          *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
       // The whole prover would visit all states of those that are known, as the test did.
       if (with_search && is_known && open_ == 0) continue;
       const verify::Decision d = decider.decide(question, decide);
@@ -115,17 +119,24 @@ class Check {
       (with_search ? t_.unknown : t_.open_proofs) += static_cast<std::uint64_t>(open_);
       if (d.outcome == verify::Outcome::Unknown) continue;
       const bool says_violated = d.outcome == verify::Outcome::Violated;
-      const std::string asked = question.what == verify::Asked::State ? question.property.text : question.what == verify::Asked::NoErrors ? "errors" : "deadlock";
-      if (is_known && says_violated != is_violated) fail(asked + (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
-      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices)) fail(asked + ": the way cannot be taken");
+      const std::string asked = question.what == verify::QuestionKind::State      ? question.property.text
+                                : question.what == verify::QuestionKind::NoErrors ? "errors"
+                                                                                  : "deadlock";
+      if (is_known && says_violated != is_violated)
+        fail(asked +
+             (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
+      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices))
+        fail(asked + ": the way cannot be taken");
       if (!says_violated && wants_certificate_ && !o_.out.empty()) write(c, question, decider, d, file);
     }
     open_ = 0;
-    if (seed_ % 5 == 0 && !kept_.empty()) reuse(c, question, is_known ? std::optional(is_violated) : std::nullopt, file);
+    if (seed_ % 5 == 0 && !kept_.empty())
+      reuse(c, question, is_known ? std::optional(is_violated) : std::nullopt, file);
   }
 
   // The same question with what was kept of it. `is_violated`: as the visit of all states has it.
-  void reuse(const gen::Compiled& c, const verify::Question& question, std::optional<bool> is_violated, const std::string& file) {
+  void reuse(const gen::Compiled& c, const verify::Question& question, std::optional<bool> is_violated,
+             const std::string& file) {
     std::error_code ignored;
     std::filesystem::remove_all(kept_, ignored);
     std::optional<verify::Outcome> first;
@@ -138,10 +149,11 @@ class Check {
         if (!last.empty()) foreign_ = std::move(last);
       }
       ContentCache cache(KeptKind::Proof, kept_.string(), std::uint64_t{1} << 30);
-      verify::ProofMemory memory(cache, "test", verify::Keeps::All);
-      verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
+      verify::ProofCache memory(cache, "test", verify::Keeps::All);
+      verify::Portfolio decider(
+          *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
       decider.remember_in(&memory);
-      verify::DecideLimits limits;
+      verify::PortfolioLimits limits;
       // What is wrong in a file may cost time, though no verdict.
       limits.end = verify::seconds_from_now(first ? 10 * o_.seconds : o_.seconds);
       limits.megabytes = 1000;
@@ -150,24 +162,35 @@ class Check {
       const verify::Decision d = decider.decide(question, limits);
       ++t_.reused;
       t_.whole += memory.counts.is_whole ? 1 : 0;
-      (is_forged ? t_.forged_rows : t_.rows) += memory.counts.invariants + memory.counts.lemmas + (memory.counts.has_way ? 1 : 0);
+      (is_forged ? t_.forged_rows : t_.rows) +=
+          memory.counts.invariants + memory.counts.lemmas + (memory.counts.has_way ? 1 : 0);
       const bool says_violated = d.outcome == verify::Outcome::Violated;
       if (!first) first = d.outcome;
-      else if (d.outcome != *first && *first != verify::Outcome::Unknown) fail(std::string("with proofs ") + state + (d.outcome == verify::Outcome::Unknown ? ": no answer, but one without: " + d.reason : ": another verdict than without"));
+      else if (d.outcome != *first && *first != verify::Outcome::Unknown)
+        fail(std::string("with proofs ") + state +
+             (d.outcome == verify::Outcome::Unknown ? ": no answer, but one without: " + d.reason
+                                                    : ": another verdict than without"));
       // Nothing was kept, or the time was over: there is nothing to compare.
       if (first == verify::Outcome::Unknown) return;
       if (d.outcome == verify::Outcome::Unknown) continue;
-      if (is_violated && says_violated != *is_violated) fail(std::string("with proofs ") + state + (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
-      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices)) fail(std::string("with proofs ") + state + ": the way cannot be taken");
+      if (is_violated && says_violated != *is_violated)
+        fail(std::string("with proofs ") + state +
+             (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
+      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices))
+        fail(std::string("with proofs ") + state + ": the way cannot be taken");
       // By its number certcheck knows it as another question.
-      if (is_forged && !says_violated && wants_certificate_ && !o_.out.empty() && d.method != verify::Method::Exhaustive) {
-        write(c, question, decider, d, file.substr(0, file.size() - 1) + static_cast<char>(file.back() + 3 + (state[6] == 0 ? 0 : 3)));
+      if (is_forged && !says_violated && wants_certificate_ && !o_.out.empty() &&
+          d.method != verify::Method::Exhaustive) {
+        write(c, question, decider, d,
+              file.substr(0, file.size() - 1) + static_cast<char>(file.back() + 3 + (state[6] == 0 ? 0 : 3)));
       }
     }
   }
 
-  void write(const gen::Compiled& c, const verify::Question& question, const verify::Decider& decider, const verify::Decision& d, const std::string& file) {
-    // A run that ends before its first state has none that could be bad: there every certificate is a proof, a broken one, too.
+  void write(const gen::Compiled& c, const verify::Question& question, const verify::Portfolio& decider,
+             const verify::Decision& d, const std::string& file) {
+    // A run that ends before its first state has none that could be bad: there every certificate is a proof, a broken
+    // one, too.
     rt::Core core(c.lowered->image);
     if (!core.initialize()) return;
     std::ofstream(o_.out + '/' + file + ".bsys") << system::print(*c.system);
@@ -205,15 +228,21 @@ int main(int argc, char** argv) {
   Check check(o, t);
   for (std::uint64_t seed = o.from; seed < o.from + o.count; ++seed) {
     if (o.nets) check.system("net" + std::to_string(seed), {verify::test::small_net(seed)}, seed);
-    if (o.nets && (seed % 3 == 0 || !o.print.empty())) check.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
+    if (o.nets && (seed % 3 == 0 || !o.print.empty()))
+      check.system("locks" + std::to_string(seed), {verify::test::lock_net(seed)}, seed);
     if (o.nets) check.system("values" + std::to_string(seed), {verify::test::value_net(seed)}, seed);
-    if (o.nets && (seed % 2 == 0 || !o.print.empty())) check.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
+    if (o.nets && (seed % 2 == 0 || !o.print.empty()))
+      check.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
     if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
   const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
-  std::printf("questions %llu: hold %llu, violated %llu, more states than %llu: %llu; without search open %llu; unknown %llu; certificates %llu\n", n(t.questions),
-              n(t.holds), n(t.violated), n(o.states), n(t.too_large), n(t.open_proofs), n(t.unknown), n(t.certificates));
-  std::printf("with kept proofs %llu: the system known %llu, rows used %llu, forged ones %llu\n", n(t.reused), n(t.whole), n(t.rows), n(t.forged_rows));
+  std::printf(
+      "questions %llu: hold %llu, violated %llu, more states than %llu: %llu; without search open %llu; unknown %llu; "
+      "certificates %llu\n",
+      n(t.questions), n(t.holds), n(t.violated), n(o.states), n(t.too_large), n(t.open_proofs), n(t.unknown),
+      n(t.certificates));
+  std::printf("with kept proofs %llu: the system known %llu, rows used %llu, forged ones %llu\n", n(t.reused),
+              n(t.whole), n(t.rows), n(t.forged_rows));
   std::printf("systems %llu, failed %llu\n", n(t.systems), n(t.failed));
   return t.failed == 0 ? 0 : 1;
 }

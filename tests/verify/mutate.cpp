@@ -1,10 +1,12 @@
-// bip-mutate-certificates: proofs of small random systems are changed at random, and certcheck must not accept those whose
-// clauses no longer suffice. Whether they do is found without it: all states that satisfy them are tried on the engine's core.
+// bip-mutate-certificates: proofs of small random systems are changed at random, and certcheck must not accept those
+// whose clauses no longer suffice. Whether they do is found without it: all states that satisfy them are tried on the
+// engine's core.
 //
 //   bip-mutate-certificates --from S --count N [--each N] [--states N] [--tell 1]
 //
-// N seeds, five systems each (a small net, locks, values passed on, counters, a model of tools/gen), up to three claims each, --each changes of every proof.
-// Accepting too little is no fault, but is counted: what certcheck demands row by row may hold of all rows together only.
+// N seeds, five systems each (a small net, locks, values passed on, counters, a model of tools/gen), up to three claims
+// each, --each changes of every proof. Accepting too little is no fault, but is counted: what certcheck demands row by
+// row may hold of all rows together only.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -14,9 +16,9 @@
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/system/bsys.hpp"
-#include "compiler/verify/certificate.hpp"
-#include "compiler/verify/tell.hpp"
-#include "compiler/verify/reached_states.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
+#include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/evidence/reached_states.hpp"
 #include "tests/verify/clauses.hpp"
 #include "tests/verify/listed_states.hpp"
 #include "tests/verify/mutation.hpp"
@@ -40,7 +42,8 @@ constexpr std::uint64_t kFewStates = 300;
 enum class Told { Accepted, Rejected, NotCheckable };
 struct Totals {
   unsigned long long lists = 0, proofs = 0, refused_proofs = 0, skipped = 0, same = 0;
-  unsigned long long insufficient = 0, rejected = 0, not_checkable = 0, malformed = 0, sufficient = 0, accepted = 0, failed = 0;
+  unsigned long long insufficient = 0, rejected = 0, not_checkable = 0, malformed = 0, sufficient = 0, accepted = 0,
+                     failed = 0;
 };
 
 Told ask(const certcheck::Model& model, const std::string& text, std::string& why) {
@@ -72,43 +75,57 @@ class Run {
       return;
     }
     verify::Question deadlock, errors, state;
-    errors.what = verify::Asked::NoErrors;
-    state.what = verify::Asked::State;
+    errors.what = verify::QuestionKind::NoErrors;
+    state.what = verify::QuestionKind::State;
     Result<verify::Property> parsed = verify::parse_property(verify::test::random_property(*c.system, seed), *c.system);
     if (!parsed) return;
     state.property = std::move(*parsed);
     int number = 0;
-    for (const verify::Question* question : {&deadlock, &errors, &state}) one(c, model, *question, name + '-' + std::to_string(number++), seed);
+    for (const verify::Question* question : {&deadlock, &errors, &state})
+      one(c, model, *question, name + '-' + std::to_string(number++), seed);
   }
 
  private:
-  void one(const gen::Compiled& c, const certcheck::Model& model, const verify::Question& question, const std::string& name, std::uint64_t seed) {
-    verify::DecideLimits limits;
+  void one(const gen::Compiled& c, const certcheck::Model& model, const verify::Question& question,
+           const std::string& name, std::uint64_t seed) {
+    verify::PortfolioLimits limits;
     limits.end = verify::ProcessClock::now() + std::chrono::seconds(2);
     limits.may_search = false;
     limits.wants_certificate = true;
-    verify::Decider decider(*c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
+    verify::Portfolio decider(
+        *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
     verify::Decision d = decider.decide(question, limits);
     if (d.outcome != verify::Outcome::Holds) return;
     const verify::SearchGoal goal = verify::goal_of(question);
     verify::test::Clauses clauses(*c.system, c.lowered->image);
-    judge(model, name, verify::certificate(decider, question, d, *c.system, "Root()"), [&](const std::string& text) { return clauses.worth(text, goal, o_.states); },
-          seed * 3 + static_cast<std::uint64_t>(question.what));
+    judge(
+        model, name, verify::certificate(decider, question, d, *c.system, "Root()"),
+        [&](const std::string& text) { return clauses.worth(text, goal, o_.states); },
+        seed * 3 + static_cast<std::uint64_t>(question.what));
 
     // The same claim once more, by the states that a search reaches.
     verify::StateCollector states(*c.system, c.lowered->image);
-    const verify::SearchLimits few{.end = verify::ProcessClock::now() + std::chrono::seconds(2), .states = kFewStates, .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
-    if (!states.can_tell() || verify::search(decider.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted) return;
+    const verify::SearchLimits few{.end = verify::ProcessClock::now() + std::chrono::seconds(2),
+                                   .states = kFewStates,
+                                   .report = {},
+                                   .visit = [&](const rt::State& state) { states.add(state); }};
+    if (!states.can_tell() ||
+        verify::search(decider.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted)
+      return;
     d.method = verify::Method::Exhaustive;
     d.reached = states.rows();
     if (d.reached.empty()) return;
     ++t_.lists;
-    judge(model, name + "-states", verify::certificate(decider, question, d, *c.system, "Root()"),
-          [&](const std::string& text) { return verify::test::listed_worth(text, *c.system, c.lowered->image, goal, o_.states); },
-          seed * 3 + static_cast<std::uint64_t>(question.what) + 1000003);
+    judge(
+        model, name + "-states", verify::certificate(decider, question, d, *c.system, "Root()"),
+        [&](const std::string& text) {
+          return verify::test::listed_worth(text, *c.system, c.lowered->image, goal, o_.states);
+        },
+        seed * 3 + static_cast<std::uint64_t>(question.what) + 1000003);
   }
 
-  void judge(const certcheck::Model& model, const std::string& name, const std::string& proof, const std::function<Worth(const std::string&)>& worth_of, std::uint64_t seed) {
+  void judge(const certcheck::Model& model, const std::string& name, const std::string& proof,
+             const std::function<Worth(const std::string&)>& worth_of, std::uint64_t seed) {
     const Worth whole = worth_of(proof);
     if (whole == Worth::TooLarge) {
       ++t_.skipped;
@@ -135,7 +152,8 @@ class Run {
       if (worth == Worth::Suffices) {
         ++t_.sufficient;
         t_.accepted += told == Told::Accepted ? 1 : 0;
-        if (o_.tells && told != Told::Accepted) std::printf("REFUSED %s, changed: %s\n%s", name.c_str(), why.c_str(), changed.c_str());
+        if (o_.tells && told != Told::Accepted)
+          std::printf("REFUSED %s, changed: %s\n%s", name.c_str(), why.c_str(), changed.c_str());
         continue;
       }
       ++(worth == Worth::Malformed ? t_.malformed : t_.insufficient);
@@ -175,9 +193,12 @@ int main(int argc, char** argv) {
     run.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
     run.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
-  std::printf("proofs %llu (%llu of states; %llu refused, %llu more have too many states); changed so that they do not suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "
-              "they still do: %llu (accepted %llu); nothing changed: %llu\n",
-              t.proofs, t.lists, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed, t.sufficient, t.accepted, t.same);
+  std::printf(
+      "proofs %llu (%llu of states; %llu refused, %llu more have too many states); changed so that they do not "
+      "suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "
+      "they still do: %llu (accepted %llu); nothing changed: %llu\n",
+      t.proofs, t.lists, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed,
+      t.sufficient, t.accepted, t.same);
   std::printf("mutations: %llu passed, %llu failed\n", t.insufficient + t.malformed - t.failed, t.failed);
   return t.failed == 0 && t.insufficient > 0 && t.lists > 0 ? 0 : 1;
 }

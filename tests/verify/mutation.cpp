@@ -35,7 +35,9 @@ void change_number(std::string& word, gen::Prng& random) {
   const std::size_t begin = end == std::string::npos ? 0 : end + 1;
   if (begin == word.size() || word.size() - begin > 8) return;
   const int number = std::stoi(word.substr(begin));
-  const int other = random.percent(50) ? number + 1 : random.percent(50) ? number - 1 : static_cast<int>(random.below(5));
+  const int other = random.percent(50)   ? number + 1
+                    : random.percent(50) ? number - 1
+                                         : static_cast<int>(random.below(5));
   word = word.substr(0, begin) + std::to_string(std::max(other, 0));
 }
 
@@ -78,21 +80,31 @@ void change(Rows& rows, gen::Prng& random) {
       return;
     }
     case 1: {  // it is stronger, or a mode is forgotten
-      const auto fits = [](const Row& row) { return (is_clause(row) || is_component(row)) && row.size() > first_word(row); };
-      if (Row* row = pick(rows, random, fits)) row->erase(row->begin() + static_cast<long>(first_word(*row) + random.below(row->size() - first_word(*row))));
+      const auto fits = [](const Row& row) {
+        return (is_clause(row) || is_component(row)) && row.size() > first_word(row);
+      };
+      if (Row* row = pick(rows, random, fits))
+        row->erase(row->begin() + static_cast<long>(first_word(*row) + random.below(row->size() - first_word(*row))));
       return;
     }
     case 2: {  // it is weaker: a word of another one
       Row* row = pick(rows, random, is_clause);
       if (row == nullptr) return;
       const bool sets = is_set(*row);
-      Row* from = pick(rows, random, [&](const Row& other) { return is_clause(other) && is_set(other) == sets && (other[0] == "equation") == ((*row)[0] == "equation") && other.size() > 1; });
+      Row* from = pick(rows, random, [&](const Row& other) {
+        return is_clause(other) && is_set(other) == sets && (other[0] == "equation") == ((*row)[0] == "equation") &&
+               other.size() > 1;
+      });
       if (from != nullptr) row->push_back((*from)[1 + random.below(from->size() - 1)]);
       return;
     }
     case 3: {  // a number is another one
-      const auto fits = [](const Row& row) { return (is_set(row) || is_component(row) || row[0] == "lemma" || row[0] == "equation" || is_mode(row)) && row.size() > first_word(row); };
-      if (Row* row = pick(rows, random, fits)) change_number((*row)[first_word(*row) + random.below(row->size() - first_word(*row))], random);
+      const auto fits = [](const Row& row) {
+        return (is_set(row) || is_component(row) || row[0] == "lemma" || row[0] == "equation" || is_mode(row)) &&
+               row.size() > first_word(row);
+      };
+      if (Row* row = pick(rows, random, fits))
+        change_number((*row)[first_word(*row) + random.below(row->size() - first_word(*row))], random);
       return;
     }
     case 4: {  // a literal is its opposite
@@ -111,7 +123,8 @@ void change(Rows& rows, gen::Prng& random) {
       if (row == nullptr) return;
       Row* other = pick(rows, random, [&](const Row& one) { return one[0] == (*row)[0]; });
       const std::size_t keep = is_component(*row) ? 2 : first_word(*row);
-      Row mine(row->begin() + static_cast<long>(keep), row->end()), theirs(other->begin() + static_cast<long>(keep), other->end());
+      Row mine(row->begin() + static_cast<long>(keep), row->end()),
+          theirs(other->begin() + static_cast<long>(keep), other->end());
       row->resize(keep);
       other->resize(keep);
       row->insert(row->end(), theirs.begin(), theirs.end());

@@ -1,5 +1,5 @@
-// One small change of a certificate's text, of the kinds that a wrong prover could make: a clause lost, weakened or strengthened,
-// a number off by one, two rows with each other's words.
+// One small change of a certificate's text, of the kinds that a wrong prover could make: a clause lost, weakened or
+// strengthened, a number off by one, two rows with each other's words.
 #pragma once
 #include <string>
 

@@ -13,14 +13,14 @@ std::string random_property(const System& system, std::uint64_t seed) {
     const AtomType& type = system.atom_types[atom.type];
     if (k != 0) text += " && ";
     const std::string path = atom.path.substr(5);
-    if (!type.slots.empty() && random.below(3) == 0) {
-      const Slot& slot = type.slots[static_cast<std::size_t>(random.below(type.slots.size()))];
-      if (slot.type == Type::Int) {
-        text += path + '.' + slot.name + " > " + std::to_string(random.below(4));
+    if (!type.variables.empty() && random.below(3) == 0) {
+      const DataVariable& variable = type.variables[static_cast<std::size_t>(random.below(type.variables.size()))];
+      if (variable.type == Type::Int) {
+        text += path + '.' + variable.name + " > " + std::to_string(random.below(4));
         continue;
       }
-      if (slot.type == Type::Bool) {
-        text += path + '.' + slot.name;
+      if (variable.type == Type::Bool) {
+        text += path + '.' + variable.name;
         continue;
       }
     }

@@ -24,18 +24,21 @@ std::string small_net(std::uint64_t seed) {
     for (const char* port : {"p", "q", "r"}) {
       // One transition a port and place at most.
       for (std::uint64_t k = 0; k < places; ++k) {
-        if (below(10) < 5) text += std::string("    on ") + port + " from P" + number(k) + " to P" + number(below(places)) + "\n";
+        if (below(10) < 5)
+          text += std::string("    on ") + port + " from P" + number(k) + " to P" + number(below(places)) + "\n";
       }
       text += std::string("    on ") + port + " from P0 to P" + number(below(places)) + " provided (false)\n";
     }
     text += "  end\n";
   }
   text += "  compound type Root()\n";
-  for (std::uint64_t a = 0; a < atoms; ++a) text += "    component A" + number(below(types)) + " a" + number(a) + "()\n";
+  for (std::uint64_t a = 0; a < atoms; ++a)
+    text += "    component A" + number(below(types)) + " a" + number(a) + "()\n";
   const char* ports[] = {"p", "q", "r"};
   const auto distinct = [&](std::uint64_t count, std::uint64_t first) {
     std::string list;
-    for (std::uint64_t k = 0; k < count; ++k) list += (k != 0 ? ", a" : "a") + number((first + k) % atoms) + "." + ports[below(3)];
+    for (std::uint64_t k = 0; k < count; ++k)
+      list += (k != 0 ? ", a" : "a") + number((first + k) % atoms) + "." + ports[below(3)];
     return list;
   };
   for (std::uint64_t k = 0; k < 3 + below(5); ++k) {

@@ -47,7 +47,9 @@ class Forger {
       case 1: rows.push_back(rows[row]); return;
       case 2: std::swap(rows[row], rows[below(rows.size())]); return;
       case 3: {
-        static const char* const kWords[] = {"trap", "one", "sum", "never", "equation", "atom", "steps", "way induction", "way plain", "way told", "way steps", "0", "x"};
+        static const char* const kWords[] = {"trap",  "one",           "sum",       "never",    "equation",  "atom",
+                                             "steps", "way induction", "way plain", "way told", "way steps", "0",
+                                             "x"};
         rows[row] = kWords[below(13)] + rows[row].substr(std::min(rows[row].find(' '), rows[row].size()));
         return;
       }
@@ -58,7 +60,8 @@ class Forger {
   // Says more than it did: without some of its components.
   void shorten(std::string& row) {
     const bool is_lemma = row.starts_with("never "), is_equation = row.starts_with("equation ");
-    if (!is_lemma && !is_equation && !row.starts_with("trap ") && !row.starts_with("one ") && !row.starts_with("sum ")) return change_number(row);
+    if (!is_lemma && !is_equation && !row.starts_with("trap ") && !row.starts_with("one ") && !row.starts_with("sum "))
+      return change_number(row);
     const std::size_t head = is_lemma || is_equation ? 1 : 3, each = is_lemma ? 5 : is_equation ? 4 : 3;
     std::vector<std::size_t> ends;
     for (std::size_t k = 0; k <= row.size(); ++k) {
@@ -67,7 +70,8 @@ class Forger {
     // A row that was cut before may lack even its head.
     if (ends.size() < head + 2 * each) return change_number(row);
     const std::size_t terms = (ends.size() - head) / each;
-    const std::size_t drop = below(terms), first = ends[head + drop * each - 1], last = ends[head + (drop + 1) * each - 1];
+    const std::size_t drop = below(terms), first = ends[head + drop * each - 1],
+                      last = ends[head + (drop + 1) * each - 1];
     row.erase(first, last - first);
   }
   void change_number(std::string& row) {
@@ -77,7 +81,8 @@ class Forger {
     }
     if (starts.empty()) return;
     const std::size_t start = starts[below(starts.size())], end = std::min(row.find(' ', start), row.size());
-    static const char* const kOdd[] = {"-1", "4294967295", "4294967294", "18446744073709551615", "-9223372036854775808", "281474976710656", "", "1x"};
+    static const char* const kOdd[] = {
+        "-1", "4294967295", "4294967294", "18446744073709551615", "-9223372036854775808", "281474976710656", "", "1x"};
     const std::string number = below(6) == 0 ? kOdd[below(8)] : std::to_string(below(below(2) == 0 ? 3 : 12));
     row.replace(start, end - start, number);
   }

@@ -1,4 +1,5 @@
-// Events into a running model (tools/bench/time): how long from post() to the step that takes it, and how many a second from eight threads.
+// Events into a running model (tools/bench/time): how long from post() to the step that takes it, and how many a second
+// from eight threads.
 //
 //   events SINGLES TOTAL      both are counts of events; the model is in tools/bench/time
 #include <algorithm>
@@ -25,7 +26,9 @@ void latency(int count) {
   bip::Execution system(model::image(), {.seed = 1, .policy = bip::rt::Policy::First, .speed = 1});
   std::vector<double> took;
   std::atomic<std::int64_t> posted{0};
-  system.on_step([&](const bip::Step&) { took.push_back(micros(Clock::now() - Clock::time_point(Clock::duration(posted.load())))); });
+  system.on_step([&](const bip::Step&) {
+    took.push_back(micros(Clock::now() - Clock::time_point(Clock::duration(posted.load()))));
+  });
   std::thread poster([&] {
     const std::uint32_t port = system.event_port("sink.take");
     for (int k = 0; k < count; ++k) {
@@ -41,7 +44,8 @@ void latency(int count) {
   poster.join();
   std::sort(took.begin(), took.end());
   if (took.empty()) return;
-  std::printf("post to step: median %.1f us, 99 %% below %.1f us, most %.1f us (%zu of %d events)\n", took[took.size() / 2], took[took.size() * 99 / 100], took.back(), took.size(), count);
+  std::printf("post to step: median %.1f us, 99 %% below %.1f us, most %.1f us (%zu of %d events)\n",
+              took[took.size() / 2], took[took.size() * 99 / 100], took.back(), took.size(), count);
 }
 
 void rate(int total) {
@@ -76,7 +80,8 @@ void rate(int total) {
   std::int32_t taken = 0;
   (void)system.read("ROOT.sink.taken", taken);
   const double seconds = micros(end - begin) / 1e6;
-  std::printf("8 threads: %.0f events/s, %d posted, %d taken, %d lost, told `full` %ld times\n", taken / seconds, total / kThreads * kThreads, taken, total / kThreads * kThreads - taken, full.load());
+  std::printf("8 threads: %.0f events/s, %d posted, %d taken, %d lost, told `full` %ld times\n", taken / seconds,
+              total / kThreads * kThreads, taken, total / kThreads * kThreads - taken, full.load());
   if (steps != taken) std::printf("%ld steps\n", steps);
 }
 

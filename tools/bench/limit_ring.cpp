@@ -1,5 +1,6 @@
-// The token ring by hand: flat arrays and an exact set of enabled interactions (dense array and positions) from which one
-// is drawn uniformly, as an engine must; no tables, no watchers, no trace. tools/bench/spine prints it beside bipc's figure.
+// The token ring by hand: flat arrays and an exact set of enabled interactions (dense array and positions) from which
+// one is drawn uniformly, as an engine must; no tables, no watchers, no trace. tools/bench/spine prints it beside
+// bipc's figure.
 //
 //   limit_ring N STEPS      prints nanoseconds an interaction
 #include <chrono>

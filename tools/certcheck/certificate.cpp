@@ -13,7 +13,8 @@ class CertificateReader {
     for (std::size_t k = 0; k < m_.atoms.size(); ++k) atoms_.emplace(m_.atoms[k].path, k);
     for (std::size_t k = 0; k < m_.atoms.size(); ++k) {
       state_.emplace_back();
-      for (const Variable& variable : m_.type_of(k).variables) state_[k].push_back(variable.is_param ? std::optional(0) : std::nullopt);
+      for (const Variable& variable : m_.type_of(k).variables)
+        state_[k].push_back(variable.is_param ? std::optional(0) : std::nullopt);
     }
     c_.class_of.assign(m_.atoms.size(), kNone);
     c_.reachable.resize(m_.atoms.size());
@@ -26,7 +27,8 @@ class CertificateReader {
       const Text line(row_text.begin(), row_text.end());
       ++line_;
       words_.clear();
-      for (const auto word : std::views::split(line, ' ')) if (!word.empty()) words_.emplace_back(word.begin(), word.end());
+      for (const auto word : std::views::split(line, ' '))
+        if (!word.empty()) words_.emplace_back(word.begin(), word.end());
       try {
         if (line_ != 1) row(line);
         else need(line == "bipc-certificate 1", "not a certificate of version 1");
@@ -36,7 +38,8 @@ class CertificateReader {
     }
     if (c_.claim.empty()) throw Rejected("the certificate does not say what it proves");
     if (!c_.classes.empty() && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
-    if (!c_.states.empty() && !(c_.classes.empty() && c_.facts.empty())) throw Rejected("more is said than which states there are");
+    if (!c_.states.empty() && !(c_.classes.empty() && c_.facts.empty()))
+      throw Rejected("more is said than which states there are");
     return std::move(c_);
   }
 
@@ -44,9 +47,11 @@ class CertificateReader {
   void row(Text line) {
     // Each with the least number of its words.
     static const std::map<Text, std::pair<std::size_t, void (CertificateReader::*)()>> kForms{
-        {"class", {3, &CertificateReader::class_row}}, {"mode", {3, &CertificateReader::mode_row}}, {"component", {5, &CertificateReader::component_row}},
-        {"trap", {1, &CertificateReader::fact_row}}, {"one-token", {1, &CertificateReader::fact_row}}, {"sum", {2, &CertificateReader::fact_row}},
-        {"lemma", {1, &CertificateReader::fact_row}}, {"equation", {2, &CertificateReader::fact_row}}, {"state", {1, &CertificateReader::state_row}}};
+        {"class", {3, &CertificateReader::class_row}},         {"mode", {3, &CertificateReader::mode_row}},
+        {"component", {5, &CertificateReader::component_row}}, {"trap", {1, &CertificateReader::fact_row}},
+        {"one-token", {1, &CertificateReader::fact_row}},      {"sum", {2, &CertificateReader::fact_row}},
+        {"lemma", {1, &CertificateReader::fact_row}},          {"equation", {2, &CertificateReader::fact_row}},
+        {"state", {1, &CertificateReader::state_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -62,7 +67,8 @@ class CertificateReader {
   }
 
   void class_row() {
-    need(words_.size() == 3 && words_[1] == std::to_string(c_.classes.size()), "not the number of the next class, and its type");
+    need(words_.size() == 3 && words_[1] == std::to_string(c_.classes.size()),
+         "not the number of the next class, and its type");
     Class& row = c_.classes.emplace_back();
     row.type = row_of(m_.atom_types, words_[2], &AtomType::name);
     row.followed.assign(m_.atom_types[row.type].variables.size(), false);
@@ -92,13 +98,15 @@ class CertificateReader {
   // Cases, of sums with their weights: "ROOT.a:2" of sets, of others literals joined by `&`.
   void fact_row() {
     const Text head = words_[0];
-    const bool is_equation = head == "equation", is_sum = head == "sum" || is_equation, is_set = !is_equation && head != "lemma";
+    const bool is_equation = head == "equation", is_sum = head == "sum" || is_equation,
+               is_set = !is_equation && head != "lemma";
     Fact& fact = (is_set ? c_.sets : c_.facts).emplace_back(Fact{here(), {}, {}});
     if (is_sum) fact.total = number(words_[1]);
     else if (head == "one-token") fact.total = 1;
     for (std::size_t k = is_sum ? 2 : 1; k < words_.size(); ++k) {
       Case& one = fact.cases.emplace_back();
-      const auto [text, weight] = is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
+      const auto [text, weight] =
+          is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
       one.weight = number(weight, -kMostWeight, kMostWeight);
       one.is_value = is_equation && text.find_first_of("@=:&!") == Text::npos;
       if (is_set) {
@@ -106,7 +114,8 @@ class CertificateReader {
         one.literals.push_back({atom_of(path), mode(atom_of(path), number)});
         continue;
       }
-      for (const auto part : std::views::split(text, '&')) one.literals.push_back(literal(Text(part.begin(), part.end()), one.is_value));
+      for (const auto part : std::views::split(text, '&'))
+        one.literals.push_back(literal(Text(part.begin(), part.end()), one.is_value));
     }
   }
 
@@ -125,7 +134,8 @@ class CertificateReader {
       need(!type.variables[l.variable].is_param, "is a parameter", words_[k]);
       tell(type, l, state_[l.atom], words_[k]);
     }
-    need(std::none_of(state_.begin(), state_.end(), [](const Values& local) { return contains(local, std::nullopt); }), "the state is not told in full");
+    need(std::none_of(state_.begin(), state_.end(), [](const Values& local) { return contains(local, std::nullopt); }),
+         "the state is not told in full");
     c_.states.insert(state_);
   }
   // PATH and what is said of the atom; or "!" and that
@@ -177,7 +187,8 @@ class CertificateReader {
     return mode;
   }
   // Between two ends, written in the one way.
-  [[nodiscard]] int number(Text text, int least = std::numeric_limits<int>::min(), int most = std::numeric_limits<int>::max()) const {
+  [[nodiscard]] int number(Text text, int least = std::numeric_limits<int>::min(),
+                           int most = std::numeric_limits<int>::max()) const {
     int value = 0;
     (void)std::from_chars(text.data(), text.data() + text.size(), value);
     need(std::to_string(value) == text && value >= least && value <= most, "is no number here", text);

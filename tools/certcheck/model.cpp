@@ -7,7 +7,8 @@ namespace {
 void only(const Tree& list, const std::vector<Text>& known, std::size_t first, Text owner) {
   for (std::size_t k = first; k < list.items.size(); ++k) {
     // Bounds on clocks would be taken for steps that are always there.
-    if (!contains(known, list.items[k].is_list ? list.items[k].head() : list.items[k].text)) throw NotCheckable(quoted(owner) + " depends on time");
+    if (!contains(known, list.items[k].is_list ? list.items[k].head() : list.items[k].text))
+      throw NotCheckable(quoted(owner) + " depends on time");
   }
 }
 
@@ -16,10 +17,13 @@ class ModelReader {
   explicit ModelReader(Model& model) : m_(model) {}
 
   void run() {
-    if (m_.tree.items.empty() || m_.tree.items[0].head() != "bsys" || m_.tree.items[0].at(1).text != "1") throw Rejected("not `(bsys 1)`");
-    for (const Tree* row : m_.tree.all("string")) m_.strings.emplace(row->at(2).text, static_cast<int>(row->at(1).row()));
+    if (m_.tree.items.empty() || m_.tree.items[0].head() != "bsys" || m_.tree.items[0].at(1).text != "1")
+      throw Rejected("not `(bsys 1)`");
+    for (const Tree* row : m_.tree.all("string"))
+      m_.strings.emplace(row->at(2).text, static_cast<int>(row->at(1).row()));
     m_.functions = m_.tree.all("function");
-    for (const Tree* row : m_.functions) if (!(*row)["ref"].items.empty()) throw NotCheckable("C++ functions get references to variables");
+    for (const Tree* row : m_.functions)
+      if (!(*row)["ref"].items.empty()) throw NotCheckable("C++ functions get references to variables");
     for (const Tree* row : m_.tree.all("atom-type")) atom_type(*row);
     for (const Tree* row : m_.tree.all("atom")) atom(*row);
     m_.first_port.push_back(m_.nodes.size());
@@ -33,10 +37,12 @@ class ModelReader {
  private:
   void atom_type(const Tree& row) {
     AtomType type{row.at(2).text, 0, {}, {}, {}, {}, row.all("priority"), row.all("invariant"), false};
-    only(row, {"slot", "port", "place", "initial", "do", "transition", "priority", "invariant", "merged"}, 3, type.name);
+    only(row, {"slot", "port", "place", "initial", "do", "transition", "priority", "invariant", "merged"}, 3,
+         type.name);
     for (const Tree* place : row.all("place")) type.variables.push_back({place->at(2).text, "bool"});
     type.places = type.variables.size();
-    for (const Tree* slot : row.all("slot")) type.variables.push_back({slot->at(2).text, slot->at(3).text, slot->has_word("param", 4)});
+    for (const Tree* variable : row.all("slot"))
+      type.variables.push_back({variable->at(2).text, variable->at(3).text, variable->has_word("param", 4)});
     const auto places = [&](const Tree& list) {
       const Rows rows = list.rows();
       const bool are_there = std::all_of(rows.begin(), rows.end(), [&](std::size_t p) { return p < type.places; });
@@ -53,12 +59,15 @@ class ModelReader {
     for (const Tree* t : row.all("transition")) {
       only(*t, {"on", "from", "to", "guard", "do"}, 2, type.name);
       const Rows on = (*t)["on"].rows();
-      type.transitions.push_back({on.empty() ? kNone : on[0], places((*t)["from"]), places((*t)["to"]), &(*t)["guard"], &(*t)["do"]});
+      type.transitions.push_back(
+          {on.empty() ? kNone : on[0], places((*t)["from"]), places((*t)["to"]), &(*t)["guard"], &(*t)["do"]});
       if (!on.empty() && on[0] >= type.ports.size()) throw Rejected(quoted(type.name) + " has no such port");
-      type.is_automaton = type.is_automaton && type.transitions.back().from.size() == 1 && type.transitions.back().to.size() == 1;
+      type.is_automaton =
+          type.is_automaton && type.transitions.back().from.size() == 1 && type.transitions.back().to.size() == 1;
     }
     for (const Tree* set : row.find({"set"})) {
-      if (type.variables.at(type.places + set->at(1).row()).is_param) throw Rejected(quoted(type.name) + " writes to a parameter");
+      if (type.variables.at(type.places + set->at(1).row()).is_param)
+        throw Rejected(quoted(type.name) + " writes to a parameter");
     }
     m_.atom_types.push_back(std::move(type));
   }
@@ -114,10 +123,11 @@ class ModelReader {
 
   void connector(const Tree& row, const Tree& type) {
     Connector c{row.at(2).text, 0, row["in"].at(1).row(), {}, {}, &row["data"], {}, type["export"]["slots"].rows(), {}};
-    for (const Tree* slot : type.all("slot")) c.slots.push_back(slot->at(3).text);
+    for (const Tree* variable : type.all("slot")) c.variables.push_back(variable->at(3).text);
     const std::vector<const Tree*> params = type.all("param");
     const Tree &ports = row["ports"], &define = type["define"].at(1);
-    if (ports.items.size() != params.size() + 1) throw Rejected("a connector with another number of ports than its type");
+    if (ports.items.size() != params.size() + 1)
+      throw Rejected("a connector with another number of ports than its type");
     for (std::size_t p = 0; p < params.size(); ++p) {
       c.params.push_back(binding(ports.items[p + 1]));
       const std::vector<const Tree*> variables = port_types_.at(params[p]->at(3).row())->all("var");
@@ -128,7 +138,8 @@ class ModelReader {
     m_.nodes[c.root].connector = m_.connectors.size();
     m_.nodes[c.root].is_step = type["export"].items.empty();
     for (const Tree* one : type.all("clause")) {
-      const Clause& clause = c.clauses.emplace_back(Clause{(*one)["params"].rows(), &(*one)["guard"], &(*one)["up"], &(*one)["down"]});
+      const Clause& clause =
+          c.clauses.emplace_back(Clause{(*one)["params"].rows(), &(*one)["guard"], &(*one)["up"], &(*one)["down"]});
       if (!clause.up->find({"set-bind"}).empty()) throw Rejected("an `up` writes to a port");
       for (const Tree* set : clause.down->find({"set-bind"})) {
         const auto& [param, variable, of_type] = c.bound.at(set->at(1).row());
@@ -138,7 +149,8 @@ class ModelReader {
     }
     m_.connectors.push_back(std::move(c));
   }
-  // A transfer does, to a variable of a port or of what an inner connector exports, which passes it on by a transfer of its own.
+  // A transfer does, to a variable of a port or of what an inner connector exports, which passes it on by a transfer of
+  // its own.
   void write(std::size_t row, std::size_t variable) {
     const Node& node = m_.nodes[row];
     for (const Edge& edge : node.connector == kNone ? node.children : std::vector<Edge>()) write(edge.node, variable);
@@ -150,7 +162,8 @@ class ModelReader {
   }
 
   Model& m_;
-  const std::vector<const Tree*> port_types_ = m_.tree.all("port-type"), connector_types_ = m_.tree.all("connector-type"), choices_ = m_.tree.all("choice");
+  const std::vector<const Tree*> port_types_ = m_.tree.all("port-type"),
+                                 connector_types_ = m_.tree.all("connector-type"), choices_ = m_.tree.all("choice");
   Rows choice_node_ = Rows(choices_.size(), kNone);
 };
 

@@ -1,6 +1,6 @@
-// What is read. First .bsys text as nested lists, with a stack of its own, so that depth costs heap; nothing of the compiler is used
-// here, on purpose. Of a system: types of atoms, and all connectors as one graph over atoms' ports. Of a certificate: its rows, with names
-// turned into numbers.
+// What is read. First .bsys text as nested lists, with a stack of its own, so that depth costs heap; nothing of the
+// compiler is used here, on purpose. Of a system: types of atoms, and all connectors as one graph over atoms' ports. Of
+// a certificate: its rows, with names turned into numbers.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -18,9 +18,13 @@
 namespace certcheck {
 
 /// The certificate or the system is not what it should be.
-struct Rejected : std::runtime_error { using std::runtime_error::runtime_error; };
+struct Rejected : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 /// It may be sound, but this program cannot tell.
-struct NotCheckable : std::runtime_error { using std::runtime_error::runtime_error; };
+struct NotCheckable : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 inline constexpr std::size_t kNone = ~std::size_t{0};
 using Rows = std::vector<std::size_t>;
@@ -35,19 +39,21 @@ template <class Range, class Value>
 template <class Range, class Member>
 [[nodiscard]] std::size_t row_of(const Range& rows, Text name, Member member) {
   const auto found = std::ranges::find(rows, name, member);
-  return found != rows.end() ? static_cast<std::size_t>(found - rows.begin()) : throw Rejected(quoted(name) + " is not there");
+  return found != rows.end() ? static_cast<std::size_t>(found - rows.begin())
+                             : throw Rejected(quoted(name) + " is not there");
 }
 
 struct Tree {
   bool is_list = false, is_string = false;
-  Text text;                // of a word or string, in the text that was read; escapes stay: strings are only compared with each other
+  Text text;  // of a word or string, in the text that was read; escapes stay: strings are only compared with each other
   std::vector<Tree> items;  // of a list
 
   [[nodiscard]] Text head() const { return items.empty() ? Text() : items[0].text; }
   [[nodiscard]] const Tree& at(std::size_t k) const { return items.at(k); }
   [[nodiscard]] std::vector<const Tree*> all(Text name) const {
     std::vector<const Tree*> found;
-    for (const Tree& item : items) if (item.head() == name) found.push_back(&item);
+    for (const Tree& item : items)
+      if (item.head() == name) found.push_back(&item);
     return found;
   }
   /// The first list within this one with that head, or an empty one.
@@ -68,7 +74,8 @@ struct Tree {
   }
   /// Is that a word from item `first` on?
   [[nodiscard]] bool has_word(Text word, std::size_t first) const {
-    for (std::size_t k = first; k < items.size(); ++k) if (!items[k].is_list && !items[k].is_string && items[k].text == word) return true;
+    for (std::size_t k = first; k < items.size(); ++k)
+      if (!items[k].is_list && !items[k].is_string && items[k].text == word) return true;
     return false;
   }
   /// A word "7:name" or "7" as 7.
@@ -146,7 +153,8 @@ struct AtomType {
   /// The place or data of that name.
   [[nodiscard]] std::size_t find(Text variable, bool is_place) const {
     const std::span all(variables);
-    return is_place ? row_of(all.first(places), variable, &Variable::name) : places + row_of(all.subspan(places), variable, &Variable::name);
+    return is_place ? row_of(all.first(places), variable, &Variable::name)
+                    : places + row_of(all.subspan(places), variable, &Variable::name);
   }
 };
 struct Atom {
@@ -159,7 +167,8 @@ struct Clause {
   Rows params;
   const Tree *guard = nullptr, *up = nullptr, *down = nullptr;
 };
-/// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports), each of which is a rendezvous of one.
+/// All: a rendezvous. Trigger: a group with triggers. Any: exactly one of them (merged ports), each of which is a
+/// rendezvous of one.
 enum class Kind { Port, All, Trigger, Any };
 struct Edge {
   std::size_t node = 0;
@@ -181,8 +190,8 @@ struct Connector {
   std::vector<Edge> params;
   std::vector<Bound> bound;
   const Tree* data = nullptr;
-  std::vector<Text> slots;  // their types
-  Rows exported;            // slots of the port that it exports
+  std::vector<Text> variables;  // their types
+  Rows exported;                // variables of the port that it exports
   std::vector<Clause> clauses;
 };
 
@@ -199,7 +208,9 @@ struct Model {
   std::vector<Node> nodes;  // children before parents; ports first
 
   [[nodiscard]] const AtomType& type_of(std::size_t atom) const { return atom_types[atoms[atom].type]; }
-  [[nodiscard]] const Port& port(std::size_t node) const { return type_of(atom_of_port.at(node)).ports[node - first_port[atom_of_port[node]]]; }
+  [[nodiscard]] const Port& port(std::size_t node) const {
+    return type_of(atom_of_port.at(node)).ports[node - first_port[atom_of_port[node]]];
+  }
 };
 
 /// The model keeps the text, and points into it.
@@ -239,15 +250,16 @@ struct Fact {
 };
 struct Certificate {
   std::string claim;
-  std::vector<Fact> facts, sets;  // sets: of modes; without total: traps
+  std::vector<Fact> facts, sets;         // sets: of modes; without total: traps
   std::set<std::vector<Values>> states;  // all that a search has reached: by atom, parameters as 0
-  std::vector<Class> classes;  // none: the certificate says nothing of modes
-  Rows class_of;               // by atom
+  std::vector<Class> classes;            // none: the certificate says nothing of modes
+  Rows class_of;                         // by atom
   std::vector<Modes> reachable;
 };
 
 [[nodiscard]] Certificate read_certificate(const Model& model, const std::string& text);
-/// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp). Z3 is slow to give up what it holds.
+/// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp). Z3 is slow to give up what
+/// it holds.
 [[nodiscard]] std::string check(const Model& model, const std::string& certificate, z3::context& z);
 /// Modes are closed, reachable ones and sets are kept by every step (structure.cpp).
 void check_structure(const Model& model, const Certificate& certificate, z3::context& z);

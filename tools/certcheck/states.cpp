@@ -1,5 +1,5 @@
-// The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad. All at once, as
-// terms with the rows as facts.
+// The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad.
+// All at once, as terms with the rows as facts.
 #include "tools/certcheck/system.hpp"
 
 namespace certcheck {
@@ -7,7 +7,8 @@ namespace {
 
 class States {
  public:
-  States(const Model& model, const Certificate& certificate, z3::context& z) : m_(model), c_(certificate), z_(z), terms_(model, z), system_(model, terms_) {
+  States(const Model& model, const Certificate& certificate, z3::context& z)
+      : m_(model), c_(certificate), z_(z), terms_(model, z), system_(model, terms_) {
     if (c_.claim == "deadlock-free" || c_.claim == "error-free") return;
     claim_ = read_trees(c_.claim);
     if (claim_.items.size() != 2 || claim_.items[0].text != "never") throw Rejected("the claim " + quoted(c_.claim));
@@ -19,11 +20,13 @@ class States {
     State first;
     for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, fault));
     if (no_errors) demand(fault, "the run ends before its first state");
-    for (const Fact& fact : c_.facts) demand(both(no(fault), no(says(fact, {first}))), fact.line + ": does not hold at first");
+    for (const Fact& fact : c_.facts)
+      demand(both(no(fault), no(says(fact, {first}))), fact.line + ": does not hold at first");
     if (c_.states.empty()) return check_from(allowed(), wants_steps, nullptr);
     std::map<std::size_t, Local> all;
     for (const Local& local : first) all.emplace(all.size(), local);
-    if (!is(fault, true) && !is_listed(*c_.states.begin(), all)) throw Rejected("the first state is not among those that the certificate lists");
+    if (!is(fault, true) && !is_listed(*c_.states.begin(), all))
+      throw Rejected("the first state is not among those that the certificate lists");
     for (const std::vector<Values>& state : c_.states) {
       for (std::size_t a = 0; a < first.size(); ++a) first[a] = terms_.local(m_.atoms[a], state[a]);
       check_from(first, true, &state);
@@ -35,30 +38,40 @@ class States {
   void check_from(const State& now, bool wants_steps, const std::vector<Values>* values) {
     const bool no_errors = c_.claim == "error-free";
     system_.look_at(now, wants_steps || !claim_.items.empty());
-    if (no_errors) demand(either(system_.state_fault(), system_.guard_fault()), "a state that the certificate allows ends with an error");
+    if (no_errors)
+      demand(either(system_.state_fault(), system_.guard_fault()),
+             "a state that the certificate allows ends with an error");
     // Where the run has ended with an error nothing follows.
     if (is(system_.state_fault(), true)) return;
-    if (values != nullptr && !is(system_.state_fault(), false)) throw NotCheckable("what a state does depends on values that are not followed");
+    if (values != nullptr && !is(system_.state_fault(), false))
+      throw NotCheckable("what a state does depends on values that are not followed");
     terms_.assume(no(system_.state_fault()));
     const auto check_step = [&](const Step& step) {
       // First without what priorities hide, and only for the atoms that move.
-      const auto can = [&](const expr& e) { return terms_.may_be(both(step.offered, e), step.next) && terms_.may_be(both(step.possible, e)); };
+      const auto can = [&](const expr& e) {
+        return terms_.may_be(both(step.offered, e), step.next) && terms_.may_be(both(step.possible, e));
+      };
       if (no_errors && can(step.fault)) throw Rejected("a step ends with an error");
       const expr goes_on = no(step.fault);
       if (is(both(step.possible, goes_on), false)) return;
       std::map<std::size_t, std::set<const Case*>> touched;
       for (const auto& [atom, local] : step.next) {
-        const bool is_same = std::equal(local.begin(), local.end(), now[atom].begin(), [](const expr& a, const expr& b) { return z3::eq(a, b); });
-        if (!is_same) for (const auto& [fact, cases] : facts_of_[atom]) touched[fact].insert(cases.begin(), cases.end());
+        const bool is_same = std::equal(local.begin(), local.end(), now[atom].begin(),
+                                        [](const expr& a, const expr& b) { return z3::eq(a, b); });
+        if (!is_same)
+          for (const auto& [fact, cases] : facts_of_[atom]) touched[fact].insert(cases.begin(), cases.end());
       }
       const View from{now, &step.now}, after{now, &step.next};
-      expr leaves = terms_.some(touched, [&](const auto& one) { return no(c_.facts[one.first].total ? stays(one.second, from, after) : says(c_.facts[one.first], after)); });
+      expr leaves = terms_.some(touched, [&](const auto& one) {
+        return no(c_.facts[one.first].total ? stays(one.second, from, after) : says(c_.facts[one.first], after));
+      });
       if (values != nullptr) leaves = terms_.truth(!is_listed(*values, step.next));
       if (can(both(goes_on, leaves))) throw Rejected("a step leads out of what the certificate allows");
     };
     if (wants_steps) system_.each_step(check_step);
     if (c_.claim == "deadlock-free") demand(no(system_.has_step()), "a state that the certificate allows has no step");
-    if (!claim_.items.empty()) demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
+    if (!claim_.items.empty())
+      demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
   }
   // Is it a listed state, for sure, but for some atoms what `values` says?
   [[nodiscard]] bool is_listed(std::vector<Values> values, const std::map<std::size_t, Local>& others) const {
@@ -96,7 +109,8 @@ class States {
   }
   void add(const Case& one, const View& view, int weight, expr& sum) const {
     if (one.is_value) sum = sum + terms_.constant("int", weight) * view.of(one.literals[0]);
-    else if (const expr is_so = holds(one, view); !is(is_so, false)) sum = sum + choose(is_so, terms_.constant("int", weight), zero_);
+    else if (const expr is_so = holds(one, view); !is(is_so, false))
+      sum = sum + choose(is_so, terms_.constant("int", weight), zero_);
   }
   [[nodiscard]] expr holds(const Case& one, const View& view) const {
     return terms_.all(one.literals, [&](const Literal& l) {
@@ -109,7 +123,8 @@ class States {
       return l.is_negated ? no(result) : result;
     });
   }
-  // A sum without values as one of truths, whose opposites count where they would take away: if no sum comes near to 2^32.
+  // A sum without values as one of truths, whose opposites count where they would take away: if no sum comes near to
+  // 2^32.
   void assume(const Fact& fact, const View& view, std::size_t atom) {
     z3::expr_vector all(z_);
     std::vector<int> weights;
@@ -121,7 +136,8 @@ class States {
       total += one.weight < 0 ? weights.back() : 0;
       most += one.is_value ? kMostWeight : weights.back();
     }
-    if (!fact.total || most >= kMostWeight || std::abs(total) >= kMostWeight) return terms_.assume(says(fact, view), atom);
+    if (!fact.total || most >= kMostWeight || std::abs(total) >= kMostWeight)
+      return terms_.assume(says(fact, view), atom);
     assume_sum(all, weights, static_cast<int>(total), atom);
   }
   // Their weights add up to the total.
@@ -137,10 +153,13 @@ class States {
       const AtomType& type = m_.type_of(a);
       // What is the same in all modes is known.
       Values same(type.variables.size());
-      const auto values_of = [&](std::size_t number) -> const Values& { return c_.classes[c_.class_of[a]].modes[number]; };
+      const auto values_of = [&](std::size_t number) -> const Values& {
+        return c_.classes[c_.class_of[a]].modes[number];
+      };
       if (!c_.reachable[a].empty()) same = values_of(*c_.reachable[a].begin());
       for (std::size_t number : c_.reachable[a])
-        for (std::size_t k = 0; k < same.size(); ++k) same[k] = same[k] == values_of(number)[k] ? same[k] : std::nullopt;
+        for (std::size_t k = 0; k < same.size(); ++k)
+          same[k] = same[k] == values_of(number)[k] ? same[k] : std::nullopt;
       if (has_modes) std::fill_n(same.begin(), type.places, 0);
       Local& local = now.emplace_back(terms_.local(m_.atoms[a], same));
       if (has_modes) modes[a].resize(c_.classes[c_.class_of[a]].modes.size(), terms_.truth(false));
@@ -161,7 +180,8 @@ class States {
     for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
     for (std::size_t k = 0; k < c_.facts.size(); ++k) {
       std::set<std::size_t> atoms;
-      for (const Case& one : c_.facts[k].cases) for (const Literal& l : one.literals) atoms.insert(l.atom), facts_of_[l.atom][k].insert(&one);
+      for (const Case& one : c_.facts[k].cases)
+        for (const Literal& l : one.literals) atoms.insert(l.atom), facts_of_[l.atom][k].insert(&one);
       assume(c_.facts[k], {now}, atoms.size() == 1 ? *atoms.begin() : kNone);
     }
     return now;
@@ -184,7 +204,9 @@ std::string check(const Model& model, const std::string& text, z3::context& z) {
   const std::string components = std::to_string(model.atoms.size()) + " components, ";
   if (!c.classes.empty()) check_structure(model, c, z);
   States(model, c, z).run();
-  const auto count = [](std::size_t number, const std::string& what) { return std::to_string(number) + " " + what + (number == 1 ? "" : "s"); };
+  const auto count = [](std::size_t number, const std::string& what) {
+    return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
+  };
   if (!c.states.empty()) return components + count(c.states.size(), "state");
   return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));
 }

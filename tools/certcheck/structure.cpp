@@ -1,8 +1,8 @@
-// Modes, the reachable ones, and sets of them. First atoms alone, in an environment that may do anything: what they begin in and what
-// each port leads to are modes of their class. One that fits is enough, one that the components can be in is preferred; where values
-// are not known, Z3 tells which modes can be met and that there is no other way. Then reachable modes are closed under steps, sets are
-// marked at first and kept by steps: judged bottom up on the connectors' trees, without listing interactions, by what a subtree's
-// choices can do to the set.
+// Modes, the reachable ones, and sets of them. First atoms alone, in an environment that may do anything: what they
+// begin in and what each port leads to are modes of their class. One that fits is enough, one that the components can
+// be in is preferred; where values are not known, Z3 tells which modes can be met and that there is no other way. Then
+// reachable modes are closed under steps, sets are marked at first and kept by steps: judged bottom up on the
+// connectors' trees, without listing interactions, by what a subtree's choices can do to the set.
 #include <numeric>
 
 #include "tools/certcheck/terms.hpp"
@@ -12,22 +12,25 @@ namespace {
 
 /// From which mode to which.
 using Moves = std::vector<std::pair<std::size_t, std::size_t>>;
-/// What a choice does to a trap: nothing (0), take from it (1), put into it (2), of parts the most; to a sum: by how much it changes it.
+/// What a choice does to a trap: nothing (0), take from it (1), put into it (2), of parts the most; to a sum: by how
+/// much it changes it.
 using Effects = std::set<long>;
 
 class Structure {
  public:
-  Structure(const Model& model, const Certificate& certificate, z3::context& z) : m_(model), c_(certificate), terms_(model, z) {}
+  Structure(const Model& model, const Certificate& certificate, z3::context& z)
+      : m_(model), c_(certificate), terms_(model, z) {}
 
   void run() {
-    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) group(m_.atoms[atom], c_.classes[c_.class_of[atom]], c_.reachable[atom]);
+    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom)
+      group(m_.atoms[atom], c_.classes[c_.class_of[atom]], c_.reachable[atom]);
     check_reachable();
     for (const Fact& set : c_.sets) check_set(set);
   }
 
  private:
-  /// Components of one class and with the same arguments that can be in the same modes: modes may overlap, and which one a move meets is
-  /// judged for those.
+  /// Components of one class and with the same arguments that can be in the same modes: modes may overlap, and which
+  /// one a move meets is judged for those.
   struct Group {
     std::vector<Moves> by_port;  // from modes that can be reached
     Modes first;
@@ -56,30 +59,36 @@ class Structure {
         const expr on = port == kNone ? offer.transitions[t] : both(offer.ports[port], offer.transitions[t]);
         if (is(on, false)) continue;
         Local next = local;
-        for (std::size_t variable : type.ports[port].written) next[variable] = terms_.fresh(type.variables[variable].type);
+        for (std::size_t variable : type.ports[port].written)
+          next[variable] = terms_.fresh(type.variables[variable].type);
         expr ends = terms_.truth(false);
         terms_.take(type, type.transitions[t], next, on, ends);
         for (std::size_t to : met(row, reachable, next, both(on, no(ends)))) by_port[port].emplace_back(from, to);
       }
     }
   }
-  // Modes, kNone for one that is not listed. Where it is clear what is marked, values that are no constants are left open.
+  // Modes, kNone for one that is not listed. Where it is clear what is marked, values that are no constants are left
+  // open.
   Modes met(const Class& row, const Modes& reachable, const Local& local, expr other) {
     Values clear(local.size());
     for (std::size_t k = 0; k < local.size(); ++k) clear[k] = row.followed[k] ? value_of(local[k]) : std::nullopt;
     const auto found = row.numbers.find(clear);
     if (found != row.numbers.end() && reachable.contains(found->second)) return {found->second};
     Modes result;
-    // First, by where it is, the mode that knows most of those that know nothing but what is so: as the values would lead there. Then
-    // any; none that the component cannot be in while there is another.
+    // First, by where it is, the mode that knows most of those that know nothing but what is so: as the values would
+    // lead there. Then any; none that the component cannot be in while there is another.
     std::vector<std::size_t> order(row.modes.size());
     std::iota(order.begin(), order.end(), 0);
-    const auto rank = [&](std::size_t mode) { return std::pair(!reachable.contains(mode), std::count(row.modes[mode].begin(), row.modes[mode].end(), std::nullopt)); };
+    const auto rank = [&](std::size_t mode) {
+      return std::pair(!reachable.contains(mode),
+                       std::count(row.modes[mode].begin(), row.modes[mode].end(), std::nullopt));
+    };
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
     for (const bool is_whole : {true, false}) {
       for (std::size_t mode : order) {
         Values said = row.modes[mode];
-        if (is_whole) std::fill(said.begin() + static_cast<long>(m_.atom_types[row.type].places), said.end(), std::nullopt);
+        if (is_whole)
+          std::fill(said.begin() + static_cast<long>(m_.atom_types[row.type].places), said.end(), std::nullopt);
         const expr here = both(other, terms_.has(local, said));
         if ((is_whole && !reachable.contains(mode)) || !terms_.may_be(here)) continue;
         if (is_whole && terms_.may_be(both(here, no(terms_.has(local, row.modes[mode]))))) continue;
@@ -100,9 +109,12 @@ class Structure {
   void check_reachable() {
     for (std::size_t row = 0; row < m_.nodes.size(); ++row) {
       const Node& node = m_.nodes[row];
-      const auto can = [&](const Edge& edge) { return possible_[edge.node] && (node.kind != Kind::Trigger || edge.is_trigger); };
+      const auto can = [&](const Edge& edge) {
+        return possible_[edge.node] && (node.kind != Kind::Trigger || edge.is_trigger);
+      };
       if (node.kind == Kind::Port) possible_.push_back(!moves(row).empty());
-      else if (node.kind == Kind::All) possible_.push_back(std::all_of(node.children.begin(), node.children.end(), can));
+      else if (node.kind == Kind::All)
+        possible_.push_back(std::all_of(node.children.begin(), node.children.end(), can));
       else possible_.push_back(std::any_of(node.children.begin(), node.children.end(), can));
     }
     used_.assign(m_.nodes.size(), false);
@@ -113,7 +125,8 @@ class Structure {
       for (const Edge& edge : node.children) used_[edge.node] = true;
       for (const auto& [from, to] : moves(row)) {
         const std::size_t atom = m_.atom_of_port[row];
-        if (!c_.reachable[atom].contains(to)) throw Rejected(quoted(m_.atoms[atom].path) + " can reach a mode that is not among the reachable ones");
+        if (!c_.reachable[atom].contains(to))
+          throw Rejected(quoted(m_.atoms[atom].path) + " can reach a mode that is not among the reachable ones");
       }
     }
   }
@@ -122,7 +135,9 @@ class Structure {
     const bool is_trap = !set.total;
     std::map<std::size_t, std::map<std::size_t, long>> weights;  // by atom and mode
     for (const Case& one : set.cases) weights[one.literals[0].atom][one.literals[0].variable] += one.weight;
-    const auto weight = [](const std::map<std::size_t, long>& its, std::size_t mode) { return its.contains(mode) ? its.at(mode) : 0; };
+    const auto weight = [](const std::map<std::size_t, long>& its, std::size_t mode) {
+      return its.contains(mode) ? its.at(mode) : 0;
+    };
     std::set<std::size_t> touched;
     long least = 0, most = 0;
     for (const auto& [atom, its] : weights) {
@@ -132,7 +147,8 @@ class Structure {
       most += begins.empty() ? 0 : *begins.rbegin();
       for (std::size_t port = m_.first_port[atom]; port < m_.first_port[atom + 1]; ++port) touched.insert(port);
     }
-    if (is_trap ? least == 0 : least != *set.total || most != *set.total) throw Rejected(set.line + ": not marked at first as it should be");
+    if (is_trap ? least == 0 : least != *set.total || most != *set.total)
+      throw Rejected(set.line + ": not marked at first as it should be");
     std::map<std::size_t, Effects> effects;
     // Children have smaller rows than parents.
     for (; !touched.empty(); touched.erase(touched.begin())) {
@@ -146,7 +162,8 @@ class Structure {
         const long was = weight(its, from), is = weight(its, to);
         effect.insert(!is_trap ? is - was : is != 0 ? 2 : was != 0 ? 1 : 0);
       }
-      if (node.is_step && is_trap && effect.contains(1)) throw Rejected(set.line + ": a step takes the last token out of the trap");
+      if (node.is_step && is_trap && effect.contains(1))
+        throw Rejected(set.line + ": a step takes the last token out of the trap");
       if (node.is_step && !is_trap && effect != Effects{0}) throw Rejected(set.line + ": a step changes the sum");
       touched.insert(node.parents.begin(), node.parents.end());
     }
@@ -187,6 +204,8 @@ class Structure {
 
 }  // namespace
 
-void check_structure(const Model& model, const Certificate& certificate, z3::context& z) { Structure(model, certificate, z).run(); }
+void check_structure(const Model& model, const Certificate& certificate, z3::context& z) {
+  Structure(model, certificate, z).run();
+}
 
 }  // namespace certcheck

@@ -1,5 +1,6 @@
-// The system over Z3 terms: which steps it has in a state, and what each leads to. A connector without guards has one configuration,
-// the largest, as terms; of the others all are listed. Guards, maximal progress and priorities decide which are candidates.
+// The system over Z3 terms: which steps it has in a state, and what each leads to. A connector without guards has one
+// configuration, the largest, as terms; of the others all are listed. Guards, maximal progress and priorities decide
+// which are candidates.
 #pragma once
 #include <list>
 
@@ -15,7 +16,8 @@ struct Step {
 
 class System {
  public:
-  System(const Model& model, const Terms& terms) : m_(model), t_(terms), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {}
+  System(const Model& model, const Terms& terms)
+      : m_(model), t_(terms), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {}
 
   /// The state that all else is said of: who may step, and, if wanted, what priorities hide.
   void look_at(const State& now, bool with_priorities) {
@@ -28,7 +30,8 @@ class System {
       offers_.push_back(t_.offer(m_.type_of(atom), now_[atom], state_fault_));
       on_.insert(on_.end(), offers_[atom].ports.begin(), offers_[atom].ports.end());
     }
-    for (std::size_t node = 0; node < m_.nodes.size(); ++node) if (m_.nodes[node].is_step) add_candidates(node);
+    for (std::size_t node = 0; node < m_.nodes.size(); ++node)
+      if (m_.nodes[node].is_step) add_candidates(node);
     Store store;
     std::vector<Rule> rules;
     for (const Tree* row : with_priorities ? m_.priorities : std::vector<const Tree*>()) {
@@ -39,8 +42,8 @@ class System {
       for (const Candidate& c : all_) rule.high.push_back(matches(*row, true, c));
     }
     if (rules.empty()) return;
-    // A chain goes through interactions that need not be enabled: here through those that are candidates' own, and for connectors
-    // without guards through none, so that less is hidden than the engine hides and more steps are checked.
+    // A chain goes through interactions that need not be enabled: here through those that are candidates' own, and for
+    // connectors without guards through none, so that less is hidden than the engine hides and more steps are checked.
     Local on;
     for (const Candidate& c : all_) on.push_back(c.possible);
     (void)t_.hide(rules, on);
@@ -86,10 +89,11 @@ class System {
     Store store;
     expr possible, offered;
   };
-  /// The tree of a connector, or of a port alone, parents before children, and what is known of it whatever the state is.
+  /// The tree of a connector, or of a port alone, parents before children, and what is known of it whatever the state
+  /// is.
   struct Shape {
     Rows tree;
-    bool is_plain = false;  // its largest configurations, as terms, are all that matter
+    bool is_plain = false;   // its largest configurations, as terms, are all that matter
     std::vector<Parts> all;  // configurations
   };
 
@@ -98,30 +102,36 @@ class System {
     if (shape.tree.empty()) {
       // Children have smaller rows, and so come later.
       std::set<std::size_t, std::greater<>> tree{node};
-      for (std::size_t row : tree) for (const Edge& edge : m_.nodes[row].children) tree.insert(edge.node);
+      for (std::size_t row : tree)
+        for (const Edge& edge : m_.nodes[row].children) tree.insert(edge.node);
       shape.tree.assign(tree.begin(), tree.end());
       shape.is_plain = is_plain(shape.tree);
     }
     if (shape.all.empty() && (wants_list || !shape.is_plain)) list(node, shape.all);
     return shape;
   }
-  // No guards, no errors, free choices at which no code looks. Free: any alternatives fit each other, for what two children of a node
-  // share, ports and with alternatives atoms, they share as alternatives.
+  // No guards, no errors, free choices at which no code looks. Free: any alternatives fit each other, for what two
+  // children of a node share, ports and with alternatives atoms, they share as alternatives.
   [[nodiscard]] bool is_plain(const Rows& tree) const {
-    const bool has_choice = std::any_of(tree.begin(), tree.end(), [&](std::size_t row) { return m_.nodes[row].kind == Kind::Any; });
+    const bool has_choice =
+        std::any_of(tree.begin(), tree.end(), [&](std::size_t row) { return m_.nodes[row].kind == Kind::Any; });
     std::map<std::size_t, std::set<std::size_t>> below;
     for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
       const Node& node = m_.nodes[*row];
       std::set<std::size_t>& mine = below[*row];
       if (node.kind == Kind::Port) mine.insert(has_choice ? m_.atom_of_port[*row] : *row);
       for (const Edge& edge : node.children) {
-        for (std::size_t id : below[edge.node]) if (!mine.insert(id).second && node.kind != Kind::Any) return false;
+        for (std::size_t id : below[edge.node])
+          if (!mine.insert(id).second && node.kind != Kind::Any) return false;
       }
       if (node.connector == kNone) continue;
       const Connector& c = m_.connectors[node.connector];
-      const bool chooses = std::any_of(c.params.begin(), c.params.end(), [&](const Edge& edge) { return m_.nodes[edge.node].kind == Kind::Any; });
+      const bool chooses = std::any_of(c.params.begin(), c.params.end(),
+                                       [&](const Edge& edge) { return m_.nodes[edge.node].kind == Kind::Any; });
       for (const Clause& clause : c.clauses) {
-        if ((!clause.guard->items.empty() && clause.guard->at(1).text != "true") || !clause.up->find({"div", "mod", "call"}).empty()) return false;
+        if ((!clause.guard->items.empty() && clause.guard->at(1).text != "true") ||
+            !clause.up->find({"div", "mod", "call"}).empty())
+          return false;
         if (chooses && clause.up->items.size() + clause.down->items.size() != 0) return false;
       }
     }
@@ -146,9 +156,12 @@ class System {
       if (next.size() > kMaxConfigurations) throw NotCheckable("a connector has too many interactions");
       found = std::move(next);
     }
-    for (auto& [parts, is_good] : found) if (is_good) out.push_back(std::move(parts));
+    for (auto& [parts, is_good] : found)
+      if (is_good) out.push_back(std::move(parts));
   }
-  static bool is_larger(const Parts& a, const Parts& b) { return a.size() > b.size() && std::includes(a.begin(), a.end(), b.begin(), b.end()); }
+  static bool is_larger(const Parts& a, const Parts& b) {
+    return a.size() > b.size() && std::includes(a.begin(), a.end(), b.begin(), b.end());
+  }
 
   [[nodiscard]] Chosen choice_of(const Rows& tree, const Parts& parts) const {
     Chosen chosen;
@@ -175,7 +188,8 @@ class System {
         expr here = m_.nodes[row].kind == Kind::Trigger ? both(open, available.at(edge->node)) : open;
         if (m_.nodes[row].kind == Kind::Any) {
           expr others = t_.truth(false);
-          for (auto other = edge + 1; other != children.end(); ++other) others = either(others, available.at(other->node));
+          for (auto other = edge + 1; other != children.end(); ++other)
+            others = either(others, available.at(other->node));
           here = both(open, both(available.at(edge->node), either(no(others), t_.fresh("bool"))));
           open = both(open, no(here));
         }
@@ -197,7 +211,8 @@ class System {
     // Maximal progress: nothing larger is enabled.
     for (std::size_t k = 0; k < count && !shape.is_plain; ++k) {
       for (std::size_t j = 0; j < count; ++j) {
-        if (is_larger(shape.all[j], shape.all[k])) all_[first + k].possible = both(all_[first + k].possible, no(all_[first + j].offered));
+        if (is_larger(shape.all[j], shape.all[k]))
+          all_[first + k].possible = both(all_[first + k].possible, no(all_[first + j].offered));
       }
     }
     for (std::size_t k = 0; k < count; ++k) all_[first + k].offered = all_[first + k].possible;
@@ -205,7 +220,8 @@ class System {
   // Do ports, guards and the largest configurations of inner connectors allow it? Computes what is passed upwards.
   [[nodiscard]] expr enabled(const Rows& tree, bool is_listed, const Chosen& chosen, Store& store) {
     expr result = chosen.at(tree[0]);
-    for (std::size_t row : tree) if (m_.nodes[row].kind == Kind::Port && is(chosen.at(row), true)) result = both(result, on_[row]);
+    for (std::size_t row : tree)
+      if (m_.nodes[row].kind == Kind::Port && is(chosen.at(row), true)) result = both(result, on_[row]);
     const expr there = result;
     // Inner connectors first: what they compute is read above.
     for (auto row = tree.rbegin(); row != tree.rend(); ++row) {
@@ -213,7 +229,8 @@ class System {
       if (connector == kNone || is(chosen.at(*row), false)) continue;
       const Connector& c = m_.connectors[connector];
       Local& frame = store.frames[connector];
-      for (Text slot : c.slots) frame.push_back(is_exact(slot) ? t_.constant(slot, 0) : t_.fresh(slot));
+      for (Text variable : c.variables)
+        frame.push_back(is_exact(variable) ? t_.constant(variable, 0) : t_.fresh(variable));
       for (const Clause& clause : c.clauses) {
         const expr here = clause_is(c, clause, chosen);
         if (is(here, false) || clause.guard->items.size() + clause.up->items.size() == 0) continue;
@@ -233,10 +250,12 @@ class System {
         if (!edge.is_maximal || is(chosen.at(edge.node), false)) continue;
         const Shape& inner = shape_of(edge.node, true);
         Parts own;
-        std::copy_if(inner.tree.begin(), inner.tree.end(), std::inserter(own, own.end()), [&](std::size_t part) { return is(chosen.at(part), true); });
+        std::copy_if(inner.tree.begin(), inner.tree.end(), std::inserter(own, own.end()),
+                     [&](std::size_t part) { return is(chosen.at(part), true); });
         for (const Parts& larger : inner.all) {
           Store other;
-          if (is_larger(larger, own)) result = both(result, no(enabled(inner.tree, true, choice_of(inner.tree, larger), other)));
+          if (is_larger(larger, own))
+            result = both(result, no(enabled(inner.tree, true, choice_of(inner.tree, larger), other)));
         }
       }
     }
@@ -265,12 +284,14 @@ class System {
       std::size_t row = c.params[param].node;
       if (m_.nodes[row].kind == Kind::Any) {
         const std::vector<Edge>& of = m_.nodes[row].children;
-        const auto taken = std::find_if(of.begin(), of.end(), [&](const Edge& edge) { return is(chosen.at(edge.node), true); });
+        const auto taken =
+            std::find_if(of.begin(), of.end(), [&](const Edge& edge) { return is(chosen.at(edge.node), true); });
         row = taken == of.end() ? kNone : m_.nodes[taken->node].children[0].node;
       }
       const std::size_t inner = row == kNone ? kNone : m_.nodes[row].connector;
       const auto frame = store.frames.find(inner);
-      if (row == kNone || (inner != kNone && frame == store.frames.end())) scope.bind.push_back(&store.any.emplace_back(t_.fresh(type)));
+      if (row == kNone || (inner != kNone && frame == store.frames.end()))
+        scope.bind.push_back(&store.any.emplace_back(t_.fresh(type)));
       else if (inner != kNone) scope.bind.push_back(&frame->second.at(m_.connectors[inner].exported.at(variable)));
       else scope.bind.push_back(&local_of(m_.atom_of_port.at(row), store).at(m_.port(row).variables.at(variable)));
     }
@@ -292,7 +313,8 @@ class System {
     const std::vector<Edge>& params = m_.connectors[connector].params;
     for (std::size_t p = 0; p < params.size(); ++p) {
       const bool is_named = contains(std::span(named).subspan(1), p);
-      if (is_high == is_named) result = both(result, is_high ? c.chosen.at(params[p].node) : no(c.chosen.at(params[p].node)));
+      if (is_high == is_named)
+        result = both(result, is_high ? c.chosen.at(params[p].node) : no(c.chosen.at(params[p].node)));
     }
     return result;
   }
@@ -310,7 +332,8 @@ class System {
     const Connector& c = m_.connectors[m_.nodes[node].connector];
     for (const Clause& clause : c.clauses) {
       if (clause.down->items.empty()) continue;
-      t_.execute(*clause.down, scope_of(m_.nodes[node].connector, candidate.chosen, store), clause_is(c, clause, candidate.chosen), step.fault);
+      t_.execute(*clause.down, scope_of(m_.nodes[node].connector, candidate.chosen, store),
+                 clause_is(c, clause, candidate.chosen), step.fault);
     }
     // A port may be chosen below another alternative.
     const auto part = [&](std::size_t chosen, std::size_t row) {
@@ -318,7 +341,8 @@ class System {
     };
     for (const Edge& edge : c.params) {
       if (m_.nodes[edge.node].kind != Kind::Any) part(edge.node, edge.node);
-      else for (const Edge& one : m_.nodes[edge.node].children) part(one.node, m_.nodes[one.node].children[0].node);
+      else
+        for (const Edge& one : m_.nodes[edge.node].children) part(one.node, m_.nodes[one.node].children[0].node);
     }
   }
   // (at PATH PLACE), (data PATH SLOT), (can-port PATH PORT), (can CONNECTOR)

@@ -1,6 +1,6 @@
-// Code and atoms over Z3 terms: bits as the language has them; floats and what C++ gives are any value. An atom's state may be
-// all constants, and then so is what it does: the same functions serve single modes and all states at once. Recursion follows the
-// trees of the .bsys, whose depth its reader bounds.
+// Code and atoms over Z3 terms: bits as the language has them; floats and what C++ gives are any value. An atom's state
+// may be all constants, and then so is what it does: the same functions serve single modes and all states at once.
+// Recursion follows the trees of the .bsys, whose depth its reader bounds.
 #pragma once
 #include <functional>
 #include <limits>
@@ -12,13 +12,23 @@ namespace certcheck {
 
 using z3::expr;
 
-[[nodiscard]] inline bool is(const expr& e, bool value) { return Z3_get_bool_value(e.ctx(), e) == (value ? Z3_L_TRUE : Z3_L_FALSE); }
+[[nodiscard]] inline bool is(const expr& e, bool value) {
+  return Z3_get_bool_value(e.ctx(), e) == (value ? Z3_L_TRUE : Z3_L_FALSE);
+}
 // Connectives that fold constants; `simplify` of large terms is slow.
-[[nodiscard]] inline expr both(const expr& a, const expr& b) { return is(a, true) || is(b, false) ? b : is(b, true) || is(a, false) ? a : a && b; }
-[[nodiscard]] inline expr either(const expr& a, const expr& b) { return is(a, false) || is(b, true) ? b : is(b, false) || is(a, true) ? a : a || b; }
-[[nodiscard]] inline expr no(const expr& a) { return is(a, true) || is(a, false) ? a.ctx().bool_val(is(a, false)) : a.is_not() ? a.arg(0) : !a; }
+[[nodiscard]] inline expr both(const expr& a, const expr& b) {
+  return is(a, true) || is(b, false) ? b : is(b, true) || is(a, false) ? a : a && b;
+}
+[[nodiscard]] inline expr either(const expr& a, const expr& b) {
+  return is(a, false) || is(b, true) ? b : is(b, false) || is(a, true) ? a : a || b;
+}
+[[nodiscard]] inline expr no(const expr& a) {
+  return is(a, true) || is(a, false) ? a.ctx().bool_val(is(a, false)) : a.is_not() ? a.arg(0) : !a;
+}
 [[nodiscard]] inline expr choose(const expr& when, const expr& yes, const expr& otherwise) {
-  return z3::eq(yes, otherwise) || is(when, true) ? yes : is(when, false) ? otherwise : z3::ite(when, yes, otherwise).simplify();
+  return z3::eq(yes, otherwise) || is(when, true) ? yes
+         : is(when, false)                        ? otherwise
+                                                  : z3::ite(when, yes, otherwise).simplify();
 }
 /// Of a term that is a constant; nothing of all others.
 [[nodiscard]] inline std::optional<int> value_of(const expr& e) {
@@ -64,7 +74,8 @@ class Terms {
   /// With what is assumed of some atoms alone, which is much quicker, and false only where it is without, too.
   [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>& alone) {
     expr whole = e;
-    for (const auto& [atom, local] : alone) for (const expr& one : assumed_[atom]) whole = both(whole, one);
+    for (const auto& [atom, local] : alone)
+      for (const expr& one : assumed_[atom]) whole = both(whole, one);
     z3::solver few(z_, "QF_BV");
     return is(whole, true) || (!is(whole, false) && can_solve(few, whole));
   }
@@ -83,14 +94,18 @@ class Terms {
   }
   /// A constant of its own, of a type of variables.
   [[nodiscard]] expr fresh(Text type) const {
-    return expr(z_, Z3_mk_fresh_const(z_, "any", type == "bool" ? z_.bool_sort() : z_.bv_sort(is_exact(type) ? 32 : kVagueBits)));
+    return expr(z_, Z3_mk_fresh_const(z_, "any",
+                                      type == "bool" ? z_.bool_sort() : z_.bv_sort(is_exact(type) ? 32 : kVagueBits)));
   }
   /// An int, a bool or the row of a string.
-  [[nodiscard]] expr constant(Text type, int value) const { return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32); }
+  [[nodiscard]] expr constant(Text type, int value) const {
+    return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32);
+  }
   /// From variable `first` on, the values that are told.
   [[nodiscard]] expr has(const Local& local, const Values& values, std::size_t first = 0) const {
     expr result = truth(true);
-    for (std::size_t k = first; k < local.size(); ++k) result = values[k] ? both(result, equals(local[k], *values[k])) : result;
+    for (std::size_t k = first; k < local.size(); ++k)
+      result = values[k] ? both(result, equals(local[k], *values[k])) : result;
     return result;
   }
   /// A run ends with an error where `fault` holds then.
@@ -127,9 +142,10 @@ class Terms {
       fault = either(fault, both(when, either(equals(b, 0), overflows)));
     }
     static const std::map<Text, Z3_ast (*)(Z3_context, Z3_ast, Z3_ast)> kOperations{
-        {"add", Z3_mk_bvadd}, {"sub", Z3_mk_bvsub}, {"mul", Z3_mk_bvmul}, {"div", Z3_mk_bvsdiv}, {"mod", Z3_mk_bvsrem},
-        {"bit-and", Z3_mk_bvand}, {"bit-or", Z3_mk_bvor}, {"bit-xor", Z3_mk_bvxor}, {"eq", Z3_mk_eq}, {"ne", Z3_mk_eq},
-        {"lt", Z3_mk_bvslt}, {"le", Z3_mk_bvsle}, {"gt", Z3_mk_bvsgt}, {"ge", Z3_mk_bvsge}};
+        {"add", Z3_mk_bvadd},  {"sub", Z3_mk_bvsub},     {"mul", Z3_mk_bvmul},   {"div", Z3_mk_bvsdiv},
+        {"mod", Z3_mk_bvsrem}, {"bit-and", Z3_mk_bvand}, {"bit-or", Z3_mk_bvor}, {"bit-xor", Z3_mk_bvxor},
+        {"eq", Z3_mk_eq},      {"ne", Z3_mk_eq},         {"lt", Z3_mk_bvslt},    {"le", Z3_mk_bvsle},
+        {"gt", Z3_mk_bvsgt},   {"ge", Z3_mk_bvsge}};
     const auto found = kOperations.find(op);
     if (found == kOperations.end()) throw NotCheckable("an expression " + quoted(op));
     const Z3_ast made = found->second(z_, a, b);
@@ -174,7 +190,8 @@ class Terms {
   [[nodiscard]] Local initial(const Atom& atom, expr& fault) const {
     const AtomType& type = m_.atom_types[atom.type];
     Values first;
-    for (const Variable& variable : type.variables) first.push_back(is_exact(variable.type) ? std::optional(0) : std::nullopt);
+    for (const Variable& variable : type.variables)
+      first.push_back(is_exact(variable.type) ? std::optional(0) : std::nullopt);
     Local start = local(atom, first);
     take(type, type.initial, start, truth(true), fault);
     return start;
@@ -204,7 +221,8 @@ class Terms {
     if (!rules.empty()) fault = either(fault, hide(rules, offer.ports));
     return offer;
   }
-  /// Hides what is low in a rule whose high thing is on, or a rule's that one leads to: by things that may be off. Is there a circle of them?
+  /// Hides what is low in a rule whose high thing is on, or a rule's that one leads to: by things that may be off. Is
+  /// there a circle of them?
   [[nodiscard]] expr hide(const std::vector<Rule>& rules, Local& on) const {
     const std::size_t count = rules.size();
     std::vector<Local> leads(count, Local(count, truth(false)));
@@ -222,7 +240,8 @@ class Terms {
     }
     for (std::size_t by = 0; by < count; ++by) {
       for (std::size_t r = 0; r < count; ++r) {
-        for (std::size_t s = 0; s < count && !is(leads[r][by], false); ++s) leads[r][s] = either(leads[r][s], both(leads[r][by], leads[by][s]));
+        for (std::size_t s = 0; s < count && !is(leads[r][by], false); ++s)
+          leads[r][s] = either(leads[r][s], both(leads[r][by], leads[by][s]));
       }
     }
     for (std::size_t r = 0; r < count; ++r) {
@@ -237,11 +256,12 @@ class Terms {
   [[nodiscard]] expr goes_on(const AtomType& type, Local& local) const {
     expr ignored = truth(false);
     return some(type.transitions, [&](const Transition& t) {
-      return t.port != kNone ? truth(false) : both(marked(local, t.from), holds(*t.guard, own(type, local), truth(true), ignored));
+      return t.port != kNone ? truth(false)
+                             : both(marked(local, t.from), holds(*t.guard, own(type, local), truth(true), ignored));
     });
   }
-  /// Takes the transition and the internal ones that follow, from where `when` holds. Where those do not come to an end nothing is
-  /// known, not even whether that is an error.
+  /// Takes the transition and the internal ones that follow, from where `when` holds. Where those do not come to an end
+  /// nothing is known, not even whether that is an error.
   void take(const AtomType& type, const Transition& first, Local& local, const expr& when, expr& fault) const {
     move(type, first, local, when, fault);
     Local now = local;
@@ -270,13 +290,15 @@ class Terms {
     }
   }
   /// Fires a port of the offer. If that is for sure, and in one way only, it is known where an automaton is before.
-  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& now, Local& local, const expr& when, expr& fault) const {
+  void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& now, Local& local, const expr& when,
+            expr& fault) const {
     Rows ways;
     for (std::size_t t = 0; t < type.transitions.size(); ++t) {
       if (type.transitions[t].port == port && !is(offer.transitions[t], false)) ways.push_back(t);
     }
     const bool is_sure = ways.size() == 1 && is(when, true);
-    for (std::size_t p = 0; p < type.places && is_sure && type.is_automaton; ++p) now[p] = truth(p == type.transitions[ways[0]].from[0]);
+    for (std::size_t p = 0; p < type.places && is_sure && type.is_automaton; ++p)
+      now[p] = truth(p == type.transitions[ways[0]].from[0]);
     const Local before = local;
     for (std::size_t t : ways) {
       const expr on = is_sure ? when : both(when, offer.transitions[t]);
@@ -328,7 +350,8 @@ class Terms {
       const Rows places = (*row)["places"].rows();
       const Text scope = row->at(3).text;
       expr here = scope == "always" ? when : both(when, marked(local, places));
-      for (std::size_t p = 0; p < type.places && scope == "at"; ++p) here = contains(places, p) ? here : both(here, no(local[p]));
+      for (std::size_t p = 0; p < type.places && scope == "at"; ++p)
+        here = contains(places, p) ? here : both(here, no(local[p]));
       fault = either(fault, both(here, no(holds((*row)["guard"], own(type, local), here, fault))));
     }
   }

@@ -1,5 +1,5 @@
-// Adapters by templates: a slot a parameter, exceptions as faults with their message. A row of the code table is found by
-// its name, and by the type of its argument where outside.hpp overloads one.
+// Adapters by templates: a cell a parameter, exceptions as faults with their message. A row of the code table is found
+// by its name, and by the type of its argument where outside.hpp overloads one.
 #include "tools/gen/bind_outside.hpp"
 
 #include <algorithm>
@@ -13,19 +13,19 @@ namespace bip::gen {
 namespace {
 
 template <class T>
-T read(rt::Outside* outside, rt::Slot& slot) {
+T read(rt::Outside* outside, rt::Cell& cell) {
   using Plain = std::remove_cvref_t<T>;
   if constexpr (std::is_same_v<T, int&>) {
-    return slot.i;
+    return cell.i;
   } else if constexpr (std::is_same_v<T, double&>) {
-    return slot.f;
+    return cell.f;
   } else if constexpr (std::is_same_v<Plain, int>) {
-    return slot.i;
+    return cell.i;
   } else if constexpr (std::is_same_v<Plain, double>) {
-    return slot.f;
+    return cell.f;
   } else {
     (void)outside;
-    return rt::object_in<Plain>(slot);
+    return rt::object_in<Plain>(cell);
   }
 }
 
@@ -37,26 +37,26 @@ struct Text {
 template <class T>
 struct Read {
   using Result = T;
-  static T from(rt::Outside* outside, rt::Slot& slot) { return read<T>(outside, slot); }
+  static T from(rt::Outside* outside, rt::Cell& cell) { return read<T>(outside, cell); }
 };
 template <>
 struct Read<const std::string&> {
   using Result = Text;
-  static Text from(rt::Outside* outside, rt::Slot& slot) { return {outside->text(slot.i)}; }
+  static Text from(rt::Outside* outside, rt::Cell& cell) { return {outside->text(cell.i)}; }
 };
 
-void write(rt::Outside*, rt::Slot& slot, int value) { slot = rt::Slot{.bits = static_cast<std::uint32_t>(value)}; }
-void write(rt::Outside*, rt::Slot& slot, bool value) { slot = rt::Slot{.bits = value ? 1u : 0u}; }
-void write(rt::Outside*, rt::Slot& slot, double value) { slot.f = value; }
-void write(rt::Outside* outside, rt::Slot& slot, const std::string& value) { slot = rt::Slot{.bits = static_cast<std::uint32_t>(outside->intern(std::string_view(value)))}; }
-template <class T>
-  requires std::is_base_of_v<Pair, T>
-void write(rt::Outside*, rt::Slot& slot, const T& value) {
-  rt::object_in<T>(slot) = value;
+void write(rt::Outside*, rt::Cell& cell, int value) { cell = rt::Cell{.bits = static_cast<std::uint32_t>(value)}; }
+void write(rt::Outside*, rt::Cell& cell, bool value) { cell = rt::Cell{.bits = value ? 1u : 0u}; }
+void write(rt::Outside*, rt::Cell& cell, double value) { cell.f = value; }
+void write(rt::Outside* outside, rt::Cell& cell, const std::string& value) {
+  cell = rt::Cell{.bits = static_cast<std::uint32_t>(outside->intern(std::string_view(value)))};
 }
+template <class T>
+requires std::is_base_of_v<Pair, T>
+void write(rt::Outside*, rt::Cell& cell, const T& value) { rt::object_in<T>(cell) = value; }
 
 template <auto function, class R, class... A, std::size_t... k>
-void call_with(R (*)(A...), std::index_sequence<k...>, rt::Outside* outside, rt::Slot* result, rt::Slot* const* args) {
+void call_with(R (*)(A...), std::index_sequence<k...>, rt::Outside* outside, rt::Cell* result, rt::Cell* const* args) {
   if constexpr (std::is_void_v<R>) {
     (void)result;
     function(Read<A>::from(outside, *args[k])...);
@@ -70,7 +70,7 @@ constexpr std::size_t arity(R (*)(A...)) {
 }
 
 template <auto function>
-std::int32_t call(rt::Outside* outside, rt::Slot* result, rt::Slot* const* args) {
+std::int32_t call(rt::Outside* outside, rt::Cell* result, rt::Cell* const* args) {
   try {
     call_with<function>(function, std::make_index_sequence<arity(function)>(), outside, result, args);
     return 0;
@@ -91,25 +91,42 @@ int smaller(int a, int b) { return std::min(a, b); }
 double rounded_down(double a) { return std::floor(a); }
 bool is_greater(double a, double b) { return std::isgreater(a, b); }
 
-std::int32_t to_pair(rt::Outside*, rt::Slot* result, rt::Slot* const* args) {
+std::int32_t to_pair(rt::Outside*, rt::Cell* result, rt::Cell* const* args) {
   rt::object_in<Pair>(*result) = static_cast<Pair>(rt::object_in<Wide>(*args[0]));
   return 0;
 }
 
 const std::map<std::string, rt::ForeignFn>& adapters() {
   static const std::map<std::string, rt::ForeignFn> kAdapters = {
-      {"mix", kCall<&mix>}, {"scale", kCall<&scale>}, {"odd", kCall<&odd>}, {"const_odd", kCall<&const_odd>}, {"label", kCall<&label>},
-      {"joined", kCall<&joined>}, {"length", kCall<&length>}, {"bump", kCall<&bump>}, {"after", kCall<&after>}, {"grow", kCall<&grow>},
-      {"exchange", kCall<&exchange>}, {"picky", kCall<&picky>}, {"make_two", kCall<&make_two>}, {"widened", kCall<&widened>},
-      {"first", kCall<&first>}, {"third", kCall<&third>}, {"push", kCall<&push>},
+      {"mix", kCall<&mix>},
+      {"scale", kCall<&scale>},
+      {"odd", kCall<&odd>},
+      {"const_odd", kCall<&const_odd>},
+      {"label", kCall<&label>},
+      {"joined", kCall<&joined>},
+      {"length", kCall<&length>},
+      {"bump", kCall<&bump>},
+      {"after", kCall<&after>},
+      {"grow", kCall<&grow>},
+      {"exchange", kCall<&exchange>},
+      {"picky", kCall<&picky>},
+      {"make_two", kCall<&make_two>},
+      {"widened", kCall<&widened>},
+      {"first", kCall<&first>},
+      {"third", kCall<&third>},
+      {"push", kCall<&push>},
       {"+", kCall<static_cast<Pair (*)(const Pair&, const Pair&)>(&operator+)>},
       {"==", kCall<static_cast<bool (*)(const Pair&, const Pair&)>(&operator==)>},
       {"<", kCall<static_cast<bool (*)(const Pair&, const Pair&)>(&operator<)>},
-      {"sort_of int", kCall<static_cast<Unary<int, int>>(&sort_of)>}, {"sort_of float", kCall<static_cast<Unary<int, double>>(&sort_of)>},
+      {"sort_of int", kCall<static_cast<Unary<int, int>>(&sort_of)>},
+      {"sort_of float", kCall<static_cast<Unary<int, double>>(&sort_of)>},
       {"sort_of string", kCall<static_cast<Unary<int, const std::string&>>(&sort_of)>},
-      {"sort_of Pair", kCall<static_cast<Unary<int, const Pair&>>(&sort_of)>}, {"sort_of Wide", kCall<static_cast<Unary<int, const Wide&>>(&sort_of)>},
-      {"max", kCall<&larger>}, {"min", kCall<&smaller>},
-      {"floor", kCall<&rounded_down>}, {"isgreater", kCall<&is_greater>}};
+      {"sort_of Pair", kCall<static_cast<Unary<int, const Pair&>>(&sort_of)>},
+      {"sort_of Wide", kCall<static_cast<Unary<int, const Wide&>>(&sort_of)>},
+      {"max", kCall<&larger>},
+      {"min", kCall<&smaller>},
+      {"floor", kCall<&rounded_down>},
+      {"isgreater", kCall<&is_greater>}};
   return kAdapters;
 }
 
@@ -124,7 +141,9 @@ std::string bind_outside(lower::LoweredSystem& lowered) {
     if (f.is_const && f.kind == FunctionKind::Function && adapters().contains("const_" + name)) name = "const_" + name;
     if (name == "sort_of") name += " " + code.type_name(f.params[0].type);
     const auto found = adapters().find(name);
-    lowered.functions[row] = f.kind == FunctionKind::Cast ? &to_pair : found == adapters().end() ? nullptr : found->second;
+    lowered.functions[row] = f.kind == FunctionKind::Cast ? &to_pair
+                             : found == adapters().end()  ? nullptr
+                                                          : found->second;
     if (lowered.functions[row] == nullptr) missing = name;
   }
   for (rt::ExternType& type : lowered.extern_types) {

@@ -1,4 +1,5 @@
-// What `bipc run` compiles and loads, here by hand: the functions of outside.hpp behind the runtime's calling convention.
+// What `bipc run` compiles and loads, here by hand: the functions of outside.hpp behind the runtime's calling
+// convention.
 #pragma once
 #include <string>
 

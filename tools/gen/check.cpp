@@ -22,9 +22,11 @@ std::vector<std::string> all_traces(const rt::Image& image, std::uint64_t seed, 
   return traces;
 }
 
-std::string compare_traces(const char* kind, const std::vector<std::string>& wanted, const std::vector<std::string>& got) {
+std::string compare_traces(const char* kind, const std::vector<std::string>& wanted,
+                           const std::vector<std::string>& got) {
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    if (wanted[k] != got[k]) return std::string(kind) + ": run " + std::to_string(k) + ", " + first_difference(wanted[k], got[k]);
+    if (wanted[k] != got[k])
+      return std::string(kind) + ": run " + std::to_string(k) + ", " + first_difference(wanted[k], got[k]);
   }
   return "";
 }
@@ -33,7 +35,8 @@ std::string check_formatted(const Compiled& c) {
   Compiled again = compile_texts(c.formatted);
   if (!again.problem.empty()) return "fmt: its output does not compile, " + again.problem + "\n" + c.formatted.back();
   for (std::size_t k = 0; k < c.formatted.size(); ++k) {
-    if (again.formatted[k] != c.formatted[k]) return "fmt: not idempotent, " + first_difference(c.formatted[k], again.formatted[k]);
+    if (again.formatted[k] != c.formatted[k])
+      return "fmt: not idempotent, " + first_difference(c.formatted[k], again.formatted[k]);
   }
   System one = *c.system, two = *again.system;
   forget_places(one);
@@ -42,7 +45,8 @@ std::string check_formatted(const Compiled& c) {
   return before == after ? "" : "fmt: changes the system, " + first_difference(before, after);
 }
 
-std::string check_bsys(const Compiled& c, const std::vector<std::string>& traces, std::uint64_t seed, std::uint64_t steps) {
+std::string check_bsys(const Compiled& c, const std::vector<std::string>& traces, std::uint64_t seed,
+                       std::uint64_t steps) {
   std::string text = system::print(*c.system);
   Compiled again = compile_bsys(text);
   if (!again.problem.empty()) return "bsys: " + again.problem;
@@ -53,7 +57,8 @@ std::string check_bsys(const Compiled& c, const std::vector<std::string>& traces
 }
 
 // Nothing but them: by the interpreter, which has no compiled steps, and by the JIT, which has.
-std::string check_engines(lower::LoweredSystem& lowered, std::uint64_t seed, const CheckOptions& options, EngineCounts& counts) {
+std::string check_engines(lower::LoweredSystem& lowered, std::uint64_t seed, const CheckOptions& options,
+                          EngineCounts& counts) {
   {
     interp::Interpreter interpreter(lowered);
     std::string failure = engine_runs(lowered.image, seed, options.engine_runs, options.steps, counts);
@@ -117,7 +122,8 @@ std::string check_model(const Description& model, std::uint64_t seed, const Chec
       auto code = jit::Jit::compile(*c.lowered, level);
       if (!code) return std::string(kind) + ": " + code.error();
       std::string failure = compare_traces(kind, traces, all_traces(image, seed, options.steps));
-      if (failure.empty() && level == jit::OptLevel::O2) failure = engine_runs(image, seed, 1, options.steps, counts.engines);
+      if (failure.empty() && level == jit::OptLevel::O2)
+        failure = engine_runs(image, seed, 1, options.steps, counts.engines);
       if (!failure.empty()) return failure;
     }
   }

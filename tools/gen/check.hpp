@@ -1,5 +1,5 @@
-// The checks of one random model, and of a batch of them as emitted C++. A failure is a text whose part before the first
-// colon names its kind; empty means none.
+// The checks of one random model, and of a batch of them as emitted C++. A failure is a text whose part before the
+// first colon names its kind; empty means none.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -16,10 +16,10 @@ struct CheckOptions {
   bool jit = true;
   bool emit_cpp = false;
   std::uint64_t engine_runs = 0;  // not 0: so many runs of the engines with several threads, and no other check
-  std::string source_dir;   // the project's root, for emitted C++
-  std::string runtime_lib;  // libbip_runtime.a
-  std::string work_dir;     // for emitted C++
-  std::string cxx_flags;    // those of this build's sanitizers
+  std::string source_dir;         // the project's root, for emitted C++
+  std::string runtime_lib;        // libbip_runtime.a
+  std::string work_dir;           // for emitted C++
+  std::string cxx_flags;          // those of this build's sanitizers
 };
 struct OracleCounts {
   std::uint64_t states = 0, too_large = 0;

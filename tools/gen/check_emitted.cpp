@@ -1,6 +1,6 @@
 // A batch of models as one C++ program: the emitted texts one after the other, a main() that makes every run and writes
-// each trace with its length before it. -O0 finds errors of emission; the optimiser is g++'s own affair. Runs of the engines with
-// several threads are judged by the program itself: one record a model, its counts or what is wrong.
+// each trace with its length before it. -O0 finds errors of emission; the optimiser is g++'s own affair. Runs of the
+// engines with several threads are judged by the program itself: one record a model, its counts or what is wrong.
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -35,19 +35,28 @@ std::string whole_program(const std::vector<EmittedCase>& cases, const std::stri
 }
 
 std::string engines_program(const std::vector<EmittedCase>& cases, const CheckOptions& options) {
-  return whole_program(cases, "#include \"tools/gen/engine_runs.hpp\"\n"
-          "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
-          "  bip::gen::EngineCounts n;\n"
-          "  std::string t = bip::gen::engine_runs(image, seed, " + std::to_string(options.engine_runs) + ", " + std::to_string(options.steps) + ", n);\n"
-          "  if (t.empty()) t = std::to_string(n.runs) + \" \" + std::to_string(n.steps) + \" \" + std::to_string(n.in_parts);\n"
-          "  std::printf(\"%zu\\n\", t.size());\n  std::fwrite(t.data(), 1, t.size(), stdout);\n  std::fflush(stdout);\n}\n");
+  return whole_program(cases,
+                       "#include \"tools/gen/engine_runs.hpp\"\n"
+                       "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
+                       "  bip::gen::EngineCounts n;\n"
+                       "  std::string t = bip::gen::engine_runs(image, seed, " +
+                           std::to_string(options.engine_runs) + ", " + std::to_string(options.steps) +
+                           ", n);\n"
+                           "  if (t.empty()) t = std::to_string(n.runs) + \" \" + std::to_string(n.steps) + \" \" + "
+                           "std::to_string(n.in_parts);\n"
+                           "  std::printf(\"%zu\\n\", t.size());\n  std::fwrite(t.data(), 1, t.size(), stdout);\n  "
+                           "std::fflush(stdout);\n}\n");
 }
 
 std::string program(const std::vector<EmittedCase>& cases, std::uint64_t steps) {
-  return whole_program(cases, "#include \"tools/gen/traced_run.hpp\"\n"
-          "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
-          "  for (int k = 0; k < bip::gen::kRunSpecs; ++k) {\n"
-          "    std::string t = bip::gen::traced_run(image, bip::gen::run_spec(k, seed, " + std::to_string(steps) + "));\n"
+  return whole_program(
+      cases,
+      "#include \"tools/gen/traced_run.hpp\"\n"
+      "static void run_all(const bip::rt::Image& image, std::uint64_t seed) {\n"
+      "  for (int k = 0; k < bip::gen::kRunSpecs; ++k) {\n"
+      "    std::string t = bip::gen::traced_run(image, bip::gen::run_spec(k, seed, " +
+          std::to_string(steps) +
+          "));\n"
           "    std::printf(\"%zu\\n\", t.size());\n    std::fwrite(t.data(), 1, t.size(), stdout);\n  }\n}\n");
 }
 
@@ -74,15 +83,19 @@ bool read_counts(const std::string& record, EngineCounts& counts) {
 
 }  // namespace
 
-std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const CheckOptions& options, const std::string& name, EngineCounts& counts) {
+std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const CheckOptions& options,
+                                   const std::string& name, EngineCounts& counts) {
   std::vector<Failure> failures;
   if (cases.empty()) return failures;
   std::string base = options.work_dir + "/" + name;
-  std::ofstream(base + ".cpp") << (options.engine_runs != 0 ? engines_program(cases, options) : program(cases, options.steps));
+  std::ofstream(base + ".cpp") << (options.engine_runs != 0 ? engines_program(cases, options)
+                                                            : program(cases, options.steps));
   std::string root = options.source_dir;
-  std::string command = "ccache g++ -std=c++20 -O0 -ffp-contract=off -fuse-ld=mold " + options.cxx_flags + " -I" + quoted(root) + " -I" + quoted(root + "/runtime/include") +
-                        " -I" + quoted(root + "/runtime") + " -I" + quoted(root + "/tools/gen/outside") + " " + quoted(base + ".cpp") + " " + quoted(options.runtime_lib) + " -lpthread -o " +
-                        quoted(base + ".exe") + " >" + quoted(base + ".log") + " 2>&1";
+  std::string command = "ccache g++ -std=c++20 -O0 -ffp-contract=off -fuse-ld=mold " + options.cxx_flags + " -I" +
+                        quoted(root) + " -I" + quoted(root + "/runtime/include") + " -I" + quoted(root + "/runtime") +
+                        " -I" + quoted(root + "/tools/gen/outside") + " " + quoted(base + ".cpp") + " " +
+                        quoted(options.runtime_lib) + " -lpthread -o " + quoted(base + ".exe") + " >" +
+                        quoted(base + ".log") + " 2>&1";
   if (std::system(command.c_str()) != 0) {
     if (cases.size() == 1) return {{cases[0].seed, "emitted C++: does not compile, " + head(read_file(base + ".log"))}};
     // Each half by itself, until the guilty ones are alone.
@@ -94,7 +107,8 @@ std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const 
     return failures;
   }
   // Seconds of the processor: on a busy machine the clock says nothing about the program.
-  command = "ulimit -t " + std::string(options.engine_runs != 0 ? "1200" : "60") + "; " + quoted(base + ".exe") + " >" + quoted(base + ".out") + " 2>" + quoted(base + ".err");
+  command = "ulimit -t " + std::string(options.engine_runs != 0 ? "1200" : "60") + "; " + quoted(base + ".exe") + " >" +
+            quoted(base + ".out") + " 2>" + quoted(base + ".err");
   int status = std::system(command.c_str());
   std::string all = read_file(base + ".out");
   std::size_t at = 0;
@@ -102,13 +116,17 @@ std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const 
     if (options.engine_runs != 0) {
       const std::string said = next_record(all, at);
       if (!said.empty() && read_counts(said, counts)) continue;
-      failures.push_back({c.seed, "emitted C++: " + (said.empty() ? "program stopped, status " + std::to_string(status) + "\n" + head(read_file(base + ".err")) : said)});
+      failures.push_back(
+          {c.seed, "emitted C++: " + (said.empty() ? "program stopped, status " + std::to_string(status) + "\n" +
+                                                         head(read_file(base + ".err"))
+                                                   : said)});
       if (said.empty()) break;
     }
     for (std::size_t k = 0; k < c.traces.size(); ++k) {
       std::string got = next_record(all, at);
       if (got == c.traces[k]) continue;
-      std::string why = got.empty() && status != 0 ? "program stopped, status " + std::to_string(status) : first_difference(c.traces[k], got);
+      std::string why = got.empty() && status != 0 ? "program stopped, status " + std::to_string(status)
+                                                   : first_difference(c.traces[k], got);
       failures.push_back({c.seed, "interp against emitted C++: run " + std::to_string(k) + ", " + why});
       for (std::size_t rest = k + 1; rest < c.traces.size(); ++rest) (void)next_record(all, at);
       break;

@@ -4,7 +4,8 @@
 
 namespace bip::gen {
 
-std::string check_naive(const Description& model, const rt::Image& image, std::uint64_t seed, std::uint64_t steps, OracleCounts& counts) {
+std::string check_naive(const Description& model, const rt::Image& image, std::uint64_t seed, std::uint64_t steps,
+                        OracleCounts& counts) {
   if (rt::has_time(image)) return check_naive_time(model, image, seed, steps, counts);
   using Trouble = NaiveEngine::Trouble;
   NaiveEngine naive(model, 300);

@@ -1,6 +1,7 @@
-// Models with time against the oracle: at every instant states, clocks and candidates; of the engine's intervals that nothing turns
-// before it says so, that time may pass exactly as far as it says, and until when each candidate is possible. The random numbers here
-// say when time passes and how far, when events come and what is fired: no policy is trusted.
+// Models with time against the oracle: at every instant states, clocks and candidates; of the engine's intervals that
+// nothing turns before it says so, that time may pass exactly as far as it says, and until when each candidate is
+// possible. The random numbers here say when time passes and how far, when events come and what is fired: no policy is
+// trusted.
 #include "tools/gen/comparison.hpp"
 
 namespace bip::gen {
@@ -11,7 +12,8 @@ constexpr std::int64_t kForever = NaiveEngine::kForever;
 
 class TimedComparison {
  public:
-  TimedComparison(const Description& model, const rt::Image& image, std::uint64_t seed) : image_(image), naive_(model, 300), core_(image), compare_(image, core_, naive_), random_(seed) {}
+  TimedComparison(const Description& model, const rt::Image& image, std::uint64_t seed)
+      : image_(image), naive_(model, 300), core_(image), compare_(image, core_, naive_), random_(seed) {}
   [[nodiscard]] bool too_large() const { return naive_.too_large(); }
 
   std::string run(std::uint64_t steps, OracleCounts& counts) {
@@ -22,7 +24,8 @@ class TimedComparison {
       if (naive_.trouble() == Trouble::None) choices_ = naive_.candidates();
       if (naive_.trouble() == Trouble::Possible) return "";
       const bool fails = naive_.trouble() == Trouble::Sure;
-      if (fails == sound) return at + (sound ? "the oracle expects a fault" : "unexpected fault: " + core_.fault().what);
+      if (fails == sound)
+        return at + (sound ? "the oracle expects a fault" : "unexpected fault: " + core_.fault().what);
       if (fails) return "";
       ++counts.states;
       std::string difference = compare_.states();
@@ -43,17 +46,20 @@ class TimedComparison {
     if (last_ != limit) return fmt::format("time may pass to {}, the oracle says {}", last_, limit);
     for (std::uint64_t k = 0; k < ends.size(); ++k) {
       for (std::size_t c = 0; c < choices_.size(); ++c) {
-        if (naive_.key_of(choices_[c]) == compare_.key(k) && wanted[c] != ends[k]) return fmt::format("{} is possible until {}, the oracle says {}", compare_.key(k), ends[k], wanted[c]);
+        if (naive_.key_of(choices_[c]) == compare_.key(k) && wanted[c] != ends[k])
+          return fmt::format("{} is possible until {}, the oracle says {}", compare_.key(k), ends[k], wanted[c]);
       }
     }
     const std::vector<std::set<std::string>> before = naive_.enabled_at(naive_.now());
     for (const std::int64_t instant : naive_.turning_points()) {
       if (instant >= core_.next_change()) break;
       const std::vector<std::set<std::string>> then = naive_.enabled_at(instant);
-      if (then != before) return fmt::format("the next change is at {}, the oracle knows one at {}", core_.next_change(), instant);
+      if (then != before)
+        return fmt::format("the next change is at {}, the oracle knows one at {}", core_.next_change(), instant);
     }
     for (std::size_t a = 0; a < naive_.states().size(); ++a) {
-      if (naive_.states()[a].at_work != nullptr && naive_.states()[a].returns < core_.next_change()) return "an action returns before the next change";
+      if (naive_.states()[a].at_work != nullptr && naive_.states()[a].returns < core_.next_change())
+        return "an action returns before the next change";
     }
     return "";
   }
@@ -68,7 +74,8 @@ class TimedComparison {
     std::int64_t to = std::min(next, last_);
     if (to == kForever) to = naive_.now() + 20'000'000;
     // To the very end, which is where things go wrong, or somewhere before.
-    if (random_.percent(40)) to = naive_.now() + 1 + static_cast<std::int64_t>(random_.next() % static_cast<std::uint64_t>(to - naive_.now()));
+    if (random_.percent(40))
+      to = naive_.now() + 1 + static_cast<std::int64_t>(random_.next() % static_cast<std::uint64_t>(to - naive_.now()));
     sound = core_.advance(to);
     naive_.advance(to);
     return true;
@@ -90,22 +97,22 @@ class TimedComparison {
     const rt::EventPortRow& port = core_.event_ports()[row];
     const rt::Atom& atom = image_.atoms[port.atom];
     const rt::Port& declared = image_.atom_types[atom.type].ports[port.port];
-    std::vector<rt::Slot> slots;
+    std::vector<rt::Cell> cells;
     std::vector<Value> values;
     for (const rt::Var& var : image_.port_types[declared.type].vars) {
       Value value;
-      rt::Slot slot{0};
+      rt::Cell cell{0};
       const int number = random_.between(-3, 9);
       switch (var.type) {
-        case rt::SlotType::Int: value.type = Ty::Int, slot.bits = static_cast<std::uint32_t>(value.i = number); break;
-        case rt::SlotType::Bool: value.type = Ty::Bool, slot.i = value.i = number & 1; break;
-        case rt::SlotType::Float: value.type = Ty::Float, slot.f = value.f = 0.5 * number; break;
-        default: value.type = Ty::String, slot.i = 0; break;
+        case rt::CellType::Int: value.type = Ty::Int, cell.bits = static_cast<std::uint32_t>(value.i = number); break;
+        case rt::CellType::Bool: value.type = Ty::Bool, cell.i = value.i = number & 1; break;
+        case rt::CellType::Float: value.type = Ty::Float, cell.f = value.f = 0.5 * number; break;
+        default: value.type = Ty::String, cell.i = 0; break;
       }
-      slots.push_back(slot);
+      cells.push_back(cell);
       values.push_back(std::move(value));
     }
-    sound = core_.deliver(row, slots.data());
+    sound = core_.deliver(row, cells.data());
     std::size_t a = 0;
     while (naive_.world().atoms[a].path != atom.path()) ++a;
     naive_.deliver(a, declared.name, std::move(values));
@@ -123,7 +130,8 @@ class TimedComparison {
 
 }  // namespace
 
-std::string check_naive_time(const Description& model, const rt::Image& image, std::uint64_t seed, std::uint64_t steps, OracleCounts& counts) {
+std::string check_naive_time(const Description& model, const rt::Image& image, std::uint64_t seed, std::uint64_t steps,
+                             OracleCounts& counts) {
   auto comparison = std::make_unique<TimedComparison>(model, image, seed);
   if (!comparison->too_large()) return comparison->run(steps, counts);
   ++counts.too_large;

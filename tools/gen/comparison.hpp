@@ -14,26 +14,28 @@
 
 namespace bip::gen {
 
-inline std::string slot_text(const rt::Image& image, rt::SlotType type, rt::Slot slot) {
-  if (type == rt::SlotType::String) return std::string("\"") + rt::string_of(image, slot) + "\"";
-  if (rt::is_extern(type)) return fmt::format("({}, {})", rt::object_in<Pair>(slot).a, rt::object_in<Pair>(slot).b);
-  if (type == rt::SlotType::Float) return fmt::format("{}", slot.f);
-  return std::to_string(slot.i);
+inline std::string cell_text(const rt::Image& image, rt::CellType type, rt::Cell cell) {
+  if (type == rt::CellType::String) return std::string("\"") + rt::string_of(image, cell) + "\"";
+  if (rt::is_extern(type)) return fmt::format("({}, {})", rt::object_in<Pair>(cell).a, rt::object_in<Pair>(cell).b);
+  if (type == rt::CellType::Float) return fmt::format("{}", cell.f);
+  return std::to_string(cell.i);
 }
 inline std::string value_text(const Value& value) {
   if (value.type == Ty::String) return "\"" + value.s + "\"";
   if (value.type == Ty::Float) return fmt::format("{}", value.f);
-  if (value.type == Ty::Pair || value.type == Ty::Wide) return fmt::format("({}, {}, {})", value.w.a, value.w.b, value.w.c);
+  if (value.type == Ty::Pair || value.type == Ty::Wide)
+    return fmt::format("({}, {}, {})", value.w.a, value.w.b, value.w.c);
   return std::to_string(value.i);
 }
-inline bool is_equal(const rt::Image& image, rt::Slot slot, const Value& value) {
+inline bool is_equal(const rt::Image& image, rt::Cell cell, const Value& value) {
   switch (value.type) {
-    case Ty::Int: return slot.i == value.i;
-    case Ty::Bool: return slot.bits == static_cast<std::uint64_t>(value.i);
-    case Ty::Float: return std::memcmp(&slot.f, &value.f, sizeof value.f) == 0 || (slot.f != slot.f && value.f != value.f);
-    case Ty::String: return value.s == rt::string_of(image, slot);
-    case Ty::Pair: return rt::object_in<Pair>(slot) == value.w;
-    case Ty::Wide: return rt::object_in<Pair>(slot) == value.w && rt::object_in<Wide>(slot).c == value.w.c;
+    case Ty::Int: return cell.i == value.i;
+    case Ty::Bool: return cell.bits == static_cast<std::uint64_t>(value.i);
+    case Ty::Float:
+      return std::memcmp(&cell.f, &value.f, sizeof value.f) == 0 || (cell.f != cell.f && value.f != value.f);
+    case Ty::String: return value.s == rt::string_of(image, cell);
+    case Ty::Pair: return rt::object_in<Pair>(cell) == value.w;
+    case Ty::Wide: return rt::object_in<Pair>(cell) == value.w && rt::object_in<Wide>(cell).c == value.w.c;
   }
   return false;
 }
@@ -81,13 +83,14 @@ class Comparison {
     for (std::uint32_t p = 0; p < type.places.size; ++p) {
       if (core_.is_marked(row, p) != state.marking.contains(type.places[p])) return path + ": place " + type.places[p];
     }
-    for (std::uint32_t v = 0; v < type.slots.size; ++v) {
+    for (std::uint32_t v = 0; v < type.variables.size; ++v) {
       // Hidden ones, which clocks own.
-      if (!state.vars.contains(type.slots[v].name)) continue;
-      rt::Slot slot = core_.slot(atom.slot_base + v);
-      const Value& value = state.vars.at(type.slots[v].name);
-      if (is_equal(image_, slot, value)) continue;
-      return path + "." + type.slots[v].name + " is " + slot_text(image_, type.slots[v].type, slot) + ", the oracle says " + value_text(value);
+      if (!state.vars.contains(type.variables[v].name)) continue;
+      rt::Cell cell = core_.cell(atom.first_cell + v);
+      const Value& value = state.vars.at(type.variables[v].name);
+      if (is_equal(image_, cell, value)) continue;
+      return path + "." + type.variables[v].name + " is " + cell_text(image_, type.variables[v].type, cell) +
+             ", the oracle says " + value_text(value);
     }
     return "";
   }
@@ -96,7 +99,8 @@ class Comparison {
     for (std::uint32_t c = 0; time != nullptr && c < time->clocks.size; ++c) {
       const std::int64_t wanted = naive_.clock_value(atom, time->clocks[c].name);
       if (core_.clock_value(row, c) == wanted) continue;
-      return fmt::format("clock {}.{} is {}, the oracle says {}", image_.atoms[row].path(), time->clocks[c].name, static_cast<std::int64_t>(core_.clock_value(row, c)), wanted);
+      return fmt::format("clock {}.{} is {}, the oracle says {}", image_.atoms[row].path(), time->clocks[c].name,
+                         static_cast<std::int64_t>(core_.clock_value(row, c)), wanted);
     }
     return "";
   }
@@ -124,6 +128,7 @@ class Comparison {
 };
 
 /// The same for a model with time.
-[[nodiscard]] std::string check_naive_time(const Description& model, const rt::Image& image, std::uint64_t seed, std::uint64_t steps, OracleCounts& counts);
+[[nodiscard]] std::string check_naive_time(const Description& model, const rt::Image& image, std::uint64_t seed,
+                                           std::uint64_t steps, OracleCounts& counts);
 
 }  // namespace bip::gen

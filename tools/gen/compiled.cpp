@@ -86,7 +86,7 @@ void forget_places(System& system) {
   }
   for (AtomType& type : system.atom_types) {
     type.loc = {};
-    for (Slot& s : type.slots) s.loc = {};
+    for (DataVariable& s : type.variables) s.loc = {};
     for (Port& p : type.ports) p.loc = {};
     const auto forget_bounds = [](TimeGuard& when) {
       for (Bound& b : when.bounds) b.loc = {};
@@ -108,7 +108,7 @@ void forget_places(System& system) {
   for (ConnectorType& type : system.connector_types) {
     type.loc = {};
     for (ConnectorParam& p : type.params) p.loc = {};
-    for (Slot& s : type.slots) s.loc = {};
+    for (DataVariable& s : type.variables) s.loc = {};
     for (Clause& c : type.clauses) c.loc = {};
   }
   for (Compound& c : system.compounds) c.loc = {};

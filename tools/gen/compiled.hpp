@@ -16,8 +16,8 @@ struct Compiled {
   std::vector<std::string> formatted;  // the texts as `fmt` writes them
 };
 
-/// From .bip texts, a package each, after those that they use. Every diagnostic of severity error, and every broken promise
-/// of the System, is a problem.
+/// From .bip texts, a package each, after those that they use. Every diagnostic of severity error, and every broken
+/// promise of the System, is a problem.
 [[nodiscard]] Compiled compile_texts(const std::vector<std::string>& texts);
 /// From .bsys text.
 [[nodiscard]] Compiled compile_bsys(const std::string& text);

@@ -14,24 +14,25 @@ namespace bip::gen {
 enum class Ty : std::uint8_t { Int, Bool, Float, String, Pair, Wide };
 [[nodiscard]] const char* name_of(Ty type);
 
-/// Constant: `text` names it and args[0] is its value. Call: args of row `row` of outside_functions(). Inline: `text` names
-/// a function of the model and args follow; its last one is the function's body, whose parameters are names in scope "$".
+/// Constant: `text` names it and args[0] is its value. Call: args of row `row` of outside_functions(). Inline: `text`
+/// names a function of the model and args follow; its last one is the function's body, whose parameters are names in
+/// scope "$".
 enum class ExprKind : std::uint8_t { Literal, Name, Unary, Binary, Constant, Call, Inline };
 struct Expr {
   ExprKind kind = ExprKind::Literal;
   Ty type = Ty::Int;
-  std::string text;          // Literal: as written; Unary, Binary: the operator
-  std::string scope, name;   // Name: port, component or empty; the variable
+  std::string text;         // Literal: as written; Unary, Binary: the operator
+  std::string scope, name;  // Name: port, component or empty; the variable
   std::vector<Expr> args;
-  int row = -1;              // Call
-  bool extra_parens = false; // printed in parentheses although none are needed
+  int row = -1;               // Call
+  bool extra_parens = false;  // printed in parentheses although none are needed
 };
 
 struct Stmt {
   bool is_if = false;
-  bool is_call = false;      // `value` is a call, whose result is not wanted
-  std::string scope, name;   // assignment's target
-  Expr value;                // assigned value, or the condition
+  bool is_call = false;     // `value` is a call, whose result is not wanted
+  std::string scope, name;  // assignment's target
+  Expr value;               // assigned value, or the condition
   std::vector<Stmt> then_body, else_body;
 };
 using Body = std::vector<Stmt>;
@@ -87,12 +88,12 @@ struct Transition {
   std::optional<Expr> guard;
   Body action;
   std::vector<ClockBound> when;
-  std::string urgency;           // empty: lazy
-  std::vector<ClockSet> sets;    // after the action
+  std::string urgency;         // empty: lazy
+  std::vector<ClockSet> sets;  // after the action
   bool resumes = false;
   std::vector<ClockBound> resume;
   bool is_async = false;
-  int budget = 0;                // ms; 0: none
+  int budget = 0;  // ms; 0: none
 };
 struct AtomType {
   std::string name;
@@ -214,7 +215,8 @@ const T* find_named(const std::vector<T>& items, const std::string& name) {
   return nullptr;
 }
 
-/// A random model of the seed. Timed: many of them have time, too. Plain: without merged ports, priorities of atoms and invariants.
+/// A random model of the seed. Timed: many of them have time, too. Plain: without merged ports, priorities of atoms and
+/// invariants.
 enum class Features : std::uint8_t { All, Timed, Plain };
 [[nodiscard]] Description generate(std::uint64_t seed, Features features = Features::All);
 

@@ -1,5 +1,6 @@
-// Runs of the engines with several threads under random delays: each must be one that the core accepts (runtime/engine/follow.hpp),
-// its end and last state included. Needs the runtime only, so that emitted programs of a batch make the same runs.
+// Runs of the engines with several threads under random delays: each must be one that the core accepts
+// (runtime/engine/replay_record.hpp), its end and last state included. Needs the runtime only, so that emitted programs
+// of a batch make the same runs.
 #pragma once
 #include <sys/mman.h>
 #include <unistd.h>
@@ -9,9 +10,9 @@
 #include <string>
 
 #include "bip/run.hpp"
-#include "runtime/core/batch.hpp"
+#include "runtime/core/programs/batch.hpp"
 #include "runtime/core/core.hpp"
-#include "runtime/engine/follow.hpp"
+#include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::gen {
@@ -57,12 +58,14 @@ inline std::string engine_run(const rt::Image& image, rt::RunOptions options, En
   const std::string text(said, said_size);
   std::free(said);
   if (followed.problem.empty()) return "";
-  return std::string(rt::name_of(options.engine)) + ": seed " + std::to_string(options.seed) + (options.maximal_progress ? "" : ", all interactions") + ": " +
-         followed.problem + "; could be taken:" + followed.candidates + "\n" + text;
+  return std::string(rt::name_of(options.engine)) + ": seed " + std::to_string(options.seed) +
+         (options.maximal_progress ? "" : ", all interactions") + ": " + followed.problem +
+         "; could be taken:" + followed.candidates + "\n" + text;
 }
 
 /// `runs` runs of each engine: policies, maximal progress and delays in turn.
-inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::uint64_t runs, std::uint64_t steps, EngineCounts& counts) {
+inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::uint64_t runs, std::uint64_t steps,
+                               EngineCounts& counts) {
   // They do not run models with time.
   if (rt::has_time(image)) return "";
   const bool has_parts = comes_apart(image);

@@ -48,7 +48,8 @@ Description generate(std::uint64_t seed, Features features) {
   for (int k = 1, n = random.between(1, 3); k <= n; ++k) {
     PortType type;
     type.name = "T" + std::to_string(k);
-    for (int v = 0, m = random.between(1, 3); v < m; ++v) type.vars.push_back({"v" + std::to_string(v), code.type(), false, {}});
+    for (int v = 0, m = random.between(1, 3); v < m; ++v)
+      type.vars.push_back({"v" + std::to_string(v), code.type(), false, {}});
     model.port_types.push_back(type);
   }
   for (int k = 0, n = random.between(1, 4); k < n; ++k) {

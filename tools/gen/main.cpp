@@ -32,7 +32,8 @@ struct Arguments {
 constexpr const char* kUsage =
     "usage: bip-gen --seed S --print\n"
     "       bip-gen --seed S --check [--emit-cpp] [--no-jit] [--steps N]\n"
-    "       bip-gen --check --from S --count N [--jobs J] [--emit-cpp] [--no-jit] [--steps N] [--batch N] [--out DIR] [--engines RUNS]\n"
+    "       bip-gen --check --from S --count N [--jobs J] [--emit-cpp] [--no-jit] [--steps N] [--batch N] [--out DIR] "
+    "[--engines RUNS]\n"
     "       bip-gen --broadcast N\n"
     "example: bip-gen --check --from 1 --count 500 --jobs 2 --emit-cpp\n";
 
@@ -87,8 +88,8 @@ std::string kind_of(const std::string& failure) {
 void report(const Failure& failure, const Arguments& a, bool shrunk) {
   std::string seed = std::to_string(failure.seed);
   const std::string engines = a.options.engine_runs == 0 ? "" : " --engines " + std::to_string(a.options.engine_runs);
-  std::printf("FAILED seed %s: %s\n  reproduce: bip-gen --seed %s --check%s%s\n", seed.c_str(), failure.what.c_str(), seed.c_str(),
-              a.options.emit_cpp ? " --emit-cpp" : "", engines.c_str());
+  std::printf("FAILED seed %s: %s\n  reproduce: bip-gen --seed %s --check%s%s\n", seed.c_str(), failure.what.c_str(),
+              seed.c_str(), a.options.emit_cpp ? " --emit-cpp" : "", engines.c_str());
   if (!shrunk) return;
   std::string kind = kind_of(failure.what);
   CheckOptions options = a.options;
@@ -97,12 +98,15 @@ void report(const Failure& failure, const Arguments& a, bool shrunk) {
   options.jit = options.jit && (kind.find("jit") != std::string::npos || kind == "crash");
   int budget = options.emit_cpp ? a.shrink_budget / 15 : a.shrink_budget;
   std::string last = failure.what;
-  Description small = shrink(supported_model(failure.seed).model, [&](const Description& d) {
-    std::string what = check_isolated(d, failure.seed, options);
-    if (what.empty() || kind_of(what) != kind) return false;
-    last = what;
-    return true;
-  }, budget);
+  Description small = shrink(
+      supported_model(failure.seed).model,
+      [&](const Description& d) {
+        std::string what = check_isolated(d, failure.seed, options);
+        if (what.empty() || kind_of(what) != kind) return false;
+        last = what;
+        return true;
+      },
+      budget);
   std::filesystem::create_directories(a.out);
   std::string path = a.out + "/seed" + seed + ".bip", text = print(small);
   std::ofstream(path) << "// " << seed << ": " << kind << "\n" << text;
@@ -125,17 +129,22 @@ int check(Arguments& a) {
   for (std::size_t k = 0; k < totals.failures.size(); ++k) report(totals.failures[k], a, k < 5);
   std::filesystem::remove_all(work);
   if (totals.unsupported > 0) {
-    std::printf("not supported yet (B1900), checked without: %llu systems\n", static_cast<unsigned long long>(totals.unsupported));
+    std::printf("not supported yet (B1900), checked without: %llu systems\n",
+                static_cast<unsigned long long>(totals.unsupported));
   }
   if (a.options.engine_runs == 0) {
-    std::printf("oracle: %llu states, %llu systems too large for it; emitted C++: %llu systems; data in columns: %llu\n",
-                static_cast<unsigned long long>(totals.counts.oracle.states), static_cast<unsigned long long>(totals.counts.oracle.too_large),
-                static_cast<unsigned long long>(totals.emitted), static_cast<unsigned long long>(totals.counts.in_columns));
+    std::printf(
+        "oracle: %llu states, %llu systems too large for it; emitted C++: %llu systems; data in columns: %llu\n",
+        static_cast<unsigned long long>(totals.counts.oracle.states),
+        static_cast<unsigned long long>(totals.counts.oracle.too_large),
+        static_cast<unsigned long long>(totals.emitted), static_cast<unsigned long long>(totals.counts.in_columns));
   }
   const EngineCounts& engines = totals.counts.engines;
-  std::printf("engines: %llu runs with several threads, %llu of them in parts, %llu steps\n", static_cast<unsigned long long>(engines.runs),
-              static_cast<unsigned long long>(engines.in_parts), static_cast<unsigned long long>(engines.steps));
-  std::printf("differential: %llu systems, %zu failed\n", static_cast<unsigned long long>(totals.models), totals.failures.size());
+  std::printf("engines: %llu runs with several threads, %llu of them in parts, %llu steps\n",
+              static_cast<unsigned long long>(engines.runs), static_cast<unsigned long long>(engines.in_parts),
+              static_cast<unsigned long long>(engines.steps));
+  std::printf("differential: %llu systems, %zu failed\n", static_cast<unsigned long long>(totals.models),
+              totals.failures.size());
   return totals.failures.empty() && totals.models == a.count ? 0 : 1;
 }
 

@@ -1,5 +1,5 @@
-// The parts of the generator: expressions and bodies, atom types, connector types, compounds. Each takes what it may use
-// and the random numbers; nothing is global.
+// The parts of the generator: expressions and bodies, atom types, connector types, compounds. Each takes what it may
+// use and the random numbers; nothing is global.
 #pragma once
 #include <map>
 #include <set>
@@ -26,23 +26,24 @@ struct Known {
 
 /// What a seed's model is like as a whole.
 struct Style {
-  bool faults = false;       // divisions whose divisor may be zero
-  bool large = false;        // many atoms, wide connectors
-  bool paper = false;        // what fits goes into the paper's notation
-  bool odd_names = false;    // contextual words as identifiers
-  bool lively = false;       // ports enabled nearly always, so that many interactions compete
-  bool deep = false;         // compounds of compounds, exporting connectors with many alternatives
-  bool merged = false;       // ports exported under one name
-  bool atom_rules = false;   // priorities of atoms
+  bool faults = false;      // divisions whose divisor may be zero
+  bool large = false;       // many atoms, wide connectors
+  bool paper = false;       // what fits goes into the paper's notation
+  bool odd_names = false;   // contextual words as identifiers
+  bool lively = false;      // ports enabled nearly always, so that many interactions compete
+  bool deep = false;        // compounds of compounds, exporting connectors with many alternatives
+  bool merged = false;      // ports exported under one name
+  bool atom_rules = false;  // priorities of atoms
   bool invariants = false;
-  bool calls = false;        // functions of the C and C++ libraries in code
-  bool outside = false;      // and those of outside.hpp
-  bool objects = false;      // and its types
-  bool regular = false;      // what can be compiled as whole steps: ports of one transition, no faults, few guards and triggers
-  bool narrow = false;       // no floats: data that a loop over steps may have in columns
-  bool ruled = false;        // many priority rules, in chains, with guards
-  int max_weight = 120;      // alternatives of one connector
-  int max_atoms = 800;       // of a whole model: four levels of wide arrays would have a million
+  bool calls = false;    // functions of the C and C++ libraries in code
+  bool outside = false;  // and those of outside.hpp
+  bool objects = false;  // and its types
+  bool regular =
+      false;  // what can be compiled as whole steps: ports of one transition, no faults, few guards and triggers
+  bool narrow = false;   // no floats: data that a loop over steps may have in columns
+  bool ruled = false;    // many priority rules, in chains, with guards
+  int max_weight = 120;  // alternatives of one connector
+  int max_atoms = 800;   // of a whole model: four levels of wide arrays would have a million
   std::vector<Var> constants;
   std::vector<InlineFunction> functions;
 };
@@ -84,11 +85,13 @@ class CodeMaker {
 [[nodiscard]] std::vector<Var> make_constants(CodeMaker& code, Prng& random);
 [[nodiscard]] std::vector<InlineFunction> make_functions(CodeMaker& code, Prng& random);
 
-[[nodiscard]] AtomType make_atom(Prng& random, const Style& style, const std::vector<PortType>& types, const std::string& name);
+[[nodiscard]] AtomType make_atom(Prng& random, const Style& style, const std::vector<PortType>& types,
+                                 const std::string& name);
 
 /// A connector type over ports of the named types.
 [[nodiscard]] ConnectorType make_connector(Prng& random, const Style& style, const std::vector<PortType>& port_types,
-                                           const std::vector<std::string>& params, bool exports, const std::string& name);
+                                           const std::vector<std::string>& params, bool exports,
+                                           const std::string& name);
 
 /// What a compound type shows to those that contain it.
 struct Interface {

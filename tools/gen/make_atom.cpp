@@ -28,7 +28,8 @@ class AtomMaker {
 
  private:
   std::string fresh(const char* prefix) {
-    static const std::vector<std::string> words = {"clock", "unit", "second", "lazy", "resume", "remember", "behavior", "contains", "async", "day"};
+    static const std::vector<std::string> words = {"clock",    "unit",     "second",   "lazy",  "resume",
+                                                   "remember", "behavior", "contains", "async", "day"};
     if (style_.odd_names && next_word_ < words.size() && random_.percent(30)) return words[next_word_++];
     return prefix + std::to_string(next_++);
   }
@@ -45,7 +46,8 @@ class AtomMaker {
     var.exported = random_.percent(style_.ruled ? 60 : 25);
     // Objects begin as C++ makes them.
     const bool is_object = type == Ty::Pair || type == Ty::Wide;
-    if (!is_object && random_.percent(40)) var.init = random_.percent(30) ? code_.expression(type, {}, 1) : code_.literal(type);
+    if (!is_object && random_.percent(40))
+      var.init = random_.percent(30) ? code_.expression(type, {}, 1) : code_.literal(type);
     atom_.data.push_back(var);
     return var.name;
   }

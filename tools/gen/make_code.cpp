@@ -40,8 +40,10 @@ Ty CodeMaker::native_type() {
 
 Expr CodeMaker::literal(Ty type) {
   static const std::vector<std::string> ints = {"2147483647", "1000000007", "65536", "2147483646", "46341"};
-  static const std::vector<std::string> floats = {"0.5", "1.", ".25", "1e3", "1.5e-2", "3.0", "0.1", "123456.789", "1e300"};
-  static const std::vector<std::string> strings = {"\"\"", "\"a\"", "\"b\"", "\"two words\"", "\"q\\\"q\"", "\"tab\\t\"", "\"\\u00e9\""};
+  static const std::vector<std::string> floats = {"0.5", "1.",  ".25",        "1e3",  "1.5e-2",
+                                                  "3.0", "0.1", "123456.789", "1e300"};
+  static const std::vector<std::string> strings = {"\"\"",       "\"a\"",      "\"b\"",      "\"two words\"",
+                                                   "\"q\\\"q\"", "\"tab\\t\"", "\"\\u00e9\""};
   Expr e;
   e.type = type;
   switch (type) {
@@ -62,7 +64,9 @@ Expr CodeMaker::leaf(Ty type, const std::vector<Known>& known) {
     if (var.type == type) return constant(var);
   }
   for (const Known& k : known) {
-    if (k.type == type || (type == Ty::Pair && k.type == Ty::Wide) || (type == Ty::Float && k.type == Ty::Int && random_->percent(30))) fitting.push_back(&k);
+    if (k.type == type || (type == Ty::Pair && k.type == Ty::Wide) ||
+        (type == Ty::Float && k.type == Ty::Int && random_->percent(30)))
+      fitting.push_back(&k);
   }
   if (fitting.empty() || random_->percent(25)) return literal(type);
   return name_of(*random_->pick(fitting));
@@ -70,7 +74,8 @@ Expr CodeMaker::leaf(Ty type, const std::vector<Known>& known) {
 
 Expr CodeMaker::int_operation(const std::vector<Known>& known, int depth) {
   static const std::vector<std::string> ops = {"+", "+", "-", "*", "&", "|", "^", "/", "%"};
-  if (random_->percent(12)) return unary(random_->percent(50) ? "-" : "~", expression(Ty::Int, known, depth - 1), Ty::Int);
+  if (random_->percent(12))
+    return unary(random_->percent(50) ? "-" : "~", expression(Ty::Int, known, depth - 1), Ty::Int);
   std::string op = random_->pick(ops);
   Expr a = expression(Ty::Int, known, depth - 1), b = expression(Ty::Int, known, depth - 1);
   bool division = op == "/" || op == "%";
@@ -105,7 +110,8 @@ Expr CodeMaker::bool_operation(const std::vector<Known>& known, int depth) {
   std::string op = random_->pick(ordered ? relations : equalities);
   Expr a = expression(operand, known, depth - 1), b = expression(operand, known, depth - 1);
   // `x < x` tells little.
-  if (a.kind == ExprKind::Name && b.kind == ExprKind::Name && a.scope == b.scope && a.name == b.name) b = literal(operand);
+  if (a.kind == ExprKind::Name && b.kind == ExprKind::Name && a.scope == b.scope && a.name == b.name)
+    b = literal(operand);
   return binary(op, std::move(a), std::move(b), Ty::Bool);
 }
 
@@ -133,10 +139,12 @@ Expr CodeMaker::float_operation(const std::vector<Known>& known, int depth) {
 Expr CodeMaker::expression(Ty type, const std::vector<Known>& known, int depth) {
   Expr e;
   const bool may_call = style_->calls || style_->outside;
-  const InlineFunction* function = style_->functions.empty() || !random_->percent(15) ? nullptr : &random_->pick(style_->functions);
+  const InlineFunction* function =
+      style_->functions.empty() || !random_->percent(15) ? nullptr : &random_->pick(style_->functions);
   if (depth > 0 && function != nullptr && function->result == type) {
     e = inline_call(*function, known, depth);
-  } else if (depth > 0 && may_call && random_->percent(type == Ty::String || type == Ty::Pair || type == Ty::Wide ? 60 : 15)) {
+  } else if (depth > 0 && may_call &&
+             random_->percent(type == Ty::String || type == Ty::Pair || type == Ty::Wide ? 60 : 15)) {
     e = call(type, known, depth);
   } else if (depth <= 0 || type == Ty::String || type == Ty::Pair || type == Ty::Wide || random_->percent(30)) {
     e = leaf(type, known);
@@ -161,8 +169,10 @@ Stmt CodeMaker::assignment(const Known& target, const std::vector<Known>& known,
   stmt.scope = target.scope;
   stmt.name = target.name;
   stmt.value = expression(target.type, known, depth);
-  bool to_itself = stmt.value.kind == ExprKind::Name && stmt.value.scope == target.scope && stmt.value.name == target.name;
-  if (to_itself) stmt.value = target.type == Ty::Bool ? unary("!", std::move(stmt.value), Ty::Bool) : literal(target.type);
+  bool to_itself =
+      stmt.value.kind == ExprKind::Name && stmt.value.scope == target.scope && stmt.value.name == target.name;
+  if (to_itself)
+    stmt.value = target.type == Ty::Bool ? unary("!", std::move(stmt.value), Ty::Bool) : literal(target.type);
   return stmt;
 }
 

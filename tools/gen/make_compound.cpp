@@ -1,6 +1,6 @@
-// Random compound types: components (also arrays), connectors over ports of disjoint components (also hierarchical ones,
-// and loops over arrays), exports. A connector's weight counts its alternatives, nested ones included, so that the naive
-// oracle can enumerate them.
+// Random compound types: components (also arrays), connectors over ports of disjoint components (also hierarchical
+// ones, and loops over arrays), exports. A connector's weight counts its alternatives, nested ones included, so that
+// the naive oracle can enumerate them.
 #include <algorithm>
 
 #include "tools/gen/make.hpp"
@@ -97,7 +97,8 @@ class CompoundMaker {
   void add_atom(Component& component, const AtomType& type) {
     component.type = type.name;
     bool has_param = !compound_.params.empty();
-    if (random_.percent(12)) component.size = has_param && random_.percent(60) ? "n" : std::to_string(random_.between(2, kLargestArray));
+    if (random_.percent(12))
+      component.size = has_param && random_.percent(60) ? "n" : std::to_string(random_.between(2, kLargestArray));
     for (const Var& param : type.params) component.args.push_back(argument(param.type, has_param));
     int elements = component.size.empty() ? 1 : component.size == "n" ? 2 : std::stoi(component.size);
     atoms_ += component.size == "n" ? kLargestArray : elements;
@@ -134,7 +135,8 @@ class CompoundMaker {
     std::vector<Offer> members;
     std::set<std::string> atoms;
     for (const Offer& offer : pool) {
-      bool free = std::none_of(offer.atoms.begin(), offer.atoms.end(), [&](const auto& a) { return atoms.contains(a); });
+      bool free =
+          std::none_of(offer.atoms.begin(), offer.atoms.end(), [&](const auto& a) { return atoms.contains(a); });
       if (!free || offer.depth >= 3 || members.size() == want) continue;
       members.push_back(offer);
       atoms.insert(offer.atoms.begin(), offer.atoms.end());
@@ -163,7 +165,8 @@ class CompoundMaker {
       if (m.connector) bound_.insert(m.path.component);
     }
     compound_.connectors.push_back(connector);
-    if (type.exports) offers_.push_back({{connector.name, {}, type.export_name}, type.export_type, atoms, weight, depth + 1, true});
+    if (type.exports)
+      offers_.push_back({{connector.name, {}, type.export_name}, type.export_type, atoms, weight, depth + 1, true});
   }
   ConnectorType fitting_type(const std::vector<std::string>& params, bool exports) {
     for (const ConnectorType& type : model_.connector_types) {
@@ -171,7 +174,8 @@ class CompoundMaker {
       for (std::size_t k = 0; fits && k < params.size(); ++k) fits = type.params[k].type == params[k];
       if (fits && random_.percent(40)) return type;
     }
-    return make_connector(random_, style_, model_.port_types, params, exports, "K" + std::to_string(model_.connector_types.size()));
+    return make_connector(random_, style_, model_.port_types, params, exports,
+                          "K" + std::to_string(model_.connector_types.size()));
   }
   /// `for i in 0..n connector K c[i](a[i].p, a[(i + 1) % n].q)`
   void connect_array(const Component& component) {
@@ -226,7 +230,8 @@ class CompoundMaker {
   /// More ports of the same type under one name; of other atoms, so that no alternative contains another.
   static void merge_into(PortExport& exported, Interface::Item& item, const std::vector<Offer>& pool) {
     for (const Offer& offer : pool) {
-      bool free = std::none_of(offer.atoms.begin(), offer.atoms.end(), [&](const auto& a) { return item.atoms.contains(a); });
+      bool free =
+          std::none_of(offer.atoms.begin(), offer.atoms.end(), [&](const auto& a) { return item.atoms.contains(a); });
       if (!free || offer.port_type != item.port_type || exported.targets.size() == 3) continue;
       exported.targets.push_back(offer.path);
       item.atoms.insert(offer.atoms.begin(), offer.atoms.end());

@@ -34,7 +34,8 @@ Define random_group(Prng& random, const std::vector<int>& params, int depth, int
     if (size == params.size() && size > 1) size = 1;
     Define child;
     if (size > 1) {
-      std::vector<int> part(params.begin() + static_cast<std::ptrdiff_t>(at), params.begin() + static_cast<std::ptrdiff_t>(at + size));
+      std::vector<int> part(params.begin() + static_cast<std::ptrdiff_t>(at),
+                            params.begin() + static_cast<std::ptrdiff_t>(at + size));
       child = random_group(random, part, depth - 1, weak_percent);
     } else {
       child.param = params[at];
@@ -60,7 +61,8 @@ class ConnectorMaker {
     }
     if (random_.percent(30)) random_.shuffle(order);
     bool is_broadcast = style_.regular && random_.percent(20);
-    type_.define = style_.regular ? regular_group(order, is_broadcast) : random_group(random_, order, 2, style_.deep ? 65 : 50);
+    type_.define =
+        style_.regular ? regular_group(order, is_broadcast) : random_group(random_, order, 2, style_.deep ? 65 : 50);
     if (exports) make_export();
     if (random_.percent(35)) own(code_.type());
     if (!is_broadcast) make_clauses();
@@ -107,15 +109,18 @@ class ConnectorMaker {
     std::vector<Known> ports, own;
     for (int p : set) {
       const ConnectorParam& param = type_.params[static_cast<std::size_t>(p)];
-      for (const Var& var : find_named(port_types_, param.type)->vars) ports.push_back({param.name, var.name, var.type, true});
+      for (const Var& var : find_named(port_types_, param.type)->vars)
+        ports.push_back({param.name, var.name, var.type, true});
     }
     for (const Var& var : type_.data) own.push_back({"", var.name, var.type, true});
     std::vector<Known> all = ports, readable = ports;
     all.insert(all.end(), own.begin(), own.end());
     for (Known& k : readable) k.writable = false;
     readable.insert(readable.end(), own.begin(), own.end());
-    if (random_.percent(style_.regular ? (type_.exports ? 0 : 15) : style_.deep ? 50 : 35)) result.guard = code_.guard(all);
-    if (type_.exports && random_.percent(85)) result.up = code_.body(readable, random_.between(1, 3), 1, CodeMaker::Changes::ByAssignment);
+    if (random_.percent(style_.regular ? (type_.exports ? 0 : 15) : style_.deep ? 50 : 35))
+      result.guard = code_.guard(all);
+    if (type_.exports && random_.percent(85))
+      result.up = code_.body(readable, random_.between(1, 3), 1, CodeMaker::Changes::ByAssignment);
     // What `up` computed is only seen if it reaches an atom: own data get more weight.
     for (int copies = 0; copies < 2; ++copies) all.insert(all.end(), own.begin(), own.end());
     if (random_.percent(65)) result.down = code_.body(all, random_.between(1, 3), 1);
@@ -134,7 +139,8 @@ class ConnectorMaker {
 
 std::vector<std::vector<int>> expand(const Define& define) {
   if (define.param >= 0) return {{define.param}};
-  bool any_trigger = std::any_of(define.children.begin(), define.children.end(), [](const Define& d) { return d.trigger; });
+  bool any_trigger =
+      std::any_of(define.children.begin(), define.children.end(), [](const Define& d) { return d.trigger; });
   // Partial choices, and whether one of them holds a trigger already.
   std::vector<std::pair<std::vector<int>, bool>> chosen = {{{}, false}};
   for (const Define& child : define.children) {

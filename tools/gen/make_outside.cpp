@@ -53,8 +53,10 @@ Expr CodeMaker::call(Ty type, const std::vector<Known>& known, int depth) {
   std::vector<std::size_t> fitting;
   for (std::size_t row = 0; row < all.size(); ++row) {
     const OutsideFunction& f = all[row];
-    bool fits = f.is_pure() && f.result == type && (style_->outside || f.is_library) && (!f.may_fault || style_->faults);
-    for (const OutsideParam& p : f.params) fits = fits && (style_->objects || (p.type != Ty::Pair && p.type != Ty::Wide));
+    bool fits =
+        f.is_pure() && f.result == type && (style_->outside || f.is_library) && (!f.may_fault || style_->faults);
+    for (const OutsideParam& p : f.params)
+      fits = fits && (style_->objects || (p.type != Ty::Pair && p.type != Ty::Wide));
     if (fits) fitting.push_back(row);
   }
   if (fitting.empty()) return literal(type);
@@ -68,7 +70,8 @@ Expr CodeMaker::call(Ty type, const std::vector<Known>& known, int depth) {
     Expr arg = expression(p.type, known, depth - 1);
     // The prototype that was meant must be the most specific one: no int where a float is wanted.
     const bool is_overloaded = e.text == "sort_of";
-    if (is_overloaded && arg.type != p.type) arg = p.type == Ty::Pair ? pair_of(literal(Ty::Int), literal(Ty::Int)) : literal(p.type);
+    if (is_overloaded && arg.type != p.type)
+      arg = p.type == Ty::Pair ? pair_of(literal(Ty::Int), literal(Ty::Int)) : literal(p.type);
     e.args.push_back(std::move(arg));
   }
   return e;

@@ -1,6 +1,6 @@
-// Random priority rules. Connectors get a rank and rules between two connectors go up in rank; a rule within a connector
-// is the only one of that connector's own and its sides do not contain one another; a rule with *:* stands alone. So no
-// cycle can close, whatever the guards say.
+// Random priority rules. Connectors get a rank and rules between two connectors go up in rank; a rule within a
+// connector is the only one of that connector's own and its sides do not contain one another; a rule with *:* stands
+// alone. So no cycle can close, whatever the guards say.
 #include <algorithm>
 
 #include "tools/gen/make.hpp"
@@ -30,7 +30,12 @@ std::vector<Known> readable_data(const Description& model, const CompoundType& c
 class PriorityMaker {
  public:
   PriorityMaker(Prng& random, const Style& style, const Description& model, CompoundType& compound)
-      : random_(random), style_(style), model_(model), compound_(compound), code_(random, style), data_(readable_data(model, compound)) {}
+      : random_(random),
+        style_(style),
+        model_(model),
+        compound_(compound),
+        code_(random, style),
+        data_(readable_data(model, compound)) {}
 
   void make() {
     for (const Connector& c : compound_.connectors) {

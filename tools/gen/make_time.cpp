@@ -1,6 +1,6 @@
-// Time in a random model that is otherwise finished: clocks in units of different lengths, bounds with small limits (so that
-// intervals meet), urgency, invariants that usually leave a way out, `resume`, `@async`, ports for events from outside. Types in the
-// paper's notation that get time are written in BIP2's.
+// Time in a random model that is otherwise finished: clocks in units of different lengths, bounds with small limits (so
+// that intervals meet), urgency, invariants that usually leave a way out, `resume`, `@async`, ports for events from
+// outside. Types in the paper's notation that get time are written in BIP2's.
 #include <algorithm>
 
 #include "tools/gen/make.hpp"
@@ -14,19 +14,23 @@ class TimeMaker {
 
   void make() {
     atom_.paper = false;
-    static const std::vector<std::string> units = {"millisecond", "millisecond", "millisecond", "microsecond", "second"};
+    static const std::vector<std::string> units = {"millisecond", "millisecond", "millisecond", "microsecond",
+                                                   "second"};
     const std::string unit = random_.pick(units);
-    for (int k = 0, n = random_.between(1, 2); k < n; ++k) atom_.clocks.push_back({"k" + std::to_string(k), random_.percent(80) ? unit : random_.pick(units)});
+    for (int k = 0, n = random_.between(1, 2); k < n; ++k)
+      atom_.clocks.push_back({"k" + std::to_string(k), random_.percent(80) ? unit : random_.pick(units)});
     if (random_.percent(25)) make_event_port();
     static const std::vector<std::string> urgencies = {"", "", "lazy", "delayable", "delayable", "eager"};
     for (Transition& t : atom_.transitions) {
       if (t.port.empty()) continue;
       if (random_.percent(60)) t.when = bounds(2);
       t.urgency = random_.pick(urgencies);
-      if (random_.percent(60)) t.sets.push_back({random_.pick(atom_.clocks).name, random_.percent(80) ? 0 : random_.between(-2, 5), false});
+      if (random_.percent(60))
+        t.sets.push_back({random_.pick(atom_.clocks).name, random_.percent(80) ? 0 : random_.between(-2, 5), false});
       if (random_.percent(8)) t.sets.push_back({random_.pick(atom_.clocks).name, random_.between(0, 3), true});
       t.resumes = random_.percent(12);
-      if (t.resumes && random_.percent(80)) t.resume = {{random_.pick(atom_.clocks).name, "", random_.percent(70) ? ">=" : ">", "", random_.between(0, 6)}};
+      if (t.resumes && random_.percent(80))
+        t.resume = {{random_.pick(atom_.clocks).name, "", random_.percent(70) ? ">=" : ">", "", random_.between(0, 6)}};
       t.is_async = random_.percent(8);
       if (t.is_async && random_.percent(70)) t.budget = random_.between(1, 9);
     }
@@ -51,7 +55,11 @@ class TimeMaker {
     return result;
   }
   void make_invariant() {
-    Invariant i{"late", random_.percent(80) ? "from" : "", {}, {}, {{random_.pick(atom_.clocks).name, "", random_.percent(70) ? "<=" : "<", "", random_.between(3, 20)}}};
+    Invariant i{"late",
+                random_.percent(80) ? "from" : "",
+                {},
+                {},
+                {{random_.pick(atom_.clocks).name, "", random_.percent(70) ? "<=" : "<", "", random_.between(3, 20)}}};
     if (!i.scope.empty()) i.places.push_back(random_.pick(atom_.places));
     atom_.invariants.push_back(std::move(i));
   }
@@ -61,7 +69,8 @@ class TimeMaker {
     Port port{"e0", type.name, {}, false, "", ""};
     for (const Var& var : type.vars) {
       for (const Var& d : atom_.data) {
-        if (d.type == var.type && d.type < Ty::Pair && std::find(port.vars.begin(), port.vars.end(), d.name) == port.vars.end()) {
+        if (d.type == var.type && d.type < Ty::Pair &&
+            std::find(port.vars.begin(), port.vars.end(), d.name) == port.vars.end()) {
           port.vars.push_back(d.name);
           break;
         }

@@ -10,7 +10,8 @@ std::vector<Choice> maximal(const std::vector<Choice>& all) {
   std::vector<Choice> result;
   for (const Choice& a : all) {
     bool dominated = std::any_of(all.begin(), all.end(), [&](const Choice& b) {
-      return a.leaves.size() < b.leaves.size() && std::includes(b.leaves.begin(), b.leaves.end(), a.leaves.begin(), a.leaves.end());
+      return a.leaves.size() < b.leaves.size() &&
+             std::includes(b.leaves.begin(), b.leaves.end(), a.leaves.begin(), a.leaves.end());
     });
     if (!dominated) result.push_back(a);
   }
@@ -50,7 +51,9 @@ void NaiveEngine::initialise(std::size_t atom) {
   }
   state.marking.insert(type.initial.begin(), type.initial.end());
   for (const Clock& clock : type.clocks) {
-    state.clocks[clock.name].unit = clock.unit == "microsecond" ? 1'000 : clock.unit == "millisecond" ? 1'000'000 : 1'000'000'000;
+    state.clocks[clock.name].unit = clock.unit == "microsecond"   ? 1'000
+                                    : clock.unit == "millisecond" ? 1'000'000
+                                                                  : 1'000'000'000;
   }
   execute(type.initial_action, gen::lookup_in(state.vars), code);
   if (code.fault || !invariants_hold(state, type)) return trouble(Trouble::Sure);
@@ -76,7 +79,8 @@ void NaiveEngine::find_enabled(AtomState& state, const AtomType& type) {
     const Port* port = find_named(type.ports, t.port);
     if (port != nullptr && !port->event.empty() && state.events[t.port].empty()) continue;
     if (!holds_at(state, t.when, now_)) continue;
-    bool marked = std::all_of(t.from.begin(), t.from.end(), [&](const std::string& p) { return state.marking.contains(p); });
+    bool marked =
+        std::all_of(t.from.begin(), t.from.end(), [&](const std::string& p) { return state.marking.contains(p); });
     if (!marked) continue;
     Place code{.is_const = true};
     bool holds = !t.guard || evaluate(*t.guard, gen::lookup_in(state.vars), code).i != 0;
@@ -93,7 +97,9 @@ bool NaiveEngine::invariants_hold(AtomState& state, const AtomType& type) {
   for (const Invariant& i : type.invariants) {
     if (!i.when.empty()) continue;
     std::set<std::string> places(i.places.begin(), i.places.end());
-    bool concerns = i.scope == "at" ? places == state.marking : std::includes(state.marking.begin(), state.marking.end(), places.begin(), places.end());
+    bool concerns = i.scope == "at"
+                        ? places == state.marking
+                        : std::includes(state.marking.begin(), state.marking.end(), places.begin(), places.end());
     Place code{.is_const = true};
     if (concerns && (evaluate(i.condition, gen::lookup_in(state.vars), code).i == 0 || code.fault)) return false;
   }
@@ -127,7 +133,8 @@ void NaiveEngine::hide_dominated(AtomState& state, const AtomType& type) {
         if (low == at && above.insert(high).second) work.push_back(high);
       }
     }
-    if (std::any_of(above.begin(), above.end(), [&](const std::string& q) { return state.enabled.contains(q); })) hidden.insert(port);
+    if (std::any_of(above.begin(), above.end(), [&](const std::string& q) { return state.enabled.contains(q); }))
+      hidden.insert(port);
   }
   for (const std::string& port : hidden) state.enabled.erase(port);
 }

@@ -1,6 +1,6 @@
-// The naive oracle: LANGUAGE.md §4 taken at its word, with no thought for speed. Every interaction is enumerated in every
-// state, priorities are a search through the relation, values are copied. It shares no code with the compiler or the
-// runtime.
+// The naive oracle: LANGUAGE.md §4 taken at its word, with no thought for speed. Every interaction is enumerated in
+// every state, priorities are a search through the relation, values are copied. It shares no code with the compiler or
+// the runtime.
 #pragma once
 #include <deque>
 
@@ -13,8 +13,8 @@ struct Choice {
   int connector = -1;
   int atom = -1;
   std::string port;
-  std::vector<int> params;        // sorted
-  std::map<int, Choice> parts;    // by parameter
+  std::vector<int> params;      // sorted
+  std::map<int, Choice> parts;  // by parameter
   Values own;
   const Clause* clause = nullptr;
   Leaves leaves;
@@ -47,8 +47,8 @@ class NaiveEngine {
     std::map<std::string, const Transition*> enabled;
     std::map<std::string, ClockValue> clocks;
     std::int64_t busy_until = 0;
-    const Transition* at_work = nullptr;  // its action has not taken effect
-    std::int64_t returns = 0;             // when it does
+    const Transition* at_work = nullptr;                           // its action has not taken effect
+    std::int64_t returns = 0;                                      // when it does
     std::map<std::string, std::deque<std::vector<Value>>> events;  // that wait, by port
   };
   // ---- time (naive_time.cpp): LANGUAGE.md §5, conditions asked at instants, never as intervals
@@ -56,20 +56,22 @@ class NaiveEngine {
   [[nodiscard]] std::int64_t now() const { return now_; }
   void advance(std::int64_t to);
   void deliver(std::size_t atom, const std::string& port, std::vector<Value> values);
-  /// The instants after now at which a bound, an atom that is busy or an action at work may make a difference: between two of them
-  /// nothing changes.
+  /// The instants after now at which a bound, an atom that is busy or an action at work may make a difference: between
+  /// two of them nothing changes.
   [[nodiscard]] std::set<std::int64_t> turning_points() const;
   /// Of each atom the ports that are enabled at the instant if nothing happens before.
   [[nodiscard]] std::vector<std::set<std::string>> enabled_at(std::int64_t instant);
-  /// The last instant to which time may pass; ends: of each choice the last instant at which it is possible without a gap.
+  /// The last instant to which time may pass; ends: of each choice the last instant at which it is possible without a
+  /// gap.
   [[nodiscard]] std::int64_t limit(const std::vector<Choice>& choices, std::vector<std::int64_t>& ends);
-  [[nodiscard]] std::int64_t clock_value(std::size_t atom, const std::string& clock) const { return value_at(states_[atom].clocks.at(clock), now_); }
+  [[nodiscard]] std::int64_t clock_value(std::size_t atom, const std::string& clock) const {
+    return value_at(states_[atom].clocks.at(clock), now_);
+  }
 
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const std::vector<AtomState>& states() const { return states_; }
 
  private:
-
   void initialise(std::size_t atom);
   void settle(std::size_t atom);
   void fire_transition(std::size_t atom, const std::string& port);
@@ -78,7 +80,9 @@ class NaiveEngine {
   [[nodiscard]] std::vector<Choice> options_of(const WorldPort& port);
   void hide_dominated(AtomState& state, const AtomType& type);
   [[nodiscard]] bool invariants_hold(AtomState& state, const AtomType& type);
-  static std::int64_t value_at(const ClockValue& clock, std::int64_t instant) { return clock.value + clock.speed * (instant - clock.since); }
+  static std::int64_t value_at(const ClockValue& clock, std::int64_t instant) {
+    return clock.value + clock.speed * (instant - clock.since);
+  }
   [[nodiscard]] static bool holds_at(const AtomState& state, const std::vector<ClockBound>& when, std::int64_t instant);
   [[nodiscard]] bool invariants_hold_at(std::int64_t instant) const;
   void set_clocks(AtomState& state, const Transition& t);

@@ -79,7 +79,8 @@ std::vector<Choice> NaiveEngine::candidates() {
       for (std::size_t n = 0; n < nodes_.size() && !hidden; ++n) {
         if (above[n]) continue;
         bool reached = is_below(at, nodes_[n]);
-        for (std::size_t r = 0; r < active.size() && !reached; ++r) reached = rules[r] && matches(world_.rules[r], true, nodes_[n]);
+        for (std::size_t r = 0; r < active.size() && !reached; ++r)
+          reached = rules[r] && matches(world_.rules[r], true, nodes_[n]);
         if (!reached) continue;
         above[n] = true;
         work.push_back(n);
@@ -104,7 +105,8 @@ std::vector<Choice> NaiveEngine::candidates() {
 std::string NaiveEngine::key_of(const Choice& choice) const {
   if (choice.connector < 0) return world_.atoms[static_cast<std::size_t>(choice.atom)].path + "." + choice.port;
   std::set<std::string> leaves;
-  for (const auto& [atom, port] : choice.leaves) leaves.insert(world_.atoms[static_cast<std::size_t>(atom)].path + "." + port);
+  for (const auto& [atom, port] : choice.leaves)
+    leaves.insert(world_.atoms[static_cast<std::size_t>(atom)].path + "." + port);
   std::string text = world_.connectors[static_cast<std::size_t>(choice.connector)].path + ":";
   for (const std::string& leaf : leaves) text += " " + leaf;
   return text;

@@ -1,5 +1,5 @@
-// Time in the oracle. Conditions on clocks are comparisons of numbers at one instant; what the engine says of whole intervals is asked
-// again at every instant at which something might turn.
+// Time in the oracle. Conditions on clocks are comparisons of numbers at one instant; what the engine says of whole
+// intervals is asked again at every instant at which something might turn.
 #include <algorithm>
 
 #include "tools/gen/naive.hpp"
@@ -26,7 +26,9 @@ bool NaiveEngine::invariants_hold_at(std::int64_t instant) const {
     if (state.at_work != nullptr) continue;
     for (const Invariant& i : world_.atoms[a].type->invariants) {
       const std::set<std::string> places(i.places.begin(), i.places.end());
-      const bool concerns = i.scope == "at" ? places == state.marking : std::includes(state.marking.begin(), state.marking.end(), places.begin(), places.end());
+      const bool concerns =
+          i.scope == "at" ? places == state.marking
+                          : std::includes(state.marking.begin(), state.marking.end(), places.begin(), places.end());
       if (concerns && !i.when.empty() && !holds_at(state, i.when, instant)) return false;
     }
   }
@@ -61,7 +63,8 @@ void NaiveEngine::finish(std::size_t atom, const Transition& t) {
   AtomState& state = states_[atom];
   const AtomType& type = *world_.atoms[atom].type;
   Place code;
-  execute(t.action, [&state](const std::string&, const std::string& name) -> Value& { return state.vars.at(name); }, code);
+  execute(
+      t.action, [&state](const std::string&, const std::string& name) -> Value& { return state.vars.at(name); }, code);
   if (!code.fault) set_clocks(state, t);
   if (code.fault || !invariants_hold(state, type)) return trouble(Trouble::Sure);
   settle(atom);
@@ -118,7 +121,8 @@ std::set<std::int64_t> NaiveEngine::turning_points() const {
       for (const ClockBound& b : when) {
         const ClockValue& clock = state.clocks.at(b.clock);
         std::int64_t value = value_at(clock, now_), speed = clock.speed;
-        if (!b.minus.empty()) value -= value_at(state.clocks.at(b.minus), now_), speed -= state.clocks.at(b.minus).speed;
+        if (!b.minus.empty())
+          value -= value_at(state.clocks.at(b.minus), now_), speed -= state.clocks.at(b.minus).speed;
         if (speed == 0) continue;
         const std::int64_t limit = (b.limit_name.empty() ? b.limit : state.vars.at(b.limit_name).i) * clock.unit;
         // Somewhere around here the comparison turns.
@@ -153,7 +157,8 @@ std::vector<std::set<std::string>> NaiveEngine::enabled_at(std::int64_t instant)
 
 std::int64_t NaiveEngine::limit(const std::vector<Choice>& choices, std::vector<std::int64_t>& ends) {
   ends.assign(choices.size(), kForever);
-  // An action that has returned may find an invariant broken: time stands, and intervals are what guards say all the same.
+  // An action that has returned may find an invariant broken: time stands, and intervals are what guards say all the
+  // same.
   std::int64_t last = invariants_hold_at(now_) ? kForever : now_;
   bool is_eager = false;
   const std::set<std::int64_t> turns = turning_points();

@@ -13,7 +13,7 @@ struct Value {
   std::int32_t i = 0;  // Int, Bool
   double f = 0;
   std::string s;
-  Wide w;              // Pair (c is 0), Wide
+  Wide w;  // Pair (c is 0), Wide
 };
 using Values = std::map<std::string, Value>;
 

@@ -43,14 +43,16 @@ class NaiveWorldBuilder {
       if (component.size.empty()) {
         add_component(*at, component, component.name);
       } else {
-        for (int k = 0, n = size_of(*at, component.size); k < n; ++k) add_component(*at, component, element(component.name, k));
+        for (int k = 0, n = size_of(*at, component.size); k < n; ++k)
+          add_component(*at, component, element(component.name, k));
       }
     }
     for (const Connector& connector : type.connectors) {
       if (connector.size.empty()) {
         add_connector(*at, connector, connector.name, 0);
       } else {
-        for (int k = 0, n = size_of(*at, connector.size); k < n; ++k) add_connector(*at, connector, element(connector.name, k), k);
+        for (int k = 0, n = size_of(*at, connector.size); k < n; ++k)
+          add_connector(*at, connector, element(connector.name, k), k);
       }
     }
     for (const Priority& rule : type.priorities) add_rule(*at, rule);
@@ -93,7 +95,8 @@ class NaiveWorldBuilder {
       }
       return result;
     }
-    if (auto connector = at.connectors.find(key); connector != at.connectors.end()) return {{-1, "", connector->second, false}};
+    if (auto connector = at.connectors.find(key); connector != at.connectors.end())
+      return {{-1, "", connector->second, false}};
     Instance& child = *at.children.at(key);
     for (const PortPath& target : find_named(child.type->port_exports, path.port)->targets) {
       for (WorldOption option : resolve(child, target, 0)) {
@@ -166,7 +169,8 @@ std::vector<Node> structural_interactions(const World& world, int connector, std
         if (option.atom >= 0) {
           options.push_back({{option.atom, option.port}});
         } else {
-          for (Node& inner : structural_interactions(world, option.connector, limit)) options.push_back(std::move(inner.leaves));
+          for (Node& inner : structural_interactions(world, option.connector, limit))
+            options.push_back(std::move(inner.leaves));
         }
       }
       std::vector<Node> next;

@@ -13,8 +13,8 @@ struct WorldAtom {
   Values args;
 };
 struct WorldOption {
-  int atom = -1;       // else a connector's exported port
-  std::string port;    // of the atom
+  int atom = -1;     // else a connector's exported port
+  std::string port;  // of the atom
   int connector = -1;
   bool maximal_only = false;
 };
@@ -24,7 +24,7 @@ struct WorldConnector {
   std::string path;
   const ConnectorType* type = nullptr;
   std::vector<WorldPort> ports;
-  int compound = 0;    // the instance that declares it
+  int compound = 0;  // the instance that declares it
 };
 /// A side of a rule: connector -1 is *:*.
 struct WorldPattern {

@@ -7,7 +7,9 @@ namespace {
 std::string code(const Expr& expr) { return text_of(expr, plain_name, Spelling::Bip2); }
 std::string code(const Body& body) { return text_of(body, plain_name, Spelling::Bip2); }
 
-std::string typed(const Var& var) { return (var.type < Ty::Pair ? "" : "$") + std::string(name_of(var.type)) + " " + var.name; }
+std::string typed(const Var& var) {
+  return (var.type < Ty::Pair ? "" : "$") + std::string(name_of(var.type)) + " " + var.name;
+}
 std::string typed(const std::vector<Var>& vars) {
   std::vector<std::string> items;
   for (const Var& var : vars) items.push_back(typed(var));
@@ -39,7 +41,8 @@ std::string action(const Transition& t) {
   std::string text = t.action.empty() ? "{ " : code(t.action);
   if (t.sets.empty()) return " do " + text;
   if (!t.action.empty()) text.resize(text.rfind('}'));
-  for (const ClockSet& s : t.sets) text += s.clock + (s.is_speed ? "' = " : " = ") + std::to_string(s.value) + (s.is_speed ? ".0; " : "; ");
+  for (const ClockSet& s : t.sets)
+    text += s.clock + (s.is_speed ? "' = " : " = ") + std::to_string(s.value) + (s.is_speed ? ".0; " : "; ");
   return " do " + text + "}";
 }
 // What is written after `do`, and before the transition.
@@ -57,7 +60,11 @@ std::string print(const AtomType& atom) {
   for (const Var& var : atom.data) text += data_line(var);
   for (std::size_t k = 0; k < atom.ports.size(); ++k) {
     const Port& port = atom.ports[k];
-    text += std::string("    ") + (port.exported ? "export " : port.event.empty() ? "" : "extern ") + "port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")";
+    text += std::string("    ") +
+            (port.exported        ? "export "
+             : port.event.empty() ? ""
+                                  : "extern ") +
+            "port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")";
     // Merged ports are neighbours.
     for (; !port.merged.empty() && k + 1 < atom.ports.size() && atom.ports[k + 1].merged == port.merged; ++k) {
       text += ", " + atom.ports[k + 1].name + "(" + join(atom.ports[k + 1].vars, ", ") + ")";
@@ -105,7 +112,8 @@ std::string print(const ConnectorType& type) {
   std::string text = "  connector type " + type.name + "(" + join(params, ", ") + ")\n";
   for (const Var& var : type.data) text += data_line(var);
   if (type.exports) {
-    text += "    export port $" + type.export_type + " " + type.export_name + "(" + join(type.export_vars, ", ") + ")\n";
+    text +=
+        "    export port $" + type.export_type + " " + type.export_name + "(" + join(type.export_vars, ", ") + ")\n";
   }
   for (const Define& child : type.define.children) parts.push_back(define_text(type, child));
   text += "    define " + join(parts, " ") + "\n";
@@ -146,7 +154,8 @@ std::string print(const CompoundType& compound) {
     text += connector.type + " " + connector.name + (loop ? "[i]" : "") + "(" + join(ports, ", ") + ")\n";
   }
   for (const Priority& rule : compound.priorities) {
-    text += "    priority " + rule.name + " " + pattern_text(compound, rule.low) + " < " + pattern_text(compound, rule.high);
+    text += "    priority " + rule.name + " " + pattern_text(compound, rule.low) + " < " +
+            pattern_text(compound, rule.high);
     if (rule.guard) text += " provided (" + code(*rule.guard) + ")";
     text += "\n";
   }
@@ -201,14 +210,22 @@ std::string broadcast_text(int receivers) {
     ports += ", r[" + i + "].hear";
   }
   return "package broadcast\n  port type Signal()\n"
-         "  atom type Sender()\n    export port Signal go()\n    place S\n    initial to S\n    on go from S to S\n  end\n"
+         "  atom type Sender()\n    export port Signal go()\n    place S\n    initial to S\n    on go from S to S\n  "
+         "end\n"
          "  atom type Receiver()\n    export port Signal hear()\n    export port Signal rearm()\n    place A, B\n"
          "    initial to A\n    on hear from A to B\n    on rearm from B to A\n  end\n"
          "  connector type One(Signal p)\n    define p\n  end\n"
-         "  connector type Broadcast(" + params + ")\n    define " + define + "\n  end\n"
-         "  compound type Root()\n    component Sender s()\n    component Receiver r[" + n + "]()\n"
-         "    connector Broadcast all(" + ports + ")\n"
-         "    for i in 0.." + n + " connector One again[i](r[i].rearm)\n  end\nend\n";
+         "  connector type Broadcast(" +
+         params + ")\n    define " + define +
+         "\n  end\n"
+         "  compound type Root()\n    component Sender s()\n    component Receiver r[" +
+         n +
+         "]()\n"
+         "    connector Broadcast all(" +
+         ports +
+         ")\n"
+         "    for i in 0.." +
+         n + " connector One again[i](r[i].rearm)\n  end\nend\n";
 }
 
 }  // namespace bip::gen

@@ -23,7 +23,8 @@ constexpr int kPrimary = 11;
 
 // An operator on objects is written like any other.
 bool is_operator(const Expr& expr) {
-  return expr.kind == ExprKind::Binary || (expr.kind == ExprKind::Call && outside_functions()[static_cast<std::size_t>(expr.row)].is_operator);
+  return expr.kind == ExprKind::Binary ||
+         (expr.kind == ExprKind::Call && outside_functions()[static_cast<std::size_t>(expr.row)].is_operator);
 }
 
 int precedence(const Expr& expr) {
@@ -82,7 +83,8 @@ std::string text_of(const Expr& expr, const NameText& names, Spelling spelling) 
         bool nested = comparison && (other == 6 || other == 7);
         return wrapped(e, nested || other < mine || (right && other == mine), names, spelling);
       };
-      text = operand(expr.args[0], false) + " " + operator_text(expr.text, spelling) + " " + operand(expr.args[1], true);
+      text =
+          operand(expr.args[0], false) + " " + operator_text(expr.text, spelling) + " " + operand(expr.args[1], true);
       break;
     }
   }
@@ -118,7 +120,8 @@ std::string text_of(const PortPath& path) {
     case Index::Kind::None: break;
     case Index::Kind::Constant: text += "[" + std::to_string(path.index.value) + "]"; break;
     case Index::Kind::Loop:
-      text += path.index.value == 0 ? "[i]" : "[(i + " + std::to_string(path.index.value) + ") % " + path.index.size + "]";
+      text +=
+          path.index.value == 0 ? "[i]" : "[(i + " + std::to_string(path.index.value) + ") % " + path.index.size + "]";
       break;
   }
   return text + "." + path.port;

@@ -1,5 +1,5 @@
-// The model as packages: what is declared beside its types (constants, functions, the C++ side as far as it is used), what
-// goes into which package, and how a package writes the names of another one.
+// The model as packages: what is declared beside its types (constants, functions, the C++ side as far as it is used),
+// what goes into which package, and how a package writes the names of another one.
 #include <map>
 
 #include "tools/gen/functions.hpp"
@@ -18,11 +18,13 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 std::string constants_and_functions(const Description& model) {
   std::string text;
-  for (const Var& var : model.constants) text += std::string("  const data ") + name_of(var.type) + " " + var.name + " = " + bip2_code(*var.init) + "\n";
+  for (const Var& var : model.constants)
+    text += std::string("  const data ") + name_of(var.type) + " " + var.name + " = " + bip2_code(*var.init) + "\n";
   for (const InlineFunction& function : model.functions) {
     std::vector<std::string> params;
     for (const Var& var : function.params) params.push_back(std::string(name_of(var.type)) + " " + var.name);
-    text += std::string("  function ") + name_of(function.result) + " " + function.name + "(" + join(params, ", ") + ") = " + bip2_code(function.body) + "\n";
+    text += std::string("  function ") + name_of(function.result) + " " + function.name + "(" + join(params, ", ") +
+            ") = " + bip2_code(function.body) + "\n";
   }
   return text;
 }
@@ -45,7 +47,8 @@ std::string outside(const std::string& used, bool& needs_header) {
 }
 
 /// The marks replaced: names of other packages get theirs, or some of them do.
-std::string resolved(const std::string& text, const std::string& package, const std::map<std::string, std::string>& home, bool qualified) {
+std::string resolved(const std::string& text, const std::string& package,
+                     const std::map<std::string, std::string>& home, bool qualified) {
   std::string result;
   std::size_t count = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -65,7 +68,8 @@ std::string resolved(const std::string& text, const std::string& package, const 
 
 std::vector<std::string> print_packages(const Description& model) {
   const std::string base_name = "lib.base_of_" + model.package, parts_name = "lib.parts_of_" + model.package;
-  const std::string words = constants_and_functions(model), types = print_types(model.port_types), parts = print_parts(model), compounds = print_compounds(model);
+  const std::string words = constants_and_functions(model), types = print_types(model.port_types),
+                    parts = print_parts(model), compounds = print_compounds(model);
   bool needs_header = false;
   const std::string externs = outside(words + types + parts + compounds, needs_header);
   const std::string base = externs + words + types;
@@ -73,7 +77,9 @@ std::vector<std::string> print_packages(const Description& model) {
   std::vector<Package> packages;
   if (model.split == Split::One) packages.push_back({model.package, base + parts + compounds, {}});
   if (model.split == Split::Base) packages = {{base_name, base, {}}, {model.package, parts + compounds, {base_name}}};
-  if (model.split == Split::Parts) packages = {{base_name, base, {}}, {parts_name, parts, {base_name}}, {model.package, compounds, {base_name, parts_name}}};
+  if (model.split == Split::Parts)
+    packages = {
+        {base_name, base, {}}, {parts_name, parts, {base_name}}, {model.package, compounds, {base_name, parts_name}}};
 
   std::map<std::string, std::string> home;
   for (const PortType& type : model.port_types) home[type.name] = packages.front().name;

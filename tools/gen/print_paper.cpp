@@ -48,7 +48,8 @@ std::string inline_connector(const ConnectorType& type, const Connector& connect
 
 std::string print_paper(const AtomType& atom) {
   std::string text = "  component " + atom.name + "\n";
-  for (const Port& port : atom.ports) text += "    port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")\n";
+  for (const Port& port : atom.ports)
+    text += "    port $" + port.type + " " + port.name + "(" + join(port.vars, ", ") + ")\n";
   for (const Var& var : atom.data) {
     text += std::string("    data ") + (var.type < Ty::Pair ? "" : "$") + name_of(var.type) + " " + var.name;
     if (var.init) text += " = " + paper_code(*var.init);

@@ -28,7 +28,8 @@ class Editor {
         if (e.targets.size() > 1) remove_one(e.targets);
       }
     }
-    for (std::size_t k = 0; k < model.connector_types.size() && !done_; ++k) remove_param(model, model.connector_types[k]);
+    for (std::size_t k = 0; k < model.connector_types.size() && !done_; ++k)
+      remove_param(model, model.connector_types[k]);
     for (ConnectorType& type : model.connector_types) walk(type);
     for (AtomType& type : model.atom_types) walk(type);
     for (CompoundType& type : model.compound_types) {
@@ -121,7 +122,8 @@ class Editor {
       int param = static_cast<int>(k);
       type.params.erase(type.params.begin() + param);
       forget_leaf(type.define, param);
-      std::erase_if(type.clauses, [&](const Clause& c) { return std::count(c.params.begin(), c.params.end(), param) > 0; });
+      std::erase_if(type.clauses,
+                    [&](const Clause& c) { return std::count(c.params.begin(), c.params.end(), param) > 0; });
       for (Clause& c : type.clauses) {
         for (int& p : c.params) p -= p > param ? 1 : 0;
       }
@@ -204,7 +206,8 @@ Description shrink(Description model, const std::function<bool(const Description
       Description smaller = model;
       if (!apply_edit(smaller, n)) break;
       tidy(smaller);
-      if (!smaller.compound_types.empty() && !smaller.compound_types.back().components.empty() && still_fails(smaller)) {
+      if (!smaller.compound_types.empty() && !smaller.compound_types.back().components.empty() &&
+          still_fails(smaller)) {
         model = std::move(smaller);
         improved = true;
       } else {

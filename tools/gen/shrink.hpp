@@ -12,6 +12,7 @@ bool apply_edit(Description& model, std::size_t n);
 void tidy(Description& model);
 
 /// Tries edits, coarse ones first, until none keeps the failure or `budget` attempts are used.
-[[nodiscard]] Description shrink(Description model, const std::function<bool(const Description&)>& still_fails, int budget);
+[[nodiscard]] Description shrink(Description model, const std::function<bool(const Description&)>& still_fails,
+                                 int budget);
 
 }  // namespace bip::gen

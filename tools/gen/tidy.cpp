@@ -42,7 +42,8 @@ class Tidier {
     return port == "*" || find_named(type.ports, port) != nullptr;
   }
   void tidy(AtomType& type) {
-    drop_if(type.transitions, [&](const Transition& t) { return !t.port.empty() && find_named(type.ports, t.port) == nullptr; });
+    drop_if(type.transitions,
+            [&](const Transition& t) { return !t.port.empty() && find_named(type.ports, t.port) == nullptr; });
     std::set<std::string> names, places(type.initial.begin(), type.initial.end());
     names_in(type.initial_action, names);
     for (const Transition& t : type.transitions) {
@@ -86,7 +87,8 @@ class Tidier {
   [[nodiscard]] bool leads_somewhere(const CompoundType& at, const PortPath& path) const {
     if (const Component* component = find_named(at.components, path.component)) {
       if (const AtomType* atom = find_named(model_.atom_types, component->type)) {
-        return std::any_of(atom->ports.begin(), atom->ports.end(), [&](const Port& p) { return p.outside() == path.port; });
+        return std::any_of(atom->ports.begin(), atom->ports.end(),
+                           [&](const Port& p) { return p.outside() == path.port; });
       }
       const CompoundType* inner = find_named(model_.compound_types, component->type);
       return inner != nullptr && find_named(inner->port_exports, path.port) != nullptr;
@@ -115,10 +117,11 @@ class Tidier {
       const CompoundType* inner = component == nullptr ? nullptr : find_named(model_.compound_types, component->type);
       return component == nullptr || (inner != nullptr && find_named(inner->data_exports, e.data) == nullptr);
     });
-    auto gone = [&](const Pattern& p) { return !p.any_connector && find_named(type.connectors, p.connector) == nullptr; };
-    drop_if(type.priorities, [&](const Priority& p) {
-      return gone(p.low) || gone(p.high) || (p.guard && !names_data(type, *p.guard));
-    });
+    auto gone = [&](const Pattern& p) {
+      return !p.any_connector && find_named(type.connectors, p.connector) == nullptr;
+    };
+    drop_if(type.priorities,
+            [&](const Priority& p) { return gone(p.low) || gone(p.high) || (p.guard && !names_data(type, *p.guard)); });
   }
   void drop_unused_types() {
     std::set<std::string> used;

@@ -34,7 +34,10 @@ inline RunSpec run_spec(int number, std::uint64_t seed, std::uint64_t steps) {
     case 4: return {.seed = seed + 4, .steps = steps, .silent = true};
     default: break;
   }
-  return {.seed = seed + 2, .steps = steps, .policy = rt::Policy::Fair, .format = rt::TraceFormat::Bip2,
+  return {.seed = seed + 2,
+          .steps = steps,
+          .policy = rt::Policy::Fair,
+          .format = rt::TraceFormat::Bip2,
           .maximal_progress = number != 3};
 }
 inline constexpr int kRunSpecs = 5;
@@ -46,11 +49,13 @@ inline std::string data_text(const rt::Image& image, const std::vector<std::uint
   std::size_t at = 0;
   for (std::uint32_t a = 0; a < image.atoms.size; ++a) {
     const rt::AtomType& type = image.atom_types[image.atoms[a].type];
-    for (std::uint32_t s = 0; s < type.slots.size && at < data.size(); ++s, ++at) {
-      const rt::Slot slot{.bits = data[at]};
-      switch (type.slots[s].type) {
-        case rt::SlotType::String: text += std::string("\"") + rt::string_of(image, slot) + "\" "; break;
-        case rt::SlotType::Float: text += (std::isnan(slot.f) ? std::string("nan") : std::to_string(data[at])) + " "; break;
+    for (std::uint32_t s = 0; s < type.variables.size && at < data.size(); ++s, ++at) {
+      const rt::Cell cell{.bits = data[at]};
+      switch (type.variables[s].type) {
+        case rt::CellType::String: text += std::string("\"") + rt::string_of(image, cell) + "\" "; break;
+        case rt::CellType::Float:
+          text += (std::isnan(cell.f) ? std::string("nan") : std::to_string(data[at])) + " ";
+          break;
         default: text += std::to_string(data[at]) + " ";
       }
     }
@@ -69,11 +74,13 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   // Watched ones in between: both ways keep the other's books.
   for (std::uint64_t part = 0; part < 4 && sound && core.candidate_count() != 0; ++part) {
     if (core.has_steps()) {
-      const std::uint64_t done = core.run_steps(scheduler.prng(), spec.steps, [] { return false; }, sound);
+      const std::uint64_t done = core.run_steps(
+          scheduler.prng(), spec.steps, [] { return false; }, sound);
       text += std::to_string(done) + " steps\n";
     } else {
       std::uint64_t done = 0;
-      for (; done < spec.steps && sound && core.candidate_count() != 0; ++done) sound = core.take(scheduler.choose(core));
+      for (; done < spec.steps && sound && core.candidate_count() != 0; ++done)
+        sound = core.take(scheduler.choose(core));
       text += std::to_string(done - (sound ? 0 : 1)) + " steps\n";
     }
     for (int watched = 0; watched < 3 && sound && core.candidate_count() != 0; ++watched) {
@@ -87,11 +94,13 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   for (const std::uint32_t place : state.places) text += std::to_string(place) + " ";
   text += data_text(image, state.data);
   text += "\nlist";
-  for (const std::uint32_t slot : core.list_order()) text += " " + std::to_string(slot);
-  for (std::uint64_t k = 0; k < core.candidate_count() && k < 100; ++k) text += " " + std::to_string(core.candidate(k).slot);
+  for (const std::uint32_t cell : core.list_order()) text += " " + std::to_string(cell);
+  for (std::uint64_t k = 0; k < core.candidate_count() && k < 100; ++k)
+    text += " " + std::to_string(core.candidate(k).interaction);
   // From the same state without a history: everything must follow from it.
   rt::Core fresh(image);
-  if (!fresh.initialize() || !fresh.restore(state) || fresh.candidate_count() != core.candidate_count()) text += "\nthe state alone says otherwise";
+  if (!fresh.initialize() || !fresh.restore(state) || fresh.candidate_count() != core.candidate_count())
+    text += "\nthe state alone says otherwise";
   return text + "\n";
 }
 
@@ -119,17 +128,22 @@ inline std::string events_text(const rt::Image& image, std::uint64_t seed) {
   const rt::Core core(image);
   std::string text;
   std::uint64_t state = seed, time = 0;
-  const auto draw = [&](std::uint64_t n) { return ((state = state * 6364136223846793005u + 1442695040888963407u) >> 33) % n; };
+  const auto draw = [&](std::uint64_t n) {
+    return ((state = state * 6364136223846793005u + 1442695040888963407u) >> 33) % n;
+  };
   for (int k = 0; k < 12 && !core.event_ports().empty(); ++k) {
     const rt::EventPortRow& row = core.event_ports()[draw(core.event_ports().size())];
     const rt::AtomType& type = image.atom_types[image.atoms[row.atom].type];
     time += draw(3) == 0 ? 0 : draw(9) * 500'000;
-    text += "{\"time\":" + std::to_string(time) + ",\"port\":\"" + image.atoms[row.atom].path() + "." + type.ports[row.port].name + "\",\"values\":[";
+    text += "{\"time\":" + std::to_string(time) + ",\"port\":\"" + image.atoms[row.atom].path() + "." +
+            type.ports[row.port].name + "\",\"values\":[";
     const rt::Span<rt::Var>& vars = image.port_types[type.ports[row.port].type].vars;
     for (std::uint32_t v = 0; v < vars.size; ++v) {
       const std::string number = std::to_string(draw(12));
       text += v == 0 ? "" : ",";
-      text += vars[v].type == rt::SlotType::Bool ? (number.size() > 1 ? "true" : "false") : vars[v].type == rt::SlotType::String ? "\"\"" : number;
+      text += vars[v].type == rt::CellType::Bool     ? (number.size() > 1 ? "true" : "false")
+              : vars[v].type == rt::CellType::String ? "\"\""
+                                                     : number;
     }
     text += "]}\n";
   }
@@ -182,8 +196,8 @@ inline std::string traced_run(const rt::Image& image, const RunSpec& spec) {
   for (const int file : {json, given, record}) {
     if (file >= 0) close(file);
   }
-  return all + "end " + std::to_string(static_cast<int>(result.end)) + " steps " + std::to_string(result.steps) + " exit " +
-         std::to_string(result.exit_code) + "\n";
+  return all + "end " + std::to_string(static_cast<int>(result.end)) + " steps " + std::to_string(result.steps) +
+         " exit " + std::to_string(result.exit_code) + "\n";
 }
 
 }  // namespace bip::gen

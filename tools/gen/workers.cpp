@@ -1,5 +1,5 @@
-// Workers are forks; each writes lines of results into a pipe and its current seed into shared memory. When one dies, the
-// seed in hand has failed and a new worker goes on after it.
+// Workers are forks; each writes lines of results into a pipe and its current seed into shared memory. When one dies,
+// the seed in hand has failed and a new worker goes on after it.
 #include "tools/gen/workers.hpp"
 
 #include <sys/mman.h>
@@ -55,9 +55,11 @@ class Worker {
       Counts counts;
       EmittedCase emitted;
       SupportedModel supported = supported_model(seed);
-      std::string failure = check_model(supported.model, seed, options_, counts, options_.emit_cpp ? &emitted : nullptr);
+      std::string failure =
+          check_model(supported.model, seed, options_, counts, options_.emit_cpp ? &emitted : nullptr);
       limit_time(0);
-      std::fprintf(out_, "M %llu %llu %llu\n", static_cast<unsigned long long>(counts.oracle.states), static_cast<unsigned long long>(counts.oracle.too_large),
+      std::fprintf(out_, "M %llu %llu %llu\n", static_cast<unsigned long long>(counts.oracle.states),
+                   static_cast<unsigned long long>(counts.oracle.too_large),
                    static_cast<unsigned long long>(counts.in_columns));
       tell(counts.engines);
       if (supported.is_plain) std::fprintf(out_, "U 1\n");
@@ -78,13 +80,14 @@ class Worker {
     std::fprintf(out_, "F %llu %s\n", static_cast<unsigned long long>(f.seed), one_line(f.what).c_str());
   }
   void tell(const EngineCounts& counts) {
-    std::fprintf(out_, "R %llu %llu %llu\n", static_cast<unsigned long long>(counts.runs), static_cast<unsigned long long>(counts.steps),
-                 static_cast<unsigned long long>(counts.in_parts));
+    std::fprintf(out_, "R %llu %llu %llu\n", static_cast<unsigned long long>(counts.runs),
+                 static_cast<unsigned long long>(counts.steps), static_cast<unsigned long long>(counts.in_parts));
   }
   void flush() {
     if (cases_.empty()) return;
     EngineCounts counts;
-    for (const Failure& f : check_emitted(cases_, options_, "batch" + std::to_string(cases_.front().seed), counts)) report(f);
+    for (const Failure& f : check_emitted(cases_, options_, "batch" + std::to_string(cases_.front().seed), counts))
+      report(f);
     tell(counts);
     std::fprintf(out_, "E %zu\n", cases_.size());
     cases_.clear();
@@ -133,7 +136,8 @@ struct Slice {
 
 Totals check_seeds(std::uint64_t first, std::uint64_t count, int jobs, std::size_t batch, const CheckOptions& options) {
   auto workers = static_cast<std::uint64_t>(std::max(1, jobs));
-  void* shared = mmap(nullptr, workers * sizeof(std::uint64_t), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* shared =
+      mmap(nullptr, workers * sizeof(std::uint64_t), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   auto* current = static_cast<volatile std::uint64_t*>(shared);
   std::vector<Slice> slices(workers);
   Totals totals;
@@ -170,7 +174,8 @@ Totals check_seeds(std::uint64_t first, std::uint64_t count, int jobs, std::size
     start(w);
   }
   munmap(shared, workers * sizeof(std::uint64_t));
-  std::sort(totals.failures.begin(), totals.failures.end(), [](const Failure& a, const Failure& b) { return a.seed < b.seed; });
+  std::sort(totals.failures.begin(), totals.failures.end(),
+            [](const Failure& a, const Failure& b) { return a.seed < b.seed; });
   return totals;
 }
 
@@ -187,7 +192,8 @@ std::string check_isolated(const Description& model, std::uint64_t seed, const C
     EmittedCase emitted;
     std::string failure = check_model(model, seed, options, counts, options.emit_cpp ? &emitted : nullptr);
     if (failure.empty() && options.emit_cpp) {
-      for (const Failure& f : check_emitted({emitted}, options, "alone" + std::to_string(seed), counts.engines)) failure = f.what;
+      for (const Failure& f : check_emitted({emitted}, options, "alone" + std::to_string(seed), counts.engines))
+        failure = f.what;
     }
     std::fputs(failure.c_str(), results);
     std::fflush(results);

@@ -12,7 +12,8 @@ struct Totals {
 };
 
 /// Seeds first … first + count - 1. `batch`: models a program of emitted C++.
-[[nodiscard]] Totals check_seeds(std::uint64_t first, std::uint64_t count, int jobs, std::size_t batch, const CheckOptions& options);
+[[nodiscard]] Totals check_seeds(std::uint64_t first, std::uint64_t count, int jobs, std::size_t batch,
+                                 const CheckOptions& options);
 
 /// The checks of one model in a process of its own, emitted C++ included if wanted; a crash is a failure "crash: …".
 [[nodiscard]] std::string check_isolated(const Description& model, std::uint64_t seed, const CheckOptions& options);

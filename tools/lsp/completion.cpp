@@ -1,7 +1,7 @@
 // Completion: names by what may stand at the cursor, and the words of the language that may.
 //
-// Where the cursor is comes from the words before it, since the text there is half-written as a rule; the names come from
-// the index. While the file cannot be read at all, the names of its last readable state serve.
+// Where the cursor is comes from the words before it, since the text there is half-written as a rule; the names come
+// from the index. While the file cannot be read at all, the names of its last readable state serve.
 #include <algorithm>
 #include <set>
 
@@ -65,10 +65,17 @@ Region region_of(const std::vector<Word>& words) {
 Texts keywords(Region region) {
   switch (region) {
     case Region::File: return {"package", "component", "use", "port", "connector", "atom", "compound"};
-    case Region::Package: return {"use", "port type", "connector type", "atom type", "compound type", "component", "const data", "extern data type", "extern function", "function", "end"};
+    case Region::Package:
+      return {"use",       "port type",  "connector type",   "atom type",       "compound type",
+              "component", "const data", "extern data type", "extern function", "function",
+              "end"};
     case Region::Connector: return {"data", "export port", "define", "on", "provided", "up", "down", "end"};
-    case Region::Atom: return {"data", "export data", "port", "export port", "place", "initial to", "on", "internal", "from", "to", "provided", "do", "priority", "invariant", "clock", "state", "end"};
-    case Region::Compound: return {"component", "connector", "contains", "for", "priority", "export port", "export data", "port", "data", "behavior", "define", "on", "provided", "do", "end"};
+    case Region::Atom:
+      return {"data", "export data", "port", "export port", "place",     "initial to", "on",    "internal", "from",
+              "to",   "provided",    "do",   "priority",    "invariant", "clock",      "state", "end"};
+    case Region::Compound:
+      return {"component", "connector", "contains", "for", "priority", "export port", "export data", "port",
+              "data",      "behavior",  "define",   "on",  "provided", "do",          "end"};
     case Region::Action: return {"if", "then", "else", "fi", "true", "false"};
   }
   return {};
@@ -76,10 +83,13 @@ Texts keywords(Region region) {
 
 class Completer {
  public:
-  Completer(const Index& index, FileId file, std::uint32_t offset, std::string_view before) : index_(index), words_(cut_into_words(before)) {
+  Completer(const Index& index, FileId file, std::uint32_t offset, std::string_view before)
+      : index_(index), words_(cut_into_words(before)) {
     std::vector<Word>& list = words_.list;
     // What is being typed is no context.
-    if (!list.empty() && list.back().begin + list.back().text.size() == before.size() && is_name_character(list.back().text.front())) list.pop_back();
+    if (!list.empty() && list.back().begin + list.back().text.size() == before.size() &&
+        is_name_character(list.back().text.front()))
+      list.pop_back();
     scope_ = file.is_valid() ? names_in_scope(index, file, offset) : index.file_symbols;
   }
 
@@ -92,7 +102,8 @@ class Completer {
       behind_dot();
     } else if (last == "@") {
       words({"SuppressWarning", "cpp"});
-    } else if (const std::string_view governing = governing_word(); governing == "from" || governing == "to" || governing == "at") {
+    } else if (const std::string_view governing = governing_word();
+               governing == "from" || governing == "to" || governing == "at") {
       names({SymbolKind::Place});
     } else if (governing == "use") {
       names({SymbolKind::Package});
@@ -129,10 +140,12 @@ class Completer {
   }
 
   void anything(Region region, std::string_view last) {
-    const bool is_value = last == "=" || last == "(" || last == "," || last == "provided" || last == "do" || (last.size() == 1 && std::string_view("+-*/%<>&|!^~-[{;").find(last) != std::string_view::npos);
+    const bool is_value =
+        last == "=" || last == "(" || last == "," || last == "provided" || last == "do" ||
+        (last.size() == 1 && std::string_view("+-*/%<>&|!^~-[{;").find(last) != std::string_view::npos);
     if (is_value || region == Region::Action || last == "define" || last == "then" || last == "else") {
-      names({SymbolKind::Data, SymbolKind::Parameter, SymbolKind::LoopVariable, SymbolKind::Port, SymbolKind::Clock, SymbolKind::Component, SymbolKind::Connector, SymbolKind::Constant,
-             SymbolKind::Function});
+      names({SymbolKind::Data, SymbolKind::Parameter, SymbolKind::LoopVariable, SymbolKind::Port, SymbolKind::Clock,
+             SymbolKind::Component, SymbolKind::Connector, SymbolKind::Constant, SymbolKind::Function});
       if (last == "(" || last == ",") names({SymbolKind::PortType, SymbolKind::ExternType});
     }
     if (is_value && region != Region::Action) {
@@ -178,7 +191,8 @@ class Completer {
     // The declaration around may be too broken to be known: any part of that name is better than nothing.
     for (std::uint32_t row = 0; row < index_.symbols.size(); ++row) {
       const Symbol& s = index_.symbols[SymbolId(row)];
-      const bool has_members = s.kind == SymbolKind::Component || s.kind == SymbolKind::Parameter || s.kind == SymbolKind::Connector || s.kind == SymbolKind::Port;
+      const bool has_members = s.kind == SymbolKind::Component || s.kind == SymbolKind::Parameter ||
+                               s.kind == SymbolKind::Connector || s.kind == SymbolKind::Port;
       if (has_members && s.name == name) return SymbolId(row);
     }
     return {};
@@ -218,7 +232,8 @@ Reply completion(Workspace& /*w*/, const Document& d, std::uint32_t offset) {
   const Index& index = is_readable ? d.analysis.index : d.last_names;
   // Offsets of an older state are near enough to tell the declaration around.
   const FileId file = index.symbols.size() > 0 ? d.analysis.file : FileId();
-  return Json{{"isIncomplete", false}, {"items", Completer(index, file, offset, std::string_view(d.text.str()).substr(0, offset)).run()}};
+  return Json{{"isIncomplete", false},
+              {"items", Completer(index, file, offset, std::string_view(d.text.str()).substr(0, offset)).run()}};
 }
 
 }  // namespace bip::lsp

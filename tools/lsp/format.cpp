@@ -18,7 +18,10 @@ Reply formatting(Workspace& w, const Document& d) {
   const std::string text = syntax::print(*syntax, sources);
   if (text == d.text.str()) return edits;
   const auto end = static_cast<std::uint32_t>(d.text.str().size());
-  edits.push_back({{"range", {{"start", json_of(d.text.position(0, w.encoding))}, {"end", json_of(d.text.position(end, w.encoding))}}}, {"newText", text}});
+  edits.push_back(
+      {{"range",
+        {{"start", json_of(d.text.position(0, w.encoding))}, {"end", json_of(d.text.position(end, w.encoding))}}},
+       {"newText", text}});
   return edits;
 }
 

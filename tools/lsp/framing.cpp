@@ -16,8 +16,8 @@ bool begins_field(std::string_view line) {
          });
 }
 
-/// The length that a header's lines give; nullopt if there is none or two, or a line is no field. `is_whole`: all lines are
-/// fields, so what is wrong is a value and no other header begins among them.
+/// The length that a header's lines give; nullopt if there is none or two, or a line is no field. `is_whole`: all lines
+/// are fields, so what is wrong is a value and no other header begins among them.
 std::optional<std::size_t> length_of(std::string_view header, bool& too_long, bool& is_whole) {
   std::optional<std::size_t> length;
   bool is_good = true;
@@ -69,7 +69,9 @@ void Framing::resynchronise(std::size_t from) {
     if (!begins) continue;
     const std::string_view rest = std::string_view(buffer_).substr(at, kField.size());
     // A field that is cut off by the end of what came so far may go on.
-    const bool may_be = std::equal(rest.begin(), rest.end(), kField.begin(), [](char a, char b) { return static_cast<char>(std::tolower(static_cast<unsigned char>(a))) == b; });
+    const bool may_be = std::equal(rest.begin(), rest.end(), kField.begin(), [](char a, char b) {
+      return static_cast<char>(std::tolower(static_cast<unsigned char>(a))) == b;
+    });
     if (!may_be) continue;
     buffer_.erase(0, at);
     lost_ = rest.size() < kField.size();
@@ -113,11 +115,14 @@ std::size_t Framing::missing() const {
   bool is_whole = false;
   if (const auto end = end_of_header(buffer_)) {
     const auto length = length_of(std::string_view(buffer_).substr(0, end->first), too_long, is_whole);
-    if (length && *length <= kMaxBody && end->second + *length > buffer_.size()) return end->second + *length - buffer_.size();
+    if (length && *length <= kMaxBody && end->second + *length > buffer_.size())
+      return end->second + *length - buffer_.size();
   }
   return 1;
 }
 
-std::string framed(std::string_view body) { return "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + std::string(body); }
+std::string framed(std::string_view body) {
+  return "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + std::string(body);
+}
 
 }  // namespace bip::lsp

@@ -11,7 +11,9 @@ using index::SymbolKind;
 
 constexpr std::size_t kMostMembers = 40;
 
-bool is_type(SymbolKind kind) { return kind == SymbolKind::ConnectorType || kind == SymbolKind::AtomType || kind == SymbolKind::CompoundType; }
+bool is_type(SymbolKind kind) {
+  return kind == SymbolKind::ConnectorType || kind == SymbolKind::AtomType || kind == SymbolKind::CompoundType;
+}
 
 /// What one sees of a type from outside: its ports and data, a line each.
 std::string outside_of(const Index& index, const Symbol& type) {
@@ -32,7 +34,8 @@ std::string code_of(const Index& index, const Symbol& s) {
   if (!s.type.is_valid()) return code;
   const Symbol& type = index.symbols[s.type];
   if (type.kind == SymbolKind::PortType) return code + "\n" + type.detail;
-  if (is_type(type.kind) && (s.kind == SymbolKind::Component || s.kind == SymbolKind::Connector)) code += "\n" + type.detail + outside_of(index, type);
+  if (is_type(type.kind) && (s.kind == SymbolKind::Component || s.kind == SymbolKind::Connector))
+    code += "\n" + type.detail + outside_of(index, type);
   return code;
 }
 
@@ -44,8 +47,11 @@ Reply hover(Workspace& w, const Document& d, std::uint32_t offset) {
   if (at == nullptr) return Json(nullptr);
   const Symbol& s = index.symbols[at->symbol];
   std::string text = "```bip\n" + code_of(index, s) + "\n```\n" + index::name_of(s.kind);
-  if (s.parent.is_valid()) text += std::string(" of ") + index::name_of(index.symbols[s.parent].kind) + " `" + std::string(index.symbols[s.parent].name) + "`";
-  if (s.name_range.file != d.analysis.file) text += " in `" + d.analysis.compilation->sources.name(s.name_range.file) + "`";
+  if (s.parent.is_valid())
+    text += std::string(" of ") + index::name_of(index.symbols[s.parent].kind) + " `" +
+            std::string(index.symbols[s.parent].name) + "`";
+  if (s.name_range.file != d.analysis.file)
+    text += " in `" + d.analysis.compilation->sources.name(s.name_range.file) + "`";
   if (!s.doc.empty()) text += "\n\n---\n" + s.doc;
   return Json{{"contents", {{"kind", "markdown"}, {"value", text}}}, {"range", w.range(d.analysis, at->range)}};
 }

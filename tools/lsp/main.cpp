@@ -28,7 +28,8 @@ bool write_all(std::string_view bytes) {
 
 int serve() {
   bool is_heard = true;
-  bip::lsp::Server server([&is_heard](std::string_view message) { is_heard = is_heard && write_all(bip::lsp::framed(message)); });
+  bip::lsp::Server server(
+      [&is_heard](std::string_view message) { is_heard = is_heard && write_all(bip::lsp::framed(message)); });
   bip::lsp::Framing framing;
   std::string chunk;
   while (is_heard) {
@@ -52,7 +53,10 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--stdio") == 0) continue;
     const bool wants_help = std::strcmp(argv[i], "--help") == 0;
-    std::fputs("bipc-lsp [--stdio]: the language server of BIP, to be started by an editor; it talks on standard input and output\n", wants_help ? stdout : stderr);
+    std::fputs(
+        "bipc-lsp [--stdio]: the language server of BIP, to be started by an editor; it talks on standard input and "
+        "output\n",
+        wants_help ? stdout : stderr);
     return wants_help ? 0 : 2;
   }
   return serve();

@@ -1,6 +1,7 @@
 // Definition, references, rename: questions to the index of each open document.
 //
-// A symbol is known across documents by where it is declared: path and offset. Cost: linear in the open documents' uses.
+// A symbol is known across documents by where it is declared: path and offset. Cost: linear in the open documents'
+// uses.
 #include <algorithm>
 #include <set>
 
@@ -26,7 +27,9 @@ SymbolId same_symbol(const Analysis& a, const std::string& path, const Symbol& w
   for (std::uint32_t row = 0; row < a.index.symbols.size(); ++row) {
     const Symbol& s = a.index.symbols[SymbolId(row)];
     const std::string* in = a.path_of(s.name_range.file);
-    if (in != nullptr && s.name_range.begin == wanted.name_range.begin && s.name == wanted.name && s.kind == wanted.kind && *in == path) return SymbolId(row);
+    if (in != nullptr && s.name_range.begin == wanted.name_range.begin && s.name == wanted.name &&
+        s.kind == wanted.kind && *in == path)
+      return SymbolId(row);
   }
   return {};
 }
@@ -59,7 +62,8 @@ std::vector<Found> all_uses(Workspace& w, const Document& d, const Symbol& symbo
 std::string objection(Workspace& w, const Document& d, const Symbol& s) {
   const std::string* in = d.analysis.path_of(s.name_range.file);
   if (s.kind == SymbolKind::Package) return "a package is named as its file is: rename the file, then the package";
-  if (in == nullptr || !w.documents().contains(*in)) return "`" + std::string(s.name) + "` is declared in a file that is not open";
+  if (in == nullptr || !w.documents().contains(*in))
+    return "`" + std::string(s.name) + "` is declared in a file that is not open";
   return {};
 }
 
@@ -113,7 +117,8 @@ Reply rename(Workspace& w, const Document& d, std::uint32_t offset, const std::s
   if (at == nullptr) return RpcError{ErrorCode::RequestFailed, "there is no name here"};
   const Symbol& symbol = d.analysis.index.symbols[at->symbol];
   if (const std::string why = objection(w, d, symbol); !why.empty()) return RpcError{ErrorCode::RequestFailed, why};
-  if (!is_plain_name(name)) return bad_params("`" + name + "` is no name: letters, digits and `_`, no word of the language");
+  if (!is_plain_name(name))
+    return bad_params("`" + name + "` is no name: letters, digits and `_`, no word of the language");
   if (name == symbol.name) return Json{{"changes", Json::object()}};
   Json changes = Json::object();
   for (const Found& f : all_uses(w, d, symbol, true)) {
@@ -121,8 +126,12 @@ Reply rename(Workspace& w, const Document& d, std::uint32_t offset, const std::s
     const index::Index& index = f.document->analysis.index;
     const std::string_view text = f.document->analysis.compilation->sources.text(f.use.range.file);
     const bool is_behind_dot = f.use.range.begin > 0 && text[f.use.range.begin - 1] == '.';
-    for (const SymbolId other : is_behind_dot ? std::vector<SymbolId>() : names_in_scope(index, f.use.range.file, f.use.range.begin)) {
-      if (index.symbols[other].name == name) return RpcError{ErrorCode::RequestFailed, "there is a " + std::string(index::name_of(index.symbols[other].kind)) + " `" + name + "` already"};
+    for (const SymbolId other :
+         is_behind_dot ? std::vector<SymbolId>() : names_in_scope(index, f.use.range.file, f.use.range.begin)) {
+      if (index.symbols[other].name == name)
+        return RpcError{
+            ErrorCode::RequestFailed,
+            "there is a " + std::string(index::name_of(index.symbols[other].kind)) + " `" + name + "` already"};
     }
     const Json place = w.location(f.document->analysis, f.use.range);
     changes[place["uri"].get_ref<const std::string&>()].push_back({{"range", place["range"]}, {"newText", name}});
@@ -130,7 +139,10 @@ Reply rename(Workspace& w, const Document& d, std::uint32_t offset, const std::s
   const SymbolId parent = symbol.parent;
   if (parent.is_valid()) {
     for (const SymbolId sibling : d.analysis.index.symbols[parent].members) {
-      if (d.analysis.index.symbols[sibling].name == name) return RpcError{ErrorCode::RequestFailed, "there is a " + std::string(index::name_of(d.analysis.index.symbols[sibling].kind)) + " `" + name + "` already"};
+      if (d.analysis.index.symbols[sibling].name == name)
+        return RpcError{ErrorCode::RequestFailed,
+                        "there is a " + std::string(index::name_of(d.analysis.index.symbols[sibling].kind)) + " `" +
+                            name + "` already"};
     }
   }
   return Json{{"changes", std::move(changes)}};

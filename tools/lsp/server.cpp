@@ -31,8 +31,12 @@ Json capabilities(Encoding encoding) {
 }  // namespace
 
 void Server::send(const Json& message) { send_(message.dump(-1, ' ', false, Json::error_handler_t::replace)); }
-void Server::notify(const char* method, Json params) { send({{"jsonrpc", "2.0"}, {"method", method}, {"params", std::move(params)}}); }
-void Server::log(const std::string& text) { notify("window/logMessage", {{"type", 2}, {"message", "bipc-lsp: " + text}}); }
+void Server::notify(const char* method, Json params) {
+  send({{"jsonrpc", "2.0"}, {"method", method}, {"params", std::move(params)}});
+}
+void Server::log(const std::string& text) {
+  notify("window/logMessage", {{"type", 2}, {"message", "bipc-lsp: " + text}});
+}
 void Server::fail(const Json& id, ErrorCode code, const std::string& message) {
   send({{"jsonrpc", "2.0"}, {"id", id}, {"error", {{"code", static_cast<int>(code)}, {"message", message}}}});
 }
@@ -40,8 +44,10 @@ void Server::fail(const Json& id, ErrorCode code, const std::string& message) {
 void Server::handle(const Framing::Frame& frame) {
   switch (frame.kind) {
     case Framing::Kind::Message: return handle(frame.body);
-    case Framing::Kind::BadHeader: return fail(nullptr, ErrorCode::ParseError, "a message begins with `Content-Length: N` and an empty line");
-    case Framing::Kind::TooLong: return fail(nullptr, ErrorCode::InvalidRequest, "the message is longer than this server takes");
+    case Framing::Kind::BadHeader:
+      return fail(nullptr, ErrorCode::ParseError, "a message begins with `Content-Length: N` and an empty line");
+    case Framing::Kind::TooLong:
+      return fail(nullptr, ErrorCode::InvalidRequest, "the message is longer than this server takes");
   }
 }
 
@@ -59,9 +65,12 @@ void Server::dispatch(const Json& message) {
   const Json echoed = id != nullptr && is_good_id ? *id : Json(nullptr);
   const std::string* method = string_member(message, "method");
   const std::string* version = string_member(message, "jsonrpc");
-  if (method == nullptr && id != nullptr && (member(message, "result") != nullptr || member(message, "error") != nullptr)) return;
+  if (method == nullptr && id != nullptr &&
+      (member(message, "result") != nullptr || member(message, "error") != nullptr))
+    return;
   if (!is_good_id || method == nullptr || version == nullptr || *version != "2.0") {
-    return fail(echoed, ErrorCode::InvalidRequest, "a message is an object with `jsonrpc`: \"2.0\", a `method` and, for a request, an `id`");
+    return fail(echoed, ErrorCode::InvalidRequest,
+                "a message is an object with `jsonrpc`: \"2.0\", a `method` and, for a request, an `id`");
   }
   static const Json kNone;
   const Json* params = member(message, "params");
@@ -79,7 +88,8 @@ void Server::dispatch(const Json& message) {
 }
 
 void Server::request(const Json& id, const std::string& method, const Json& params) {
-  if (state_ == State::Fresh && method != "initialize") return fail(id, ErrorCode::NotInitialized, "`initialize` comes first");
+  if (state_ == State::Fresh && method != "initialize")
+    return fail(id, ErrorCode::NotInitialized, "`initialize` comes first");
   if (state_ == State::ShutDown) return fail(id, ErrorCode::InvalidRequest, "after `shutdown` comes `exit`");
   Reply reply = answer(method, params);
   if (const RpcError* error = std::get_if<RpcError>(&reply)) return fail(id, error->code, error->message);
@@ -95,8 +105,10 @@ Reply Server::answer(const std::string& method, const Json& params) {
   constexpr std::string_view kOfDocuments = "textDocument/";
   if (!method.starts_with(kOfDocuments)) return RpcError{ErrorCode::MethodNotFound, "no method `" + method + "`"};
   const std::string name = method.substr(kOfDocuments.size());
-  const bool is_whole = name == "documentSymbol" || name == "formatting" || name == "semanticTokens/full" || name == "codeAction";
-  const bool is_at = name == "definition" || name == "references" || name == "hover" || name == "rename" || name == "prepareRename" || name == "completion";
+  const bool is_whole =
+      name == "documentSymbol" || name == "formatting" || name == "semanticTokens/full" || name == "codeAction";
+  const bool is_at = name == "definition" || name == "references" || name == "hover" || name == "rename" ||
+                     name == "prepareRename" || name == "completion";
   if (!is_whole && !is_at) return RpcError{ErrorCode::MethodNotFound, "no method `" + method + "`"};
   if (is_at) return at_position(name, params);
   const std::string* uri = uri_in(params);
@@ -110,7 +122,8 @@ Reply Server::answer(const std::string& method, const Json& params) {
   const auto begin = range == nullptr ? std::nullopt : position_of(member(*range, "start"));
   const auto end = range == nullptr ? std::nullopt : position_of(member(*range, "end"));
   if (!begin || !end) return bad_params("`range` is two positions");
-  return code_actions(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding), d->text.clamped_offset(*end, workspace_.encoding));
+  return code_actions(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding),
+                      d->text.clamped_offset(*end, workspace_.encoding));
 }
 
 Reply Server::at_position(const std::string& method, const Json& params) {
@@ -121,7 +134,9 @@ Reply Server::at_position(const std::string& method, const Json& params) {
   const auto at = position_of(member(params, "position"));
   if (!at) return bad_params("`position` is a line and a character, from 0 to 2147483647");
   const auto offset = d->text.offset(*at, workspace_.encoding);
-  if (!offset) return bad_params("the document has " + std::to_string(d->text.line_count()) + " lines, there is no line " + std::to_string(at->line));
+  if (!offset)
+    return bad_params("the document has " + std::to_string(d->text.line_count()) + " lines, there is no line " +
+                      std::to_string(at->line));
   if (method == "definition") return definition(workspace_, *d, *offset);
   if (method == "hover") return hover(workspace_, *d, *offset);
   if (method == "completion") return completion(workspace_, *d, *offset);

@@ -1,7 +1,7 @@
 // The server: takes messages, sends messages, keeps the protocol's order of initialize, work, shutdown, exit.
 //
-// Whatever a message holds, the answer is a result or a JSON-RPC error; a notification that makes no sense is reported to
-// the client's log and has no effect.
+// Whatever a message holds, the answer is a result or a JSON-RPC error; a notification that makes no sense is reported
+// to the client's log and has no effect.
 #pragma once
 #include <functional>
 #include <string>

@@ -17,29 +17,30 @@ int outline_kind(SymbolKind kind) {
   switch (kind) {
     case SymbolKind::Package: return 4;
     case SymbolKind::AtomType:
-    case SymbolKind::CompoundType: return 5;       // class
-    case SymbolKind::ConnectorType: return 11;     // interface
+    case SymbolKind::CompoundType: return 5;    // class
+    case SymbolKind::ConnectorType: return 11;  // interface
     case SymbolKind::PortType:
-    case SymbolKind::ExternType: return 23;        // struct
+    case SymbolKind::ExternType: return 23;  // struct
     case SymbolKind::Function: return 12;
     case SymbolKind::Constant: return 14;
     case SymbolKind::Data:
     case SymbolKind::ExportedData:
-    case SymbolKind::Clock: return 13;             // variable
+    case SymbolKind::Clock: return 13;  // variable
     case SymbolKind::Port:
-    case SymbolKind::ExportedPort: return 24;      // event
-    case SymbolKind::Place: return 22;             // enum member
-    case SymbolKind::Component: return 19;         // object
-    case SymbolKind::Connector: return 6;          // method
+    case SymbolKind::ExportedPort: return 24;  // event
+    case SymbolKind::Place: return 22;         // enum member
+    case SymbolKind::Component: return 19;     // object
+    case SymbolKind::Connector: return 6;      // method
     case SymbolKind::Priority:
-    case SymbolKind::Invariant: return 20;         // key
+    case SymbolKind::Invariant: return 20;  // key
     case SymbolKind::Parameter:
     case SymbolKind::LoopVariable: return 0;
   }
   return 0;
 }
 
-constexpr const char* kTokenTypes[] = {"namespace", "type", "class", "interface", "function", "parameter", "variable", "property", "enumMember", "event", "method"};
+constexpr const char* kTokenTypes[] = {"namespace", "type",     "class",      "interface", "function", "parameter",
+                                       "variable",  "property", "enumMember", "event",     "method"};
 enum TokenModifier : std::uint32_t { kDeclaration = 1, kReadonly = 2, kModification = 4 };
 
 std::uint32_t token_type(SymbolKind kind) {
@@ -70,7 +71,11 @@ std::uint32_t token_type(SymbolKind kind) {
 
 Json outline(const Workspace& w, const Document& d, const Symbol& s) {
   const Index& index = d.analysis.index;
-  Json made{{"name", s.name}, {"kind", outline_kind(s.kind)}, {"detail", s.type_text}, {"range", w.range(d.analysis, s.range)}, {"selectionRange", w.range(d.analysis, s.name_range)}};
+  Json made{{"name", s.name},
+            {"kind", outline_kind(s.kind)},
+            {"detail", s.type_text},
+            {"range", w.range(d.analysis, s.range)},
+            {"selectionRange", w.range(d.analysis, s.name_range)}};
   // A port's members are its variables, which are the atom's own.
   if (s.kind == SymbolKind::Port || s.kind == SymbolKind::ExportedPort || s.members.empty()) return made;
   Json children = Json::array();
@@ -98,7 +103,9 @@ Reply document_symbols(Workspace& w, const Document& d) {
   return list;
 }
 
-Json semantic_legend() { return {{"tokenTypes", kTokenTypes}, {"tokenModifiers", {"declaration", "readonly", "modification"}}}; }
+Json semantic_legend() {
+  return {{"tokenTypes", kTokenTypes}, {"tokenModifiers", {"declaration", "readonly", "modification"}}};
+}
 
 Reply semantic_tokens(Workspace& w, const Document& d) {
   Json data = Json::array();

@@ -43,11 +43,13 @@ void Server::did_change(const Json& params) {
   const std::string* uri = document == nullptr ? nullptr : string_member(*document, "uri");
   Document* d = uri == nullptr ? nullptr : workspace_.find(*uri);
   const Json* changes = member(params, "contentChanges");
-  if (d == nullptr || changes == nullptr || !changes->is_array()) return log("`didChange` of what is not open, or without changes");
+  if (d == nullptr || changes == nullptr || !changes->is_array())
+    return log("`didChange` of what is not open, or without changes");
   // All or nothing: half of a change is no state that the client was ever in.
   Text text = d->text;
   for (const Json& change : *changes) {
-    if (!apply(text, change, workspace_.encoding)) return log("`didChange` with a change that makes no sense; the document stays as it was");
+    if (!apply(text, change, workspace_.encoding))
+      return log("`didChange` with a change that makes no sense; the document stays as it was");
   }
   d->text = std::move(text);
   d->version = int_member(*document, "version").value_or(d->version);

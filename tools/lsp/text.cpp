@@ -55,7 +55,8 @@ std::uint32_t Text::clamped_offset(Position at, Encoding encoding) const {
 
 Position Text::position(std::uint32_t offset, Encoding encoding) const {
   offset = std::min(offset, static_cast<std::uint32_t>(text_.size()));
-  const auto line = static_cast<std::size_t>(std::upper_bound(starts_.begin(), starts_.end(), offset) - starts_.begin()) - 1;
+  const auto line =
+      static_cast<std::size_t>(std::upper_bound(starts_.begin(), starts_.end(), offset) - starts_.begin()) - 1;
   offset = std::min(offset, end_of_line(line));
   std::uint32_t column = 0;
   for (std::uint32_t at = starts_[line]; at < offset;) {

@@ -1,4 +1,5 @@
-// A document's text and the positions of the protocol: lines from 0, columns in UTF-16 units or, if both sides agree, bytes.
+// A document's text and the positions of the protocol: lines from 0, columns in UTF-16 units or, if both sides agree,
+// bytes.
 //
 // Lines end with \n, \r\n or \r, as the protocol has it. A column past the end of its line means its end, one inside a
 // character its begin. Cost: a binary search for the line, then linear in the line; an edit is linear in the text.

@@ -8,11 +8,13 @@ namespace bip::lsp {
 namespace {
 
 constexpr std::string_view kKeywords[] = {
-    "and",      "as",       "at",     "atom",     "behavior", "behaviour", "bool",     "clock",    "component", "compound", "connector", "const",
-    "contains", "data",     "define", "delayable", "do",      "double",    "down",     "eager",    "else",      "end",      "error",     "export",
-    "extern",   "false",    "fi",     "float",    "for",      "from",      "function", "if",       "ignore",    "in",       "initial",   "int",
-    "internal", "invariant", "lazy",  "not",      "on",       "operator",  "or",       "package",  "place",     "port",     "priority",  "provided",
-    "refine",   "remember", "resume", "state",    "string",   "then",      "to",       "true",     "type",      "unit",     "up",        "use"};
+    "and",      "as",        "at",       "atom",     "behavior", "behaviour", "bool",      "clock",   "component",
+    "compound", "connector", "const",    "contains", "data",     "define",    "delayable", "do",      "double",
+    "down",     "eager",     "else",     "end",      "error",    "export",    "extern",    "false",   "fi",
+    "float",    "for",       "from",     "function", "if",       "ignore",    "in",        "initial", "int",
+    "internal", "invariant", "lazy",     "not",      "on",       "operator",  "or",        "package", "place",
+    "port",     "priority",  "provided", "refine",   "remember", "resume",    "state",     "string",  "then",
+    "to",       "true",      "type",     "unit",     "up",       "use"};
 static_assert(std::ranges::is_sorted(kKeywords));
 
 }  // namespace
@@ -22,7 +24,8 @@ bool is_name_character(char c) { return std::isalnum(static_cast<unsigned char>(
 bool is_keyword(std::string_view word) { return std::ranges::binary_search(kKeywords, word); }
 
 bool is_plain_name(std::string_view name) {
-  return !name.empty() && std::isdigit(static_cast<unsigned char>(name.front())) == 0 && std::ranges::all_of(name, is_name_character) && !is_keyword(name);
+  return !name.empty() && std::isdigit(static_cast<unsigned char>(name.front())) == 0 &&
+         std::ranges::all_of(name, is_name_character) && !is_keyword(name);
 }
 
 Words cut_into_words(std::string_view text) {
@@ -48,7 +51,8 @@ Words cut_into_words(std::string_view text) {
       words.list.push_back({rest.substr(0, end), static_cast<std::uint32_t>(at)});
       at += end;
     } else {
-      if (std::isspace(static_cast<unsigned char>(rest.front())) == 0) words.list.push_back({rest.substr(0, 1), static_cast<std::uint32_t>(at)});
+      if (std::isspace(static_cast<unsigned char>(rest.front())) == 0)
+        words.list.push_back({rest.substr(0, 1), static_cast<std::uint32_t>(at)});
       ++at;
     }
   }

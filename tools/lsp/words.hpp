@@ -9,7 +9,7 @@
 namespace bip::lsp {
 
 struct Word {
-  std::string_view text;   // a name, a number, or one sign
+  std::string_view text;  // a name, a number, or one sign
   std::uint32_t begin = 0;
 };
 

@@ -21,9 +21,9 @@ Document& Workspace::open(std::string uri, std::string text, std::int64_t versio
   document->path = path;
   document->version = version;
   document->text = Text(std::move(text));
-  std::unique_ptr<Document>& slot = documents_[path];
-  slot = std::move(document);
-  return *slot;
+  std::unique_ptr<Document>& variable = documents_[path];
+  variable = std::move(document);
+  return *variable;
 }
 
 void Workspace::close(const std::string& uri) { documents_.erase(lsp::path_of(uri)); }
@@ -44,7 +44,8 @@ void Workspace::analyse(Document& d) {
   Analysis a;
   a.diagnostics = c->diags.sorted();
   a.file = c->file;
-  // `check` stops at the first stage with errors; names are wanted whatever it found. Sorted before, so nothing is added.
+  // `check` stops at the first stage with errors; names are wanted whatever it found. Sorted before, so nothing is
+  // added.
   const bool has_tree = c->syntax.has_value() && c->syntax->package != nullptr;
   if (has_tree && c->packages.empty()) (void)driver::load_packages(*c);
   if (has_tree && c->packages.empty()) c->packages.push_back(&*c->syntax);
@@ -69,10 +70,12 @@ void Workspace::analyse(Document& d) {
 
 std::vector<Json> Workspace::check(const std::string& path) {
   for (auto& [other, document] : documents_) {
-    const auto& paths = document->analysis.compilation == nullptr ? std::map<FileId, std::string>() : document->analysis.compilation->paths;
+    const auto& paths = document->analysis.compilation == nullptr ? std::map<FileId, std::string>()
+                                                                  : document->analysis.compilation->paths;
     const bool uses_it = std::any_of(paths.begin(), paths.end(), [&](const auto& row) { return row.second == path; });
     // A package that was missing may have appeared.
-    const bool misses_one = std::any_of(document->analysis.diagnostics.begin(), document->analysis.diagnostics.end(), [](const Diagnostic* d) { return d->kind == Diag::kB1060; });
+    const bool misses_one = std::any_of(document->analysis.diagnostics.begin(), document->analysis.diagnostics.end(),
+                                        [](const Diagnostic* d) { return d->kind == Diag::kB1060; });
     if (other == path || uses_it || misses_one) analyse(*document);
   }
   return publish();
@@ -86,7 +89,8 @@ Json Workspace::range(const Analysis& a, SourceRange r) const {
     const Text& text = open->second->text;
     return {{"start", json_of(text.position(r.begin, encoding))}, {"end", json_of(text.position(r.end, encoding))}};
   }
-  const Text text{r.is_valid() && a.compilation != nullptr ? std::string(a.compilation->sources.text(r.file)) : std::string()};
+  const Text text{r.is_valid() && a.compilation != nullptr ? std::string(a.compilation->sources.text(r.file))
+                                                           : std::string()};
   return {{"start", json_of(text.position(r.begin, encoding))}, {"end", json_of(text.position(r.end, encoding))}};
 }
 
@@ -98,7 +102,10 @@ Json Workspace::location(const Analysis& a, SourceRange r) const {
 }
 
 Json Workspace::diagnostic(const Document& d, const Diagnostic& from) const {
-  Json to{{"code", info(from.kind).code}, {"severity", from.severity == Severity::Error ? 1 : 2}, {"source", "bipc"}, {"message", from.message}};
+  Json to{{"code", info(from.kind).code},
+          {"severity", from.severity == Severity::Error ? 1 : 2},
+          {"source", "bipc"},
+          {"message", from.message}};
   to["range"] = range(d.analysis, from.range);
   Json related = Json::array();
   const auto add = [&](SourceRange at, const std::string& text) {

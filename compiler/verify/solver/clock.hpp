@@ -1,7 +1,7 @@
 // The prover's clock: seconds that the processor has worked for this process, on all threads together.
 //
-// So an answer within a limit does not depend on what else the machine does, and a limit that two threads share is over in
-// half the time. Reading it is a system call: look at it now and then, not at every step.
+// So an answer within a limit does not depend on what else the machine does, and a limit that two threads share is over
+// in half the time. Reading it is a system call: look at it now and then, not at every step.
 #pragma once
 #include <chrono>
 #include <ctime>
@@ -25,7 +25,8 @@ struct ProcessClock {
 
 /// From now on.
 [[nodiscard]] inline ProcessClock::time_point seconds_from_now(double seconds) {
-  return ProcessClock::now() + std::chrono::duration_cast<ProcessClock::duration>(std::chrono::duration<double>(seconds));
+  return ProcessClock::now() +
+         std::chrono::duration_cast<ProcessClock::duration>(std::chrono::duration<double>(seconds));
 }
 /// None are left after Ctrl-C.
 [[nodiscard]] inline double seconds_until(ProcessClock::time_point end) {

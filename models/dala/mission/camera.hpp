@@ -1,5 +1,6 @@
-// What Dala's cameras see of its world: images of some columns by some rows, red, green, blue, a column a ray; and where red rocks are
-// in them. Obstacles are grey, rocks bright red, both a metre high; ground below the horizon, sky above.
+// What Dala's cameras see of its world: images of some columns by some rows, red, green, blue, a column a ray; and
+// where red rocks are in them. Obstacles are grey, rocks bright red, both a metre high; ground below the horizon, sky
+// above.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +27,8 @@ inline constexpr double kRockRadius = 0.15;
 inline void take(Image& image, const World& w, int columns, int rows, double from, double to) {
   image = {columns, rows, from, to, std::move(image.pixels)};
   image.pixels.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  const double to_rock = std::hypot(w.rock_x - w.x, w.rock_y - w.y), rock_at = std::atan2(w.rock_y - w.y, w.rock_x - w.x) - w.heading;
+  const double to_rock = std::hypot(w.rock_x - w.x, w.rock_y - w.y),
+               rock_at = std::atan2(w.rock_y - w.y, w.rock_x - w.x) - w.heading;
   for (int c = 0; c < columns; ++c) {
     const double direction = image.direction(c), wall = w.distance(w.heading + direction);
     const bool is_rock = to_rock < wall && std::abs(wrapped(direction - rock_at)) < std::atan2(kRockRadius, to_rock);
@@ -34,7 +36,10 @@ inline void take(Image& image, const World& w, int columns, int rows, double fro
     const int high = distance < kRange ? static_cast<int>(rows / (2 * std::max(0.5, distance))) : 0;
     const Pixel thing = is_rock ? Pixel{200, 40, 30} : Pixel{130, 120, 110};
     Pixel* pixel = image.pixels.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(rows);
-    for (int r = 0; r < rows; ++r) pixel[r] = std::abs(2 * r - rows) < high ? thing : r < rows / 2 ? Pixel{170, 190, 220} : Pixel{190, 160, static_cast<std::uint8_t>(90 + r % 32)};
+    for (int r = 0; r < rows; ++r)
+      pixel[r] = std::abs(2 * r - rows) < high ? thing
+                 : r < rows / 2                ? Pixel{170, 190, 220}
+                                               : Pixel{190, 160, static_cast<std::uint8_t>(90 + r % 32)};
   }
 }
 
@@ -45,7 +50,8 @@ inline bool find_red(const Image& image, double& direction) {
   for (int c = 0; c < image.columns; ++c) {
     const Pixel* pixel = image.pixels.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(image.rows);
     int red = 0;
-    for (int r = 0; r < image.rows; ++r) red += pixel[r].red > 2 * pixel[r].green && pixel[r].red > 2 * pixel[r].blue ? 1 : 0;
+    for (int r = 0; r < image.rows; ++r)
+      red += pixel[r].red > 2 * pixel[r].green && pixel[r].red > 2 * pixel[r].blue ? 1 : 0;
     if (red <= best) continue;
     best = red;
     direction = image.direction(c);

@@ -1,6 +1,6 @@
-// Codels of Dala's modules over a simulated world (world.hpp), which is written down in world.path every 25 ticks: time, place,
-// temperature, charge, metres driven, pictures, pictures sent, and how near an obstacle was. What a mission has no use for ends at once
-// and well: the second half.
+// Codels of Dala's modules over a simulated world (world.hpp), which is written down in world.path every 25 ticks:
+// time, place, temperature, charge, metres driven, pictures, pictures sent, and how near an obstacle was. What a
+// mission has no use for ends at once and well: the second half.
 #include "dala_codels.hpp"
 
 #include <atomic>
@@ -65,7 +65,9 @@ int rflexPermanent() {
   w.now += 5 * kTick;
   w.move(5 * kTick);
   if (++w.cycles % 5 == 0) {
-    path << w.now << ' ' << w.x << ' ' << w.y << ' ' << w.temperature << ' ' << w.charge << ' ' << w.driven << ' ' << w.pictures << ' ' << w.sent << ' ' << w.nearest << '\n' << std::flush;
+    path << w.now << ' ' << w.x << ' ' << w.y << ' ' << w.temperature << ' ' << w.charge << ' ' << w.driven << ' '
+         << w.pictures << ' ' << w.sent << ' ' << w.nearest << '\n'
+         << std::flush;
   }
   return kOk;
 }
@@ -81,7 +83,8 @@ int rflexTrackSpeedStartInter(int&) {
 // By odometry alone, straight.
 int rflexGotoPositionMain(int&) {
   World& w = world();
-  const double dx = input("RFLEX.GotoPosition", 0, w.x) - w.x, dy = input("RFLEX.GotoPosition", 1, w.y) - w.y, far = std::hypot(dx, dy);
+  const double dx = input("RFLEX.GotoPosition", 0, w.x) - w.x, dy = input("RFLEX.GotoPosition", 1, w.y) - w.y,
+               far = std::hypot(dx, dy);
   const double off = wrapped(std::atan2(dy, dx) - w.heading);
   w.is_tracking = far > 0.1;
   w.wanted_turn = std::clamp(2.0 * off, -1.2, 1.2);
@@ -367,10 +370,12 @@ int stereoCorrelateStart(int&) {
   is_stuck = std::isnan(input("Stereo.Correlate", 0, 0));
   return kExec;
 }
-// Beside everything else (async.yields). Asked for with a word it waits for an image that never comes, until it gets another source.
+// Beside everything else (async.yields). Asked for with a word it waits for an image that never comes, until it gets
+// another source.
 int stereoCorrelateMain(int&) {
   const int before = sources_set();
-  for (int k = 0; k < 4000 && is_stuck && sources_set() == before; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  for (int k = 0; k < 4000 && is_stuck && sources_set() == before; ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   return kEnd;
 }
 int stereoCorrelateEnd(int&) { return kEther; }

@@ -1,4 +1,5 @@
-// Where Dala drives: a plane with round obstacles, and the devices of the rover. Metres, seconds, radians; nothing is random.
+// Where Dala drives: a plane with round obstacles, and the devices of the rover. Metres, seconds, radians; nothing is
+// random.
 //
 // Codels advance it, each its own device in its own period, so that a suspended task leaves its device as it was.
 #pragma once
@@ -25,21 +26,21 @@ inline double wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
 struct World {
   double now = 0;
-  double x = 0, y = 0, heading = 0;              // truth
-  double v = 0, turn = 0;                        // what the wheels do
-  double wanted_v = 0, wanted_turn = 0;          // NDD's speed reference
+  double x = 0, y = 0, heading = 0;      // truth
+  double v = 0, turn = 0;                // what the wheels do
+  double wanted_v = 0, wanted_turn = 0;  // NDD's speed reference
   double goal_x = 0, goal_y = 0, blocked_since = -1;
   bool is_tracking = false, is_mapping = false, is_scanning = false;
-  std::array<double, kRays> scan{}, map{};       // distances round the rover, from its heading on
+  std::array<double, kRays> scan{}, map{};  // distances round the rover, from its heading on
   double temperature = -30, heat_to = 0;
   bool is_heating = false;
-  double charge = 5000, drawn = 0;               // joules, watts
+  double charge = 5000, drawn = 0;  // joules, watts
   double pan = 0, pan_to = 0;
   int pictures = 0, sent = 0;
-  double busy_until = 0;                         // of the camera
+  double busy_until = 0;  // of the camera
   double rock_x = 3.4, rock_y = 1.8;
-  double fastest = 0.5;                          // of NDD
-  long cycles = 0;                               // of the wheels
+  double fastest = 0.5;  // of NDD
+  long cycles = 0;       // of the wheels
   std::vector<Disc> obstacles{{2.0, 0.1, 0.35}, {4.4, 1.2, 0.4}, {1.2, 2.2, 0.3}, {3.6, 2.6, 0.35}};
   std::vector<Window> windows{{20, 75}, {79, 400}};
   std::map<std::string, std::vector<double>> arguments;  // of requests, by service
@@ -56,7 +57,8 @@ struct World {
     for (const Disc& o : obstacles) {
       const double along = (o.x - x) * dx + (o.y - y) * dy;
       const double across = (o.x - x) * dy - (o.y - y) * dx;
-      if (along > 0 && std::abs(across) < o.r) nearest_hit = std::min(nearest_hit, along - std::sqrt(o.r * o.r - across * across));
+      if (along > 0 && std::abs(across) < o.r)
+        nearest_hit = std::min(nearest_hit, along - std::sqrt(o.r * o.r - across * across));
     }
     return nearest_hit;
   }
@@ -77,8 +79,8 @@ struct World {
     for (const Disc& o : obstacles) nearest = std::min(nearest, std::hypot(o.x - x, o.y - y) - o.r);
   }
 
-  // Nearness-diagram-like: of the directions in which there is room for the rover, the one next to the goal; slower where it is close.
-  // False: there is no way.
+  // Nearness-diagram-like: of the directions in which there is room for the rover, the one next to the goal; slower
+  // where it is close. False: there is no way.
   bool avoid() {
     const double to_goal = std::hypot(goal_x - x, goal_y - y);
     const double goal_direction = wrapped(std::atan2(goal_y - y, goal_x - x) - heading);
@@ -87,7 +89,9 @@ struct World {
     for (int k = 0; k < kRays; ++k) {
       closest = std::min(closest, map[static_cast<std::size_t>(k)]);
       const double direction = wrapped(2 * kPi * k / kRays);
-      if (is_free(direction, needed) && std::abs(wrapped(direction - goal_direction)) < std::abs(wrapped(best - goal_direction))) best = direction;
+      if (is_free(direction, needed) &&
+          std::abs(wrapped(direction - goal_direction)) < std::abs(wrapped(best - goal_direction)))
+        best = direction;
       if (best > 9 && is_free(direction, needed)) best = direction;
     }
     if (is_free(goal_direction, needed)) best = goal_direction;
@@ -96,7 +100,8 @@ struct World {
       return false;
     }
     wanted_turn = std::clamp(2.0 * best, -1.2, 1.2);
-    wanted_v = fastest * std::clamp(std::cos(best), 0.0, 1.0) * std::clamp(closest / 1.0, 0.25, 1.0) * std::clamp(to_goal / 0.6, 0.2, 1.0);
+    wanted_v = fastest * std::clamp(std::cos(best), 0.0, 1.0) * std::clamp(closest / 1.0, 0.25, 1.0) *
+               std::clamp(to_goal / 0.6, 0.2, 1.0);
     return true;
   }
 

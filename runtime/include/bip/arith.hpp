@@ -27,8 +27,8 @@ constexpr std::int32_t division_status(std::int32_t a, std::int32_t b, std::uint
 }
 
 /// a / b and a % b, truncating; division_status(a, b) must be 0.
-/// The quotient is taken in 64 bits: at -O2, g++ 12 takes the 32-bit wrap_neg(a) / b for -(a / b) when a / b is at hand,
-/// which is wrong for INT32_MIN.
+/// The quotient is taken in 64 bits: at -O2, g++ 12 takes the 32-bit wrap_neg(a) / b for -(a / b) when a / b is at
+/// hand, which is wrong for INT32_MIN.
 constexpr std::int32_t quotient(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::int64_t>(a) / b);
 }

@@ -1,6 +1,6 @@
-/* The C side of bip.hpp: the same Execution behind opaque handles. A bip_image is a bip::rt::Image; emitted programs hand
-   theirs out as one. Texts are copied into the caller's buffer, cut to its size, always ended by a zero; the result is
-   the length that the whole text has. A null buffer of size 0 asks for the length. */
+/* The C side of bip.hpp: the same Execution behind opaque handles. A bip_image is a bip::rt::Image; emitted programs
+   hand theirs out as one. Texts are copied into the caller's buffer, cut to its size, always ended by a zero; the
+   result is the length that the whole text has. A null buffer of size 0 asks for the length. */
 #ifndef BIP_BIP_H
 #define BIP_BIP_H
 #include <stddef.h>

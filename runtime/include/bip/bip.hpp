@@ -1,5 +1,5 @@
-// Embedding: run a linked image step by step in another program. The image must outlive the Execution; everything else the
-// Execution owns. Nothing is thrown; a fault stops it, and fault() has the text.
+// Embedding: run a linked image step by step in another program. The image must outlive the Execution; everything else
+// the Execution owns. Nothing is thrown; a fault stops it, and fault() has the text.
 //
 //   bip::Execution system(model::image(), {.seed = 42});
 //   system.on_step([](const bip::Step& step) { std::puts(step.interaction.c_str()); });
@@ -22,10 +22,11 @@ struct ExecutionOptions {
   rt::Policy policy = rt::Policy::Uniform;
   bool maximal_progress = true;
   bool asap = false;  // models with time: each step as soon as it is possible
-  // Model seconds a second: step() sleeps until its step is due, and waits for events if there is none. 0: logical time.
+  // Model seconds a second: step() sleeps until its step is due, and waits for events if there is none. 0: logical
+  // time.
   double speed = 0;
-  // With `speed`: a step that starts later than its guard allows is a fault, R0022. Without it is only counted: under a flood of events
-  // the model is always behind.
+  // With `speed`: a step that starts later than its guard allows is a fault, R0022. Without it is only counted: under a
+  // flood of events the model is always behind.
   bool strict = false;
   std::uint32_t event_capacity = 65536;  // events that may wait for a port
 };
@@ -64,9 +65,9 @@ class Execution {
   /// Steps taken since the start, or as the restored snapshot has it.
   [[nodiscard]] std::uint64_t steps() const;
 
-  /// An event from outside for `extern port`s, "ROOT.panel.turn" with or without "ROOT.", with a value for each variable of
-  /// the port's type. From any thread, also while another one is in step(); it comes at the instant of the wall clock, in logical
-  /// time at that of the next step(). After Deadlock the model goes on if an event helps.
+  /// An event from outside for `extern port`s, "ROOT.panel.turn" with or without "ROOT.", with a value for each
+  /// variable of the port's type. From any thread, also while another one is in step(); it comes at the instant of the
+  /// wall clock, in logical time at that of the next step(). After Deadlock the model goes on if an event helps.
   Posted post(const std::string& port, std::vector<EventValue> values = {});
   /// The same without looking for the name each time. kNone: there is no such port.
   [[nodiscard]] std::uint32_t event_port(const std::string& port) const;

@@ -1,9 +1,10 @@
 // A C++ class behind `extern port … as "Class"`: what it derives from, and the table that the runtime calls it by.
 //
-// A class has `bool hasEvent()` and `void popEvent()`, a getter `get_x()` for each variable x of the port's type, and if it wants
-// `void initialize()`, `void purgeEvents()` and `eventTime()`, ns of model time. Getters and eventTime tell of the event
-// that popEvent would take. Each port of each atom has an object of its own. The runtime calls it on the thread that runs the model,
-// between two steps; threads of the object's own say notify() after they made hasEvent() true. Header only.
+// A class has `bool hasEvent()` and `void popEvent()`, a getter `get_x()` for each variable x of the port's type, and
+// if it wants `void initialize()`, `void purgeEvents()` and `eventTime()`, ns of model time. Getters and eventTime tell
+// of the event that popEvent would take. Each port of each atom has an object of its own. The runtime calls it on the
+// thread that runs the model, between two steps; threads of the object's own say notify() after they made hasEvent()
+// true. Header only.
 #pragma once
 #include <cstdint>
 #include <exception>
@@ -62,8 +63,9 @@ template <class Class>
   else return now;
 }
 
-template <class Class, void (*Get)(Class&, Slot*, Outside&)>
-[[nodiscard]] Poll poll_source(void* object, Outside& outside, std::int64_t now, std::int64_t until, std::int64_t& time, Slot* values) try {
+template <class Class, void (*Get)(Class&, Cell*, Outside&)>
+[[nodiscard]] Poll poll_source(void* object, Outside& outside, std::int64_t now, std::int64_t until, std::int64_t& time,
+                               Cell* values) try {
   Class& source = source_in<Class>(object);
   if (!source.hasEvent()) return Poll::None;
   time = time_of_event(source, now);
@@ -95,7 +97,7 @@ template <class Class>
 
 template <class Class>
 [[nodiscard]] bool purge_source(void* object, Outside& outside) try {
-  if constexpr (requires(Class& source) { source.purgeEvents(); }) source_in<Class>(object).purgeEvents();
+  if constexpr (requires(Class & source) { source.purgeEvents(); }) source_in<Class>(object).purgeEvents();
   return true;
 } catch (...) {
   note_exception(outside);
@@ -103,13 +105,15 @@ template <class Class>
 }
 
 /// The row of a class for the variables that Get reads.
-template <class Class, void (*Get)(Class&, Slot*, Outside&)>
+template <class Class, void (*Get)(Class&, Cell*, Outside&)>
 [[nodiscard]] constexpr EventClass event_class_of(const char* name) {
-  static_assert(std::is_base_of_v<EventSource, Class>, "a class for events derives from bip::EventSource (bip/event_source.hpp)");
-  return {name, &make_source<Class>, &poll_source<Class, Get>, &purge_source<Class>, [](void* object) { delete static_cast<EventSource*>(object); }};
+  static_assert(std::is_base_of_v<EventSource, Class>,
+                "a class for events derives from bip::EventSource (bip/event_source.hpp)");
+  return {name, &make_source<Class>, &poll_source<Class, Get>, &purge_source<Class>,
+          [](void* object) { delete static_cast<EventSource*>(object); }};
 }
 
-inline Slot event_slot(Outside& outside, std::string_view text) { return int_slot(outside.intern(text)); }
+inline Cell event_cell(Outside& outside, std::string_view text) { return int_cell(outside.intern(text)); }
 
 }  // namespace rt
 }  // namespace bip

@@ -1,5 +1,5 @@
-// What emitted code and the shared object of `bipc run` need around calls of C++: faults from exceptions, variables that
-// are C++ objects. Not part of emitted programs that call nothing.
+// What emitted code and the shared object of `bipc run` need around calls of C++: faults from exceptions, variables
+// that are C++ objects. Not part of emitted programs that call nothing.
 #pragma once
 #include <exception>
 
@@ -24,7 +24,7 @@ namespace bip::rt {
 template <class T>
 class ExternVar {
  public:
-  explicit ExternVar(const Slot& slot) : object_(object_in<T>(slot)) {}
+  explicit ExternVar(const Cell& cell) : object_(object_in<T>(cell)) {}
   ExternVar(const ExternVar&) = delete;
   ExternVar& operator=(const T& value) {
     object_ = value;

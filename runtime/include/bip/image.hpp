@@ -19,22 +19,22 @@ struct Slice {
   std::uint32_t count = 0;
 };
 
-/// A native type, or from kFirstExtern on a row of Image::extern_types: the slot holds the address of a C++ object.
-enum class SlotType : std::uint16_t { Int, Bool, Float, String };
+/// A native type, or from kFirstExtern on a row of Image::extern_types: the variable holds the address of a C++ object.
+enum class CellType : std::uint16_t { Int, Bool, Float, String };
 inline constexpr std::uint16_t kFirstExtern = 4;
-constexpr bool is_extern(SlotType type) { return static_cast<std::uint16_t>(type) >= kFirstExtern; }
+constexpr bool is_extern(CellType type) { return static_cast<std::uint16_t>(type) >= kFirstExtern; }
 /// One variable. Bool is 0 or 1 in i; String is a row of Image::strings in i. Unused bits are zero.
-union Slot {
+union Cell {
   std::uint64_t bits;
   std::int32_t i;
   double f;
 };
-static_assert(sizeof(Slot) == 8);
+static_assert(sizeof(Cell) == 8);
 
-/// Code over variables. `self`: slots of the atom or the connector's own data; `all`: all slots of the system;
+/// Code over variables. `self`: variables of the atom or the connector's own data; `all`: all variables of the system;
 /// `bind[k]`: row in `all` of the k-th bound variable (null for atoms). Never throws, never blocks.
 /// Returns 0 = false (guards), 1 = true (guards) or done (actions), else a fault: see `fault_status`.
-using CodeFn = std::int32_t (*)(const void* context, Slot* self, Slot* all, const std::uint32_t* bind);
+using CodeFn = std::int32_t (*)(const void* context, Cell* self, Cell* all, const std::uint32_t* bind);
 struct Code {
   CodeFn fn = nullptr;
   const void* context = nullptr;
@@ -57,18 +57,18 @@ struct Site {
 /// What the runtime does with objects of a C++ type. Nothing throws.
 struct ExternType {
   const char* name;
-  void* (*make)();                              // a new default one
-  void (*reset)(void* object);                  // to a default one
+  void* (*make)();              // a new default one
+  void (*reset)(void* object);  // to a default one
   void (*copy)(void* to, const void* from);
-  bool (*equal)(const void*, const void*);      // null: its values cannot be compared
+  bool (*equal)(const void*, const void*);  // null: its values cannot be compared
   void (*destroy)(void* object);
 };
 struct EventClass;  // image_time.hpp
-class Outside;  // outside.hpp
+class Outside;      // outside.hpp
 
 struct Var {
   const char* name;
-  SlotType type;
+  CellType type;
   bool is_param;
   bool exported;
 };
@@ -79,7 +79,7 @@ struct PortType {
 struct Port {
   const char* name;
   std::uint32_t type;
-  Span<std::uint32_t> slots;  // one a variable of the port type
+  Span<std::uint32_t> variables;  // one a variable of the port type
   bool exported;
   Loc loc;
 };
@@ -108,11 +108,11 @@ struct Invariant {
 struct AtomTime;  // image_time.hpp
 struct AtomType {
   const char* name;
-  Span<Var> slots;  // parameters first
+  Span<Var> variables;  // parameters first
   Span<Port> ports;
   Span<const char*> places;
   Span<std::uint32_t> initial;
-  std::uint32_t initial_action;  // code or kNone; data slots are zero before it
+  std::uint32_t initial_action;  // code or kNone; data variables are zero before it
   Span<Transition> transitions;
   Loc loc;
   Span<AtomPriority> priorities = {};
@@ -131,19 +131,29 @@ struct ConnectorParam {
   std::uint32_t type;
   std::uint32_t first_bind;
 };
-/// A clause's code over ranges of values (runtime/core/ranges.hpp), in postfix form; operands have no effects.
+/// A clause's code over ranges of values (runtime/core/search/ranges.hpp), in postfix form; operands have no effects.
 enum class RangeOpKind : std::uint8_t {
-  Constant,                      // number
-  Any,                           // a value of which nothing is known
-  Own, Bound,                    // row: of the connector's slots, of its bound variables
-  Neg, Add, Sub, Mul,
-  Not, And, Or, Eq, Ne, Lt, Le,
-  Store,                         // row: of the connector's slots
-  Branch                         // the next `row` operations if so, the `otherwise` ones after them if not
+  Constant,  // number
+  Any,       // a value of which nothing is known
+  Own,
+  Bound,  // row: of the connector's variables, of its bound variables
+  Neg,
+  Add,
+  Sub,
+  Mul,
+  Not,
+  And,
+  Or,
+  Eq,
+  Ne,
+  Lt,
+  Le,
+  Store,  // row: of the connector's variables
+  Branch  // the next `row` operations if so, the `otherwise` ones after them if not
 };
 struct RangeOp {
   RangeOpKind kind;
-  SlotType type;                 // of the result; Store: of the slot
+  CellType type;  // of the result; Store: of the variable
   std::uint32_t row = 0, otherwise = 0;
   double number = 0;
 };
@@ -153,19 +163,19 @@ struct Clause {
   Loc loc;
   bool may_fault = false;  // its `up` can end in a fault: it runs while interactions are computed
   bool guard_may_fault = false;
-  bool has_ranges = false; // guard_ranges and up_ranges say what the code does; else it may fault
+  bool has_ranges = false;  // guard_ranges and up_ranges say what the code does; else it may fault
   Span<RangeOp> guard_ranges = {}, up_ranges = {};  // empty: no code
 };
 struct ConnectorType {
   const char* name;
   Span<ConnectorParam> params;
-  Span<Var> slots;
+  Span<Var> variables;
   Span<DefineNode> define;
   Span<Clause> clauses;
   bool exports;
   const char* export_name;
   std::uint32_t export_type;
-  Span<std::uint32_t> export_slots;
+  Span<std::uint32_t> export_variables;
   Loc loc;
   bool resume_sync = false;  // the ports of an interaction resume together
   bool is_total = false;     // each interaction has a clause
@@ -176,26 +186,26 @@ struct Compound {
   std::uint32_t parent;  // kNone for the root
 };
 struct Atom {
-  const char* name;         // its path; with an index that stands where `#` is
+  const char* name;  // its path; with an index that stands where `#` is
   std::uint32_t type;
-  std::uint32_t slot_base;  // row in `all` of its slot 0
-  std::uint32_t args;       // first row of Image::args; one a parameter
+  std::uint32_t first_cell;  // row in `all` of its variable 0
+  std::uint32_t args;        // first row of Image::args; one a parameter
   Loc loc;
   std::uint32_t index = kNone;
   [[nodiscard]] std::string path() const { return path_text(name, index); }  // "ROOT.phil[3]"
 
   struct Slope {
-    std::uint32_t slot_base, args;
+    std::uint32_t first_cell, args;
   };
   [[nodiscard]] constexpr Atom after(const Slope& slope, std::uint32_t k) const {
-    return {name, type, slot_base + k * slope.slot_base, args + k * slope.args, loc, index + k};
+    return {name, type, first_cell + k * slope.first_cell, args + k * slope.args, loc, index + k};
   }
 };
 struct PortRef {
-  std::uint32_t atom;        // kNone: a connector's exported port
-  std::uint32_t port;        // of the atom's type
+  std::uint32_t atom;  // kNone: a connector's exported port
+  std::uint32_t port;  // of the atom's type
   std::uint32_t connector;
-  bool maximal_only;         // through a compound's exported port
+  bool maximal_only;             // through a compound's exported port
   std::uint32_t choice = kNone;  // a merged port, row of Image::choices; atom, port and connector are kNone then
 
   struct Slope {
@@ -211,34 +221,42 @@ struct Choice {
   Span<PortRef> ports;
 };
 struct Connector {
-  const char* name;          // as an atom's
+  const char* name;  // as an atom's
   std::uint32_t type;
-  std::uint32_t slot_base;   // of its own data in `all`
+  std::uint32_t first_cell;  // of its own data in `all`
   std::uint32_t ports;       // first row of Image::port_refs; one a parameter
   std::uint32_t binds;       // first row of Image::binds; bind_count rows
   std::uint32_t bind_count;
-  bool bound;                // its exported port is bound by another connector
+  bool bound;  // its exported port is bound by another connector
   Loc loc;
   std::uint32_t parent = 0;  // row of Image::compounds: the compound that declares it
   std::uint32_t index = kNone;
   [[nodiscard]] std::string path() const { return path_text(name, index); }
 
   struct Slope {
-    std::uint32_t slot_base, ports, binds, parent;
+    std::uint32_t first_cell, ports, binds, parent;
   };
   [[nodiscard]] constexpr Connector after(const Slope& slope, std::uint32_t k) const {
-    return {name, type, slot_base + k * slope.slot_base, ports + k * slope.ports, binds + k * slope.binds, bind_count, bound, loc,
-            parent + k * slope.parent, index + k};
+    return {name,
+            type,
+            first_cell + k * slope.first_cell,
+            ports + k * slope.ports,
+            binds + k * slope.binds,
+            bind_count,
+            bound,
+            loc,
+            parent + k * slope.parent,
+            index + k};
   }
 };
 /// A bound variable: its row in `all`.
 struct Bind {
-  std::uint32_t slot;
+  std::uint32_t cell;
 
   struct Slope {
-    std::uint32_t slot;
+    std::uint32_t cell;
   };
-  [[nodiscard]] constexpr Bind after(const Slope& slope, std::uint32_t k) const { return {slot + k * slope.slot}; }
+  [[nodiscard]] constexpr Bind after(const Slope& slope, std::uint32_t k) const { return {cell + k * slope.cell}; }
 };
 struct Pattern {
   bool any_connector;
@@ -250,43 +268,43 @@ struct Priority {
   const char* name;
   std::uint32_t parent;  // compound
   Pattern low, high;
-  std::uint32_t guard;   // code or kNone
+  std::uint32_t guard;  // code or kNone
   std::uint32_t binds, bind_count;
   Loc loc;
 };
 
 struct Image {
-  const char* name = "";                 // of the root type, "Ring(10)"
+  const char* name = "";  // of the root type, "Ring(10)"
   Span<const char*> files;
-  Span<const char*> strings;             // row 0 is always ""
+  Span<const char*> strings;  // row 0 is always ""
   Span<Code> codes;
   Span<Site> sites;
   Span<PortType> port_types;
   Span<AtomType> atom_types;
   Span<ConnectorType> connector_types;
-  Span<Compound> compounds;              // row 0: the root
+  Span<Compound> compounds;  // row 0: the root
   Rows<Atom> atoms;
-  Span<Slot> args;
-  Rows<Connector> connectors;            // a connector comes after those it is bound to
+  Span<Cell> args;
+  Rows<Connector> connectors;  // a connector comes after those it is bound to
   Rows<PortRef> port_refs;
-  Rows<Bind> binds;                      // variables of a parameter bound to a choice: rows of its first alternative
+  Rows<Bind> binds;  // variables of a parameter bound to a choice: rows of its first alternative
   Span<Priority> priorities;
-  std::uint32_t slot_count = 0;          // of all atoms, then of all connectors
+  std::uint32_t cell_count = 0;  // of all atoms, then of all connectors
   Span<Choice> choices = {};
   Span<ExternType> extern_types = {};
-  Outside* outside = nullptr;            // if the model calls C++
+  Outside* outside = nullptr;  // if the model calls C++
   Span<EventClass> event_classes = {};
-  Span<StepFn> step_fns = {};            // by shape; empty: no compiled steps
+  Span<StepFn> step_fns = {};  // by shape; empty: no compiled steps
   Span<StepRun> step_runs = {};
   Span<StepOperand> step_operands = {};
-  StepsFn steps_fn = nullptr;            // takes many steps; what it does step_fns do, too
-  Span<StepColumn> step_columns = {};    // not empty: steps_fn works on cells, and knows all slots that can fire
-  std::uint32_t step_cells = 0;          // how many
-  std::uint32_t step_cells_pay = 0;      // after so many steps filling the columns has paid
+  StepsFn steps_fn = nullptr;          // takes many steps; what it does step_fns do, too
+  Span<StepColumn> step_columns = {};  // not empty: steps_fn works on cells, and knows all interactions that can fire
+  std::uint32_t step_cells = 0;        // how many
+  std::uint32_t step_cells_pay = 0;    // after so many steps filling the columns has paid
 };
 
 /// Requires is_extern(type). Returns the row that describes the C++ type.
-inline const ExternType& extern_type(const Image& image, SlotType type) {
+inline const ExternType& extern_type(const Image& image, CellType type) {
   return image.extern_types[static_cast<std::uint32_t>(type) - kFirstExtern];
 }
 

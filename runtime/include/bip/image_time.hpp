@@ -1,8 +1,9 @@
-// Time in an image: what a type of atoms has to do with it (semantics.md, Time). A type without any of it has none of these
-// tables, and an image without such a type costs nothing.
+// Time in an image: what a type of atoms has to do with it (semantics.md, Time). A type without any of it has none of
+// these tables, and an image without such a type costs nothing.
 //
-// Times are counted in ticks of 1 ns. Code knows no clocks: an action that sets one writes the value, in the clock's unit, into
-// a hidden slot and true into the next; a limit that is no constant is put into a hidden slot by `measure`, an action.
+// Times are counted in ticks of 1 ns. Code knows no clocks: an action that sets one writes the value, in the clock's
+// unit, into a hidden variable and true into the next; a limit that is no constant is put into a hidden variable by
+// `measure`, an action.
 #pragma once
 #include "bip/image.hpp"
 
@@ -10,8 +11,8 @@ namespace bip::rt {
 
 struct Clock {
   const char* name;
-  std::int64_t unit;   // ticks
-  std::uint32_t slot;  // float: what it is set to; the next, bool: that it is; the one after, float: its speed
+  std::int64_t unit;       // ticks
+  std::uint32_t variable;  // float: what it is set to; the next, bool: that it is; the one after, float: its speed
   Loc loc;
 };
 enum class BoundOp : std::uint8_t { Lt, Le, Gt, Ge, Eq };
@@ -19,23 +20,23 @@ enum class BoundOp : std::uint8_t { Lt, Le, Gt, Ge, Eq };
 struct Bound {
   std::uint32_t clock, minus;  // of the type; minus: kNone, or of the same unit
   BoundOp op;
-  std::int64_t ticks;          // the limit, if slot is kNone
-  std::uint32_t slot;          // float, in the clock's unit
+  std::int64_t ticks;      // the limit, if variable is kNone
+  std::uint32_t variable;  // float, in the clock's unit
 };
 struct TimeGuard {
   Span<Bound> bounds;
-  std::uint32_t measure;       // row of Image::codes or kNone
+  std::uint32_t measure;  // row of Image::codes or kNone
 };
 enum class Urgency : std::uint8_t { Lazy, Delayable, Eager };
 struct Resume {
   bool present;
-  std::uint32_t guard;         // row of Image::codes or kNone
+  std::uint32_t guard;  // row of Image::codes or kNone
   TimeGuard when;
 };
 /// The action runs beside the others; the atom is busy until it returns.
 struct Async {
   bool present = false;
-  std::int64_t budget = -1;    // ticks; -1: none
+  std::int64_t budget = -1;       // ticks; -1: none
   std::uint32_t overrun = kNone;  // a port for events, without variables
 };
 struct TransitionTime {
@@ -49,8 +50,8 @@ enum class EventPolicy : std::uint8_t { Remember, Ignore, Error };
 struct EventPort {
   std::uint32_t port;
   EventPolicy policy;
-  const char* event_class;     // C++; "" if none was named
-  std::uint32_t source;        // row of Image::event_classes; kNone: events come from files and programs only
+  const char* event_class;  // C++; "" if none was named
+  std::uint32_t source;     // row of Image::event_classes; kNone: events come from files and programs only
 };
 struct AtomTime {
   Span<Clock> clocks;
@@ -62,20 +63,21 @@ struct AtomTime {
 
 /// What an object of a C++ class may ask of the engine, from any thread.
 struct SourceContext {
-  const char* port;                                  // "ROOT.panel.press"
+  const char* port;  // "ROOT.panel.press"
   void* engine;
   void (*notify)(void* engine);
   std::int64_t (*now)(void* engine);
 };
 enum class Poll : std::uint8_t { None, Event, Exception };
-/// A class behind a port for events (event_source.hpp). Nothing throws: what an exception said is the Outside's message.
+/// A class behind a port for events (event_source.hpp). Nothing throws: what an exception said is the Outside's
+/// message.
 struct EventClass {
   const char* name;
   /// A new object, initialized; null after an exception.
   void* (*make)(const SourceContext& context, Outside& outside);
   /// Takes the first event if its instant is no later than `until`: the instant and the values.
-  Poll (*poll)(void* object, Outside& outside, std::int64_t now, std::int64_t until, std::int64_t& time, Slot* values);
-  bool (*purge)(void* object, Outside& outside);     // false after an exception
+  Poll (*poll)(void* object, Outside& outside, std::int64_t now, std::int64_t until, std::int64_t& time, Cell* values);
+  bool (*purge)(void* object, Outside& outside);  // false after an exception
   void (*destroy)(void* object);
 };
 

@@ -1,8 +1,8 @@
 // The C++ side of a running model: strings that were made at run time, the last exception, objects of extern types.
 //
-// Header only: the emitted program, the shared object of `bipc run` and the compiler all use it. Strings are rows; those
-// of the image come first, C++ results are interned above them, so that equal texts stay equal rows. Several threads may
-// call functions at a time; each sees the exception of its own last call.
+// Header only: the emitted program, the shared object of `bipc run` and the compiler all use it. Strings are rows;
+// those of the image come first, C++ results are interned above them, so that equal texts stay equal rows. Several
+// threads may call functions at a time; each sees the exception of its own last call.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -68,19 +68,19 @@ class Outside {
 
 /// A C++ function behind an adapter: 0, or 1 after an exception. An extern result is assigned to the object that
 /// `result` points to.
-using ForeignFn = std::int32_t (*)(Outside* outside, Slot* result, Slot* const* args);
+using ForeignFn = std::int32_t (*)(Outside* outside, Cell* result, Cell* const* args);
 
 /// A string of a running model.
-[[nodiscard]] inline const char* string_of(const Image& image, Slot row) {
+[[nodiscard]] inline const char* string_of(const Image& image, Cell row) {
   if (image.outside != nullptr) return image.outside->text(row.i);
   return image.strings.size == 0 ? "" : image.strings[static_cast<std::uint32_t>(row.i)];
 }
 
 template <class T>
-[[nodiscard]] T& object_in(const Slot& slot) {
-  return *reinterpret_cast<T*>(static_cast<std::uintptr_t>(slot.bits));
+[[nodiscard]] T& object_in(const Cell& cell) {
+  return *reinterpret_cast<T*>(static_cast<std::uintptr_t>(cell.bits));
 }
-[[nodiscard]] inline Slot object_slot(void* object) { return Slot{.bits = reinterpret_cast<std::uintptr_t>(object)}; }
+[[nodiscard]] inline Cell object_cell(void* object) { return Cell{.bits = reinterpret_cast<std::uintptr_t>(object)}; }
 
 /// The row of a C++ type.
 template <class T>
@@ -92,7 +92,9 @@ template <class T>
                   nullptr,
                   [](void* object) { delete static_cast<T*>(object); }};
   if constexpr (requires(const T& value) { static_cast<bool>(value == value); }) {
-    type.equal = [](const void* a, const void* b) { return static_cast<bool>(*static_cast<const T*>(a) == *static_cast<const T*>(b)); };
+    type.equal = [](const void* a, const void* b) {
+      return static_cast<bool>(*static_cast<const T*>(a) == *static_cast<const T*>(b));
+    };
   }
   return type;
 }

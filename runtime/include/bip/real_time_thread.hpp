@@ -1,7 +1,9 @@
-// How the system treats the thread of a run in real time: exact timers, and if asked for, before others and never swapped out.
+// How the system treats the thread of a run in real time: exact timers, and if asked for, before others and never
+// swapped out.
 //
-// Only the thread that makes one; but threads that it starts inherit its priority, so it is raised when they are there. Locking memory takes its time
-// (a tenth of a second with libLLVM), so that is done first. What the system refuses is told, and the run goes on without.
+// Only the thread that makes one; but threads that it starts inherit its priority, so it is raised when they are there.
+// Locking memory takes its time (a tenth of a second with libLLVM), so that is done first. What the system refuses is
+// told, and the run goes on without.
 #pragma once
 #include <string>
 
@@ -9,7 +11,8 @@ namespace bip::rt {
 
 class RealTimeThread {
  public:
-  /// Timers of this thread are no longer put off to be met together (Linux: by 50 us). locks: the process's memory stays where it is.
+  /// Timers of this thread are no longer put off to be met together (Linux: by 50 us). locks: the process's memory
+  /// stays where it is.
   explicit RealTimeThread(bool locks);
   /// To a priority of SCHED_FIFO, 1 to 99.
   void raise(int priority);

@@ -1,7 +1,8 @@
 // How tables stand in an image: spans of rows; and of instances, rows that follow from those before.
 //
-// Arrays of components and connectors are told once: rows whose numbers grow evenly are a first one and a slope, so a model of 100,000 equal
-// parts takes a page, names and places included. Whoever asks for a row gets it by value: O(log repeats), a load without any.
+// Arrays of components and connectors are told once: rows whose numbers grow evenly are a first one and a slope, so a
+// model of 100,000 equal parts takes a page, names and places included. Whoever asks for a row gets it by value: O(log
+// repeats), a load without any.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -25,8 +26,8 @@ struct Span {
 struct Repeat {
   std::uint32_t first;
   std::uint32_t period;
-  std::uint32_t row;      // where they stand
-  std::uint32_t slope;    // of the first of them; kNone: they come once, as they stand
+  std::uint32_t row;    // where they stand
+  std::uint32_t slope;  // of the first of them; kNone: they come once, as they stand
 };
 
 /// A table of T, which has a T::Slope and T::after(slope, times).
@@ -34,19 +35,22 @@ template <class T>
 struct Rows {
   using Slope = typename T::Slope;
   Span<T> rows;
-  Span<Repeat> repeats;        // empty: all rows are as they stand
+  Span<Repeat> repeats;  // empty: all rows are as they stand
   Span<Slope> slopes;
   std::uint32_t size = 0;
 
   constexpr Rows() = default;
   constexpr Rows(Span<T> all) : rows(all), size(all.size) {}
   constexpr Rows(const T* data, std::uint32_t count) : Rows(Span<T>{data, count}) {}
-  constexpr Rows(Span<T> stand, Span<Repeat> all, Span<Slope> by, std::uint32_t count) : rows(stand), repeats(all), slopes(by), size(count) {}
+  constexpr Rows(Span<T> stand, Span<Repeat> all, Span<Slope> by, std::uint32_t count)
+      : rows(stand), repeats(all), slopes(by), size(count) {}
 
   T operator[](std::size_t i) const {
     if (repeats.size == 0) return rows[i];
     const auto row = static_cast<std::uint32_t>(i);
-    const Repeat& repeat = *(std::upper_bound(repeats.begin(), repeats.end(), row, [](std::uint32_t at, const Repeat& r) { return at < r.first; }) - 1);
+    const Repeat& repeat = *(std::upper_bound(repeats.begin(), repeats.end(), row,
+                                              [](std::uint32_t at, const Repeat& r) { return at < r.first; }) -
+                             1);
     const std::uint32_t offset = row - repeat.first;
     if (repeat.slope == kNone) return rows[repeat.row + offset];
     const std::uint32_t times = offset / repeat.period, which = offset % repeat.period;

@@ -13,38 +13,39 @@ struct NewCode;
 
 enum class Policy : std::uint8_t { Uniform, First, Fair };
 enum class TraceFormat : std::uint8_t { Steps, Json, Bip2, Binary, Mcap, Perfetto };
-/// Sequential: one step after the other. Threads: atoms' transitions on several threads, steps that do not conflict overlap.
-/// Batch: many steps between two meetings of the threads. All three make runs of the same semantics.
+/// Sequential: one step after the other. Threads: atoms' transitions on several threads, steps that do not conflict
+/// overlap. Batch: many steps between two meetings of the threads. All three make runs of the same semantics.
 enum class Engine : std::uint8_t { Sequential, Threads, Batch };
 
 struct RunOptions {
   std::uint64_t seed = 0;
-  bool has_seed = false;           // false: one is drawn from the operating system; it is always printed
-  std::uint64_t limit = ~0ull;     // steps
+  bool has_seed = false;        // false: one is drawn from the operating system; it is always printed
+  std::uint64_t limit = ~0ull;  // steps
   Policy policy = Policy::Uniform;
   bool maximal_progress = true;
   Engine engine = Engine::Sequential;
-  std::uint32_t threads = 0;       // of the engines that have several; 0: one a processor
-  std::uint64_t perturb = 0;       // tests: threads wait at random places, by this seed; 0: they do not
+  std::uint32_t threads = 0;  // of the engines that have several; 0: one a processor
+  std::uint64_t perturb = 0;  // tests: threads wait at random places, by this seed; 0: they do not
   // Models with time. Without `speed` time is logical: nothing sleeps.
-  bool asap = false;               // each step at the first instant at which one is possible
-  double speed = 0;                // model seconds a second of the wall clock
-  bool relaxed = false;            // a step that starts too late is a warning
-  int real_time_priority = 0;      // in real time: SCHED_FIFO's, 1 to 99, and locked memory, if the system allows; 0: as usual
+  bool asap = false;     // each step at the first instant at which one is possible
+  double speed = 0;      // model seconds a second of the wall clock
+  bool relaxed = false;  // a step that starts too late is a warning
+  int real_time_priority =
+      0;  // in real time: SCHED_FIFO's, 1 to 99, and locked memory, if the system allows; 0: as usual
   // Events from outside, JSON lines. Without a file they come from the model's C++ classes.
   std::string events_path;
-  std::string record_path;         // where they are written as they come; empty: nowhere
-  std::string replay_path;         // such a record: repeats the run in logical time, its seed and policy too
-  bool silent = false;             // no step lines; the seed and the end are still told
-  bool stats = false;              // steps, seconds, ns/step, bytes at the end
-  NewCode* new_code = nullptr;     // the image's code is replaced when it is ready (runtime/engine/new_code.hpp)
-  Profile* profile = nullptr;      // measures the steps (runtime/core/profile.hpp)
-  bool debug = false;              // every state's candidates
-  bool interactive = false;        // the candidates are listed and a number is read for each step
-  std::FILE* input = nullptr;      // interactive: where from; null: standard input
-  bool explore = false;            // no run: all reachable states, at most `limit`
+  std::string record_path;      // where they are written as they come; empty: nowhere
+  std::string replay_path;      // such a record: repeats the run in logical time, its seed and policy too
+  bool silent = false;          // no step lines; the seed and the end are still told
+  bool stats = false;           // steps, seconds, ns/step, bytes at the end
+  NewCode* new_code = nullptr;  // the image's code is replaced when it is ready (runtime/engine/new_code.hpp)
+  Profile* profile = nullptr;   // measures the steps (runtime/core/profile.hpp)
+  bool debug = false;           // every state's candidates
+  bool interactive = false;     // the candidates are listed and a number is read for each step
+  std::FILE* input = nullptr;   // interactive: where from; null: standard input
+  bool explore = false;         // no run: all reachable states, at most `limit`
   TraceFormat format = TraceFormat::Steps;  // of standard output; Binary, Mcap, Perfetto: there as Steps
-  std::string trace_path;          // JSON lines, or as `format` says if it is none of Steps and Json; empty: none
+  std::string trace_path;  // JSON lines, or as `format` says if it is none of Steps and Json; empty: none
 };
 
 enum class End : std::uint8_t { Limit, Deadlock, Fault, Interrupted };

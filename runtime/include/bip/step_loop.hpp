@@ -1,6 +1,7 @@
-// The loop of compiled steps, for programs that know their runs of slots when they are compiled: a draw, then code that is
-// inlined with its operands as constants. It is inlined itself, into a function that may be made for several processors. Half
-// the instructions of what the core does by tables, one step after the other (core/run_steps.cpp): the same draws, the same steps.
+// The loop of compiled steps, for programs that know their runs of interactions when they are compiled: a draw, then
+// code that is inlined with its operands as constants. It is inlined itself, into a function that may be made for
+// several processors. Half the instructions of what the core does by tables, one step after the other
+// (core/run_steps.cpp): the same draws, the same steps.
 #pragma once
 #include <cstdint>
 
@@ -17,9 +18,10 @@
 
 namespace bip::rt {
 
-/// Is the slot one of `count` from `first` on at equal distances? Then `number` is which.
-constexpr bool is_in_run(std::uint32_t slot, std::uint32_t first, std::uint32_t count, std::uint32_t distance, std::uint32_t& number) {
-  const std::uint32_t offset = slot - first;
+/// Is the interaction one of `count` from `first` on at equal distances? Then `number` is which.
+constexpr bool is_in_run(std::uint32_t interaction, std::uint32_t first, std::uint32_t count, std::uint32_t distance,
+                         std::uint32_t& number) {
+  const std::uint32_t offset = interaction - first;
   if (offset >= count * distance || offset % distance != 0) return false;
   number = offset / distance;
   return true;
@@ -32,25 +34,25 @@ inline void call_step(StepFn step, StepState& s, const StepOperand* operands, st
   s.count = copy.count;
 }
 
-/// See StepsFn. `take(state, slot)` takes a step, or returns false if it does not know the slot.
+/// See StepsFn. `take(state, interaction)` takes a step, or returns false if it does not know the interaction.
 template <class Take>
 BIP_INLINE StepsTaken take_steps(StepState& state, Prng& prng, StepHistory& history, std::uint64_t limit, Take take) {
   StepState s = state;
   Prng numbers = prng;
-  std::uint32_t at = history.at, slot = kAbsentSlot;
+  std::uint32_t at = history.at, interaction = kAbsentInteraction;
   std::uint64_t taken = 0;
   while (taken < limit && s.count != 0) {
-    slot = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
-    if (!take(s, slot)) break;
-    history.slots[at] = slot;
+    interaction = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    if (!take(s, interaction)) break;
+    history.interactions[at] = interaction;
     at = (at + 1) % StepHistory::kSize;
-    slot = kAbsentSlot;
+    interaction = kAbsentInteraction;
     ++taken;
   }
   state.count = s.count;
   prng = numbers;
   history.at = at;
-  return {taken, slot};
+  return {taken, interaction};
 }
 
 }  // namespace bip::rt

@@ -23,7 +23,8 @@ TEST_CASE("a bug is reported with its stages and exit code 70") {
   ::close(ends[1]);
   std::string text;
   std::array<char, 256> chunk{};
-  for (ssize_t got = 0; (got = ::read(ends[0], chunk.data(), chunk.size())) > 0;) text.append(chunk.data(), static_cast<std::size_t>(got));
+  for (ssize_t got = 0; (got = ::read(ends[0], chunk.data(), chunk.size())) > 0;)
+    text.append(chunk.data(), static_cast<std::size_t>(got));
   ::close(ends[0]);
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);

@@ -1,4 +1,5 @@
-// What is kept on disk: what is stored comes back, what is broken does not, and it stays as small as asked. And its hash.
+// What is kept on disk: what is stored comes back, what is broken does not, and it stays as small as asked. And its
+// hash.
 #include "compiler/base/content_cache.hpp"
 
 #include <sys/stat.h>
@@ -64,7 +65,8 @@ TEST_CASE("a file that is cut, changed or foreign counts as none") {
   changed.back() = 'y';
   std::string head = whole;
   head[20] = static_cast<char>(head[20] == '0' ? '1' : '0');
-  for (const std::string& text : {whole.substr(0, whole.size() - 1), whole + "z", changed, head, std::string(), std::string("ELF"), whole.substr(0, 30)}) {
+  for (const std::string& text : {whole.substr(0, whole.size() - 1), whole + "z", changed, head, std::string(),
+                                  std::string("ELF"), whole.substr(0, 30)}) {
     write(text);
     ContentCache cache(KeptKind::Object, folder.path(), kLarge);
     CHECK_FALSE(cache.load("a"));
@@ -119,7 +121,8 @@ TEST_CASE("several writers at a time leave whole files") {
   std::vector<std::thread> threads;
   for (int k = 0; k < 4; ++k) {
     threads.emplace_back([&, k] {
-      for (int round = 0; round < 50; ++round) ContentCache(KeptKind::Object, folder.path(), kLarge).store("same", text(k));
+      for (int round = 0; round < 50; ++round)
+        ContentCache(KeptKind::Object, folder.path(), kLarge).store("same", text(k));
     });
   }
   int broken = 0, seen = 0;

@@ -50,7 +50,10 @@ TEST_CASE("the frame has lines, gaps, labels, notes and helps") {
 
 TEST_CASE("marks of one line share a row unless they overlap") {
   Fixture f("alpha beta gamma\n");
-  f.diags.add(Diag::kB0090, f.range("gamma"), "m").label("third").label(f.range("alpha"), "first").label(f.range("beta"), "second");
+  f.diags.add(Diag::kB0090, f.range("gamma"), "m")
+      .label("third")
+      .label(f.range("alpha"), "first")
+      .label(f.range("beta"), "second");
   REQUIRE(f.frame() ==
           "error[B0090]: m\n --> m.bip:1:12\n  |\n1 | alpha beta gamma\n"
           "  | ----- ---- ^^^^^ third\n"
@@ -99,7 +102,8 @@ TEST_CASE("labels of another file follow under :::") {
   const FileId other = f.sources.add("o.bip", "x\nthere\n");
   f.diags.add(Diag::kB0090, f.range("here"), "m").label({other, 2, 7}, "and there");
   REQUIRE(f.frame() ==
-          "error[B0090]: m\n --> m.bip:1:1\n  |\n1 | here\n  | ^^^^\n ::: o.bip:2:1\n  |\n2 | there\n  | ----- and there\n1 error\n");
+          "error[B0090]: m\n --> m.bip:1:1\n  |\n1 | here\n  | ^^^^\n ::: o.bip:2:1\n  |\n2 | there\n  | ----- and "
+          "there\n1 error\n");
 }
 
 TEST_CASE("order is by place, exact duplicates are dropped, errors are capped") {
@@ -120,12 +124,16 @@ TEST_CASE("order is by place, exact duplicates are dropped, errors are capped") 
 TEST_CASE("JSON is one object a line, with edits, and survives text that is not UTF-8") {
   Fixture f("a b\n");
   f.diags.add(Diag::kB0090, f.range("b"), "bad \xFF").label("l").help("write `c`", f.range("b"), "c");
-  const std::string json = render(f.diags, f.sources, {.format = DiagnosticFormat::Json, .color = false, .max_errors = 0});
-  REQUIRE(json ==
-          "{\"severity\":\"error\",\"code\":\"B0090\",\"name\":\"unreadable-file\",\"message\":\"bad \xEF\xBF\xBD\","
-          "\"range\":{\"file\":\"m.bip\",\"line\":1,\"column\":3,\"end_line\":1,\"end_column\":4,\"offset\":2,\"end_offset\":3},"
-          "\"label\":\"l\",\"labels\":[],\"notes\":[],\"helps\":[{\"text\":\"write `c`\",\"edit\":{\"range\":{\"file\":\"m.bip\","
-          "\"line\":1,\"column\":3,\"end_line\":1,\"end_column\":4,\"offset\":2,\"end_offset\":3},\"with\":\"c\"}}]}\n");
+  const std::string json =
+      render(f.diags, f.sources, {.format = DiagnosticFormat::Json, .color = false, .max_errors = 0});
+  REQUIRE(
+      json ==
+      "{\"severity\":\"error\",\"code\":\"B0090\",\"name\":\"unreadable-file\",\"message\":\"bad \xEF\xBF\xBD\","
+      "\"range\":{\"file\":\"m.bip\",\"line\":1,\"column\":3,\"end_line\":1,\"end_column\":4,\"offset\":2,\"end_"
+      "offset\":3},"
+      "\"label\":\"l\",\"labels\":[],\"notes\":[],\"helps\":[{\"text\":\"write "
+      "`c`\",\"edit\":{\"range\":{\"file\":\"m.bip\","
+      "\"line\":1,\"column\":3,\"end_line\":1,\"end_column\":4,\"offset\":2,\"end_offset\":3},\"with\":\"c\"}}]}\n");
 }
 
 TEST_CASE("nothing is rendered for nothing") {

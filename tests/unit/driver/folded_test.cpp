@@ -1,5 +1,5 @@
-// Folded variables of connectors: code gets the same rows as from a table that is not folded, whoever runs it first, a step, a guard, or
-// somebody who looks at a hierarchy's values.
+// Folded variables of connectors: code gets the same rows as from a table that is not folded, whoever runs it first, a
+// step, a guard, or somebody who looks at a hierarchy's values.
 #include <catch2/catch.hpp>
 
 #include <memory>
@@ -15,22 +15,28 @@ using namespace bip::driver;
 
 namespace {
 
-// Two hundred pairs that hand a number to and fro, with the guard on the way back, or through a connector with a value of its own.
+// Two hundred pairs that hand a number to and fro, with the guard on the way back, or through a connector with a value
+// of its own.
 std::string pairs(const std::string& guard, bool is_nested) {
   return "package m\n"
          "  port type L(int v)\n"
          "  connector type Hand(L give, L take)\n    define give take\n"
-         "    on give take " + guard + " down { take.v = give.v + 1; }\n  end\n"
+         "    on give take " +
+         guard +
+         " down { take.v = give.v + 1; }\n  end\n"
          "  connector type Up(L give, L take)\n    data int m\n    export port L top(m)\n    define give take\n"
          "    on give take up { m = give.v + take.v; } down { take.v = m; }\n  end\n"
          "  connector type Top(L p)\n    define p\n    on p down { p.v = p.v % 1000 + 1; }\n  end\n"
          "  atom type A()\n    data int v = 0\n    export port L give(v), take(v)\n    place P, Q\n    initial to P\n"
          "    on give from P to Q\n    on take from Q to P\n  end\n"
-         "  atom type B(int k)\n    data int v = k\n    export port L give(v), take(v)\n    place P, Q\n    initial to P\n"
+         "  atom type B(int k)\n    data int v = k\n    export port L give(v), take(v)\n    place P, Q\n    initial to "
+         "P\n"
          "    on take from P to Q\n    on give from Q to P\n  end\n"
-         "  compound type Root()\n    component A a[200]()\n    for i in 0..200 component B b[i](i * i)\n    for i in 0..200 {\n"
+         "  compound type Root()\n    component A a[200]()\n    for i in 0..200 component B b[i](i * i)\n    for i in "
+         "0..200 {\n"
          "      connector Hand back[i](b[i].give, a[i].take)\n" +
-         (is_nested ? "      connector Up low[i](a[i].give, b[i].take)\n      connector Top top[i](low[i].top)\n" : "      connector Hand there[i](a[i].give, b[i].take)\n") +
+         (is_nested ? "      connector Up low[i](a[i].give, b[i].take)\n      connector Top top[i](low[i].top)\n"
+                    : "      connector Hand there[i](a[i].give, b[i].take)\n") +
          "    }\n  end\nend\n";
 }
 
@@ -47,7 +53,7 @@ std::vector<rt::u64> run(const rt::Image& image, bool looks_first) {
   }
   CHECK(step > 300);
   std::vector<rt::u64> data;
-  for (rt::u32 row = 0; row < image.slot_count; ++row) data.push_back(core.slot(row).bits);
+  for (rt::u32 row = 0; row < image.cell_count; ++row) data.push_back(core.cell(row).bits);
   return data;
 }
 

@@ -1,4 +1,5 @@
-// What waiting costs: no processor time while clocks or events are pending, and little time from an event to its interaction.
+// What waiting costs: no processor time while clocks or events are pending, and little time from an event to its
+// interaction.
 #include <catch2/catch.hpp>
 
 #include <fmt/format.h>
@@ -39,7 +40,8 @@ constexpr const char* kIdleModel =
     "    place P\n    initial to P\n"
     "    on add from P to P eager do { count = count + 1; }\n"
     "  end\n"
-    "  compound type Pulses()\n    component Pulse a()\n    component Counter c()\n    connector One beat(a.beat)\n  end\n"
+    "  compound type Pulses()\n    component Pulse a()\n    component Counter c()\n    connector One beat(a.beat)\n  "
+    "end\n"
     "  compound type Events()\n    component Counter c()\n  end\n"
     "end\n";
 
@@ -92,9 +94,10 @@ TEST_CASE("from an event to its interaction", "[.timing]") {
   other.join();
   REQUIRE(taken.size() == posted.size());
   std::vector<double> us;
-  for (std::size_t k = 0; k < taken.size(); ++k) us.push_back(std::chrono::duration<double, std::micro>(taken[k] - posted[k]).count());
+  for (std::size_t k = 0; k < taken.size(); ++k)
+    us.push_back(std::chrono::duration<double, std::micro>(taken[k] - posted[k]).count());
   std::sort(us.begin(), us.end());
-  fmt::print("from post to interaction: median {:.1f} us, 10 % {:.1f}, 90 % {:.1f}, 99 % {:.1f}\n", us[us.size() / 2], us[us.size() / 10],
-             us[us.size() * 9 / 10], us[us.size() * 99 / 100]);
+  fmt::print("from post to interaction: median {:.1f} us, 10 % {:.1f}, 90 % {:.1f}, 99 % {:.1f}\n", us[us.size() / 2],
+             us[us.size() / 10], us[us.size() * 9 / 10], us[us.size() * 99 / 100]);
   CHECK(us[0] > 0);
 }

@@ -120,7 +120,8 @@ TEST_CASE("files are replaced whole, keep their permissions, and links stay link
   std::string text;
   std::ifstream(path) >> text;
   REQUIRE(text == "two");
-  REQUIRE(std::filesystem::status(path).permissions() == (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
+  REQUIRE(std::filesystem::status(path).permissions() ==
+          (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
   REQUIRE_FALSE(write_file(directory + "/no/such/folder/a", "x"));
   REQUIRE(std::distance(std::filesystem::directory_iterator(directory), {}) == 2);
 }

@@ -35,7 +35,9 @@ TEST_CASE("a last state that was cut off is not complete") {
 }
 
 TEST_CASE("a limit is no state") {
-  const auto states = read_published_trace("[BIP ENGINE]: state #0: 1 internal port:\n[BIP ENGINE]:   [0] ROOT.a.p\n[BIP ENGINE]: state #1: limit reached\n");
+  const auto states = read_published_trace(
+      "[BIP ENGINE]: state #0: 1 internal port:\n[BIP ENGINE]:   [0] ROOT.a.p\n[BIP ENGINE]: state #1: limit "
+      "reached\n");
   REQUIRE(states);
   CHECK((*states).size() == 1);
 }

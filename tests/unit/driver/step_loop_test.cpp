@@ -1,5 +1,5 @@
-// The JIT's loop over steps takes the steps that the core takes one by one, with the same random numbers: also where a draw may be
-// repeated, where it draws a step that it does not know, and when the ring of recent slots is full.
+// The JIT's loop over steps takes the steps that the core takes one by one, with the same random numbers: also where a
+// draw may be repeated, where it draws a step that it does not know, and when the ring of recent interactions is full.
 #include <catch2/catch.hpp>
 
 #include <array>
@@ -17,7 +17,8 @@ using namespace bip::driver;
 
 namespace {
 
-// Moves with guards around a ring of `cells`, a broadcast, and rendezvous of two to five: more kinds of steps than the loop asks for.
+// Moves with guards around a ring of `cells`, a broadcast, and rendezvous of two to five: more kinds of steps than the
+// loop asks for.
 std::string cells(int count) {
   std::string text =
       "package m\n  port type S()\n  port type L(int x)\n"
@@ -45,7 +46,8 @@ std::string cells(int count) {
   for (int parts = 2; parts <= 5; ++parts) {
     for (const char* port : {"odd", "even"}) {
       text += "    connector All" + std::to_string(parts) + " " + port + std::to_string(parts) + "(";
-      for (int k = 0; k < parts; ++k) text += std::string(k == 0 ? "" : ", ") + "c[" + std::to_string(3 * k + parts) + "]." + port;
+      for (int k = 0; k < parts; ++k)
+        text += std::string(k == 0 ? "" : ", ") + "c[" + std::to_string(3 * k + parts) + "]." + port;
       text += ")\n";
     }
   }
@@ -56,7 +58,7 @@ bool never_stopped() { return false; }
 
 struct LoopRun {
   rt::u64 steps = 0;
-  std::vector<rt::u32> slots;
+  std::vector<rt::u32> interactions;
   rt::Prng prng;
 };
 
@@ -69,7 +71,7 @@ LoopRun run(const rt::Image& image, const rt::Prng& prng, rt::u64 limit) {
   bool sound = true;
   result.steps = core.run_steps(result.prng, limit, never_stopped, sound);
   REQUIRE(sound);
-  result.slots = core.recent_slots(std::min<rt::u64>(result.steps, rt::Core::kHistory));
+  result.interactions = core.recent_interactions(std::min<rt::u64>(result.steps, rt::Core::kHistory));
   return result;
 }
 
@@ -101,7 +103,7 @@ TEST_CASE("the loop over steps draws and takes what the core does") {
       const LoopRun looped = run(c.lowered->image, prng, limit), expected = run(stepwise, prng, limit);
       CHECK(looped.steps == limit);
       CHECK(expected.steps == limit);
-      CHECK(looped.slots == expected.slots);
+      CHECK(looped.interactions == expected.interactions);
       CHECK(looped.prng == expected.prng);
     }
   }

@@ -18,22 +18,24 @@ using bip::testing::contents;
 
 namespace {
 
-// Stores that hand pieces on and may lose one now and then: guards, transfers, actions; if they lose any, an internal port whose
-// guard has no compiled step, and an end.
+// Stores that hand pieces on and may lose one now and then: guards, transfers, actions; if they lose any, an internal
+// port whose guard has no compiled step, and an end.
 std::string stores(bool lose) {
   return std::string(
-         "package m\n"
-         "  port type S()\n  port type L(int x)\n"
-         "  connector type Move(L a, L b)\n    define a b\n"
-         "    on a b provided (a.x > 0 && b.x < 9) down { a.x = a.x - 1; b.x = b.x + 1; }\n  end\n"
-         "  atom type Store(int x0)\n"
-         "    data int x = x0, seen = 0, luck = 1\n"
-         "    export port L give(x), take(x)\n") +
+             "package m\n"
+             "  port type S()\n  port type L(int x)\n"
+             "  connector type Move(L a, L b)\n    define a b\n"
+             "    on a b provided (a.x > 0 && b.x < 9) down { a.x = a.x - 1; b.x = b.x + 1; }\n  end\n"
+             "  atom type Store(int x0)\n"
+             "    data int x = x0, seen = 0, luck = 1\n"
+             "    export port L give(x), take(x)\n") +
          (lose ? "    port S lose()\n" : "") +
          "    place P\n    initial to P\n"
          "    on give from P to P do { luck = luck * 1103515245 + 12345; }\n"
          "    on take from P to P do { seen = seen + x; }\n" +
-         (lose ? "    on lose from P to P provided (x > 0 && (luck & 3072) == 0) do { x = x - 1; luck = luck + 1024; }\n" : "") +
+         (lose
+              ? "    on lose from P to P provided (x > 0 && (luck & 3072) == 0) do { x = x - 1; luck = luck + 1024; }\n"
+              : "") +
          "  end\n"
          "  compound type R()\n    component Store s[6](5)\n"
          "    for i in 0..6 connector Move m[i](s[i].give, s[(i + 1) % 6].take)\n  end\n"
@@ -71,7 +73,7 @@ struct Signal {
   std::uint64_t left;
   rt::NewCode* new_code;
 };
-std::int32_t count_down(const void* context, rt::Slot* self, rt::Slot* all, const std::uint32_t* bind) {
+std::int32_t count_down(const void* context, rt::Cell* self, rt::Cell* all, const std::uint32_t* bind) {
   auto& signal = *const_cast<Signal*>(static_cast<const Signal*>(context));
   if (signal.left != 0 && --signal.left == 0) signal.new_code->is_ready.store(true);
   return signal.code.fn(signal.code.context, self, all, bind);

@@ -1,6 +1,6 @@
-// Random systems with time against an oracle that knows nothing of heaps, intervals and ports: it keeps the instant at which each clock
-// was zero, looks at whole nanoseconds one by one, and says of every step whether the language allows it. Runs end by themselves too:
-// a deadlock and a time lock are checked the same way.
+// Random systems with time against an oracle that knows nothing of heaps, intervals and ports: it keeps the instant at
+// which each clock was zero, looks at whole nanoseconds one by one, and says of every step whether the language allows
+// it. Runs end by themselves too: a deadlock and a time lock are checked the same way.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
@@ -24,9 +24,9 @@ struct Arc {
   bool zeroes;
 };
 /// One clock; arcs[p] are port p's, at most one a place.
-struct Machine {
+struct TransitionSystem {
   std::vector<std::vector<Arc>> arcs;
-  int limit[2];             // at each place; < 0: none
+  int limit[2];  // at each place; < 0: none
   // run
   int place = 0;
   std::int64_t zero = 0;
@@ -48,7 +48,7 @@ struct Joint {
   std::vector<std::pair<int, int>> ends;  // machine, port
 };
 struct Plant {
-  std::vector<Machine> machines;
+  std::vector<TransitionSystem> machines;
   std::vector<Joint> joints;
 
   [[nodiscard]] bool is_enabled(const Joint& j, std::int64_t t) const {
@@ -59,13 +59,14 @@ struct Plant {
   }
   /// Why time may not go on from t to t + 1.
   [[nodiscard]] std::string blocked(std::int64_t t) const {
-    for (const Machine& m : machines) {
+    for (const TransitionSystem& m : machines) {
       if (!m.lets_pass(t)) return "an invariant";
     }
     for (const Joint& j : joints) {
       if (!is_enabled(j, t)) continue;
       int urgency = Lazy;
-      for (const auto& [m, p] : j.ends) urgency = std::max<int>(urgency, machines[static_cast<std::size_t>(m)].arc(p)->urgency);
+      for (const auto& [m, p] : j.ends)
+        urgency = std::max<int>(urgency, machines[static_cast<std::size_t>(m)].arc(p)->urgency);
       if (urgency == Eager) return "an eager step";
       if (urgency == Delayable && !is_enabled(j, t + 1)) return "a delayable step";
     }
@@ -86,16 +87,22 @@ struct Plant {
     out += "  connector type C1(S a)\n    define a\n  end\n  connector type C2(S a, S b)\n    define a b\n  end\n";
     std::string parts;
     for (std::size_t m = 0; m < machines.size(); ++m) {
-      out += fmt::format("  @SuppressWarning(nondeterminism)\n  atom type M{}()\n    clock x unit nanosecond\n    export port S p0(), p1()\n    place A, B\n    initial to A\n", m);
+      out += fmt::format(
+          "  @SuppressWarning(nondeterminism)\n  atom type M{}()\n    clock x unit nanosecond\n    export port S p0(), "
+          "p1()\n    place A, B\n    initial to A\n",
+          m);
       for (std::size_t p = 0; p < machines[m].arcs.size(); ++p) {
         for (const Arc& a : machines[m].arcs[p]) {
           static constexpr const char* kWords[] = {"", " delayable", " eager"};
           const std::string high = a.high < 0 ? "" : fmt::format(" && x <= {}", a.high);
-          out += fmt::format("    on p{} from {} to {} provided (x >= {}{}){} do {{ {} }}\n", p, "AB"[a.from], "AB"[a.to], a.low, high, kWords[a.urgency], a.zeroes ? "x = 0;" : "");
+          out += fmt::format("    on p{} from {} to {} provided (x >= {}{}){} do {{ {} }}\n", p, "AB"[a.from],
+                             "AB"[a.to], a.low, high, kWords[a.urgency], a.zeroes ? "x = 0;" : "");
         }
       }
       for (int place = 0; place < 2; ++place) {
-        if (machines[m].limit[place] >= 0) out += fmt::format("    invariant i{} at {} provided (x <= {})\n", place, "AB"[place], machines[m].limit[place]);
+        if (machines[m].limit[place] >= 0)
+          out +=
+              fmt::format("    invariant i{} at {} provided (x <= {})\n", place, "AB"[place], machines[m].limit[place]);
       }
       out += "  end\n";
       parts += fmt::format("    component M{} m{}()\n", m, m);
@@ -114,13 +121,14 @@ Plant random_plant(rt::Prng& random) {
   const auto below = [&](int n) { return static_cast<int>(random.below(static_cast<std::uint64_t>(n))); };
   Plant plant;
   plant.machines.resize(static_cast<std::size_t>(2 + below(2)));
-  for (Machine& m : plant.machines) {
+  for (TransitionSystem& m : plant.machines) {
     m.arcs.resize(2);
     for (auto& arcs : m.arcs) {
       for (int place = 0; place < 2; ++place) {
         if (below(5) == 0) continue;
         const int low = below(12);
-        arcs.push_back({place, below(2), low, below(3) == 0 ? -1 : low + below(10), static_cast<Urgent>(below(3)), below(3) != 0});
+        arcs.push_back(
+            {place, below(2), low, below(3) == 0 ? -1 : low + below(10), static_cast<Urgent>(below(3)), below(3) != 0});
       }
     }
     for (int& limit : m.limit) limit = below(3) != 0 ? -1 : 8 + below(20);
@@ -161,8 +169,10 @@ std::string check(Plant plant, std::uint64_t seed, bool asap, Totals& totals) {
       std::int64_t end = now;
       while (end < now + kFar && plant.blocked(end).empty()) ++end;
       const bool is_lock = end < now + kFar;
-      if (is_lock != (due == rt::Due::Fault)) return fmt::format("deadlock and time lock are confused at {}: {}", now, fault);
-      if (is_lock && (core.fault().code != rt::FaultCode::TimeLock || core.now() != end)) return fmt::format("time lock at {} instead of {}: {}", core.now(), end, fault);
+      if (is_lock != (due == rt::Due::Fault))
+        return fmt::format("deadlock and time lock are confused at {}: {}", now, fault);
+      if (is_lock && (core.fault().code != rt::FaultCode::TimeLock || core.now() != end))
+        return fmt::format("time lock at {} instead of {}: {}", core.now(), end, fault);
       ++(is_lock ? totals.time_locks : totals.deadlocks);
       return {};
     }
@@ -170,16 +180,18 @@ std::string check(Plant plant, std::uint64_t seed, bool asap, Totals& totals) {
     ++totals.steps;
     totals.waited += at > now ? 1 : 0;
     if (at < now) return "time runs backwards";
-    if (asap && (!first || at != *first)) return fmt::format("a step at {}, and one was possible at {}", at, first.value_or(-1));
+    if (asap && (!first || at != *first))
+      return fmt::format("a step at {}, and one was possible at {}", at, first.value_or(-1));
     // Far waits end up after everything that changes.
     for (std::int64_t t = now; t < at && t < now + kFar; ++t) {
-      if (const std::string why = plant.blocked(t); !why.empty()) return fmt::format("time passes {} although {} holds it", t, why);
+      if (const std::string why = plant.blocked(t); !why.empty())
+        return fmt::format("time passes {} although {} holds it", t, why);
     }
     const std::size_t taken = core.candidate(scheduler.choice()).connector;
     const Joint& joint = plant.joints[taken];
     if (!plant.is_enabled(joint, at)) return fmt::format("c{} is taken at {} and is not possible then", taken, at);
     for (const auto& [m, p] : joint.ends) {
-      Machine& machine = plant.machines[static_cast<std::size_t>(m)];
+      TransitionSystem& machine = plant.machines[static_cast<std::size_t>(m)];
       const Arc arc = *machine.arc(p);
       machine.place = arc.to;
       if (arc.zeroes) machine.zero = at;
@@ -212,8 +224,10 @@ TEST_CASE("the language allows every timed step, and every end") {
 TEST_CASE("a snapshot holds the time") {
   driver::Compilation c(driver::CompileOptions{});
   c.open_texts["m.bip"] =
-      "package m\n  port type S()\n  connector type C(S a)\n    define a\n  end\n  atom type A()\n    clock x, y unit nanosecond\n    data int n = 0\n"
-      "    export port S p()\n    place P\n    initial to P do { y' = 0.5; }\n    on p from P to P provided (x >= 3 && x <= 90 && y >= 2) do { x = 0; n = n + 1; } resume (x >= n)\n"
+      "package m\n  port type S()\n  connector type C(S a)\n    define a\n  end\n  atom type A()\n    clock x, y unit "
+      "nanosecond\n    data int n = 0\n"
+      "    export port S p()\n    place P\n    initial to P do { y' = 0.5; }\n    on p from P to P provided (x >= 3 && "
+      "x <= 90 && y >= 2) do { x = 0; n = n + 1; } resume (x >= n)\n"
       "  end\n  compound type R()\n    component A a(), b()\n    connector C ca(a.p), cb(b.p)\n  end\nend\n";
   REQUIRE(driver::compile(c, "m.bip", driver::Stage::Image));
   const interp::Interpreter interpreter(*c.lowered);

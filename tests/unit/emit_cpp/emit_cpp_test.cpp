@@ -21,29 +21,31 @@ std::string emit(const System& s, bool line_directives = true) {
   return emit_cpp::emit(*lower::lower(s, "Root"), options);
 }
 
-bool same(rt::Slot a, rt::Slot b, Type type) {
+bool same(rt::Cell a, rt::Cell b, Type type) {
   // The bits of a NaN are nobody's promise.
   if (type == Type::Float && std::isnan(a.f) && std::isnan(b.f)) return true;
   return a.bits == b.bits;
 }
 
-// 8 variables, transitions with random guards and actions, and a connector with random transfers bound to a second atom.
+// 8 variables, transitions with random guards and actions, and a connector with random transfers bound to a second
+// atom.
 System random_system(std::uint32_t seed) {
-  std::vector<Slot> slots;
-  for (std::size_t k = 0; k < test::kRandomTypes.size(); ++k) slots.push_back(test::slot("v" + std::to_string(k), test::kRandomTypes[k]));
+  std::vector<DataVariable> variables;
+  for (std::size_t k = 0; k < test::kRandomTypes.size(); ++k)
+    variables.push_back(test::variable("v" + std::to_string(k), test::kRandomTypes[k]));
   // Names that C++ has taken.
-  slots[0].name = "int";
-  slots[1].name = "self";
-  slots[2].name = "Slot";
-  slots[3].name = "EOF";
-  slots[4].name = "left";
-  slots[5].name = "kImage";
-  System s = test::one_atom(slots);
+  variables[0].name = "int";
+  variables[1].name = "self";
+  variables[2].name = "Slot";
+  variables[3].name = "EOF";
+  variables[4].name = "left";
+  variables[5].name = "kImage";
+  System s = test::one_atom(variables);
   s.code.string("a \"b\" */ ?\?/ \\\n");
   test::RandomCode code(s.code, seed, false);
   AtomType& type = s.atom_types[AtomTypeId(0u)];
   PortType port_type{"P", {}, {}};
-  for (const Slot& slot : slots) port_type.variables.push_back({slot.name, slot.type, {}});
+  for (const DataVariable& v : variables) port_type.variables.push_back({v.name, v.type, {}});
   s.port_types.push(port_type);
   type.ports = {{"p", PortTypeId(0u), {0, 1, 2, 3, 4, 5, 6, 7}, true, {}}};
   for (int k = 0; k < 40; ++k) {
@@ -56,7 +58,7 @@ System random_system(std::uint32_t seed) {
   connector.name = "C";
   connector.params = {{"a.p", PortTypeId(0u), 0, {}}};
   connector.define = {{false, false, 0, {1}}, {true, false, 0, {}}};
-  connector.slots = slots;
+  connector.variables = variables;
   test::RandomCode transfers(s.code, seed + 1, true);
   for (int k = 0; k < 40; ++k) {
     Clause clause;
@@ -80,19 +82,22 @@ void compare(const rt::Image& a, const rt::Image& b, std::uint32_t seed) {
   std::size_t faults = 0;
   for (std::size_t unit = 0; unit < a.codes.size; ++unit) {
     for (int k = 0; k < 60; ++k) {
-      const auto atom = test::random_slots(random);
-      const auto own = test::random_slots(random);
+      const auto atom = test::random_interactions(random);
+      const auto own = test::random_interactions(random);
       const bool connector = a.connectors.size > 0 && unit >= 80;
-      std::array<rt::Slot, 16> left{}, right{};
+      std::array<rt::Cell, 16> left{}, right{};
       std::copy(atom.begin(), atom.end(), left.begin());
       std::copy(own.begin(), own.end(), left.begin() + 8);
       right = left;
-      const std::int32_t status_a = a.codes[unit].fn(a.codes[unit].context, connector ? &left[8] : &left[0], left.data(), bind);
-      const std::int32_t status_b = b.codes[unit].fn(b.codes[unit].context, connector ? &right[8] : &right[0], right.data(), bind);
+      const std::int32_t status_a =
+          a.codes[unit].fn(a.codes[unit].context, connector ? &left[8] : &left[0], left.data(), bind);
+      const std::int32_t status_b =
+          b.codes[unit].fn(b.codes[unit].context, connector ? &right[8] : &right[0], right.data(), bind);
       INFO("unit " << unit);
       REQUIRE(status_a == status_b);
       faults += status_a > 1 ? 1 : 0;
-      for (std::size_t slot = 0; slot < 16; ++slot) REQUIRE(same(left[slot], right[slot], test::kRandomTypes[slot % 8]));
+      for (std::size_t cell = 0; cell < 16; ++cell)
+        REQUIRE(same(left[cell], right[cell], test::kRandomTypes[cell % 8]));
     }
   }
   CHECK(faults > 0);
@@ -124,7 +129,7 @@ TEST_CASE("functions read like the model") {
 }
 
 TEST_CASE("operators keep the tree's shape with few parentheses") {
-  System s = test::one_atom({test::slot("a", Type::Bool), test::slot("x", Type::Float)});
+  System s = test::one_atom({test::variable("a", Type::Bool), test::variable("x", Type::Float)});
   test::Code c{s.code};
   const auto a = [&] { return c.self(0, Type::Bool); };
   const auto x = [&] { return c.self(1, Type::Float); };
@@ -137,15 +142,17 @@ TEST_CASE("operators keep the tree's shape with few parentheses") {
 }
 
 TEST_CASE("if chains and divisions") {
-  System s = test::one_atom({test::slot("x", Type::Int), test::slot("y", Type::Int)});
+  System s = test::one_atom({test::variable("x", Type::Int), test::variable("y", Type::Int)});
   test::Code c{s.code};
   const StmtId last = c.when(c.binary(Op::Gt, c.self(0), c.i(0)), c.set(1, c.i(2)), c.set(1, c.i(3)));
   const ExprId quotient = c.binary(Op::Div, c.self(0), c.self(1));
   const ExprId rest = c.binary(Op::Mod, c.self(0), c.self(1));
-  s.atom_types[AtomTypeId(0u)].initial_action = c.body(
-      {c.when(c.binary(Op::Eq, c.self(0), c.i(0)), c.set(1, c.i(1)), last), c.set(0, c.binary(Op::Add, quotient, rest))});
+  s.atom_types[AtomTypeId(0u)].initial_action =
+      c.body({c.when(c.binary(Op::Eq, c.self(0), c.i(0)), c.set(1, c.i(1)), last),
+              c.set(0, c.binary(Op::Add, quotient, rest))});
   const std::string text = emit(s, false);
-  CHECK_THAT(text, Contains("  if (x == 0) {\n    y = 1;\n  } else if (x > 0) {\n    y = 2;\n  } else {\n    y = 3;\n  }\n"));
+  CHECK_THAT(text,
+             Contains("  if (x == 0) {\n    y = 1;\n  } else if (x > 0) {\n    y = 2;\n  } else {\n    y = 3;\n  }\n"));
   CHECK_THAT(text, Contains("const std::int32_t left = divide(x, y, 0); const std::int32_t right = modulo(x, y, 1); "
                             "return wrap_add(left, right); }()"));
   CHECK_THAT(text, Contains("} catch (const CodeFault& fault) {\n  return fault.status;\n}\n"));
@@ -164,17 +171,17 @@ TEST_CASE("emitted code agrees with the interpreter on random units") {
 
 TEST_CASE("-a / b beside a / b is right at -O2 too") {
   // g++ 12 takes the second quotient for the negated first one; found by the random units.
-  System s = test::one_atom({test::slot("a", Type::Int), test::slot("b", Type::Int)});
+  System s = test::one_atom({test::variable("a", Type::Int), test::variable("b", Type::Int)});
   test::Code c{s.code};
   const ExprId plain = c.binary(Op::Div, c.self(0), c.self(1));
   const ExprId negated = c.binary(Op::Div, c.unary(Op::Neg, c.self(0)), c.self(1));
   s.atom_types[AtomTypeId(0u)].initial_action = c.set(0, c.binary(Op::Add, plain, negated));
   const test::Compiled compiled(emit(s), "-O2");
   REQUIRE(compiled.image() != nullptr);
-  rt::Slot slots[2] = {};
-  slots[0].bits = slots[1].bits = 0x80000000u;
-  CHECK(compiled.image()->codes[0].fn(nullptr, slots, slots, nullptr) == 1);
-  CHECK(slots[0].i == 2);
+  rt::Cell cells[2] = {};
+  cells[0].bits = cells[1].bits = 0x80000000u;
+  CHECK(compiled.image()->codes[0].fn(nullptr, cells, cells, nullptr) == 1);
+  CHECK(cells[0].i == 2);
 }
 
 TEST_CASE("emitted tables are the image") {
@@ -193,14 +200,14 @@ TEST_CASE("emitted tables are the image") {
   const rt::Image& a = lowered->image;
   const rt::Image& b = *compiled.image();
   CHECK(std::string(b.name) == "Root(1)");
-  CHECK(b.slot_count == a.slot_count);
+  CHECK(b.cell_count == a.cell_count);
   REQUIRE(b.atom_types.size == a.atom_types.size);
   CHECK(std::strcmp(a.atom_types[0].name, b.atom_types[0].name) == 0);
   CHECK(b.atom_types[1].transitions[1].port == rt::kNone);
   REQUIRE(b.atoms.size == a.atoms.size);
   for (std::size_t k = 0; k < a.atoms.size; ++k) {
     CHECK(a.atoms[k].path() == b.atoms[k].path());
-    CHECK(a.atoms[k].slot_base == b.atoms[k].slot_base);
+    CHECK(a.atoms[k].first_cell == b.atoms[k].first_cell);
     CHECK(a.atoms[k].args == b.atoms[k].args);
   }
   REQUIRE(b.args.size == a.args.size);
@@ -214,7 +221,7 @@ TEST_CASE("emitted tables are the image") {
   REQUIRE(b.port_refs.size == a.port_refs.size);
   CHECK(b.port_refs[30].connector == 0);
   REQUIRE(b.binds.size == a.binds.size);
-  for (std::size_t k = 0; k < a.binds.size; ++k) CHECK(a.binds[k].slot == b.binds[k].slot);
+  for (std::size_t k = 0; k < a.binds.size; ++k) CHECK(a.binds[k].cell == b.binds[k].cell);
   REQUIRE(b.priorities.size == 1);
   CHECK(b.priorities[0].low.params.size == 3);
   CHECK(b.priorities[0].high.connector == rt::kNone);
@@ -231,12 +238,13 @@ TEST_CASE("emitted tables that are folded are the image") {
   CHECK(b.atoms.rows.size < 10);
   for (std::size_t k = 0; k < a.atoms.size; ++k) {
     CHECK(a.atoms[k].path() == b.atoms[k].path());
-    CHECK(a.atoms[k].slot_base == b.atoms[k].slot_base);
+    CHECK(a.atoms[k].first_cell == b.atoms[k].first_cell);
     CHECK(a.atoms[k].args == b.atoms[k].args);
     CHECK(a.atoms[k].loc.line == b.atoms[k].loc.line);
   }
   REQUIRE(b.port_refs.size == a.port_refs.size);
-  for (std::size_t k = 0; k < a.port_refs.size; ++k) CHECK((a.port_refs[k].atom == b.port_refs[k].atom && a.port_refs[k].connector == b.port_refs[k].connector));
+  for (std::size_t k = 0; k < a.port_refs.size; ++k)
+    CHECK((a.port_refs[k].atom == b.port_refs[k].atom && a.port_refs[k].connector == b.port_refs[k].connector));
 }
 
 TEST_CASE("several models fit in one translation unit") {

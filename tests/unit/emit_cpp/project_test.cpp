@@ -43,12 +43,14 @@ TEST_CASE("an emitted project builds alone and runs like the interpreter", "[slo
   const System s = test::producers(3);
   const auto lowered = lower::lower(s, "Root()");
   const std::string dir = (scratch.path() / "project").string();
-  const Result<bool> written = emit_cpp::emit_project(*lowered, dir, (test::repository() / "runtime").string(), "my sum");
+  const Result<bool> written =
+      emit_cpp::emit_project(*lowered, dir, (test::repository() / "runtime").string(), "my sum");
   REQUIRE(written);
   const std::string log = (scratch.path() / "log.txt").string();
   // Debug only because it builds faster; Ninja because tools/setup brings it, and a fresh machine has no make.
-  const std::string build = "(cmake -G Ninja -S " + dir + " -B " + dir + "/build -DCMAKE_BUILD_TYPE=Debug && cmake --build " + dir +
-                            "/build -j 2) >" + log + " 2>&1";
+  const std::string build = "(cmake -G Ninja -S " + dir + " -B " + dir +
+                            "/build -DCMAKE_BUILD_TYPE=Debug && cmake --build " + dir + "/build -j 2) >" + log +
+                            " 2>&1";
   const int status = std::system(build.c_str());
   INFO(text_of(log));
   REQUIRE(status == 0);
@@ -61,7 +63,8 @@ TEST_CASE("an emission without the runtime's sources fails with a reason") {
   const test::ScratchDir scratch;
   const System s = test::producers(1);
   const auto lowered = lower::lower(s, "Root()");
-  const Result<bool> written = emit_cpp::emit_project(*lowered, scratch.path().string(), (scratch.path() / "none").string(), "x");
+  const Result<bool> written =
+      emit_cpp::emit_project(*lowered, scratch.path().string(), (scratch.path() / "none").string(), "x");
   REQUIRE(!written);
   CHECK_THAT(written.error(), Catch::Contains("runtime's sources"));
 }

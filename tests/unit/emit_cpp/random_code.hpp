@@ -8,13 +8,14 @@
 
 namespace bip::test {
 
-/// Slots 0-2 int, 3-4 bool, 5-6 float, 7 string; the same numbers serve as Self or as Bind.
+/// Interactions 0-2 int, 3-4 bool, 5-6 float, 7 string; the same numbers serve as Self or as Bind.
 inline const std::array<Type, 8> kRandomTypes = {Type::Int,  Type::Int,   Type::Int,   Type::Bool,
                                                  Type::Bool, Type::Float, Type::Float, Type::String};
 
 class RandomCode {
  public:
-  RandomCode(CodeTable& table, std::uint32_t seed, bool with_bind) : code_{table}, random_(seed), with_bind_(with_bind) {}
+  RandomCode(CodeTable& table, std::uint32_t seed, bool with_bind)
+      : code_{table}, random_(seed), with_bind_(with_bind) {}
 
   ExprId expr(Type type, int depth) {
     if (depth <= 0 || pick(6) == 0) return leaf(type);
@@ -100,18 +101,18 @@ class RandomCode {
 };
 
 /// A state of the 8 variables, edge values preferred.
-inline std::array<rt::Slot, 8> random_slots(std::mt19937& random) {
+inline std::array<rt::Cell, 8> random_interactions(std::mt19937& random) {
   static const std::array<std::int32_t, 6> kInts = {0, -1, 1, INT32_MIN, INT32_MAX, 5};
   static const std::array<double, 6> kFloats = {0, -1.5, 1e308, 0.1, -0.0, 3};
-  std::array<rt::Slot, 8> slots{};
-  for (std::size_t k = 0; k < slots.size(); ++k) {
+  std::array<rt::Cell, 8> cells{};
+  for (std::size_t k = 0; k < cells.size(); ++k) {
     switch (kRandomTypes[k]) {
-      case Type::Int: slots[k].bits = static_cast<std::uint32_t>(kInts[random() % 6]); break;
-      case Type::Float: slots[k].f = kFloats[random() % 6]; break;
-      default: slots[k].bits = random() % 2;
+      case Type::Int: cells[k].bits = static_cast<std::uint32_t>(kInts[random() % 6]); break;
+      case Type::Float: cells[k].f = kFloats[random() % 6]; break;
+      default: cells[k].bits = random() % 2;
     }
   }
-  return slots;
+  return cells;
 }
 
 }  // namespace bip::test

@@ -74,7 +74,8 @@ TEST_CASE("operations on zones are those on their points") {
     REQUIRE(zone.implies(bound) == !is_outside);
     Points both;
     if (is_inside) both = points_of(inside);
-    if (is_outside) for (const auto& point : points_of(outside)) REQUIRE(both.insert(point).second);
+    if (is_outside)
+      for (const auto& point : points_of(outside)) REQUIRE(both.insert(point).second);
     REQUIRE(both == points);
 
     Zone later = zone;
@@ -101,7 +102,8 @@ TEST_CASE("operations on zones are those on their points") {
       for (const auto& point : points_of(part)) REQUIRE(rest.insert(point).second);
     }
     Points expected;
-    std::set_difference(points.begin(), points.end(), others.begin(), others.end(), std::inserter(expected, expected.end()));
+    std::set_difference(points.begin(), points.end(), others.begin(), others.end(),
+                        std::inserter(expected, expected.end()));
     REQUIRE(rest == expected);
   }
 }

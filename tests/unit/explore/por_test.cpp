@@ -36,12 +36,16 @@ std::string philosophers(int n, bool has_left_handed) {
     on put from EATS to THINKS
   end
   compound type Root()
-    component Fork fork[)" + count + "]()\n    component Philosopher phil[" + count + "]()\n";
+    component Fork fork[)" +
+                     count + "]()\n    component Philosopher phil[" + count + "]()\n";
   for (int i = 0; i < n; ++i) {
     const bool swaps = has_left_handed && i + 1 == n;
-    const std::string me = "phil[" + std::to_string(i) + "]", left = "fork[" + std::to_string(i) + "]", right = "fork[" + std::to_string((i + 1) % n) + "]";
-    text += "    connector Two l" + std::to_string(i) + '(' + me + (swaps ? ".second, " : ".first, ") + left + ".take)\n";
-    text += "    connector Two r" + std::to_string(i) + '(' + me + (swaps ? ".first, " : ".second, ") + right + ".take)\n";
+    const std::string me = "phil[" + std::to_string(i) + "]", left = "fork[" + std::to_string(i) + "]",
+                      right = "fork[" + std::to_string((i + 1) % n) + "]";
+    text +=
+        "    connector Two l" + std::to_string(i) + '(' + me + (swaps ? ".second, " : ".first, ") + left + ".take)\n";
+    text +=
+        "    connector Two r" + std::to_string(i) + '(' + me + (swaps ? ".first, " : ".second, ") + right + ".take)\n";
     text += "    connector Three p" + std::to_string(i) + '(' + me + ".put, " + left + ".put, " + right + ".put)\n";
   }
   return text + "  end\nend\n";

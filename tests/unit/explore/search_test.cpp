@@ -1,5 +1,5 @@
-// Searches of maximal interactions by ranges of values against those by descent and against all interactions listed one by one:
-// random trees of connectors with guards, and trees whose search would be exponential by descent.
+// Searches of maximal interactions by ranges of values against those by descent and against all interactions listed one
+// by one: random trees of connectors with guards, and trees whose search would be exponential by descent.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -52,12 +52,17 @@ class RandomTree {
     std::vector<std::string> level;
     const int leaves = pick(3, 7);
     for (int i = 0; i < leaves; ++i) level.push_back("a" + std::to_string(i) + ".p");
-    for (int i = 0; i < leaves; ++i) parts_ += "    component A a" + std::to_string(i) + "(" + std::to_string(pick(-3, 4)) + ", " + std::to_string(pick(2, 7)) + ")\n";
+    for (int i = 0; i < leaves; ++i)
+      parts_ += "    component A a" + std::to_string(i) + "(" + std::to_string(pick(-3, 4)) + ", " +
+                std::to_string(pick(2, 7)) + ")\n";
     while (level.size() > 1) {
       std::vector<std::string> above;
       for (std::size_t i = 0; i < level.size();) {
         const std::size_t count = std::min<std::size_t>(level.size() - i, static_cast<std::size_t>(pick(2, 3)));
-        above.push_back(count < 2 ? level[i] : connector({level.begin() + static_cast<std::ptrdiff_t>(i), level.begin() + static_cast<std::ptrdiff_t>(i + count)}, count == level.size()));
+        above.push_back(count < 2 ? level[i]
+                                  : connector({level.begin() + static_cast<std::ptrdiff_t>(i),
+                                               level.begin() + static_cast<std::ptrdiff_t>(i + count)},
+                                              count == level.size()));
         i += count;
       }
       level = std::move(above);
@@ -67,9 +72,11 @@ class RandomTree {
   [[nodiscard]] std::string text() const {
     return "package tree\n"
            "  port type P(int v, float f)\n"
-           "  atom type A(int start, int modulus)\n    data int v = start\n    data float f = start * 0.5\n    export port P p(v, f)\n"
+           "  atom type A(int start, int modulus)\n    data int v = start\n    data float f = start * 0.5\n    export "
+           "port P p(v, f)\n"
            "    place S, T\n    initial to S\n"
-           "    on p from S to T do { v = (v * 3 + 1) % 7 - 2; f = f + 0.25; }\n    on p from T to S provided (modulus != 3) do { v = modulus - v; }\n  end\n" +
+           "    on p from S to T do { v = (v * 3 + 1) % 7 - 2; f = f + 0.25; }\n    on p from T to S provided (modulus "
+           "!= 3) do { v = modulus - v; }\n  end\n" +
            types_ + "  compound type Root()\n" + parts_ + "  end\nend\n";
   }
 
@@ -91,10 +98,13 @@ class RandomTree {
   std::string guard(const std::string& members) {
     static const char* const kSigns[] = {"<", "<=", ">", ">=", "==", "!="};
     std::string left = value(members[0]);
-    for (std::size_t i = 1; i < members.size(); ++i) left += std::string(pick(0, 2) == 0 ? " - " : " + ") + value(members[i]);
+    for (std::size_t i = 1; i < members.size(); ++i)
+      left += std::string(pick(0, 2) == 0 ? " - " : " + ") + value(members[i]);
     std::string all = left + " " + kSigns[pick(0, 5)] + " " + number(-4, 12);
     if (pick(0, 4) == 0) all = "!(" + all + ")";
-    if (pick(0, 3) == 0) all = "(" + all + (pick(0, 1) == 0 ? ") && " : ") || ") + std::string(1, members[0]) + ".f " + kSigns[pick(0, 5)] + " 1.5";
+    if (pick(0, 3) == 0)
+      all = "(" + all + (pick(0, 1) == 0 ? ") && " : ") || ") + std::string(1, members[0]) + ".f " +
+            kSigns[pick(0, 5)] + " 1.5";
     return all;
   }
   std::string connector(const std::vector<std::string>& below, bool is_root) {
@@ -102,14 +112,19 @@ class RandomTree {
       const char* define;
       std::vector<std::string> interactions;
     };
-    static const std::vector<Form> kTwo{{"a' b'", {"ab", "a", "b"}}, {"a' b", {"ab", "a"}}, {"a b'", {"ab", "b"}}, {"a b", {"ab"}}};
-    static const std::vector<Form> kThree{{"a' b' c'", {"abc", "ab", "ac", "bc", "a", "b", "c"}}, {"a' b c", {"abc", "ab", "ac", "a"}},
-                                          {"(a b)' c'", {"abc", "ab", "c"}}, {"(a' b)' c", {"abc", "ab", "ac", "a"}}};
+    static const std::vector<Form> kTwo{
+        {"a' b'", {"ab", "a", "b"}}, {"a' b", {"ab", "a"}}, {"a b'", {"ab", "b"}}, {"a b", {"ab"}}};
+    static const std::vector<Form> kThree{{"a' b' c'", {"abc", "ab", "ac", "bc", "a", "b", "c"}},
+                                          {"a' b c", {"abc", "ab", "ac", "a"}},
+                                          {"(a b)' c'", {"abc", "ab", "c"}},
+                                          {"(a' b)' c", {"abc", "ab", "ac", "a"}}};
     const std::vector<Form>& forms = below.size() == 2 ? kTwo : kThree;
     // Triggers mostly: there is little to search without.
-    const Form& form = forms[pick(0, 2) != 0 ? 0 : static_cast<std::size_t>(pick(0, static_cast<int>(forms.size()) - 1))];
+    const Form& form =
+        forms[pick(0, 2) != 0 ? 0 : static_cast<std::size_t>(pick(0, static_cast<int>(forms.size()) - 1))];
     const std::string name = "K" + std::to_string(count_++);
-    types_ += "  connector type " + name + "(P a, P b" + (below.size() == 3 ? ", P c" : "") + ")\n    data int v\n    data float f\n";
+    types_ += "  connector type " + name + "(P a, P b" + (below.size() == 3 ? ", P c" : "") +
+              ")\n    data int v\n    data float f\n";
     if (!is_root) types_ += "    @SuppressWarning(missinginteraction)\n    export port P up_port(v, f)\n";
     types_ += std::string("    define ") + form.define + "\n";
     for (const std::string& members : form.interactions) {
@@ -152,7 +167,8 @@ void compare(const std::string& text, unsigned seed, Compared& compared) {
   REQUIRE(c.problem == "");
   const interp::Interpreter interpreter(*c.lowered);
   const rt::Image& image = c.lowered->image;
-  rt::Core by_descent(image, {.descent_bound = 1u << 30}), by_ranges(image, {.descent_bound = 0}), all(image, {.progress = rt::MaximalProgress::Off});
+  rt::Core by_descent(image, {.descent_bound = 1u << 30}), by_ranges(image, {.descent_bound = 0}),
+      all(image, {.progress = rt::MaximalProgress::Off});
   std::mt19937 random(seed);
   REQUIRE(by_descent.initialize());
   REQUIRE(by_ranges.initialize());
@@ -175,10 +191,15 @@ void compare(const std::string& text, unsigned seed, Compared& compared) {
 std::string lamps(const std::string& sign) {
   return "package lights\n"
          "  port type Power(int watt)\n"
-         "  connector type Both(Power a, Power b)\n    data int watt\n    export port Power top(watt)\n    define a' b'\n"
-         "    on a b up { watt = a.watt + b.watt; }\n    on a up { watt = a.watt; }\n    on b up { watt = b.watt; }\n  end\n"
-         "  connector type Mains(Power p, Power limit)\n    define p limit\n    on p limit provided (p.watt " + sign + " limit.watt)\n  end\n"
-         "  atom type Lamp(int start)\n    data int watt = start\n    export port Power shine(watt)\n    place ON\n    initial to ON\n"
+         "  connector type Both(Power a, Power b)\n    data int watt\n    export port Power top(watt)\n    define a' "
+         "b'\n"
+         "    on a b up { watt = a.watt + b.watt; }\n    on a up { watt = a.watt; }\n    on b up { watt = b.watt; }\n  "
+         "end\n"
+         "  connector type Mains(Power p, Power limit)\n    define p limit\n    on p limit provided (p.watt " +
+         sign +
+         " limit.watt)\n  end\n"
+         "  atom type Lamp(int start)\n    data int watt = start\n    export port Power shine(watt)\n    place ON\n    "
+         "initial to ON\n"
          "    on shine from ON to ON\n  end\n"
          "  compound type Street(int n, int limit)\n"
          "    for i in 0..n component Lamp lamp[i](i % 4 + 1)\n    component Lamp meter(limit)\n"
@@ -192,7 +213,8 @@ struct Searched {
   rt::SearchWork work;
 };
 Searched search_lamps(const std::string& sign, int limit) {
-  const std::string root = "  compound type Root()\n    component Street street(32, " + std::to_string(limit) + ")\n  end\nend\n";
+  const std::string root =
+      "  compound type Root()\n    component Street street(32, " + std::to_string(limit) + ")\n  end\nend\n";
   const gen::Compiled c = gen::compile_texts({lamps(sign) + root});
   REQUIRE(c.problem == "");
   const interp::Interpreter interpreter(*c.lowered);

@@ -1,5 +1,5 @@
-// The zone graph against what it stands for: random small timed systems whose time is explored one tick at a time, with nothing
-// but a core, and walks of the core through instants that have no bound.
+// The zone graph against what it stands for: random small timed systems whose time is explored one tick at a time, with
+// nothing but a core, and walks of the core through instants that have no bound.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using rt::u32;
 using rt::u64;
 
 constexpr i64 kCap = rt::testing::kMostConstant + 2;  // clocks beyond it are all alike
-constexpr std::size_t kMostTicks = 20000;                  // states that are visited tick by tick
+constexpr std::size_t kMostTicks = 20000;             // states that are visited tick by tick
 
 // What can be told of a state: markings, data, who is busy, clocks up to the cap.
 using Key = std::vector<i64>;
@@ -29,7 +29,7 @@ using Key = std::vector<i64>;
 struct Ticks {
   std::set<Key> keys;
   std::vector<rt::State> states;
-  std::set<Key> places;             // without the clocks
+  std::set<Key> places;  // without the clocks
   bool has_deadlock = false, has_lock = false, has_error = false, is_complete = true;
 };
 
@@ -45,7 +45,8 @@ void normalize(const rt::Image& image, rt::State& state) {
   std::size_t at = 1;
   for (const rt::Atom& atom : image.atoms) {
     const rt::AtomTime* time = image.atom_types[atom.type].time;
-    for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k, at += 2) state.time[at] = std::min(state.time[at], kCap);
+    for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k, at += 2)
+      state.time[at] = std::min(state.time[at], kCap);
     if (state.time[at] != rt::kForever) state.time[at] -= state.time[0];
     ++at;
   }
@@ -135,9 +136,12 @@ bool has_point(rt::ZoneSearch& search, const rt::Image& image, const rt::State& 
     const rt::Location& location = search.locations()[node.location];
     if (node.is_waking || place_of(location.state) != place_of(state)) continue;
     bool is_inside = true;
-    for (std::size_t atom = 0; atom < is_busy.size(); ++atom) is_inside = is_inside && (location.waits[atom] != rt::kNone) == is_busy[atom];
+    for (std::size_t atom = 0; atom < is_busy.size(); ++atom)
+      is_inside = is_inside && (location.waits[atom] != rt::kNone) == is_busy[atom];
     for (u32 i = 0; i < point.size() && is_inside; ++i) {
-      for (u32 j = 0; j < point.size(); ++j) is_inside = is_inside && (i == j || node.zone.at(i, j) == rt::Zone::kInf || point[i] - point[j] <= node.zone.at(i, j));
+      for (u32 j = 0; j < point.size(); ++j)
+        is_inside =
+            is_inside && (i == j || node.zone.at(i, j) == rt::Zone::kInf || point[i] - point[j] <= node.zone.at(i, j));
     }
     if (is_inside) return true;
   }
@@ -169,19 +173,24 @@ void ask(const rt::Image& image, const Ticks& ticks, u64 seed, ZoneTally& tally)
   rt::Core core(image);
   rt::Prng random(seed);
   for (int round = 0; round < 6; ++round) {
-    const u32 connector = static_cast<u32>(random.below(image.connectors.size)), atom = static_cast<u32>(random.below(image.atoms.size));
+    const u32 connector = static_cast<u32>(random.below(image.connectors.size)),
+              atom = static_cast<u32>(random.below(image.atoms.size));
     const rt::AtomType& type = image.atom_types[image.atoms[atom].type];
     if (type.ports.size == 0) continue;
     const u32 port = static_cast<u32>(random.below(type.ports.size));
     const bool wants_candidate = random.below(2) == 0, wants_port = random.below(2) == 0;
     const auto is_so = [=](const rt::Core& at) {
       bool has_candidate = false;
-      for (u64 k = 0; k < at.candidate_count(); ++k) has_candidate = has_candidate || at.candidate(k).connector == connector;
+      for (u64 k = 0; k < at.candidate_count(); ++k)
+        has_candidate = has_candidate || at.candidate(k).connector == connector;
       return has_candidate == wants_candidate && (at.enabled_transition(atom, port) != rt::kNone) == wants_port;
     };
-    const bool is_expected = std::any_of(ticks.states.begin(), ticks.states.end(), [&](const rt::State& state) { return core.restore(state) && is_so(core); });
-    const rt::ZoneReport found = rt::explore_zones(image, {.limit = 200000, .is_broken = is_so, .asked_connectors = {connector}, .asked_atoms = {atom}});
-    INFO("asked: connector " << connector << (wants_candidate ? "" : " not") << ", port " << port << " of atom " << atom << (wants_port ? "" : " not"));
+    const bool is_expected = std::any_of(ticks.states.begin(), ticks.states.end(),
+                                         [&](const rt::State& state) { return core.restore(state) && is_so(core); });
+    const rt::ZoneReport found = rt::explore_zones(
+        image, {.limit = 200000, .is_broken = is_so, .asked_connectors = {connector}, .asked_atoms = {atom}});
+    INFO("asked: connector " << connector << (wants_candidate ? "" : " not") << ", port " << port << " of atom " << atom
+                             << (wants_port ? "" : " not"));
     REQUIRE(found.has_broken == is_expected);
     REQUIRE(found.are_ways_known);
     ++tally.asked;
@@ -224,7 +233,8 @@ void compare(u64 seed, ZoneTally& tally) {
     rt::State point = search.locations().point(location, node.zone.least_point());
     normalize(image, point);
     // What is wrong, if it is.
-    std::string what = "a node after " + std::to_string(node.parent) + ", edge " + std::to_string(static_cast<int>(node.edge)) + ":";
+    std::string what =
+        "a node after " + std::to_string(node.parent) + ", edge " + std::to_string(static_cast<int>(node.edge)) + ":";
     for (const i64 value : key_of(image, point, &max)) what += ' ' + std::to_string(value);
     INFO(what);
     REQUIRE(reached.count(key_of(image, point, &max)) == 1);
@@ -242,8 +252,10 @@ TEST_CASE("zone graphs of random timed systems are their behaviour tick by tick"
   const char* wanted = std::getenv("BIP_ZONE_RUNS");
   const u64 runs = wanted == nullptr ? 120 : std::strtoull(wanted, nullptr, 10);
   for (u64 seed = 1; seed <= runs; ++seed) compare(seed, tally);
-  WARN("compared " << tally.compared << " (" << tally.states << " states tick by tick, " << tally.zones << " zones), with deadlock " << tally.deadlocks
-                   << ", with time lock " << tally.locks << ", with error " << tally.errors << ", states walked " << tally.walked << ", asked " << tally.asked << ", so " << tally.were_so);
+  WARN("compared " << tally.compared << " (" << tally.states << " states tick by tick, " << tally.zones
+                   << " zones), with deadlock " << tally.deadlocks << ", with time lock " << tally.locks
+                   << ", with error " << tally.errors << ", states walked " << tally.walked << ", asked " << tally.asked
+                   << ", so " << tally.were_so);
   CHECK(tally.compared > static_cast<int>(runs) / 2);
   CHECK(tally.deadlocks > 0);
   CHECK(tally.locks > 0);

@@ -89,7 +89,8 @@ TEST_CASE("what stands behind a dot") {
   CHECK(m.symbol("a.in as", 2)->name == "in");
   const Symbol* p = m.symbol("p(3)");
   REQUIRE(p != nullptr);
-  const auto behind = m.index.members_behind_dot(m.index.use_at(m.file, static_cast<std::uint32_t>(m.sources.text(m.file).find("p(3)")))->symbol);
+  const auto behind = m.index.members_behind_dot(
+      m.index.use_at(m.file, static_cast<std::uint32_t>(m.sources.text(m.file).find("p(3)")))->symbol);
   REQUIRE(behind.size() == 1);
   CHECK(m.index.symbols[behind[0]].name == "start");
   CHECK(m.index.symbols[m.index.symbols[behind[0]].type].name == "Value");
@@ -120,7 +121,9 @@ end
 }
 
 TEST_CASE("packages") {
-  const Indexed m({"package std.a\n port type P()\n const data int k = 1\nend\n", "package b\n use std.a\n atom type A()\n data int x = k\n export port std.a.P p()\n place S\n initial to S\n on p from S to S provided (x < std.a.k)\n end\nend\n"});
+  const Indexed m({"package std.a\n port type P()\n const data int k = 1\nend\n",
+                   "package b\n use std.a\n atom type A()\n data int x = k\n export port std.a.P p()\n place S\n "
+                   "initial to S\n on p from S to S provided (x < std.a.k)\n end\nend\n"});
   CHECK(m.symbol("P p()")->kind == SymbolKind::PortType);
   CHECK(m.symbol("P p()")->name_range.file == FileId(0u));
   CHECK(m.symbol("std.a\n")->kind == SymbolKind::Package);
@@ -129,7 +132,9 @@ TEST_CASE("packages") {
 }
 
 TEST_CASE("a broken declaration leaves the others") {
-  const Indexed m({"package m\n port type P()\n atom type A()\n  export port P p()\n  place S T\n  initial to S\n  on p from\n end\n atom type B()\n  export port P q()\n  place U\n  initial to U\n  on q from U to U\n end\nend\n"});
+  const Indexed m(
+      {"package m\n port type P()\n atom type A()\n  export port P p()\n  place S T\n  initial to S\n  on p from\n "
+       "end\n atom type B()\n  export port P q()\n  place U\n  initial to U\n  on q from U to U\n end\nend\n"});
   REQUIRE(m.symbol("U to") != nullptr);
   CHECK(m.uses("U to") == 4);
   CHECK(m.symbol("P q()") != nullptr);

@@ -15,34 +15,34 @@ namespace {
 constexpr std::int32_t kMin = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kMax = std::numeric_limits<std::int32_t>::max();
 
-// Runs `body` as the initial action of one atom over `slots`.
-std::int32_t run(System& s, StmtId body, rt::Slot* slots) {
+// Runs `body` as the initial action of one atom over `cells`.
+std::int32_t run(System& s, StmtId body, rt::Cell* cells) {
   s.atom_types[AtomTypeId(0u)].initial_action = body;
   const auto lowered = lower::lower(s, "Root");
   const interp::Interpreter interpreter(*lowered);
   const rt::Code code = lowered->image.codes[0];
-  return code.fn(code.context, slots, slots, nullptr);
+  return code.fn(code.context, cells, cells, nullptr);
 }
 
-// An action that stores the expression in the atom's only slot.
-std::int32_t stored(const CodeTable& code, ExprId id, rt::Slot& out) {
-  System s = test::one_atom({test::slot("x", code.exprs[id].type)});
+// An action that stores the expression in the atom's only cell.
+std::int32_t stored(const CodeTable& code, ExprId id, rt::Cell& out) {
+  System s = test::one_atom({test::variable("x", code.exprs[id].type)});
   s.code = code;
   return run(s, Code{s.code}.set(0, id), &out);
 }
 std::int32_t int_of(const CodeTable& code, ExprId id) {
-  rt::Slot out{};
+  rt::Cell out{};
   REQUIRE(stored(code, id, out) == 1);
   CHECK(out.bits <= 0xffffffffu);
   return out.i;
 }
 double float_of(const CodeTable& code, ExprId id) {
-  rt::Slot out{};
+  rt::Cell out{};
   REQUIRE(stored(code, id, out) == 1);
   return out.f;
 }
 std::int32_t status_of(const CodeTable& code, ExprId id) {
-  rt::Slot out{};
+  rt::Cell out{};
   return stored(code, id, out);
 }
 
@@ -109,40 +109,40 @@ TEST_CASE("floats are IEEE doubles and do not fault") {
 }
 
 TEST_CASE("statements run in order, nested ifs included") {
-  System s = test::one_atom({test::slot("x", Type::Int), test::slot("y", Type::Int)});
+  System s = test::one_atom({test::variable("x", Type::Int), test::variable("y", Type::Int)});
   Code c{s.code};
   const StmtId inner = c.when(c.binary(Op::Gt, c.self(0), c.i(5)), c.set(1, c.i(1)), c.set(1, c.i(2)));
   const StmtId outer = c.when(c.binary(Op::Gt, c.self(0), c.i(0)), inner, c.set(1, c.i(3)));
-  const StmtId body = c.body({c.set(0, c.binary(Op::Add, c.self(0), c.i(1))), outer,
-                              c.set(0, c.binary(Op::Mul, c.self(1), c.i(10)))});
+  const StmtId body =
+      c.body({c.set(0, c.binary(Op::Add, c.self(0), c.i(1))), outer, c.set(0, c.binary(Op::Mul, c.self(1), c.i(10)))});
   for (const auto& [x, y] : {std::pair{9, 1}, std::pair{3, 2}, std::pair{-4, 3}}) {
-    rt::Slot slots[2] = {};
-    slots[0].bits = static_cast<std::uint32_t>(x);
-    CHECK(run(s, body, slots) == 1);
-    CHECK(slots[1].i == y);
-    CHECK(slots[0].i == 10 * y);
+    rt::Cell cells[2] = {};
+    cells[0].bits = static_cast<std::uint32_t>(x);
+    CHECK(run(s, body, cells) == 1);
+    CHECK(cells[1].i == y);
+    CHECK(cells[0].i == 10 * y);
   }
 }
 
 TEST_CASE("the first fault ends an action: earlier stores stay, later ones do not happen") {
-  System s = test::one_atom({test::slot("x", Type::Int), test::slot("y", Type::Int)});
+  System s = test::one_atom({test::variable("x", Type::Int), test::variable("y", Type::Int)});
   Code c{s.code};
   const ExprId unused = c.binary(Op::Div, c.i(4), c.i(2));
   const ExprId fault = c.binary(Op::Div, c.i(1), c.self(1));
   const StmtId branch = c.when(c.b(true), c.body({c.set(0, fault), c.set(0, c.i(8))}));
   const StmtId body = c.body({c.set(0, c.i(7)), branch, c.set(1, unused)});
-  rt::Slot slots[2] = {};
-  CHECK(run(s, body, slots) == rt::fault_status(1, rt::FaultKind::DivisionByZero));
-  CHECK(slots[0].i == 7);
-  CHECK(slots[1].i == 0);
+  rt::Cell cells[2] = {};
+  CHECK(run(s, body, cells) == rt::fault_status(1, rt::FaultKind::DivisionByZero));
+  CHECK(cells[0].i == 7);
+  CHECK(cells[1].i == 0);
 }
 
 TEST_CASE("stores of ints keep the upper bits of a slot zero") {
-  System s = test::one_atom({test::slot("x", Type::Int)});
+  System s = test::one_atom({test::variable("x", Type::Int)});
   Code c{s.code};
-  rt::Slot slots[1] = {};
-  CHECK(run(s, c.set(0, c.i(-1)), slots) == 1);
-  CHECK(slots[0].bits == 0xffffffffu);
+  rt::Cell cells[1] = {};
+  CHECK(run(s, c.set(0, c.i(-1)), cells) == 1);
+  CHECK(cells[0].bits == 0xffffffffu);
 }
 
 TEST_CASE("connector code reads and writes through its bindings") {
@@ -150,18 +150,18 @@ TEST_CASE("connector code reads and writes through its bindings") {
   const auto lowered = lower::lower(s, "Root");
   const interp::Interpreter interpreter(*lowered);
   const rt::Image& im = lowered->image;
-  std::vector<rt::Slot> all(im.slot_count);
+  std::vector<rt::Cell> all(im.cell_count);
   all[1].i = 4;
   all[3].i = 5;
   const rt::Connector& sum = im.connectors[0];
   const rt::Code up = im.codes[im.connector_types[0].clauses[0].up];
-  CHECK(up.fn(up.context, &all[sum.slot_base], all.data(), &im.binds.rows.data[sum.binds].slot) == 1);
-  CHECK(all[sum.slot_base].i == 9);
+  CHECK(up.fn(up.context, &all[sum.first_cell], all.data(), &im.binds.rows.data[sum.binds].cell) == 1);
+  CHECK(all[sum.first_cell].i == 9);
   const rt::Connector& take = im.connectors[1];
   const rt::Clause& clause = im.connector_types[1].clauses[0];
   const rt::Code guard = im.codes[clause.guard];
   const rt::Code down = im.codes[clause.down];
-  CHECK(guard.fn(guard.context, nullptr, all.data(), &im.binds.rows.data[take.binds].slot) == 1);
-  CHECK(down.fn(down.context, nullptr, all.data(), &im.binds.rows.data[take.binds].slot) == 1);
-  CHECK(all[im.atoms[2].slot_base + 1].i == 9);
+  CHECK(guard.fn(guard.context, nullptr, all.data(), &im.binds.rows.data[take.binds].cell) == 1);
+  CHECK(down.fn(down.context, nullptr, all.data(), &im.binds.rows.data[take.binds].cell) == 1);
+  CHECK(all[im.atoms[2].first_cell + 1].i == 9);
 }

@@ -93,7 +93,8 @@ ExprId Units::random_expr(std::mt19937& random, Type type, int depth) {
   }
   const auto sub = [&](Type t) { return random_expr(random, t, depth - 1); };
   if (type == Type::Int) {
-    static constexpr std::array kOps{Op::Neg, Op::BitNot, Op::Add, Op::Sub, Op::Mul, Op::Div, Op::Mod, Op::BitAnd, Op::BitOr, Op::BitXor};
+    static constexpr std::array kOps{Op::Neg, Op::BitNot, Op::Add,    Op::Sub,   Op::Mul,
+                                     Op::Div, Op::Mod,    Op::BitAnd, Op::BitOr, Op::BitXor};
     const Op o = pick(random, kOps);
     const ExprId a = sub(Type::Int);
     return o == Op::Neg || o == Op::BitNot ? op(o, type, a) : op(o, type, a, sub(Type::Int));
@@ -108,7 +109,7 @@ ExprId Units::random_expr(std::mt19937& random, Type type, int depth) {
   static constexpr std::array kOps{Op::Not, Op::And, Op::Or, Op::Eq, Op::Ne, Op::Lt, Op::Gt, Op::Le, Op::Ge};
   const Op o = pick(random, kOps);
   if (o == Op::Not) return op(o, type, sub(Type::Bool));
-  const Type operand = o == Op::And || o == Op::Or   ? Type::Bool
+  const Type operand = o == Op::And || o == Op::Or  ? Type::Bool
                        : o == Op::Eq || o == Op::Ne ? pick(random, kTypes)
                        : below(random, 2) == 0      ? Type::Int
                                                     : Type::Float;
@@ -147,40 +148,56 @@ lower::LoweredSystem& Units::lowered() {
 
 std::int32_t edge_int(std::mt19937& random) {
   using Limits = std::numeric_limits<std::int32_t>;
-  static constexpr std::array kEdges{0, 0, 1, -1, -1, 2, 7, -8, 255, 65536, Limits::max(), Limits::min(), Limits::min(), Limits::min() + 1};
+  static constexpr std::array kEdges{
+      0, 0, 1, -1, -1, 2, 7, -8, 255, 65536, Limits::max(), Limits::min(), Limits::min(), Limits::min() + 1};
   return below(random, 4) == 0 ? static_cast<std::int32_t>(random()) : pick(random, kEdges);
 }
 double edge_float(std::mt19937& random) {
   using Limits = std::numeric_limits<double>;
-  static constexpr std::array kEdges{0.0, -0.0, 1.0, -1.0, 0.1, 1.0 / 3, 1e308, -1e308, 1e16, 4294967296.5, Limits::infinity(),
-                                     -Limits::infinity(), Limits::quiet_NaN(), Limits::denorm_min(), Limits::min(), Limits::epsilon()};
-  return below(random, 4) == 0 ? static_cast<double>(static_cast<std::int32_t>(random())) / 1000.0 : pick(random, kEdges);
+  static constexpr std::array kEdges{0.0,
+                                     -0.0,
+                                     1.0,
+                                     -1.0,
+                                     0.1,
+                                     1.0 / 3,
+                                     1e308,
+                                     -1e308,
+                                     1e16,
+                                     4294967296.5,
+                                     Limits::infinity(),
+                                     -Limits::infinity(),
+                                     Limits::quiet_NaN(),
+                                     Limits::denorm_min(),
+                                     Limits::min(),
+                                     Limits::epsilon()};
+  return below(random, 4) == 0 ? static_cast<double>(static_cast<std::int32_t>(random())) / 1000.0
+                               : pick(random, kEdges);
 }
 
-Slots random_slots(std::mt19937& random) {
-  Slots slots(kSlots);
-  for (std::uint32_t k = 0; k < kSlots; ++k) {
-    const Type type = type_of_variable(k < kVariables ? k : kSlots - 1 - k);
-    rt::Slot& slot = slots[k];
-    slot.bits = 0;
-    if (type == Type::Int) slot.bits = static_cast<std::uint32_t>(edge_int(random));
-    if (type == Type::Bool) slot.bits = below(random, 2);
-    if (type == Type::Float) slot.f = edge_float(random);
-    if (type == Type::String) slot.bits = below(random, 4);
+Cells random_cells(std::mt19937& random) {
+  Cells cells(kCells);
+  for (std::uint32_t k = 0; k < kCells; ++k) {
+    const Type type = type_of_variable(k < kVariables ? k : kCells - 1 - k);
+    rt::Cell& cell = cells[k];
+    cell.bits = 0;
+    if (type == Type::Int) cell.bits = static_cast<std::uint32_t>(edge_int(random));
+    if (type == Type::Bool) cell.bits = below(random, 2);
+    if (type == Type::Float) cell.f = edge_float(random);
+    if (type == Type::String) cell.bits = below(random, 4);
   }
-  return slots;
+  return cells;
 }
 
-std::string outcome(const rt::Code& code, Slots slots) {
+std::string outcome(const rt::Code& code, Cells cells) {
   std::array<std::uint32_t, kVariables> bind{};
-  for (std::uint32_t k = 0; k < kVariables; ++k) bind[k] = kSlots - 1 - k;
-  std::string text = fmt::format("{}", code.fn(code.context, slots.data(), slots.data(), bind.data()));
-  for (std::uint32_t k = 0; k < kSlots; ++k) {
-    const bool is_float = type_of_variable(k < kVariables ? k : kSlots - 1 - k) == Type::Float;
-    if (is_float && std::isnan(slots[k].f)) {
+  for (std::uint32_t k = 0; k < kVariables; ++k) bind[k] = kCells - 1 - k;
+  std::string text = fmt::format("{}", code.fn(code.context, cells.data(), cells.data(), bind.data()));
+  for (std::uint32_t k = 0; k < kCells; ++k) {
+    const bool is_float = type_of_variable(k < kVariables ? k : kCells - 1 - k) == Type::Float;
+    if (is_float && std::isnan(cells[k].f)) {
       text += " nan";
     } else {
-      fmt::format_to(std::back_inserter(text), " {:x}", slots[k].bits);
+      fmt::format_to(std::back_inserter(text), " {:x}", cells[k].bits);
     }
   }
   return text;

@@ -13,7 +13,7 @@ namespace bip::test {
 /// Self and Bind both have the variables 0 1 int, 2 3 bool, 4 5 float, 6 7 string. Self is rows 0–7 of `all`; Bind k is
 /// row 15 - k, so that an index taken for an offset is seen.
 inline constexpr std::uint32_t kVariables = 8;
-inline constexpr std::uint32_t kSlots = 2 * kVariables;
+inline constexpr std::uint32_t kCells = 2 * kVariables;
 Type type_of_variable(std::uint32_t index);
 
 /// A LoweredSystem without front end, instances or image: code and units only.
@@ -43,13 +43,13 @@ class Units {
   lower::LoweredSystem lowered_;
 };
 
-using Slots = std::vector<rt::Slot>;
+using Cells = std::vector<rt::Cell>;
 /// Random values, often edges: 0, -1, INT_MIN, NaN, infinities, the smallest doubles.
-Slots random_slots(std::mt19937& random);
+Cells random_cells(std::mt19937& random);
 std::int32_t edge_int(std::mt19937& random);
 double edge_float(std::mt19937& random);
 
-/// The status of a unit over a copy of `slots`, then every slot, as text (any NaN alike), so that two can be compared.
-std::string outcome(const rt::Code& code, Slots slots);
+/// The status of a unit over a copy of `cells`, then every cell, as text (any NaN alike), so that two can be compared.
+std::string outcome(const rt::Code& code, Cells cells);
 
 }  // namespace bip::test

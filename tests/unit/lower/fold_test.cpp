@@ -17,12 +17,12 @@ using u32 = std::uint32_t;
 struct Atoms {
   std::vector<std::string> names;
   std::vector<rt::Atom> rows;  // names are set by finish()
-  u32 slots = 0, args = 0;
+  u32 variables = 0, args = 0;
 
   void add(const std::string& name, u32 type) {
     names.push_back(name);
-    rows.push_back({nullptr, type, slots, args, {0, 10 + type, 3}});
-    slots += type;
+    rows.push_back({nullptr, type, variables, args, {0, 10 + type, 3}});
+    variables += type;
     args += type & 1;
   }
   const std::vector<rt::Atom>& finish() {
@@ -37,8 +37,8 @@ void check_same(const lower::Table<rt::Atom>& folded, const std::vector<rt::Atom
   u32 wrong = 0, k = 0;
   for (const rt::Atom& atom : view) {
     const rt::Atom& wanted = all[k++];
-    wrong += atom.path() != wanted.name || atom.type != wanted.type || atom.slot_base != wanted.slot_base || atom.args != wanted.args ||
-             atom.loc.line != wanted.loc.line;
+    wrong += atom.path() != wanted.name || atom.type != wanted.type || atom.first_cell != wanted.first_cell ||
+             atom.args != wanted.args || atom.loc.line != wanted.loc.line;
   }
   CHECK(wrong == 0);
 }
@@ -65,9 +65,9 @@ TEST_CASE("an array stands as one row, an array of compounds as one of its eleme
 
 TEST_CASE("what does not repeat stands as it is") {
   Atoms atoms;
-  for (u32 k = 0; k < 600; ++k) atoms.add(indexed("ROOT.p", k * k), 1);       // indices that do not follow each other
+  for (u32 k = 0; k < 600; ++k) atoms.add(indexed("ROOT.p", k * k), 1);      // indices that do not follow each other
   for (u32 k = 0; k < 600; ++k) atoms.add("ROOT.q" + std::to_string(k), 1);  // numbers that are no indices
-  for (u32 k = 0; k < 600; ++k) atoms.add(indexed("ROOT.r#", k), 1);           // `#` stands for an index
+  for (u32 k = 0; k < 600; ++k) atoms.add(indexed("ROOT.r#", k), 1);         // `#` stands for an index
   for (u32 k = 0; k < 600; ++k) atoms.add(indexed("ROOT.s", 0) + indexed(".t", 5 * k), 1);
   Arena arena;
   lower::Table<rt::Atom> table;
@@ -96,17 +96,20 @@ TEST_CASE("random tables come out as they went in") {
     Atoms atoms;
     for (u32 part = 0; part < 12; ++part) {
       const std::string name = "ROOT.x" + std::to_string(part);
-      const u32 count = below(3) == 0 ? below(4) : below(120), inner = 1 + below(4), first = below(20), odd = below(400);
+      const u32 count = below(3) == 0 ? below(4) : below(120), inner = 1 + below(4), first = below(20),
+                odd = below(400);
       for (u32 k = 0; k < count; ++k) {
         for (u32 i = 0; i < inner; ++i) {
-          const std::string path = indexed(name, first + k) + (inner == 1 ? "" : below(200) == 0 ? ".odd" : indexed(".y", i));
+          const std::string path = indexed(name, first + k) + (inner == 1        ? ""
+                                                               : below(200) == 0 ? ".odd"
+                                                                                 : indexed(".y", i));
           atoms.add(path, k * inner + i == odd ? 9 : i);
         }
       }
     }
     Arena arena;
     lower::Table<rt::Atom> table;
-  table.rows = atoms.finish();
+    table.rows = atoms.finish();
     lower::fold(table, arena);
     check_same(table, atoms.rows);
   }
@@ -121,7 +124,7 @@ TEST_CASE("the image does not need the System's instances") {
   CHECK(l->image.port_refs.rows.size < 10);
   CHECK(l->image.atoms[4321].path() == "ROOT.p[4321]");
   CHECK(l->image.atoms[5000].path() == "ROOT.c");
-  CHECK(l->image.atoms[4321].slot_base == 2 * 4321);
+  CHECK(l->image.atoms[4321].first_cell == 2 * 4321);
   CHECK(l->image.args[l->image.atoms[4321].args].i == 4322);
   CHECK(l->image.port_refs[4321].atom == 4321);
   CHECK(l->image.connectors[1].path() == "ROOT.take");

@@ -29,7 +29,9 @@ struct Code {
   }
   ExprId i(std::int32_t value) { return constant(Op::ConstInt, Type::Int, value); }
   ExprId b(bool value) { return constant(Op::ConstBool, Type::Bool, value ? 1 : 0); }
-  ExprId s(const std::string& text) { return constant(Op::ConstString, Type::String, static_cast<std::int32_t>(table.string(text))); }
+  ExprId s(const std::string& text) {
+    return constant(Op::ConstString, Type::String, static_cast<std::int32_t>(table.string(text)));
+  }
   ExprId f(double value) {
     const ExprId id = add(Op::ConstFloat, Type::Float);
     table.exprs[id].float_value = value;
@@ -42,12 +44,8 @@ struct Code {
   }
   ExprId self(std::uint32_t index, Type type = Type::Int) { return load(Op::LoadSelf, index, type); }
   ExprId bind(std::uint32_t index, Type type = Type::Int) { return load(Op::LoadBind, index, type); }
-  ExprId unary(Op op, ExprId a) {
-    return add(op, op == Op::IntToFloat ? Type::Float : table.exprs[a].type, a);
-  }
-  ExprId binary(Op op, ExprId a, ExprId b) {
-    return add(op, op >= Op::Eq ? Type::Bool : table.exprs[a].type, a, b);
-  }
+  ExprId unary(Op op, ExprId a) { return add(op, op == Op::IntToFloat ? Type::Float : table.exprs[a].type, a); }
+  ExprId binary(Op op, ExprId a, ExprId b) { return add(op, op >= Op::Eq ? Type::Bool : table.exprs[a].type, a, b); }
 
   StmtId store(StmtOp op, std::uint32_t index, ExprId value) {
     Stmt s;
@@ -77,8 +75,8 @@ struct Code {
   }
 };
 
-inline Slot slot(std::string name, Type type, bool is_param = false) {
-  Slot s;
+inline DataVariable variable(std::string name, Type type, bool is_param = false) {
+  DataVariable s;
   s.name = std::move(name);
   s.type = type;
   s.is_param = is_param;
@@ -94,14 +92,14 @@ inline Transition transition(std::uint32_t port, std::vector<std::uint32_t> from
   return t;
 }
 
-/// An atom type Cell with the given slots, one place, and neither ports nor transitions; one instance ROOT.c.
-inline System one_atom(std::vector<Slot> slots) {
+/// An atom type Cell with the given variables, one place, and neither ports nor transitions; one instance ROOT.c.
+inline System one_atom(std::vector<DataVariable> variables) {
   System s;
   s.files = {"cell.bip"};
   s.code.string("");
   AtomType type;
   type.name = "Cell";
-  type.slots = std::move(slots);
+  type.variables = std::move(variables);
   type.places = {"S"};
   type.initial = {0};
   s.atom_types.push(type);
@@ -121,7 +119,7 @@ inline System producers(std::uint32_t n) {
 
   AtomType producer;
   producer.name = "Producer";
-  producer.slots = {slot("step", Type::Int, true), slot("n", Type::Int)};
+  producer.variables = {variable("step", Type::Int, true), variable("n", Type::Int)};
   producer.ports = {{"put", data_port, {1}, true, {}}};
   producer.places = {"run"};
   producer.initial = {0};
@@ -134,7 +132,7 @@ inline System producers(std::uint32_t n) {
 
   AtomType consumer;
   consumer.name = "Consumer";
-  consumer.slots = {slot("spare", Type::Float), slot("total", Type::Int)};
+  consumer.variables = {variable("spare", Type::Float), variable("total", Type::Int)};
   consumer.ports = {{"get", data_port, {1}, true, {}}};
   consumer.places = {"idle", "busy"};
   consumer.initial = {0};
@@ -143,7 +141,7 @@ inline System producers(std::uint32_t n) {
 
   ConnectorType sum;
   sum.name = "Sum";
-  sum.slots = {slot("total", Type::Int)};
+  sum.variables = {variable("total", Type::Int)};
   sum.define.push_back({false, false, 0, {}});
   Clause up;
   ExprId value = c.i(0);
@@ -159,7 +157,7 @@ inline System producers(std::uint32_t n) {
   sum.exports = true;
   sum.export_name = "out";
   sum.export_type = data_port;
-  sum.export_slots = {0};
+  sum.export_variables = {0};
   const ConnectorTypeId sum_id = s.connector_types.push(sum);
 
   ConnectorType take;

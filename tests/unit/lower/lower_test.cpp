@@ -17,13 +17,13 @@ TEST_CASE("slots are laid out atoms first, then connectors") {
   const rt::Image& im = l->image;
   CHECK(std::string(im.name) == "Root()");
   REQUIRE(im.atoms.size == 4);
-  CHECK(im.atoms[0].slot_base == 0);
-  CHECK(im.atoms[1].slot_base == 2);
-  CHECK(im.atoms[3].slot_base == 6);
+  CHECK(im.atoms[0].first_cell == 0);
+  CHECK(im.atoms[1].first_cell == 2);
+  CHECK(im.atoms[3].first_cell == 6);
   REQUIRE(im.connectors.size == 2);
-  CHECK(im.connectors[0].slot_base == 8);
-  CHECK(im.connectors[1].slot_base == 9);
-  CHECK(im.slot_count == 9);
+  CHECK(im.connectors[0].first_cell == 8);
+  CHECK(im.connectors[1].first_cell == 9);
+  CHECK(im.cell_count == 9);
   CHECK(im.args.size == 3);
   CHECK(im.args[im.atoms[2].args].i == 3);
   CHECK(im.connectors[0].bound);
@@ -35,14 +35,14 @@ TEST_CASE("bindings name the rows of port variables, own and exported ones") {
   const rt::Image& im = l->image;
   const rt::Connector& sum = im.connectors[0];
   REQUIRE(sum.bind_count == 3);
-  CHECK(im.binds[sum.binds].slot == 1);
-  CHECK(im.binds[sum.binds + 1].slot == 3);
-  CHECK(im.binds[sum.binds + 2].slot == 5);
+  CHECK(im.binds[sum.binds].cell == 1);
+  CHECK(im.binds[sum.binds + 1].cell == 3);
+  CHECK(im.binds[sum.binds + 2].cell == 5);
   const rt::Connector& take = im.connectors[1];
   REQUIRE(take.bind_count == 2);
   CHECK(take.bind_count == s.connector_types[ConnectorTypeId(1u)].bind_count(s.port_types));
-  CHECK(im.binds[take.binds].slot == sum.slot_base);
-  CHECK(im.binds[take.binds + 1].slot == im.atoms[3].slot_base + 1);
+  CHECK(im.binds[take.binds].cell == sum.first_cell);
+  CHECK(im.binds[take.binds + 1].cell == im.atoms[3].first_cell + 1);
   const rt::PortRef& from = im.port_refs[take.ports];
   CHECK(from.atom == rt::kNone);
   CHECK(from.connector == 0);
@@ -68,10 +68,10 @@ TEST_CASE("data reads follow the port variables, and priority guards bind data")
   const rt::Image& im = l->image;
   const rt::Connector& row = im.connectors[1];
   REQUIRE(row.bind_count == 3);
-  CHECK(im.binds[row.binds + 2].slot == im.atoms[2].slot_base + 1);
+  CHECK(im.binds[row.binds + 2].cell == im.atoms[2].first_cell + 1);
   REQUIRE(im.priorities.size == 1);
   REQUIRE(im.priorities[0].bind_count == 1);
-  CHECK(im.binds[im.priorities[0].binds].slot == im.atoms[1].slot_base + 1);
+  CHECK(im.binds[im.priorities[0].binds].cell == im.atoms[1].first_cell + 1);
   CHECK(im.priorities[0].low.connector == rt::kNone);
   CHECK(l->units[im.priorities[0].guard].name == "Root_prio1_guard");
 }
@@ -82,8 +82,8 @@ TEST_CASE("one unit a guard or action of a type, with readable unique names") {
   std::vector<std::string> names;
   for (const auto& unit : l->units) names.push_back(unit.name);
   CHECK(names == std::vector<std::string>{"Producer_initial", "Producer_on_put_from_run_guard",
-                                          "Producer_on_put_from_run_action", "Sum_on_p0_p1_p2_up", "Take_on_from_to_guard",
-                                          "Take_on_from_to_down"});
+                                          "Producer_on_put_from_run_action", "Sum_on_p0_p1_p2_up",
+                                          "Take_on_from_to_guard", "Take_on_from_to_down"});
   CHECK(l->codes.size() == names.size());
   CHECK(l->image.codes.size == names.size());
   CHECK(l->image.atom_types[0].transitions[0].guard == 1);
@@ -103,7 +103,7 @@ TEST_CASE("names are made unique and valid") {
 }
 
 TEST_CASE("one site a division of ints, in the order of the expressions") {
-  System s = test::one_atom({test::slot("x", Type::Int)});
+  System s = test::one_atom({test::variable("x", Type::Int)});
   Code c{s.code};
   const ExprId quotient = c.binary(Op::Div, c.self(0), c.i(2));
   const ExprId ratio = c.binary(Op::Div, c.f(1), c.f(2));

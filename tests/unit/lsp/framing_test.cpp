@@ -11,7 +11,10 @@ namespace {
 
 std::vector<std::string> bodies(Framing& framing) {
   std::vector<std::string> list;
-  while (const auto frame = framing.next()) list.push_back(frame->kind == Framing::Kind::Message ? frame->body : frame->kind == Framing::Kind::TooLong ? "<too long>" : "<bad>");
+  while (const auto frame = framing.next())
+    list.push_back(frame->kind == Framing::Kind::Message   ? frame->body
+                   : frame->kind == Framing::Kind::TooLong ? "<too long>"
+                                                           : "<bad>");
   return list;
 }
 
@@ -35,7 +38,8 @@ TEST_CASE("other header fields and lower case are fine") {
 }
 
 TEST_CASE("a bad header costs one message") {
-  for (const char* bad : {"Hello\r\n\r\n", "Content-Length: -1\r\n\r\n", "Content-Length: 1x\r\n\r\n", "Content-Type: x\r\n\r\n", "Content-Length: 1\r\nContent-Length: 2\r\n\r\n"}) {
+  for (const char* bad : {"Hello\r\n\r\n", "Content-Length: -1\r\n\r\n", "Content-Length: 1x\r\n\r\n",
+                          "Content-Type: x\r\n\r\n", "Content-Length: 1\r\nContent-Length: 2\r\n\r\n"}) {
     Framing framing;
     framing.feed(std::string(bad) + framed("[2]"));
     const auto got = bodies(framing);
@@ -84,7 +88,8 @@ TEST_CASE("positions count UTF-16 units or bytes") {
   CHECK(text.offset({3, 0}, Encoding::Utf16) == 14u);
   CHECK_FALSE(text.offset({4, 0}, Encoding::Utf16).has_value());
   for (std::uint32_t offset : {0u, 1u, 3u, 7u, 8u, 10u, 11u, 12u, 13u, 14u}) {
-    for (const Encoding encoding : {Encoding::Utf16, Encoding::Utf8}) CHECK(text.offset(text.position(offset, encoding), encoding) == offset);
+    for (const Encoding encoding : {Encoding::Utf16, Encoding::Utf8})
+      CHECK(text.offset(text.position(offset, encoding), encoding) == offset);
   }
 }
 

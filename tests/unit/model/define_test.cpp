@@ -39,12 +39,13 @@ struct RandomTree {
   }
 };
 
-// The definition: a rendezvous joins one choice of every child, a weak synchronisation one of each child of a set with a
-// trigger in it.
+// The definition: a rendezvous joins one choice of every child, a weak synchronisation one of each child of a set with
+// a trigger in it.
 Interactions list(const ConnectorType& type, std::uint32_t row) {
   const DefineNode& node = type.define[row];
   if (node.is_leaf) return {{node.param}};
-  const bool weak = std::any_of(node.children.begin(), node.children.end(), [&](std::uint32_t c) { return type.define[c].trigger; });
+  const bool weak =
+      std::any_of(node.children.begin(), node.children.end(), [&](std::uint32_t c) { return type.define[c].trigger; });
   Interactions all;
   for (std::uint32_t mask = 1; mask < 1u << node.children.size(); ++mask) {
     bool has_trigger = false;

@@ -1,4 +1,5 @@
-// Constant evaluation: random expressions against an evaluation of their own in wide arithmetic, and the corners by name.
+// Constant evaluation: random expressions against an evaluation of their own in wide arithmetic, and the corners by
+// name.
 #include <catch2/catch.hpp>
 #include <optional>
 #include <random>
@@ -21,7 +22,9 @@ struct Code {
   ExprId truth(bool v) { return table.exprs.push({.op = Op::ConstBool, .type = Type::Bool, .int_value = v}); }
   ExprId real(double v) { return table.exprs.push({.op = Op::ConstFloat, .type = Type::Float, .float_value = v}); }
   ExprId one(Op op, Type type, ExprId a) { return table.exprs.push({.op = op, .type = type, .a = a}); }
-  ExprId two(Op op, Type type, ExprId a, ExprId b) { return table.exprs.push({.op = op, .type = type, .a = a, .b = b}); }
+  ExprId two(Op op, Type type, ExprId a, ExprId b) {
+    return table.exprs.push({.op = op, .type = type, .a = a, .b = b});
+  }
   [[nodiscard]] Evaluated operator()(ExprId e) const { return bip::model::evaluate(table, e, {}); }
 };
 
@@ -65,7 +68,8 @@ TEST_CASE("random int expressions") {
       const std::int32_t other = leaf();
       const bool left = random() % 2 == 0;
       if (value) value = left ? expected(op, *value, other) : expected(op, other, *value);
-      expr = left ? code.two(op, Type::Int, expr, code.number(other)) : code.two(op, Type::Int, code.number(other), expr);
+      expr =
+          left ? code.two(op, Type::Int, expr, code.number(other)) : code.two(op, Type::Int, code.number(other), expr);
     }
     const Evaluated got = code(expr);
     REQUIRE((got.fault == Fault::None) == value.has_value());
@@ -78,7 +82,9 @@ TEST_CASE("random int expressions") {
 TEST_CASE("comparisons give bool and look at their operands' type") {
   Code code;
   for (const auto& [a, b] : {std::pair(1, 2), std::pair(2, 2), std::pair(-3, INT32_MAX)}) {
-    const auto holds = [&](Op op) { return code(code.two(op, Type::Bool, code.number(a), code.number(b))).value.int_value == 1; };
+    const auto holds = [&](Op op) {
+      return code(code.two(op, Type::Bool, code.number(a), code.number(b))).value.int_value == 1;
+    };
     REQUIRE(holds(Op::Eq) == (a == b));
     REQUIRE(holds(Op::Ne) == (a != b));
     REQUIRE(holds(Op::Lt) == (a < b));
@@ -102,7 +108,8 @@ TEST_CASE("a number is not equal to itself if it is none") {
 
 TEST_CASE("the right operand of && and || is left out where the left one decides") {
   Code code;
-  const ExprId bad = code.two(Op::Eq, Type::Bool, code.two(Op::Div, Type::Int, code.number(1), code.number(0)), code.number(1));
+  const ExprId bad =
+      code.two(Op::Eq, Type::Bool, code.two(Op::Div, Type::Int, code.number(1), code.number(0)), code.number(1));
   REQUIRE(code(code.two(Op::And, Type::Bool, code.truth(false), bad)).value.int_value == 0);
   REQUIRE(code(code.two(Op::Or, Type::Bool, code.truth(true), bad)).value.int_value == 1);
   REQUIRE(code(code.two(Op::And, Type::Bool, code.truth(true), bad)).fault == Fault::DivisionByZero);

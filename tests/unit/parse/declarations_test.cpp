@@ -109,29 +109,30 @@ end)");
 }
 
 TEST_CASE("components of the paper's notation") {
-  Parsed p("component Filter(int k)\n"
-           "  port in, out\n"
-           "  port Msg report(x)\n"
-           "  data int x, y = 1\n"
-           "  behavior initial to empty do x <- 0\n"
-           "    state empty\n"
-           "      on in provided 0 < x \xE2\x88\xA7 x = y do y \xE2\x86\x90 x + 1 to full\n"
-           "      internal to empty\n"
-           "    state full\n"
-           "      on out to empty\n"
-           "  end\n"
-           "end\n"
-           "component Root\n"
-           "  contains Filter f, g(k = 3), h[4]\n"
-           "  connector pair(f.out, g.in)\n"
-           "    define [f.out\xE2\x80\x99 g.in]\n"
-           "    on f.out, g.in provided \xC2\xAC(f.bank.id = \"Marlin\") do { g.in.v <- NOT-SO-FAST }\n"
-           "    on f.out do {}\n"
-           "  connector sum([f.tick, g.tick]) export port Port tick define [f.tick, g.tick]\xE2\x80\xB2, h[*].tick\n"
-           "  connector bare(f.in)\n"
-           "  priority low pair < sum provided f.x > 1\n"
-           "  export port tick as t\n"
-           "end\n");
+  Parsed p(
+      "component Filter(int k)\n"
+      "  port in, out\n"
+      "  port Msg report(x)\n"
+      "  data int x, y = 1\n"
+      "  behavior initial to empty do x <- 0\n"
+      "    state empty\n"
+      "      on in provided 0 < x \xE2\x88\xA7 x = y do y \xE2\x86\x90 x + 1 to full\n"
+      "      internal to empty\n"
+      "    state full\n"
+      "      on out to empty\n"
+      "  end\n"
+      "end\n"
+      "component Root\n"
+      "  contains Filter f, g(k = 3), h[4]\n"
+      "  connector pair(f.out, g.in)\n"
+      "    define [f.out\xE2\x80\x99 g.in]\n"
+      "    on f.out, g.in provided \xC2\xAC(f.bank.id = \"Marlin\") do { g.in.v <- NOT-SO-FAST }\n"
+      "    on f.out do {}\n"
+      "  connector sum([f.tick, g.tick]) export port Port tick define [f.tick, g.tick]\xE2\x80\xB2, h[*].tick\n"
+      "  connector bare(f.in)\n"
+      "  priority low pair < sum provided f.x > 1\n"
+      "  export port tick as t\n"
+      "end\n");
   REQUIRE(p.messages().empty());
   const Decl& filter = p.decl(0);
   CHECK(filter.kind == DeclKind::AtomType);
@@ -153,12 +154,25 @@ TEST_CASE("components of the paper's notation") {
 }
 
 TEST_CASE("if chains close with one fi or with one each") {
-  const std::string nested = Parsed(in_atom("internal from A to B do { if (x < 1) then y = 1; else if (x < 2) then y = 2; else y = 3; fi fi x = 0; }")).shape();
-  const std::string chain = Parsed(in_atom("internal from A to B do { if (x < 1) then y = 1; else if (x < 2) then y = 2; else y = 3; fi x = 0; }")).shape();
+  const std::string nested = Parsed(in_atom("internal from A to B do { if (x < 1) then y = 1; else if (x < 2) then y = "
+                                            "2; else y = 3; fi fi x = 0; }"))
+                                 .shape();
+  const std::string chain =
+      Parsed(
+          in_atom(
+              "internal from A to B do { if (x < 1) then y = 1; else if (x < 2) then y = 2; else y = 3; fi x = 0; }"))
+          .shape();
   CHECK(nested == chain);
   CHECK_THAT(chain, Catch::Contains("Else\n") && Catch::Contains("Assign x = 0"));
-  CHECK(Parsed(in_atom("internal from A to B do { if (x < 1) then if (y < 1) then y = 1; else if (y < 2) then y = 2; fi fi }")).codes().empty());
-  CHECK(Parsed(in_atom("internal from A to B do { if (x < 1) then if (y < 1) then y = 1; else if (y < 2) then y = 2; fi fi fi }")).codes().empty());
+  CHECK(Parsed(
+            in_atom(
+                "internal from A to B do { if (x < 1) then if (y < 1) then y = 1; else if (y < 2) then y = 2; fi fi }"))
+            .codes()
+            .empty());
+  CHECK(Parsed(in_atom("internal from A to B do { if (x < 1) then if (y < 1) then y = 1; else if (y < 2) then y = 2; "
+                       "fi fi fi }"))
+            .codes()
+            .empty());
 }
 
 TEST_CASE("parts of a transition stand in any order") {

@@ -4,14 +4,17 @@
 #include "tests/unit/parse/parsed.hpp"
 
 using namespace bip;
+using Catch::Contains;
 using test::in_atom;
 using test::Parsed;
-using Catch::Contains;
 
 TEST_CASE("a message says what was read, what may follow and what was found") {
-  CHECK_THAT(Parsed(in_atom("on p to B")).messages(), Contains("expected `from` after port `p` in a transition of atom type `N`, found `to`"));
-  CHECK_THAT(Parsed(in_atom("on p from A")).messages(), Contains("expected `to` after `from A` in a transition of atom type `N`, found the next item"));
-  CHECK_THAT(Parsed(in_atom("on p from to B")).messages(), Contains("expected a name after `from` in a transition of atom type `N`, found `to`"));
+  CHECK_THAT(Parsed(in_atom("on p to B")).messages(),
+             Contains("expected `from` after port `p` in a transition of atom type `N`, found `to`"));
+  CHECK_THAT(Parsed(in_atom("on p from A")).messages(),
+             Contains("expected `to` after `from A` in a transition of atom type `N`, found the next item"));
+  CHECK_THAT(Parsed(in_atom("on p from to B")).messages(),
+             Contains("expected a name after `from` in a transition of atom type `N`, found `to`"));
   Parsed misspelled(in_atom("on p from A prvided (x < 3) to B"));
   CHECK_THAT(misspelled.messages(), Contains("found `prvided`"));
   REQUIRE(misspelled.diags.sorted().size() == 1);
@@ -20,7 +23,9 @@ TEST_CASE("a message says what was read, what may follow and what was found") {
 }
 
 TEST_CASE("each broken item is one error and the others are read") {
-  Parsed p(in_atom("on a from A\non b fro A to B\non c from A to B\non d from A to B provided (x < do { x = 1; }\non e from B to A"));
+  Parsed p(
+      in_atom("on a from A\non b fro A to B\non c from A to B\non d from A to B provided (x < do { x = 1; }\non e from "
+              "B to A"));
   CHECK(p.codes() == "B0001 B0001 B0001");
   REQUIRE(p.syntax);
   CHECK(p.decl(0).transitions.size() == 2);
@@ -65,12 +70,15 @@ TEST_CASE("what does not belong is told by name") {
 
 TEST_CASE("no cut of a file makes the parser crash or quote its generator") {
   const std::string whole = in_atom(
-      "clock c unit second\nexport port P p(x), q() as e\non p from A to B provided (x < 3 && !(y == f(2))) eager do { if (x < 1) then x = 1; else y = -2; fi }\n"
+      "clock c unit second\nexport port P p(x), q() as e\non p from A to B provided (x < 3 && !(y == f(2))) eager do { "
+      "if (x < 1) then x = 1; else y = -2; fi }\n"
       "invariant i at A provided (c <= 5)\npriority z p < *");
   for (std::size_t n = 0; n <= whole.size(); ++n) {
-    for (const std::string& text : {whole.substr(0, n), whole.substr(n), whole.substr(0, n) + " ) " + whole.substr(n), whole.substr(0, n) + " end " + whole.substr(n)}) {
+    for (const std::string& text : {whole.substr(0, n), whole.substr(n), whole.substr(0, n) + " ) " + whole.substr(n),
+                                    whole.substr(0, n) + " end " + whole.substr(n)}) {
       const std::string said = Parsed(text).messages();
-      for (const char* phrase : {"no viable alternative", "mismatched input", "extraneous input", "missing '", "<missing", "another word"}) {
+      for (const char* phrase :
+           {"no viable alternative", "mismatched input", "extraneous input", "missing '", "<missing", "another word"}) {
         INFO(text);
         CHECK_THAT(said, !Contains(phrase));
       }

@@ -23,7 +23,8 @@ std::string repeat(const std::string& s, int n) {
 }  // namespace
 
 TEST_CASE("precedence is C's") {
-  CHECK(value("a || b && c | d ^ e & f == g < h + i * -j") == "(a || (b && (c | (d ^ (e & (f == (g < (h + (i * (-j))))))))))");
+  CHECK(value("a || b && c | d ^ e & f == g < h + i * -j") ==
+        "(a || (b && (c | (d ^ (e & (f == (g < (h + (i * (-j))))))))))");
   CHECK(value("a - b - c") == "((a - b) - c)");
   CHECK(value("a % b / c * d") == "(((a % b) / c) * d)");
   CHECK(value("!a && ~b == c") == "((!a) && ((~b) == c))");
@@ -31,7 +32,8 @@ TEST_CASE("precedence is C's") {
 }
 
 TEST_CASE("the paper's operators mean the same") {
-  CHECK(value("\xC2\xAC" "a \xE2\x88\xA7 b \xE2\x88\xA8 c \xE2\x89\xA4 d") == "(((!a) && b) || (c <= d))");
+  CHECK(value("\xC2\xAC"
+              "a \xE2\x88\xA7 b \xE2\x88\xA8 c \xE2\x89\xA4 d") == "(((!a) && b) || (c <= d))");
   Parsed p(in_atom("internal from A to B provided (not x == 1 and not (y \xE2\x89\xA0 2))"));
   CHECK_THAT(p.shape(), Catch::Contains("(((!x) == 1) && (!(y != 2)))"));
 }
@@ -41,13 +43,16 @@ TEST_CASE("comparisons do not chain and = does not compare in BIP2") {
   CHECK(value("(a < b) == c") == "((a < b) == c)");
   CHECK(value("a = b") == "B0011");
   CHECK(Parsed(in_atom("internal from A to B provided (x = 1)")).codes() == "B0011");
-  CHECK(Parsed("component C data int x behavior initial to s state s internal provided x = 1 to s end end").codes().empty());
+  CHECK(Parsed("component C data int x behavior initial to s state s internal provided x = 1 to s end end")
+            .codes()
+            .empty());
 }
 
 TEST_CASE("x<-1 is a comparison in a guard and an assignment as a statement") {
   Parsed p(in_atom("internal from A to B provided (x<-1) do { x <- 1; y := 2; }"));
   CHECK(p.codes().empty());
-  CHECK_THAT(p.shape(), Catch::Contains("(x < (-1))") && Catch::Contains("Assign x = 1") && Catch::Contains("Assign y = 2"));
+  CHECK_THAT(p.shape(),
+             Catch::Contains("(x < (-1))") && Catch::Contains("Assign x = 1") && Catch::Contains("Assign y = 2"));
   CHECK(Parsed(in_atom("internal from A to B do { x < -1; }")).codes() == "B0001");
 }
 
@@ -58,7 +63,9 @@ TEST_CASE("depth has a limit and no length overflows the stack") {
   CHECK(value(repeat("a + ", 100000) + "1") == "B0008");
   CHECK(value(repeat("a[", 100000) + "1" + repeat("]", 100000)) == "B0008");
   CHECK(Parsed(in_atom("internal from A to B do {" + repeat("if (x < 1) then ", 100000))).codes() == "B0008");
-  CHECK(Parsed("package p compound type C() " + repeat("for i in 0..2 ", 100000) + " component T t() end end").codes() == "B0008");
+  CHECK(
+      Parsed("package p compound type C() " + repeat("for i in 0..2 ", 100000) + " component T t() end end").codes() ==
+      "B0008");
   CHECK(Parsed("package p connector type C(P a) define " + repeat("(", 100000) + "a end end").codes() == "B0008");
 }
 

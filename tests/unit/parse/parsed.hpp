@@ -8,7 +8,8 @@
 namespace bip::test {
 
 struct Parsed {
-  explicit Parsed(const std::string& text) : file(sources.add("test.bip", text)), syntax(parse::parse_file(sources, file, diags)) {}
+  explicit Parsed(const std::string& text)
+      : file(sources.add("test.bip", text)), syntax(parse::parse_file(sources, file, diags)) {}
   SourceMap sources;
   FileId file;
   Diagnostics diags;

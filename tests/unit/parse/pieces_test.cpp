@@ -54,7 +54,8 @@ TEST_CASE("a file in pieces and the same file as a whole") {
 TEST_CASE("a file without a package, and declarations with annotations first") {
   const Parsed bare("@mark port type P()\ncompound type R() end\n");
   REQUIRE(bare.codes() == "B0014");
-  const Parsed sound("@mark port type P()\natom type A() place S initial to S end\ncompound type R() component A a() end");
+  const Parsed sound(
+      "@mark port type P()\natom type A() place S initial to S end\ncompound type R() component A a() end");
   REQUIRE(sound.messages().empty());
   REQUIRE(sound.syntax->package->decls.size() == 3);
   REQUIRE(sound.decl(0).annotations.size() == 1);

@@ -1,6 +1,6 @@
-// The language reference, grammar/README.md, is whole: each rule of the parser is named in a section, on a line that begins
-// with `Grammar:`, and an example of that section uses it. Each token occurs in some example. That the examples are sound is
-// for tests/meta/snippets to check.
+// The language reference, grammar/README.md, is whole: each rule of the parser is named in a section, on a line that
+// begins with `Grammar:`, and an example of that section uses it. Each token occurs in some example. That the examples
+// are sound is for tests/meta/test_snippets.py to check.
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -22,7 +22,7 @@ namespace {
 
 struct Section {
   std::string title;
-  std::set<std::string> named;              // on its `Grammar:` line
+  std::set<std::string> named;               // on its `Grammar:` line
   std::vector<std::string> examples, roots;  // ```bip fences; what --root says in its commands
 };
 
@@ -53,7 +53,8 @@ std::vector<Section> sections_of(std::istream& in) {
       fence.clear();
     } else if (is_open) {
       fence += line + "\n";
-      if (const std::size_t at = line.find("--root '"); at != std::string::npos) sections.back().roots.push_back(line.substr(at + 8, line.find('\'', at + 8) - at - 8));
+      if (const std::size_t at = line.find("--root '"); at != std::string::npos)
+        sections.back().roots.push_back(line.substr(at + 8, line.find('\'', at + 8) - at - 8));
     } else if (line.starts_with("#")) {
       sections.push_back({.title = line, .named = {}, .examples = {}, .roots = {}});
     } else if (line.starts_with("Grammar:")) {
@@ -113,10 +114,13 @@ TEST_CASE("the reference names each rule where an example uses it, and shows eac
   antlr::BipParser parser(&stream);
   const std::set<std::string> rules(parser.getRuleNames().begin(), parser.getRuleNames().end());
   CHECK(rules.size() > 60);
-  for (const std::string& rule : rules) CHECK((rule + (covered.contains(rule) ? "" : " is not covered by grammar/README.md")) == rule);
-  for (const std::string& rule : named) CHECK((rule + (rules.contains(rule) ? "" : " is no rule of the grammar")) == rule);
+  for (const std::string& rule : rules)
+    CHECK((rule + (covered.contains(rule) ? "" : " is not covered by grammar/README.md")) == rule);
+  for (const std::string& rule : named)
+    CHECK((rule + (rules.contains(rule) ? "" : " is no rule of the grammar")) == rule);
   // Those that only the pass over the token list sees.
-  const std::set<std::string> unseen{"DASHED", "INT_RANGE", "UNCLOSED_STRING", "LINE_COMMENT", "BLOCK_COMMENT", "UNCLOSED_COMMENT", "SPACE", "STRAY"};
+  const std::set<std::string> unseen{"DASHED",        "INT_RANGE",        "UNCLOSED_STRING", "LINE_COMMENT",
+                                     "BLOCK_COMMENT", "UNCLOSED_COMMENT", "SPACE",           "STRAY"};
   const antlr4::dfa::Vocabulary& vocabulary = parser.getVocabulary();
   for (std::size_t type = 1; type <= vocabulary.getMaxTokenType(); ++type) {
     const std::string name = vocabulary.getSymbolicName(type);

@@ -22,8 +22,10 @@ TEST_CASE("a range is not a float") {
 }
 
 TEST_CASE("a dashed word is a report in a component and a subtraction elsewhere") {
-  CHECK_THAT(tokens("component A data int x behavior initial to s do x <- TOO-FAST-1"), Catch::Contains("STRAY") || Catch::Contains("REPORT  TOO-FAST"));
-  CHECK_THAT(tokens("atom type T() x = A-B"), Catch::Contains("ID  A\n") && Catch::Contains("MINUS  -\n") && Catch::Contains("ID  B\n"));
+  CHECK_THAT(tokens("component A data int x behavior initial to s do x <- TOO-FAST-1"),
+             Catch::Contains("STRAY") || Catch::Contains("REPORT  TOO-FAST"));
+  CHECK_THAT(tokens("atom type T() x = A-B"),
+             Catch::Contains("ID  A\n") && Catch::Contains("MINUS  -\n") && Catch::Contains("ID  B\n"));
   CHECK_THAT(tokens("X-Y_Z"), Catch::Contains("ID  Y_Z\n"));
 }
 
@@ -33,13 +35,16 @@ TEST_CASE("positions are bytes after signs of several bytes") {
 }
 
 TEST_CASE("late words are names in BIP2") {
-  Parsed p(in_atom("data int clock, unit, state, behavior, contains, lazy, eager, resume, at, error, remember, ignore, invariant, in, for, sync, async, hour\n"
-                   "port Port behavior(state), contains(in)\n"
-                   "on behavior from A to B provided (state < in && at > 0) do { state = in; clock = unit; }\n"
-                   "on contains from B to A do { for = lazy; resume = eager; }"));
+  Parsed p(
+      in_atom("data int clock, unit, state, behavior, contains, lazy, eager, resume, at, error, remember, ignore, "
+              "invariant, in, for, sync, async, hour\n"
+              "port Port behavior(state), contains(in)\n"
+              "on behavior from A to B provided (state < in && at > 0) do { state = in; clock = unit; }\n"
+              "on contains from B to A do { for = lazy; resume = eager; }"));
   CHECK(p.codes().empty());
   CHECK(p.decl(0).transitions.size() == 2);
-  Parsed q("package p\nconnector type C(P state, P resume, P sync)\ndefine state resume' sync\non state resume\nend\nend");
+  Parsed q(
+      "package p\nconnector type C(P state, P resume, P sync)\ndefine state resume' sync\non state resume\nend\nend");
   CHECK(q.codes().empty());
   CHECK_THAT(q.shape(), Catch::Contains("Define (state resume' sync)"));
 }

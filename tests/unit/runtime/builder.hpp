@@ -14,7 +14,7 @@
 namespace bip::rt::testing {
 
 using u32 = std::uint32_t;
-using Fn = std::function<std::int32_t(Slot* self, Slot* all, const u32* bind)>;
+using Fn = std::function<std::int32_t(Cell* self, Cell* all, const u32* bind)>;
 
 struct TransitionSpec {
   std::string port = {};  // empty: internal
@@ -23,7 +23,7 @@ struct TransitionSpec {
 };
 struct PortSpec {
   std::string name = {};
-  std::vector<std::string> vars = {};  // names of slots, all int
+  std::vector<std::string> vars = {};  // names of interactions, all int
   bool exported = true;
 };
 struct AtomTypeSpec {
@@ -50,7 +50,7 @@ struct ConnectorTypeSpec {
 };
 struct PatternSpec {
   std::string connector = {};  // empty: *:*
-  bool any = true;        // c:*
+  bool any = true;             // c:*
   std::vector<std::string> params = {};
 };
 
@@ -74,20 +74,21 @@ class ImageBuilder {
   void atom_type(const AtomTypeSpec& spec) {
     AtomType type{};
     type.name = keep(spec.name);
-    std::vector<Var> slots;
-    for (const std::string& name : spec.params) slots.push_back({keep(name), SlotType::Int, true, false});
-    for (const std::string& name : spec.data) slots.push_back({keep(name), SlotType::Int, false, true});
-    const auto slot_row = [&](const std::string& name) {
-      for (u32 i = 0; i < slots.size(); ++i) {
-        if (slots[i].name == name) return i;
+    std::vector<Var> interactions;
+    for (const std::string& name : spec.params) interactions.push_back({keep(name), CellType::Int, true, false});
+    for (const std::string& name : spec.data) interactions.push_back({keep(name), CellType::Int, false, true});
+    const auto interaction_row = [&](const std::string& name) {
+      for (u32 i = 0; i < interactions.size(); ++i) {
+        if (interactions[i].name == name) return i;
       }
       throw std::logic_error("slot " + name);
     };
     std::vector<Port> ports;
     for (const PortSpec& port : spec.ports) {
       std::vector<u32> rows;
-      for (const std::string& var : port.vars) rows.push_back(slot_row(var));
-      ports.push_back({keep(port.name), port_type(static_cast<u32>(port.vars.size())), keep(rows), port.exported, {0, line_, 3}});
+      for (const std::string& var : port.vars) rows.push_back(interaction_row(var));
+      ports.push_back(
+          {keep(port.name), port_type(static_cast<u32>(port.vars.size())), keep(rows), port.exported, {0, line_, 3}});
       ++line_;
     }
     std::vector<const char*> places;
@@ -110,7 +111,7 @@ class ImageBuilder {
       transitions.push_back({port, place_rows(t.from), place_rows(t.to), code(t.guard), code(t.action), {0, line_, 5}});
       ++line_;
     }
-    type.slots = keep(slots);
+    type.variables = keep(interactions);
     type.ports = keep(ports);
     type.places = keep(places);
     type.initial = place_rows(spec.initial);
@@ -126,15 +127,15 @@ class ImageBuilder {
     Atom row{};
     row.name = keep("ROOT." + name);
     row.type = type;
-    row.slot_base = slots_;
+    row.first_cell = interactions_;
     row.args = static_cast<u32>(args_.size());
     for (std::int32_t value : args) {
-      Slot slot{0};
-      slot.i = value;
-      args_.push_back(slot);
+      Cell interaction{0};
+      interaction.i = value;
+      args_.push_back(interaction);
     }
     row.loc = {0, line_++, 3};
-    slots_ += atom_types_[type].slots.size;
+    interactions_ += atom_types_[type].variables.size;
     atom_rows_[name] = static_cast<u32>(atoms_.size());
     atoms_.push_back(row);
     return atom_rows_[name];
@@ -148,14 +149,20 @@ class ImageBuilder {
       params.push_back({keep(name), port_type(vars), bind});
       bind += vars;
     }
-    std::vector<Var> slots;
-    for (const std::string& name : spec.data) slots.push_back({keep(name), SlotType::Int, false, false});
+    std::vector<Var> interactions;
+    for (const std::string& name : spec.data) interactions.push_back({keep(name), CellType::Int, false, false});
     std::vector<Clause> clauses;
     for (const ClauseSpec& clause : spec.clauses) {
       std::vector<u32> rows;
       for (const std::string& name : clause.params) rows.push_back(param_row(spec, name));
       std::sort(rows.begin(), rows.end());
-      clauses.push_back({keep(rows), code(clause.guard), code(clause.up), code(clause.down), {0, line_++, 5}, clause.may_fault, clause.may_fault});
+      clauses.push_back({keep(rows),
+                         code(clause.guard),
+                         code(clause.up),
+                         code(clause.down),
+                         {0, line_++, 5},
+                         clause.may_fault,
+                         clause.may_fault});
     }
     std::vector<u32> exported;
     for (const std::string& name : spec.exported_data) {
@@ -167,7 +174,7 @@ class ImageBuilder {
     const char* at = spec.define.c_str();
     parse_group(spec, at);
     type.params = keep(params);
-    type.slots = keep(slots);
+    type.variables = keep(interactions);
     std::vector<DefineNode> nodes;
     for (const Parsed& node : define_) nodes.push_back({node.is_leaf, node.trigger, node.param, keep(node.children)});
     type.define = keep(nodes);
@@ -175,7 +182,7 @@ class ImageBuilder {
     type.exports = spec.exports;
     type.export_name = "x";
     type.export_type = port_type(static_cast<u32>(exported.size()));
-    type.export_slots = keep(exported);
+    type.export_variables = keep(exported);
     type.loc = {0, line_++, 1};
     connector_type_rows_[spec.name] = static_cast<u32>(connector_types_.size());
     connector_types_.push_back(type);
@@ -200,10 +207,10 @@ class ImageBuilder {
         const u32 below = connector_rows_.at(port);
         connectors_[below].bound = true;
         port_refs_.push_back({kNone, 0, below, maximal});
-        // Frames follow the atoms' slots: resolved in image().
-        for (u32 slot : connector_types_[connectors_[below].type].export_slots) {
+        // Frames follow the atoms' interactions: resolved in image().
+        for (u32 interaction : connector_types_[connectors_[below].type].export_variables) {
           frame_binds_.push_back({static_cast<u32>(binds_.size()), below});
-          binds_.push_back({slot});
+          binds_.push_back({interaction});
         }
         continue;
       }
@@ -212,9 +219,10 @@ class ImageBuilder {
       u32 port_row = 0;
       while (type.ports[port_row].name != port.substr(dot + 1)) ++port_row;
       port_refs_.push_back({atom_row, port_row, kNone, false});
-      for (u32 slot : type.ports[port_row].slots) binds_.push_back({atoms_[atom_row].slot_base + slot});
+      for (u32 interaction : type.ports[port_row].variables)
+        binds_.push_back({atoms_[atom_row].first_cell + interaction});
     }
-    for (const std::string& read : reads) binds_.push_back({slot_row(read)});
+    for (const std::string& read : reads) binds_.push_back({interaction_row(read)});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     connector_rows_[name] = static_cast<u32>(connectors_.size());
     connectors_.push_back(row);
@@ -229,7 +237,7 @@ class ImageBuilder {
     row.high = pattern(high);
     row.guard = code(guard);
     row.binds = static_cast<u32>(binds_.size());
-    for (const std::string& read : reads) binds_.push_back({slot_row(read)});
+    for (const std::string& read : reads) binds_.push_back({interaction_row(read)});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     row.loc = {0, line_++, 3};
     priorities_.push_back(row);
@@ -238,14 +246,16 @@ class ImageBuilder {
   const Image& image() {
     if (built_) return image_;
     built_ = true;
-    u32 slots = slots_;
+    u32 interactions = interactions_;
     for (Connector& row : connectors_) {
-      row.slot_base = slots;
-      slots += connector_types_[row.type].slots.size;
+      row.first_cell = interactions;
+      interactions += connector_types_[row.type].variables.size;
     }
-    for (const auto& [bind, below] : frame_binds_) binds_[bind].slot += connectors_[below].slot_base;
-    image_.slot_count = slots;
-    const auto view = [](const auto& v) { return Span<std::remove_cvref_t<decltype(v[0])>>{v.data(), static_cast<u32>(v.size())}; };
+    for (const auto& [bind, below] : frame_binds_) binds_[bind].cell += connectors_[below].first_cell;
+    image_.cell_count = interactions;
+    const auto view = [](const auto& v) {
+      return Span<std::remove_cvref_t<decltype(v[0])>>{v.data(), static_cast<u32>(v.size())};
+    };
     image_.files = view(files_);
     image_.strings = view(strings_);
     image_.codes = view(codes_);
@@ -262,12 +272,12 @@ class ImageBuilder {
     image_.priorities = view(priorities_);
     return image_;
   }
-  u32 slot_row(const std::string& read) const {
+  u32 interaction_row(const std::string& read) const {
     const std::size_t dot = read.rfind('.');
     const u32 atom_row = atom_rows_.at(read.substr(0, dot));
     const AtomType& type = atom_types_[atoms_[atom_row].type];
-    for (u32 i = 0; i < type.slots.size; ++i) {
-      if (type.slots[i].name == read.substr(dot + 1)) return atoms_[atom_row].slot_base + i;
+    for (u32 i = 0; i < type.variables.size; ++i) {
+      if (type.variables[i].name == read.substr(dot + 1)) return atoms_[atom_row].first_cell + i;
     }
     throw std::logic_error("slot " + read);
   }
@@ -276,7 +286,7 @@ class ImageBuilder {
     const std::size_t dot = name.rfind('.');
     const AtomType& type = atom_types_[atoms_[atom_rows_.at(name.substr(0, dot))].type];
     for (const Port& port : type.ports) {
-      if (port.name == name.substr(dot + 1)) return port.slots.size;
+      if (port.name == name.substr(dot + 1)) return port.variables.size;
     }
     throw std::logic_error("port " + name);
   }
@@ -333,7 +343,8 @@ class ImageBuilder {
     row.connector = connector_rows_.at(spec.connector);
     row.any_interaction = spec.any && spec.params.empty();
     std::vector<u32> params;
-    for (const std::string& name : spec.params) params.push_back(param_row(connector_specs_[connectors_[row.connector].type], name));
+    for (const std::string& name : spec.params)
+      params.push_back(param_row(connector_specs_[connectors_[row.connector].type], name));
     std::sort(params.begin(), params.end());
     row.params = keep(params);
     return row;
@@ -341,11 +352,12 @@ class ImageBuilder {
   u32 port_type(u32 vars) {
     if (port_type_rows_.count(vars) != 0) return port_type_rows_[vars];
     std::vector<Var> rows;
-    for (u32 i = 0; i < vars; ++i) rows.push_back({keep(i == 0 ? "v" : "v" + std::to_string(i)), SlotType::Int, false, false});
+    for (u32 i = 0; i < vars; ++i)
+      rows.push_back({keep(i == 0 ? "v" : "v" + std::to_string(i)), CellType::Int, false, false});
     port_types_.push_back({keep("P" + std::to_string(vars)), keep(rows)});
     return port_type_rows_[vars] = static_cast<u32>(port_types_.size()) - 1;
   }
-  static std::int32_t trampoline(const void* context, Slot* self, Slot* all, const u32* bind) {
+  static std::int32_t trampoline(const void* context, Cell* self, Cell* all, const u32* bind) {
     return (*static_cast<const Fn*>(context))(self, all, bind);
   }
   u32 code(const Fn& fn) {
@@ -367,7 +379,7 @@ class ImageBuilder {
 
   Image image_;
   bool built_ = false;
-  u32 slots_ = 0, line_ = 1;
+  u32 interactions_ = 0, line_ = 1;
   std::deque<std::string> texts_;
   std::deque<Fn> functions_;
   std::vector<Code> codes_;
@@ -380,7 +392,7 @@ class ImageBuilder {
   std::vector<ConnectorTypeSpec> connector_specs_;
   std::vector<Compound> compounds_;
   std::vector<Atom> atoms_;
-  std::vector<Slot> args_;
+  std::vector<Cell> args_;
   std::vector<Connector> connectors_;
   std::vector<PortRef> port_refs_;
   std::vector<Bind> binds_;
@@ -393,7 +405,11 @@ class ImageBuilder {
 
 /// `on port from A to B` chains: an atom type of places with one transition a line.
 inline AtomTypeSpec always_ready(const std::string& name) {
-  return {.name = name, .ports = {{.name = "p", .vars = {}}}, .places = {"S"}, .initial = {"S"}, .transitions = {{"p", {"S"}, {"S"}}}};
+  return {.name = name,
+          .ports = {{.name = "p", .vars = {}}},
+          .places = {"S"},
+          .initial = {"S"},
+          .transitions = {{"p", {"S"}, {"S"}}}};
 }
 
 }  // namespace bip::rt::testing

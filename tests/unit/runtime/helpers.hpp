@@ -14,7 +14,8 @@ inline std::string text_of(Core& core, const Candidate& candidate) {
   const auto strip = [](const std::string& path) { return path.substr(5); };
   std::vector<Participant> who;
   core.participants(candidate, who);
-  std::string out = candidate.connector == kNone ? "" : strip(core.image().connectors[candidate.connector].path()) + ":";
+  std::string out =
+      candidate.connector == kNone ? "" : strip(core.image().connectors[candidate.connector].path()) + ":";
   for (const Participant& p : who) {
     if (!out.empty()) out += ' ';
     out += strip(core.image().atoms[p.atom].path()) + "." + core.tables().atom_type(p.atom).ports[p.port].name;

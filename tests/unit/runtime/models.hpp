@@ -1,4 +1,5 @@
-// Classic systems as images, for tests of engines and for measuring: philosophers, a token ring, pairs that hand data over.
+// Classic systems as images, for tests of engines and for measuring: philosophers, a token ring, pairs that hand data
+// over.
 #pragma once
 #include <string>
 
@@ -20,7 +21,9 @@ inline void build_philosophers(ImageBuilder& b, int n, bool deadlocks) {
                  .ports = {{.name = "take_left"}, {.name = "take_right"}, {.name = "put"}},
                  .places = {"thinks", "has_left", "eats"},
                  .initial = {"thinks"},
-                 .transitions = {{"take_left", {"thinks"}, {"has_left"}}, {"take_right", {"has_left"}, {"eats"}}, {"put", {"eats"}, {"thinks"}}}});
+                 .transitions = {{"take_left", {"thinks"}, {"has_left"}},
+                                 {"take_right", {"has_left"}, {"eats"}},
+                                 {"put", {"eats"}, {"thinks"}}}});
   } else {
     b.atom_type({.name = "Phil",
                  .ports = {{.name = "take"}, {.name = "put"}},
@@ -31,7 +34,8 @@ inline void build_philosophers(ImageBuilder& b, int n, bool deadlocks) {
   const auto name = [](const char* what, int i) { return std::string(what) + "[" + std::to_string(i) + "]"; };
   for (int i = 0; i < n; ++i) b.atom(name("phil", i), "Phil");
   for (int i = 0; i < n; ++i) b.atom(name("fork", i), "Fork");
-  const auto connect = [&](const char* what, const char* type, const char* port, const char* fork_port, bool both, int shift) {
+  const auto connect = [&](const char* what, const char* type, const char* port, const char* fork_port, bool both,
+                           int shift) {
     for (int i = 0; i < n; ++i) {
       const std::string phil = name("phil", i), left = name("fork", i), right = name("fork", (i + 1) % n);
       std::vector<std::string> ports{phil + port, (shift == 0 ? left : right) + fork_port};
@@ -62,7 +66,8 @@ inline void build_ring(ImageBuilder& b, int n) {
   b.connector_type({.name = "Pass", .params = {{"o", 0}, {"i", 0}}, .define = "o i"});
   for (int i = 0; i < n; ++i) b.atom("n" + std::to_string(i), i == 0 ? "First" : "Node");
   for (int i = 0; i < n; ++i) {
-    b.connector("c" + std::to_string(i), "Pass", {"n" + std::to_string(i) + ".out", "n" + std::to_string((i + 1) % n) + ".in"});
+    b.connector("c" + std::to_string(i), "Pass",
+                {"n" + std::to_string(i) + ".out", "n" + std::to_string((i + 1) % n) + ".in"});
   }
 }
 
@@ -73,10 +78,10 @@ inline void build_pairs(ImageBuilder& b, int n) {
                .ports = {{.name = "put", .vars = {"x"}}, {.name = "get", .vars = {"x"}}},
                .places = {"A", "B"},
                .initial = {"A"},
-               .transitions = {{"put", {"A"}, {"B"}}, {"get", {"B"}, {"A"}, nullptr, [](Slot* self, Slot*, const u32*) {
-                                                        ++self[0].i;
-                                                        return 1;
-                                                      }}}});
+               .transitions = {{"put", {"A"}, {"B"}}, {"get", {"B"}, {"A"}, nullptr, [](Cell* self, Cell*, const u32*) {
+                                                         ++self[0].i;
+                                                         return 1;
+                                                       }}}});
   b.atom_type({.name = "Pong",
                .data = {"x"},
                .ports = {{.name = "put", .vars = {"x"}}, {.name = "get", .vars = {"x"}}},
@@ -86,7 +91,7 @@ inline void build_pairs(ImageBuilder& b, int n) {
   b.connector_type({.name = "Hand",
                     .params = {{"from", 1}, {"to", 1}},
                     .define = "from to",
-                    .clauses = {{.params = {"from", "to"}, .down = [](Slot*, Slot* all, const u32* bind) {
+                    .clauses = {{.params = {"from", "to"}, .down = [](Cell*, Cell* all, const u32* bind) {
                                    all[bind[1]] = all[bind[0]];
                                    return 1;
                                  }}}});

@@ -15,8 +15,8 @@ TEST_CASE("well-formed sequences have their length") {
 }
 
 TEST_CASE("overlong forms, surrogates, cut-off and too large ones are refused") {
-  for (const char* bad : {"\x80", "\xC0\x80", "\xC1\xBF", "\xE0\x9F\xBF", "\xED\xA0\x80", "\xF0\x8F\xBF\xBF", "\xF4\x90\x80\x80",
-                          "\xF5\x80\x80\x80", "\xC2", "\xE2\x89", "\xF0\x90\x80", "\xC2g"}) {
+  for (const char* bad : {"\x80", "\xC0\x80", "\xC1\xBF", "\xE0\x9F\xBF", "\xED\xA0\x80", "\xF0\x8F\xBF\xBF",
+                          "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\xC2", "\xE2\x89", "\xF0\x90\x80", "\xC2g"}) {
     CAPTURE(bad);
     REQUIRE(bip::utf8_length(bad) == 0);
     REQUIRE(bip::first_bad_utf8(std::string("0123456789abc\xC3\xA4") + bad) == 15u);
@@ -26,9 +26,9 @@ TEST_CASE("overlong forms, surrogates, cut-off and too large ones are refused") 
 
 TEST_CASE("columns on a terminal") {
   REQUIRE(bip::utf8_columns("a") == 1);
-  REQUIRE(bip::utf8_columns("\xE2\x89\xA4") == 1);        // <=
-  REQUIRE(bip::utf8_columns("\xCC\x81") == 0);            // combining acute
-  REQUIRE(bip::utf8_columns("\xE6\x97\xA5") == 2);        // wide
-  REQUIRE(bip::utf8_columns("\xF0\x9F\x98\x80") == 2);    // emoji
+  REQUIRE(bip::utf8_columns("\xE2\x89\xA4") == 1);      // <=
+  REQUIRE(bip::utf8_columns("\xCC\x81") == 0);          // combining acute
+  REQUIRE(bip::utf8_columns("\xE6\x97\xA5") == 2);      // wide
+  REQUIRE(bip::utf8_columns("\xF0\x9F\x98\x80") == 2);  // emoji
   REQUIRE(bip::utf8_columns("\xFF") == 1);
 }

@@ -7,7 +7,9 @@ using namespace bip;
 using test::Parsed;
 
 TEST_CASE("a node a line with its range") {
-  Parsed p("package p\n  port type P(int d)\n  atom type N()\n    place A\n    initial to A do { x = 1 + 2 * 3; }\n  end\nend\n");
+  Parsed p(
+      "package p\n  port type P(int d)\n  atom type N()\n    place A\n    initial to A do { x = 1 + 2 * 3; }\n  "
+      "end\nend\n");
   CHECK(syntax::dump(*p.syntax, p.sources) ==
         "Package @1:1-8:1 p\n"
         "  PortType @2:3-2:21 P(int d)\n"

@@ -9,14 +9,16 @@
 namespace bip::test {
 
 struct Instantiated {
-  explicit Instantiated(const std::string& text, const std::string& root = {}) : file(sources.add("test.bip", text)), syntax(parse::parse_file(sources, file, diags)) {
+  explicit Instantiated(const std::string& text, const std::string& root = {})
+      : file(sources.add("test.bip", text)), syntax(parse::parse_file(sources, file, diags)) {
     if (!syntax || diags.has_errors()) return;
     model = model::build_model(*syntax, sources, diags);
     if (!model || diags.has_errors()) return;
     std::optional<parse::RootSpec> spec;
     if (!root.empty()) spec = parse::parse_root(sources, root, diags);
     if (diags.has_errors()) return;
-    system = system::instantiate(*model, spec ? spec->type : "", spec ? spec->args : std::vector<const syntax::Expr*>(), diags, {file, 0, 0});
+    system = system::instantiate(*model, spec ? spec->type : "", spec ? spec->args : std::vector<const syntax::Expr*>(),
+                                 diags, {file, 0, 0});
   }
   SourceMap sources;
   FileId file;
@@ -48,7 +50,8 @@ struct Instantiated {
     return out;
   }
 
-  /// A line an atom, `ROOT.a: A(1)`, then a line a connector, `ROOT.k: C(ROOT.a.p, …)`, ` bound` if another one binds it.
+  /// A line an atom, `ROOT.a: A(1)`, then a line a connector, `ROOT.k: C(ROOT.a.p, …)`, ` bound` if another one binds
+  /// it.
   [[nodiscard]] std::string shape() const {
     if (!system) return codes();
     std::string out;
@@ -56,7 +59,8 @@ struct Instantiated {
       out += atom.path + ": " + system->atom_types[atom.type].name + "(";
       for (std::size_t k = 0; k < atom.args.size(); ++k) {
         const Value& v = atom.args[k];
-        out += (k > 0 ? ", " : "") + (v.type == Type::Float ? fmt::format("{}", v.float_value) : fmt::format("{}", v.int_value));
+        out += (k > 0 ? ", " : "") +
+               (v.type == Type::Float ? fmt::format("{}", v.float_value) : fmt::format("{}", v.int_value));
       }
       out += ")\n";
     }
@@ -69,7 +73,8 @@ struct Instantiated {
   }
 };
 
-/// Types that the tests unfold: an atom `A(int k)` with ports p, q, connectors of one, two and, with an export, two ports.
+/// Types that the tests unfold: an atom `A(int k)` with ports p, q, connectors of one, two and, with an export, two
+/// ports.
 inline std::string with_types(const std::string& compounds) {
   return R"(package t
 port type P()
@@ -85,7 +90,8 @@ atom type A(int k)
   on p from S to S
   on q from S to S
 end
-)" + compounds + "\nend\n";
+)" + compounds +
+         "\nend\n";
 }
 
 }  // namespace bip::test

@@ -26,7 +26,9 @@ struct Rule {
   bool has_guard = false;
 };
 
-bool contains(const Ports& big, const Ports& small) { return std::includes(big.begin(), big.end(), small.begin(), small.end()); }
+bool contains(const Ports& big, const Ports& small) {
+  return std::includes(big.begin(), big.end(), small.begin(), small.end());
+}
 
 bool is_low(const Rule& r, const Interaction& x);
 bool is_high(const Rule& r, const Interaction& x) {
@@ -41,7 +43,8 @@ bool is_low(const Rule& r, const Interaction& x) {
 struct World {
   std::mt19937 random;
   // Three connectors, all ports of their own: a rendezvous, a trigger with two synchrons, two triggers.
-  std::vector<Interaction> interactions = {{0, {0, 1}}, {1, {0}}, {1, {0, 1}}, {1, {0, 2}}, {1, {0, 1, 2}}, {2, {0}}, {2, {1}}, {2, {0, 1}}};
+  std::vector<Interaction> interactions = {{0, {0, 1}},    {1, {0}}, {1, {0, 1}}, {1, {0, 2}},
+                                           {1, {0, 1, 2}}, {2, {0}}, {2, {1}},    {2, {0, 1}}};
   std::vector<Rule> rules{};
 
   Side side() {
@@ -88,14 +91,16 @@ connector K1 k1(a3.p, a4.p, a5.p)
 connector K2 k2(a6.p, a7.p)
 )";
     for (std::size_t i = 0; i < rules.size(); ++i) {
-      out += "priority r" + std::to_string(i) + " " + text(rules[i].low) + " < " + text(rules[i].high) + (rules[i].has_guard ? " provided (a0.v == 1)\n" : "\n");
+      out += "priority r" + std::to_string(i) + " " + text(rules[i].low) + " < " + text(rules[i].high) +
+             (rules[i].has_guard ? " provided (a0.v == 1)\n" : "\n");
     }
     return out + "end\nend\n";
   }
   // Rules of one connector by name whose low side holds all of the high one.
   [[nodiscard]] bool is_against_progress() const {
     return std::any_of(rules.begin(), rules.end(), [](const Rule& r) {
-      const bool by_name = !r.low.any_connector && !r.high.any_connector && !r.low.any_interaction && !r.high.any_interaction;
+      const bool by_name =
+          !r.low.any_connector && !r.high.any_connector && !r.low.any_interaction && !r.high.any_interaction;
       return by_name && r.low.connector == r.high.connector && contains(r.low.ports, r.high.ports);
     });
   }
@@ -105,7 +110,8 @@ connector K2 k2(a6.p, a7.p)
     std::vector<std::vector<bool>> below(n, std::vector<bool>(n));
     for (const Rule& r : rules) {
       for (std::size_t x = 0; x < n; ++x) {
-        for (std::size_t y = 0; y < n; ++y) below[x][y] = below[x][y] || (!r.has_guard && is_low(r, interactions[x]) && is_high(r, interactions[y]));
+        for (std::size_t y = 0; y < n; ++y)
+          below[x][y] = below[x][y] || (!r.has_guard && is_low(r, interactions[x]) && is_high(r, interactions[y]));
       }
     }
     for (std::size_t k = 0; k < n; ++k) {
@@ -142,11 +148,14 @@ TEST_CASE("cycles of random priorities, against all interactions") {
 TEST_CASE("a chain of priorities as long as one likes") {
   constexpr int kRules = 20000;
   std::string text = "compound type R() component A a[" + std::to_string(kRules + 1) + "](0)\n";
-  for (int i = 0; i <= kRules; ++i) text += "connector One c" + std::to_string(i) + "(a[" + std::to_string(i) + "].p)\n";
-  for (int i = 0; i < kRules; ++i) text += "priority r" + std::to_string(i) + " c" + std::to_string(i) + ":* < c" + std::to_string(i + 1) + ":*\n";
+  for (int i = 0; i <= kRules; ++i)
+    text += "connector One c" + std::to_string(i) + "(a[" + std::to_string(i) + "].p)\n";
+  for (int i = 0; i < kRules; ++i)
+    text += "priority r" + std::to_string(i) + " c" + std::to_string(i) + ":* < c" + std::to_string(i + 1) + ":*\n";
   const Instantiated open(bip::test::with_types(text + "end"));
   REQUIRE(open.codes().empty());
-  const Instantiated closed(bip::test::with_types(text + "priority back c" + std::to_string(kRules) + ":* < c0:*\nend"));
+  const Instantiated closed(
+      bip::test::with_types(text + "priority back c" + std::to_string(kRules) + ":* < c0:*\nend"));
   REQUIRE(closed.codes() == "B3006");
 }
 

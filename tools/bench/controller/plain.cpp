@@ -1,5 +1,6 @@
-// Modules without BIP: GenoM 2's run time as a plain program (tests/genom/reference.py in C++), over the same codels, to measure what a
-// BIP controller costs beside it. modules.inc has the modules' tables (tools/bench/dala_cpu.py writes them); one thread, no sleeping.
+// Modules without BIP: GenoM 2's run time as a plain program (tests/genom/reference.py in C++), over the same codels,
+// to measure what a BIP controller costs beside it. modules.inc has the modules' tables (tools/bench/dala_cpu.py writes
+// them); one thread, no sleeping.
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -28,7 +29,7 @@ struct Task {
   int period;
   int (*permanent)();
 };
-struct Slot {
+struct Cell {
   int service = 0, state = kEther;
   bool ran = false;
   const char* report = nullptr;
@@ -37,7 +38,7 @@ struct Module {
   const char* name;
   std::vector<Task> tasks;
   std::vector<Service> services;
-  std::vector<Slot> slots{};
+  std::vector<Cell> cells{};
   std::vector<bool> suspended{};
   bool is_suspended = false, is_initialised = true;
   std::string asked{};  // the mailbox
@@ -59,9 +60,11 @@ bool is_permitted(int state, int next) {
   return next == state && (state == kStart || state == kInter);
 }
 
-bool runs(const Slot& s) { return (s.state >= kStart && s.state <= kFail) || s.state == kSleep || (s.report != nullptr && s.ran); }
+bool runs(const Cell& s) {
+  return (s.state >= kStart && s.state <= kFail) || s.state == kSleep || (s.report != nullptr && s.ran);
+}
 
-void interrupt(Slot& s) {
+void interrupt(Cell& s) {
   if (s.state == kInit) {
     s.state = kEther;
     s.report = "ACTIVITY_INTERRUPTED";
@@ -72,38 +75,40 @@ void interrupt(Slot& s) {
 
 template <class Work>
 void each_interrupted(Module& m, int service, Work work) {
-  for (Slot& s : m.slots) {
+  for (Cell& s : m.cells) {
     for (const int other : m.services[static_cast<std::size_t>(service)].interrupts) {
       if (s.service == other) work(s);
     }
   }
 }
 
-void answer(const Module& m, const Service& s, const char* report) { bench::requests().answer(std::string(m.name) + "." + s.name, report); }
+void answer(const Module& m, const Service& s, const char* report) {
+  bench::requests().answer(std::string(m.name) + "." + s.name, report);
+}
 
 void request(Module& m, int number) {
   const Service& s = m.services[static_cast<std::size_t>(number)];
   if (s.kind == 'e') {
     if (m.is_suspended) return answer(m, s, "SYSTEM_ERROR");
     if (!m.is_initialised) return answer(m, s, "WAIT_INIT_RQST");
-    for (const Slot& slot : m.slots) {
-      if (slot.state == kZombie) return answer(m, s, "WAIT_ABORT_ZOMBIE_ACTIVITY");
+    for (const Cell& cell : m.cells) {
+      if (cell.state == kZombie) return answer(m, s, "WAIT_ABORT_ZOMBIE_ACTIVITY");
     }
   }
-  Slot* free = nullptr;
-  for (Slot& slot : m.slots) {
-    if (free == nullptr && slot.service == number && slot.state == kEther && slot.report == nullptr) free = &slot;
+  Cell* free = nullptr;
+  for (Cell& cell : m.cells) {
+    if (free == nullptr && cell.service == number && cell.state == kEther && cell.report == nullptr) free = &cell;
   }
   if (s.kind != 'c' && free == nullptr) return answer(m, s, "TOO_MANY_ACTIVITIES");
   const int verdict = s.control != nullptr ? s.control() : 0;
   if (verdict != 0) return answer(m, s, s.reports.at(static_cast<std::size_t>(verdict - 1)));
-  each_interrupted(m, number, [](Slot& slot) { interrupt(slot); });
+  each_interrupted(m, number, [](Cell& cell) { interrupt(cell); });
   if (s.kind != 'c') *free = {number, kInit, false, nullptr};
   answer(m, s, "OK");
 }
 
 void control_cycle(Module& m) {
-  for (Slot& s : m.slots) {
+  for (Cell& s : m.cells) {
     if (s.report == nullptr) continue;
     bench::requests().reply(std::string(m.name) + "." + m.services[static_cast<std::size_t>(s.service)].name, s.report);
     s.report = nullptr;
@@ -114,10 +119,10 @@ void control_cycle(Module& m) {
     }
     m.asked.clear();
   }
-  for (Slot& s : m.slots) {
+  for (Cell& s : m.cells) {
     if (s.state != kInit) continue;
     bool waits = false;
-    each_interrupted(m, s.service, [&](Slot& other) { waits = waits || (&other != &s && runs(other)); });
+    each_interrupted(m, s.service, [&](Cell& other) { waits = waits || (&other != &s && runs(other)); });
     if (waits) continue;
     s.state = kStart;
     s.ran = true;
@@ -129,7 +134,7 @@ void task_cycle(Module& m, std::size_t number) {
   const Task& task = m.tasks[number];
   const auto suspend = [&] { m.suspended[number] = m.is_suspended = true; };
   if (task.permanent != nullptr && task.permanent() != 0) return suspend();
-  for (Slot& s : m.slots) {
+  for (Cell& s : m.cells) {
     const Service& service = m.services[static_cast<std::size_t>(s.service)];
     if (static_cast<std::size_t>(service.task) != number || s.state < kStart || s.state > kFail) continue;
     const int state = s.state;
@@ -138,7 +143,10 @@ void task_cycle(Module& m, std::size_t number) {
     const int next = codel != nullptr ? codel(report) : kDefaults[state - kStart];
     if (!is_permitted(state, next)) return suspend();
     s.state = next;
-    if (next == kEther) s.report = state == kInter ? "ACTIVITY_INTERRUPTED" : report == 0 ? "OK" : service.reports.at(static_cast<std::size_t>(report - 1));
+    if (next == kEther)
+      s.report = state == kInter ? "ACTIVITY_INTERRUPTED"
+                 : report == 0   ? "OK"
+                                 : service.reports.at(static_cast<std::size_t>(report - 1));
     if (next == kEther && service.kind == 'i' && report == 0) m.is_initialised = true;
     if (next == kZombie) s.report = "ACTIVITY_FAILED";
   }
@@ -156,7 +164,8 @@ int main(int count, char**) {
     m.suspended.resize(m.tasks.size());
     for (std::size_t k = 0; k < m.services.size(); ++k) {
       m.is_initialised = m.is_initialised && m.services[k].kind != 'i';
-      for (int n = 0; m.services[k].kind != 'c' && n < m.services[k].instances; ++n) m.slots.push_back({static_cast<int>(k)});
+      for (int n = 0; m.services[k].kind != 'c' && n < m.services[k].instances; ++n)
+        m.cells.push_back({static_cast<int>(k)});
     }
   }
   for (long tick = 1;; ++tick) {

@@ -1,8 +1,9 @@
 // A mission for a bench: requests one after the other, in the same process as the modules, with BIP or without.
 //
-// requests.txt, a line a step: `do SERVICE [INPUT]` asks and waits for the end, `start SERVICE [INPUT]` asks and waits for the
-// acceptance, `await SERVICE` waits for an end, `sleep TICKS`. Anything but OK ends the program with 1; the last line ends it with 0 and tells
-// how many ticks and how many seconds of the processor the mission took since the first tick.
+// requests.txt, a line a step: `do SERVICE [INPUT]` asks and waits for the end, `start SERVICE [INPUT]` asks and waits
+// for the acceptance, `await SERVICE` waits for an end, `sleep TICKS`. Anything but OK ends the program with 1; the
+// last line ends it with 0 and tells how many ticks and how many seconds of the processor the mission took since the
+// first tick.
 #pragma once
 #include <sys/resource.h>
 
@@ -72,7 +73,9 @@ class Requests {
   static double seconds() {
     rusage use{};
     getrusage(RUSAGE_SELF, &use);
-    const auto of = [](const timeval& t) { return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6; };
+    const auto of = [](const timeval& t) {
+      return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6;
+    };
     return of(use.ru_utime) + of(use.ru_stime);
   }
   [[noreturn]] static void leave(int code) {

@@ -1,5 +1,5 @@
-// The broadcast by hand: interaction n is the sender with all who listen, i < n re-arms receiver i. Who listens is a dense
-// list, so a broadcast is one pass over those that take part.
+// The broadcast by hand: interaction n is the sender with all who listen, i < n re-arms receiver i. Who listens is a
+// dense list, so a broadcast is one pass over those that take part.
 #include "limit.hpp"
 
 namespace {
@@ -7,7 +7,8 @@ namespace {
 using limit::u32;
 
 struct World {
-  explicit World(u32 receivers) : n(receivers), full(receivers, 0), heard(receivers, 0), listening(receivers), armed(receivers) {
+  explicit World(u32 receivers)
+      : n(receivers), full(receivers, 0), heard(receivers, 0), listening(receivers), armed(receivers) {
     for (u32 i = 0; i < n; ++i) listening[i] = i;
   }
   [[nodiscard]] u32 interactions() const { return n + 1; }

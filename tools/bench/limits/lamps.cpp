@@ -1,6 +1,6 @@
-// The lamps by hand: of the sets of lamps that the mains carry, those to which none can be added, found as a good programmer
-// would for that one model: what must be left out is little, so he looks for the least sets to leave out. `naive` asks all
-// 2^n - 1 interactions, and of those that are enabled which ones are maximal.
+// The lamps by hand: of the sets of lamps that the mains carry, those to which none can be added, found as a good
+// programmer would for that one model: what must be left out is little, so he looks for the least sets to leave out.
+// `naive` asks all 2^n - 1 interactions, and of those that are enabled which ones are maximal.
 #include "limit.hpp"
 
 namespace {
@@ -61,7 +61,8 @@ int main(int argc, char** argv) {
   u64 candidates = 0;
   const double start = limit::cpu_seconds();
   for (u64 step = 0; step < arguments.steps; ++step) {
-    if (arguments.naive) world.list_naive(); else world.list_limit();
+    if (arguments.naive) world.list_naive();
+    else world.list_limit();
     candidates += world.found.size();
     world.apply(world.found[random.below(static_cast<u32>(world.found.size()))]);
   }

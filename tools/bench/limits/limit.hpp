@@ -1,9 +1,10 @@
-// What the programs by hand share: random numbers, an exact set of enabled interactions, and the two loops. `limit` keeps
-// the set up to date as a good programmer would for that one model; `naive` asks every interaction at each step, which is
-// the classic cycle of BIP engines without anything else that costs.
+// What the programs by hand share: random numbers, an exact set of enabled interactions, and the two loops. `limit`
+// keeps the set up to date as a good programmer would for that one model; `naive` asks every interaction at each step,
+// which is the classic cycle of BIP engines without anything else that costs.
 //
-// A world gives: interactions(), is_enabled(i), apply(i) and update(set, i), which brings the set up to date after i was
-// applied. Interactions are drawn uniformly. Prints one line of JSON: CPU nanoseconds an interaction and a checksum.
+// A world gives: interactions(), is_enabled(i), apply(i) and update(set, i), which brings the set up to date after i
+// was applied. Interactions are drawn uniformly. Prints one line of JSON: CPU nanoseconds an interaction and a
+// checksum.
 #pragma once
 #include <time.h>
 
@@ -59,7 +60,8 @@ class EnabledSet {
   }
   void put(u32 i, bool on) {
     if (contains(i) == on) return;
-    if (on) insert(i); else erase(i);
+    if (on) insert(i);
+    else erase(i);
   }
 
  private:

@@ -11,7 +11,8 @@ struct World {
   [[nodiscard]] bool is_enabled(u32 i) const { return away[i >> 1] == (i & 1); }
   void apply(u32 i) {
     const u32 pair = i >> 1;
-    if ((i & 1) == 0) pong[pair] = ping[pair] + 1; else ping[pair] = pong[pair] + 1;
+    if ((i & 1) == 0) pong[pair] = ping[pair] + 1;
+    else ping[pair] = pong[pair] + 1;
     away[pair] = static_cast<limit::u8>((i & 1) ^ 1);
   }
   static void update(limit::EnabledSet& enabled, u32 i) { enabled.replace(i, i ^ 1); }

@@ -1,5 +1,5 @@
-// Desks by hand, four interactions each: 0 runs the urgent task, 1 the other one (only if the urgent one is not ready), 2 and
-// 3 wake them.
+// Desks by hand, four interactions each: 0 runs the urgent task, 1 the other one (only if the urgent one is not ready),
+// 2 and 3 wake them.
 #include "limit.hpp"
 
 namespace {

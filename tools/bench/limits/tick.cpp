@@ -1,4 +1,5 @@
-// The tick by hand: one interaction, n counters. `naive` keeps a record an atom and looks at all of them before it fires.
+// The tick by hand: one interaction, n counters. `naive` keeps a record an atom and looks at all of them before it
+// fires.
 #include "limit.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
-// The tree by hand: flattened, the maximum of all leaves in one pass and back in another. `naive` walks the tree of connectors
-// up and down through pointers, as classic engines do.
+// The tree by hand: flattened, the maximum of all leaves in one pass and back in another. `naive` walks the tree of
+// connectors up and down through pointers, as classic engines do.
 #include "limit.hpp"
 
 namespace {

@@ -1,5 +1,6 @@
-// The C++ side of random models: functions and types that their `@cpp` names. Compiled into emitted programs, called by the
-// interpreter and the JIT through bind_outside.cpp, and by the oracle. Pure where the models call them from guards or `up`.
+// The C++ side of random models: functions and types that their `@cpp` names. Compiled into emitted programs, called by
+// the interpreter and the JIT through bind_outside.cpp, and by the oracle. Pure where the models call them from guards
+// or `up`.
 //
 // All arithmetic wraps, so that nothing here depends on the compiler.
 #pragma once
@@ -14,7 +15,9 @@ struct Wide : Pair {
   int c = 0;
 };
 
-inline int wrapped(std::int64_t value) { return static_cast<int>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(value))); }
+inline int wrapped(std::int64_t value) {
+  return static_cast<int>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(value)));
+}
 
 // ---- native values
 inline int mix(int x, int y) { return wrapped(std::int64_t{x} * 31 + y) ^ 0x55; }
@@ -54,7 +57,9 @@ inline void push(Pair& p, int x) {
   p.b = p.a;
   p.a = x;
 }
-inline Pair operator+(const Pair& x, const Pair& y) { return {wrapped(std::int64_t{x.a} + y.a), wrapped(std::int64_t{x.b} - y.b)}; }
+inline Pair operator+(const Pair& x, const Pair& y) {
+  return {wrapped(std::int64_t{x.a} + y.a), wrapped(std::int64_t{x.b} - y.b)};
+}
 inline bool operator==(const Pair& x, const Pair& y) { return x.a == y.a && x.b == y.b; }
 inline bool operator<(const Pair& x, const Pair& y) { return x.a < y.a; }
 

@@ -1,0 +1,98 @@
+// See intervals.hpp. Recursion follows the code's nesting, which the parser caps.
+#include "compiler/lower/range_code.hpp"
+
+#include "compiler/lower/code_facts.hpp"
+
+namespace bip::lower {
+
+namespace {
+
+using rt::RangeOp;
+using rt::RangeOpKind;
+
+rt::CellType type_of(Type type) { return static_cast<rt::CellType>(type); }
+
+class RangeCodeWriter {
+ public:
+  RangeCodeWriter(const CodeTable& code, std::vector<RangeOp>& out) : code_(code), out_(out) {}
+
+  void value(ExprId id) {
+    const Expr& e = code_.exprs[id];
+    switch (e.op) {
+      case Op::ConstInt:
+      case Op::ConstBool: return add({RangeOpKind::Constant, type_of(e.type), 0, 0, static_cast<double>(e.int_value)});
+      case Op::ConstFloat: return add({RangeOpKind::Constant, type_of(e.type), 0, 0, e.float_value});
+      case Op::LoadSelf: return load(RangeOpKind::Own, e);
+      case Op::LoadBind: return load(RangeOpKind::Bound, e);
+      case Op::IntToFloat: return value(e.a);
+      case Op::Neg: return unary(RangeOpKind::Neg, e);
+      case Op::Not: return unary(RangeOpKind::Not, e);
+      case Op::Add: return binary(RangeOpKind::Add, e, e.a, e.b);
+      case Op::Sub: return binary(RangeOpKind::Sub, e, e.a, e.b);
+      case Op::Mul: return binary(RangeOpKind::Mul, e, e.a, e.b);
+      case Op::And: return binary(RangeOpKind::And, e, e.a, e.b);
+      case Op::Or: return binary(RangeOpKind::Or, e, e.a, e.b);
+      case Op::Eq: return binary(RangeOpKind::Eq, e, e.a, e.b);
+      case Op::Ne: return binary(RangeOpKind::Ne, e, e.a, e.b);
+      case Op::Lt: return binary(RangeOpKind::Lt, e, e.a, e.b);
+      case Op::Le: return binary(RangeOpKind::Le, e, e.a, e.b);
+      case Op::Gt: return binary(RangeOpKind::Lt, e, e.b, e.a);
+      case Op::Ge: return binary(RangeOpKind::Le, e, e.b, e.a);
+      default: return any(e.type);
+    }
+  }
+
+  void body(StmtId first) {
+    for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
+      const Stmt& s = code_.stmts[id];
+      value(s.value);
+      if (s.op == StmtOp::StoreSelf) {
+        add({RangeOpKind::Store, type_of(s.type), s.index});
+        continue;
+      }
+      const std::size_t branch = out_.size();
+      add({RangeOpKind::Branch, rt::CellType::Bool});
+      body(s.then_body);
+      const std::size_t middle = out_.size();
+      body(s.else_body);
+      out_[branch].row = static_cast<std::uint32_t>(middle - branch - 1);
+      out_[branch].otherwise = static_cast<std::uint32_t>(out_.size() - middle);
+    }
+  }
+
+ private:
+  static bool is_number(Type type) { return type == Type::Int || type == Type::Bool || type == Type::Float; }
+  void add(const RangeOp& op) { out_.push_back(op); }
+  void any(Type type) { add({RangeOpKind::Any, type_of(type)}); }
+  void load(RangeOpKind kind, const Expr& e) {
+    if (is_number(e.type)) add({kind, type_of(e.type), e.index});
+    else any(e.type);
+  }
+  void unary(RangeOpKind kind, const Expr& e) {
+    value(e.a);
+    add({kind, type_of(e.type)});
+  }
+  void binary(RangeOpKind kind, const Expr& e, ExprId first, ExprId second) {
+    if (!is_number(code_.exprs[first].type)) return any(e.type);
+    value(first);
+    value(second);
+    add({kind, type_of(e.type)});
+  }
+
+  const CodeTable& code_;
+  std::vector<RangeOp>& out_;
+};
+
+}  // namespace
+
+std::optional<ClauseRanges> clause_ranges(const CodeTable& code, const Clause& clause) {
+  for (const CodeFacts& facts : {code_facts(code, clause.guard, StmtId{}), code_facts(code, ExprId{}, clause.up)}) {
+    if (facts.may_fault || facts.writes_binds) return std::nullopt;
+  }
+  ClauseRanges ranges;
+  if (clause.guard.is_valid()) RangeCodeWriter(code, ranges.guard).value(clause.guard);
+  RangeCodeWriter(code, ranges.up).body(clause.up);
+  return ranges;
+}
+
+}  // namespace bip::lower

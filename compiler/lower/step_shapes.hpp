@@ -1,0 +1,82 @@
+// Shapes of interactions, from which step functions are generated (bip/steps.hpp); compiler/steps derives them.
+//
+// A shape is a list of operations. What differs between interactions of one shape are the operands, numbered through
+// the operations in order: `refs` of them each, after a count if the operation repeats.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "runtime/include/bip/image.hpp"
+
+namespace bip::lower {
+
+enum class StepOpKind : std::uint8_t {
+  Reduce,  // refs to, from: from's value joins to's, by an operation on ints or bools that any order does with the same
+           // bits; no `from` is a `to`
+  Copy,    // refs to, from: all of the variable. If it is `inlined`, it is done in the loop of the next Code, whose
+           // self's variable `offset` is `to`; `from` stays where it is, and no code of that loop changes it
+  Code,    // runs `unit`: refs self, then its bound variables (code_facts); zeroes so many of self's variables before
+  Place,   // refs atom, place: the atom is there now
+  Ready,   // refs atom, self if there is a unit, interaction if delta != 0: if the atom is at `from`, runs `unit`, puts
+           // it at `to`, the interaction's value grows by delta and it enters
+  Interaction  // refs interaction, then, if there is a guard `unit`, self and bound variables, then interactions that
+               // hide it: its value grows by delta, and it is in the list iff it is available, the guard holds and none
+               // of those is available
+};
+enum class Reduction : std::uint8_t { Add, Mul, And, Or, Xor, Min, Max };
+enum class InteractionChange : std::uint8_t { Look, Enters, Leaves };  // what is certain
+
+struct StepOp {
+  StepOpKind kind = StepOpKind::Code;
+  InteractionChange change = InteractionChange::Look;
+  Reduction reduction = Reduction::Add;
+  bool inlined = false;      // Copy
+  std::uint32_t offset = 0;  // Copy that is inlined
+  bool repeats = false;      // a first operand says how often; strides say how far the others move each time
+  std::uint32_t unit = rt::kNone;
+  std::uint32_t zeroed = 0;
+  std::int32_t delta = 0;
+  std::uint32_t from = 0, to = 0;
+  std::uint32_t hiders = 0;  // Interaction: the last so many refs
+  std::uint32_t first_ref = 0, refs = 0;
+};
+struct StepShape {
+  std::vector<StepOp> ops;  // Reduces, Copies and Codes, then Places, Readys and Interactions; of Interactions first
+                            // all values, then the list, in order
+  std::vector<std::int32_t> strides;  // by operand; 0 unless its operation repeats
+  std::vector<std::uint32_t>
+      run_strides;  // by operand: what StepOperand::stride is in all runs of the shape; empty: it varies
+
+  [[nodiscard]] bool has_loops() const {
+    return std::any_of(ops.begin(), ops.end(), [](const StepOp& op) { return op.repeats; });
+  }
+  /// Into a loop over steps; else called by it, so that what the loop has at hand stays in registers.
+  [[nodiscard]] bool is_inlined() const {
+    constexpr std::size_t kMostOps = 24;
+    return ops.size() <= kMostOps;
+  }
+};
+/// Data while a loop over steps runs, if all of them have 32 bits: a column for each variable of each type of atoms, so
+/// that interactions of many go over neighbours. What the loop knows works on these, then.
+struct StepCells {
+  std::uint32_t count = 0;  // 0: it works on cells of 8 bytes
+  std::uint32_t pay = 0;    // steps after which filling the columns has paid
+  std::vector<rt::StepColumn> columns;
+  std::vector<StepShape> shapes;
+  std::vector<rt::StepOperand> operands;
+  std::vector<std::uint32_t> self_distance;  // by unit: from one variable of self to the next
+
+  [[nodiscard]] bool empty() const { return count == 0; }
+};
+struct Steps {
+  std::vector<StepShape> shapes;
+  std::vector<rt::StepRun> runs;
+  std::vector<rt::StepRun>
+      loop;         // those that a loop over steps (rt::StepsFn) knows, in the order in which it asks; empty: no loop
+  StepCells cells;  // if not empty, shapes and operands of the rows of `loop` are those there
+  std::vector<rt::StepOperand> operands;
+  std::vector<std::vector<std::uint32_t>> binds;  // by unit: its bound variables, as CodeFacts has them
+};
+
+}  // namespace bip::lower

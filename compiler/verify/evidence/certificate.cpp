@@ -1,0 +1,198 @@
+// See certificate.hpp. Deterministic: rows in the order of the system and of finding.
+#include "compiler/verify/evidence/certificate.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace bip::verify {
+
+namespace {
+
+// A parameter of the compiler's own ("initial x") has a name that no row can hold; its value is told by the system.
+bool is_told(const ModeClass& mode_class, const DataVariable& variable, std::size_t k) {
+  return mode_class.followed[k] != 0 && variable.name.find(' ') == std::string::npos;
+}
+
+// The same sum without weights below 0: an atom's weights may all be moved, as it is in one of its modes.
+TokenInvariant without_negative(const Net& net, const Proof& proof, const TokenInvariant& invariant) {
+  if (std::none_of(invariant.weights.begin(), invariant.weights.end(), [](std::int64_t w) { return w < 0; }))
+    return invariant;
+  TokenInvariant result{invariant.kind, {}, {}, invariant.total};
+  for (std::size_t k = 0; k < invariant.modes.size();) {
+    const u32 atom = net.atom_of_mode[invariant.modes[k]];
+    std::map<u32, std::int64_t> weights;
+    std::int64_t least = 0;
+    for (; k < invariant.modes.size() && net.atom_of_mode[invariant.modes[k]] == atom; ++k) {
+      weights[invariant.modes[k]] = invariant.weights[k];
+      least = std::min(least, invariant.weights[k]);
+    }
+    for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
+      if (proof.reachable[mode] == 0) continue;
+      const auto found = weights.find(mode);
+      const std::int64_t weight = (found == weights.end() ? 0 : found->second) - least;
+      if (weight == 0) continue;
+      result.modes.push_back(mode);
+      result.weights.push_back(weight);
+    }
+    result.total -= least;
+  }
+  return result;
+}
+
+void add_structure(const Net& net, const Proof& proof, std::string& out) {
+  const System& system = *net.system;
+  for (std::size_t row = 0; row < net.classes.size(); ++row) {
+    const ModeClass& mode_class = net.classes[row];
+    const AtomType& type = system.atom_types[mode_class.type];
+    out += "class " + std::to_string(row) + ' ' + type.name + '\n';
+    for (std::size_t m = 0; m < mode_class.modes.size(); ++m) {
+      out += "  mode " + std::to_string(m);
+      for (u32 place : mode_class.modes[m].places) out += " @" + type.places[place];
+      for (std::size_t k = 0; k < type.variables.size(); ++k) {
+        const AbstractValue& value = mode_class.modes[m].values[k];
+        if (value.is_known && is_told(mode_class, type.variables[k], k))
+          out += " ." + type.variables[k].name + '=' + std::to_string(value.value);
+      }
+      out += '\n';
+    }
+  }
+  for (std::size_t atom = 0; atom < system.atoms.size(); ++atom) {
+    out +=
+        "component " + system.atoms[AtomId(atom)].path + " class " + std::to_string(net.class_of[atom]) + " reachable";
+    for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
+      if (proof.reachable[mode] != 0) out += ' ' + std::to_string(mode - net.mode_base[atom]);
+    }
+    out += '\n';
+  }
+  for (const TokenInvariant& found : proof.invariants) {
+    const TokenInvariant invariant = without_negative(net, proof, found);
+    const bool is_sum = invariant.kind == InvariantKind::Sum;
+    if (is_sum) out += "sum " + std::to_string(invariant.total);
+    else out += invariant.kind == InvariantKind::Trap ? "trap" : "one-token";
+    for (std::size_t k = 0; k < invariant.modes.size(); ++k) {
+      const u32 mode = invariant.modes[k], atom = net.atom_of_mode[mode];
+      out += ' ' + system.atoms[AtomId(std::size_t{atom})].path + ':' + std::to_string(mode - net.mode_base[atom]);
+      if (is_sum) out += '*' + std::to_string(invariant.weights[k]);
+    }
+    out += '\n';
+  }
+}
+
+// "!ROOT.a@EATS", "ROOT.a.n:3"
+std::string literal_text(const StateBit& bit, bool value, const System& system) {
+  const Atom& atom = system.atoms[AtomId(std::size_t{bit.atom})];
+  const AtomType& type = system.atom_types[atom.type];
+  std::string out = (value ? "" : "!") + atom.path;
+  if (bit.is_place) return out + '@' + type.places[bit.row];
+  return out + '.' + type.variables[bit.row].name + ':' + std::to_string(bit.position);
+}
+
+void add_lemmas(const TransitionSystem& machine, const std::vector<Cube>& lemmas, const System& system,
+                std::string& out) {
+  std::size_t row = 0;
+  for (const Atom& atom : system.atoms) {
+    for (const DataVariable& variable : system.atom_types[atom.type].variables) {
+      const Range& range = machine.ranges[row];
+      const bool is_narrow = !machine.words[row].empty() && range != kAnyInt && !variable.is_param;
+      if (is_narrow)
+        out += "lemma " + atom.path + '.' + variable.name + '=' + std::to_string(range.low) + ".." +
+               std::to_string(range.high) + '\n';
+      ++row;
+    }
+  }
+  for (const Cube& cube : lemmas) {
+    out += "lemma";
+    for (u32 code : cube) out += ' ' + literal_text(machine.bits[code / 2], (code & 1) == 0, system);
+    out += '\n';
+  }
+}
+
+}  // namespace
+
+std::string certificate(const Portfolio& decider, const Question& question, const Decision& d, const System& system,
+                        const std::string& root_name) {
+  std::string out = "bipc-certificate 1\nroot " + root_name + "\nclaim ";
+  if (question.what == QuestionKind::DeadlockFreedom) out += "deadlock-free";
+  else if (question.what == QuestionKind::NoErrors) out += "error-free";
+  else out += "never " + certificate_text(question.property, system);
+  if (d.method == Method::Exhaustive && !d.reached.empty()) return out + "\nmethod induction\n" + d.reached + "end\n";
+  if (d.method == Method::Exhaustive) {
+    return out + "\nmethod exhaustive\ncomponents " + std::to_string(system.atoms.size()) + "\nstates " +
+           std::to_string(d.states) + "\nend\n";
+  }
+  if (const Evidence* evidence = decider.evidence()) {
+    out += "\nmethod induction\n";
+    add_structure(evidence->net, evidence->proof, out);
+    for (const std::string& row : evidence->rows) out += row + '\n';
+    return out + "end\n";
+  }
+  out += d.method == Method::Invariants ? "\nmethod invariants\n" : "\nmethod induction\n";
+  if (d.has_structure) add_structure(decider.net(), d.proof, out);
+  for (const AffineEquation& equation : d.linear.equations) out += equation_row(equation, system) + '\n';
+  for (const VariableBound& bound : d.linear.bounds) {
+    const Atom& atom = system.atoms[AtomId(std::size_t{bound.atom})];
+    out += "lemma " + atom.path + '.' + system.atom_types[atom.type].variables[bound.variable].name + "=0.." +
+           std::to_string(bound.high) + '\n';
+  }
+  for (const PlaceValue& one : d.linear.places) {
+    const Atom& atom = system.atoms[AtomId(std::size_t{one.atom})];
+    const AtomType& type = system.atom_types[atom.type];
+    out += "lemma !" + atom.path + '@' + type.places[one.place] + ' ' + atom.path + '.' +
+           type.variables[one.variable].name + '=' + std::to_string(one.value) + '\n';
+  }
+  if (d.method == Method::Induction) add_lemmas(*decider.machine(), d.lemmas, system, out);
+  return out + "end\n";
+}
+
+std::string cube_text(const TransitionSystem& machine, const System& system, const Cube& cube) {
+  std::string out;
+  for (std::size_t k = 0; k < cube.size(); ++k) {
+    const StateBit& bit = machine.bits[cube[k] / 2];
+    const Atom& atom = system.atoms[AtomId(std::size_t{bit.atom})];
+    const AtomType& type = system.atom_types[atom.type];
+    const std::string path = atom.path.starts_with("ROOT.") ? atom.path.substr(5) : atom.path;
+    if (!out.empty()) out += " and ";
+    if (bit.is_place) {
+      out += (cube[k] & 1) != 0 ? path + '@' : "not " + path + '@';
+      out += type.places[bit.row];
+    } else if (type.variables[bit.row].type == Type::Bool) {
+      out += path + '.' + type.variables[bit.row].name + ((cube[k] & 1) != 0 ? "" : " = false");
+    } else {
+      // Bits of one int stand together: as a pattern, highest first, with dots for those that do not matter.
+      std::size_t end = k;
+      std::string pattern;
+      while (end < cube.size() && machine.bits[cube[end] / 2].atom == bit.atom &&
+             !machine.bits[cube[end] / 2].is_place && machine.bits[cube[end] / 2].row == bit.row)
+        ++end;
+      for (u32 position = 0; position <= machine.bits[cube[end - 1] / 2].position; ++position) {
+        char digit = '.';
+        for (std::size_t j = k; j < end; ++j) {
+          if (machine.bits[cube[j] / 2].position == position) digit = (cube[j] & 1) != 0 ? '1' : '0';
+        }
+        pattern.insert(pattern.begin(), digit);
+      }
+      out += path + '.' + type.variables[bit.row].name + " with low bits " + pattern;
+      k = end - 1;
+    }
+  }
+  return out;
+}
+
+std::string invariant_text(const Net& net, const TokenInvariant& invariant) {
+  constexpr std::size_t kShown = 12;
+  const bool is_sum = invariant.kind == InvariantKind::Sum;
+  std::string out = is_sum                                  ? "always " + std::to_string(invariant.total) + " = "
+                    : invariant.kind == InvariantKind::Trap ? "always one of "
+                                                            : "exactly one of ";
+  for (std::size_t k = 0; k < invariant.modes.size() && k < kShown; ++k) {
+    const std::int64_t weight = weight_of(invariant, k);
+    if (k != 0) out += !is_sum ? ", " : weight < 0 ? " - " : " + ";
+    else if (weight < 0) out += '-';
+    if (weight != 1 && weight != -1) out += std::to_string(std::abs(weight)) + ' ';
+    out += net.mode_name(invariant.modes[k]);
+  }
+  if (invariant.modes.size() > kShown) out += " … (" + std::to_string(invariant.modes.size()) + " in all)";
+  return out;
+}
+
+}  // namespace bip::verify

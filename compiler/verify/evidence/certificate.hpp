@@ -1,0 +1,18 @@
+// The evidence of a proof as text (compiler/docs/certificate.md): modes by class, components, invariants, ranges,
+// lemmas; or, after an exhaustive search, how many states there are.
+#pragma once
+#include <string>
+
+#include "compiler/verify/portfolio/portfolio.hpp"
+
+namespace bip::verify {
+
+[[nodiscard]] std::string certificate(const Portfolio& decider, const Question& question, const Decision& decision,
+                                      const System& system, const std::string& root_name);
+
+/// "exactly one of fork[0]@FREE, phil[0]@EATS"
+[[nodiscard]] std::string invariant_text(const Net& net, const TokenInvariant& invariant);
+/// "a@P and b.x in 4..7"
+[[nodiscard]] std::string cube_text(const TransitionSystem& machine, const System& system, const Cube& cube);
+
+}  // namespace bip::verify

@@ -1,0 +1,77 @@
+// See reached_states.hpp.
+#include "compiler/verify/evidence/reached_states.hpp"
+
+#include <algorithm>
+
+namespace bip::verify {
+
+namespace {
+
+using u32 = std::uint32_t;
+// 400 MB of states; and a text that the checker would not be done with.
+constexpr std::size_t kMaxValues = 100'000'000, kMaxWords = 1'000'000;
+
+}  // namespace
+
+StateCollector::StateCollector(const System& system, const rt::Image& image) {
+  u32 mark_word = 0;
+  for (std::size_t a = 0; a < system.atoms.size(); ++a) {
+    const Atom& instance = system.atoms[AtomId(a)];
+    const AtomType& type = system.atom_types[instance.type];
+    const u32 atom = static_cast<u32>(a);
+    if (type.is_automaton()) {
+      columns_.push_back({About::Automaton, atom, instance.path + '@', &type.places});
+    } else {
+      for (std::size_t p = 0; p < type.places.size(); ++p)
+        columns_.push_back({About::Place, mark_word * 64 + static_cast<u32>(p), instance.path + '@' + type.places[p]});
+      mark_word += static_cast<u32>((type.places.size() + 63) / 64);
+    }
+    for (std::size_t k = 0; k < type.variables.size(); ++k) {
+      const Type of = type.variables[k].type;
+      if (type.variables[k].is_param) continue;
+      can_tell_ = can_tell_ && (of == Type::Int || of == Type::Bool || of == Type::String);
+      columns_.push_back({About::Value, image.atoms[atom].first_cell + static_cast<u32>(k),
+                          instance.path + '.' + type.variables[k].name + '='});
+    }
+  }
+}
+
+void StateCollector::add(const rt::State& state) {
+  if (!can_tell_ || values_.size() > kMaxValues) return;
+  for (const StateColumn& q : columns_) {
+    const u32 at = q.position;
+    if (q.about == About::Automaton) values_.push_back(static_cast<std::int32_t>(state.places[at]));
+    else if (q.about == About::Place)
+      values_.push_back(static_cast<std::int32_t>(state.marks[at / 64] >> (at % 64) & 1));
+    else values_.push_back(static_cast<std::int32_t>(static_cast<u32>(state.data[at])));
+  }
+}
+
+std::string StateCollector::rows() const {
+  const std::size_t width = columns_.size(), count = width == 0 ? 0 : values_.size() / width;
+  if (!can_tell_ || values_.size() > kMaxValues) return {};
+  std::vector<const std::int32_t*> states(count);
+  for (std::size_t s = 0; s < count; ++s) states[s] = values_.data() + s * width;
+  std::sort(states.begin(), states.end(), [&](const std::int32_t* a, const std::int32_t* b) {
+    return std::lexicographical_compare(a, a + width, b, b + width);
+  });
+  std::string out;
+  std::size_t words = 0;
+  for (std::size_t s = 0; s < count; ++s) {
+    out += "state";
+    for (std::size_t q = 0; q < width; ++q) {
+      const std::int32_t value = states[s][q];
+      if (s != 0 && states[s - 1][q] == value) continue;
+      const StateColumn& question = columns_[q];
+      out += question.about == About::Place && value == 0 ? " !" : " ";
+      out += question.name;
+      if (question.about == About::Automaton) out += (*question.places)[static_cast<std::size_t>(value)];
+      if (question.about == About::Value) out += std::to_string(value);
+      if (++words > kMaxWords) return {};
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,119 @@
+// See affine_code.hpp. Recursion follows the code's trees, whose depth the parser and .bsys reader bound.
+#include "compiler/verify/invariants/affine_code.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace bip::verify {
+
+namespace {
+std::optional<AffineForm> at(const AffineValues& values, std::uint32_t index) {
+  return index < values.size() ? values[index] : std::nullopt;
+}
+bool is_small(std::int64_t value) { return value >= -AffineForm::kMaxNumber && value <= AffineForm::kMaxNumber; }
+}  // namespace
+
+// a + times * b
+std::optional<AffineForm> AffineCode::sum(const AffineForm& a, std::int64_t times, const AffineForm& b) {
+  AffineForm result = a;
+  const auto add = [&](std::int64_t& to, std::int64_t value) {
+    to += times * value;
+    return is_small(to);
+  };
+  bool fits = add(result.constant, b.constant);
+  for (const auto& [variable, factor] : b.factors) fits = add(result.factors[variable], factor) && fits;
+  std::erase_if(result.factors, [](const auto& one) { return one.second == 0; });
+  return fits ? std::optional(std::move(result)) : std::nullopt;
+}
+
+std::optional<AffineForm> AffineCode::evaluate(ExprId id, const AffinePath& path) const {
+  const Expr& e = code_.exprs[id];
+  if (e.type != Type::Int) return std::nullopt;
+  switch (e.op) {
+    case Op::ConstInt: return is_small(e.int_value) ? std::optional(AffineForm{{}, e.int_value}) : std::nullopt;
+    case Op::LoadSelf: return at(path.self, e.index);
+    case Op::LoadBind: return at(path.bind, e.index);
+    case Op::Neg: {
+      const std::optional<AffineForm> a = evaluate(e.a, path);
+      return a ? sum({}, -1, *a) : std::nullopt;
+    }
+    case Op::Add:
+    case Op::Sub: {
+      const std::optional<AffineForm> a = evaluate(e.a, path), b = evaluate(e.b, path);
+      return a && b ? sum(*a, e.op == Op::Add ? 1 : -1, *b) : std::nullopt;
+    }
+    case Op::Mul: {
+      const std::optional<AffineForm> a = evaluate(e.a, path), b = evaluate(e.b, path);
+      if (!a || !b || (!a->factors.empty() && !b->factors.empty())) return std::nullopt;
+      return a->factors.empty() ? sum({}, a->constant, *b) : sum({}, b->constant, *a);
+    }
+    default: return std::nullopt;
+  }
+}
+
+void AffineCode::assume(ExprId condition, AffinePath& path) const {
+  if (!condition.is_valid()) return;
+  const Expr& e = code_.exprs[condition];
+  if (e.op == Op::And) {
+    assume(e.a, path);
+    assume(e.b, path);
+  } else if (e.op == Op::Eq && code_.exprs[e.a].type == Type::Int) {
+    const std::optional<AffineForm> a = evaluate(e.a, path), b = evaluate(e.b, path);
+    if (!a || !b) return;
+    if (std::optional<AffineForm> difference = sum(*a, -1, *b)) path.zeros.push_back(std::move(*difference));
+  }
+}
+
+// Statement by statement, on all ways so far.
+bool AffineCode::execute(StmtId body, std::vector<AffinePath>& paths) const {
+  for (StmtId id = body; id.is_valid(); id = code_.stmts[id].next) {
+    const Stmt& s = code_.stmts[id];
+    if (s.op == StmtOp::If) {
+      std::vector<AffinePath> others = paths;
+      for (AffinePath& path : paths) assume(s.value, path);
+      if (!execute(s.then_body, paths) || !execute(s.else_body, others)) return false;
+      std::move(others.begin(), others.end(), std::back_inserter(paths));
+      if (paths.size() > kMaxPaths) return false;
+    }
+    if (s.op != StmtOp::StoreSelf && s.op != StmtOp::StoreBind) continue;
+    for (AffinePath& path : paths) {
+      AffineValues& values = s.op == StmtOp::StoreSelf ? path.self : path.bind;
+      std::optional<AffineForm> value = evaluate(s.value, path);
+      if (s.index < values.size()) values[s.index] = std::move(value);
+    }
+  }
+  return true;
+}
+
+std::vector<Substitution> substitutions(const std::vector<AffineForm>& zeros) {
+  std::vector<Substitution> result;
+  for (AffineForm form : zeros) {
+    const auto add = [&](std::int64_t times, const AffineForm& by) {
+      form.constant += times * by.constant;
+      for (const auto& [variable, factor] : by.factors) form.factors[variable] += times * factor;
+    };
+    for (const Substitution& known : result) {
+      const auto found = form.factors.find(known.variable);
+      if (found == form.factors.end()) continue;
+      const std::int64_t times = found->second;
+      form.factors.erase(found);
+      add(times, known.by);
+    }
+    std::erase_if(form.factors, [](const auto& one) { return one.second == 0; });
+    if (!is_small(form.constant) ||
+        !std::all_of(form.factors.begin(), form.factors.end(), [](const auto& one) { return is_small(one.second); }))
+      continue;
+    const auto given = std::find_if(form.factors.begin(), form.factors.end(),
+                                    [](const auto& one) { return one.second == 1 || one.second == -1; });
+    if (given == form.factors.end()) continue;
+    Substitution one{given->first, {}};
+    const std::int64_t sign = given->second;
+    form.factors.erase(given);
+    one.by.constant = -sign * form.constant;
+    for (const auto& [variable, factor] : form.factors) one.by.factors[variable] = -sign * factor;
+    result.push_back(std::move(one));
+  }
+  return result;
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,410 @@
+// See affine_invariants.hpp. Unknowns: what each port changes the sum by; the weights of places; those of ints, which
+// are given by others last, so that each free one of them gives an equation.
+#include "compiler/verify/invariants/affine_invariants.hpp"
+
+#include <algorithm>
+#include <set>
+#include <span>
+
+#include "compiler/verify/invariants/affine_code.hpp"
+#include "compiler/verify/invariants/step_equations.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+constexpr std::size_t kMaxTerms = 20000;
+// Of equations that come from elsewhere: no sum of theirs leaves 64 bits.
+constexpr std::int64_t kMaxKeptWeight = 1 << 16;
+
+using Term = SparseSystem::Term;
+using Row = SparseSystem::Row;
+/// By how much code changes a variable, or nothing known.
+using Stored = std::vector<std::pair<u32, std::optional<AffineForm>>>;
+
+class AffineAnalysis {
+ public:
+  AffineAnalysis(const Net& net, const TransitionSystem& machine, const rt::Image& image)
+      : net_(net), system_(*net.system), machine_(machine), image_(image), code_(system_.code) {
+    first_place_ = net.port_count();
+    first_variable_ = first_place_;
+    for (const Atom& atom : system_.atoms) {
+      place_base_.push_back(first_variable_);
+      first_variable_ += static_cast<u32>(system_.atom_types[atom.type].places.size());
+    }
+    is_counter_.assign(image.cell_count, 0);
+    for (u32 atom = 0; atom < system_.atoms.size(); ++atom) start_.push_back(values_of(atom));
+  }
+
+  AffineInvariants run(ProcessClock::time_point end) {
+    SparseSystem system(first_variable_ + image_.cell_count, first_variable_, end);
+    if (!collect(system)) return {};
+    system.solve(equations_);
+    AffineInvariants facts;
+    std::vector<AffineEquation>& found = facts.equations;
+    for (u32 variable = 0; variable < image_.cell_count && !system.is_given_up(); ++variable) {
+      const u32 unknown = first_variable_ + variable;
+      if (is_counter_[variable] == 0 || !system.is_free(unknown) || system.uses(unknown) == 0) continue;
+      const std::vector<Term> solution = system.solution(unknown);
+      if (!solves(solution)) continue;
+      AffineEquation equation = equation_of(solution);
+      if (!equation.terms.empty() && equation.terms.size() <= kMaxTerms) found.push_back(std::move(equation));
+    }
+    if (!found.empty()) facts.places = places_.rows;
+    return facts;
+  }
+
+  // Those that no step changes the sum of: what a port changes follows from what its transitions do.
+  AffineInvariants those_that_hold(const std::vector<AffineEquation>& candidates, ProcessClock::time_point end) {
+    SparseSystem system(first_variable_ + image_.cell_count, first_variable_, end);
+    if (!collect(system) || system.is_given_up()) return {};
+    AffineInvariants facts;
+    for (const AffineEquation& candidate : candidates) {
+      if (seconds_until(end) <= 0) return {};
+      std::optional<std::vector<Term>> values = values_in(candidate);
+      if (values && solves(*values)) facts.equations.push_back(candidate);
+    }
+    if (!facts.equations.empty()) facts.places = places_.rows;
+    return facts;
+  }
+
+ private:
+  // What all steps and transitions change. False: nothing is to be found.
+  bool collect(SparseSystem& system) {
+    if (std::find(is_counter_.begin(), is_counter_.end(), 1) == is_counter_.end()) return false;
+    ModeReachability reachable(net_, Direction::Forward, nullptr);
+    Proof proof;
+    spread_from_initial(net_, reachable, proof);
+    places_ = find_place_values(net_, machine_.is_automaton);
+    std::erase_if(places_.rows, [&](const PlaceValue& one) {
+      return is_counter_[image_.atoms[one.atom].first_cell + one.variable] == 0 ||
+             std::abs(std::int64_t{one.value}) > AffineForm::kMaxNumber;
+    });
+    for (u32 atom = 0; atom < system_.atoms.size(); ++atom) add_atom(atom, reachable);
+    for (std::size_t c = 0; c < system_.connectors.size(); ++c) {
+      const Connector& connector = system_.connectors[ConnectorId(c)];
+      if (!has_plain_transfer(system_, connector)) leave_out(connector);
+    }
+    add_step_equations(net_, reachable, system, equations_, [this](u32 node) { return transfers(node); });
+    if (is_too_large_) return false;
+    rows_with_.assign(first_variable_ + image_.cell_count, {});
+    for (u32 row = 0; row < equations_.size(); ++row) {
+      for (const Term& term : equations_[row]) rows_with_[term.unknown].push_back(row);
+    }
+    return true;
+  }
+  [[nodiscard]] const AtomType& type_of(u32 atom) const {
+    return system_.atom_types[system_.atoms[AtomId(std::size_t{atom})].type];
+  }
+  [[nodiscard]] u32 unknown_of(u32 atom, u32 variable) const {
+    return first_variable_ + image_.atoms[atom].first_cell + variable;
+  }
+
+  // Its ints: constants, variables of the forms, or unknown.
+  AffineValues values_of(u32 atom) {
+    const AtomType& type = type_of(atom);
+    const DataAccess& access = net_.access[net_.class_at(atom).type.value];
+    const std::vector<AbstractValue> constants = constants_of(net_.class_at(atom));
+    std::vector<std::uint8_t> is_stored(type.variables.size(), 0);
+    for (const Transition& t : type.transitions) {
+      for_each_stmt(system_.code, t.action, [&](const Stmt& s) {
+        if (s.op == StmtOp::StoreSelf) is_stored[s.index] = 1;
+      });
+    }
+    for (const std::vector<u32>& variables : access.written) {
+      for (u32 variable : variables) is_stored[variable] = 1;
+    }
+    AffineValues values(type.variables.size());
+    for (u32 k = 0; k < type.variables.size(); ++k) {
+      if (type.variables[k].type != Type::Int || access.unfollowed[k] != 0) continue;
+      if (is_stored[k] == 0 && k < constants.size() && constants[k].is_known) {
+        if (std::abs(std::int64_t{constants[k].value}) <= AffineForm::kMaxNumber)
+          values[k] = AffineForm{{}, constants[k].value};
+        continue;
+      }
+      if (type.variables[k].is_param || is_stored[k] == 0) continue;
+      values[k] = AffineForm{{{unknown_of(atom, k), 1}}, 0};
+      is_counter_[image_.atoms[atom].first_cell + k] = 1;
+    }
+    return values;
+  }
+
+  // The sum changes by `constant`, whatever the variables are: their factors are 0. What forms that are 0 give is put
+  // in first.
+  Row changed(std::vector<Term> constant, const Stored& stored, const std::vector<AffineForm>& zeros) {
+    std::map<u32, std::vector<Term>> rows;
+    for (const auto& [unknown, form] : stored) {
+      if (is_counter_[unknown - first_variable_] == 0) continue;
+      if (!form) {
+        equations_.push_back({{unknown, 1}});
+        continue;
+      }
+      for (const auto& [variable, factor] : form->factors) rows[variable].push_back({unknown, factor});
+      rows[unknown].push_back({unknown, -1});
+      constant.push_back({unknown, form->constant});
+    }
+    for (const Substitution& one : substitutions(zeros)) {
+      const auto found = rows.find(one.variable);
+      if (found == rows.end()) continue;
+      const std::vector<Term> taken = std::move(found->second);
+      rows.erase(found);
+      for (const Term& term : taken) {
+        for (const auto& [variable, factor] : one.by.factors)
+          rows[variable].push_back({term.unknown, term.factor * factor});
+        constant.push_back({term.unknown, term.factor * one.by.constant});
+      }
+    }
+    for (auto& [variable, terms] : rows) add(SparseSystem::row_of_terms(std::move(terms)));
+    Row row = SparseSystem::row_of_terms(std::move(constant));
+    is_too_large_ = is_too_large_ || !is_small(row);
+    return row;
+  }
+  [[nodiscard]] static bool is_small(const Row& row) {
+    return std::all_of(row.begin(), row.end(),
+                       [](const Term& t) { return std::abs(t.factor) <= SparseSystem::kMaxNumber; });
+  }
+  void add(Row row) {
+    is_too_large_ = is_too_large_ || !is_small(row);
+    if (!row.empty()) equations_.push_back(std::move(row));
+  }
+
+  [[nodiscard]] AffineForm zero_of(const PlaceValue& one) const {
+    return {{{unknown_of(one.atom, one.variable), 1}}, -std::int64_t{one.value}};
+  }
+  [[nodiscard]] std::span<const PlaceValue> values_at(u32 atom, u32 place) const {
+    const auto before = [](const PlaceValue& one, const std::pair<u32, u32>& key) {
+      return std::pair(one.atom, one.place) < key;
+    };
+    const auto first = std::lower_bound(places_.rows.begin(), places_.rows.end(), std::pair(atom, place), before);
+    const auto last = std::lower_bound(first, places_.rows.end(), std::pair(atom, place + 1), before);
+    return {first, last};
+  }
+  void assume_place(u32 atom, u32 place, AffinePath& path) const {
+    for (const PlaceValue& one : values_at(atom, place)) path.zeros.push_back(zero_of(one));
+  }
+  // What is so at each place where the port may be enabled.
+  void assume_port(u32 atom, u32 port, AffinePath& path) const {
+    if (places_.is_reached[atom].empty()) return;
+    std::map<u32, std::int32_t> values;
+    bool is_first = true;
+    for (const Transition& t : type_of(atom).transitions) {
+      if (t.port != port || places_.is_reached[atom][t.from[0]] == 0) continue;
+      std::map<u32, std::int32_t> here;
+      for (const PlaceValue& one : values_at(atom, t.from[0])) here.emplace(one.variable, one.value);
+      if (is_first) values = std::move(here);
+      else
+        std::erase_if(values,
+                      [&](const auto& one) { return !here.contains(one.first) || here.at(one.first) != one.second; });
+      is_first = false;
+    }
+    for (const auto& [variable, value] : values) path.zeros.push_back(zero_of({atom, 0, variable, value}));
+  }
+
+  void add_atom(u32 atom, const ModeReachability& reachable) {
+    const AtomType& type = type_of(atom);
+    const DataAccess& access = net_.access[net_.class_at(atom).type.value];
+    for (const Transition& t : type.transitions) {
+      const bool has_port = t.port != Transition::kInternal;
+      if (has_port && !reachable.in_context(net_.port_base[atom] + t.port)) continue;
+      std::vector<Term> constant;
+      // An automaton's first place weighs nothing: one more of all its places would change nothing.
+      const auto put = [&](const std::vector<u32>& places, std::int64_t sign) {
+        for (u32 place : places) {
+          if (machine_.is_automaton[atom] == 0 || place != 0) constant.push_back({place_base_[atom] + place, sign});
+        }
+      };
+      put(t.from, -1);
+      put(t.to, 1);
+      if (has_port) constant.push_back({net_.port_base[atom] + t.port, -1});
+      std::vector<AffinePath> paths(1);
+      paths[0].self = start_[atom];
+      if (t.from.size() == 1) assume_place(atom, t.from[0], paths[0]);
+      code_.assume(t.guard, paths[0]);
+      // A transfer may change the data between the guard and the action.
+      for (u32 variable : has_port ? access.written[t.port] : std::vector<u32>()) {
+        std::erase_if(paths[0].zeros,
+                      [&](const AffineForm& form) { return form.factors.contains(unknown_of(atom, variable)); });
+      }
+      std::set<u32> variables;
+      for_each_stmt(system_.code, t.action, [&](const Stmt& s) {
+        if (s.op == StmtOp::StoreSelf) variables.insert(s.index);
+      });
+      const bool is_followed = code_.execute(t.action, paths);
+      if (!is_followed) paths.resize(1);
+      for (const AffinePath& path : paths) {
+        Stored stored;
+        for (u32 variable : variables)
+          stored.emplace_back(unknown_of(atom, variable), is_followed ? path.self[variable] : std::nullopt);
+        add(changed(constant, stored, path.zeros));
+      }
+    }
+  }
+
+  // What its transfers may write has no weight.
+  void leave_out(const Connector& connector) {
+    for (const PortRef& ref : connector.ports) leave_out(ref);
+  }
+  void leave_out(const PortRef& ref) {
+    if (ref.kind == PortRef::Kind::Choice) {
+      for (const PortRef& one : system_.choices[ref.choice].ports) leave_out(one);
+    } else if (ref.kind == PortRef::Kind::Atom) {
+      for (u32 variable : net_.access[net_.class_at(ref.atom.value).type.value].written[ref.port])
+        add({{unknown_of(ref.atom.value, variable), 1}});
+    }
+  }
+
+  // What the transfer of a rendezvous changes the sum by, on each way through its code.
+  std::vector<Row> transfers(u32 node) {
+    if (net_.nodes[node].connector == kNoRow) return {};
+    const Connector& connector = system_.connectors[ConnectorId(std::size_t{net_.nodes[node].connector})];
+    const ConnectorType& type = system_.connector_types[connector.type];
+    if (!has_plain_transfer(system_, connector) || type.clauses.empty() ||
+        !stores_into_ports(system_.code, type.clauses[0].down))
+      return {};
+    std::vector<AffinePath> paths(1);
+    std::vector<u32> unknowns;
+    paths[0].self.resize(type.variables.size());
+    for (std::size_t p = 0; p < type.params.size(); ++p) {
+      const PortRef& ref = connector.ports[p];
+      const std::vector<u32>& variables = type_of(ref.atom.value).ports[ref.port].variables;
+      unknowns.resize(type.params[p].first_bind + variables.size(), kNoRow);
+      paths[0].bind.resize(unknowns.size());
+      for (std::size_t v = 0; v < variables.size(); ++v) {
+        unknowns[type.params[p].first_bind + v] = unknown_of(ref.atom.value, variables[v]);
+        paths[0].bind[type.params[p].first_bind + v] = start_[ref.atom.value][variables[v]];
+      }
+    }
+    for (const PortRef& ref : connector.ports) assume_port(ref.atom.value, ref.port, paths[0]);
+    for (const DataRef& ref : connector.data) paths[0].bind.push_back(start_[ref.atom.value][ref.variable]);
+    // Transfers of connectors around it come between its guard and its own.
+    if (!type.exports) code_.assume(type.clauses[0].guard, paths[0]);
+    std::set<u32> written;
+    for_each_stmt(system_.code, type.clauses[0].down, [&](const Stmt& s) {
+      if (s.op == StmtOp::StoreBind && s.index < unknowns.size()) written.insert(s.index);
+    });
+    const bool is_followed = code_.execute(type.clauses[0].down, paths);
+    if (!is_followed) paths.resize(1);
+    std::vector<Row> alternatives;
+    for (const AffinePath& path : paths) {
+      Stored stored;
+      for (u32 bind : written) stored.emplace_back(unknowns[bind], is_followed ? path.bind[bind] : std::nullopt);
+      alternatives.push_back(changed({}, stored, path.zeros));
+    }
+    return alternatives;
+  }
+
+  // Once more, by itself: all equations hold. Those in which everything is 0 do.
+  [[nodiscard]] bool solves(const std::vector<Term>& solution) const {
+    std::map<u32, std::int64_t> values;
+    std::vector<u32> rows;
+    for (const Term& term : solution) {
+      if (std::abs(term.factor) > SparseSystem::kMaxNumber) return false;
+      values[term.unknown] = term.factor;
+      rows.insert(rows.end(), rows_with_[term.unknown].begin(), rows_with_[term.unknown].end());
+    }
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    return std::all_of(rows.begin(), rows.end(), [&](u32 row) { return sum_of(equations_[row], values) == 0; });
+  }
+  [[nodiscard]] static std::int64_t sum_of(const Row& row, const std::map<u32, std::int64_t>& values) {
+    std::int64_t sum = 0;
+    for (const Term& term : row) {
+      const auto found = values.find(term.unknown);
+      if (found != values.end()) sum += term.factor * found->second;
+    }
+    return sum;
+  }
+
+  // The weights of an equation that may come from anywhere, and by how much each port changes its sum. Nothing: it
+  // speaks of what is not there.
+  [[nodiscard]] std::optional<std::vector<Term>> values_in(const AffineEquation& candidate) const {
+    std::map<u32, std::int64_t> values;
+    for (const AffineEquation::Term& term : candidate.terms) {
+      if (term.atom >= system_.atoms.size() || term.weight == 0 || std::abs(std::int64_t{term.weight}) > kMaxKeptWeight)
+        return std::nullopt;
+      const AtomType& type = type_of(term.atom);
+      if (term.row >= (term.is_place ? type.places.size() : type.variables.size())) return std::nullopt;
+      const u32 unknown = term.is_place ? place_base_[term.atom] + term.row : unknown_of(term.atom, term.row);
+      // An automaton's first place has no unknown; what is no counter has none either.
+      if (term.is_place ? machine_.is_automaton[term.atom] != 0 && term.row == 0
+                        : is_counter_[unknown - first_variable_] == 0)
+        return std::nullopt;
+      if (!values.emplace(unknown, term.weight).second) return std::nullopt;
+    }
+    std::map<u32, std::int64_t> changes;
+    for (const auto& [unknown, weight] : values) {
+      for (u32 row : rows_with_[unknown]) {
+        const u32 port = port_given_by(equations_[row]);
+        if (port != kNoRow) changes.try_emplace(port, sum_of(equations_[row], values));
+      }
+    }
+    std::vector<Term> result;
+    for (const auto& [unknown, value] : values) result.push_back({unknown, value});
+    for (const auto& [port, change] : changes) result.push_back({port, change});
+    return result;
+  }
+  // A transition's row: what it does to places and ints, less what its port changes the sum by.
+  [[nodiscard]] u32 port_given_by(const Row& row) const {
+    u32 port = kNoRow;
+    for (const Term& term : row) {
+      if (term.unknown >= first_place_) continue;
+      if (port != kNoRow || term.factor != -1) return kNoRow;
+      port = term.unknown;
+    }
+    return port;
+  }
+
+  [[nodiscard]] AffineEquation equation_of(std::vector<Term> values) const {
+    AffineEquation equation;
+    // The one that was free weighs more than nothing.
+    std::sort(values.begin(), values.end(), [](const Term& a, const Term& b) { return a.unknown < b.unknown; });
+    for (const Term& value : values) {
+      if (value.unknown < first_place_ || value.factor == 0) continue;
+      if (std::abs(value.factor) > SparseSystem::kMaxNumber) return {};
+      AffineEquation::Term term;
+      term.is_place = value.unknown < first_variable_;
+      term.weight = static_cast<std::int32_t>(value.factor);
+      if (term.is_place) {
+        term.atom = static_cast<u32>(std::upper_bound(place_base_.begin(), place_base_.end(), value.unknown) -
+                                     place_base_.begin()) -
+                    1;
+        term.row = value.unknown - place_base_[term.atom];
+      } else {
+        const u32 variable = value.unknown - first_variable_;
+        while (term.atom + 1 < system_.atoms.size() && image_.atoms[term.atom + 1].first_cell <= variable) ++term.atom;
+        term.row = variable - image_.atoms[term.atom].first_cell;
+      }
+      equation.terms.push_back(term);
+    }
+    return equation;
+  }
+
+  const Net& net_;
+  const System& system_;
+  const TransitionSystem& machine_;
+  const rt::Image& image_;
+  AffineCode code_;
+  u32 first_place_ = 0, first_variable_ = 0;
+  std::vector<u32> place_base_;           // by atom: the unknown of its first place
+  std::vector<std::uint8_t> is_counter_;  // by variable among all: an int that changes and is followed
+  std::vector<AffineValues> start_;       // by atom, by variable
+  std::vector<Row> equations_;
+  std::vector<std::vector<u32>> rows_with_;  // by unknown: equations that it stands in
+  PlaceValues places_;
+  bool is_too_large_ = false;
+};
+
+}  // namespace
+
+AffineInvariants equations_that_hold(const Net& net, const TransitionSystem& machine, const rt::Image& image,
+                                     const std::vector<AffineEquation>& candidates, ProcessClock::time_point end) {
+  if (candidates.empty()) return {};
+  return AffineAnalysis(net, machine, image).those_that_hold(candidates, end);
+}
+
+AffineInvariants find_affine_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image,
+                                        const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end) {
+  return with_bounds(net, machine, image, known, end, AffineAnalysis(net, machine, image).run(end));
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,19 @@
+// Data that nobody reads: no guard, no limit of a clock, no connector, and no assignment to data that is read. Without
+// it a system has the same behaviour in time, only fewer states: counters that are there for people would make local
+// state spaces infinite.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "compiler/system/system.hpp"
+
+namespace bip::verify {
+
+/// By atom type, by variable: is it read? Hidden variables of time are, and those that are `asked` for. Linear in the
+/// code, times the longest chain of assignments.
+[[nodiscard]] std::vector<std::vector<std::uint8_t>> find_read_data(const System& system,
+                                                                    const std::vector<DataRef>& asked = {});
+/// The same system without assignments to data that is not read. Faults that they would have ended in do not occur.
+[[nodiscard]] System without_unread_data(const System& system, const std::vector<std::vector<std::uint8_t>>& is_read);
+
+}  // namespace bip::verify

@@ -1,0 +1,58 @@
+// See local_deadlock.hpp.
+#include "compiler/verify/portfolio/local_deadlock.hpp"
+
+namespace bip::verify {
+
+bool wants_to_move(const rt::Core& core, u32 atom) {
+  const rt::Image& image = core.image();
+  for (u32 port = 0; port < image.atom_types[image.atoms[atom].type].ports.size; ++port) {
+    if (core.enabled_transition(atom, port) != rt::kNone) return true;
+  }
+  return false;
+}
+
+std::vector<u32> locally_deadlocked_atoms(const Net& net, const rt::Core& core) {
+  const std::size_t count = net.nodes.size();
+  const u32 ports = net.port_count();
+  std::vector<std::uint8_t> is_on(ports, 0), is_stuck(net.mode_base.size() - 1, 1), ready(count, 0),
+      in_context(count, 0);
+  for (u32 port = 0; port < ports; ++port) {
+    const u32 atom = net.atom_of_port[port];
+    is_on[port] = core.enabled_transition(atom, port - net.port_base[atom]) != rt::kNone ? 1 : 0;
+  }
+  for (bool changed = true; changed;) {
+    changed = false;
+    // Children come before parents.
+    for (u32 row = 0; row < count; ++row) {
+      const Node& node = net.nodes[row];
+      if (node.kind == NodeKind::Port) {
+        // Who is not stuck may offer anything one day.
+        ready[row] = is_stuck[net.atom_of_port[row]] == 0 || is_on[row] != 0 ? 1 : 0;
+      } else {
+        bool all = true, any = false;
+        for (const Edge& child : net.children(row)) {
+          all = all && ready[child.node] != 0;
+          any = any || (ready[child.node] != 0 && (node.kind == NodeKind::Any || child.is_trigger));
+        }
+        ready[row] = (node.kind == NodeKind::All ? all : any) ? 1 : 0;
+      }
+      in_context[row] = 0;
+    }
+    for (u32 row = static_cast<u32>(count); row-- > 0;) {
+      if (net.nodes[row].is_root) in_context[row] = 1;
+      if (in_context[row] == 0 || ready[row] == 0) continue;
+      for (const Edge& child : net.children(row)) in_context[child.node] = 1;
+      if (net.nodes[row].kind != NodeKind::Port) continue;
+      std::uint8_t& stuck = is_stuck[net.atom_of_port[row]];
+      changed = changed || stuck != 0;
+      stuck = 0;
+    }
+  }
+  std::vector<u32> stuck;
+  for (u32 atom = 0; atom < is_stuck.size(); ++atom) {
+    if (is_stuck[atom] != 0 && wants_to_move(core, atom)) stuck.push_back(atom);
+  }
+  return stuck;
+}
+
+}  // namespace bip::verify

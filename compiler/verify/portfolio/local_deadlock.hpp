@@ -1,0 +1,21 @@
+// Local deadlock: a component that wants to move and never can again, whatever the others do, seen from one state
+// alone.
+//
+// The greatest set of which each member needs, for each step that it could take, another member that does not offer
+// what it would have to. Members do not move, so that stays so. Guards of connectors count as true and others may offer
+// anything one day: what is said to be stuck is, and more may be (local_deadlock_search.hpp knows them all). Cost:
+// linear in the net, a few times over. After P. Attie, S. Bensalem, M. Bozga, M. Jaber, J. Sifakis, F. Zaraket: Global
+// and Local Deadlock Freedom in BIP (2018).
+#pragma once
+#include "compiler/verify/net/net.hpp"
+#include "runtime/core/core.hpp"
+
+namespace bip::verify {
+
+/// Does some port of the atom have an enabled transition? If not, the atom has come to its end, or to where only time
+/// helps.
+[[nodiscard]] bool wants_to_move(const rt::Core& core, u32 atom);
+/// Rows of the atoms that want to move, sorted. The net must be usable.
+[[nodiscard]] std::vector<u32> locally_deadlocked_atoms(const Net& net, const rt::Core& core);
+
+}  // namespace bip::verify

@@ -1,0 +1,226 @@
+// See local_deadlock_search.hpp. States in the order of a breadth-first visit: the way to the first one found is a
+// shortest one.
+#include "compiler/verify/portfolio/local_deadlock_search.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "compiler/verify/portfolio/local_deadlock.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+using BitWord = std::uint64_t;
+
+// What follows each state, and who moves there and wants to.
+class Graph {
+ public:
+  explicit Graph(std::size_t atoms) : words_((atoms + 63) / 64) {}
+
+  void add_state() {
+    moves_.resize(moves_.size() + words_, 0);
+    wants_.resize(wants_.size() + words_, 0);
+  }
+  // Of the states in their order: the state whose steps come now.
+  void begin_steps() { first_.push_back(static_cast<u32>(next_.size())); }
+  void add_step(u32 to) { next_.push_back(to); }
+  void set_moves(u32 state, u32 atom) { moves_[state * words_ + atom / 64] |= BitWord{1} << atom % 64; }
+  void set_wants(u32 state, u32 atom) { wants_[state * words_ + atom / 64] |= BitWord{1} << atom % 64; }
+  [[nodiscard]] std::size_t bytes() const {
+    return (moves_.size() + wants_.size()) * sizeof(BitWord) + (next_.size() + first_.size()) * sizeof(u32);
+  }
+
+  // All steps are there. The first state with an atom that wants to move and never will; kNoRow: none.
+  u32 find(std::vector<u32>& atoms) {
+    first_.push_back(static_cast<u32>(next_.size()));
+    find_components();
+    const u32 states = static_cast<u32>(first_.size() - 1);
+    for (u32 state = 0; state < states; ++state) {
+      for (std::size_t w = 0; w < words_; ++w) {
+        BitWord left = wants_[state * words_ + w] & ~later_[component_[state] * words_ + w];
+        for (; left != 0; left &= left - 1)
+          atoms.push_back(static_cast<u32>(w * 64) + static_cast<u32>(std::countr_zero(left)));
+      }
+      if (!atoms.empty()) return state;
+    }
+    return kNoRow;
+  }
+
+ private:
+  // Tarjan's algorithm with a stack of its own. Components are complete in reverse topological order, so when one is,
+  // what can move after it is known.
+  void find_components() {
+    const u32 states = static_cast<u32>(first_.size() - 1);
+    std::vector<u32> index(states, kNoRow), low(states, 0), open;
+    component_.assign(states, kNoRow);
+    struct Frame {
+      u32 state, step;
+    };
+    std::vector<Frame> frames;
+    u32 count = 0;
+    const auto enter = [&](u32 state) {
+      index[state] = low[state] = count++;
+      open.push_back(state);
+      frames.push_back({state, first_[state]});
+    };
+    // All states are reachable from the first.
+    if (states != 0) enter(0);
+    while (!frames.empty()) {
+      const u32 state = frames.back().state;
+      if (frames.back().step != first_[state + 1]) {
+        const u32 to = next_[frames.back().step++];
+        if (index[to] == kNoRow) enter(to);
+        else if (component_[to] == kNoRow) low[state] = std::min(low[state], index[to]);
+        continue;
+      }
+      frames.pop_back();
+      if (!frames.empty()) low[frames.back().state] = std::min(low[frames.back().state], low[state]);
+      if (low[state] == index[state]) close(state, open);
+    }
+  }
+  void close(u32 root, std::vector<u32>& open) {
+    const u32 row = static_cast<u32>(later_.size() / std::max<std::size_t>(words_, 1));
+    later_.resize(later_.size() + words_, 0);
+    const std::size_t begin =
+        static_cast<std::size_t>(std::find(open.rbegin(), open.rend(), root).base() - open.begin()) - 1;
+    for (std::size_t k = begin; k < open.size(); ++k) component_[open[k]] = row;
+    for (std::size_t k = begin; k < open.size(); ++k) {
+      join(row, moves_, open[k]);
+      for (u32 step = first_[open[k]]; step < first_[open[k] + 1]; ++step) {
+        if (component_[next_[step]] != row) join(row, later_, component_[next_[step]]);
+      }
+    }
+    open.resize(begin);
+  }
+  void join(u32 row, const std::vector<BitWord>& from, u32 from_row) {
+    for (std::size_t w = 0; w < words_; ++w) later_[row * words_ + w] |= from[from_row * words_ + w];
+  }
+
+  std::size_t words_;
+  std::vector<BitWord> moves_, wants_;  // by state
+  std::vector<u32> first_, next_;       // by state: its steps
+  std::vector<u32> component_;          // by state
+  std::vector<BitWord> later_;          // by component: who can still move
+};
+
+class Visit {
+ public:
+  Visit(const Net& net, const rt::Image& image, const SearchLimits& limits)
+      : net_(net), image_(image), limits_(limits), core_(image), graph_(image.atoms.size) {}
+
+  LocalDeadlockResult run() {
+    SearchResult& found = result_.search;
+    if (!core_.initialize()) {
+      found.fault = core_.fault().what;
+      found.end = SearchEnd::Exhausted;
+      return std::move(result_);
+    }
+    if (!enter(0, 0)) visit();
+    found.states = visited_.size();
+    return std::move(result_);
+  }
+
+ private:
+  struct Visited {
+    u32 parent = 0, choice = 0;
+  };
+
+  void visit() {
+    SearchResult& found = result_.search;
+    for (u32 row = 0; row < states_.size(); ++row) {
+      const rt::State state = std::move(states_[row]);
+      states_[row] = {};
+      graph_.begin_steps();
+      if (!core_.restore(state)) {
+        found.limit = "a state could not be entered again";
+        return;
+      }
+      for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+        if (wants_to_move(core_, atom)) graph_.set_wants(row, atom);
+      }
+      const std::uint64_t count = core_.candidate_count();
+      for (std::uint64_t k = 0; k < count; ++k) {
+        if (k != 0 && !core_.restore(state)) {
+          found.limit = "a state could not be entered again";
+          return;
+        }
+        participants_.clear();
+        core_.participants(core_.candidate(k), participants_);
+        for (const rt::Participant& p : participants_) graph_.set_moves(row, p.atom);
+        if (!core_.fire(k)) {
+          if (found.fault.empty()) found.fault = core_.fault().what;
+          continue;
+        }
+        if (enter(row, static_cast<u32>(k))) return;
+        if (visited_.size() % 4096 == 0 && limits_.report) limits_.report(visited_.size());
+        const bool is_full = bytes_ + graph_.bytes() > limits_.megabytes * 1000000;
+        if (is_full || visited_.size() >= limits_.states || seconds_until(limits_.end) <= 0) {
+          found.limit = is_full ? "memory" : visited_.size() >= limits_.states ? "states" : "time";
+          return;
+        }
+      }
+    }
+    found.end = SearchEnd::Exhausted;
+    const u32 row = graph_.find(result_.stuck);
+    if (row != kNoRow) confirm(row);
+  }
+
+  // The core's state, perhaps new, reached by a step. True: somebody is stuck in it, that can be seen at once.
+  bool enter(u32 parent, u32 choice) {
+    rt::State state = core_.snapshot();
+    std::string key = state_key(state);
+    const std::size_t size = 2 * key.size() + 200;
+    const auto [at, is_new] = rows_.try_emplace(std::move(key), static_cast<u32>(visited_.size()));
+    if (!visited_.empty()) graph_.add_step(at->second);
+    if (!is_new) return false;
+    bytes_ += size;
+    graph_.add_state();
+    visited_.push_back({parent, choice});
+    states_.push_back(std::move(state));
+    if (net_.too_large_atom != kNoRow) return false;
+    result_.stuck = locally_deadlocked_atoms(net_, core_);
+    if (result_.stuck.empty()) return false;
+    confirm(at->second);
+    return true;
+  }
+
+  // The way there, from the initial state, by a core of its own.
+  void confirm(u32 row) {
+    SearchResult& found = result_.search;
+    const std::string wanted = key_at(row);
+    for (u32 at = row; at != 0; at = visited_[at].parent) found.choices.push_back(visited_[at].choice);
+    std::reverse(found.choices.begin(), found.choices.end());
+    rt::Core core(image_);
+    bool is_there = core.initialize();
+    for (std::uint64_t k : found.choices) is_there = is_there && k < core.candidate_count() && core.fire(k);
+    found.end = is_there && state_key(core.snapshot()) == wanted ? SearchEnd::Found : SearchEnd::Limit;
+    if (found.end == SearchEnd::Limit) found.limit = "a state that was found could not be entered again";
+  }
+  [[nodiscard]] std::string key_at(u32 row) const {
+    for (const auto& [key, at] : rows_) {
+      if (at == row) return key;
+    }
+    return {};
+  }
+
+  const Net& net_;
+  const rt::Image& image_;
+  const SearchLimits& limits_;
+  rt::Core core_;
+  Graph graph_;
+  LocalDeadlockResult result_;
+  std::unordered_map<std::string, u32> rows_;
+  std::vector<Visited> visited_;
+  std::vector<rt::State> states_;  // emptied when their steps have been taken
+  std::vector<rt::Participant> participants_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace
+
+LocalDeadlockResult find_local_deadlock(const Net& net, const rt::Image& image, const SearchLimits& limits) {
+  return Visit(net, image, limits).run();
+}
+
+}  // namespace bip::verify

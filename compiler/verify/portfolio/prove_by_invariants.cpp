@@ -1,0 +1,113 @@
+// The loop: solve, largest trap, small traps, linear invariants, one-token invariants.
+#include "compiler/verify/portfolio/prove_by_invariants.hpp"
+
+#include <set>
+
+#include "compiler/verify/net/net_encoding.hpp"
+#include "compiler/verify/invariants/place_invariants.hpp"
+#include "compiler/verify/invariants/state_machine_components.hpp"
+
+namespace bip::verify {
+
+namespace {
+// Candidates that the caller is asked about.
+constexpr int kQuestions = 3;
+}  // namespace
+
+void spread_from_initial(const Net& net, ModeReachability& reachable, Proof& proof) {
+  for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
+    for (u32 mode : net.class_at(atom).initial) reachable.turn_on(net.mode_base[atom] + mode);
+  }
+  reachable.run();
+  for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
+}
+
+Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& known) {
+  Proof proof;
+  ModeReachability reachable(net, Direction::Forward, nullptr);
+  spread_from_initial(net, reachable, proof);
+  if (!known.empty()) proof.invariants = TrapFinder(net, reachable).those_that_hold(known);
+  proof.known = proof.invariants.size();
+  return proof;
+}
+
+Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const StopAt& stop_at,
+                             const std::vector<TokenInvariant>& known) {
+  Proof proof;
+  if (net.too_large_atom != kNoRow) {
+    proof.end = ProofEnd::TooLarge;
+    return proof;
+  }
+  ModeReachability reachable(net, Direction::Forward, nullptr);
+  spread_from_initial(net, reachable, proof);
+
+  Encoding encoding(net, reachable);
+  TrapFinder traps(net, reachable);
+  PlaceInvariantFinder sums(net, reachable, end);
+  StateMachineComponentFinder one_tokens(net, reachable);
+  int questions = 0;
+  const auto add_all = [&](std::vector<TokenInvariant> found) {
+    std::size_t added = 0;
+    for (TokenInvariant& invariant : found) {
+      if (!encoding.add(invariant)) continue;
+      proof.invariants.push_back(std::move(invariant));
+      ++added;
+    }
+    return added;
+  };
+  if (!known.empty()) proof.known = add_all(traps.those_that_hold(known));
+  // Values that are told apart come and go by sums of their own: one by one they would need a candidate each.
+  bool wants_small = !net.uses.of_atom.empty();
+  const auto add_small = [&] {
+    wants_small = false;
+    std::vector<TokenInvariant> small = sums.find_small(traps);
+    const std::set<TokenInvariant> there(proof.invariants.begin(), proof.invariants.end());
+    std::erase_if(small, [&](const TokenInvariant& one) { return there.contains(one); });
+    return add_all(std::move(small));
+  };
+  if (wants_small && proof.known == 0) (void)add_small();
+  while (true) {
+    const Answer answer = encoding.solve(seconds_until(end));
+    if (answer != Answer::Satisfiable) {
+      proof.end = answer == Answer::Unsatisfiable ? ProofEnd::Free : ProofEnd::Timeout;
+      return proof;
+    }
+    ++proof.candidates;
+    if (wants_small && add_small() != 0) continue;
+    const std::vector<std::uint8_t> marked = encoding.marked();
+    std::size_t added = add_all(traps.find(marked));
+    if (added == 0) added = add_all(sums.find(traps, marked));
+    if (added == 0) {
+      proof.candidate.clear();
+      for (u32 mode = 0; mode < net.mode_count(); ++mode) {
+        if (marked[mode] != 0) proof.candidate.push_back(mode);
+      }
+      if (stop_at && questions++ < kQuestions && stop_at(proof.candidate)) {
+        proof.end = ProofEnd::Stopped;
+        return proof;
+      }
+      // Half of what is left: where this does not help other engines are asked.
+      if (!sums.satisfies_all())
+        added = add_all(one_tokens.find(traps, marked, kComponentBatch, seconds_from_now(seconds_until(end) / 2)));
+    }
+    if (added == 0) {
+      proof.end = seconds_until(end) > 0 ? ProofEnd::Candidate : ProofEnd::Timeout;
+      return proof;
+    }
+  }
+}
+
+void minimize_invariants(const Net& net, ProcessClock::time_point end, Proof& proof) {
+  Proof again;
+  ModeReachability reachable(net, Direction::Forward, nullptr);
+  spread_from_initial(net, reachable, again);
+  Encoding encoding(net, reachable);
+  std::vector<Lit> on;
+  for (const TokenInvariant& invariant : proof.invariants) {
+    on.push_back(invariant.kind != InvariantKind::OneToken ? encoding.new_switch() : 0);
+    (void)encoding.add(invariant, on.back());
+  }
+  (void)encoding.minimize_invariants(proof.invariants, on, seconds_until(end));
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,167 @@
+// What a property says, of a state of the core, of the machine's circuit, and as a certificate has it.
+#include "compiler/verify/property/property.hpp"
+
+#include <algorithm>
+
+namespace bip::verify {
+
+namespace {
+
+bool is_unary(const PropertyNode& node) { return node.op == Op::Not || node.op == Op::Neg; }
+
+struct Number {
+  std::int64_t i = 0;
+  double f = 0;
+};
+
+Number evaluate(const Property& property, std::uint32_t row, const rt::Core& core) {
+  const PropertyNode& node = property.nodes[row];
+  const auto of = [](std::int64_t i) { return Number{i, static_cast<double>(i)}; };
+  switch (node.kind) {
+    case PropertyKind::Constant: return node.type == Type::Float ? Number{0, node.float_value} : of(node.int_value);
+    case PropertyKind::At: return of(core.is_marked(node.owner, node.row) ? 1 : 0);
+    case PropertyKind::Data: {
+      const rt::Cell& variable = core.cell(core.image().atoms[node.owner].first_cell + node.row);
+      return node.type == Type::Float ? Number{0, variable.f} : of(variable.i);
+    }
+    case PropertyKind::CanConnector:
+      for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
+        if (core.candidate(k).connector == node.owner) return of(1);
+      }
+      return of(0);
+    case PropertyKind::CanPort: return of(core.enabled_transition(node.owner, node.row) != rt::kNone ? 1 : 0);
+    case PropertyKind::Operator: break;
+  }
+  const Number a = evaluate(property, node.a, core), b = is_unary(node) ? a : evaluate(property, node.b, core);
+  const bool floats = property.nodes[node.a].type == Type::Float || property.nodes[node.b].type == Type::Float;
+  const auto wrap = [&](std::int64_t value) {
+    return of(static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(value))));
+  };
+  const auto arithmetic = [&](double f, std::int64_t i) { return floats ? Number{0, f} : wrap(i); };
+  const auto test = [&](bool f, bool i) { return of((floats ? f : i) ? 1 : 0); };
+  switch (node.op) {
+    case Op::Not: return of(a.i == 0 ? 1 : 0);
+    case Op::Neg: return arithmetic(-a.f, -a.i);
+    case Op::And: return of(a.i != 0 && b.i != 0 ? 1 : 0);
+    case Op::Or: return of(a.i != 0 || b.i != 0 ? 1 : 0);
+    case Op::Add: return arithmetic(a.f + b.f, a.i + b.i);
+    case Op::Sub: return arithmetic(a.f - b.f, a.i - b.i);
+    case Op::Mul: return arithmetic(a.f * b.f, a.i * b.i);
+    case Op::BitAnd: return of(a.i & b.i);
+    case Op::BitOr: return of(a.i | b.i);
+    case Op::BitXor: return of(a.i ^ b.i);
+    case Op::Eq: return test(a.f == b.f, a.i == b.i);
+    case Op::Ne: return test(a.f != b.f, a.i != b.i);
+    case Op::Lt: return test(a.f < b.f, a.i < b.i);
+    case Op::Le: return test(a.f <= b.f, a.i <= b.i);
+    case Op::Gt: return test(a.f > b.f, a.i > b.i);
+    default: return test(a.f >= b.f, a.i >= b.i);
+  }
+}
+
+Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m, const rt::Image& image,
+               const std::vector<std::uint32_t>& port_base) {
+  const PropertyNode& node = property.nodes[row];
+  Aig& c = m.circuit;
+  switch (node.kind) {
+    case PropertyKind::Constant: return node.type == Type::Float ? Word{} : word_of(node.int_value);
+    case PropertyKind::At: return word_of_bool(m.marks[node.owner][node.row]);
+    case PropertyKind::Data: return m.words[image.atoms[node.owner].first_cell + node.row];
+    case PropertyKind::CanConnector: return word_of_bool(m.connector_can[node.owner]);
+    case PropertyKind::CanPort: return word_of_bool(m.port_is_on[port_base[node.owner] + node.row]);
+    case PropertyKind::Operator: break;
+  }
+  const Word a = signal_of(property, node.a, m, image, port_base);
+  const Word b = is_unary(node) ? a : signal_of(property, node.b, m, image, port_base);
+  // Floats are not followed: any value.
+  if (a.empty() || b.empty()) return node.type == Type::Bool ? word_of_bool(c.make_input()) : Word{};
+  switch (node.op) {
+    case Op::Not: return word_of_bool(negated(a[0]));
+    case Op::Neg: return negate(c, a);
+    case Op::And: return word_of_bool(c.make_and(a[0], b[0]));
+    case Op::Or: return word_of_bool(c.make_or(a[0], b[0]));
+    case Op::Add: return add(c, a, b);
+    case Op::Sub: return subtract(c, a, b);
+    case Op::Mul: return multiply(c, a, b);
+    case Op::BitAnd: return bitwise_and(c, a, b);
+    case Op::BitOr: return bitwise_or(c, a, b);
+    case Op::BitXor: return bitwise_xor(c, a, b);
+    case Op::Eq: return word_of_bool(equal(c, a, b));
+    case Op::Ne: return word_of_bool(negated(equal(c, a, b)));
+    case Op::Lt: return word_of_bool(less(c, a, b));
+    case Op::Le: return word_of_bool(negated(less(c, b, a)));
+    case Op::Gt: return word_of_bool(less(c, b, a));
+    default: return word_of_bool(negated(less(c, a, b)));
+  }
+}
+
+std::string node_text(const Property& property, std::uint32_t row, const System& system) {
+  const PropertyNode& node = property.nodes[row];
+  const auto type_of = [&]() -> const AtomType& {
+    return system.atom_types[system.atoms[AtomId(std::size_t{node.owner})].type];
+  };
+  const auto path = [&] { return system.atoms[AtomId(std::size_t{node.owner})].path; };
+  switch (node.kind) {
+    case PropertyKind::Constant:
+      if (node.type == Type::Bool) return node.int_value != 0 ? "true" : "false";
+      if (node.type == Type::Float) return "(float)";
+      return std::to_string(node.int_value);
+    case PropertyKind::At: return "(at " + path() + ' ' + type_of().places[node.row] + ')';
+    case PropertyKind::Data: return "(data " + path() + ' ' + type_of().variables[node.row].name + ')';
+    case PropertyKind::CanConnector:
+      return "(can " + system.connectors[ConnectorId(std::size_t{node.owner})].path + ')';
+    case PropertyKind::CanPort: return "(can-port " + path() + ' ' + type_of().ports[node.row].name + ')';
+    case PropertyKind::Operator: break;
+  }
+  std::string text = '(' + std::string(name_of(node.op)) + ' ' + node_text(property, node.a, system);
+  if (!is_unary(node)) text += ' ' + node_text(property, node.b, system);
+  return text + ')';
+}
+
+}  // namespace
+
+bool is_broken(const Property& property, const rt::Core& core) {
+  return (evaluate(property, property.root, core).i != 0) == property.is_never;
+}
+
+Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image) {
+  std::vector<std::uint32_t> port_base;
+  std::uint32_t next = 0;
+  for (const rt::Atom& atom : image.atoms) {
+    port_base.push_back(next);
+    next += image.atom_types[atom.type].ports.size;
+  }
+  const Signal holds = signal_of(property, property.root, machine, image, port_base)[0];
+  // A state in which the run ends with a fault is none.
+  return machine.circuit.make_and(negated(machine.state_fault), property.is_never ? holds : negated(holds));
+}
+
+namespace {
+template <class Test>
+std::vector<std::uint32_t> owners_of(const Property& property, const Test& test) {
+  std::vector<std::uint32_t> owners;
+  for (const PropertyNode& node : property.nodes) {
+    if (test(node.kind)) owners.push_back(node.owner);
+  }
+  std::sort(owners.begin(), owners.end());
+  owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+  return owners;
+}
+}  // namespace
+
+std::vector<std::uint32_t> atoms_of(const Property& property) {
+  return owners_of(property, [](PropertyKind kind) {
+    return kind == PropertyKind::At || kind == PropertyKind::Data || kind == PropertyKind::CanPort;
+  });
+}
+
+std::vector<std::uint32_t> connectors_of(const Property& property) {
+  return owners_of(property, [](PropertyKind kind) { return kind == PropertyKind::CanConnector; });
+}
+
+std::string certificate_text(const Property& property, const System& system) {
+  const std::string expr = node_text(property, property.root, system);
+  return property.is_never ? expr : "(not " + expr + ')';
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,80 @@
+// Boolean functions as a circuit: and-nodes with negated edges, each once (structural hashing), inputs as leaves.
+//
+// Numbers of int's are words of signals in two's complement, as wide as they need to be: arithmetic widens its result
+// up to 32 bits and wraps there, as the language does. Constants fold, so code over known values costs no nodes. Cost:
+// amortised constant time a node. After kMaxNodes the circuit is full and gives constants; `is_full` tells. After A.
+// Kuehlmann, V. Paruthi, F. Krohm, M. Ganai: Robust Boolean Reasoning for Equivalence Checking (2002).
+#pragma once
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace bip::verify {
+
+/// Twice a node, plus one if negated. Node 0 is the constant.
+using Signal = std::uint32_t;
+inline constexpr Signal kFalse = 0, kTrue = 1;
+[[nodiscard]] constexpr Signal negated(Signal s) { return s ^ 1u; }
+[[nodiscard]] constexpr std::uint32_t node_of(Signal s) { return s >> 1; }
+
+/// Least bit first, the last one is the sign. Empty: nothing is known of the value.
+using Word = std::vector<Signal>;
+
+class Aig {
+ public:
+  static constexpr std::size_t kMaxNodes = 12'000'000;
+  struct Node {
+    Signal a = kFalse, b = kFalse;  // an input has both kTrue
+  };
+
+  Aig() : nodes_(1) {}
+  [[nodiscard]] Signal make_input();
+  [[nodiscard]] Signal make_and(Signal a, Signal b);
+  [[nodiscard]] Signal make_or(Signal a, Signal b) { return negated(make_and(negated(a), negated(b))); }
+  [[nodiscard]] Signal make_xor(Signal a, Signal b);
+  [[nodiscard]] Signal make_ite(Signal condition, Signal yes, Signal no);
+  [[nodiscard]] Signal make_and_of(const std::vector<Signal>& signals);
+  [[nodiscard]] Signal make_or_of(const std::vector<Signal>& signals);
+
+  [[nodiscard]] bool is_full() const { return nodes_.size() > kMaxNodes; }
+  [[nodiscard]] std::size_t size() const { return nodes_.size(); }
+  [[nodiscard]] const Node& node(std::uint32_t row) const { return nodes_[row]; }
+  [[nodiscard]] bool is_input(std::uint32_t row) const {
+    return row != 0 && nodes_[row].a == kTrue && nodes_[row].b == kTrue;
+  }
+
+ private:
+  std::vector<Node> nodes_;
+  std::unordered_map<std::uint64_t, std::uint32_t> known_;
+};
+
+/// The same functions where inputs are fixed (by node; kFree: it is not): what that decides is gone. Cost: linear in
+/// what is below the roots.
+inline constexpr Signal kFree = 0xffffffffu;
+[[nodiscard]] std::vector<Signal> with_fixed(Aig& c, const std::vector<Signal>& roots,
+                                             const std::vector<Signal>& fixed);
+
+// ---- words; none of the arguments may be empty
+[[nodiscard]] Word word_of(std::int32_t value);
+[[nodiscard]] inline Word word_of_bool(Signal s) { return {s, kFalse}; }
+/// Bit k, the sign beyond the width.
+[[nodiscard]] inline Signal bit(const Word& w, std::size_t k) { return k < w.size() ? w[k] : w.back(); }
+[[nodiscard]] Word trimmed(Word w);
+[[nodiscard]] Word make_ite(Aig& c, Signal condition, const Word& yes, const Word& no);
+[[nodiscard]] Word add(Aig& c, const Word& a, const Word& b, Signal carry = kFalse);
+[[nodiscard]] Word complement(const Word& a);
+[[nodiscard]] Word subtract(Aig& c, const Word& a, const Word& b);
+[[nodiscard]] Word negate(Aig& c, const Word& a);
+[[nodiscard]] Word multiply(Aig& c, const Word& a, const Word& b);
+/// As C: truncated; what it gives for a zero divisor is of no use.
+struct Division {
+  Word quotient, remainder;
+};
+[[nodiscard]] Division divide(Aig& c, const Word& a, const Word& b);
+[[nodiscard]] Word bitwise_and(Aig& c, const Word& a, const Word& b);
+[[nodiscard]] Word bitwise_or(Aig& c, const Word& a, const Word& b);
+[[nodiscard]] Word bitwise_xor(Aig& c, const Word& a, const Word& b);
+[[nodiscard]] Signal equal(Aig& c, const Word& a, const Word& b);
+[[nodiscard]] Signal less(Aig& c, const Word& a, const Word& b);
+
+}  // namespace bip::verify

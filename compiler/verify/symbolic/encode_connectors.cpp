@@ -1,0 +1,279 @@
+// Connectors of the machine: which configurations are candidates, and what firing one does: `up`s bottom up, `down`s
+// top down, ports in parameter order.
+#include <algorithm>
+
+#include "compiler/verify/symbolic/transition_system_builder.hpp"
+
+namespace bip::verify {
+
+TransitionSystemBuilder::Local& TransitionSystemBuilder::local_in(Store& store, u32 atom) {
+  return store.atoms.try_emplace(atom, now_[atom]).first->second;
+}
+
+// A connector's own data and what it is bound to. Of a merged port, the alternative that is chosen.
+Variables TransitionSystemBuilder::variables_of(const Tree& tree, const Use& use, const std::vector<Signal>& chosen,
+                                                Store& store) {
+  const u32 base = image_.connectors[use.connector].first_cell;
+  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  // By Bind variable the row among all variables; kNoRow: nothing is chosen there.
+  auto rows = std::make_shared<std::vector<u32>>();
+  for (std::size_t p = 0; p < type.params.size(); ++p) {
+    const std::size_t variables = system_.port_types[type.params[p].type].variables.size();
+    u32 node = use.param_nodes[p];
+    if (node != kNoRow && tree.nodes[node].kind == Kind::Choice) {
+      u32 alternative = kNoRow;
+      for (u32 child : tree.nodes[node].children) {
+        if (chosen[child] == kTrue) alternative = child;
+      }
+      node = alternative;
+    }
+    for (std::size_t v = 0; v < variables; ++v) {
+      if (node == kNoRow) {
+        rows->push_back(kNoRow);
+      } else if (tree.nodes[node].kind == Kind::Leaf) {
+        const u32 atom = tables_.port_atom[tree.nodes[node].port];
+        rows->push_back(image_.atoms[atom].first_cell +
+                        type_of(atom).ports[tree.nodes[node].port - tables_.port_base(atom)].variables[v]);
+      } else {
+        const u32 below = tree.uses[tree.nodes[node].use].connector;
+        const ConnectorType& below_type =
+            system_.connector_types[system_.connectors[ConnectorId(std::size_t{below})].type];
+        rows->push_back(image_.connectors[below].first_cell + below_type.export_variables[v]);
+      }
+    }
+  }
+  for (const DataRef& ref : system_.connectors[ConnectorId(std::size_t{use.connector})].data) {
+    rows->push_back(image_.atoms[ref.atom.value].first_cell + ref.variable);
+  }
+  Variables v;
+  v.self = [&store, base](u32 k) { return store.frames[base + k]; };
+  v.set_self = [&store, base](u32 k, Word w) { store.frames[base + k] = std::move(w); };
+  v.bind = [this, &store, rows](u32 k) {
+    const u32 row = (*rows)[k];
+    if (row == kNoRow) return Word{};
+    if (row >= atom_of_cell_.size()) return store.frames[row];
+    const u32 atom = atom_of_cell_[row];
+    const u32 variable = row - image_.atoms[atom].first_cell;
+    const auto found = store.atoms.find(atom);
+    return found == store.atoms.end() ? now_[atom].variables[variable] : found->second.variables[variable];
+  };
+  v.set_bind = [this, &store, rows](u32 k, Word w) {
+    const u32 row = (*rows)[k];
+    if (row == kNoRow) return;
+    if (row >= atom_of_cell_.size()) {
+      store.frames[row] = std::move(w);
+      return;
+    }
+    const u32 atom = atom_of_cell_[row];
+    local_in(store, atom).variables[row - image_.atoms[atom].first_cell] = std::move(w);
+  };
+  return v;
+}
+
+// By clause: is it the one for what is chosen?
+std::vector<Signal> TransitionSystemBuilder::clause_choice(const Tree& tree, const Use& use,
+                                                           const std::vector<Signal>& chosen) {
+  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  std::vector<Signal> result;
+  for (const Clause& clause : type.clauses) {
+    Signal here = chosen[use.root];
+    for (u32 p = 0; p < type.params.size(); ++p) {
+      const bool wanted = std::binary_search(clause.params.begin(), clause.params.end(), p);
+      const Signal is = use.param_nodes[p] == kNoRow ? kFalse : chosen[use.param_nodes[p]];
+      here = c_.make_and(here, wanted ? is : negated(is));
+    }
+    result.push_back(here);
+  }
+  (void)tree;
+  return result;
+}
+
+bool TransitionSystemBuilder::is_below(const Tree& tree, u32 root, u32 node) const {
+  std::vector<u32> todo{root};
+  while (!todo.empty()) {
+    const u32 row = todo.back();
+    todo.pop_back();
+    if (row == node) return true;
+    todo.insert(todo.end(), tree.nodes[row].children.begin(), tree.nodes[row].children.end());
+  }
+  return false;
+}
+
+// Ports, guards bottom up with their `up`s, and that what shows only its maximal interactions shows one. `fixed`: the
+// choice is `leaves`; else `chosen` is a function of the state. Leaves the connectors' own data in the store.
+Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Leaves& leaves, bool fixed,
+                                           const std::vector<Signal>& chosen, Store& store) {
+  Signal result = chosen[root];
+  Signal there = kTrue;
+  if (fixed) {
+    for (u32 leaf : leaves) there = c_.make_and(there, m_.port_is_on[tree.nodes[leaf].port]);
+    result = there;
+  }
+  if (result == kFalse) return kFalse;
+  for (std::size_t u = tree.uses.size(); u-- > 0;) {
+    const Use& use = tree.uses[u];
+    if (chosen[use.root] == kFalse || !is_below(tree, root, use.root)) continue;
+    const ConnectorType& type =
+        system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+    for (std::size_t k = 0; k < type.variables.size(); ++k) {
+      const Type variable = type.variables[k].type;
+      store.frames[image_.connectors[use.connector].first_cell + static_cast<u32>(k)] =
+          variable == Type::Int || variable == Type::Bool || variable == Type::String ? word_of(0) : Word{};
+    }
+    const Variables variables = variables_of(tree, use, chosen, store);
+    const std::vector<Signal> clauses = clause_choice(tree, use, chosen);
+    for (std::size_t k = 0; k < clauses.size(); ++k) {
+      if (clauses[k] == kFalse) continue;
+      Signal fault = kFalse;
+      Signal holds = code_.test(type.clauses[k].guard, variables, clauses[k], fault);
+      code_.execute(type.clauses[k].up, variables, clauses[k], fault);
+      if (fault != kFalse) {
+        // Whether the engine looks at this configuration depends on others: it may be a fault, or nothing.
+        code_.note(type.clauses[k].loc, "a fault in a connector's guard or `up`");
+        guard_fault_ = c_.make_or(guard_fault_, c_.make_and(there, fault));
+        holds = c_.make_ite(fault, c_.make_input(), holds);
+      }
+      result = c_.make_and(result, c_.make_or(negated(clauses[k]), holds));
+    }
+  }
+  if (!fixed) return result;
+  for (u32 row = 0; row < tree.nodes.size(); ++row) {
+    if (tree.nodes[row].kind != Kind::Link || !tree.nodes[row].maximal_only || chosen[row] == kFalse || row == root ||
+        !is_below(tree, root, row))
+      continue;
+    const u32 below = tree.nodes[row].children[0];
+    std::vector<Leaves> all;
+    (void)configurations(tree, below, all);
+    Leaves own;
+    for (u32 leaf : leaves) {
+      if (is_below(tree, below, leaf)) own.push_back(leaf);
+    }
+    for (const Leaves& larger : all) {
+      if (larger.size() <= own.size() || !std::includes(larger.begin(), larger.end(), own.begin(), own.end())) continue;
+      Store other;
+      result = c_.make_and(result, negated(is_enabled(tree, below, larger, true, fixed_choice(tree, larger), other)));
+    }
+  }
+  return result;
+}
+
+void TransitionSystemBuilder::record(Signal when, u32 port, const Local& before, const Post& post) {
+  const u32 atom = tables_.port_atom[port];
+  if (before.variables == now_[atom].variables) fired_plainly_[port] = c_.make_or(fired_plainly_[port], when);
+  else moves_[atom].push_back({when, post.local});
+}
+
+// `down`, then the ports in parameter order, depth first.
+void TransitionSystemBuilder::fire_use(const Tree& tree, u32 row, const std::vector<Signal>& chosen, Store& store,
+                                       const std::vector<std::vector<Signal>>& clauses, SystemStep& step, Signal& fault,
+                                       Signal& lost) {
+  const Use& use = tree.uses[row];
+  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  for (std::size_t k = 0; k < type.clauses.size(); ++k) {
+    code_.execute(type.clauses[k].down, variables_of(tree, use, chosen, store), clauses[row][k], fault);
+  }
+  // Of a merged port each alternative, where it is the one.
+  std::vector<u32> parts;
+  for (u32 node : use.param_nodes) {
+    if (node == kNoRow) continue;
+    if (tree.nodes[node].kind == Kind::Choice)
+      parts.insert(parts.end(), tree.nodes[node].children.begin(), tree.nodes[node].children.end());
+    else parts.push_back(node);
+  }
+  for (u32 node : parts) {
+    if (chosen[node] == kFalse) continue;
+    if (tree.nodes[node].kind == Kind::Link) {
+      fire_use(tree, tree.nodes[node].use, chosen, store, clauses, step, fault, lost);
+    } else if (tree.nodes[node].kind == Kind::Leaf) {
+      const u32 port = tree.nodes[node].port;
+      Local& local = local_in(store, tables_.port_atom[port]);
+      const bool is_plain = local.variables == now_[tables_.port_atom[port]].variables;
+      if (is_plain && !posts_[port]) posts_[port] = fire(port, local);
+      const Post post = is_plain ? *posts_[port] : fire(port, local);
+      fault = c_.make_or(fault, c_.make_and(chosen[node], post.fault));
+      lost = c_.make_or(lost, c_.make_and(chosen[node], post.lost));
+      step.parts.emplace_back(port, chosen[node]);
+      record(c_.make_and(step.chosen, chosen[node]), port, local, post);
+      merge(chosen[node], post.local, local);
+    }
+  }
+}
+
+void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const std::vector<Signal>& chosen,
+                                       Store store, Signal candidate) {
+  SystemStep step{.interaction = interaction, .chosen = c_.make_input(), .possible = candidate, .parts = {}};
+  std::vector<std::vector<Signal>> clauses;
+  for (const Use& use : tree.uses) clauses.push_back(clause_choice(tree, use, chosen));
+  Signal fault = kFalse, lost = kFalse;
+  fire_use(tree, 0, chosen, store, clauses, step, fault, lost);
+  std::vector<Signal> params;
+  for (u32 node : tree.uses[0].param_nodes) params.push_back(node == kNoRow ? kFalse : chosen[node]);
+  params_.push_back(std::move(params));
+  step_fault_.push_back(fault);
+  step_lost_.push_back(lost);
+  m_.steps.push_back(std::move(step));
+}
+
+void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
+  Tree tree;
+  (void)add_use(tree, connector, 0);
+  const std::string name = system_.connectors[ConnectorId(std::size_t{connector})].path;
+  if (tree.is_too_large) {
+    m_.unsupported = '`' + name + "` is too large";
+    return;
+  }
+  if (tree.is_plain && has_free_choices(tree)) {
+    const std::vector<Signal> chosen = largest_choice(tree);
+    Store store;
+    const Signal candidate = is_enabled(tree, tree.uses[0].root, {}, false, chosen, store);
+    add_step(interaction, tree, chosen, std::move(store), candidate);
+    return;
+  }
+  std::vector<Leaves> all;
+  if (!configurations(tree, tree.uses[0].root, all)) {
+    m_.unsupported = '`' + name + "` has more than " + std::to_string(kMaxConfigurations) + " interactions with guards";
+    return;
+  }
+  std::vector<Signal> enabled;
+  std::vector<Store> stores;
+  for (const Leaves& leaves : all) {
+    Store store;
+    enabled.push_back(is_enabled(tree, tree.uses[0].root, leaves, true, fixed_choice(tree, leaves), store));
+    stores.push_back(std::move(store));
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    Signal candidate = enabled[k];
+    for (std::size_t j = 0; j < all.size() && candidate != kFalse; ++j) {
+      if (all[j].size() > all[k].size() && std::includes(all[j].begin(), all[j].end(), all[k].begin(), all[k].end())) {
+        candidate = c_.make_and(candidate, negated(enabled[j]));
+      }
+    }
+    if (candidate != kFalse) add_step(interaction, tree, fixed_choice(tree, all[k]), stores[k], candidate);
+  }
+}
+
+void TransitionSystemBuilder::add_connectors() {
+  for (u32 interaction = 0; interaction < tables_.connector_interactions && m_.unsupported.empty() && !c_.is_full();
+       ++interaction)
+    add_connector(interaction, tables_.interactions[interaction].row);
+}
+
+void TransitionSystemBuilder::add_internal_ports() {
+  for (u32 interaction = tables_.connector_interactions; interaction < tables_.interactions.size(); ++interaction) {
+    const u32 port = tables_.interactions[interaction].row;
+    if (m_.port_is_on[port] == kFalse) continue;
+    SystemStep step{.interaction = interaction,
+                    .chosen = c_.make_input(),
+                    .possible = m_.port_is_on[port],
+                    .parts = {{port, kTrue}}};
+    const Local& now = now_[tables_.port_atom[port]];
+    if (!posts_[port]) posts_[port] = fire(port, now);
+    record(step.chosen, port, now, *posts_[port]);
+    params_.emplace_back();
+    step_fault_.push_back(posts_[port]->fault);
+    step_lost_.push_back(posts_[port]->lost);
+    m_.steps.push_back(std::move(step));
+  }
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,383 @@
+// See prove_time.hpp.
+#include "compiler/verify/timed/prove_time.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "compiler/system/bsys.hpp"
+#include "compiler/verify/timed/time_divergence.hpp"
+#include "compiler/verify/invariants/mode_facts.hpp"
+#include "compiler/verify/timed/localization.hpp"
+#include "compiler/verify/net/unread_data.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// Of the system without time: for a deadlock as many as it takes; for a location of a part, of which there are many.
+constexpr u32 kRounds = 100000, kRoundsPerLocation = 200;
+
+// What local state an atom is in, as its modes have it.
+struct LocalState {
+  std::vector<u32> places;
+  std::vector<std::int32_t> values;  // by variable
+  friend auto operator<=>(const LocalState&, const LocalState&) = default;
+};
+// Of a component that holds time up: those that need neighbours of their own.
+constexpr std::size_t kMaxLocalStates = 2000;
+
+// What was found of a part, and what it rests on: states of its members that the whole cannot have.
+struct Explored {
+  rt::PartReport report;
+  std::vector<std::vector<LocalState>> impossible;  // by member
+};
+
+class TimeProver {
+ public:
+  TimeProver(const System& system, const std::vector<DataRef>& asked, const ExplorePart& explore,
+             ProcessClock::time_point end, const PartLimits& limits)
+      : is_read_(find_read_data(system, asked)),
+        simple_(without_unread_data(system, is_read_)),
+        neighbours_(simple_),
+        explore_(explore),
+        end_(end),
+        limits_(limits) {}
+
+  TimeProof prove() {
+    if (!prepare()) return std::move(proof_);
+    if (has_deadlock()) return fail("a deadlock is not excluded by invariants");
+    for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
+      if (!bounds_time(simple_, AtomId(std::size_t{atom}))) continue;
+      ++proof_.neighbourhoods;
+      if (!goes_on(atom)) return std::move(proof_);
+    }
+    proof_.invariants += facts_->invariants();
+    proof_.is_proved = true;
+    return std::move(proof_);
+  }
+
+  TimeProof prove(const Property& property) {
+    if (!prepare()) return std::move(proof_);
+    std::vector<u32> about = atoms_of(property);
+    // Zones need a clock, whosever it is.
+    const auto has_clock = [&](u32 atom) {
+      return !simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].clocks.empty();
+    };
+    if (std::none_of(about.begin(), about.end(), has_clock)) {
+      u32 first = 0;
+      while (first < simple_.atoms.size() && !has_clock(first)) ++first;
+      if (first == simple_.atoms.size()) return fail("nobody has a clock");
+      about.push_back(first);
+    }
+    proof_.neighbourhoods = 1;
+    proof_.is_proved = settles({.property = &property}, std::move(about));
+    proof_.invariants += facts_->invariants();
+    return std::move(proof_);
+  }
+
+ private:
+  // What is asked of a part: whether the target, in one of its states only or in all, ever stands still; or a property.
+  struct Asking {
+    u32 target = 0;
+    const LocalState* only = nullptr;
+    const Property* property = nullptr;
+  };
+
+  bool prepare() {
+    far_ = time_divergent_limit(simple_);
+    net_ = build_net(far_);
+    if (net_.too_large_atom != kNoRow)
+      proof_.reason = "`" + path_of(net_.too_large_atom) + "` has too many local states";
+    if (net_.too_large_atom != kNoRow) return false;
+    std::vector<std::vector<AbstractValue>> constants;
+    for (const ModeClass& row : net_.classes) constants.push_back(constants_of(row));
+    constant_ = [this, constants](u32 atom, u32 variable) { return constants[net_.class_of[atom]][variable]; };
+    facts_ = std::make_unique<ModeFacts>(net_, Encoded::Nothing, end_);
+    return true;
+  }
+
+  TimeProof fail(const std::string& reason) {
+    proof_.reason = reason;
+    return std::move(proof_);
+  }
+  [[nodiscard]] std::string path_of(u32 atom) const {
+    const std::string& path = simple_.atoms[AtomId(std::size_t{atom})].path;
+    return path.starts_with("ROOT.") ? path.substr(5) : path;
+  }
+
+  bool has_deadlock() {
+    ModeFacts facts(net_, Encoded::NoStep, end_);
+    for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
+      for (const u32 mode : bounded_modes(net_, atom)) facts.exclude(net_.mode_base[atom] + mode);
+    }
+    const bool may_be = facts.may_be({}, kRounds);
+    proof_.invariants = facts.invariants();
+    return may_be;
+  }
+
+  // Modes that may stand for the atom's state in a part.
+  [[nodiscard]] std::vector<u32> modes_of(u32 atom, const LocalState& state) const {
+    const ModeClass& row = net_.class_at(atom);
+    const AtomType& type = far_.atom_types[row.type];
+    std::vector<u32> modes;
+    for (u32 mode = 0; mode < row.modes.size(); ++mode) {
+      const Mode& of = row.modes[mode];
+      bool fits = of.places == state.places;
+      for (std::size_t k = 0; k < state.values.size() && fits; ++k) {
+        if (row.followed[k] == 0 || !of.values[k].is_known) continue;
+        // Without a row the string is "", which is row 0 at run time.
+        const std::int32_t value =
+            type.variables[k].type == Type::String ? std::max(of.values[k].value, 0) : of.values[k].value;
+        fits = value == state.values[k];
+      }
+      if (fits) modes.push_back(net_.mode_base[atom] + mode);
+    }
+    return modes;
+  }
+
+  [[nodiscard]] LocalState local_state(const rt::Core& core, u32 row, const AtomType& type) const {
+    LocalState state;
+    for (u32 place = 0; place < type.places.size(); ++place) {
+      if (core.is_marked(row, place)) state.places.push_back(place);
+    }
+    const u32 base = core.image().atoms[row].first_cell;
+    for (u32 variable = 0; variable < type.variables.size(); ++variable)
+      state.values.push_back(core.cell(base + variable).i);
+    return state;
+  }
+
+  [[nodiscard]] bool is_impossible(const std::vector<u32>& members, const std::vector<LocalState>& states) {
+    std::vector<std::vector<u32>> sets;
+    for (std::size_t row = 0; row < members.size(); ++row) sets.push_back(modes_of(members[row], states[row]));
+    return !facts_->may_be(sets, kRoundsPerLocation);
+  }
+
+  // A part that is like one from before has the same zones, if the same states are impossible. target: its row in the
+  // part.
+  const rt::PartReport& explore(const LocalizedSystem& part, u32 target, const Asking& asking) {
+    const LocalState* only = asking.only;
+    std::string key = system::print(part.system) + std::to_string(target);
+    if (only != nullptr) {
+      for (const u32 place : only->places) key += ' ' + std::to_string(place);
+      for (const std::int32_t value : only->values) key += ',' + std::to_string(value);
+    }
+    for (const std::uint8_t one : part.is_whole) key += one != 0 ? 'w' : 'c';
+    if (const auto known = known_.find(key); known != known_.end()) {
+      const std::vector<std::vector<LocalState>>& rests_on = known->second.impossible;
+      if (std::all_of(rests_on.begin(), rests_on.end(),
+                      [&](const std::vector<LocalState>& states) { return is_impossible(part.members, states); }))
+        return known->second.report;
+    }
+    Explored found;
+    rt::PartQuestion question{.atom = target, .is_whole = part.is_whole, .is_impossible = {}, .is_asked = {}};
+    const auto state_of = [&](const rt::Core& core, u32 row) {
+      return local_state(core, row, part.system.atom_types[part.system.atoms[AtomId(std::size_t{row})].type]);
+    };
+    if (asking.property != nullptr) {
+      question.asks_places = true;
+      question.is_asked = [mine = in_part(*asking.property, part.members)](const rt::Core& core) {
+        return is_broken(mine, core);
+      };
+    }
+    if (only != nullptr) question.is_asked = [&](const rt::Core& core) { return state_of(core, target) == *only; };
+    // One alone is in what modes it is; of properties structure may say more.
+    if (part.members.size() > 1 || asking.property != nullptr) {
+      question.is_impossible = [&](const rt::Core& core) {
+        std::vector<LocalState> states;
+        for (u32 row = 0; row < part.members.size(); ++row) states.push_back(state_of(core, row));
+        if (!is_impossible(part.members, states)) return false;
+        found.impossible.push_back(std::move(states));
+        return true;
+      };
+    }
+    found.report = explore_(part.system, options(), question);
+    ++proof_.explored;
+    proof_.zones += found.report.zones;
+    Explored& kept = known_[key];
+    kept = std::move(found);
+    return kept.report;
+  }
+
+  // Is somebody always able to go on where this component holds time up? If a few neighbours do not show it for all of
+  // its states, then each of these may have its own.
+  bool goes_on(u32 target) {
+    if (settles({.target = target}, {target})) return true;
+    if (!is_too_large_) return false;
+    const std::string reason = proof_.reason;
+    const LocalizedSystem alone = localize(simple_, neighbours_, is_read_, constant_, {target});
+    const AtomType& type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{target})].type];
+    if (!alone.needed.empty()) return false;
+    std::set<LocalState> done;
+    while (done.size() < kMaxLocalStates) {
+      LocalState open;
+      rt::PartQuestion question{.atom = 0, .is_whole = alone.is_whole, .is_impossible = {}, .is_asked = {}};
+      question.is_asked = [&](const rt::Core& core) {
+        LocalState state = local_state(core, 0, type);
+        if (done.count(state) != 0) return false;
+        open = std::move(state);
+        return true;
+      };
+      const rt::PartReport found = explore_(alone.system, options(), question);
+      ++proof_.explored;
+      proof_.zones += found.zones;
+      if (!found.is_open) return found.is_complete;
+      if (!settles({.target = target, .only = &open}, {target})) return false;
+      done.insert(std::move(open));
+    }
+    proof_.reason = reason;
+    return false;
+  }
+
+  [[nodiscard]] rt::ExploreOptions options() const {
+    rt::ExploreOptions options;
+    options.limit = limits_.zones;
+    options.is_stopped = [this] { return seconds_until(end_) <= 0; };
+    return options;
+  }
+
+  // The property, of a part: its components have other rows there.
+  static Property in_part(Property property, const std::vector<u32>& members) {
+    for (PropertyNode& node : property.nodes) {
+      if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data)
+        node.owner = static_cast<u32>(std::lower_bound(members.begin(), members.end(), node.owner) - members.begin());
+    }
+    return property;
+  }
+
+  // joined: whom it is about. Others join while it is open.
+  bool settles(const Asking& asking, std::vector<u32> joined) {
+    const std::string about = asking.property != nullptr ? "the property may be broken"
+                                                         : "time may stand still at `" + path_of(asking.target) + "`";
+    is_too_large_ = false;
+    while (joined.size() <= limits_.members) {
+      std::vector<u32> members = joined;
+      std::sort(members.begin(), members.end());
+      const LocalizedSystem part = localize(simple_, neighbours_, is_read_, constant_, members);
+      proof_.reason = part.problem;
+      if (!part.problem.empty()) return false;
+      if (!part.needed.empty()) {
+        join(part.needed, joined);
+        continue;
+      }
+      const rt::PartReport& found = explore(
+          part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), asking.target) - members.begin()),
+          asking);
+      proof_.largest = std::max<std::uint64_t>(proof_.largest, members.size());
+      if (!found.is_open) {
+        is_too_large_ = !found.is_complete;
+        if (seconds_until(end_) <= 0) proof_.reason = "the time is over";
+        else if (!found.is_complete)
+          proof_.reason = found.inexact.empty() ? "a neighbourhood of `" + path_of(joined[0]) + "` has too many zones"
+                                                : found.inexact;
+        return found.is_complete;
+      }
+      if (!add_neighbour(part, found.open, joined)) {
+        proof_.reason = about + ", and nobody else is there to look at";
+        return false;
+      }
+    }
+    is_too_large_ = true;
+    proof_.reason = about + ", as far as " + std::to_string(limits_.members) + " components show";
+    return false;
+  }
+
+  static void join(const std::vector<u32>& atoms, std::vector<u32>& joined) {
+    for (const u32 atom : atoms) {
+      if (std::find(joined.begin(), joined.end(), atom) == joined.end()) joined.push_back(atom);
+    }
+  }
+
+  // Of the ports that are offered in the open state, those of the first components first, the one with the fewest
+  // connectors; of these the one with the fewest others.
+  bool add_neighbour(const LocalizedSystem& part, const rt::State& open, std::vector<u32>& joined) const {
+    std::set<std::array<std::size_t, 4>> choices;   // whose port, its connectors, others in this one, its row
+    std::vector<std::size_t> first_interaction{0};  // by member
+    for (const u32 atom : part.members)
+      first_interaction.push_back(first_interaction.back() +
+                                  simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].variables.size());
+    const KnownVariable value = [&](u32 atom, u32 variable) {
+      const auto at = std::lower_bound(part.members.begin(), part.members.end(), atom);
+      if (at == part.members.end() || *at != atom) return constant_(atom, variable);
+      const Type type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].variables[variable].type;
+      if (type != Type::Int && type != Type::Bool) return AbstractValue{};
+      return known(static_cast<std::int32_t>(
+          open.data[first_interaction[static_cast<std::size_t>(at - part.members.begin())] + variable]));
+    };
+    for (std::size_t order = 0; order < joined.size(); ++order) {
+      const u32 atom = joined[order];
+      const auto row =
+          static_cast<u32>(std::lower_bound(part.members.begin(), part.members.end(), atom) - part.members.begin());
+      const AtomType& type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type];
+      std::map<u32, std::vector<u32>> tops;  // by port
+      for (const u32 top : neighbours_.tops_of(atom)) {
+        for (const Neighbours::Leaf& leaf : neighbours_.tops()[top].leaves) {
+          if (leaf.atom == atom && may_offer(type, leaf.port, row, open) &&
+              may_hold(simple_, neighbours_.tops()[top], value))
+            tops[leaf.port].push_back(top);
+        }
+      }
+      for (const auto& [port, rows] : tops) {
+        for (const u32 top : rows) {
+          const std::vector<u32>& atoms = neighbours_.tops()[top].atoms;
+          const auto others = static_cast<std::size_t>(std::count_if(atoms.begin(), atoms.end(), [&](u32 one) {
+            return std::find(joined.begin(), joined.end(), one) == joined.end();
+          }));
+          if (others != 0) choices.insert({order, rows.size(), others, top});
+        }
+      }
+    }
+    if (choices.empty()) return false;
+    join(neighbours_.tops()[choices.begin()->back()].atoms, joined);
+    return true;
+  }
+
+  // By its places alone; of a type that is no automaton any port.
+  [[nodiscard]] static bool may_offer(const AtomType& type, u32 port, u32 row, const rt::State& open) {
+    return std::any_of(type.transitions.begin(), type.transitions.end(), [&](const Transition& t) {
+      return t.port == port && (t.from.size() != 1 || type.initial.size() != 1 || open.places[row] == t.from[0]);
+    });
+  }
+
+  std::vector<std::vector<std::uint8_t>> is_read_;
+  System simple_, far_;
+  Neighbours neighbours_;
+  const ExplorePart& explore_;
+  ProcessClock::time_point end_;
+  PartLimits limits_;
+  Net net_;
+  KnownVariable constant_;
+  bool is_too_large_ = false;  // why there is no answer: not within the limits
+  std::unique_ptr<ModeFacts> facts_;
+  std::map<std::string, Explored> known_;  // by what a part is
+  TimeProof proof_;
+};
+
+}  // namespace
+
+TimeProof prove_time(const System& system, const ExplorePart& explore, ProcessClock::time_point end,
+                     const PartLimits& limits) {
+  TimeProof proof;
+  proof.reason = obstacle_to_time_divergent_limit(system);
+  if (!proof.reason.empty()) return proof;
+  return TimeProver(system, {}, explore, end, limits).prove();
+}
+
+TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore,
+                              ProcessClock::time_point end, const PartLimits& limits) {
+  TimeProof proof;
+  proof.reason = obstacle_to_time_divergent_limit(system);
+  std::vector<DataRef> asked;
+  for (const PropertyNode& node : property.nodes) {
+    if (node.kind == PropertyKind::Data) asked.push_back({AtomId(std::size_t{node.owner}), node.row});
+    if (node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort)
+      proof.reason = "what `can` asks depends on the instant";
+  }
+  if (atoms_of(property).empty()) proof.reason = "the property speaks of no component";
+  if (!proof.reason.empty()) return proof;
+  return TimeProver(system, asked, explore, end, limits).prove(property);
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,44 @@
+// Priorities as tables: which interactions a rule can hide, which can make it hide, which rules chain into which.
+//
+// A candidate is hidden iff a rule with a true guard matches it as low, and a chain of rules with true guards (of
+// length one or more) ends in a rule whose high side an enabled candidate matches. Chains go through interactions that
+// need not be enabled, so they are a graph of rules, built once. Systems without rules have empty tables and pay
+// nothing.
+#pragma once
+#include <vector>
+
+#include "runtime/core/link/tables.hpp"
+
+namespace bip::rt {
+
+struct HighEdge {
+  u32 interaction, rule;
+};
+struct PriorityTables {
+  u32 count = 0;
+  std::vector<std::uint8_t> is_involved;  // by interaction; empty without rules
+  std::vector<HighEdge> high_edges;       // sorted by interaction
+  Csr high_of_interaction;                // rows of high_edges
+  Csr low_of_interaction;                 // rules
+  Csr interactions_of_low;                // by rule
+  Csr next, previous;                     // the chain graph, by rule
+  std::vector<u32> component;             // by rule: weakly connected part of the chain graph
+  Csr members;                            // by component
+  std::vector<std::uint8_t> cyclic;       // by component: guards alone keep it from being a cycle
+};
+struct RuleState {
+  bool guard = false;
+  bool active = false;  // it hides what it matches
+  bool was_active = false;
+  u32 high_count = 0;  // enabled candidates that match its high side
+};
+
+[[nodiscard]] PriorityTables link_priorities(const Tables& tables);
+
+/// Does an interaction of the interaction's connector with these parameters (sorted) match that side of the rule?
+[[nodiscard]] bool matches_low(const Tables& tables, const Priority& rule, u32 connector,
+                               const std::vector<u32>& params);
+[[nodiscard]] bool matches_high(const Tables& tables, const Priority& rule, u32 connector,
+                                const std::vector<u32>& params);
+
+}  // namespace bip::rt

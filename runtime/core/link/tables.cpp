@@ -1,0 +1,159 @@
+// Linking, first part: atoms, their types and port instances. See tables.hpp.
+#include "runtime/core/link/tables.hpp"
+
+#include <algorithm>
+
+namespace bip::rt {
+
+Csr Csr::build(std::size_t rows, const std::vector<Pair>& pairs) {
+  Csr csr;
+  if (pairs.empty()) return csr;
+  csr.first.assign(rows + 1, 0);
+  for (const Pair& pair : pairs) ++csr.first[pair.from + 1];
+  for (std::size_t i = 0; i < rows; ++i) csr.first[i + 1] += csr.first[i];
+  csr.items.resize(pairs.size());
+  std::vector<u32> next(csr.first.begin(), csr.first.end() - 1);
+  for (const Pair& pair : pairs) csr.items[next[pair.from]++] = pair.to;
+  return csr;
+}
+
+Tables link(const Image& image, MaximalProgress progress) {
+  Tables tables;
+  tables.image = &image;
+  link_atoms(tables);
+  link_interactions(tables, progress);
+  link_network(tables);
+  link_watches(tables);
+  return tables;
+}
+
+namespace {
+
+bool is_automaton(const AtomType& type) {
+  if (type.initial.size != 1) return false;
+  return std::all_of(type.transitions.begin(), type.transitions.end(),
+                     [](const Transition& t) { return t.from.size == 1 && t.to.size == 1; });
+}
+
+// A fixed type: no guards, internal transitions, priorities or invariants, at most one transition a place and port.
+bool is_fixed(const AtomType& type) {
+  if (type.priorities.size != 0 || type.invariants.size != 0) return false;
+  for (const Transition& t : type.transitions) {
+    if (t.guard != kNone || t.port == kNone) return false;
+  }
+  std::vector<std::uint64_t> seen;
+  for (const Transition& t : type.transitions) seen.push_back(std::uint64_t{t.from[0]} << 32 | t.port);
+  std::sort(seen.begin(), seen.end());
+  return std::adjacent_find(seen.begin(), seen.end()) == seen.end();
+}
+
+bool is_simple(const AtomType& type) {
+  std::vector<bool> seen(type.ports.size, false);
+  for (const Transition& t : type.transitions) {
+    if (seen[t.port]) return false;
+    seen[t.port] = true;
+  }
+  return true;
+}
+
+// For each transition of a fixed type the ports whose enabled transition changes.
+void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) {
+  std::vector<u32> before(type.ports.size), after(type.ports.size);
+  const auto ports_of = [&](u32 place, std::vector<u32>& enabled) {
+    for (u32 row : tables.place_transitions[linked.first_place + place]) enabled[tables.transitions[row].port] = row;
+  };
+  for (u32 i = 0; i < linked.transition_count; ++i) {
+    LinkedTransition& t = tables.transitions[linked.first_transition + i];
+    t.delta_first = static_cast<u32>(tables.deltas.size());
+    if (t.from != t.to) {
+      // Only ports of the two places can differ: cost by what they offer, not by the ports of the type.
+      std::fill(before.begin(), before.end(), kNone);
+      std::fill(after.begin(), after.end(), kNone);
+      ports_of(t.from, before);
+      ports_of(t.to, after);
+      for (u32 port = 0; port < type.ports.size; ++port) {
+        if (before[port] != after[port]) tables.deltas.push_back({port, after[port]});
+      }
+    }
+    t.delta_count = static_cast<u32>(tables.deltas.size()) - t.delta_first;
+  }
+}
+
+}  // namespace
+
+void link_atoms(Tables& tables) {
+  const Image& image = *tables.image;
+  std::vector<Csr::Pair> labelled, internal;
+  u32 places = 0;
+  for (const AtomType& type : image.atom_types) {
+    LinkedType linked;
+    linked.first_transition = static_cast<u32>(tables.transitions.size());
+    linked.transition_count = type.transitions.size;
+    linked.first_place = places;
+    places += type.places.size;
+    const bool automaton = is_automaton(type);
+    linked.mark_words = automaton ? 0 : (type.places.size + 63) / 64;
+    linked.is_timed = type.time != nullptr;
+    linked.fixed = automaton && !linked.is_timed && is_fixed(type);
+    linked.simple = linked.fixed && is_simple(type);
+    linked.has_priorities = type.priorities.size != 0;
+    linked.has_invariants = type.invariants.size != 0;
+    linked.initial = tables.code(type.initial_action);
+    for (const Transition& t : type.transitions) {
+      linked.has_internal |= t.port == kNone;
+      const u32 row = static_cast<u32>(tables.transitions.size());
+      tables.transitions.push_back({tables.code(t.guard), tables.code(t.action), t.port, automaton ? t.from[0] : kNone,
+                                    automaton ? t.to[0] : kNone, 0, 0, &t});
+      if (automaton) (t.port == kNone ? internal : labelled).push_back({linked.first_place + t.from[0], row});
+    }
+    tables.types.push_back(linked);
+  }
+  tables.place_transitions = Csr::build(places, labelled);
+  tables.place_internals = Csr::build(places, internal);
+  for (u32 i = 0; i < image.atom_types.size; ++i) {
+    if (tables.types[i].fixed) add_deltas(tables, image.atom_types[i], tables.types[i]);
+  }
+
+  std::size_t ports = 0;
+  for (const Atom& atom : image.atoms) ports += image.atom_types[atom.type].ports.size;
+  tables.port_atom.reserve(ports);
+  tables.atoms.reserve(std::size_t{image.atoms.size} + 1);
+  if (std::any_of(tables.types.begin(), tables.types.end(),
+                  [](const LinkedType& type) { return type.mark_words != 0; }))
+    tables.mark_base.resize(image.atoms.size);
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    const Atom row = image.atoms[atom];
+    const AtomType& type = image.atom_types[row.type];
+    tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), row.first_cell, row.type, 0});
+    tables.port_atom.insert(tables.port_atom.end(), type.ports.size, atom);
+    if (!tables.mark_base.empty()) tables.mark_base[atom] = tables.mark_words;
+    tables.mark_words += tables.types[row.type].mark_words;
+    tables.atom_cells = std::max(tables.atom_cells, row.first_cell + type.variables.size);
+  }
+  tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), 0, 0, 0});
+}
+
+void Binds::make(const Image& image) {
+  if (rows != nullptr || image.binds.size == 0) return;
+  if (image.choices.size == 0 && image.binds.repeats.size == 0) {
+    rows = &image.binds.rows.data->cell;
+    return;
+  }
+  own.reserve(image.binds.size);
+  for (const Bind& bind : image.binds) own.push_back(bind.cell);
+  rows = own.data();
+}
+
+u32 Tables::clause_of(u32 connector_type_row, Span<u32> params) const {
+  const ConnectorType& type = image->connector_types[connector_type_row];
+  const std::vector<u32>& order = clause_order[connector_type_row];
+  const auto less = [](Span<u32> a, Span<u32> b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  const auto found = std::lower_bound(order.begin(), order.end(), params,
+                                      [&](u32 row, Span<u32> key) { return less(type.clauses[row].params, key); });
+  if (found == order.end() || less(params, type.clauses[*found].params)) return kNone;
+  return *found;
+}
+
+}  // namespace bip::rt

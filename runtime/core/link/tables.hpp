@@ -1,0 +1,182 @@
+// What the core derives from an image once, before the first step: flat numbers for port instances, transitions by
+// place, the availability network (one counter a group of a connector's `define` tree) and who watches what.
+//
+// Cost: linear in the image, plus one plan (an expanded tree) for each connector that is not a flat rendezvous.
+// Constant afterwards; every Core of the same image could share it.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "bip/image.hpp"
+#include "runtime/core/link/interactions.hpp"
+
+namespace bip::rt {
+
+/// Rows [first[i], first[i + 1]) of `items` belong to i. Without items there is no `first` either: many tables are
+/// empty.
+struct Csr {
+  std::vector<u32> first;
+  std::vector<u32> items;
+  [[nodiscard]] Span<u32> operator[](std::size_t i) const {
+    if (items.empty()) return {};
+    return {items.data() + first[i], first[i + 1] - first[i]};
+  }
+  struct Pair {
+    u32 from, to;
+  };
+  /// Keeps the order of pairs with equal `from`.
+  static Csr build(std::size_t rows, const std::vector<Pair>& pairs);
+};
+
+// ---- atoms -------------------------------------------------------------------------------------------------------
+struct AtomInfo {
+  u32 port_base = 0;  // number of its port 0 among all port instances
+  u32 first_cell = 0;
+  u32 type = 0;
+  u32 watched = 0;  // does somebody read its data?
+};
+struct LinkedTransition {
+  Code guard, action;            // fn null: none
+  u32 port;                      // of the type; kNone: internal
+  u32 from, to;                  // the place, if the type is an automaton
+  u32 delta_first, delta_count;  // rows of Tables::deltas, if the type is fixed
+  const Transition* source;
+};
+/// Firing a transition of a fixed type makes `transition` (or none) the enabled one of `port`.
+struct PortDelta {
+  u32 port, transition;
+};
+struct LinkedType {
+  u32 first_transition = 0, transition_count = 0;  // rows of Tables::transitions
+  u32 first_place = 0;                             // rows of place_transitions and place_internals (automata)
+  u32 mark_words = 0;                              // 64-bit words of a marking; 0: automaton, the marking is one place
+  bool fixed = false;   // automaton without guards and internal transitions: its marking says which ports are enabled
+  bool simple = false;  // fixed, and each port labels one transition: a port is enabled iff the atom is at its place
+  bool has_internal = false;
+  bool has_priorities = false;
+  bool has_invariants = false;
+  bool is_timed = false;
+  Code initial;
+};
+
+// ---- connectors --------------------------------------------------------------------------------------------------
+enum class NodeKind : std::uint8_t { Group, Leaf, Link, Choice };
+/// A node of a plan, preorder. A Link is a parameter bound to a connector; its one child is that connector's root
+/// group. A Choice is a parameter bound to a merged port; of its children, Leaves and Links, exactly one is chosen.
+struct PlanNode {
+  NodeKind kind = NodeKind::Group;
+  bool trigger = false;       // among its siblings
+  bool has_trigger = false;   // Group: among its children
+  bool maximal_only = false;  // Link; Choice: always true, for it is as rigid
+  u32 parent = kNone;         // row in the plan
+  u32 end = 0;                // one past its subtree
+  u32 children = 0;           // Group, Link, Choice: number of
+  u32 ref = 0;                // Leaf: port instance
+  u32 leaf = 0;               // number of leaves before it
+  u32 use = 0;                // the plan's use of a connector that it belongs to; Link: the use it leads to
+};
+/// A connector within a plan; parents before children.
+struct PlanUse {
+  u32 connector = 0;
+  u32 root = 0;             // its root group, row in the plan
+  u32 first_param = 0;      // rows of plan_params: node of each parameter, row in the plan
+  u32 link = kNone;         // node
+  u32 clause = kNone;       // for all of its parameters
+  bool has_choice = false;  // a parameter is bound to a merged port: where its variables are depends on the alternative
+  u32 first_leaf = 0, end_leaf = 0;  // of its part of the plan
+};
+struct Plan {
+  u32 connector = 0;
+  u32 first_node = 0, node_count = 0;
+  u32 first_use = 0, use_count = 0;
+  u32 leaves = 0, words = 0;  // 64-bit words of a configuration
+  bool guarded = false;       // a clause in its tree has a guard, or an `up` that may fault
+  bool rigid = true;          // no triggers and no choices: one configuration, everybody
+  bool has_choice = false;
+  bool is_tree = true;  // no connector has two uses
+  bool has_ranges =
+      false;  // what its clauses do is known over ranges of values, and it has configurations to choose from
+};
+
+struct Tables {
+  const Image* image = nullptr;
+
+  std::vector<LinkedType> types;
+  std::vector<LinkedTransition> transitions;
+  std::vector<PortDelta> deltas;
+  Csr place_transitions;        // by first_place + place: rows of transitions with a port
+  Csr place_internals;          // the same, internal ones
+  std::vector<AtomInfo> atoms;  // and one more, whose port_base is the number of port instances
+  std::vector<u32> port_atom;   // by port instance
+  std::vector<u32> mark_base;   // by atom (Petri types): first word. Empty: there are none
+  u32 mark_words = 0;
+  u32 atom_cells = 0;  // interactions [0, atom_cells) belong to atoms
+
+  Interactions interactions;
+  std::vector<u32> flat_ports;
+  std::vector<u32> interaction_of_connector;  // kNone if it exports a port. Empty: none does, and interactions are rows
+                                              // of connectors
+  u32 connector_interactions = 0;             // interactions below are connectors, the rest internal ports
+
+  // Availability network. Nodes [0, interactions.size()) are the interactions, the rest inner groups. A node is
+  // available iff its value >= 0.
+  std::vector<std::int32_t>
+      inner_start;  // of inner groups: the value with every port disabled; of interactions: start_of
+  Csr node_out;     // by node: nodes that count it
+  Csr port_out;     // by port instance: nodes that count it
+  Csr port_watch;   // by port instance: interactions to search again when it flips
+  Csr atom_watch;   // by atom: what reads its data; interactions, or priority rules + interactions.size()
+  bool any_port_watch = false;
+  bool any_searched = false;
+
+  std::vector<Plan> plans;
+  std::vector<PlanNode> plan_nodes;
+  std::vector<PlanUse> plan_uses;
+  std::vector<u32> plan_params;
+  std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
+
+  [[nodiscard]] const AtomType& atom_type(u32 atom) const { return image->atom_types[atoms[atom].type]; }
+  [[nodiscard]] u32 port_base(u32 atom) const { return atoms[atom].port_base; }
+  [[nodiscard]] const ConnectorType& connector_type(u32 connector) const {
+    return image->connector_types[image->connectors[connector].type];
+  }
+  [[nodiscard]] PortRef port_ref(u32 connector, u32 param) const {
+    return image->port_refs[image->connectors[connector].ports + param];
+  }
+  [[nodiscard]] u32 first_mark(u32 atom) const { return mark_base.empty() ? 0 : mark_base[atom]; }
+  /// kNone if it exports a port.
+  [[nodiscard]] u32 interaction_of(u32 connector) const {
+    return interaction_of_connector.empty() ? connector : interaction_of_connector[connector];
+  }
+  /// Of an interaction below connector_interactions.
+  [[nodiscard]] u32 connector_of(u32 interaction) const {
+    return interaction_of_connector.empty() ? interaction : interactions[interaction].row;
+  }
+  [[nodiscard]] std::size_t node_count() const { return interactions.size() + inner_start.size(); }
+  /// An interaction's value with every port disabled.
+  [[nodiscard]] std::int32_t start_of(u32 interaction) const;
+  [[nodiscard]] u32 instance(u32 atom, u32 port) const { return port_base(atom) + port; }
+  /// The clause of a type for exactly these sorted parameters, or kNone. O(log clauses * params).
+  [[nodiscard]] u32 clause_of(u32 connector_type_row, Span<u32> params) const;
+  [[nodiscard]] Code code(u32 row) const { return row == kNone ? Code{} : image->codes[row]; }
+};
+
+/// What connectors and rules bind, as their code wants it: rows in `all`. The image's own ones, if those are not folded
+/// and nobody changes them.
+struct Binds {
+  const u32* rows = nullptr;
+  std::vector<u32> own;  // choices move rows of it
+  void make(const Image& image);
+};
+
+enum class MaximalProgress : std::uint8_t { On, Off };
+
+[[nodiscard]] Tables link(const Image& image, MaximalProgress progress);
+
+// The parts of link, in this order.
+void link_atoms(Tables& tables);
+void link_interactions(Tables& tables, MaximalProgress progress);
+void link_network(Tables& tables);
+void link_watches(Tables& tables);
+
+}  // namespace bip::rt

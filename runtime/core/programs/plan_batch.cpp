@@ -1,0 +1,113 @@
+// Cutting a system into parts: see batch_engine.hpp.
+#include <algorithm>
+
+#include "runtime/core/programs/batch.hpp"
+#include "runtime/core/fire/partial.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr std::size_t kMostPairs = std::size_t{1} << 26;  // (interaction, atom) pairs that are looked at
+
+Csr turned(const Csr& interactions, std::size_t atoms) {
+  std::vector<Csr::Pair> pairs;
+  pairs.reserve(interactions.items.size());
+  for (u32 interaction = 0; interaction + 1 < interactions.first.size(); ++interaction) {
+    for (const u32 atom : interactions[interaction]) pairs.push_back({atom, interaction});
+  }
+  return Csr::build(atoms, pairs);
+}
+
+// Atoms in breadth-first order along interactions, cut into pieces of equal size.
+std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const Csr& interactions_of_atom, u32 atoms,
+                                         u32 parts) {
+  std::vector<u32> order;
+  std::vector<std::uint8_t> is_met(atoms, 0), is_walked(atoms_of_interaction.first.size(), 0);
+  order.reserve(atoms);
+  for (u32 root = 0; root < atoms; ++root) {
+    if (is_met[root] != 0) continue;
+    is_met[root] = 1;
+    order.push_back(root);
+    for (std::size_t at = order.size() - 1; at < order.size(); ++at) {
+      for (const u32 interaction : interactions_of_atom[order[at]]) {
+        if (is_walked[interaction] != 0) continue;
+        is_walked[interaction] = 1;
+        for (const u32 next : atoms_of_interaction[interaction]) {
+          if (is_met[next] != 0) continue;
+          is_met[next] = 1;
+          order.push_back(next);
+        }
+      }
+    }
+  }
+  std::vector<std::uint8_t> part(atoms, 0);
+  for (u32 i = 0; i < atoms; ++i) part[order[i]] = static_cast<std::uint8_t>(u64{i} * parts / atoms);
+  return part;
+}
+
+}  // namespace
+
+BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 parts, bool any_share) {
+  BatchPlan plan;
+  const u32 cell_count = static_cast<u32>(tables.interactions.size());
+  const u32 atom_count = tables.image->atoms.size;
+  // What an interaction's being enabled depends on: who takes part; if rules may hide it, who takes part in what they
+  // prefer.
+  std::vector<Csr::Pair> own, all;
+  std::vector<u32> atoms;
+  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+    atoms_of_interaction(tables, tables.interactions[interaction], atoms);
+    for (const u32 atom : atoms) own.push_back({interaction, atom});
+  }
+  const Csr takes = Csr::build(cell_count, own);
+  all = own;
+  std::vector<std::vector<u32>> preferred(rules.cyclic.size());  // by component
+  for (const HighEdge& edge : rules.high_edges) {
+    std::vector<u32>& of = preferred[rules.component[edge.rule]];
+    of.insert(of.end(), takes[edge.interaction].begin(), takes[edge.interaction].end());
+  }
+  for (std::vector<u32>& of : preferred) {
+    std::sort(of.begin(), of.end());
+    of.erase(std::unique(of.begin(), of.end()), of.end());
+  }
+  for (u32 rule = 0; rule < rules.count; ++rule) {
+    for (const u32 interaction : rules.interactions_of_low[rule]) {
+      for (const u32 atom : preferred[rules.component[rule]]) all.push_back({interaction, atom});
+      if (all.size() > kMostPairs) return plan;
+    }
+  }
+  const Csr depends = Csr::build(cell_count, all);
+  const Csr watchers = turned(depends, atom_count);
+  const std::vector<std::uint8_t> part_of_atom = parts_of_atoms(depends, watchers, atom_count, parts);
+
+  std::vector<std::uint8_t> spans(cell_count, 0);
+  plan.part.assign(cell_count, 0);
+  plan.is_shared.assign(cell_count, 0);
+  plan.size.assign(parts, 0);
+  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+    const Span<u32> on = depends[interaction];
+    plan.part[interaction] = on.size == 0 ? 0 : part_of_atom[on[0]];
+    ++plan.size[plan.part[interaction]];
+    for (const u32 atom : on) {
+      if (part_of_atom[atom] != plan.part[interaction]) spans[interaction] = 1;
+    }
+  }
+  // An atom is at the border if something that watches it spans; what moves such an atom is shared.
+  std::vector<std::uint8_t> is_border(atom_count, 0);
+  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+    for (const u32 atom : depends[interaction]) {
+      if (spans[interaction] != 0) is_border[atom] = 1;
+    }
+  }
+  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+    const Span<u32> moved = takes[interaction];
+    if (std::none_of(moved.begin(), moved.end(), [&](u32 atom) { return is_border[atom] != 0; })) continue;
+    plan.is_shared[interaction] = 1;
+    plan.shared.push_back(interaction);
+  }
+  if (any_share || plan.shared.size() * 4 <= cell_count) plan.parts = parts;
+  return plan;
+}
+
+}  // namespace bip::rt

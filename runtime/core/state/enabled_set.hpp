@@ -1,0 +1,322 @@
+// The enabled set: how many candidates each interaction has, kept in one or both of two ways.
+//
+// Ranked: a bitset in interaction order with a tree of counts of fan-out 8 above it, so that "the k-th candidate" and
+// "how many before interaction s" cost O(log n) and an update costs one addition a level. Choices are random, so the
+// descent has no branch that depends on them. Listed: the interactions that have candidates as one dense array and
+// where each of them is: a uniform choice is one load, an update a few stores. Its order is part of what the policy
+// `uniform` means (semantics.md): after a step the changes are applied in interaction order, what goes is replaced by
+// the last one, what comes goes to the end.
+//
+// Most systems have at most one candidate an interaction; only `weighted` sets keep a weight an interaction. A set
+// starts ranked; one that only draws uniformly ranks no more until it is asked for a rank.
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace bip::rt {
+
+class EnabledSet {
+ public:
+  void reset(std::uint32_t interactions, bool weighted) {
+    words_.assign(static_cast<std::size_t>(interactions) / 64 + 1, 0);
+    weights_.assign(weighted ? interactions : 0, 0);
+    counts_.clear();
+    levels_ = 0;
+    for (std::size_t entries = words_.size(); entries > 1; entries = (entries + 7) / 8) {
+      offset_[levels_++] = static_cast<std::uint32_t>(counts_.size());
+      // Padded to whole groups of 8, so that a scan of a group never leaves the level.
+      counts_.resize(counts_.size() + (entries + 7) / 8 * 8, 0);
+      if (entries <= 8) break;
+    }
+    total_ = last_in_ = 0;
+    ranked_ = true;
+    unlist();
+  }
+
+  [[nodiscard]] std::uint64_t total() const { return total_; }
+  [[nodiscard]] std::uint32_t weight(std::uint32_t interaction) const {
+    if (!weights_.empty()) return weights_[interaction];
+    if (ranked_) return static_cast<std::uint32_t>(words_[interaction >> 6] >> (interaction & 63) & 1);
+    return static_cast<std::uint32_t>(position_[interaction] != kAbsent) ^ pending_[interaction];
+  }
+
+  /// Of all rows.
+  [[nodiscard]] std::size_t bytes() const {
+    return words_.size() * sizeof(std::uint64_t) + pending_.size() +
+           (counts_.size() + weights_.size() + members_.size() + position_.size()) * sizeof(std::uint32_t);
+  }
+
+  // ---- the list
+  /// Starts the list: all interactions with candidates, in interaction order.
+  void list(std::uint32_t interactions) {
+    ensure_ranked();
+    position_.assign(interactions, kAbsent);
+    pending_.assign(interactions, 0);
+    members_.assign(std::size_t{interactions} + 1, 0);
+    listed_count_ = 0;
+    changed_.clear();
+    for (std::size_t entry = 0; entry < words_.size(); ++entry) {
+      for (std::uint64_t word = words_[entry]; word != 0; word &= word - 1) {
+        append(static_cast<std::uint32_t>(entry * 64) + static_cast<std::uint32_t>(std::countr_zero(word)));
+      }
+    }
+    listed_ = true;
+    ranked_ = !weights_.empty();
+  }
+  /// In the order that it had before. What that lacks came since it was up to date, what it has too much went.
+  void list(const std::vector<std::uint32_t>& order, std::uint32_t interactions) {
+    list(interactions);
+    std::vector<std::uint8_t> differs(interactions, 0);
+    for (std::uint32_t i = 0; i < listed_count_; ++i) {
+      differs[members_[i]] = 1;
+      position_[members_[i]] = kAbsent;
+    }
+    listed_count_ = 0;
+    for (const std::uint32_t interaction : order) {
+      append(interaction);
+      differs[interaction] ^= 1;
+    }
+    for (std::uint32_t interaction = 0; interaction < interactions; ++interaction) {
+      if (differs[interaction] != 0) note(interaction);
+    }
+  }
+  /// Back to ranks alone.
+  void unlist() {
+    ensure_ranked();
+    listed_ = false;
+    changed_.clear();
+  }
+  [[nodiscard]] bool is_listed() const { return listed_; }
+  [[nodiscard]] std::uint32_t listed_count() const { return listed_count_; }
+  [[nodiscard]] std::uint32_t listed(std::uint64_t position) const { return members_[position]; }
+  /// Brings the list up to date with what came and went since the last time.
+  void settle_list() {
+    if (!changed_.empty()) apply_changes();
+  }
+
+  /// The list for somebody who changes it by himself, and the count, until close_list. Unweighted, without unsettled
+  /// changes.
+  struct List {
+    std::uint32_t *members, *position, *count;
+  };
+  List open_list() { return {members_.data(), position_.data(), &listed_count_}; }
+  void close_list(std::uint32_t count) {
+    listed_count_ = total_ = count;
+    ranked_ = false;
+  }
+
+  // ---- changes; with a list they count from settle_list on
+  /// Unweighted sets. The interaction must not be in the set.
+  void insert(std::uint32_t interaction) { toggle(interaction, 1); }
+  /// Unweighted sets. The interaction must be in the set.
+  void erase(std::uint32_t interaction) { toggle(interaction, ~0u); }
+  /// Unweighted sets without unsettled changes. Members of the word that holds interactions 64 * word ... come and go,
+  /// `difference` more than before.
+  void flip(std::uint32_t word, std::uint64_t flips, std::uint32_t difference) {
+    if (ranked_) {
+      words_[word] ^= flips;
+      add(word << 6, difference);
+    }
+    total_ += difference;
+    if (!listed_) return;
+    for (; flips != 0; flips &= flips - 1) exchange((word << 6) + static_cast<std::uint32_t>(std::countr_zero(flips)));
+  }
+  void set(std::uint32_t interaction, std::uint32_t weight_now) {
+    const std::uint32_t before = weight(interaction);
+    if (before == weight_now) return;
+    if (weights_.empty()) {
+      toggle(interaction, weight_now - before);
+      return;
+    }
+    const std::uint64_t bit = std::uint64_t{1} << (interaction & 63);
+    if (weight_now != 0) words_[interaction >> 6] |= bit;
+    else words_[interaction >> 6] &= ~bit;
+    if (listed_ && (before == 0) != (weight_now == 0)) note(interaction);
+    weights_[interaction] = weight_now;
+    total_ += weight_now - before;
+    add(interaction, weight_now - before);
+  }
+
+  struct Position {
+    std::uint32_t interaction;
+    std::uint32_t rank;  // among the interaction's candidates
+  };
+  /// The k-th candidate, k < total().
+  [[nodiscard]] Position select(std::uint64_t k) const {
+    ensure_ranked();
+    // With clocks there often is one alone, the one that came last.
+    if (total_ == 1 && weights_.empty() && (words_[last_in_ >> 6] >> (last_in_ & 63) & 1) != 0) return {last_in_, 0};
+    auto left = static_cast<std::uint32_t>(k);
+    std::size_t entry = 0;
+    for (std::uint32_t level = levels_; level-- > 0;) {
+      const std::uint32_t* c = counts_.data() + offset_[level] + entry * 8;
+      // Sums up to each entry, and of those that are passed, as short trees: a step waits for this chain of additions.
+      const std::uint32_t c01 = c[0] + c[1], c45 = c[4] + c[5], c03 = c01 + (c[2] + c[3]), c05 = c03 + c45;
+      const std::uint32_t p0 = passed(c[0], left), p1 = passed(c01, left), p2 = passed(c01 + c[2], left),
+                          p3 = passed(c03, left);
+      const std::uint32_t p4 = passed(c03 + c[4], left), p5 = passed(c05, left), p6 = passed(c05 + c[6], left);
+      const std::uint32_t skipped = 0 - (((p0 + p1) + (p2 + p3)) + ((p4 + p5) + p6));
+      const std::uint32_t before =
+          (((c[0] & p0) + (c[1] & p1)) + ((c[2] & p2) + (c[3] & p3))) + (((c[4] & p4) + (c[5] & p5)) + (c[6] & p6));
+      left -= before;
+      entry = entry * 8 + skipped;
+    }
+    std::uint64_t word = words_[entry];
+    if (weights_.empty()) {
+      return {
+          static_cast<std::uint32_t>(entry * 64) + (fast_pdep_ ? select_bit_pdep(word, left) : select_bit(word, left)),
+          0};
+    }
+    for (;; word &= word - 1) {
+      const std::uint32_t interaction =
+          static_cast<std::uint32_t>(entry * 64) + static_cast<std::uint32_t>(std::countr_zero(word));
+      if (left < weights_[interaction]) return {interaction, left};
+      left -= weights_[interaction];
+    }
+  }
+  /// The number of candidates in interactions below `interaction`.
+  [[nodiscard]] std::uint64_t rank(std::uint32_t interaction) const {
+    ensure_ranked();
+    std::uint64_t sum = 0;
+    std::size_t entry = interaction >> 6;
+    std::uint64_t word = words_[entry] & ((std::uint64_t{1} << (interaction & 63)) - 1);
+    if (weights_.empty()) {
+      sum = count_bits(word);
+    } else {
+      for (; word != 0; word &= word - 1)
+        sum += weights_[entry * 64 + static_cast<std::size_t>(std::countr_zero(word))];
+    }
+    for (std::uint32_t level = 0; level < levels_; ++level) {
+      for (std::size_t i = entry / 8 * 8; i < entry; ++i) sum += counts_[offset_[level] + i];
+      entry /= 8;
+    }
+    return sum;
+  }
+
+  /// The position of the k-th one of the word, two ways to the same answer.
+#if defined(__x86_64__)
+  [[gnu::target("bmi2")]] static std::uint32_t select_bit_pdep(std::uint64_t word, std::uint32_t k) {
+    return static_cast<std::uint32_t>(std::countr_zero(__builtin_ia32_pdep_di(std::uint64_t{1} << k, word)));
+  }
+  // The first two Zens have the instruction in microcode, slower than what it replaces.
+  static bool has_fast_pdep() {
+    return __builtin_cpu_supports("bmi2") && !__builtin_cpu_is("znver1") && !__builtin_cpu_is("znver2");
+  }
+#else
+  static std::uint32_t select_bit_pdep(std::uint64_t word, std::uint32_t k) { return select_bit(word, k); }
+  static bool has_fast_pdep() { return false; }
+#endif
+  // The position of the k-th one, free of branches (Vigna, "Broadword implementation of rank/select queries", 2008).
+  static std::uint32_t select_bit(std::uint64_t word, std::uint32_t k) {
+    constexpr std::uint64_t kOnes = 0x0101010101010101u;
+    std::uint64_t sums = word - (word >> 1 & 0x5555555555555555u);
+    sums = (sums & 0x3333333333333333u) + (sums >> 2 & 0x3333333333333333u);
+    sums = ((sums + (sums >> 4)) & 0x0f0f0f0f0f0f0f0fu) * kOnes;
+    const std::uint64_t not_above = ((k * kOnes | kOnes << 7) - sums) & kOnes << 7;
+    const auto place = static_cast<std::uint32_t>((not_above >> 7) * kOnes >> 56) * 8;
+    const std::uint32_t left = k - static_cast<std::uint32_t>((sums << 8) >> place & 0xff);
+    // Bit i of the byte alone in byte i, then 1 there, then how many up to there.
+    const std::uint64_t spread = (word >> place & 0xff) * kOnes & 0x8040201008040201u;
+    const std::uint64_t upto = ((spread + 0x7f7f7f7f7f7f7f7fu) >> 7 & kOnes) * kOnes;
+    const std::uint64_t passed = ((left * kOnes | kOnes << 7) - upto) & kOnes << 7;
+    return place + static_cast<std::uint32_t>((passed >> 7) * kOnes >> 56);
+  }
+
+ private:
+  // Without -mpopcnt std::popcount is a call; this is a dozen instructions.
+  static std::uint32_t count_bits(std::uint64_t x) {
+    x -= x >> 1 & 0x5555555555555555u;
+    x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
+    x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return static_cast<std::uint32_t>(x * 0x0101010101010101u >> 56);
+  }
+  // All ones if `left` is not below `sum`, both less than 2^31. A mask, for compilers make branches of conditions here.
+  static std::uint32_t passed(std::uint32_t sum, std::uint32_t left) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(~(left - sum)) >> 31);
+  }
+  void add(std::uint32_t interaction, std::uint32_t difference) const {
+    std::uint32_t entry = interaction >> 6;
+    for (std::uint32_t level = 0; level < levels_; ++level, entry >>= 3) counts_[offset_[level] + entry] += difference;
+  }
+
+  void toggle(std::uint32_t interaction, std::uint32_t difference) {
+    total_ += difference;
+    if (difference == 1) last_in_ = interaction;
+    if (ranked_) {
+      words_[interaction >> 6] ^= std::uint64_t{1} << (interaction & 63);
+      add(interaction, difference);
+    }
+    if (listed_) note(interaction);
+  }
+  void note(std::uint32_t interaction) {
+    pending_[interaction] ^= 1;
+    changed_.push_back(interaction);
+  }
+  void append(std::uint32_t interaction) {
+    position_[interaction] = listed_count_;
+    members_[listed_count_++] = interaction;
+  }
+  void exchange(std::uint32_t interaction) {
+    const std::uint32_t at = position_[interaction];
+    if (at == kAbsent) {
+      append(interaction);
+      return;
+    }
+    const std::uint32_t last = members_[--listed_count_];
+    members_[at] = last;
+    position_[last] = at;
+    position_[interaction] = kAbsent;
+  }
+  void apply_changes() {
+    if (changed_.size() > 1) std::sort(changed_.begin(), changed_.end());
+    for (const std::uint32_t interaction : changed_) {
+      if (pending_[interaction] == 0) continue;
+      pending_[interaction] = 0;
+      exchange(interaction);
+    }
+    changed_.clear();
+  }
+  // Counts anew, from the list.
+  void ensure_ranked() const {
+    if (ranked_) return;
+    ranked_ = true;
+    std::fill(words_.begin(), words_.end(), std::uint64_t{0});
+    std::fill(counts_.begin(), counts_.end(), 0u);
+    const auto enter = [&](std::uint32_t interaction) {
+      words_[interaction >> 6] |= std::uint64_t{1} << (interaction & 63);
+      add(interaction, 1);
+    };
+    for (std::uint32_t i = 0; i < listed_count_; ++i) {
+      if (pending_[members_[i]] == 0) enter(members_[i]);
+    }
+    for (const std::uint32_t interaction : changed_) {
+      const bool is_new = pending_[interaction] != 0 && position_[interaction] == kAbsent;
+      if (is_new && (words_[interaction >> 6] >> (interaction & 63) & 1) == 0) enter(interaction);
+    }
+  }
+
+  static constexpr std::uint32_t kAbsent = 0xffffffffu;
+
+  // Ranks; made anew when somebody asks, so a question may change them.
+  mutable std::vector<std::uint64_t> words_;
+  mutable std::vector<std::uint32_t> counts_;
+  mutable bool ranked_ = true;
+  std::vector<std::uint32_t> weights_;
+  std::uint32_t offset_[12] = {};
+  std::uint32_t levels_ = 0;
+  std::uint32_t total_ = 0;
+  std::uint32_t last_in_ = 0;
+  bool fast_pdep_ = has_fast_pdep();
+
+  bool listed_ = false;
+  std::uint32_t listed_count_ = 0;
+  std::vector<std::uint32_t>
+      members_;  // the first listed_count_; one more than interactions, for who writes before it looks
+  std::vector<std::uint32_t> position_;  // by interaction, in members_
+  std::vector<std::uint8_t> pending_;    // by interaction: in or out, contrary to the list
+  std::vector<std::uint32_t> changed_;   // those, and others
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,56 @@
+// The batch engine: see batch_engine.hpp.
+#include "runtime/engine/batch_engine.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "runtime/engine/interrupt.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr u64 kTestedEpoch = 8;  // small enough for runs of tests to have several
+
+}  // namespace
+
+BatchEngine::BatchEngine(Core& core, Scheduler& scheduler, const RunOptions& options, Output& output)
+    : core_(core), scheduler_(scheduler), options_(options), output_(output) {
+  if (!core.can_batch() || options.policy != Policy::Uniform) return;
+  const u32 threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  plan_ = plan_batch(core.tables(), core.priorities(), std::min<u32>(threads, kMostParts), options.perturb != 0);
+  if (options.perturb != 0) {
+    plan_.least_epoch = kTestedEpoch;
+    plan_.perturb = options.perturb;
+  }
+  if (!is_on()) return;
+  team_ = std::make_unique<Team>(plan_.parts);
+  if (!output.writes_steps() || output.records_only()) return;
+  follower_ = std::make_unique<Core>(core.image());
+  (void)follower_->initialize();
+}
+
+void BatchEngine::tell(const std::vector<u32>& interactions) {
+  if (!follower_) return output_.record(interactions);
+  for (const u32 interaction : interactions) {
+    const EnabledSet::Position at{interaction, 0};
+    output_.step(*follower_, at, told_++, follower_->number(at));
+    (void)follower_->take(at);
+  }
+}
+
+u64 BatchEngine::advance(u64 number, u64 limit, bool& sound) {
+  told_ = number;
+  std::function<void(const std::vector<u32>&)> record;
+  if (output_.writes_steps()) record = [this](const std::vector<u32>& interactions) { tell(interactions); };
+  const u64 done = core_.run_batch(plan_, *team_, scheduler_.prng(), limit, is_interrupted, record);
+  beside_ += done;
+  // What is left of the limit, or what came to little beside each other; and the core's books are kept again.
+  const u64 alone = core_.run_steps(scheduler_.prng(),
+                                    std::min<u64>(limit - done, options_.perturb != 0 ? kTestedEpoch : Core::kHistory),
+                                    is_interrupted, sound);
+  if (record) tell(core_.recent_interactions(alone));
+  return done + alone;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,97 @@
+// Following a binary trace: see replay_record.hpp.
+#include "runtime/engine/replay_record.hpp"
+
+#include <cstdlib>
+
+#include "runtime/engine/output.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+std::string numbered(const char* before, std::uint64_t number, const char* after) {
+  return before + std::to_string(number) + after;
+}
+
+// What the core makes of the recorded end; empty: the same.
+std::string compare_ends(const Core& core, bool sound, const RecordedEnd& end, std::uint64_t steps) {
+  if (end.steps != steps)
+    return numbered("the trace has ", steps, " steps") + numbered(" and says that it has ", end.steps, "");
+  if (end.how == End::Fault) return sound ? "the trace ends with a run-time error, the model does not" : "";
+  if (!sound) return "a run-time error ends the model, and not the trace: " + core.fault().what;
+  if ((end.how == End::Deadlock) && core.candidate_count() != 0)
+    return "the trace ends in a deadlock, the model can go on";
+  if (end.digest != 0 && end.digest != digest_of(core)) return "the last state is another one";
+  return "";
+}
+
+}  // namespace
+
+Followed follow(const Image& image, std::string_view bytes, RunOptions options, std::FILE* out) {
+  Followed result;
+  RecordedReader reader;
+  if (!reader.open(bytes, result.begin)) {
+    result.is_trace = false;
+    result.problem = "it does not begin like a binary trace";
+    return result;
+  }
+  if (result.begin.name != image.name) {
+    result.is_trace = false;
+    result.problem = "it is a run of " + result.begin.name + ", not of " + image.name;
+    return result;
+  }
+  if (has_time(image)) {
+    result.is_trace = false;
+    result.problem = "models with time have no such traces";
+    return result;
+  }
+  options.policy = result.begin.policy;
+  Output output(options, result.begin.seed, out, nullptr, image);
+  output.begin(image);
+  Core core(image, {.progress = result.begin.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
+  if (image.outside != nullptr) std::srand(static_cast<unsigned>(result.begin.seed));
+  bool sound = core.initialize();
+  EnabledSet::Position at{};
+  RecordedEnd end;
+  while (true) {
+    const RecordedReader::Next next = reader.next(at, end);
+    if (next == RecordedReader::Next::Step) {
+      if (!sound) {
+        result.problem = numbered("a run-time error ends the model before step ", result.steps, " of the trace: ") +
+                         core.fault().what;
+        break;
+      }
+      if (!core.has(at)) {
+        result.problem = numbered("step ", result.steps, "");
+        if (at.interaction < core.tables().interactions.size()) {
+          result.problem += " takes `";
+          append_candidate(result.problem, core, core.candidate({at.interaction, 0}));
+          result.problem += '`';
+        }
+        result.problem += ", which is no candidate there";
+        for (u64 k = 0; k < core.candidate_count() && k < 20; ++k) {
+          result.candidates += "\n      ";
+          append_candidate(result.candidates, core, core.candidate(k));
+        }
+        break;
+      }
+      if (output.writes_steps()) output.step(core, at, result.steps, core.number(at));
+      sound = core.take(at);
+      if (sound) ++result.steps;
+      continue;
+    }
+    if (next == RecordedReader::Next::Cut) {
+      result.problem = numbered("the trace is cut off after ", result.steps, " steps");
+    } else {
+      result.problem = compare_ends(core, sound, end, result.steps);
+      result.end = end.how;
+      output.end(core, end.how, result.steps);
+      return result;
+    }
+    break;
+  }
+  output.flush();
+  return result;
+}
+
+}  // namespace bip::rt

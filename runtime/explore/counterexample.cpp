@@ -1,0 +1,165 @@
+// See counterexample.hpp.
+#include "runtime/explore/counterexample.hpp"
+
+#include <algorithm>
+
+#include "runtime/core/deadlock_explanation.hpp"
+#include "runtime/core/text.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// Nothing was drawn, so there is no seed to tell.
+std::string without_seed(std::string text) {
+  constexpr const char* kSeed = ", seed 0)";
+  if (const std::size_t at = text.find(kSeed); at != std::string::npos) text.erase(at, std::string(kSeed).size() - 1);
+  return text;
+}
+
+const char* beginning_of(ExploreEnd end) {
+  switch (end) {
+    case ExploreEnd::Complete: return "explored: ";
+    case ExploreEnd::States: return "limit: at least ";
+    case ExploreEnd::Memory: return "memory limit: at least ";
+    case ExploreEnd::Time: return "time limit: at least ";
+    case ExploreEnd::Stopped: return "interrupted: at least ";
+  }
+  return "";
+}
+
+// A way without time, as one whose steps are all taken at once.
+TimedWay at_once(const Way& way) {
+  TimedWay timed;
+  for (const u64 choice : way) timed.steps.push_back({0, choice});
+  return timed;
+}
+
+bool take(Core& core, u64 k) { return core.is_timed() ? core.take_timed(core.position(k)) : core.fire(k); }
+
+// The published engine writes `0 error`.
+std::string published_count(u64 n, const char* what) { return n == 0 ? "0 " + std::string(what) : counted(n, what); }
+
+}  // namespace
+
+const char* name_of(ExploreEnd end) {
+  switch (end) {
+    case ExploreEnd::Complete: return "complete";
+    case ExploreEnd::States: return "limit";
+    case ExploreEnd::Memory: return "memory";
+    case ExploreEnd::Time: return "time";
+    case ExploreEnd::Stopped: return "interrupted";
+  }
+  return "";
+}
+
+std::string published_line(const ExploreReport& report) {
+  std::string text = " found " + published_count(report.states, "reachable state") + ", " +
+                     published_count(report.deadlocks, "deadlock") + ", and " + published_count(report.errors, "error");
+  if (report.end == ExploreEnd::Stopped) text += " (interrupted)";
+  else if (report.end != ExploreEnd::Complete) text += " (limit reached)";
+  return text + "\n";
+}
+
+std::string counted(u64 n, const char* what) {
+  std::string text;
+  append_number(text, n);
+  text += ' ';
+  text += what;
+  if (n != 1) text += 's';
+  return text;
+}
+
+std::string summary_line(const ExploreReport& report) {
+  return beginning_of(report.end) + counted(report.states, "reachable state") + ", " + counted(report.steps, "step") +
+         ", " + counted(report.deadlocks, "deadlock") + ", " + counted(report.errors, "error") + "\n";
+}
+
+std::string summary_line(const ZoneReport& report) {
+  const char* beginning = report.inexact.empty() ? beginning_of(report.end) : "not exact: at least ";
+  return beginning + counted(report.zones, "zone") + " of " + counted(report.locations, "location") + ", " +
+         counted(report.steps, "step") + ", " + counted(report.deadlocks, "deadlock") + ", " +
+         counted(report.time_locks, "time lock") + ", " + counted(report.errors, "error") + "\n";
+}
+
+ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way, std::size_t max_lines) {
+  ToldWay told;
+  Core core(image, {.progress = progress});
+  bool is_sound = core.initialize();
+  StepWriter writer;
+  u64 taken = 0;
+  for (; is_sound && taken < way.steps.size(); ++taken) {
+    if (!let_time_pass(core, way.steps[taken].at) || way.steps[taken].choice >= core.candidate_count()) break;
+    const u64 choice = way.steps[taken].choice;
+    const Candidate candidate = core.candidate(choice);
+    told.names += told.names.empty() ? "" : ", ";
+    append_candidate(told.names, core, candidate);
+    if (taken < max_lines) writer.step(told.steps, core, candidate, taken);
+    else if (taken == max_lines) told.steps += "… and " + counted(way.steps.size() - taken, "more step") + "\n";
+    is_sound = take(core, choice);
+    if (!is_sound) break;
+  }
+  const i64 last = core.now();
+  if (is_sound) (void)let_time_pass(core, way.end);
+  if (end == WayEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  if (core.fault()) {
+    told.error = without_seed(fault_text(core, 0, taken));
+  } else if (end == WayEnd::Deadlock && core.candidate_count() == 0) {
+    if (core.now() > last) {
+      told.steps += "time passes to ";
+      append_time(told.steps, core.now());
+      told.steps += '\n';
+    }
+    told.steps += without_seed(deadlock_story(core, taken, 0));
+  }
+  return told;
+}
+
+ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way, std::size_t max_lines) {
+  return tell_way(image, progress, end, at_once(way), max_lines);
+}
+
+std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way,
+                         TraceFormat format) {
+  std::string text;
+  Core core(image, {.progress = progress});
+  Bip2Writer bip2;
+  JsonWriter json;
+  const bool is_bip2 = format == TraceFormat::Bip2;
+  if (is_bip2) bip2.begin(text, 0, Policy::First);
+  else json.begin(text, image, 0, Policy::First, Engine::Sequential);
+  bool is_sound = core.initialize();
+  u64 taken = 0;
+  for (; is_sound && taken < way.steps.size(); ++taken) {
+    const u64 choice = way.steps[taken].choice;
+    if (is_bip2 && core.is_timed()) bip2.foresee(core);
+    if (!let_time_pass(core, way.steps[taken].at) || choice >= core.candidate_count()) break;
+    if (is_bip2 && core.is_timed()) {
+      bip2.foreseen(text, core, taken, core.candidate(choice));
+    } else if (is_bip2) {
+      bip2.state(text, core, taken);
+      bip2.choice(text, core, choice);
+    } else {
+      json.step(text, core, core.candidate(choice), taken, choice);
+    }
+    is_sound = take(core, choice);
+    if (!is_sound) break;
+  }
+  if (is_sound) (void)let_time_pass(core, way.end);
+  if (end == WayEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  const End ended = core.fault() ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
+  if (is_bip2) {
+    if (core.fault()) bip2.fault(text, core);
+    bip2.end(text, core, ended, taken);
+  } else {
+    json.end(text, core, ended, taken);
+  }
+  return text;
+}
+
+std::string trace_of_way(const Image& image, MaximalProgress progress, const Way& way, TraceFormat format) {
+  return trace_of_way(image, progress, WayEnd::Deadlock, at_once(way), format);
+}
+
+}  // namespace bip::rt

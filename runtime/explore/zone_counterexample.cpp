@@ -1,0 +1,179 @@
+// From a path of the zone graph to instants, and those taken by a core.
+//
+// Each node of the path is entered at one instant and left at another. That its clocks lie in its cell then, and that a
+// step's conditions hold, are bounds on differences of such instants, for a clock is the time since it was set. The
+// earliest solution is a longest path (Bellman 1958). What zones forgot is not asked for, so there is one; all the same
+// the core has the last word.
+#include <algorithm>
+
+#include "runtime/explore/zone_search.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// instants[to] >= instants[from] + ticks
+struct Distance {
+  u32 from, to;
+  i64 ticks;
+};
+
+class Instants {
+ public:
+  explicit Instants(u32 clocks) : set_at_(clocks + 1, 0), set_to_(clocks + 1, 0) {}
+
+  u32 add() { return count_++; }
+  void at_least(u32 from, u32 to, i64 ticks) { distances_.push_back({from, to, ticks}); }
+  void exactly(u32 from, u32 to, i64 ticks) {
+    at_least(from, to, ticks);
+    at_least(to, from, -ticks);
+  }
+  void set_clock(u32 clock, u32 when, i64 value) {
+    set_at_[clock] = when;
+    set_to_[clock] = value;
+  }
+  void demand(u32 when, const ZoneBound& bound) {
+    const u32 i = bound.i, j = bound.j;
+    if (i != 0 && j != 0) at_least(set_at_[j], set_at_[i], set_to_[i] - set_to_[j] - bound.limit);
+    else if (i != 0) at_least(when, set_at_[i], set_to_[i] - bound.limit);
+    else at_least(set_at_[j], when, -set_to_[j] - bound.limit);
+  }
+  /// By instant; empty: there is no solution.
+  [[nodiscard]] std::vector<i64> earliest() const {
+    std::vector<i64> at(count_, 0);
+    for (u32 round = 0; round <= count_ + 1; ++round) {
+      bool is_changed = false;
+      for (const Distance& distance : distances_) {
+        if (at[distance.to] >= at[distance.from] + distance.ticks) continue;
+        at[distance.to] = at[distance.from] + distance.ticks;
+        is_changed = true;
+      }
+      if (!is_changed) return at[0] == 0 ? at : std::vector<i64>{};
+    }
+    return {};
+  }
+
+ private:
+  u32 count_ = 0;
+  std::vector<Distance> distances_;
+  std::vector<u32> set_at_;
+  std::vector<i64> set_to_;
+};
+
+ZoneBound side_of(const ZoneBound& bound, const std::vector<i64>& point) {
+  return point[bound.i] - point[bound.j] <= bound.limit ? bound : bound.opposite();
+}
+
+u64 number_of(const Core& core, u32 interaction, u32 config) {
+  for (u64 k = 0; k < core.candidate_count(); ++k) {
+    const Candidate candidate = core.candidate(k);
+    if (candidate.interaction == interaction && candidate.config == config) return k;
+  }
+  return core.candidate_count();
+}
+
+bool is_dead(Core& core) {
+  std::vector<i64> ends;
+  return core.candidate_count() == 0 && core.next_change() == kForever && core.wait_limit(ends) == kForever;
+}
+
+}  // namespace
+
+bool let_time_pass(Core& core, i64 to) {
+  std::vector<i64> ends;
+  while (core.now() < to) {
+    const i64 next = std::min(to, core.next_change());
+    if (next > core.wait_limit(ends) || !core.advance(next)) return false;
+  }
+  return true;
+}
+
+void ZoneSearch::find_way(const Target& target, TimedWay& way) {
+  way = {};
+  std::vector<u32> path;
+  for (u32 node = target.node; node != kNone; node = nodes_[node].parent) path.insert(path.begin(), node);
+  Instants instants(locations_.clocks());
+  report_.are_ways_known = false;
+  if (!core_.initialize()) return;
+  const auto note_clocks = [&](u32 when) {
+    for (const u32 clock : core_.set_clocks()) instants.set_clock(clock + 1, when, core_.clock_state(clock).value);
+  };
+  struct Taken {
+    u32 when, interaction, config;
+  };
+  std::vector<Taken> taken;
+  u32 left = 0;
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    const ZoneNode& node = nodes_[path[k]];
+    const Location& at = locations_[node.location];
+    const u32 entered = instants.add();
+    if (k != 0) instants.exactly(left, entered, node.edge == ZoneEdge::Time ? 1 : 0);
+    if (node.edge == ZoneEdge::Step) {
+      // Once more, to see which clocks it sets.
+      const Location& before = locations_[nodes_[node.parent].location];
+      for (const InteractionCondition& interaction : before.interactions) {
+        if (interaction.interaction != node.interaction) continue;
+        for (const ZoneBound& bound : interaction.bounds) instants.demand(left, side_of(bound, node.origin));
+      }
+      if (!enter_core(before, node.origin)) return;
+      const u64 choice = number_of(core_, node.interaction, node.config);
+      if (choice == core_.candidate_count() || !core_.take_timed(core_.position(choice))) return;
+      taken.push_back({left, node.interaction, node.config});
+    }
+    if (node.edge == ZoneEdge::Initial || node.edge == ZoneEdge::Step) note_clocks(entered);
+    left = instants.add();
+    instants.at_least(entered, left, 0);
+    if (node.is_still) instants.exactly(entered, left, 0);
+    for (const Bounds* bounds : {&at.cells, &at.invariants}) {
+      for (const ZoneBound& bound : *bounds) {
+        const ZoneBound side = node.zone.implies(bound) ? bound : bound.opposite();
+        instants.demand(entered, side);
+        instants.demand(left, side);
+      }
+    }
+  }
+  const Location& last = locations_[nodes_[target.node].location];
+  std::vector<i64> point = target.point;
+  // So far that no bound is ahead.
+  const i64 farther = target.is_far ? 2 * *std::max_element(locations_.max().begin(), locations_.max().end()) -
+                                          *std::min_element(locations_.min().begin(), locations_.min().end()) + 1
+                                    : 0;
+  for (u32 clock = 1; clock < point.size(); ++clock) point[clock] += farther;
+  for (const ZoneBound& bound : locations_.all_bounds(last)) {
+    instants.demand(left, side_of(bound, point));
+    const bool is_reached = point[bound.i] - point[bound.j] == bound.limit;
+    if (is_reached) instants.demand(left, {bound.j, bound.i, -bound.limit});
+  }
+  const std::vector<i64> when = instants.earliest();
+  if (when.empty()) return;
+  bool is_sound = core_.initialize();
+  for (const Taken& step : taken) {
+    if (!is_sound || !let_time_pass(core_, when[step.when])) return;
+    const u64 choice = number_of(core_, step.interaction, step.config);
+    if (choice == core_.candidate_count()) return;
+    way.steps.push_back({core_.now(), choice});
+    is_sound = core_.take_timed(core_.position(choice));
+  }
+  way.end = when[left];
+  if (target.is_far) {
+    while (is_sound && !is_dead(core_)) {
+      if (core_.next_change() == kForever || !let_time_pass(core_, core_.next_change())) return;
+    }
+    way.end = core_.now();
+  } else if (!is_sound || !let_time_pass(core_, way.end)) {
+    if (!target.is_error || !core_.fault()) return;
+  } else if (target.is_step) {
+    const u64 choice = number_of(core_, target.interaction, target.config);
+    if (choice == core_.candidate_count()) return;
+    way.steps.push_back({core_.now(), choice});
+    if (core_.take_timed(core_.position(choice))) return;
+  } else if (target.is_state) {
+    if (!options_.is_broken(core_)) return;
+  } else {
+    std::vector<i64> ends;
+    if (core_.candidate_count() != 0 || core_.wait_limit(ends) != core_.now()) return;
+  }
+  report_.are_ways_known = true;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""tests/fuzz/test_fuzz.py [--edits N] [--seed S]: any bytes at all give a diagnostic or a system.
+
+First the kept crashers, tests/fuzz/regressions/TARGET/*, and what libFuzzer learnt, tests/fuzz/corpus/TARGET/*, then N random edits (default 20,000, a nightly run takes a
+million) of good sources, shared out among the targets. The sources: models/, the files in tests/golden, and the systems
+that bipc makes of models/. BIPC_BUILD_DIR names the build (default: build).
+`--corpus DIR` only writes the sources there, as seeds for libFuzzer. The last line is "fuzz: N passed, N failed".
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
+HERE = ROOT / "tests" / "fuzz"
+LARGEST = 6000
+
+
+def parts(path, suffix=".bip"):
+    """The .bip files that a golden holds, each after its line `--- file NAME.bip`; or those with another suffix."""
+    name, lines = None, []
+    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        if line.startswith("--- "):
+            if name:
+                yield name, "\n".join(lines) + "\n"
+            name, lines = (line.split()[-1] if line.endswith(suffix) else None), []
+        else:
+            lines.append(line)
+    if name:
+        yield name, "\n".join(lines) + "\n"
+
+
+def sources():
+    texts = {path.name: path.read_text(encoding="utf-8") for path in sorted(ROOT.glob("models/**/*.bip"))}
+    for folder in ("language", "paper", "diagnostics"):
+        for path in sorted((ROOT / "tests" / "golden" / folder).glob("*.golden")):
+            texts.update({f"{path.stem}_{name}": text for name, text in parts(path)})
+    return {name.replace("/", "_"): text for name, text in texts.items() if len(text) <= LARGEST}
+
+
+def descriptions():
+    """.gen: Dala's, and those of the goldens."""
+    texts = {path.name: path.read_text(encoding="utf-8") for path in sorted(ROOT.glob("models/**/*.gen"))}
+    for path in sorted((ROOT / "tests" / "golden" / "genom").glob("*.golden")):
+        texts.update({f"{path.stem}_{name}": text for name, text in parts(path, ".gen")})
+    return {name.replace("/", "_"): text for name, text in texts.items() if len(text) <= LARGEST}
+
+
+def rules():
+    """.rules, of the goldens: those are about the modules that the target has."""
+    texts = {}
+    for path in sorted((ROOT / "tests" / "golden" / "rules").glob("*.golden")):
+        texts.update({f"{path.stem}_{name}": text for name, text in parts(path, ".rules")})
+    return texts
+
+
+def systems():
+    """.bsys of some models, as bipc prints them."""
+    made = {}
+    for path in sorted(ROOT.glob("models/**/*.bip")):
+        done = subprocess.run([(BUILD / "bipc").resolve(), "emit", "--emit=system", path.relative_to(ROOT)], capture_output=True, cwd=ROOT)
+        if done.returncode == 0 and len(done.stdout) <= 4 * LARGEST:
+            made[path.stem + ".bsys"] = done.stdout.decode("utf-8", "replace")
+    return made
+
+
+def session(name, text):
+    """One message a line: the text is opened, asked about, edited and asked about again."""
+    document = {"uri": f"file:///nowhere/{name}"}
+    lines = text.splitlines() or [""]
+    places = [{"line": row, "character": len(lines[row]) // part} for row in (0, len(lines) // 3, len(lines) // 2, len(lines) - 1) for part in (3, 2)]
+    whole = {"start": {"line": 0, "character": 0}, "end": {"line": len(lines), "character": 0}}
+    opened = ("textDocument/didOpen", {"textDocument": {**document, "languageId": "bip", "version": 1, "text": text}})
+    edits = [{"range": {"start": place, "end": place}, "text": words} for place, words in zip(places, (" ", "end ", "/* ", "data int x ", "'"))]
+    changed = ("textDocument/didChange", {"textDocument": {**document, "version": 2}, "contentChanges": edits})
+    asked = [(f"textDocument/{what}", {"textDocument": document}) for what in ("documentSymbol", "formatting", "semanticTokens/full")]
+    asked += [(f"textDocument/{what}", {"textDocument": document, "position": place, "newName": "other", "context": {"includeDeclaration": True}})
+              for what, place in zip(("definition", "references", "hover", "rename", "prepareRename", "completion", "definition", "hover"), places)]
+    asked.append(("textDocument/codeAction", {"textDocument": document, "range": whole, "context": {"diagnostics": []}}))
+    messages = [opened, *asked[::2], changed, *asked[1::2]]
+    wrapped = [{"jsonrpc": "2.0", "method": method, "params": params, **({} if "did" in method else {"id": number})} for number, (method, params) in enumerate(messages)]
+    return "\n".join(json.dumps(message, separators=(",", ":")) for message in wrapped) + "\n"
+
+
+def sessions(texts):
+    made = {f"{name}.lsp": session(name, text) for name, text in texts.items() if len(text) <= LARGEST // 3}
+    # Some as a stream with headers.
+    for name in sorted(made)[::8]:
+        bodies = [line.encode() for line in made[name].splitlines()]
+        made[name] = "".join(f"Content-Length: {len(body)}\r\n\r\n{body.decode()}" for body in bodies)
+    return made
+
+
+def write(folder, texts):
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return sorted(str(folder / name) for name in texts)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("--edits", type=int, default=20000)
+    arguments.add_argument("--seed", type=int, default=1)
+    arguments.add_argument("--corpus", help="write the sources there and end")
+    options = arguments.parse_args()
+    if options.corpus:
+        folder = pathlib.Path(options.corpus)
+        write(folder / "text", sources())
+        write(folder / "bsys", systems())
+        write(folder / "lsp", sessions(sources()))
+        write(folder / "genom", descriptions())
+        write(folder / "rules", rules())
+        return
+    passed = failed = 0
+    with tempfile.TemporaryDirectory() as work:
+        work = pathlib.Path(work)
+        seeds = {"text": write(work / "text", sources()), "bsys": write(work / "bsys", systems()),
+                 "lsp": write(work / "lsp", sessions(sources())), "genom": write(work / "genom", descriptions()), "rules": write(work / "rules", rules())}
+        seeds["format"] = seeds["text"]
+        shares = {"text": 0.45, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02}
+        for target, share in shares.items():
+            kept = sorted(str(p) for folder in ("regressions", "corpus") for p in (HERE / folder / target).glob("*"))
+            jobs = [kept] if kept else []
+            edits = int(options.edits * share)
+            if edits and seeds[target]:
+                jobs.append(["--edits", str(edits), "--seed", str(options.seed), *seeds[target]])
+            for job in jobs:
+                done = subprocess.run([BUILD / "bip-fuzz", target, *job], capture_output=True, text=True, cwd=work, errors="replace")
+                last = done.stdout.splitlines()[-1:] or [""]
+                words = last[0].replace(",", "").split()
+                if done.returncode > 1 or len(words) != 6:
+                    failed += 1
+                    left = work / "fuzz-failed"
+                    print(f"{target}: exit {done.returncode}: {done.stderr[-300:]}")
+                    if left.exists():
+                        print(left.read_bytes()[:2000].decode("utf-8", "replace"))
+                    continue
+                inputs, accepted, bad = (int(words[k]) for k in (0, 2, 4))
+                if "--edits" in job:
+                    print(f"{target}: {inputs} edits, {accepted} accepted")
+                    if accepted == 0 and inputs >= 1000:
+                        print(f"{target}: nothing behind the first check was tried")
+                        bad = max(bad, 1)
+                passed += inputs - bad
+                failed += bad
+                if bad:
+                    print(f"{target}: " + "\n".join(done.stdout.splitlines()[:20]))
+    print(f"fuzz: {passed} passed, {failed} failed")
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

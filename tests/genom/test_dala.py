@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""The modules of models/dala: translated, checked without a warning, run, verified, and counted beside the paper's Table I.
+
+    tests/genom/test_dala.py [--table] [--steps N] [--timeout SECONDS] [part of a module's name ...]
+
+Components have to be those of Table I, locations and interactions in its order (rank correlation at least 0.85). The paper's five are verified
+together, and so are all modules, which are also checked and run as one functional level, and all under dala.rules. --table prints the table. Python's library only.
+The last line is "genom: N passed, N failed".
+"""
+import argparse
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+DALA = ROOT / "models/dala"
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
+FIVE = ("laserrf", "aspect", "ndd", "rflex", "antenna")
+BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
+# Table I: components, locations, interactions. POM is not in it.
+TABLE = {"laserrf": (43, 213, 202), "aspect": (29, 160, 117), "ndd": (27, 152, 117), "rflex": (56, 308, 227), "antenna": (20, 97, 73),
+         "battery": (30, 176, 138), "heating": (26, 149, 116), "ptu": (37, 174, 151), "hueblob": (28, 187, 156), "viam": (41, 227, 231),
+         "dtm": (34, 198, 201), "stereo": (33, 196, 199), "p3d": (50, 254, 219)}
+
+
+def bipc(*arguments, codes=(0,)):
+    done = subprocess.run([BIPC, *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode not in codes or "warning[" in done.stderr:
+        raise AssertionError(f"bipc {' '.join(map(str, arguments))} ends with {done.returncode}: {done.stdout[-300:]}{done.stderr[-1500:]}")
+    return done
+
+
+def side_of(name, work):
+    """The lines of dala.yields that are about one module, without what it reads of others."""
+    lines, here = [], False
+    for line in (DALA / "dala.yields").read_text(encoding="utf-8").splitlines():
+        if line.startswith("# "):
+            here = line[2:].strip().lower() == name
+        elif here and not line.startswith("task "):
+            lines.append(line)
+    path = pathlib.Path(work) / f"{name}.yields"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def sizes(bip):
+    """Components, locations, interactions of the module itself, from the flat system: the semaphore and the clock are not its own."""
+    system = bipc("emit", "--emit=system", bip).stdout
+    places, kind, atoms, locations = {}, None, 0, 0
+    for line in system.splitlines():
+        if m := re.match(r"\(atom-type (\d+) ", line):
+            kind = m.group(1)
+            places[kind] = 0
+        elif line.startswith("  (place "):
+            places[kind] += 1
+        elif m := re.match(r"\(atom \d+ \S+ (\d+):(\S+)", line):
+            if m.group(2).split(".")[-1] not in ("Semaphore", "MasterTimer"):
+                atoms += 1
+                locations += places[m.group(1)]
+    interactions = sum(1 for line in system.splitlines() if line.startswith("(connector ") and " bound " not in line.split("(in ")[0])
+    return atoms, locations, interactions
+
+
+def ranks(values):
+    order = sorted(values)
+    return [sum(i for i, o in enumerate(order) if o == v) / order.count(v) for v in values]
+
+
+def correlation(a, b):
+    """Spearman's: of the ranks."""
+    x, y = ranks(a), ranks(b)
+    mx, my = sum(x) / len(x), sum(y) / len(y)
+    top = sum((p - mx) * (q - my) for p, q in zip(x, y))
+    return top / (sum((p - mx) ** 2 for p in x) * sum((q - my) ** 2 for q in y)) ** 0.5
+
+
+def prove_with_rules(work, timeout):
+    """The level under dala.rules: what rules remember is data, which the prover bounds by induction."""
+    bip = pathlib.Path(work) / "ruled.bip"
+    bipc("rules", DALA / "dala.rules", "-o", bip)
+    verdict = bipc("verify", "--no-reuse", "--timeout", timeout, bip, codes=(0, 3, 4)).stdout.splitlines()[0]
+    if not verdict.startswith("deadlock-free: proved"):
+        raise AssertionError(f"with rules: {verdict}")
+    return verdict
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("names", nargs="*")
+    arguments.add_argument("--table", action="store_true")
+    arguments.add_argument("--steps", type=int, default=1000)
+    arguments.add_argument("--timeout", type=int, default=60)
+    options = arguments.parse_args()
+    names = [n for n in [*TABLE, "pom"] if not options.names or any(part in n for part in options.names)]
+    passed, problems, counted, rows = 0, [], {}, []
+    with tempfile.TemporaryDirectory(prefix="dala-") as work:
+        for name in names:
+            try:
+                bip = pathlib.Path(work) / f"{name}.bip"
+                bipc("genom", DALA / f"{name}.gen", "--yields", side_of(name, work), "-o", bip)
+                bipc("check", bip)
+                ran = bipc("run", bip, "--seed", 1, "--limit", options.steps, "--silent").stdout
+                if f"limit: {options.steps} steps" not in ran:
+                    raise AssertionError(f"the run of {name} ends early: {ran}")
+                begin = time.monotonic()
+                verdict = bipc("verify", "--no-reuse", "--timeout", options.timeout, bip).stdout.splitlines()[0]
+                seconds = time.monotonic() - begin
+                if not verdict.startswith("deadlock-free: proved"):
+                    raise AssertionError(f"{name}: {verdict}")
+                counted[name] = sizes(bip)
+                if name in TABLE and counted[name][0] != TABLE[name][0]:
+                    raise AssertionError(f"{name} has {counted[name][0]} components, Table I has {TABLE[name][0]}")
+                rows.append((name, *counted[name], bip.read_text(encoding="utf-8").count("\n"), seconds, verdict))
+                passed += 1
+            except AssertionError as e:
+                problems.append(f"{name}: {e}")
+        try:
+            if not options.names:
+                bip, side = pathlib.Path(work) / "five.bip", pathlib.Path(work) / "five.yields"
+                side.write_text("".join(side_of(n, work).read_text(encoding="utf-8") for n in FIVE), encoding="utf-8")
+                bipc("genom", *(DALA / f"{n}.gen" for n in FIVE), "--yields", side, "-o", bip)
+                verdict = bipc("verify", "--no-reuse", "--timeout", options.timeout, bip, codes=(0, 3, 4)).stdout.splitlines()[0]
+                if not verdict.startswith("deadlock-free: proved"):
+                    raise AssertionError(f"the five: {verdict}")
+                passed += 1
+                bip = pathlib.Path(work) / "dala.bip"
+                bipc("genom", *(DALA / f"{n}.gen" for n in names), "--yields", DALA / "dala.yields", "-o", bip)
+                bipc("check", bip)
+                if f"limit: {options.steps} steps" not in bipc("run", bip, "--seed", 1, "--limit", options.steps, "--silent").stdout:
+                    raise AssertionError("the run of all modules ends early")
+                verdict = bipc("verify", "--no-reuse", "--timeout", options.timeout, bip, codes=(0, 3, 4)).stdout.splitlines()[0]
+                if not verdict.startswith("deadlock-free: proved"):
+                    raise AssertionError(verdict)
+                rows.append(("all", *sizes(bip), bip.read_text(encoding="utf-8").count("\n"), 0.0, ""))
+                passed += 1
+                prove_with_rules(work, options.timeout)
+                passed += 1
+        except AssertionError as e:
+            problems.append(f"all modules: {e}")
+    known = [n for n in counted if n in TABLE]
+    if len(known) == len(TABLE):
+        for column, what in ((1, "locations"), (2, "interactions")):
+            r = correlation([counted[n][column] for n in known], [TABLE[n][column] for n in known])
+            print(f"{what}: rank correlation with Table I {r:.2f}")
+            if r < 0.85:
+                problems.append(f"{what} are not in the order of Table I: {r:.2f}")
+    if options.table:
+        print("| module | components | locations | interactions | lines | verify s | paper: components locations interactions |")
+        for name, atoms, locations, interactions, lines, seconds, _ in rows:
+            print(f"| {name} | {atoms} | {locations} | {interactions} | {lines} | {seconds:.2f} | {' '.join(map(str, TABLE.get(name, ())))} |")
+    for problem in problems:
+        print(problem)
+    print(f"genom: {passed} passed, {len(problems)} failed")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,257 @@
+#!/usr/bin/env python3
+"""Guards of the house: each check_* function below looks at the tree and returns what it found wrong.
+
+    tests/meta/test_meta.py [part of a check's name ...]
+
+Needs python3; check_cli_docs needs a built bipc ($BIPC or build/bipc).
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+sys.path.insert(0, str(HERE))
+import cli_docs  # noqa: E402
+
+SOURCES = sorted(p for folder in ("compiler", "runtime", "tools") for p in (ROOT / folder).rglob("*")
+                 if p.suffix in (".cpp", ".hpp", ".def"))
+CPP = [p for folder in ("compiler", "runtime", "tools", "tests", "models") for p in (ROOT / folder).rglob("*") if p.suffix in (".cpp", ".hpp", ".h")]
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
+
+# The arrow: what each folder may include beside itself. Everything not listed here is upstream or a neighbour.
+BASE = {"base"}
+SOURCE = BASE | {"source"}
+DIAG = SOURCE | {"diag"}
+SYNTAX = SOURCE | {"syntax"}
+MODEL = DIAG | SYNTAX | {"model"}
+SYSTEM = MODEL | {"system"}
+LOWER = SYSTEM | {"lower", "runtime"}
+MAY_INCLUDE = {
+    "base": BASE, "source": SOURCE, "diag": DIAG, "syntax": SYNTAX, "parse": DIAG | SYNTAX | {"parse"},
+    "model": MODEL, "system": SYSTEM, "lower": LOWER, "interp": LOWER | {"interp"}, "jit": LOWER | {"jit"},
+    "emit_cpp": LOWER | {"emit_cpp"}, "steps": LOWER | {"steps"}, "graph": SYSTEM | {"graph"}, "verify": LOWER | {"verify"},
+    "genom": DIAG | SYNTAX | {"parse", "genom"}, "rules": DIAG | SYNTAX | {"genom", "rules"},
+    "exchange": SYSTEM | {"exchange", "verify"},
+    "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
+    "runtime": {"runtime"},
+}
+VENDORS = {
+    "ANTLR": (re.compile(r"^antlr4|^Bip(Lexer|Parser)\.h|^antlr4-runtime"), ("compiler/parse/",)),
+    "LLVM": (re.compile(r"^llvm(-c)?/"), ("compiler/jit/",)),
+    "solvers": (re.compile(r"^(cadical|z3)"), ("compiler/verify/solver/", "tools/certcheck/")),
+    "asio": (re.compile(r"^asio"), ("compiler/serve/",)),
+    "CLI11": (re.compile(r"^CLI/"), ("compiler/driver/", "tools/")),
+}
+BANNED = ("no viable alternative", "mismatched input", "extraneous input", "missing '", "token recognition error",
+          "terminate called", "std::bad", "internal error", "illegal", "invalid ", "please")
+GOLDEN_STDERR = re.compile(r"^--- stderr$(.*?)(?=^--- |\Z)", re.M | re.S)
+
+
+def relative(path):
+    return path.relative_to(ROOT).as_posix()
+
+
+def folder_of(include):
+    """compiler/model/x.hpp -> model; runtime/…, bip/… -> runtime; else None."""
+    parts = include.split("/")
+    if parts[0] == "compiler" and len(parts) > 2:
+        return parts[1]
+    if parts[0] in ("runtime", "bip"):
+        return "runtime"
+    return None
+
+
+def check_layering():
+    problems = []
+    for path in SOURCES:
+        name = relative(path)
+        own = folder_of(name)
+        allowed = MAY_INCLUDE.get(own)
+        for _, include in INCLUDE.findall(path.read_text(encoding="utf-8")):
+            target = folder_of(include)
+            if target and allowed is not None and target not in allowed:
+                problems.append(f"{name}: includes {include}, which is not downstream of {own}")
+    return problems
+
+
+def check_runtime_layering():
+    """core <- trace <- explore <- engine; engine's headers may be seen by the compiler only."""
+    allowed = {"core": {"core"}, "trace": {"core", "trace"}, "explore": {"core", "trace", "explore"},
+               "engine": {"core", "trace", "explore", "engine"}, "include": {"include"}}
+    problems = []
+    for path in SOURCES:
+        name = relative(path)
+        parts = name.split("/")
+        if parts[0] != "runtime" or len(parts) < 3:
+            continue
+        for _, include in INCLUDE.findall(path.read_text(encoding="utf-8")):
+            target = include.split("/")
+            if target[0] == "runtime" and len(target) > 2 and target[1] not in allowed.get(parts[1], set()):
+                problems.append(f"{name}: includes {include}, which is not downstream of runtime/{parts[1]}")
+    return problems
+
+
+def check_vendors_are_caged():
+    problems = []
+    for path in SOURCES:
+        name = relative(path)
+        for _, include in INCLUDE.findall(path.read_text(encoding="utf-8")):
+            for vendor, (pattern, cages) in VENDORS.items():
+                if pattern.search(include) and not name.startswith(cages):
+                    problems.append(f"{name}: includes {include}: {vendor} belongs in {' '.join(cages)}")
+            if name.startswith("runtime/") and (include.startswith(("fmt/", "nlohmann/")) or include == "iostream"):
+                problems.append(f"{name}: includes {include}: the runtime is lean")
+    return problems
+
+
+def check_throw_only_in_parse():
+    # emitted.hpp, foreign.hpp, event_source.hpp: a fault leaves an emitted function by an exception that the same function catches.
+    allowed = ("compiler/parse/", "tools/", "runtime/include/bip/emitted.hpp", "runtime/include/bip/foreign.hpp",
+               "runtime/include/bip/event_source.hpp")
+    return [f"{relative(p)}:{n}: throw" for p in SOURCES if not relative(p).startswith(allowed)
+            for n, line in enumerate(p.read_text(encoding="utf-8").splitlines(), 1)
+            if re.search(r"\bthrow\b(?!s)", re.sub(r'"[^"]*"', '""', line.split("//")[0]))]
+
+
+def kinds():
+    text = (ROOT / "compiler/diag/kinds.def").read_text(encoding="utf-8")
+    return re.findall(r'^BIP_DIAG\((B\d+), (\w+), "([^"]+)"', text, re.M)
+
+
+def goldens():
+    return sorted((ROOT / "tests/golden").rglob("*.golden"))
+
+
+def check_codes_have_pages():
+    pages = {p.stem for p in (ROOT / "compiler/diag/explain").glob("*.md")}
+    return [f"{code}: no page compiler/diag/explain/{code}.md" for code, _, _ in kinds() if code not in pages]
+
+
+def check_pages_have_codes():
+    codes = {code for code, _, _ in kinds()}
+    problems = []
+    for page in sorted((ROOT / "compiler/diag/explain").glob("*.md")):
+        if page.stem == "README":
+            continue
+        if page.stem.startswith("B") and page.stem not in codes:
+            problems.append(f"{relative(page)}: no such code in kinds.def")
+        if not page.read_text(encoding="utf-8").startswith(f"# {page.stem}: "):
+            problems.append(f"{relative(page)}: first line is not `# {page.stem}: title`")
+    return problems
+
+
+def check_codes_have_goldens():
+    """Every code, those of runs and verdicts included, is shown by what some golden expects; there are at least 120."""
+    expected = re.compile(r"^--- std(?:out|err)$(.*?)(?=^--- |\Z)", re.M | re.S)
+    seen = set()
+    for golden in goldens():
+        for part in expected.findall(golden.read_text(encoding="utf-8", errors="replace")):
+            seen.update(re.findall(r"\[([BRV]\d{4})\]", part))
+    pages = {p.stem for p in (ROOT / "compiler/diag/explain").glob("*.md") if p.stem[0] in "RV"}
+    codes = sorted({code for code, _, _ in kinds()} | pages)
+    problems = [f"{code}: no golden shows it" for code in codes if code not in seen]
+    shown = len(seen & set(codes))
+    return problems if shown >= 120 else [*problems, f"only {shown} codes are shown"]
+
+
+def check_pages_match_runtime():
+    """R codes that the runtime can print have pages."""
+    text = "\n".join(p.read_text(encoding="utf-8") for p in SOURCES if relative(p).startswith("runtime/"))
+    codes = sorted(set(re.findall(r'"(R\d{4})"', text)))
+    return [f"{c}: no page" for c in codes if not (ROOT / f"compiler/diag/explain/{c}.md").exists()]
+
+
+def check_goldens_speak_plainly():
+    problems = []
+    for golden in goldens():
+        for part in GOLDEN_STDERR.findall(golden.read_text(encoding="utf-8", errors="replace")):
+            # Lines of the frame that quote the model are not our words.
+            ours = "\n".join(l for l in part.splitlines() if not re.match(r"^\s*\d+ \|", l)).lower()
+            problems += [f"{relative(golden)}: {phrase!r}" for phrase in BANNED if phrase.lower() in ours]
+    return problems
+
+
+def check_a_third_of_the_goldens_fail():
+    everything = goldens()
+    fails = [g for g in everything if g.name.startswith("fail_")]
+    if everything and len(fails) * 3 < len(everything):
+        return [f"{len(fails)} of {len(everything)} goldens are fail_"]
+    return []
+
+
+def check_file_sizes():
+    """A file is an idea, whole: no limit. Long ones are named, so that somebody asks what the second idea in them is."""
+    for path in SOURCES:
+        lines = path.read_text(encoding="utf-8").count("\n")
+        if lines > 800:
+            print(f"warning: {relative(path)}: {lines} lines: what is the second idea in it?")
+    return []
+
+
+def check_format():
+    """All C++ is as .clang-format says (clang-format 14, Debian 12's)."""
+    if shutil.which("clang-format") is None:
+        return ["clang-format is missing: tools/setup --test installs it"]
+    done = subprocess.run(["clang-format", "--dry-run", "-Werror", *(str(p) for p in sorted(CPP))], capture_output=True, text=True)
+    return sorted({line.split(":")[0].replace(str(ROOT) + "/", "") + ": not formatted (clang-format -i)" for line in done.stderr.splitlines() if ": error:" in line})
+
+
+def check_certcheck_can_be_read():
+    """Whoever trusts nobody reads all of it: at most 1,615 lines of code of 120 columns (neither blank nor only comment). All of its lines only get fewer."""
+    most_code, most = 1615, 1851
+    lines = [line.strip() for p in SOURCES if relative(p).startswith("tools/certcheck/") for line in p.read_text(encoding="utf-8").splitlines()]
+    code = sum(line != "" and not line.startswith("//") for line in lines)
+    problems = [f"tools/certcheck: {code} lines of code are more than {most_code}"] if code > most_code else []
+    return problems + ([f"tools/certcheck: {len(lines)} lines are more than {most}"] if len(lines) > most else [])
+
+
+def check_files_begin_with_prose():
+    return [f"{relative(p)}: does not begin with a comment" for p in SOURCES
+            if not p.read_text(encoding="utf-8").lstrip().startswith("//")]
+
+
+def check_license():
+    text = (ROOT / "LICENSE").read_text(encoding="utf-8") if (ROOT / "LICENSE").exists() else ""
+    wanted = ("Apache License", "Version 2.0, January 2004", "LLVM Exceptions to the Apache 2.0 License")
+    return [f"LICENSE: lacks {w!r}" for w in wanted if w not in text]
+
+
+def check_no_paths_of_a_machine():
+    pattern = re.compile(r"/(home|Users|work)/[A-Za-z]")
+    tracked = [p for folder in ("compiler", "runtime", "tools", "tests", "grammar", "models", "stdlib") for p in (ROOT / folder).rglob("*")
+               if p.is_file() and p.suffix not in (".svg", ".png", ".pyc") and p != pathlib.Path(__file__).resolve()]
+    return [f"{relative(p)}:{n}: {line.strip()[:80]}" for p in tracked
+            for n, line in enumerate(p.read_text(encoding="utf-8", errors="replace").splitlines(), 1) if pattern.search(line)]
+
+
+def check_cli_docs():
+    return cli_docs.differences()
+
+
+def main():
+    checks = [(n[6:], f) for n, f in sorted(globals().items()) if n.startswith("check_")]
+    wanted = sys.argv[1:]
+    failed = 0
+    ran = 0
+    for name, check in checks:
+        if wanted and not any(w in name for w in wanted):
+            continue
+        ran += 1
+        problems = check()
+        if problems:
+            failed += 1
+            print(f"FAILED {name}: {len(problems)}")
+            for problem in problems[:40]:
+                print(f"  {problem}")
+            if len(problems) > 40:
+                print(f"  … and {len(problems) - 40} more")
+    print(f"meta: {ran - failed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,80 @@
+// Objects of extern types: made with the core, put to their default, saved and loaded as deep copies.
+#include <catch2/catch.hpp>
+
+#include <vector>
+
+#include "bip/outside.hpp"
+#include "runtime/core/state/extern_data.hpp"
+
+using namespace bip::rt;
+
+namespace {
+
+struct Incomparable {
+  int x = 7;
+};
+
+const ExternType kTypes[] = {extern_type_of<std::vector<int>>("List"), extern_type_of<Incomparable>("Odd")};
+const Var kVars[] = {{"n", CellType::Int, false, false},
+                     {"l", static_cast<CellType>(kFirstExtern), false, false},
+                     {"o", static_cast<CellType>(kFirstExtern + 1), false, false}};
+const char* const kTexts[] = {"", "one"};
+
+Image image_of(AtomType& type, const Atom& atom, Outside& outside) {
+  type.variables = {kVars, 3};
+  Image image;
+  image.strings = {kTexts, 2};
+  image.atom_types = {&type, 1};
+  image.atoms = {&atom, 1};
+  image.cell_count = 3;
+  image.extern_types = {kTypes, 2};
+  image.outside = &outside;
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("objects are saved and loaded as copies") {
+  Outside outside;
+  AtomType type{};
+  const Atom atom{};
+  const Image image = image_of(type, atom, outside);
+  ExternData data(image);
+  std::vector<Cell> all(3, Cell{0});
+  data.reset(type.variables, all.data(), 0);
+  REQUIRE(object_in<std::vector<int>>(all[1]).empty());
+  CHECK(object_in<Incomparable>(all[2]).x == 7);
+  object_in<std::vector<int>>(all[1]) = {1, 2};
+
+  std::vector<std::uint64_t> bits{0, all[1].bits, all[2].bits};
+  std::vector<ExternValue> saved;
+  data.save(bits, saved);
+  CHECK(bits == std::vector<std::uint64_t>{0, 0, 0});
+  object_in<std::vector<int>>(all[1]).push_back(3);
+  const std::uint64_t address = all[1].bits;
+  data.load(all.data(), saved);
+  CHECK(all[1].bits == address);
+  CHECK(object_in<std::vector<int>>(all[1]) == std::vector<int>{1, 2});
+
+  SECTION("copies compare by the type's ==, and differ without one") {
+    const std::vector<ExternValue> copy = saved;
+    CHECK(copy[0] == saved[0]);
+    CHECK_FALSE(copy[1] == saved[1]);
+  }
+  SECTION("reset gives the default value again") {
+    data.reset(type.variables, all.data(), 0);
+    CHECK(object_in<std::vector<int>>(all[1]).empty());
+  }
+}
+
+TEST_CASE("strings made at run time stand above those of the image, each once") {
+  Outside outside;
+  outside.attach({kTexts, 2});
+  outside.attach({kTexts, 2});
+  CHECK(outside.intern("one") == 1);
+  CHECK(outside.intern(static_cast<const char*>(nullptr)) == 0);
+  const std::int32_t row = outside.intern(std::string("two"));
+  CHECK(row == 2);
+  CHECK(outside.intern("two") == row);
+  CHECK(std::string(outside.text(row)) == "two");
+}
