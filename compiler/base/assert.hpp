@@ -1,11 +1,10 @@
-// Assertions for our own bugs. User input never reaches one.
+// Assertions (bip/assert.hpp) that also say which stage of the compiler was at work.
 #pragma once
 #include <string_view>
 
-namespace bip {
-/// Prints the place and what was being done, then exits with code 70.
-[[noreturn]] void report_bug(const char* what, const char* file, int line);
+#include "runtime/include/bip/assert.hpp"
 
+namespace bip {
 /// Says what is being done while it lives: "while flattening connector `sync`". `doing` and `what` must outlive it.
 class StageScope {
  public:
@@ -15,15 +14,9 @@ class StageScope {
   StageScope& operator=(const StageScope&) = delete;
 
  private:
-  friend void report_bug(const char* what, const char* file, int line);
+  friend void print_stages();
   const char* doing_;
   std::string_view what_;
   const StageScope* outer_;
 };
 }  // namespace bip
-
-#define BIP_ASSERT(cond)                                       \
-  do {                                                         \
-    if (!(cond)) ::bip::report_bug(#cond, __FILE__, __LINE__); \
-  } while (false)
-#define BIP_UNREACHABLE(what) ::bip::report_bug(what, __FILE__, __LINE__)

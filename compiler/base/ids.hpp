@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip {
 
 /// A row number with a type, so that an atom's row is never used as a port's.
@@ -31,8 +33,14 @@ class IndexVector {
     rows_.push_back(std::move(row));
     return IdT(rows_.size() - 1);
   }
-  [[nodiscard]] T& operator[](IdT id) { return rows_[id.value]; }
-  [[nodiscard]] const T& operator[](IdT id) const { return rows_[id.value]; }
+  [[nodiscard]] T& operator[](IdT id) {
+    BIP_ASSERT(contains(id), "row {} of {}", id.value, rows_.size());
+    return rows_[id.value];
+  }
+  [[nodiscard]] const T& operator[](IdT id) const {
+    BIP_ASSERT(contains(id), "row {} of {}", id.value, rows_.size());
+    return rows_[id.value];
+  }
   [[nodiscard]] std::size_t size() const { return rows_.size(); }
   [[nodiscard]] bool empty() const { return rows_.empty(); }
   [[nodiscard]] bool contains(IdT id) const { return id.value < rows_.size(); }

@@ -18,8 +18,8 @@ void confirm_stable(const std::string& text) {
   Diagnostics diags;
   const FileId file = sources.add("formatted", text);
   const auto again = parse::parse_file(sources, file, diags);
-  BIP_ASSERT(again.has_value() && !diags.has_errors());
-  BIP_ASSERT(syntax::print(*again, sources) == text);
+  BIP_ENSURE(again.has_value() && !diags.has_errors());
+  BIP_ENSURE(syntax::print(*again, sources) == text);
 }
 
 // 0, or 1 if the file has errors or (--check) is not in house style.

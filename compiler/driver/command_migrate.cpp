@@ -32,8 +32,8 @@ void confirm_migrated(const std::string& text) {
   Diagnostics diags;
   const FileId file = sources.add("migrated", text);
   const auto again = parse::parse_file(sources, file, diags);
-  BIP_ASSERT(again.has_value() && !diags.has_errors());
-  BIP_ASSERT(syntax::deprecated_spellings(*again).empty());
+  BIP_ENSURE(again.has_value() && !diags.has_errors());
+  BIP_ENSURE(syntax::deprecated_spellings(*again).empty());
 }
 
 int migrate_one(const MigrateArguments& arguments, const std::string& path) {

@@ -70,7 +70,7 @@ std::string formatted(const std::string& text) {
   const FileId file = sources.add("generated", text);
   const auto syntax = parse::parse_file(sources, file, diags);
   // What we write must be BIP.
-  BIP_ASSERT(syntax.has_value() && !diags.has_errors());
+  BIP_ENSURE(syntax.has_value() && !diags.has_errors());
   return syntax::print(*syntax, sources);
 }
 

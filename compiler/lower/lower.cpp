@@ -43,7 +43,7 @@ void lower_texts(Lowering& l) {
   for (const std::string& text : l.system.code.strings) l.pools.strings.push_back(text.c_str());
   if (l.pools.strings.empty()) l.pools.strings.push_back("");
   // Zeroed variables read row 0.
-  BIP_ASSERT(*l.pools.strings[0] == '\0');
+  BIP_ENSURE(*l.pools.strings[0] == '\0');
 }
 
 // Do events bring strings? Their rows are made while the model runs.

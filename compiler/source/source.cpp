@@ -70,7 +70,7 @@ Result<std::string> read_file(const std::string& path) {
 }  // namespace
 
 FileId SourceMap::add(std::string name, std::string text) {
-  BIP_ASSERT(text.size() <= kMaxFileBytes);
+  BIP_ENSURE(text.size() <= kMaxFileBytes);
   File file;
   file.name = std::move(name);
   file.text = std::move(text);

@@ -58,6 +58,8 @@ def relative(path):
 def folder_of(include):
     """compiler/model/x.hpp -> model; runtime/…, bip/… -> runtime; else None."""
     parts = include.split("/")
+    if parts[-1] == "assert.hpp" and "bip" in parts:
+        return None  # bip/assert.hpp needs nothing, all may include it
     if parts[0] == "compiler" and len(parts) > 2:
         return parts[1]
     if parts[0] in ("runtime", "bip"):

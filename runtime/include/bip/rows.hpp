@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <string>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;  // no row, no code
@@ -17,7 +19,10 @@ template <class T>
 struct Span {
   const T* data = nullptr;
   std::uint32_t size = 0;
-  const T& operator[](std::size_t i) const { return data[i]; }
+  const T& operator[](std::size_t i) const {
+    BIP_ASSERT(i < size, "element {} of {}", i, size);
+    return data[i];
+  }
   const T* begin() const { return data; }
   const T* end() const { return data + size; }
 };
