@@ -6,11 +6,14 @@
 namespace bip::driver {
 
 void add_cache_options(CLI::App& command, CacheOptions& cache) {
-  CLI::Option* off = command.add_flag("--no-cache", cache.is_off, "nothing is kept for the next time");
-  command.add_option("--cache", cache.folder, "keep it in DIR (default: $XDG_CACHE_HOME/bipc, else ~/.cache/bipc)")
+  CLI::Option* off = command.add_flag("--no-cache", cache.is_off, "neither read nor write the cache");
+  command
+      .add_option("--cache", cache.folder, "folder of the cache (default: $XDG_CACHE_HOME/bipc, else ~/.cache/bipc)")
       ->type_name("DIR")
       ->excludes(off);
-  command.add_option("--cache-size", cache.megabytes, "keep at most so much, what was used last (default 256)")
+  command
+      .add_option("--cache-size", cache.megabytes,
+                  "size limit of the cache; the least recently used entries are removed (default: 256)")
       ->check(CLI::Range(1, 1 << 20))
       ->type_name("MB");
 }
@@ -34,21 +37,24 @@ void add_optimisation(CLI::App& app, Optimisation& level, bool with_o1, const st
 }
 
 void add_code_options(CLI::App& command, RunArguments& a) {
-  command.add_flag("-g", a.for_debuggers, "gdb and perf see machine code with its lines in the model; --backend=jit")
+  command
+      .add_flag(
+          "-g", a.for_debuggers,
+          "generate debug information that maps machine code to lines of the model, for gdb and perf (--backend=jit)")
       ->excludes("--explore");
   CLI::Option* explores = command.get_option("--explore");
-  command.add_flag("--profile", a.profile, "where the time went, at the end: by interaction, type, guard and action")
+  command.add_flag("--profile", a.profile, "print a profile at the end: time per interaction, type, guard and action")
       ->excludes(explores);
-  command.add_option("--profile-json", a.profile_path, "the same as JSON to PATH")
+  command.add_option("--profile-json", a.profile_path, "write the profile as JSON to PATH")
       ->type_name("PATH")
       ->excludes(explores);
 }
 
 void add_real_time_priority(CLI::App& command, int& priority) {
   command
-      .add_option(
-          "--real-time-priority", priority,
-          "in real time: before other programs (SCHED_FIFO, 1 to 99), memory locked; a warning if that is refused")
+      .add_option("--real-time-priority", priority,
+                  "in real time, run with scheduling priority N (SCHED_FIFO, 1 to 99) and locked memory; a refusal is "
+                  "a warning")
       ->check(CLI::Range(1, 99))
       ->type_name("N");
 }

@@ -78,12 +78,13 @@ def page():
     top = help_of()
     commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
     text = ("# The command line\n\nGenerated from `--help` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
-            "Exit codes: 0 ok, 1 errors in the model or at run time, 2 wrong command line, 70 a bug of bipc. Ctrl-C ends a run\n"
-            "like a limit does.\n"
-            "Errors and warnings go to standard error, everything else to standard output.\n\n"
-            "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ once\n"
-            "and keeps it below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`), named by content, as what the JIT compiles and what `verify` proves; `--cache DIR` is another\n"
-            "place, `--no-cache` none. The folder may be removed at any time; beyond 256 MB (`--cache-size`) what was not used longest goes.\n\n"
+            "Exit codes: 0 success, 1 errors in the model or at run time, 2 wrong command line, 3 a violated property or a deadlock that `verify` or\n"
+            "`explore` found, 4 no verdict or a limit reached, 70 an error of bipc itself. Ctrl-C ends a run as a limit does.\n"
+            "Errors and warnings are written to standard error, everything else to standard output.\n\n"
+            "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ code once.\n"
+            "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`) under a hash of its content, as are the JIT's machine code and the proofs of `verify`;\n"
+            "`--cache DIR` selects another folder, `--no-cache` none. The folder may be removed at any time; when it exceeds 256 MB (`--cache-size`), the least\n"
+            "recently used entries are removed.\n\n"
             f"## bipc\n\n```text\n{top}\n```\n")
     text += PUBLISHED
     for command in commands:
