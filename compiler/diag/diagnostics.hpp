@@ -28,7 +28,7 @@ enum class Diag : std::uint16_t {
 struct DiagInfo {
   const char* code;  // "B1003"
   Severity severity;
-  const char* slug;     // "unknown-name"; for warnings also the name in @SuppressWarning where LANGUAGE has one
+  const char* slug;     // "unknown-name"; for warnings also the name in @SuppressWarning if it has one
   const char* message;  // fmt format string
 };
 [[nodiscard]] const DiagInfo& info(Diag kind);

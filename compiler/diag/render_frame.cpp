@@ -1,4 +1,4 @@
-// The frame: the source lines of a diagnostic with their marks, as compiler/docs and STYLE show it.
+// The frame: the source lines of a diagnostic with their marks, as in compiler/docs/diagnostics.md.
 //
 // Lines of the primary file come first, in order, `:` stands for a gap; lines of other files follow under `:::`.
 // Columns are terminal columns: tabs stop every 4, combining marks take none, wide characters two. Long lines are cut

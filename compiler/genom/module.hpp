@@ -51,7 +51,8 @@ struct State {
   std::vector<Yield> yields;
 };
 
-/// The automaton of an activity (paper.md, Figure 3). `stop` is where an interrupted one goes.
+/// The automaton of an activity (Bensalem, de Silva, Ingrand, Yan 2011, Figure 3). `stop` is where an interrupted one
+/// goes.
 struct Activity {
   std::vector<State> states;
   std::size_t start = 0;

@@ -30,7 +30,8 @@ constexpr std::int64_t kMaxTicks = 1'000'000'000;
 constexpr std::array<std::string_view, 5> kStates{"START", "EXEC", "END", "INTER", "FAIL"};
 constexpr std::array<std::string_view, 5> kCodels{"codel_start", "codel_main", "codel_end", "codel_inter",
                                                   "codel_fail"};
-// What a codel of each may answer (GENOM, run-time semantics), and what a missing one does: the first.
+// What a codel of each may answer (GenoM 2's activities, compiler/docs/genom.md). The first is what a missing codel
+// does.
 const std::array<std::vector<std::string_view>, 5> kPermitted{
     {{"EXEC", "START", "END", "ETHER", "FAIL", "ZOMBIE", "SLEEP"},
      {"END", "EXEC", "ETHER", "FAIL", "ZOMBIE", "SLEEP"},

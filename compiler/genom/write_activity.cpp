@@ -1,4 +1,5 @@
-// The automaton of an activity (paper.md, Figure 3) as an atom: a place a state, and one while its codel runs.
+// The automaton of an activity (Bensalem, de Silva, Ingrand, Yan 2011, Figure 3) as an atom: a place a state, and one
+// while its codel runs.
 //
 //   STATE        waits for its turn            STATE_RUNS    the codel runs
 //   STATE_PAUSED waits for the next cycle (3)  STATE_ENDS    it ran, its locks are given back (codel granularity)

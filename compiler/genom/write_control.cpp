@@ -1,4 +1,4 @@
-// The control task: the message box (paper.md, Figure 8) and its timer.
+// The control task: the message box (Bensalem, de Silva, Ingrand, Yan 2011, Figure 8) and its timer.
 //
 // A control cycle, place by place:
 //   idle   -chck->    coll   the timer says so; the module's lock is taken

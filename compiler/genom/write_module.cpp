@@ -1,5 +1,5 @@
-// The compound of a module (paper.md, Figures 7 and 10): its parts, and one connector an event, in the order of the
-// control cycle, then of a task's cycle, then time.
+// The compound of a module (Bensalem, de Silva, Ingrand, Yan 2011, Figures 7 and 10): its components, and one
+// connector per event, in the order of the control cycle, then of a task's cycle, then time.
 #include <fmt/format.h>
 
 #include <algorithm>

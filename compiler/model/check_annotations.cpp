@@ -9,7 +9,7 @@ namespace bip::model {
 
 namespace {
 
-// What LANGUAGE lists, and what this compiler adds (the last row).
+// The names of the published compiler, and those that this compiler adds (the last row).
 constexpr std::array kNames = {"nondeterminism",
                                "unboundcomponentport",
                                "unboundconnectorport",

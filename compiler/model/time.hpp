@@ -1,5 +1,5 @@
-// Time in atom types: clocks, bounds of guards on them, urgency, `resume`, `@async`, events from outside (LANGUAGE.md
-// §5).
+// Time in atom types: clocks, bounds of guards on them, urgency, `resume`, `@async`, external events
+// (compiler/docs/language_meaning.md, section 7).
 //
 // Executors of code know nothing of clocks. A clock owns three hidden variables of its atom, and an assignment to it is
 // two stores: the value, in the clock's unit, and that there is one; whoever ran the action looks there and zeroes them

@@ -220,7 +220,8 @@ const T* find_named(const std::vector<T>& items, const std::string& name) {
 enum class Features : std::uint8_t { All, Timed, Plain };
 [[nodiscard]] Description generate(std::uint64_t seed, Features features = Features::All);
 
-/// Every interaction that `define` gives, as sorted sets of parameters, each once; straight from LANGUAGE.md §4.
+/// Every interaction that `define` gives, as sorted sets of parameters, each once; by the definition in
+/// language_meaning.md, section 4.
 [[nodiscard]] std::vector<std::vector<int>> expand(const Define& define);
 
 /// The model as .bip texts: packages in the order in which they are used, the root's last.

@@ -1,6 +1,6 @@
-// The naive oracle: LANGUAGE.md §4 taken at its word, with no thought for speed. Every interaction is enumerated in
-// every state, priorities are a search through the relation, values are copied. It shares no code with the compiler or
-// the runtime.
+// The naive oracle: a literal implementation of compiler/docs/language_meaning.md, without optimisation. Every
+// interaction is enumerated in every state, priorities are a search through the relation, values are copied. It shares
+// no code with the compiler or the runtime.
 #pragma once
 #include <deque>
 
@@ -51,7 +51,8 @@ class NaiveEngine {
     std::int64_t returns = 0;                                      // when it does
     std::map<std::string, std::deque<std::vector<Value>>> events;  // that wait, by port
   };
-  // ---- time (naive_time.cpp): LANGUAGE.md §5, conditions asked at instants, never as intervals
+  // ---- time (naive_time.cpp): language_meaning.md, section 7: conditions are evaluated at instants, never as
+  // intervals
   static constexpr std::int64_t kForever = INT64_MAX;
   [[nodiscard]] std::int64_t now() const { return now_; }
   void advance(std::int64_t to);

@@ -1,5 +1,5 @@
-// Candidates: the priority relation searched as LANGUAGE.md §4 defines it, interactions that are not enabled included.
-// And the name of a candidate.
+// Candidates: a search through the priority relation as compiler/docs/language_meaning.md (section 5) defines it,
+// including interactions that are not enabled. And the name of a candidate.
 #include <algorithm>
 
 #include "tools/gen/naive.hpp"

@@ -1,4 +1,5 @@
-// Values and code of the naive oracle: LANGUAGE.md §3 evaluated over the description's expressions, by name.
+// Values and code of the naive oracle: compiler/docs/language_meaning.md, section 1, evaluated over the description's
+// expressions, by name.
 #pragma once
 #include <functional>
 #include <map>

@@ -5,7 +5,7 @@
 // A set is a trap if in every step in which a port moves out of the set, another port moves into it or stays in it; all
 // choices of a trigger group and all moves of a port count, so the check is by structure, never by listing
 // interactions. After Bensalem, Bozga, Nguyen, Sifakis: Compositional Verification for Component-Based Systems and
-// Application (2010); lazily as in VERIFICATION: candidates first, traps second.
+// Application (2010); lazily: candidates first, traps second (compiler/docs/verification.md).
 #pragma once
 #include <compare>
 #include <vector>

@@ -1,8 +1,8 @@
 // Whole steps as short programs. A rendezvous of atoms of simple types has the same effect every time: these pieces of
 // code on these rows, these places, these counters of the availability network each by a known amount, these guards to
 // look at again. Listed once, firing is a few loops over one array, without a look at ports or at the image
-// (PERFORMANCE's "superinstruction"; two to four times as fast as following ports one by one). Hierarchies without
-// triggers, guards and merged ports are such rendezvous too.
+// (a superinstruction, see compiler/docs/performance.md; two to four times as fast as following ports one by one).
+// Hierarchies without triggers, guards and merged ports are such rendezvous too.
 //
 // A program: a header (1: pure; deltas << 2, touched << 8, codes before the places << 14, places << 20, codes after <<
 // 26; if a count does not fit, kWide and a word each), then codes (row of codes_, row in `all` of their own

@@ -1,4 +1,4 @@
-// Priorities between the ports of one atom, and its invariants: what LANGUAGE says of an atom beyond its net.
+// Priorities between the ports of one atom, and its invariants (compiler/docs/language_meaning.md, section 2).
 //
 // Rules with true guards are edges between ports. A port is hidden iff an enabled port can be reached from it; ports on
 // the way need not be enabled. A cycle of such edges is a fault. Cost: the rules of the type (a wildcard counts as an

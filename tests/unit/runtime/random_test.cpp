@@ -1,5 +1,5 @@
 // The core against a naive reference: random trees of connectors with random guards over the choice, all interactions
-// by brute force from the definition (LANGUAGE: define, clauses, hierarchy, maximality), on thousands of random
+// by brute force from the definition (compiler/docs/language_meaning.md, sections 4 and 5), on thousands of random
 // systems.
 #include <catch2/catch.hpp>
 
