@@ -17,6 +17,7 @@
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/timed_models.hpp"
@@ -97,12 +98,12 @@ int command_verify(const VerifyArguments& arguments) {
   if (system::is_timed(*c.system)) return verify_timed(arguments, c, question);
 
   verify::PortfolioLimits limits;
-  limits.end = verify::seconds_from_now(static_cast<double>(std::min<std::uint64_t>(arguments.timeout, 100000000)));
+  const InterruptCancellation interrupt;
+  limits.cancellation = interrupt.token().within(static_cast<double>(arguments.timeout));
   limits.threads = processors();
   limits.megabytes = static_cast<std::size_t>(arguments.megabytes);
   limits.wants_certificate = !arguments.certificate.empty();
   limits.wants_few = limits.wants_certificate || arguments.why;
-  const rt::InterruptGuard guard;
   Executor executor;
   bool is_ready = true;
   const auto prepare = [&] {

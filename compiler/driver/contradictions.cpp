@@ -9,6 +9,7 @@
 #include <set>
 
 #include "compiler/driver/executor.hpp"
+#include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/reduce.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
@@ -16,12 +17,11 @@
 namespace bip::driver {
 namespace {
 
-using verify::ProcessClock;
-
 class Judge {
  public:
-  Judge(const rules::Reduced& reduced, const rules::Checked& checked, std::size_t rules, double seconds)
-      : reduced_(reduced), checked_(checked), rules_(rules), end_(verify::seconds_from_now(seconds)) {}
+  Judge(const rules::Reduced& reduced, const rules::Checked& checked, std::size_t rules,
+        const verify::CancellationToken& cancellation)
+      : reduced_(reduced), checked_(checked), rules_(rules), cancellation_(cancellation) {}
 
   /// Is it proved that the property holds with these rules only?
   [[nodiscard]] bool holds(const std::vector<bool>& kept, const std::string& property) const {
@@ -44,7 +44,7 @@ class Judge {
     question.what = verify::QuestionKind::State;
     question.property = std::move(*parsed);
     verify::PortfolioLimits limits;
-    limits.end = end_;
+    limits.cancellation = cancellation_;
     Executor executor;
     verify::Portfolio decider(
         *c.system, c.lowered->image, true, [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); },
@@ -65,13 +65,13 @@ class Judge {
     return needed;
   }
 
-  [[nodiscard]] bool is_over() const { return verify::seconds_until(end_) <= 0; }
+  [[nodiscard]] bool is_over() const { return cancellation_.is_over(); }
 
  private:
   const rules::Reduced& reduced_;
   const rules::Checked& checked_;
   std::size_t rules_;
-  ProcessClock::time_point end_;
+  verify::CancellationToken cancellation_;
 };
 
 // Rules that are enough to keep some services out.
@@ -95,8 +95,8 @@ void counterexample_text(Diagnostics& diags, const rules::RuleFile& file, const 
 void report_contradictions(Compilation& c, const rules::RuleFile& file, const std::vector<genom::Module>& modules,
                            const rules::Checked& checked, double seconds) {
   const rules::Reduced reduced = rules::reduce(modules, checked.constraints);
-  const rt::InterruptGuard guard;
-  const Judge judge(reduced, checked, file.rules.size(), seconds);
+  const InterruptCancellation interrupt;
+  const Judge judge(reduced, checked, file.rules.size(), interrupt.token().within(seconds));
   const std::vector<bool> all(file.rules.size(), true);
   std::set<genom::ServiceRef> asked;
   std::vector<BadStateAbstraction> found;

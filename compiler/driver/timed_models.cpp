@@ -11,13 +11,13 @@
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/system/timed.hpp"
 #include "compiler/verify/timed/prove_time.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
-#include "runtime/engine/interrupt.hpp"
 #include "runtime/explore/counterexample.hpp"
 
 namespace bip::driver {
@@ -77,12 +77,12 @@ int exit_code_of(const rt::ZoneReport& found) {
   return found.end == rt::ExploreEnd::Complete && found.inexact.empty() ? kOk : kUnknown;
 }
 
-std::string limit_text(const rt::ZoneReport& found) {
+std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation) {
   if (!found.inexact.empty()) return found.inexact + ", which zones cannot follow";
   switch (found.end) {
     case rt::ExploreEnd::Time: return "the time is over";
     case rt::ExploreEnd::Memory: return "the memory does not suffice";
-    case rt::ExploreEnd::Stopped: return rt::is_interrupted() ? "interrupted" : "the time is over";
+    case rt::ExploreEnd::Stopped: return cancellation.is_cancelled() ? "interrupted" : "the time is over";
     default: return "the limit of zones is reached";
   }
 }
@@ -169,11 +169,11 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
   const rt::Image& image = c.lowered->image;
   rt::ZoneReport found;
   {
-    const rt::InterruptGuard guard;
+    const InterruptCancellation interrupt;
     rt::ExploreOptions options = arguments.explore;
     options.seconds = static_cast<double>(arguments.seconds);
     options.bytes = arguments.megabytes == 0 ? available_memory() / 4 * 3 : arguments.megabytes * kMega;
-    options.is_stopped = rt::is_interrupted;
+    options.is_stopped = [cancellation = interrupt.token()] { return cancellation.is_cancelled(); };
     found = rt::explore_zones(image, options);
   }
   const rt::MaximalProgress maximal = arguments.explore.progress;
@@ -220,15 +220,14 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
 
 int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question) {
   if (!is_answerable(arguments, c, question)) return report(c);
-  const verify::ProcessClock::time_point end = verify::seconds_from_now(static_cast<double>(arguments.timeout));
+  const InterruptCancellation interrupt;
+  const verify::CancellationToken cancellation = interrupt.token().within(static_cast<double>(arguments.timeout));
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   std::string stats;
   const bool asks_state = question.what == verify::QuestionKind::State;
   if (asks_state) json["property"] = question.property.text;
   if (asks_state || question.what == verify::QuestionKind::DeadlockFreedom) {
-    const rt::InterruptGuard guard;
-    const verify::ProcessClock::time_point soon =
-        verify::seconds_from_now(static_cast<double>(arguments.timeout) / kShareOfParts);
+    const verify::CancellationToken soon = cancellation.within(static_cast<double>(arguments.timeout) / kShareOfParts);
     const verify::TimeProof proof =
         asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
                    : verify::prove_time(*c.system, explore_system, soon);
@@ -250,10 +249,9 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   const rt::Image& image = c.lowered->image;
   rt::ZoneReport found;
   {
-    const rt::InterruptGuard guard;
     rt::ExploreOptions options;
     options.bytes = arguments.megabytes * kMega;
-    options.is_stopped = [&] { return verify::seconds_until(end) <= 0; };
+    options.is_stopped = [&] { return cancellation.is_over(); };
     if (asks_state) ask(question.property, options);
     found = rt::explore_zones(image, options);
   }
@@ -289,7 +287,8 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     if (found.has_error) text += "note: a run-time error can occur\n";
     exit_code = kOk;
   } else {
-    const std::string reason = is_violated ? "the core could not take the way that was found" : limit_text(found);
+    const std::string reason =
+        is_violated ? "the core could not take the way that was found" : limit_text(found, cancellation);
     json["reason"] = reason;
     text = "unknown: " + reason + ", after " + size + '\n';
   }

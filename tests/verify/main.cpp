@@ -97,7 +97,7 @@ class Check {
     ++t_.questions;
     const verify::Net net = verify::build_net(*c.system);
     const verify::SearchLimits limits{
-        .end = verify::seconds_from_now(20), .megabytes = 1000, .states = o_.states, .report = {}};
+        .cancellation = verify::within_seconds(20), .megabytes = 1000, .states = o_.states, .report = {}};
     const verify::SearchResult all = verify::search(net, c.lowered->image, verify::goal_of(question), {}, limits);
     const bool is_known = all.end != verify::SearchEnd::Limit;
     t_.too_large += is_known ? 0 : 1;
@@ -106,7 +106,7 @@ class Check {
 
     for (const bool with_search : {false, true}) {
       verify::PortfolioLimits decide;
-      decide.end = verify::seconds_from_now(with_search ? 10 * o_.seconds : o_.seconds);
+      decide.cancellation = verify::within_seconds(with_search ? 10 * o_.seconds : o_.seconds);
       decide.megabytes = 1000;
       decide.may_search = with_search;
       decide.wants_certificate = wants_certificate_;
@@ -155,7 +155,7 @@ class Check {
       decider.remember_in(&memory);
       verify::PortfolioLimits limits;
       // What is wrong in a file may cost time, though no verdict.
-      limits.end = verify::seconds_from_now(first ? 10 * o_.seconds : o_.seconds);
+      limits.cancellation = verify::within_seconds(first ? 10 * o_.seconds : o_.seconds);
       limits.megabytes = 1000;
       limits.may_search = false;
       limits.wants_certificate = wants_certificate_;

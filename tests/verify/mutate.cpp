@@ -89,7 +89,7 @@ class Run {
   void one(const gen::Compiled& c, const certcheck::Model& model, const verify::Question& question,
            const std::string& name, std::uint64_t seed) {
     verify::PortfolioLimits limits;
-    limits.end = verify::ProcessClock::now() + std::chrono::seconds(2);
+    limits.cancellation = verify::within_seconds(2);
     limits.may_search = false;
     limits.wants_certificate = true;
     verify::Portfolio decider(
@@ -105,7 +105,7 @@ class Run {
 
     // The same claim once more, by the states that a search reaches.
     verify::StateCollector states(*c.system, c.lowered->image);
-    const verify::SearchLimits few{.end = verify::ProcessClock::now() + std::chrono::seconds(2),
+    const verify::SearchLimits few{.cancellation = verify::within_seconds(2),
                                    .states = kFewStates,
                                    .report = {},
                                    .visit = [&](const rt::State& state) { states.add(state); }};

@@ -239,11 +239,11 @@ class InductionQuery {
     for (const std::vector<Signal>& clause : known) cnf_.add(clause);
   }
   // Is `bad` never true with all of the others?
-  bool excludes(const std::vector<Signal>& others, Signal bad, ProcessClock::time_point end) {
+  bool excludes(const std::vector<Signal>& others, Signal bad, const CancellationToken& cancellation) {
     if (bad == kFalse) return true;
     for (Signal s : others) solver_.assume(cnf_.literal(s));
     solver_.assume(cnf_.literal(bad));
-    return solver_.solve(std::min(kSeconds, seconds_until(end))) == Answer::Unsatisfiable;
+    return solver_.solve(cancellation.within(kSeconds)) == Answer::Unsatisfiable;
   }
 
  private:
@@ -265,7 +265,7 @@ AffineInvariants with_totals(TransitionSystem& machine, const rt::Image& image, 
 }
 
 AffineInvariants with_bounds(const Net& net, TransitionSystem& machine, const rt::Image& image,
-                             const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end,
+                             const std::vector<std::vector<Signal>>& known, const CancellationToken& cancellation,
                              AffineInvariants from) {
   AffineInvariants facts = with_totals(machine, image, std::move(from));
   OnMachine on_machine(machine, image);
@@ -294,7 +294,7 @@ AffineInvariants with_bounds(const Net& net, TransitionSystem& machine, const rt
     for (const VariableBound& bound : facts.bounds) bounded.insert(bound.atom);
     std::vector<std::uint8_t> is_shown(facts.bounds.size(), 1);
     for (const SystemStep& step : machine.steps) {
-      if (seconds_until(end) <= 0) return {std::move(facts.equations), {}, std::move(facts.places)};
+      if (cancellation.is_over()) return {std::move(facts.equations), {}, std::move(facts.places)};
       if (!OnMachine::moves_one_of(net, step, bounded)) continue;
       const OnMachine::Taken taken = on_machine.take(net, step, atoms);
       if (taken.fine == kFalse) continue;
@@ -307,7 +307,7 @@ AffineInvariants with_bounds(const Net& net, TransitionSystem& machine, const rt
       for (const VariableBound& bound : facts.bounds) all.push_back(on_machine.holds(bound, nullptr));
       for (std::size_t k = 0; k < facts.bounds.size(); ++k) {
         if (is_shown[k] == 0 || !taken.atoms.contains(facts.bounds[k].atom)) continue;
-        is_shown[k] = question->excludes(all, negated(on_machine.holds(facts.bounds[k], &taken)), end) ? 1 : 0;
+        is_shown[k] = question->excludes(all, negated(on_machine.holds(facts.bounds[k], &taken)), cancellation) ? 1 : 0;
       }
     }
     // What rested on a bound that is not kept is asked again.

@@ -36,8 +36,8 @@ class AffineAnalysis {
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) start_.push_back(values_of(atom));
   }
 
-  AffineInvariants run(ProcessClock::time_point end) {
-    SparseSystem system(first_variable_ + image_.cell_count, first_variable_, end);
+  AffineInvariants run(const CancellationToken& cancellation) {
+    SparseSystem system(first_variable_ + image_.cell_count, first_variable_, cancellation);
     if (!collect(system)) return {};
     system.solve(equations_);
     AffineInvariants facts;
@@ -55,12 +55,13 @@ class AffineAnalysis {
   }
 
   // Those that no step changes the sum of: what a port changes follows from what its transitions do.
-  AffineInvariants those_that_hold(const std::vector<AffineEquation>& candidates, ProcessClock::time_point end) {
-    SparseSystem system(first_variable_ + image_.cell_count, first_variable_, end);
+  AffineInvariants those_that_hold(const std::vector<AffineEquation>& candidates,
+                                   const CancellationToken& cancellation) {
+    SparseSystem system(first_variable_ + image_.cell_count, first_variable_, cancellation);
     if (!collect(system) || system.is_given_up()) return {};
     AffineInvariants facts;
     for (const AffineEquation& candidate : candidates) {
-      if (seconds_until(end) <= 0) return {};
+      if (cancellation.is_over()) return {};
       std::optional<std::vector<Term>> values = values_in(candidate);
       if (values && solves(*values)) facts.equations.push_back(candidate);
     }
@@ -397,14 +398,16 @@ class AffineAnalysis {
 }  // namespace
 
 AffineInvariants equations_that_hold(const Net& net, const TransitionSystem& machine, const rt::Image& image,
-                                     const std::vector<AffineEquation>& candidates, ProcessClock::time_point end) {
+                                     const std::vector<AffineEquation>& candidates,
+                                     const CancellationToken& cancellation) {
   if (candidates.empty()) return {};
-  return AffineAnalysis(net, machine, image).those_that_hold(candidates, end);
+  return AffineAnalysis(net, machine, image).those_that_hold(candidates, cancellation);
 }
 
 AffineInvariants find_affine_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image,
-                                        const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end) {
-  return with_bounds(net, machine, image, known, end, AffineAnalysis(net, machine, image).run(end));
+                                        const std::vector<std::vector<Signal>>& known,
+                                        const CancellationToken& cancellation) {
+  return with_bounds(net, machine, image, known, cancellation, AffineAnalysis(net, machine, image).run(cancellation));
 }
 
 }  // namespace bip::verify

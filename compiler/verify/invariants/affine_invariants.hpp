@@ -40,18 +40,18 @@ struct AffineInvariants {
 /// `known`: clauses that hold in every reachable state. The net must be usable.
 [[nodiscard]] AffineInvariants find_affine_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image,
                                                       const std::vector<std::vector<Signal>>& known,
-                                                      ProcessClock::time_point end);
+                                                      const CancellationToken& cancellation);
 /// Those of the candidates, which may come from anywhere, whose sum no step changes; their totals are still to be
 /// found.
 [[nodiscard]] AffineInvariants equations_that_hold(const Net& net, const TransitionSystem& machine,
                                                    const rt::Image& image,
                                                    const std::vector<AffineEquation>& candidates,
-                                                   ProcessClock::time_point end);
+                                                   const CancellationToken& cancellation);
 /// Their totals; equations whose first value is not known are left out. And the bounds that the solver shows.
 [[nodiscard]] AffineInvariants with_totals(TransitionSystem& machine, const rt::Image& image, AffineInvariants facts);
 [[nodiscard]] AffineInvariants with_bounds(const Net& net, TransitionSystem& machine, const rt::Image& image,
-                                           const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end,
-                                           AffineInvariants facts);
+                                           const std::vector<std::vector<Signal>>& known,
+                                           const CancellationToken& cancellation, AffineInvariants facts);
 [[nodiscard]] Signal equation_signal(const AffineEquation& equation, TransitionSystem& machine, const rt::Image& image);
 [[nodiscard]] std::vector<Signal> place_clause(const PlaceValue& fact, TransitionSystem& machine,
                                                const rt::Image& image);

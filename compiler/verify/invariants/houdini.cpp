@@ -23,7 +23,7 @@ class Checker {
     while (true) {
       solver_.assume(going_);
       assume(holds);
-      const Answer answer = solver_.solve(seconds_until(p_.end));
+      const Answer answer = solver_.solve(p_.cancellation);
       if (answer == Answer::Unknown) return {};
       if (answer == Answer::Unsatisfiable) break;
       for (std::size_t k = 0; k < cubes_.size(); ++k) {
@@ -39,7 +39,7 @@ class Checker {
     for (std::size_t k = 0; k < cubes_.size(); ++k) {
       if (holds[k] != 0) solver_.assume(outside_[k]);
     }
-    result.is_enough = solver_.solve(seconds_until(p_.end)) == Answer::Unsatisfiable;
+    result.is_enough = solver_.solve(p_.cancellation) == Answer::Unsatisfiable;
     for (std::size_t k = 0; k < cubes_.size(); ++k) {
       if (holds[k] != 0) result.lemmas.push_back(std::move(cubes_[k]));
     }

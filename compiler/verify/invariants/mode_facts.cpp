@@ -9,13 +9,13 @@ namespace {
 constexpr double kOneTokenSeconds = 2;
 }  // namespace
 
-ModeFacts::ModeFacts(const Net& net, Encoded what, ProcessClock::time_point end)
-    : net_(net), end_(end), reachable_(net, Direction::Forward, nullptr) {
+ModeFacts::ModeFacts(const Net& net, Encoded what, const CancellationToken& cancellation)
+    : net_(net), cancellation_(cancellation), reachable_(net, Direction::Forward, nullptr) {
   Proof ignored;
   spread_from_initial(net, reachable_, ignored);
   encoding_ = std::make_unique<Encoding>(net, reachable_, what);
   traps_ = std::make_unique<TrapFinder>(net, reachable_);
-  sums_ = std::make_unique<PlaceInvariantFinder>(net, reachable_, end);
+  sums_ = std::make_unique<PlaceInvariantFinder>(net, reachable_, cancellation);
   one_tokens_ = std::make_unique<StateMachineComponentFinder>(net, reachable_);
 }
 
@@ -47,14 +47,14 @@ bool ModeFacts::may_be(const std::vector<std::vector<u32>>& sets, u32 rounds) {
   for (const std::vector<u32>& modes : sets) assumed.push_back(one_of(modes));
   for (u32 round = 0;; ++round) {
     for (const Lit literal : assumed) encoding_->assume(literal);
-    const Answer answer = encoding_->solve(seconds_until(end_));
+    const Answer answer = encoding_->solve(cancellation_);
     if (answer != Answer::Satisfiable) return answer != Answer::Unsatisfiable;
-    if (round == rounds || seconds_until(end_) <= 0) return true;
+    if (round == rounds || cancellation_.is_over()) return true;
     const std::vector<std::uint8_t> marked = encoding_->marked();
     if (add_all(traps_->find(marked)) || add_all(sums_->find(*traps_, marked))) continue;
     if (sums_->satisfies_all()) return true;
-    const ProcessClock::time_point until = std::min(end_, seconds_from_now(kOneTokenSeconds));
-    if (!add_all(one_tokens_->find(*traps_, marked, kComponentBatch, until))) return true;
+    if (!add_all(one_tokens_->find(*traps_, marked, kComponentBatch, cancellation_.within(kOneTokenSeconds))))
+      return true;
   }
 }
 

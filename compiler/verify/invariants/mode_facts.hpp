@@ -17,7 +17,7 @@ namespace bip::verify {
 class ModeFacts {
  public:
   /// The net is usable and outlives this. NoStep: states without a sure step are asked about, else all.
-  ModeFacts(const Net& net, Encoded what, ProcessClock::time_point end);
+  ModeFacts(const Net& net, Encoded what, const CancellationToken& cancellation);
 
   /// Not in this mode, from now on.
   void exclude(u32 mode);
@@ -31,7 +31,7 @@ class ModeFacts {
   [[nodiscard]] Lit one_of(const std::vector<u32>& modes);
 
   const Net& net_;
-  ProcessClock::time_point end_;
+  CancellationToken cancellation_;
   ModeReachability reachable_;
   std::unique_ptr<Encoding> encoding_;
   std::unique_ptr<TrapFinder> traps_;

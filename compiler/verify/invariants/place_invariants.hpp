@@ -16,8 +16,8 @@ namespace bip::verify {
 
 class PlaceInvariantFinder {
  public:
-  PlaceInvariantFinder(const Net& net, const ModeReachability& reachable, ProcessClock::time_point end)
-      : net_(net), reachable_(reachable), system_(net.port_count(), net.port_count(), end) {}
+  PlaceInvariantFinder(const Net& net, const ModeReachability& reachable, const CancellationToken& cancellation)
+      : net_(net), reachable_(reachable), system_(net.port_count(), net.port_count(), cancellation) {}
 
   /// Invariants that the candidate (by mode: 1 if marked) breaks; none twice.
   [[nodiscard]] std::vector<TokenInvariant> find(TrapFinder& checker, const std::vector<std::uint8_t>& marked);

@@ -59,7 +59,8 @@ struct BadStateAbstraction {
 }  // namespace
 
 bool refine_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image, Signal bad,
-                       const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end, Proof& proof) {
+                       const std::vector<std::vector<Signal>>& known, const CancellationToken& cancellation,
+                       Proof& proof) {
   if (bad == kFalse) return true;
   BadStateAbstraction question(net, machine, image, bad, known, proof);
   for (const TokenInvariant& invariant : proof.invariants) (void)question.add(invariant);
@@ -77,31 +78,33 @@ bool refine_invariants(const Net& net, TransitionSystem& machine, const rt::Imag
   Proof again;
   spread_from_initial(net, reachable, again);
   TrapFinder traps(net, reachable);
-  PlaceInvariantFinder sums(net, reachable, end);
+  PlaceInvariantFinder sums(net, reachable, cancellation);
   StateMachineComponentFinder one_tokens(net, reachable);
   while (true) {
-    const Answer answer = question.solver.solve(seconds_until(end));
+    const Answer answer = question.solver.solve(cancellation);
     if (answer != Answer::Satisfiable) return answer == Answer::Unsatisfiable;
     ++proof.candidates;
     const std::vector<std::uint8_t> marked = question.marked();
     std::size_t added = add_all(traps.find(marked));
     if (added == 0) {
       added = add_all(sums.find(traps, marked));
-      if (added == 0 && !sums.satisfies_all()) added = add_all(one_tokens.find(traps, marked, kComponentBatch, end));
+      if (added == 0 && !sums.satisfies_all())
+        added = add_all(one_tokens.find(traps, marked, kComponentBatch, cancellation));
     }
     if (added == 0) return false;
   }
 }
 
 void minimize_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image, Signal bad,
-                         const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end, Proof& proof) {
+                         const std::vector<std::vector<Signal>>& known, const CancellationToken& cancellation,
+                         Proof& proof) {
   BadStateAbstraction question(net, machine, image, bad, known, proof);
   std::vector<Lit> on;
   for (const TokenInvariant& invariant : proof.invariants) {
     on.push_back(invariant.kind == InvariantKind::Trap ? question.solver.new_variable() : 0);
     (void)question.add(invariant, on.back());
   }
-  (void)minimize_by_unsat_core(question.solver, proof.invariants, on, seconds_until(end));
+  (void)minimize_by_unsat_core(question.solver, proof.invariants, on, cancellation);
 }
 
 }  // namespace bip::verify

@@ -10,10 +10,11 @@ namespace bip::verify {
 /// Adds to `proof.invariants` what excludes bad states. True: none is left, the property is proved. False: one is left
 /// that no such invariant excludes, or the time is over.
 [[nodiscard]] bool refine_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image, Signal bad,
-                                     const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end,
-                                     Proof& proof);
+                                     const std::vector<std::vector<Signal>>& known,
+                                     const CancellationToken& cancellation, Proof& proof);
 /// Leaves the invariants that such a proof needs.
 void minimize_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image, Signal bad,
-                         const std::vector<std::vector<Signal>>& known, ProcessClock::time_point end, Proof& proof);
+                         const std::vector<std::vector<Signal>>& known, const CancellationToken& cancellation,
+                         Proof& proof);
 
 }  // namespace bip::verify

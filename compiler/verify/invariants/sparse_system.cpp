@@ -28,7 +28,7 @@ bool SparseSystem::spend(std::uint64_t work) {
   if (work_ > kMaxWork) is_given_up_ = true;
   if (work_ >= next_look_) {
     next_look_ = work_ + kLook;
-    if (seconds_until(end_) <= 0) is_given_up_ = true;
+    if (cancellation_.is_over()) is_given_up_ = true;
   }
   return !is_given_up_;
 }

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compiler/verify/solver/clock.hpp"
+#include "compiler/verify/solver/cancellation.hpp"
 
 namespace bip::verify {
 
@@ -27,8 +27,11 @@ class SparseSystem {
   [[nodiscard]] static Row row_of_terms(std::vector<Term> terms);
 
   /// Unknowns from `first_reluctant` on are given by others only where nothing else is in a row.
-  SparseSystem(std::uint32_t unknowns, std::uint32_t first_reluctant, ProcessClock::time_point end)
-      : first_reluctant_(first_reluctant), end_(end), row_of_(unknowns, kNone), rows_with_(unknowns) {}
+  SparseSystem(std::uint32_t unknowns, std::uint32_t first_reluctant, const CancellationToken& cancellation)
+      : first_reluctant_(first_reluctant),
+        cancellation_(cancellation),
+        row_of_(unknowns, kNone),
+        rows_with_(unknowns) {}
 
   /// In the order that fills least: short ones first.
   void solve(std::vector<Row> equations);
@@ -54,7 +57,7 @@ class SparseSystem {
   [[nodiscard]] static std::int64_t factor_of(const Row& row, std::uint32_t unknown);
 
   std::uint32_t first_reluctant_;
-  ProcessClock::time_point end_;
+  CancellationToken cancellation_;
   bool is_given_up_ = false;
   std::uint64_t work_ = 0, next_look_ = 0;
   std::vector<Row> rows_;                              // each has one unknown that is in no other: what it gives

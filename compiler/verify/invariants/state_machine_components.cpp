@@ -127,7 +127,8 @@ void StateMachineComponentFinder::build() {
 
 std::vector<TokenInvariant> StateMachineComponentFinder::find(TrapFinder& checker,
                                                               const std::vector<std::uint8_t>& marked,
-                                                              std::size_t count, ProcessClock::time_point end) {
+                                                              std::size_t count,
+                                                              const CancellationToken& cancellation) {
   std::vector<TokenInvariant> found;
   // The solver looks at the clock between decisions. With so many assumed one by one it may not come to that for
   // minutes.
@@ -140,7 +141,7 @@ std::vector<TokenInvariant> StateMachineComponentFinder::find(TrapFinder& checke
       solver_->assume(-first_[mode]);
       solver_->assume(-second_[mode]);
     }
-    if (solver_->solve(seconds_until(end)) != Answer::Satisfiable) break;
+    if (solver_->solve(cancellation) != Answer::Satisfiable) break;
     TokenInvariant invariant{InvariantKind::OneToken, {}};
     for (u32 mode = 0; mode < net_.mode_count(); ++mode) {
       if (in_set_[mode] == 0 || !solver_->is_true(in_set_[mode])) continue;

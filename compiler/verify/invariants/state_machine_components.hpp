@@ -6,7 +6,7 @@
 #pragma once
 #include <memory>
 
-#include "compiler/verify/solver/clock.hpp"
+#include "compiler/verify/solver/cancellation.hpp"
 #include "compiler/verify/solver/solver.hpp"
 #include "compiler/verify/invariants/traps.hpp"
 
@@ -21,7 +21,7 @@ class StateMachineComponentFinder {
   StateMachineComponentFinder(const Net& net, const ModeReachability& reachable) : net_(net), reachable_(reachable) {}
   /// Sets of which the candidate marks at least two modes, at most `count`; none in nets of more modes than kMostModes.
   [[nodiscard]] std::vector<TokenInvariant> find(TrapFinder& checker, const std::vector<std::uint8_t>& marked,
-                                                 std::size_t count, ProcessClock::time_point end);
+                                                 std::size_t count, const CancellationToken& cancellation);
 
  private:
   struct Effect {

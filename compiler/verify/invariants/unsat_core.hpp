@@ -11,11 +11,11 @@ namespace bip::verify {
 
 /// `on`: by invariant its switch, 0 without. Nothing changes if the solver finds no contradiction in the time.
 inline bool minimize_by_unsat_core(Solver& solver, std::vector<TokenInvariant>& invariants, const std::vector<Lit>& on,
-                                   double seconds) {
+                                   const CancellationToken& cancellation) {
   for (Lit literal : on) {
     if (literal != 0) solver.assume(literal);
   }
-  if (solver.solve(seconds) != Answer::Unsatisfiable) return false;
+  if (solver.solve(cancellation) != Answer::Unsatisfiable) return false;
   std::size_t kept = 0;
   for (std::size_t k = 0; k < on.size(); ++k) {
     if (on[k] != 0 && !solver.is_needed(on[k])) continue;

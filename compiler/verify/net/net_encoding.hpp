@@ -30,10 +30,11 @@ class Encoding {
   /// Holds for the next solve only.
   void assume(Lit literal) { solver_.assume(literal); }
   /// Which traps does the contradiction need? False: there is none in the time.
-  bool minimize_invariants(std::vector<TokenInvariant>& invariants, const std::vector<Lit>& on, double seconds) {
-    return minimize_by_unsat_core(solver_, invariants, on, seconds);
+  bool minimize_invariants(std::vector<TokenInvariant>& invariants, const std::vector<Lit>& on,
+                           const CancellationToken& cancellation) {
+    return minimize_by_unsat_core(solver_, invariants, on, cancellation);
   }
-  [[nodiscard]] Answer solve(double seconds) { return solver_.solve(seconds); }
+  [[nodiscard]] Answer solve(const CancellationToken& cancellation) { return solver_.solve(cancellation); }
   /// By mode: 1 if marked in the model.
   [[nodiscard]] std::vector<std::uint8_t> marked() const;
 

@@ -42,7 +42,7 @@ Portfolio::Tried Portfolio::try_known() {
   if (known_.way != ProofMethod::Induction) return Tried::Open;
   d_.has_structure = net_.too_large_atom == kNoRow;
   if (d_.has_structure) d_.proof = find_reachable_modes(net_, invariants_of(known_, net_, false));
-  if (try_induction(seconds_until(limits_.end) / 3) == Tried::Done) return Tried::Done;
+  if (try_induction(limits_.cancellation.seconds_left() / 3) == Tried::Done) return Tried::Done;
   d_ = {};
   is_strengthened_ = induction_failed_ = false;
   return Tried::Open;

@@ -155,7 +155,7 @@ class Visit {
         if (enter(row, static_cast<u32>(k))) return;
         if (visited_.size() % 4096 == 0 && limits_.report) limits_.report(visited_.size());
         const bool is_full = bytes_ + graph_.bytes() > limits_.megabytes * 1000000;
-        if (is_full || visited_.size() >= limits_.states || seconds_until(limits_.end) <= 0) {
+        if (is_full || visited_.size() >= limits_.states || limits_.cancellation.is_over()) {
           found.limit = is_full ? "memory" : visited_.size() >= limits_.states ? "states" : "time";
           return;
         }

@@ -53,7 +53,7 @@ bool Portfolio::look_at_uses() {
   if (!uses.has_some) return false;
   told_ = build_net(net_, uses, UsesAs::Ports);
   if (told_->too_large_atom == kNoRow) {
-    const ProcessClock::time_point end = std::min(limits_.end, seconds_from_now(seconds_until(limits_.end) / 4));
+    const CancellationToken end = limits_.cancellation.within(limits_.cancellation.seconds_left() / 4);
     Proof proof = prove_deadlock_freedom(
         *told_, end, [](const std::vector<u32>&) { return true; }, invariants_of(known_, *told_, true));
     if (proof.end == ProofEnd::Free) {
@@ -86,10 +86,11 @@ void Portfolio::look_at_structure() {
   const bool is_for_later = known_.way == ProofMethod::Plain || known_.way == ProofMethod::Induction;
   if (!is_for_later && look_at_uses()) return;
   d_.proof = prove_deadlock_freedom(
-      net_, limits_.end,
+      net_, limits_.cancellation,
       [&](const std::vector<u32>& candidate) {
         if (!ready()) return false;
-        const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .only_walk = true, .report = {}};
+        const SearchLimits limits{
+            .cancellation = limits_.cancellation, .megabytes = limits_.megabytes, .only_walk = true, .report = {}};
         SearchResult found = search(net_, image_, goal_of(question_), candidate, limits);
         if (found.end != SearchEnd::Found) return false;
         d_.outcome = Outcome::Violated;
@@ -99,16 +100,16 @@ void Portfolio::look_at_structure() {
       known);
   if (d_.proof.end != ProofEnd::Free) return;
   d_.outcome = Outcome::Holds;
-  if (wants_needed(ProofMethod::Plain, d_.proof)) minimize_invariants(net_, limits_.end, d_.proof);
+  if (wants_needed(ProofMethod::Plain, d_.proof)) minimize_invariants(net_, limits_.cancellation, d_.proof);
   note_found(ProofMethod::Plain, net_, d_.proof);
 }
 
 Portfolio::Tried Portfolio::try_search(std::uint64_t states) {
   if (!limits_.may_search || is_exhausted_ || !ready()) return Tried::Open;
-  const SearchLimits limits{
-      .end = limits_.end, .megabytes = limits_.megabytes, .states = states, .report = [&](std::uint64_t count) {
-        report_("search", count, "states");
-      }};
+  const SearchLimits limits{.cancellation = limits_.cancellation,
+                            .megabytes = limits_.megabytes,
+                            .states = states,
+                            .report = [&](std::uint64_t count) { report_("search", count, "states"); }};
   SearchResult found = search(net_, image_, goal_of(question_), d_.proof.candidate, limits);
   d_.states = found.states;
   if (question_.what != QuestionKind::NoErrors && !found.fault.empty()) d_.fault = found.fault;
@@ -134,7 +135,7 @@ Portfolio::Tried Portfolio::try_all_states(double seconds) {
   if (!limits_.may_search || is_exhausted_ || is_memory_over_ || !ready()) return Tried::Open;
   const bool asks_errors = question_.what == QuestionKind::NoErrors, asks_state = question_.what == QuestionKind::State;
   std::atomic<bool> is_found{false};
-  const ProcessClock::time_point end = std::min(limits_.end, seconds_from_now(seconds));
+  const CancellationToken end = limits_.cancellation.within(seconds);
   rt::ExploreOptions options;
   options.threads = limits_.threads;
   // 0 would be no limit.
@@ -148,7 +149,7 @@ Portfolio::Tried Portfolio::try_all_states(double seconds) {
     options.read_atoms = atoms_of(question_.property);
     options.asked_connectors = connectors_of(question_.property);
   }
-  options.is_stopped = [&] { return is_found || seconds_until(end) <= 0; };
+  options.is_stopped = [&] { return is_found || end.is_over(); };
   rt::ExploreReport all = rt::explore_states(image_, options);
   d_.states = all.states;
   if (!asks_errors && all.has_error && d_.fault.empty()) d_.fault = fault_at(image_, all.error);
@@ -181,13 +182,13 @@ Portfolio::Tried Portfolio::try_all_states(double seconds) {
 void Portfolio::look_for_evidence() {
   d_.reason.clear();
   if (d_.outcome == Outcome::Violated || !limits_.wants_few) return;
-  const bool is_proved = try_induction(std::min(seconds_until(limits_.end) / 2, kLemmaSeconds)) == Tried::Done;
+  const bool is_proved = try_induction(std::min(limits_.cancellation.seconds_left() / 2, kLemmaSeconds)) == Tried::Done;
   if (!is_proved && limits_.wants_certificate) {
     StateCollector states(system_, image_);
-    const SearchLimits limits{
-        .end = limits_.end, .megabytes = limits_.megabytes, .report = {}, .visit = [&](const rt::State& state) {
-          states.add(state);
-        }};
+    const SearchLimits limits{.cancellation = limits_.cancellation,
+                              .megabytes = limits_.megabytes,
+                              .report = {},
+                              .visit = [&](const rt::State& state) { states.add(state); }};
     if (states.can_tell() && search(net_, image_, {}, {}, limits).end == SearchEnd::Exhausted)
       d_.reached = states.rows();
     d_.is_only_counted = d_.reached.empty();
@@ -199,9 +200,9 @@ void Portfolio::look_for_evidence() {
 void Portfolio::look_for_stuck() {
   if (!can_run_) d_.reason = "the model calls C++, whose state cannot be searched";
   if (!ready()) return;
-  const SearchLimits limits{.end = limits_.end, .megabytes = limits_.megabytes, .report = [&](std::uint64_t count) {
-                              report_("search", count, "states");
-                            }};
+  const SearchLimits limits{.cancellation = limits_.cancellation,
+                            .megabytes = limits_.megabytes,
+                            .report = [&](std::uint64_t count) { report_("search", count, "states"); }};
   LocalDeadlockResult result = find_local_deadlock(net_, image_, limits);
   d_.states = result.search.states;
   d_.fault = result.search.fault;
@@ -236,12 +237,12 @@ std::vector<std::vector<Signal>> Portfolio::structural_clauses() {
 }
 
 // What was known of this very system, as far as it holds. Nothing: all are found anew.
-std::optional<AffineInvariants> Portfolio::known_facts(ProcessClock::time_point end) {
+std::optional<AffineInvariants> Portfolio::known_facts(const CancellationToken& cancellation) {
   if (memory_ == nullptr || !memory_->counts.is_whole || known_.equations.empty()) return std::nullopt;
-  AffineInvariants facts = equations_that_hold(net_, *machine_, image_, equations_of(known_), end);
+  AffineInvariants facts = equations_that_hold(net_, *machine_, image_, equations_of(known_), cancellation);
   memory_->counts.equations = facts.equations.size();
   if (!known_.uses_bounds) return with_totals(*machine_, image_, std::move(facts));
-  return with_bounds(net_, *machine_, image_, structural_clauses(), end, std::move(facts));
+  return with_bounds(net_, *machine_, image_, structural_clauses(), cancellation, std::move(facts));
 }
 
 // First without the bounds, a certificate is easier to check without; unless they are known to be needed.
@@ -250,9 +251,9 @@ bool Portfolio::is_proved_with(AffineInvariants facts, const Ic3Problem& problem
     if (with_bounds ? facts.bounds.empty() : needs_bounds && !facts.bounds.empty()) continue;
     d_.linear = with_bounds ? facts : AffineInvariants{facts.equations, {}, facts.places};
     const std::vector<std::vector<Signal>> known = linear_clauses();
-    if (!refine_invariants(net_, *machine_, image_, problem.bad, known, problem.end, d_.proof)) continue;
+    if (!refine_invariants(net_, *machine_, image_, problem.bad, known, problem.cancellation, d_.proof)) continue;
     if (wants_needed(ProofMethod::Induction, d_.proof))
-      minimize_invariants(net_, *machine_, image_, problem.bad, known, limits_.end, d_.proof);
+      minimize_invariants(net_, *machine_, image_, problem.bad, known, limits_.cancellation, d_.proof);
     note_found(ProofMethod::Induction, net_, d_.proof);
     d_.outcome = Outcome::Holds;
     d_.method = Method::Induction;
@@ -279,13 +280,12 @@ Portfolio::Tried Portfolio::try_induction(double seconds, Effort effort) {
   if (question_.what == QuestionKind::NoErrors) bad = machine_->error;
   if (question_.what == QuestionKind::State) bad = broken_signal(question_.property, *machine_, image_);
   problem.bad = machine_->circuit.make_or(bad, machine_->lost);
-  problem.end = std::min(limits_.end, ProcessClock::now() + std::chrono::duration_cast<ProcessClock::duration>(
-                                                                std::chrono::duration<double>(seconds)));
+  problem.cancellation = limits_.cancellation.within(seconds);
   problem.report = [&](u32 frame, std::size_t lemmas) {
     d_.frames = frame;
     report_("induction", lemmas, "lemmas");
   };
-  are_ranges_confirmed_ = are_ranges_confirmed_ || ranges_hold(*machine_, seconds_until(problem.end));
+  are_ranges_confirmed_ = are_ranges_confirmed_ || ranges_hold(*machine_, problem.cancellation);
   if (!are_ranges_confirmed_) {
     induction_failed_ = true;
     add_reason("the ranges of data could not be confirmed");
@@ -296,15 +296,15 @@ Portfolio::Tried Portfolio::try_induction(double seconds, Effort effort) {
     report_("invariants", d_.proof.invariants.size(), "found");
     is_strengthened_ = true;
     // Equations of an earlier proof first: with its lemmas they are mostly enough.
-    if (std::optional<AffineInvariants> facts = known_facts(problem.end)) {
+    if (std::optional<AffineInvariants> facts = known_facts(problem.cancellation)) {
       if (is_proved_with(std::move(*facts), problem, known_.uses_bounds)) return Tried::Done;
       problem.invariants = structural_clauses();
       known = houdini(problem, lemmas_of(known_, *machine_));
     }
     if (!known.is_enough) {
       d_.linear = {};
-      if (is_proved_with(find_affine_invariants(net_, *machine_, image_, structural_clauses(), problem.end), problem,
-                         false))
+      if (is_proved_with(find_affine_invariants(net_, *machine_, image_, structural_clauses(), problem.cancellation),
+                         problem, false))
         return Tried::Done;
     }
   }
@@ -366,7 +366,7 @@ void Portfolio::decide_in_order() {
   // What each engine gets of the time that is left.
   if (try_search(std::min(kFirstStates, kFirstValues / (image_.atoms.size + image_.cell_count + 1) + 1)) == Tried::Done)
     return look_for_evidence();
-  const double left = seconds_until(limits_.end);
+  const double left = limits_.cancellation.seconds_left();
   if (try_induction(can_run_ ? left / 3 : left, Effort::Facts) == Tried::Done) return;
   // A few hundred thousand states are visited sooner than lemmas count to a hundred; other systems have few lemmas and
   // no end of states.
@@ -378,11 +378,11 @@ void Portfolio::decide_in_order() {
   }
   if (try_induction(can_run_ ? left / 3 : left) == Tried::Done) return;
   if (d_.has_structure && question_.what == QuestionKind::DeadlockFreedom && !has_seen_uses_ && look_at_uses()) return;
-  if (!is_stopped() && try_all_states(seconds_until(limits_.end)) == Tried::Done) return look_for_evidence();
+  if (!is_stopped() && try_all_states(limits_.cancellation.seconds_left()) == Tried::Done) return look_for_evidence();
   // The search gave up for memory: what is left of the time belongs to the proof.
-  if (!is_stopped() && try_induction(seconds_until(limits_.end)) == Tried::Done) return;
-  if (rt::is_interrupted()) d_.reason = "interrupted";
-  else if (seconds_until(limits_.end) <= 0 && d_.reason.empty()) d_.reason = "the time is over";
+  if (!is_stopped() && try_induction(limits_.cancellation.seconds_left()) == Tried::Done) return;
+  if (limits_.cancellation.is_cancelled()) d_.reason = "interrupted";
+  else if (is_stopped() && d_.reason.empty()) d_.reason = "the time is over";
   else if (d_.reason.empty()) d_.reason = "no engine has an answer";
   if (!can_run_) add_reason("the model calls C++, whose state cannot be searched");
 }

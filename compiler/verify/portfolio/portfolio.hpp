@@ -48,7 +48,7 @@ struct Decision {
 using Report = std::function<void(const char* phase, std::uint64_t count, const char* unit)>;
 
 struct PortfolioLimits {
-  ProcessClock::time_point end;
+  CancellationToken cancellation;  // ends everything: cancelled by whoever asks, or the time is over
   std::size_t megabytes = 2048;
   bool wants_few = false;          // of a proof's invariants only those that it needs
   bool wants_certificate = false;  // an exhaustive search is followed by a proof, or keeps what it has reached
@@ -89,14 +89,14 @@ class Portfolio {
   enum class Effort : std::uint8_t { Facts, Lemmas };
   Tried try_induction(double seconds, Effort effort = Effort::Lemmas);
   bool is_proved_with(AffineInvariants facts, const Ic3Problem& problem, bool needs_bounds);
-  [[nodiscard]] std::optional<AffineInvariants> known_facts(ProcessClock::time_point end);
+  [[nodiscard]] std::optional<AffineInvariants> known_facts(const CancellationToken& cancellation);
   void recall();
   Tried try_known();
   void decide_in_order();
   [[nodiscard]] bool wants_needed(ProofMethod way, const Proof& proof) const;
   void note_found(ProofMethod way, const Net& net, const Proof& proof);
   void keep_found();
-  [[nodiscard]] bool is_stopped() const { return seconds_until(limits_.end) <= 0; }
+  [[nodiscard]] bool is_stopped() const { return limits_.cancellation.is_over(); }
   [[nodiscard]] bool ready();
   [[nodiscard]] std::vector<std::vector<Signal>> structural_clauses();
   [[nodiscard]] std::vector<std::vector<Signal>> linear_clauses();

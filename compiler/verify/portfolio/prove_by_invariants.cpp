@@ -31,7 +31,7 @@ Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& kn
   return proof;
 }
 
-Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const StopAt& stop_at,
+Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellation, const StopAt& stop_at,
                              const std::vector<TokenInvariant>& known) {
   Proof proof;
   if (net.too_large_atom != kNoRow) {
@@ -43,7 +43,7 @@ Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const
 
   Encoding encoding(net, reachable);
   TrapFinder traps(net, reachable);
-  PlaceInvariantFinder sums(net, reachable, end);
+  PlaceInvariantFinder sums(net, reachable, cancellation);
   StateMachineComponentFinder one_tokens(net, reachable);
   int questions = 0;
   const auto add_all = [&](std::vector<TokenInvariant> found) {
@@ -67,7 +67,7 @@ Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const
   };
   if (wants_small && proof.known == 0) (void)add_small();
   while (true) {
-    const Answer answer = encoding.solve(seconds_until(end));
+    const Answer answer = encoding.solve(cancellation);
     if (answer != Answer::Satisfiable) {
       proof.end = answer == Answer::Unsatisfiable ? ProofEnd::Free : ProofEnd::Timeout;
       return proof;
@@ -88,16 +88,17 @@ Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const
       }
       // Half of what is left: where this does not help other engines are asked.
       if (!sums.satisfies_all())
-        added = add_all(one_tokens.find(traps, marked, kComponentBatch, seconds_from_now(seconds_until(end) / 2)));
+        added = add_all(
+            one_tokens.find(traps, marked, kComponentBatch, cancellation.within(cancellation.seconds_left() / 2)));
     }
     if (added == 0) {
-      proof.end = seconds_until(end) > 0 ? ProofEnd::Candidate : ProofEnd::Timeout;
+      proof.end = !cancellation.is_over() ? ProofEnd::Candidate : ProofEnd::Timeout;
       return proof;
     }
   }
 }
 
-void minimize_invariants(const Net& net, ProcessClock::time_point end, Proof& proof) {
+void minimize_invariants(const Net& net, const CancellationToken& cancellation, Proof& proof) {
   Proof again;
   ModeReachability reachable(net, Direction::Forward, nullptr);
   spread_from_initial(net, reachable, again);
@@ -107,7 +108,7 @@ void minimize_invariants(const Net& net, ProcessClock::time_point end, Proof& pr
     on.push_back(invariant.kind != InvariantKind::OneToken ? encoding.new_switch() : 0);
     (void)encoding.add(invariant, on.back());
   }
-  (void)encoding.minimize_invariants(proof.invariants, on, seconds_until(end));
+  (void)encoding.minimize_invariants(proof.invariants, on, cancellation);
 }
 
 }  // namespace bip::verify

@@ -6,7 +6,7 @@
 #pragma once
 #include <functional>
 
-#include "compiler/verify/solver/clock.hpp"
+#include "compiler/verify/solver/cancellation.hpp"
 #include "compiler/verify/net/net.hpp"
 #include "compiler/verify/invariants/traps.hpp"
 
@@ -36,9 +36,9 @@ void spread_from_initial(const Net& net, ModeReachability& reachable, Proof& pro
 /// Nothing but that, and of the invariants that are said to be `known` those that hold.
 [[nodiscard]] Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& known = {});
 /// Begins with those that are said to be `known` and hold.
-[[nodiscard]] Proof prove_deadlock_freedom(const Net& net, ProcessClock::time_point end, const StopAt& stop_at = {},
-                                           const std::vector<TokenInvariant>& known = {});
+[[nodiscard]] Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellation,
+                                           const StopAt& stop_at = {}, const std::vector<TokenInvariant>& known = {});
 /// Leaves of a proof that is Free the invariants that it needs.
-void minimize_invariants(const Net& net, ProcessClock::time_point end, Proof& proof);
+void minimize_invariants(const Net& net, const CancellationToken& cancellation, Proof& proof);
 
 }  // namespace bip::verify

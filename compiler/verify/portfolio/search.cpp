@@ -123,7 +123,7 @@ class Search {
     std::uint64_t idle = 0;
     const std::size_t most = 1000 + 3 * static_cast<std::size_t>(std::max<std::int64_t>(best, 0));
     std::vector<u32> places = state.places;
-    while (seconds_until(limits_.end) > 0) {
+    while (!limits_.cancellation.is_over()) {
       const std::uint64_t count = core_.candidate_count();
       if (is_goal()) return confirmed();
       if (count == 0) break;
@@ -244,7 +244,7 @@ class Search {
           return;
         }
         if (visited.size() % 4096 == 0 && limits_.report) limits_.report(visited.size());
-        if (visited.size() >= limits_.states || (k % kStepsPerLook == 0 && seconds_until(limits_.end) <= 0) ||
+        if (visited.size() >= limits_.states || (k % kStepsPerLook == 0 && limits_.cancellation.is_over()) ||
             bytes > limits_.megabytes * 1000000) {
           result_.states = visited.size();
           result_.limit = bytes > limits_.megabytes * 1000000 ? "memory"

@@ -26,7 +26,7 @@ struct SearchResult {
 };
 
 struct SearchLimits {
-  ProcessClock::time_point end;
+  CancellationToken cancellation;
   std::size_t megabytes = 2048;
   std::uint64_t states = ~std::uint64_t{0};
   bool only_walk = false;                            // towards the candidate, no more

@@ -5,19 +5,17 @@
 
 #include <cadical.hpp>
 
-#include "compiler/verify/solver/clock.hpp"
-
 namespace bip::verify {
 
 namespace {
 
-class Deadline : public CaDiCaL::Terminator {
+class TokenTerminator : public CaDiCaL::Terminator {
  public:
-  explicit Deadline(double seconds) : at_(seconds_from_now(seconds)) {}
-  bool terminate() override { return seconds_until(at_) <= 0; }
+  explicit TokenTerminator(const CancellationToken& cancellation) : cancellation_(cancellation) {}
+  bool terminate() override { return cancellation_.is_over(); }
 
  private:
-  ProcessClock::time_point at_;
+  CancellationToken cancellation_;
 };
 
 }  // namespace
@@ -43,10 +41,10 @@ void Solver::add(std::span<const Lit> clause) {
 void Solver::assume(Lit literal) { impl_->solver.assume(literal); }
 void Solver::prefer(Lit literal) { impl_->solver.phase(literal); }
 
-Answer Solver::solve(double seconds) {
-  if (seconds <= 0) return Answer::Unknown;
-  Deadline deadline(seconds);
-  impl_->solver.connect_terminator(&deadline);
+Answer Solver::solve(const CancellationToken& cancellation) {
+  if (cancellation.is_over()) return Answer::Unknown;
+  TokenTerminator terminator(cancellation);
+  impl_->solver.connect_terminator(&terminator);
   const int status = impl_->solver.solve();
   impl_->solver.disconnect_terminator();
   return status == 10 ? Answer::Satisfiable : status == 20 ? Answer::Unsatisfiable : Answer::Unknown;

@@ -4,6 +4,8 @@
 #include <memory>
 #include <span>
 
+#include "compiler/verify/solver/cancellation.hpp"
+
 namespace bip::verify {
 
 /// A literal: variable v > 0 as v, its negation as -v.
@@ -28,8 +30,9 @@ class Solver {
   void assume(Lit literal);
   /// Decisions try this value first.
   void prefer(Lit literal);
-  /// Unknown: `seconds` have passed.
-  [[nodiscard]] Answer solve(double seconds);
+  /// Searches for a model of all clauses under the assumptions, which it consumes. Unknown: the token is over, which
+  /// the solver polls at each conflict.
+  [[nodiscard]] Answer solve(const CancellationToken& cancellation);
   /// After Unsatisfiable: did the answer need this assumption?
   [[nodiscard]] bool is_needed(Lit assumption) const;
   /// In the model of the last solve.

@@ -51,7 +51,6 @@ class Pdr {
   };
 
   [[nodiscard]] u32 top_frame() const { return static_cast<u32>(frames_.size()) - 1; }
-  [[nodiscard]] double seconds() const { return seconds_until(p_.end); }
 
   void prepare() {
     std::vector<Signal> signals{p_.bad};
@@ -144,7 +143,7 @@ class Pdr {
     main_.assume(bad_);
     // A bad state may have no step at all; a bad step is one that is chosen.
     main_.assume(-going_);
-    return main_.solve(seconds());
+    return main_.solve(p_.cancellation);
   }
 
   u32 chosen_step() const {
@@ -177,7 +176,7 @@ class Pdr {
     }
     for (u32 code : whole) lift_.assume(literal(lift_now_, code));
     Cube cube;
-    if (lift_.solve(seconds()) == Answer::Unsatisfiable) {
+    if (lift_.solve(p_.cancellation) == Answer::Unsatisfiable) {
       for (u32 code : whole) {
         if (lift_.is_needed(literal(lift_now_, code))) cube.push_back(code);
       }
@@ -206,7 +205,7 @@ class Pdr {
     main_.assume(going_);
     main_.assume(here);
     for (u32 code : cube) main_.assume(literal(next_, code));
-    const Answer answer = main_.solve(seconds());
+    const Answer answer = main_.solve(p_.cancellation);
     if (answer == Answer::Unsatisfiable && core != nullptr) {
       core->clear();
       for (u32 code : cube) {

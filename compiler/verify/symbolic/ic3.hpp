@@ -21,7 +21,7 @@ struct Ic3Problem {
   const TransitionSystem* machine = nullptr;
   Signal bad = kFalse;                          // may depend on the chosen step
   std::vector<std::vector<Signal>> invariants;  // clauses over what is now, true in every reachable state
-  ProcessClock::time_point end;
+  CancellationToken cancellation;
   std::function<void(u32 frame, std::size_t lemmas)> report;  // called now and then; may be empty
 };
 struct Ic3Answer {

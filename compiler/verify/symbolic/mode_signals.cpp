@@ -98,7 +98,7 @@ std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof
   return std::move(all.clauses);
 }
 
-bool ranges_hold(const TransitionSystem& machine, double seconds) {
+bool ranges_hold(const TransitionSystem& machine, const CancellationToken& cancellation) {
   if (machine.next_in_range == kTrue) return true;
   Solver solver;
   Cnf cnf(machine.circuit, solver);
@@ -111,7 +111,7 @@ bool ranges_hold(const TransitionSystem& machine, double seconds) {
   add_at_most_one(solver, chosen);
   cnf.add_state(machine);
   solver.add({-cnf.literal(machine.next_in_range)});
-  return solver.solve(seconds) == Answer::Unsatisfiable;
+  return solver.solve(cancellation) == Answer::Unsatisfiable;
 }
 
 }  // namespace bip::verify

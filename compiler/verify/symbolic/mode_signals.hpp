@@ -17,6 +17,6 @@ struct ModeSignals {
 /// The same, and the proof's invariants.
 [[nodiscard]] std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof,
                                                             TransitionSystem& machine, const rt::Image& image);
-[[nodiscard]] bool ranges_hold(const TransitionSystem& machine, double seconds);
+[[nodiscard]] bool ranges_hold(const TransitionSystem& machine, const CancellationToken& cancellation);
 
 }  // namespace bip::verify

@@ -38,12 +38,12 @@ struct Explored {
 class TimeProver {
  public:
   TimeProver(const System& system, const std::vector<DataRef>& asked, const ExplorePart& explore,
-             ProcessClock::time_point end, const PartLimits& limits)
+             const CancellationToken& cancellation, const PartLimits& limits)
       : is_read_(find_read_data(system, asked)),
         simple_(without_unread_data(system, is_read_)),
         neighbours_(simple_),
         explore_(explore),
-        end_(end),
+        cancellation_(cancellation),
         limits_(limits) {}
 
   TimeProof prove() {
@@ -95,7 +95,7 @@ class TimeProver {
     std::vector<std::vector<AbstractValue>> constants;
     for (const ModeClass& row : net_.classes) constants.push_back(constants_of(row));
     constant_ = [this, constants](u32 atom, u32 variable) { return constants[net_.class_of[atom]][variable]; };
-    facts_ = std::make_unique<ModeFacts>(net_, Encoded::Nothing, end_);
+    facts_ = std::make_unique<ModeFacts>(net_, Encoded::Nothing, cancellation_);
     return true;
   }
 
@@ -109,7 +109,7 @@ class TimeProver {
   }
 
   bool has_deadlock() {
-    ModeFacts facts(net_, Encoded::NoStep, end_);
+    ModeFacts facts(net_, Encoded::NoStep, cancellation_);
     for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
       for (const u32 mode : bounded_modes(net_, atom)) facts.exclude(net_.mode_base[atom] + mode);
     }
@@ -234,7 +234,7 @@ class TimeProver {
   [[nodiscard]] rt::ExploreOptions options() const {
     rt::ExploreOptions options;
     options.limit = limits_.zones;
-    options.is_stopped = [this] { return seconds_until(end_) <= 0; };
+    options.is_stopped = [this] { return cancellation_.is_over(); };
     return options;
   }
 
@@ -268,7 +268,8 @@ class TimeProver {
       proof_.largest = std::max<std::uint64_t>(proof_.largest, members.size());
       if (!found.is_open) {
         is_too_large_ = !found.is_complete;
-        if (seconds_until(end_) <= 0) proof_.reason = "the time is over";
+        if (cancellation_.is_cancelled()) proof_.reason = "interrupted";
+        else if (cancellation_.is_over()) proof_.reason = "the time is over";
         else if (!found.is_complete)
           proof_.reason = found.inexact.empty() ? "a neighbourhood of `" + path_of(joined[0]) + "` has too many zones"
                                                 : found.inexact;
@@ -345,7 +346,7 @@ class TimeProver {
   System simple_, far_;
   Neighbours neighbours_;
   const ExplorePart& explore_;
-  ProcessClock::time_point end_;
+  CancellationToken cancellation_;
   PartLimits limits_;
   Net net_;
   KnownVariable constant_;
@@ -357,16 +358,16 @@ class TimeProver {
 
 }  // namespace
 
-TimeProof prove_time(const System& system, const ExplorePart& explore, ProcessClock::time_point end,
+TimeProof prove_time(const System& system, const ExplorePart& explore, const CancellationToken& cancellation,
                      const PartLimits& limits) {
   TimeProof proof;
   proof.reason = obstacle_to_time_divergent_limit(system);
   if (!proof.reason.empty()) return proof;
-  return TimeProver(system, {}, explore, end, limits).prove();
+  return TimeProver(system, {}, explore, cancellation, limits).prove();
 }
 
 TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore,
-                              ProcessClock::time_point end, const PartLimits& limits) {
+                              const CancellationToken& cancellation, const PartLimits& limits) {
   TimeProof proof;
   proof.reason = obstacle_to_time_divergent_limit(system);
   std::vector<DataRef> asked;
@@ -377,7 +378,7 @@ TimeProof prove_state_in_time(const System& system, const Property& property, co
   }
   if (atoms_of(property).empty()) proof.reason = "the property speaks of no component";
   if (!proof.reason.empty()) return proof;
-  return TimeProver(system, asked, explore, end, limits).prove(property);
+  return TimeProver(system, asked, explore, cancellation, limits).prove(property);
 }
 
 }  // namespace bip::verify

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "compiler/verify/property/property.hpp"
-#include "compiler/verify/solver/clock.hpp"
+#include "compiler/verify/solver/cancellation.hpp"
 #include "runtime/explore/zones.hpp"
 
 namespace bip::verify {
@@ -41,12 +41,12 @@ struct PartLimits {
 };
 
 /// Neither deadlock nor time lock.
-[[nodiscard]] TimeProof prove_time(const System& system, const ExplorePart& explore, ProcessClock::time_point end,
-                                   const PartLimits& limits = {});
+[[nodiscard]] TimeProof prove_time(const System& system, const ExplorePart& explore,
+                                   const CancellationToken& cancellation, const PartLimits& limits = {});
 
 /// A property of places and data, from the components that it speaks of and neighbours. `can` is about instants: that
 /// is left to the whole.
 [[nodiscard]] TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore,
-                                            ProcessClock::time_point end, const PartLimits& limits = {});
+                                            const CancellationToken& cancellation, const PartLimits& limits = {});
 
 }  // namespace bip::verify

@@ -53,7 +53,7 @@ verify::AffineInvariants facts_of(const std::string& leave, std::vector<std::str
   const verify::Net net = verify::build_net(*c.system);
   verify::TransitionSystem machine = verify::build_transition_system(*c.system, c.lowered->image);
   verify::AffineInvariants facts =
-      verify::find_affine_invariants(net, machine, c.lowered->image, {}, verify::seconds_from_now(60));
+      verify::find_affine_invariants(net, machine, c.lowered->image, {}, verify::within_seconds(60));
   for (const verify::AffineEquation& one : facts.equations) rows.push_back(verify::equation_row(one, *c.system));
   return facts;
 }

@@ -103,7 +103,7 @@ void compare(const std::vector<std::string>& texts, Tally& tally) {
   const bool expected =
       std::any_of(waiting.begin(), waiting.end(), [](const auto& state) { return !state.second.empty(); });
   const verify::LocalDeadlockResult found =
-      verify::find_local_deadlock(net, image, {.end = verify::ProcessClock::now() + std::chrono::seconds(60)});
+      verify::find_local_deadlock(net, image, {.cancellation = verify::within_seconds(60)});
   REQUIRE(found.search.end == (expected ? verify::SearchEnd::Found : verify::SearchEnd::Exhausted));
   ++(expected ? tally.stuck : tally.free);
   if (!expected) {

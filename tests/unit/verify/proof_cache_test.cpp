@@ -150,7 +150,7 @@ QuestionKind ask(const std::string& text, const std::string& folder, const std::
       *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
   decider.remember_in(&memory);
   verify::PortfolioLimits limits;
-  limits.end = verify::seconds_from_now(20);
+  limits.cancellation = verify::within_seconds(20);
   limits.may_search = false;
   QuestionKind result{decider.decide(question, limits), {}};
   result.counts = memory.counts;
@@ -312,7 +312,7 @@ TEST_CASE("of candidates for lemmas the largest part is taken that no step leave
   verify::Ic3Problem problem;
   problem.machine = &machine;
   problem.bad = machine.bits[*low_n].now;
-  problem.end = verify::seconds_from_now(20);
+  problem.cancellation = verify::within_seconds(20);
   // Never odd: true of n, not of m. Never even: not so at first.
   const verify::InductiveLemmas found =
       verify::houdini(problem, {{2 * *low_m + 1}, {2 * *low_n + 1}, {2 * *low_n}, {}});
@@ -406,7 +406,7 @@ TEST_CASE("several processes share a folder") {
             *c.system, c.lowered->image, false, [] { return false; }, [](const char*, std::uint64_t, const char*) {});
         decider.remember_in(&memory);
         verify::PortfolioLimits limits;
-        limits.end = verify::seconds_from_now(100);
+        limits.cancellation = verify::within_seconds(100);
         limits.may_search = false;
         if (decider.decide({}, limits).outcome != Outcome::Holds || memory.broken_files() != 0) ++wrong;
       }

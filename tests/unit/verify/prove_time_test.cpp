@@ -81,8 +81,8 @@ void ask(const System& system, const rt::Image& image, u64 seed, TimedTally& tal
       image, {.limit = 20000, .is_broken = [&](const rt::Core& core) { return verify::is_broken(*property, core); }});
   ++tally.asked;
   for (const std::size_t members : {std::size_t{2}, std::size_t{6}}) {
-    const verify::TimeProof proof = verify::prove_state_in_time(
-        system, *property, explore, verify::seconds_from_now(60), {.members = members, .zones = 20000});
+    const verify::TimeProof proof = verify::prove_state_in_time(system, *property, explore, verify::within_seconds(60),
+                                                                {.members = members, .zones = 20000});
     INFO((*property).text << ", members " << members << ", reason: " << proof.reason);
     if (proof.is_proved) REQUIRE_FALSE(whole.has_broken);
     if (members == 6) tally.holding += proof.is_proved ? 1 : 0;
@@ -147,7 +147,7 @@ void compare(const std::vector<std::string>& texts, u64 seed, TimedTally& tally)
   tally.free += is_free ? 1 : 0;
   for (const std::size_t members : {std::size_t{2}, std::size_t{3}, std::size_t{6}}) {
     const verify::TimeProof proof =
-        verify::prove_time(*c.system, explore, verify::seconds_from_now(60), {.members = members, .zones = 20000});
+        verify::prove_time(*c.system, explore, verify::within_seconds(60), {.members = members, .zones = 20000});
     INFO("members " << members << ", reason: " << proof.reason);
     if (!proof.is_proved) continue;
     REQUIRE_FALSE(whole.has_deadlock);

@@ -28,10 +28,9 @@ void compare(const std::vector<std::string>& texts, NetTally& tally) {
     return;
   }
   const verify::Net net = verify::build_net(*c.system);
-  const verify::Proof proof =
-      verify::prove_deadlock_freedom(net, verify::ProcessClock::now() + std::chrono::seconds(5));
+  const verify::Proof proof = verify::prove_deadlock_freedom(net, verify::within_seconds(5));
   const interp::Interpreter interpreter(*c.lowered);
-  const verify::SearchLimits limits{.end = verify::ProcessClock::now() + std::chrono::seconds(1), .megabytes = 200};
+  const verify::SearchLimits limits{.cancellation = verify::within_seconds(1), .megabytes = 200};
   const verify::SearchResult all =
       verify::search(net, c.lowered->image, {.stuck = true, .faults = false, .state = {}}, {}, limits);
   if (all.end == verify::SearchEnd::Limit) {

@@ -38,8 +38,9 @@ TEST_CASE("the rows of what a search has reached") {
   const verify::Net net = verify::build_net(*c.system);
   verify::StateCollector states(*c.system, c.lowered->image);
   REQUIRE(states.can_tell());
-  const verify::SearchLimits limits{
-      .end = verify::seconds_from_now(20), .report = {}, .visit = [&](const rt::State& state) { states.add(state); }};
+  const verify::SearchLimits limits{.cancellation = verify::within_seconds(20),
+                                    .report = {},
+                                    .visit = [&](const rt::State& state) { states.add(state); }};
   const verify::SearchResult all = verify::search(net, c.lowered->image, {}, {}, limits);
   REQUIRE(all.end == verify::SearchEnd::Exhausted);
   CHECK(all.states == 15);

@@ -1,0 +1,31 @@
+// See interrupt_cancellation.hpp.
+#include "compiler/driver/interrupt_cancellation.hpp"
+
+#include <csignal>
+
+namespace bip::driver {
+
+namespace {
+
+// What the signal handler cancels; lock-free, as handlers need it.
+std::atomic<verify::CancellationSource*> interrupted_source{nullptr};
+
+}  // namespace
+
+extern "C" {
+static void bip_cancel_on_interrupt(int) {
+  if (verify::CancellationSource* source = interrupted_source.load()) source->cancel();
+}
+}
+
+InterruptCancellation::InterruptCancellation() {
+  interrupted_source.store(&source_);
+  handler_before_ = std::signal(SIGINT, bip_cancel_on_interrupt);
+}
+
+InterruptCancellation::~InterruptCancellation() {
+  if (handler_before_ != SIG_ERR) std::signal(SIGINT, handler_before_);
+  interrupted_source.store(nullptr);
+}
+
+}  // namespace bip::driver

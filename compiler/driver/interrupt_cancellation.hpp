@@ -1,0 +1,24 @@
+// Ctrl-C ends the question that the command line has asked, not the process: what is known by then is reported.
+#pragma once
+#include "compiler/verify/solver/cancellation.hpp"
+
+namespace bip::driver {
+
+/// Cancels its own source when SIGINT arrives, for as long as it lives; then restores the handler that was there
+/// before. At most one lives at a time in a process: signals belong to the process, questions do not.
+class InterruptCancellation {
+ public:
+  InterruptCancellation();
+  ~InterruptCancellation();
+  InterruptCancellation(const InterruptCancellation&) = delete;
+  InterruptCancellation& operator=(const InterruptCancellation&) = delete;
+
+  /// Returns a token that Ctrl-C cancels, without deadline. It must not outlive this object.
+  [[nodiscard]] verify::CancellationToken token() const { return verify::CancellationToken(source_); }
+
+ private:
+  verify::CancellationSource source_;
+  void (*handler_before_)(int);
+};
+
+}  // namespace bip::driver
