@@ -35,8 +35,8 @@ const Names<rt::Engine> kEngines{
     {"sequential", rt::Engine::Sequential}, {"threads", rt::Engine::Threads}, {"batch", rt::Engine::Batch}};
 
 const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela}, {"pnml", ExportFormat::Pnml}};
-const Names<rt::Reduction> kReductions{
-    {"none", rt::Reduction::None}, {"por", rt::Reduction::Por}, {"symmetry", rt::Reduction::Symmetry}};
+const Names<rt::StateReduction> kReductions{
+    {"none", rt::StateReduction::None}, {"por", rt::StateReduction::Por}, {"symmetry", rt::StateReduction::Symmetry}};
 
 std::string not_one_of(const std::string& text, const std::string& shown) {
   return fmt::format("`{}` is not one of {}", text, shown);

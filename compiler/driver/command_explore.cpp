@@ -25,15 +25,15 @@ namespace bip::driver {
 
 namespace {
 
-const char* name_of(rt::Reduction reduction) {
-  return reduction == rt::Reduction::None ? "none" : reduction == rt::Reduction::Por ? "por" : "symmetry";
+const char* name_of(rt::StateReduction reduction) {
+  return reduction == rt::StateReduction::None ? "none" : reduction == rt::StateReduction::Por ? "por" : "symmetry";
 }
 
 // What the chosen reduction means for the counts.
-std::string reduction_text(const rt::ExploreReport& found, rt::Reduction reduction) {
-  if (reduction == rt::Reduction::Por)
+std::string reduction_text(const rt::ExploreReport& found, rt::StateReduction reduction) {
+  if (reduction == rt::StateReduction::Por)
     return "partial-order reduction: all deadlocks are found; not all states, steps and run-time errors are seen\n";
-  if (reduction == rt::Reduction::None) return "";
+  if (reduction == rt::StateReduction::None) return "";
   std::string text = "symmetry reduction: states that differ only in who is who count once; interchangeable are";
   for (const std::string& group : found.groups) text += (&group == &found.groups.front() ? " " : ", ") + group;
   return text + "\n";
@@ -64,7 +64,7 @@ class ExploreProgressLine {
 };
 
 struct Ways {
-  rt::ToldWay deadlock, error;
+  rt::CounterexampleText deadlock, error;
 };
 
 void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const Ways& ways) {
@@ -79,9 +79,9 @@ void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const
     json["bytes"] = found.bytes;
     json["threads"] = found.threads;
   }
-  if (found.has_deadlock && found.are_ways_known)
+  if (found.has_deadlock && found.are_paths_known)
     json["deadlock"] = {{"choices", found.deadlock}, {"text", ways.deadlock.steps}};
-  if (found.has_error && found.are_ways_known)
+  if (found.has_error && found.are_paths_known)
     json["error"] = {{"choices", found.error}, {"text", ways.error.steps + ways.error.error}};
   write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
@@ -113,7 +113,8 @@ bool is_explorable(const ExploreArguments& a, Compilation& c) {
   }
   const std::string problem = rt::reduction_problem(c.lowered->image, a.explore);
   if (problem.empty()) return true;
-  c.diags.report(Diag::kB5040, {}, a.explore.reduction == rt::Reduction::Por ? "partial-order" : "symmetry", problem);
+  c.diags.report(Diag::kB5040, {}, a.explore.reduction == rt::StateReduction::Por ? "partial-order" : "symmetry",
+                 problem);
   return false;
 }
 
@@ -128,7 +129,7 @@ rt::ExploreReport search(const ExploreArguments& a, const rt::Image& image) {
   ExploreProgressLine progress(!is_bip2);
   std::uint64_t dots = 0;
   if (is_bip2) write_now(stdout, rt::kPublishedBegin);
-  options.tell = [&](const rt::ExploreProgress& now) {
+  options.on_progress = [&](const rt::ExploreProgress& now) {
     progress.tell(now);
     std::string text;
     for (; is_bip2 && dots * rt::kStatesPerDot < now.expanded; ++dots) text += '.';
@@ -156,13 +157,14 @@ int command_explore(const ExploreArguments& arguments) {
   const rt::ExploreReport found = search(arguments, image);
   const rt::MaximalProgress maximal = arguments.explore.progress;
   Ways ways;
-  if (found.has_deadlock && found.are_ways_known)
-    ways.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
-  if (found.has_error && found.are_ways_known)
-    ways.error = rt::tell_way(image, maximal, rt::WayEnd::Error, found.error, kStepsShown);
-  if (!arguments.trace_path.empty() && (found.has_deadlock || found.has_error) && found.are_ways_known) {
-    const std::string trace =
-        rt::trace_of_way(image, maximal, found.has_deadlock ? found.deadlock : found.error, arguments.format);
+  if (found.has_deadlock && found.are_paths_known)
+    ways.deadlock =
+        rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Deadlock, found.deadlock, kStepsShown);
+  if (found.has_error && found.are_paths_known)
+    ways.error = rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Error, found.error, kStepsShown);
+  if (!arguments.trace_path.empty() && (found.has_deadlock || found.has_error) && found.are_paths_known) {
+    const std::string trace = rt::trace_of_counterexample(
+        image, maximal, found.has_deadlock ? found.deadlock : found.error, arguments.format);
     if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
       c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
       return report(c);
@@ -177,7 +179,7 @@ int command_explore(const ExploreArguments& arguments) {
     std::string text;
     if (!arguments.silent) {
       text = ways.deadlock.steps + ways.error.steps + reduction_text(found, arguments.explore.reduction);
-      if (!found.are_ways_known)
+      if (!found.are_paths_known)
         text += "the way to what was found is not known: there was no time left to look for it\n";
     }
     write_now(stdout, text + rt::summary_line(found));

@@ -30,26 +30,26 @@ constexpr const char* kNotReplayed = "the core could not take the way to what wa
 
 // Of what was found: the error before the deadlock before the time lock, as exit codes have it.
 struct Found {
-  rt::WayEnd end = rt::WayEnd::Deadlock;
-  const rt::TimedWay* way = nullptr;  // null: nothing was
+  rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
+  const rt::TimedPath* way = nullptr;  // null: nothing was
 };
 Found first_of(const rt::ZoneReport& found) {
-  if (found.has_deadlock) return {rt::WayEnd::Deadlock, &found.deadlock};
-  if (found.has_time_lock) return {rt::WayEnd::TimeLock, &found.time_lock};
-  if (found.has_error) return {rt::WayEnd::Error, &found.error};
+  if (found.has_deadlock) return {rt::CounterexampleEnd::Deadlock, &found.deadlock};
+  if (found.has_time_lock) return {rt::CounterexampleEnd::TimeLock, &found.time_lock};
+  if (found.has_error) return {rt::CounterexampleEnd::Error, &found.error};
   return {};
 }
 
 const char* end_of(const rt::ZoneReport& found) { return found.inexact.empty() ? name_of(found.end) : "inexact"; }
 
-nlohmann::ordered_json way_json(const rt::TimedWay& way, const rt::ToldWay& told) {
+nlohmann::ordered_json way_json(const rt::TimedPath& way, const rt::CounterexampleText& told) {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
   for (const rt::TimedStep& step : way.steps) steps.push_back({{"time", step.at}, {"choice", step.choice}});
   return {{"steps", steps}, {"end", way.end}, {"text", told.steps + told.error}};
 }
 
 struct Told {
-  rt::ToldWay deadlock, time_lock, error;
+  rt::CounterexampleText deadlock, time_lock, error;
 };
 
 void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const Told& told) {
@@ -63,7 +63,7 @@ void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const To
     json["seconds"] = found.seconds;
     json["bytes"] = found.bytes;
   }
-  if (found.are_ways_known) {
+  if (found.are_paths_known) {
     if (found.has_deadlock) json["deadlock"] = way_json(found.deadlock, told.deadlock);
     if (found.has_time_lock) json["time_lock"] = way_json(found.time_lock, told.time_lock);
     if (found.has_error) json["error"] = way_json(found.error, told.error);
@@ -100,15 +100,15 @@ bool is_answerable(const VerifyArguments& a, Compilation& c, const verify::Quest
 
 // What a location offers depends on the instant.
 void ask(const verify::Property& property, rt::ExploreOptions& options) {
-  options.is_broken = [&property](const rt::Core& core) { return verify::is_broken(property, core); };
+  options.predicate = [&property](const rt::Core& core) { return verify::is_broken(property, core); };
   for (const verify::PropertyNode& node : property.nodes) {
-    if (node.kind == verify::PropertyKind::CanConnector) options.asked_connectors.push_back(node.owner);
-    if (node.kind == verify::PropertyKind::CanPort) options.asked_atoms.push_back(node.owner);
+    if (node.kind == verify::PropertyKind::CanConnector) options.predicate_connectors.push_back(node.owner);
+    if (node.kind == verify::PropertyKind::CanPort) options.predicate_atoms.push_back(node.owner);
   }
 }
 
 // What is there at the end of the way.
-std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedWay& way) {
+std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& way) {
   rt::Core core(image);
   bool is_sound = core.initialize();
   for (const rt::TimedStep& step : way.steps) {
@@ -178,16 +178,19 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
   }
   const rt::MaximalProgress maximal = arguments.explore.progress;
   Told told;
-  if (found.are_ways_known) {
+  if (found.are_paths_known) {
     if (found.has_deadlock)
-      told.deadlock = rt::tell_way(image, maximal, rt::WayEnd::Deadlock, found.deadlock, kStepsShown);
+      told.deadlock =
+          rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Deadlock, found.deadlock, kStepsShown);
     if (found.has_time_lock)
-      told.time_lock = rt::tell_way(image, maximal, rt::WayEnd::TimeLock, found.time_lock, kStepsShown);
-    if (found.has_error) told.error = rt::tell_way(image, maximal, rt::WayEnd::Error, found.error, kStepsShown);
+      told.time_lock =
+          rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::TimeLock, found.time_lock, kStepsShown);
+    if (found.has_error)
+      told.error = rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Error, found.error, kStepsShown);
   }
   if (const Found first = first_of(found);
-      !arguments.trace_path.empty() && first.way != nullptr && found.are_ways_known) {
-    const std::string trace = rt::trace_of_way(image, maximal, first.end, *first.way, arguments.format);
+      !arguments.trace_path.empty() && first.way != nullptr && found.are_paths_known) {
+    const std::string trace = rt::trace_of_counterexample(image, maximal, first.end, *first.way, arguments.format);
     if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
       c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
       return report(c);
@@ -203,7 +206,7 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
     write_now(stdout, text);
     write_now(stderr, told.time_lock.error);
     write_now(stdout, told.error.steps);
-    text = found.are_ways_known ? "" : kNotReplayed;
+    text = found.are_paths_known ? "" : kNotReplayed;
     if (!found.inexact.empty()) text += found.inexact + ", which zones cannot follow\n";
   }
   write_now(stdout, text + rt::summary_line(found));
@@ -257,7 +260,7 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   }
   const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
   const bool is_violated = asks_errors  ? found.has_error
-                           : asks_state ? found.has_broken
+                           : asks_state ? found.has_match
                                         : found.has_deadlock || found.has_time_lock;
   const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
@@ -265,16 +268,17 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
   json["zones"] = found.zones;
   std::string text;
   int exit_code = kUnknown;
-  if (is_violated && found.are_ways_known) {
-    const Found first = asks_errors  ? Found{rt::WayEnd::Error, &found.error}
-                        : asks_state ? Found{rt::WayEnd::State, &found.broken}
+  if (is_violated && found.are_paths_known) {
+    const Found first = asks_errors  ? Found{rt::CounterexampleEnd::Error, &found.error}
+                        : asks_state ? Found{rt::CounterexampleEnd::State, &found.match}
                                      : first_of(found);
-    rt::ToldWay told = rt::tell_way(image, rt::MaximalProgress::On, first.end, *first.way, kStepsShown);
+    rt::CounterexampleText told =
+        rt::describe_counterexample(image, rt::MaximalProgress::On, first.end, *first.way, kStepsShown);
     if (asks_state) told.steps += broken_text(image, question.property, *first.way);
-    json["verdict"] = asks_state                          ? "violated"
-                      : first.end == rt::WayEnd::Error    ? "error"
-                      : first.end == rt::WayEnd::TimeLock ? "time lock"
-                                                          : "deadlock";
+    json["verdict"] = asks_state                                     ? "violated"
+                      : first.end == rt::CounterexampleEnd::Error    ? "error"
+                      : first.end == rt::CounterexampleEnd::TimeLock ? "time lock"
+                                                                     : "deadlock";
     json["steps"] = first.way->steps.size();
     text = told.steps + told.error;
     exit_code = kViolated;

@@ -1,4 +1,4 @@
-// `run --explore`: the exploration of runtime/explore, told as the published engine does or in one line of our own.
+// `run --explore`: the exploration of runtime/explore, reported as the published engine does or in one line of our own.
 #include <algorithm>
 #include <thread>
 
@@ -36,7 +36,7 @@ ExploreResult explore(const Image& image, const RunOptions& options, std::FILE* 
   wanted.is_stopped = is_interrupted;
   u64 dots = 0;
   if (is_bip2) {
-    wanted.tell = [&](const ExploreProgress& progress) {
+    wanted.on_progress = [&](const ExploreProgress& progress) {
       std::string text;
       for (; dots * kStatesPerDot < progress.expanded; ++dots) text += '.';
       if (!text.empty()) write(out, text);
@@ -45,17 +45,20 @@ ExploreResult explore(const Image& image, const RunOptions& options, std::FILE* 
   const ExploreReport found = explore_states(image, wanted);
   std::string text, error_text;
   if (found.has_error) {
-    const ToldWay told = tell_way(image, wanted.progress, WayEnd::Error, found.error, 0);
-    error_text = told.error;
-    if (!is_bip2 && !options.silent && !told.names.empty()) text = "error in the last step of " + told.names + "\n";
+    const CounterexampleText counterexample =
+        describe_counterexample(image, wanted.progress, CounterexampleEnd::Error, found.error, 0);
+    error_text = counterexample.error;
+    if (!is_bip2 && !options.silent && !counterexample.names.empty())
+      text = "error in the last step of " + counterexample.names + "\n";
   }
   if (is_bip2) {
     text = published_line(found);
   } else {
-    if (!options.silent && found.has_deadlock && found.are_ways_known) {
-      const ToldWay told = tell_way(image, wanted.progress, WayEnd::Deadlock, found.deadlock, 0);
+    if (!options.silent && found.has_deadlock && found.are_paths_known) {
+      const CounterexampleText counterexample =
+          describe_counterexample(image, wanted.progress, CounterexampleEnd::Deadlock, found.deadlock, 0);
       text = "deadlock after " + counted(found.deadlock.size(), "step") +
-             (told.names.empty() ? "" : ": " + told.names) + "\n" + text;
+             (counterexample.names.empty() ? "" : ": " + counterexample.names) + "\n" + text;
     }
     text += summary_line(found);
   }

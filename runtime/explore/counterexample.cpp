@@ -29,10 +29,10 @@ const char* beginning_of(ExploreEnd end) {
   return "";
 }
 
-// A way without time, as one whose steps are all taken at once.
-TimedWay at_once(const Way& way) {
-  TimedWay timed;
-  for (const u64 choice : way) timed.steps.push_back({0, choice});
+// A path without time, as one whose steps are all taken at once.
+TimedPath at_once(const Path& path) {
+  TimedPath timed;
+  for (const u64 choice : path) timed.steps.push_back({0, choice});
   return timed;
 }
 
@@ -83,45 +83,47 @@ std::string summary_line(const ZoneReport& report) {
          counted(report.time_locks, "time lock") + ", " + counted(report.errors, "error") + "\n";
 }
 
-ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way, std::size_t max_lines) {
-  ToldWay told;
+CounterexampleText describe_counterexample(const Image& image, MaximalProgress progress, CounterexampleEnd end,
+                                           const TimedPath& path, std::size_t max_lines) {
+  CounterexampleText text;
   Core core(image, {.progress = progress});
   bool is_sound = core.initialize();
   StepWriter writer;
   u64 taken = 0;
-  for (; is_sound && taken < way.steps.size(); ++taken) {
-    if (!let_time_pass(core, way.steps[taken].at) || way.steps[taken].choice >= core.candidate_count()) break;
-    const u64 choice = way.steps[taken].choice;
+  for (; is_sound && taken < path.steps.size(); ++taken) {
+    if (!let_time_pass(core, path.steps[taken].at) || path.steps[taken].choice >= core.candidate_count()) break;
+    const u64 choice = path.steps[taken].choice;
     const Candidate candidate = core.candidate(choice);
-    told.names += told.names.empty() ? "" : ", ";
-    append_candidate(told.names, core, candidate);
-    if (taken < max_lines) writer.step(told.steps, core, candidate, taken);
-    else if (taken == max_lines) told.steps += "… and " + counted(way.steps.size() - taken, "more step") + "\n";
+    text.names += text.names.empty() ? "" : ", ";
+    append_candidate(text.names, core, candidate);
+    if (taken < max_lines) writer.step(text.steps, core, candidate, taken);
+    else if (taken == max_lines) text.steps += "… and " + counted(path.steps.size() - taken, "more step") + "\n";
     is_sound = take(core, choice);
     if (!is_sound) break;
   }
   const i64 last = core.now();
-  if (is_sound) (void)let_time_pass(core, way.end);
-  if (end == WayEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  if (is_sound) (void)let_time_pass(core, path.end);
+  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
   if (core.fault()) {
-    told.error = without_seed(fault_text(core, 0, taken));
-  } else if (end == WayEnd::Deadlock && core.candidate_count() == 0) {
+    text.error = without_seed(fault_text(core, 0, taken));
+  } else if (end == CounterexampleEnd::Deadlock && core.candidate_count() == 0) {
     if (core.now() > last) {
-      told.steps += "time passes to ";
-      append_time(told.steps, core.now());
-      told.steps += '\n';
+      text.steps += "time passes to ";
+      append_time(text.steps, core.now());
+      text.steps += '\n';
     }
-    told.steps += without_seed(deadlock_story(core, taken, 0));
+    text.steps += without_seed(deadlock_story(core, taken, 0));
   }
-  return told;
+  return text;
 }
 
-ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way, std::size_t max_lines) {
-  return tell_way(image, progress, end, at_once(way), max_lines);
+CounterexampleText describe_counterexample(const Image& image, MaximalProgress progress, CounterexampleEnd end,
+                                           const Path& path, std::size_t max_lines) {
+  return describe_counterexample(image, progress, end, at_once(path), max_lines);
 }
 
-std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way,
-                         TraceFormat format) {
+std::string trace_of_counterexample(const Image& image, MaximalProgress progress, CounterexampleEnd end,
+                                    const TimedPath& path, TraceFormat format) {
   std::string text;
   Core core(image, {.progress = progress});
   Bip2Writer bip2;
@@ -131,10 +133,10 @@ std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd en
   else json.begin(text, image, 0, Policy::First, Engine::Sequential);
   bool is_sound = core.initialize();
   u64 taken = 0;
-  for (; is_sound && taken < way.steps.size(); ++taken) {
-    const u64 choice = way.steps[taken].choice;
+  for (; is_sound && taken < path.steps.size(); ++taken) {
+    const u64 choice = path.steps[taken].choice;
     if (is_bip2 && core.is_timed()) bip2.foresee(core);
-    if (!let_time_pass(core, way.steps[taken].at) || choice >= core.candidate_count()) break;
+    if (!let_time_pass(core, path.steps[taken].at) || choice >= core.candidate_count()) break;
     if (is_bip2 && core.is_timed()) {
       bip2.foreseen(text, core, taken, core.candidate(choice));
     } else if (is_bip2) {
@@ -146,8 +148,8 @@ std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd en
     is_sound = take(core, choice);
     if (!is_sound) break;
   }
-  if (is_sound) (void)let_time_pass(core, way.end);
-  if (end == WayEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  if (is_sound) (void)let_time_pass(core, path.end);
+  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
   const End ended = core.fault() ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
   if (is_bip2) {
     if (core.fault()) bip2.fault(text, core);
@@ -158,8 +160,9 @@ std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd en
   return text;
 }
 
-std::string trace_of_way(const Image& image, MaximalProgress progress, const Way& way, TraceFormat format) {
-  return trace_of_way(image, progress, WayEnd::Deadlock, at_once(way), format);
+std::string trace_of_counterexample(const Image& image, MaximalProgress progress, const Path& path,
+                                    TraceFormat format) {
+  return trace_of_counterexample(image, progress, CounterexampleEnd::Deadlock, at_once(path), format);
 }
 
 }  // namespace bip::rt

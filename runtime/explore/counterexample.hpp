@@ -1,5 +1,5 @@
-// What an exploration found, as text: ways by a core that takes them from the initial state, so that what is told has
-// been replayed; the last line that all reports share.
+// What an exploration found, as text. A counterexample is replayed by a core from the initial state before it is shown.
+// The last line of all reports comes from here too.
 #pragma once
 #include <string>
 
@@ -26,21 +26,23 @@ inline constexpr u64 kStatesPerDot = 1000;
 /// `explored: 20 zones of 7 locations, 31 steps, 0 deadlocks, 1 time lock, 0 errors`
 [[nodiscard]] std::string summary_line(const ZoneReport& report);
 
-enum class WayEnd : std::uint8_t { Deadlock, Error, TimeLock, State };
-struct ToldWay {
+enum class CounterexampleEnd : std::uint8_t { Deadlock, Error, TimeLock, State };
+struct CounterexampleText {
   std::string names;  // of the candidates taken, "ROOT.a, ROOT.b"
   std::string steps;  // a line a step; Deadlock: then who waits for whom
   std::string error;  // Error, TimeLock: the run-time error
 };
-/// Takes the way. At most max_lines steps are listed.
-[[nodiscard]] ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const Way& way,
-                               std::size_t max_lines);
-[[nodiscard]] ToldWay tell_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way,
-                               std::size_t max_lines);
-/// The way as a trace that `bipc replay` reads (Bip2) or JSON lines.
-[[nodiscard]] std::string trace_of_way(const Image& image, MaximalProgress progress, const Way& way,
-                                       TraceFormat format);
-[[nodiscard]] std::string trace_of_way(const Image& image, MaximalProgress progress, WayEnd end, const TimedWay& way,
-                                       TraceFormat format);
+/// Replays a path from the initial state and returns its text, with at most max_lines steps. O(steps).
+[[nodiscard]] CounterexampleText describe_counterexample(const Image& image, MaximalProgress progress,
+                                                         CounterexampleEnd end, const Path& path,
+                                                         std::size_t max_lines);
+[[nodiscard]] CounterexampleText describe_counterexample(const Image& image, MaximalProgress progress,
+                                                         CounterexampleEnd end, const TimedPath& path,
+                                                         std::size_t max_lines);
+/// Returns the path as a trace: the lines that `bipc replay --published` reads (Bip2), else JSON lines.
+[[nodiscard]] std::string trace_of_counterexample(const Image& image, MaximalProgress progress, const Path& path,
+                                                  TraceFormat format);
+[[nodiscard]] std::string trace_of_counterexample(const Image& image, MaximalProgress progress, CounterexampleEnd end,
+                                                  const TimedPath& path, TraceFormat format);
 
 }  // namespace bip::rt

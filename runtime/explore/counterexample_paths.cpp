@@ -1,4 +1,4 @@
-// The shortest way to what was found. No state knows its parent; levels do: the states of level i that can step into a
+// The shortest path to what was found. No state knows its parent; levels do: the states of level i that can step into a
 // given set of level i + 1 are found by expanding level i again, from the goals' level down. Then the real system walks
 // from the initial state, each time by the first candidate that leads into the set. Cost: at most the expansion of the
 // levels once more, without the store.
@@ -10,8 +10,8 @@ namespace bip::rt {
 
 namespace {
 
-constexpr double kGraceSeconds = 5;      // for the ways, when the time was over before
-constexpr std::size_t kShareOfWays = 4;  // of the memory that is allowed: a quarter more for the ways
+constexpr double kGraceSeconds = 5;       // for the paths, when the time was over before
+constexpr std::size_t kShareOfPaths = 4;  // of the memory that is allowed: a quarter more for the paths
 
 }  // namespace
 
@@ -47,15 +47,15 @@ bool Search::collect(u32 level, StateStore& hits, const IsHit& is_hit) {
   return has_room && !is_batch_full_.load();
 }
 
-bool Search::find_way(Goal goal, u32 level, Way& way) {
+bool Search::find_path(Goal goal, u32 level, Path& path) {
   std::vector<std::unique_ptr<StateStore>> near(level + 1);
   std::size_t used = 0;
   for (u32 at = level + 1; at-- > 0;) {
-    const std::size_t allowed = options_.bytes / kShareOfWays;
+    const std::size_t allowed = options_.bytes / kShareOfPaths;
     if (options_.bytes != 0 && used >= allowed) return false;
     near[at] = std::make_unique<StateStore>(space_.layout.words(), options_.bytes == 0 ? 0 : allowed - used);
     const bool is_done = collect(at, *near[at], [&](Worker& worker, const u64* state) {
-      if (at == level && goal == Goal::Broken) return worker.judge->is_broken(state, *worker.expander);
+      if (at == level && goal == Goal::Match) return worker.evaluator->holds(state, *worker.expander);
       worker.out.clear();
       const Expander::Result result = worker.expander->expand(state, worker.out);
       if (at == level) return goal == Goal::Deadlock ? result.is_deadlock : result.has_error;
@@ -69,16 +69,16 @@ bool Search::find_way(Goal goal, u32 level, Way& way) {
     if (!is_done) return false;
     used += near[at]->bytes();
   }
-  return walk(goal, near, way);
+  return walk(goal, near, path);
 }
 
-bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& near, Way& way) {
+bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& near, Path& path) {
   Core core(image_, {.progress = options_.progress});
   State here = space_.initial;
   if (!core.restore(here)) return false;
   Expander& expander = *workers_[0].expander;
   std::vector<u64> state(space_.layout.words()), scratch;
-  way.clear();
+  path.clear();
   for (std::size_t level = 1; level < near.size(); ++level) {
     const u64 count = core.candidate_count();
     u64 k = 0;
@@ -90,15 +90,15 @@ bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& nea
       if (!core.restore(here)) return false;
     }
     if (k == count) return false;
-    way.push_back(k);
+    path.push_back(k);
     here = core.snapshot();
   }
   if (goal == Goal::Deadlock) return core.candidate_count() == 0;
-  if (goal == Goal::Broken) return options_.is_broken(core);
+  if (goal == Goal::Match) return options_.predicate(core);
   const u64 count = core.candidate_count();
   for (u64 k = 0; k < count; ++k) {
     if (!core.fire(k)) {
-      way.push_back(k);
+      path.push_back(k);
       return true;
     }
     if (!core.restore(here)) return false;
@@ -106,26 +106,26 @@ bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& nea
   return false;
 }
 
-void Search::find_ways() {
+void Search::find_paths() {
   // The level after the last one may have been begun; only whole levels are looked at.
-  const auto find = [&](Goal goal, u32 level, Way& way) {
-    while (!find_way(goal, level, way)) {
+  const auto find = [&](Goal goal, u32 level, Path& path) {
+    while (!find_path(goal, level, path)) {
       const bool is_narrow = std::any_of(workers_.begin(), workers_.end(),
                                          [](const Worker& worker) { return worker.expander->is_too_narrow(); });
       counts_before_level_ = counts_;
       if (!is_narrow || !widen()) {
-        report_.are_ways_known = false;
-        way.clear();
+        report_.are_paths_known = false;
+        path.clear();
         return;
       }
     }
   };
   report_.has_deadlock = deadlock_level_ != kNone;
   report_.has_error = error_level_ != kNone;
-  report_.has_broken = broken_level_ != kNone;
+  report_.has_match = match_level_ != kNone;
   if (report_.has_deadlock) find(Goal::Deadlock, deadlock_level_, report_.deadlock);
   if (report_.has_error) find(Goal::Error, error_level_, report_.error);
-  if (report_.has_broken) find(Goal::Broken, broken_level_, report_.broken);
+  if (report_.has_match) find(Goal::Match, match_level_, report_.match);
 }
 
 }  // namespace bip::rt

@@ -6,13 +6,13 @@
 namespace bip::rt {
 
 std::string reduction_problem(const Image& image, const ExploreOptions& options) {
-  if (options.reduction == Reduction::None) return {};
+  if (options.reduction == StateReduction::None) return {};
   if (has_time(image)) return "the model has time, on whose passing all components agree";
   if (image.outside != nullptr) return "the model calls C++, and what a function remembers belongs to no component";
   if (image.priorities.size != 0)
     return "the model has priorities between interactions, which compare components that share no interaction";
   const Core core(image, {.progress = options.progress});
-  if (options.reduction == Reduction::Por) {
+  if (options.reduction == StateReduction::Por) {
     // A step would then depend on guards of connectors that it shares no atom with.
     const bool may_fault = !shapes_of(core, options.progress).watched.items.empty();
     return may_fault ? "a guard of a connector may end in a run-time error, which depends on the order of steps" : "";

@@ -28,7 +28,7 @@ std::size_t Search::kept_bytes() const {
   std::size_t sum = space_.locals->bytes();
   for (const auto& owner : owners_) sum += owner->bytes();
   for (const Worker& worker : workers_) {
-    sum += worker.expander->bytes() + (worker.judge ? worker.judge->bytes() : 0);
+    sum += worker.expander->bytes() + (worker.evaluator ? worker.evaluator->bytes() : 0);
     for (const auto& list : worker.out.words) sum += list.capacity() * sizeof(u64);
   }
   return sum;
@@ -55,8 +55,8 @@ void Search::begin() {
   space_.initial = core.snapshot();
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) (void)space_.locals->number(atom, core);
   space_.layout = Layout(*space_.locals);
-  if (options_.reduction == Reduction::Por) stubborn_ = std::make_unique<Stubborn>(core, space_.shapes);
-  if (options_.reduction == Reduction::Symmetry) {
+  if (options_.reduction == StateReduction::Por) stubborn_ = std::make_unique<Stubborn>(core, space_.shapes);
+  if (options_.reduction == StateReduction::Symmetry) {
     symmetry_ = std::make_unique<Symmetry>(image_, *space_.locals);
     report_.groups = symmetry_->names();
   }
@@ -66,7 +66,7 @@ void Search::begin() {
   workers_.resize(team_.size());
   for (Worker& worker : workers_) {
     worker.expander = std::make_unique<Expander>(space_, team_.size());
-    if (options_.is_broken) worker.judge = std::make_unique<StateJudge>(space_, options_);
+    if (options_.predicate) worker.evaluator = std::make_unique<PredicateEvaluator>(space_, options_);
     worker.out.words.resize(team_.size());
   }
   std::vector<u64> state(space_.layout.words()), scratch;
@@ -86,7 +86,7 @@ bool Search::widen() {
   make_owners();
   for (Worker& worker : workers_) {
     worker.expander->relayout();
-    if (worker.judge) worker.judge->relayout();
+    if (worker.evaluator) worker.evaluator->relayout();
     worker.out.clear();
     worker.counts = {};
   }
@@ -190,7 +190,7 @@ bool Search::run_batch(u64 frontier, u64& done) {
         at.counts.steps += result.steps;
         at.counts.deadlocks += result.is_deadlock ? 1 : 0;
         at.counts.errors += result.has_error ? 1 : 0;
-        at.counts.broken += at.judge && at.judge->is_broken(state, *at.expander) ? 1 : 0;
+        at.counts.matches += at.evaluator && at.evaluator->holds(state, *at.expander) ? 1 : 0;
         return !at.expander->is_too_narrow();
       });
       if (worker.expander->is_too_narrow() || worker.out.size() > kBatchWords)
@@ -225,29 +225,29 @@ bool Search::run_batch(u64 frontier, u64& done) {
     counts_.steps += worker.counts.steps;
     counts_.deadlocks += worker.counts.deadlocks;
     counts_.errors += worker.counts.errors;
-    counts_.broken += worker.counts.broken;
+    counts_.matches += worker.counts.matches;
     worker.counts = {};
     worker.out.clear();
   }
   if (counts_.deadlocks != 0) deadlock_level_ = std::min(deadlock_level_, level_);
   if (counts_.errors != 0) error_level_ = std::min(error_level_, level_);
-  if (counts_.broken != 0) broken_level_ = std::min(broken_level_, level_);
+  if (counts_.matches != 0) match_level_ = std::min(match_level_, level_);
   done = std::min(cursor_.load(), end);
   return report_.end == ExploreEnd::Complete;
 }
 
-void Search::tell(u64 expanded_of_level) const {
-  if (!options_.tell) return;
+void Search::report_progress(u64 expanded_of_level) const {
+  if (!options_.on_progress) return;
   std::size_t bytes = 0;
   for (const auto& owner : owners_) bytes += owner->bytes();
-  options_.tell({.states = states(),
-                 .expanded = expanded_before_ + expanded_of_level,
-                 .steps = counts_.steps,
-                 .deadlocks = counts_.deadlocks,
-                 .errors = counts_.errors,
-                 .broken = counts_.broken,
-                 .depth = level_,
-                 .bytes = bytes});
+  options_.on_progress({.states = states(),
+                        .expanded = expanded_before_ + expanded_of_level,
+                        .steps = counts_.steps,
+                        .deadlocks = counts_.deadlocks,
+                        .errors = counts_.errors,
+                        .matches = counts_.matches,
+                        .depth = level_,
+                        .bytes = bytes});
 }
 
 void Search::run_levels() {
@@ -259,7 +259,7 @@ void Search::run_levels() {
     report_.depth = level_;
     for (u64 done = 0; done < frontier;) {
       const bool goes_on = run_batch(frontier, done);
-      tell(done);
+      report_progress(done);
       if (!goes_on || is_over()) return;
     }
     expanded_before_ += frontier;
@@ -279,7 +279,7 @@ ExploreReport Search::run() {
     for (const auto& owner : owners_) report_.bytes += owner->bytes();
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
     report_.seconds = spent.count();
-    find_ways();
+    find_paths();
   }
   report_.threads = team_.size();
   return std::move(report_);

@@ -1,4 +1,4 @@
-// One exploration: levels, batches of a level, and the ways to what was found. Internal to runtime/explore.
+// One exploration: levels, batches of a level, and the paths to what was found. Internal to runtime/explore.
 //
 // A batch has two phases with nothing shared but what both only read. First each thread expands states of the frontier
 // and sorts what it finds by owner; then each owner adds to its own store. So no word is written by two threads, counts
@@ -27,17 +27,17 @@ class Search {
 
  private:
   struct Counts {
-    u64 steps = 0, deadlocks = 0, errors = 0, broken = 0;
+    u64 steps = 0, deadlocks = 0, errors = 0, matches = 0;
   };
   struct Worker {
     std::unique_ptr<Expander> expander;
-    std::unique_ptr<StateJudge> judge;  // null: no states are looked for
+    std::unique_ptr<PredicateEvaluator> evaluator;  // null: no predicate
     Outbox out;
     Counts counts;
     std::vector<u64> state, scratch;
-    std::vector<u64> hits;  // states, while ways are looked for
+    std::vector<u64> hits;  // states, while paths are looked for
   };
-  enum class Goal : std::uint8_t { Deadlock, Error, Broken };
+  enum class Goal : std::uint8_t { Deadlock, Error, Match };
 
   // search.cpp
   void begin();
@@ -47,7 +47,7 @@ class Search {
   bool insert_up_to_limit();
   bool widen();
   void make_owners();
-  void tell(u64 expanded_of_level) const;
+  void report_progress(u64 expanded_of_level) const;
   [[nodiscard]] bool is_over();
   [[nodiscard]] ExploreEnd end_by_now() const;  // any thread
   [[nodiscard]] u64 states() const;
@@ -57,12 +57,12 @@ class Search {
   template <class Visit>
   void each_state(Worker& worker, u32 level, u64 begin, u64 end, const Visit& visit);
 
-  // ways.cpp
-  void find_ways();
-  bool find_way(Goal goal, u32 level, Way& way);
+  // counterexample_paths.cpp
+  void find_paths();
+  bool find_path(Goal goal, u32 level, Path& path);
   template <class IsHit>
   bool collect(u32 level, StateStore& hits, const IsHit& is_hit);
-  bool walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& near, Way& way);
+  bool walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& near, Path& path);
 
   const Image& image_;
   ExploreOptions options_;
@@ -76,7 +76,7 @@ class Search {
   u32 level_ = 0;                 // the one that is expanded
   Counts counts_, counts_before_level_;
   u64 expanded_before_ = 0;  // states of the levels before
-  u32 deadlock_level_ = kNone, error_level_ = kNone, broken_level_ = kNone;
+  u32 deadlock_level_ = kNone, error_level_ = kNone, match_level_ = kNone;
   bool is_one_by_one_ = false;  // the limit of states is near
   std::atomic<u64> cursor_{0};
   std::atomic<bool> is_batch_full_{false};

@@ -3,11 +3,11 @@
 
 namespace bip::rt {
 
-bool StateJudge::key_of(const u64* state, u64& key) const {
-  if (!options_.asked_connectors.empty()) return false;
+bool PredicateEvaluator::key_of(const u64* state, u64& key) const {
+  if (!options_.predicate_connectors.empty()) return false;
   u32 bits = 0;
   key = 0;
-  for (const u32 atom : options_.read_atoms) {
+  for (const u32 atom : options_.predicate_reads) {
     const u32 width = space_.layout[atom].width;
     if (bits + width > kKeyBits) return false;
     if (width != 0) key |= u64{space_.layout.get(state, atom)} << bits;
@@ -16,14 +16,14 @@ bool StateJudge::key_of(const u64* state, u64& key) const {
   return true;
 }
 
-bool StateJudge::is_broken(const u64* state, Expander& expander) {
+bool PredicateEvaluator::holds(const u64* state, Expander& expander) {
   u64 key = 0;
   const bool has_key = key_of(state, key);
   if (has_key) {
     if (const auto found = known_.find(key); found != known_.end()) return found->second;
   }
   Core& core = expander.core();
-  const bool answer = !expander.enter(core, state) || options_.is_broken(core);
+  const bool answer = !expander.enter(core, state) || options_.predicate(core);
   if (has_key && known_.size() < kKept) known_.emplace(key, answer);
   return answer;
 }

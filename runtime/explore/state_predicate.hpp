@@ -1,9 +1,9 @@
-// Is a state one that is looked for (ExploreOptions::is_broken)? The core is asked once for each combination of the
-// local states that the answer depends on, and remembered is what it said; where it depends on what connectors offer,
-// so on all atoms, the core is asked each time.
+// Does a predicate (ExploreOptions::predicate) hold in a state? It is evaluated once for each combination of the local
+// states that it reads, and the result is stored; a predicate that reads what connectors offer, so all atoms, is
+// evaluated each time.
 //
-// A judge belongs to one thread. A state that cannot be entered counts as broken: no way to it will be found, so
-// nothing is claimed.
+// An evaluator belongs to one thread. In a state that no core can enter the predicate counts as true: no path to it
+// will be found, so nothing is claimed.
 #pragma once
 #include <unordered_map>
 
@@ -12,13 +12,13 @@
 
 namespace bip::rt {
 
-class StateJudge {
+class PredicateEvaluator {
  public:
-  /// `options` must outlive it and have an `is_broken`.
-  StateJudge(const StateSpace& space, const ExploreOptions& options) : space_(space), options_(options) {}
+  /// `options` must outlive the evaluator and have a predicate.
+  PredicateEvaluator(const StateSpace& space, const ExploreOptions& options) : space_(space), options_(options) {}
 
-  [[nodiscard]] bool is_broken(const u64* state, Expander& expander);
-  /// The layout is a new one: what was remembered has other numbers.
+  [[nodiscard]] bool holds(const u64* state, Expander& expander);
+  /// Forgets all results: a new layout has other numbers.
   void relayout() { known_.clear(); }
   [[nodiscard]] std::size_t bytes() const { return known_.size() * kEntryBytes; }
 

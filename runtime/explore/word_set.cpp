@@ -16,7 +16,7 @@ namespace bip::rt {
 
 namespace {
 
-// Small at first: the ways keep a set for each level.
+// Small at first: the search for paths keeps a set for each level.
 constexpr std::uint64_t kFirstBuckets = 2;
 constexpr std::uint32_t kFirstWords = 32;
 constexpr std::size_t kHugePage = std::size_t{1} << 21;

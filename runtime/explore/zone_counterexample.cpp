@@ -88,12 +88,12 @@ bool let_time_pass(Core& core, i64 to) {
   return true;
 }
 
-void ZoneSearch::find_way(const Target& target, TimedWay& way) {
-  way = {};
-  std::vector<u32> path;
-  for (u32 node = target.node; node != kNone; node = nodes_[node].parent) path.insert(path.begin(), node);
+void ZoneSearch::find_path(const Target& target, TimedPath& path) {
+  path = {};
+  std::vector<u32> visited;  // nodes, from the initial one on
+  for (u32 node = target.node; node != kNone; node = nodes_[node].parent) visited.insert(visited.begin(), node);
   Instants instants(locations_.clocks());
-  report_.are_ways_known = false;
+  report_.are_paths_known = false;
   if (!core_.initialize()) return;
   const auto note_clocks = [&](u32 when) {
     for (const u32 clock : core_.set_clocks()) instants.set_clock(clock + 1, when, core_.clock_state(clock).value);
@@ -103,8 +103,8 @@ void ZoneSearch::find_way(const Target& target, TimedWay& way) {
   };
   std::vector<Taken> taken;
   u32 left = 0;
-  for (std::size_t k = 0; k < path.size(); ++k) {
-    const ZoneNode& node = nodes_[path[k]];
+  for (std::size_t k = 0; k < visited.size(); ++k) {
+    const ZoneNode& node = nodes_[visited[k]];
     const Location& at = locations_[node.location];
     const u32 entered = instants.add();
     if (k != 0) instants.exactly(left, entered, node.edge == ZoneEdge::Time ? 1 : 0);
@@ -151,29 +151,29 @@ void ZoneSearch::find_way(const Target& target, TimedWay& way) {
     if (!is_sound || !let_time_pass(core_, when[step.when])) return;
     const u64 choice = number_of(core_, step.interaction, step.config);
     if (choice == core_.candidate_count()) return;
-    way.steps.push_back({core_.now(), choice});
+    path.steps.push_back({core_.now(), choice});
     is_sound = core_.take_timed(core_.position(choice));
   }
-  way.end = when[left];
+  path.end = when[left];
   if (target.is_far) {
     while (is_sound && !is_dead(core_)) {
       if (core_.next_change() == kForever || !let_time_pass(core_, core_.next_change())) return;
     }
-    way.end = core_.now();
-  } else if (!is_sound || !let_time_pass(core_, way.end)) {
+    path.end = core_.now();
+  } else if (!is_sound || !let_time_pass(core_, path.end)) {
     if (!target.is_error || !core_.fault()) return;
   } else if (target.is_step) {
     const u64 choice = number_of(core_, target.interaction, target.config);
     if (choice == core_.candidate_count()) return;
-    way.steps.push_back({core_.now(), choice});
+    path.steps.push_back({core_.now(), choice});
     if (core_.take_timed(core_.position(choice))) return;
   } else if (target.is_state) {
-    if (!options_.is_broken(core_)) return;
+    if (!options_.predicate(core_)) return;
   } else {
     std::vector<i64> ends;
     if (core_.candidate_count() != 0 || core_.wait_limit(ends) != core_.now()) return;
   }
-  report_.are_ways_known = true;
+  report_.are_paths_known = true;
 }
 
 }  // namespace bip::rt

@@ -25,8 +25,8 @@ void sort_unique(Bounds& bounds) {
 
 // Constants that can be known are noted at once, in the initial state: most limits are constants or parameters.
 Locations::Locations(Core& core, const ExploreOptions& options)
-    : core_(core), shapes_(shapes_of(core, options.progress)), asked_atoms_(options.asked_atoms) {
-  for (const u32 connector : options.asked_connectors)
+    : core_(core), shapes_(shapes_of(core, options.progress)), asked_atoms_(options.predicate_atoms) {
+  for (const u32 connector : options.predicate_connectors)
     asked_interactions_.push_back(core.tables().interaction_of(connector));
   const Image& image = core.image();
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {

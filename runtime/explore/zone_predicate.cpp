@@ -1,11 +1,11 @@
 // What is wrong with a node of a zone graph: points without candidate at which time stands still or may pass for ever,
-// and points at which what is asked is so. Each answer is a point, from which a way is found (zone_way.cpp).
+// and points at which the predicate holds. Each result is a point, to which a path is found (zone_counterexample.cpp).
 #include "runtime/explore/zone_search.hpp"
 
 namespace bip::rt {
 
 // rest: where the node has no candidate.
-void ZoneSearch::judge(u32 node, const std::vector<Zone>& rest) {
+void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest) {
   const Location& at = locations_[nodes_[node].location];
   bool has_deadlock = false, has_lock = false;
   const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far) {
@@ -28,17 +28,17 @@ void ZoneSearch::judge(u32 node, const std::vector<Zone>& rest) {
   report_.time_locks += has_lock ? 1 : 0;
 }
 
-// Is there an instant at which what is asked is so? One point of a part answers for all of it.
-bool ZoneSearch::find_broken(u32 node) {
-  if (!options_.is_broken) return false;
+// Finds an instant at which the predicate holds. One point of a part decides for all of it.
+bool ZoneSearch::find_match(u32 node) {
+  if (!options_.predicate) return false;
   const Location& at = locations_[nodes_[node].location];
   // Who goes on at this instant offers nothing yet: what can be done then shows in the node that follows.
-  const bool asks_offers = !options_.asked_connectors.empty() || !options_.asked_atoms.empty();
+  const bool asks_offers = !options_.predicate_connectors.empty() || !options_.predicate_atoms.empty();
   if (nodes_[node].is_waking && asks_offers) return false;
   for (const Zone& part : cut(nodes_[node].zone, at.asked)) {
     const std::vector<i64> point = part.least_point();
-    if (!enter_core(at, point) || !options_.is_broken(core_)) continue;
-    broken_ = {node, point, false, false, 0, 0, false, true};
+    if (!enter_core(at, point) || !options_.predicate(core_)) continue;
+    match_ = {node, point, false, false, 0, 0, false, true};
     return true;
   }
   return false;

@@ -69,7 +69,7 @@ bool ZoneSearch::begin() {
   locations_.clear();
   next_ = 0;
   node_bytes_ = 0;
-  deadlock_ = time_lock_ = error_ = broken_ = {};
+  deadlock_ = time_lock_ = error_ = match_ = {};
   open_ = kNone;
   impossible_ = 0;
   report_ = {};
@@ -329,7 +329,7 @@ void ZoneSearch::go_on(u32 node) {
 
 void ZoneSearch::expand(u32 node) {
   is_node_faulty_ = false;
-  if (find_broken(node)) return;
+  if (find_match(node)) return;
   if (part_ != nullptr && is_asked_for(node)) {
     open_ = nodes_[node].location;
     return;
@@ -345,7 +345,7 @@ void ZoneSearch::expand(u32 node) {
     if (!step_from(node, condition, rest)) return;
   }
   if (part_ == nullptr) {
-    judge(node, rest);
+    classify_dead_points(node, rest);
   } else if (is_held_up(locations_[nodes_[node].location], rest)) {
     open_ = nodes_[node].location;
     return;
@@ -354,21 +354,21 @@ void ZoneSearch::expand(u32 node) {
 }
 
 bool ZoneSearch::is_over() {
-  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty() || broken_.node != kNone || open_ != kNone)
+  if (report_.end != ExploreEnd::Complete || !report_.inexact.empty() || match_.node != kNone || open_ != kNone)
     return true;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   report_.bytes = node_bytes_ + locations_.bytes();
   if (options_.is_stopped && options_.is_stopped()) report_.end = ExploreEnd::Stopped;
   else if (options_.seconds > 0 && spent.count() > options_.seconds) report_.end = ExploreEnd::Time;
   else if (options_.bytes != 0 && report_.bytes > options_.bytes) report_.end = ExploreEnd::Memory;
-  if (options_.tell && next_ % 256 == 0) {
-    options_.tell({.states = report_.zones,
-                   .expanded = next_,
-                   .steps = report_.steps,
-                   .deadlocks = report_.deadlocks + report_.time_locks,
-                   .errors = report_.errors,
-                   .depth = report_.depth,
-                   .bytes = report_.bytes});
+  if (options_.on_progress && next_ % 256 == 0) {
+    options_.on_progress({.states = report_.zones,
+                          .expanded = next_,
+                          .steps = report_.steps,
+                          .deadlocks = report_.deadlocks + report_.time_locks,
+                          .errors = report_.errors,
+                          .depth = report_.depth,
+                          .bytes = report_.bytes});
   }
   return report_.end != ExploreEnd::Complete;
 }
@@ -396,11 +396,11 @@ ZoneReport ZoneSearch::run() {
   report_.has_time_lock = time_lock_.node != kNone;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   report_.seconds = spent.count();
-  if (report_.has_deadlock) find_way(deadlock_, report_.deadlock);
-  if (report_.has_time_lock) find_way(time_lock_, report_.time_lock);
-  if (error_.node != kNone) find_way(error_, report_.error);
-  report_.has_broken = broken_.node != kNone;
-  if (report_.has_broken) find_way(broken_, report_.broken);
+  if (report_.has_deadlock) find_path(deadlock_, report_.deadlock);
+  if (report_.has_time_lock) find_path(time_lock_, report_.time_lock);
+  if (error_.node != kNone) find_path(error_, report_.error);
+  report_.has_match = match_.node != kNone;
+  if (report_.has_match) find_path(match_, report_.match);
   return std::move(report_);
 }
 

@@ -64,16 +64,16 @@ class ZoneSearch {
   [[nodiscard]] bool is_eager(const Location& at, const std::vector<i64>& point);
   [[nodiscard]] Bounds deadlines(const Location& at, const std::vector<i64>& point);
 
-  // zone_judge.cpp
-  [[nodiscard]] bool find_broken(u32 node);
-  void judge(u32 node, const std::vector<Zone>& rest);
+  // zone_predicate.cpp
+  [[nodiscard]] bool find_match(u32 node);
+  void classify_dead_points(u32 node, const std::vector<Zone>& rest);
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
   [[nodiscard]] bool is_asked_for(u32 node);
   [[nodiscard]] bool is_held_up(const Location& at, const std::vector<Zone>& rest);
 
-  // zone_way.cpp
-  void find_way(const Target& target, TimedWay& way);
+  // zone_counterexample.cpp
+  void find_path(const Target& target, TimedPath& path);
 
   const Image& image_;
   ExploreOptions options_;
@@ -86,7 +86,7 @@ class ZoneSearch {
   std::deque<ZoneNode> nodes_;
   u32 next_ = 0;  // the first that was not expanded
   std::size_t node_bytes_ = 0;
-  Target deadlock_, time_lock_, error_, broken_;
+  Target deadlock_, time_lock_, error_, match_;
   bool is_node_faulty_ = false;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   ZoneReport report_;

@@ -18,7 +18,7 @@ struct TimedStep {
   u64 choice = 0;  // number of the candidate at that instant
 };
 /// From the initial state. `end`: the instant to which time passes afterwards.
-struct TimedWay {
+struct TimedPath {
   std::vector<TimedStep> steps;
   i64 end = 0;
 };
@@ -30,9 +30,9 @@ struct ZoneReport {
   u64 deadlocks = 0, time_locks = 0, errors = 0;  // zones with such a point; with a step that ends in a run-time error
   u32 depth = 0;
   bool has_deadlock = false, has_time_lock = false, has_error = false;
-  bool has_broken = false;  // options.is_broken was true somewhere: the exploration ended there
-  TimedWay deadlock, time_lock, error, broken;
-  bool are_ways_known = true;  // false: a way could not be taken by the core
+  bool has_match = false;  // options.predicate was true somewhere: the exploration ended there
+  TimedPath deadlock, time_lock, error, match;
+  bool are_paths_known = true;  // false: the core could not take a path
   std::size_t bytes = 0;
   double seconds = 0;
 };

@@ -140,22 +140,22 @@ Portfolio::Tried Portfolio::try_all_states(double seconds) {
   options.threads = limits_.threads;
   // 0 would be no limit.
   options.bytes = std::max<std::size_t>(limits_.megabytes * 1000000, 1);
-  options.tell = [&](const rt::ExploreProgress& so_far) {
+  options.on_progress = [&](const rt::ExploreProgress& so_far) {
     report_("search", so_far.states, "states");
-    if ((asks_errors ? so_far.errors : asks_state ? so_far.broken : so_far.deadlocks) != 0) is_found = true;
+    if ((asks_errors ? so_far.errors : asks_state ? so_far.matches : so_far.deadlocks) != 0) is_found = true;
   };
   if (asks_state) {
-    options.is_broken = goal_of(question_).state;
-    options.read_atoms = atoms_of(question_.property);
-    options.asked_connectors = connectors_of(question_.property);
+    options.predicate = goal_of(question_).state;
+    options.predicate_reads = atoms_of(question_.property);
+    options.predicate_connectors = connectors_of(question_.property);
   }
   options.is_stopped = [&] { return is_found || end.is_over(); };
   rt::ExploreReport all = rt::explore_states(image_, options);
   d_.states = all.states;
   if (!asks_errors && all.has_error && d_.fault.empty()) d_.fault = fault_at(image_, all.error);
-  const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_broken : all.has_deadlock;
-  if (has_bad && all.are_ways_known) {
-    d_.choices = std::move(asks_errors ? all.error : asks_state ? all.broken : all.deadlock);
+  const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_match : all.has_deadlock;
+  if (has_bad && all.are_paths_known) {
+    d_.choices = std::move(asks_errors ? all.error : asks_state ? all.match : all.deadlock);
     if (reaches(image_, goal_of(question_), d_.choices)) {
       d_.outcome = Outcome::Violated;
       return Tried::Done;

@@ -51,7 +51,7 @@ std::string philosophers(int n, bool has_left_handed) {
   return text + "  end\nend\n";
 }
 
-bip::rt::ExploreReport explore(const std::string& text, bip::rt::Reduction reduction) {
+bip::rt::ExploreReport explore(const std::string& text, bip::rt::StateReduction reduction) {
   const bip::gen::Compiled c = bip::gen::compile_texts({text});
   REQUIRE(c.problem.empty());
   const bip::interp::Interpreter interpreter(*c.lowered);
@@ -63,19 +63,19 @@ bip::rt::ExploreReport explore(const std::string& text, bip::rt::Reduction reduc
 TEST_CASE("stubborn sets keep the philosophers' deadlock and visit few states") {
   for (int n = 2; n <= 8; ++n) {
     INFO("philosophers " << n);
-    const bip::rt::ExploreReport all = explore(philosophers(n, false), bip::rt::Reduction::None);
-    const bip::rt::ExploreReport few = explore(philosophers(n, false), bip::rt::Reduction::Por);
+    const bip::rt::ExploreReport all = explore(philosophers(n, false), bip::rt::StateReduction::None);
+    const bip::rt::ExploreReport few = explore(philosophers(n, false), bip::rt::StateReduction::Por);
     CHECK(all.deadlocks == 1);
     CHECK(few.deadlocks == 1);
     CHECK(few.states <= all.states);
-    CHECK(explore(philosophers(n, true), bip::rt::Reduction::Por).deadlocks == 0);
+    CHECK(explore(philosophers(n, true), bip::rt::StateReduction::Por).deadlocks == 0);
   }
 }
 
 // Exponential in the number of philosophers without the reduction: (1 + sqrt 2)^40 is 2 * 10^15.
 TEST_CASE("stubborn sets make forty philosophers small") {
   for (const bool has_left_handed : {false, true}) {
-    const bip::rt::ExploreReport found = explore(philosophers(40, has_left_handed), bip::rt::Reduction::Por);
+    const bip::rt::ExploreReport found = explore(philosophers(40, has_left_handed), bip::rt::StateReduction::Por);
     CHECK(found.end == bip::rt::ExploreEnd::Complete);
     CHECK(found.deadlocks == (has_left_handed ? 0 : 1));
     CHECK(found.states < 40 * 40 * 4);

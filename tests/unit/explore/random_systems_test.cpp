@@ -97,14 +97,14 @@ void compare_broken(const rt::Image& image, rt::ExploreOptions options, const Na
       REQUIRE(core.restore(naive.all[row]));
       if (is_so(core)) first = row;
     }
-    options.is_broken = is_so;
+    options.predicate = is_so;
     for (const std::uint32_t threads : {1u, 3u}) {
       options.threads = threads;
       const rt::ExploreReport found = rt::explore_states(image, options);
       CHECK(found.end == rt::ExploreEnd::Complete);
       CHECK(found.states == naive.states);
-      CHECK(found.has_broken == first.has_value());
-      if (first) CHECK(found.broken == naive.way_to(*first));
+      CHECK(found.has_match == first.has_value());
+      if (first) CHECK(found.match == naive.way_to(*first));
     }
     ++(first ? tally.broken : tally.unbroken);
   };
@@ -119,11 +119,11 @@ void compare_broken(const rt::Image& image, rt::ExploreOptions options, const Na
     return place;
   };
   const rt::u32 at_a = place_of(a), at_b = image.atom_types[image.atoms[b].type].places.size - 1;
-  options.read_atoms = {a, b};
+  options.predicate_reads = {a, b};
   look([=](const rt::Core& core) { return core.is_marked(a, at_a) && core.is_marked(b, at_b); });
-  options.read_atoms.clear();
+  options.predicate_reads.clear();
   const rt::u32 connector = image.connectors.size - 1;
-  options.asked_connectors = {connector};
+  options.predicate_connectors = {connector};
   look([=](const rt::Core& core) {
     for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
       if (core.candidate(k).connector == connector) return true;
@@ -169,14 +169,14 @@ void compare(const std::vector<std::string>& texts, rt::MaximalProgress progress
     CHECK(found.deadlocks == naive.deadlocks);
     CHECK(found.errors == naive.errors);
     CHECK(found.depth == naive.depth);
-    CHECK(found.are_ways_known);
+    CHECK(found.are_paths_known);
     if (naive.deadlocks != 0) CHECK(found.deadlock == naive.deadlock);
     if (naive.has_error_way) CHECK(found.error == naive.error);
   }
   if (naive.initial_fault) return;
   compare_successors(image, progress, naive);
   if (image.atoms.size != 0 && image.connectors.size != 0) compare_broken(image, {.progress = progress}, naive, tally);
-  options.reduction = rt::Reduction::Por;
+  options.reduction = rt::StateReduction::Por;
   if (naive.errors != 0 || !rt::reduction_problem(image, options).empty()) return;
   ++tally.reduced;
   const rt::ExploreReport found = rt::explore_states(image, options);

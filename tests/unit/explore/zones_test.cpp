@@ -188,11 +188,11 @@ void ask(const rt::Image& image, const Ticks& ticks, u64 seed, ZoneTally& tally)
     const bool is_expected = std::any_of(ticks.states.begin(), ticks.states.end(),
                                          [&](const rt::State& state) { return core.restore(state) && is_so(core); });
     const rt::ZoneReport found = rt::explore_zones(
-        image, {.limit = 200000, .is_broken = is_so, .asked_connectors = {connector}, .asked_atoms = {atom}});
+        image, {.limit = 200000, .predicate = is_so, .predicate_connectors = {connector}, .predicate_atoms = {atom}});
     INFO("asked: connector " << connector << (wants_candidate ? "" : " not") << ", port " << port << " of atom " << atom
                              << (wants_port ? "" : " not"));
-    REQUIRE(found.has_broken == is_expected);
-    REQUIRE(found.are_ways_known);
+    REQUIRE(found.has_match == is_expected);
+    REQUIRE(found.are_paths_known);
     ++tally.asked;
     tally.were_so += is_expected ? 1 : 0;
   }
@@ -221,7 +221,7 @@ void compare(u64 seed, ZoneTally& tally) {
   REQUIRE(found.has_error == ticks.has_error);
   REQUIRE(found.has_deadlock == ticks.has_deadlock);
   REQUIRE(found.has_time_lock == ticks.has_lock);
-  REQUIRE(found.are_ways_known);
+  REQUIRE(found.are_paths_known);
   // What the graph cannot tell apart is not told apart here either.
   std::set<Key> places, reached;
   const std::vector<i64>& max = search.locations().max();

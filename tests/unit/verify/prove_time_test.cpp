@@ -78,16 +78,16 @@ void ask(const System& system, const rt::Image& image, u64 seed, TimedTally& tal
       verify::parse_property(text + (text.find("!(") == std::string::npos ? "" : ")"), system);
   if (!property) return;
   const rt::ZoneReport whole = rt::explore_zones(
-      image, {.limit = 20000, .is_broken = [&](const rt::Core& core) { return verify::is_broken(*property, core); }});
+      image, {.limit = 20000, .predicate = [&](const rt::Core& core) { return verify::is_broken(*property, core); }});
   ++tally.asked;
   for (const std::size_t members : {std::size_t{2}, std::size_t{6}}) {
     const verify::TimeProof proof = verify::prove_state_in_time(system, *property, explore, verify::within_seconds(60),
                                                                 {.members = members, .zones = 20000});
     INFO((*property).text << ", members " << members << ", reason: " << proof.reason);
-    if (proof.is_proved) REQUIRE_FALSE(whole.has_broken);
+    if (proof.is_proved) REQUIRE_FALSE(whole.has_match);
     if (members == 6) tally.holding += proof.is_proved ? 1 : 0;
   }
-  tally.broken += whole.has_broken ? 1 : 0;
+  tally.broken += whole.has_match ? 1 : 0;
 }
 
 // Random runs of the whole, seen through two components.
