@@ -73,10 +73,10 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   }
   const std::string source = (*work).path() + "/model.cpp";
   emit_cpp::CppBuild cpp;
-  if (!find_cpp_side(c, cpp)) return false;
+  if (!find_ffi_files(c, cpp)) return false;
   emit_cpp::Options options;
   options.const_names = cpp.const_names;
-  options.mark_foreign = true;
+  options.mark_ffi = true;
   if (arguments.optimisation != Optimisation::O0) steps::derive_steps(*c.lowered);
   if (const auto written = write_file(source, emit_cpp::emit(*c.lowered, options)); !written) {
     c.diags.report(Diag::kB5004, {}, source, written.error());
@@ -145,7 +145,7 @@ int command_emit(const EmitArguments& arguments) {
   } else if (compile(c, arguments.file, Stage::Image)) {
     const std::string program = std::filesystem::path(arguments.file).stem().string();
     emit_cpp::CppBuild cpp;
-    if (!find_cpp_side(c, cpp)) return report(c);
+    if (!find_ffi_files(c, cpp)) return report(c);
     steps::derive_steps(*c.lowered);
     const auto written = emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp);
     if (!written) c.diags.report(Diag::kB5004, {}, arguments.directory, written.error());

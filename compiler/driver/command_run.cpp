@@ -85,7 +85,7 @@ int run_profiled(Compilation& c, const RunArguments& arguments) {
 bool begins_interpreted(const Compilation& c, const RunArguments& a) {
   return a.backend == Backend::Auto && a.optimisation == Optimisation::Auto && !a.for_debuggers &&
          a.run.engine == rt::Engine::Sequential && !(a.run.speed > 0) && !a.run.explore && !a.run.interactive &&
-         !has_cpp_side(c);
+         !uses_ffi(c);
 }
 
 // The image has all of the instances; what is compiled or told from now on asks for types and code.

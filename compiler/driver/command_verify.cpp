@@ -31,7 +31,7 @@ namespace bip::driver {
 namespace {
 
 // What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
-bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.extern_types.empty(); }
+bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.ffi_types.empty(); }
 
 // One line on a terminal, rewritten at most ten times a second; nothing elsewhere.
 class ProofProgressLine {

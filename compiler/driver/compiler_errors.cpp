@@ -1,12 +1,12 @@
 // See compiler_errors.hpp. C++ compilers name places; our own text makes them places of the model: `#line` where code
-// of the model stands, "bip-prototype-3", "bip-type-3" and "bip-class-3" where C++ is called (emit_cpp/foreign.hpp).
+// of the model stands, "bip-prototype-3", "bip-type-3" and "bip-class-3" where C++ is called (emit_cpp/ffi_text.hpp).
 #include "compiler/driver/compiler_errors.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
 
-#include "compiler/emit_cpp/foreign.hpp"
+#include "compiler/emit_cpp/ffi_text.hpp"
 #include "compiler/lower/event_classes.hpp"
 
 namespace bip::driver {
@@ -60,15 +60,15 @@ std::string first_error(const std::string& said) {
   return error.substr(0, error.find("; did you mean"));
 }
 
-// What a prototype or an extern type is to blame for: B5011, and null if none is.
+// What a prototype or an FFI type is to blame for: B5011, and null if none is.
 std::optional<DiagnosticBuilder> report_prototype(Compilation& c, const std::string& said) {
   const CodeTable& code = c.system->code;
   const std::string error = first_error(said);
   constexpr std::string_view kTypeMark = "bip-type-";
   if (const std::string place = place_of_error(said); place.starts_with(kTypeMark)) {
     const std::size_t row = std::strtoul(place.c_str() + kTypeMark.size(), nullptr, 10);
-    if (row < code.extern_types.size()) {
-      const ExternType& type = code.extern_types[row];
+    if (row < code.ffi_types.size()) {
+      const FfiType& type = code.ffi_types[row];
       return c.diags.report(Diag::kB5011, range_of(c, type.loc), fmt::format("type `{}`", type.name))
           .note("C++: " + error);
     }

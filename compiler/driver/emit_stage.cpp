@@ -49,7 +49,7 @@ Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisa
     }
     case EmitKind::Cpp: {
       emit_cpp::CppBuild cpp;
-      if (!find_cpp_side(c, cpp)) return std::string();
+      if (!find_ffi_files(c, cpp)) return std::string();
       emit_cpp::Options options_of_text;
       options_of_text.const_names = cpp.const_names;
       steps::derive_steps(*c.lowered);

@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 #include "compiler/base/assert.hpp"
 #include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/ffi_build.hpp"
@@ -43,7 +43,7 @@ jit::JitOptions jit_options(const CacheOptions& cache, jit::OptLevel level) {
 
 bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers) {
   const StageScope doing("preparing the code of", c.path);
-  if (!load_cpp_side(c)) return false;
+  if (!load_ffi(c)) return false;
   lowered_ = c.lowered.get();
   if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
     const Result<JitPlugin> plugin = load_jit();

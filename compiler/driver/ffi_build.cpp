@@ -1,4 +1,4 @@
-// Finding, compiling and loading the C++ side: see ffi_build.hpp.
+// Finding, compiling and loading the FFI: see ffi_build.hpp.
 #include "compiler/driver/ffi_build.hpp"
 
 #include <dlfcn.h>
@@ -150,12 +150,12 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp, const T
 
 }  // namespace
 
-bool has_cpp_side(const Compilation& c) {
-  return c.system && (emit_cpp::ForeignNames::is_needed(c.system->code) || !lower::event_class_uses(*c.system).empty());
+bool uses_ffi(const Compilation& c) {
+  return c.system && (emit_cpp::FfiNames::is_needed(c.system->code) || !lower::event_class_uses(*c.system).empty());
 }
 
-bool find_cpp_side(Compilation& c, emit_cpp::CppBuild& out) {
-  if (!has_cpp_side(c)) return true;
+bool find_ffi_files(Compilation& c, emit_cpp::CppBuild& out) {
+  if (!uses_ffi(c)) return true;
   const CodeTable& code = c.system->code;
   std::vector<std::string> texts;
   std::string folder;
@@ -181,10 +181,10 @@ bool find_cpp_side(Compilation& c, emit_cpp::CppBuild& out) {
   return true;
 }
 
-bool load_cpp_side(Compilation& c) {
-  if (!has_cpp_side(c)) return true;
+bool load_ffi(Compilation& c) {
+  if (!uses_ffi(c)) return true;
   emit_cpp::CppBuild cpp;
-  if (!find_cpp_side(c, cpp)) return false;
+  if (!find_ffi_files(c, cpp)) return false;
   const Result<TemporaryDirectory> work = TemporaryDirectory::make();
   if (!work) {
     c.diags.report(Diag::kB5012, {}, "cannot be compiled: " + work.error());
@@ -201,13 +201,14 @@ bool load_cpp_side(Compilation& c) {
   }
   lower::LoweredSystem& lowered = *c.lowered;
   for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
-    lowered.functions[row] = reinterpret_cast<rt::ForeignFn>(::dlsym(library, fmt::format("bip_call_{}", row).c_str()));
+    lowered.functions[row] =
+        reinterpret_cast<rt::FfiFunction>(::dlsym(library, fmt::format("bip_call_{}", row).c_str()));
   }
-  const auto* types = static_cast<const rt::ExternType*>(::dlsym(library, "bip_extern_types"));
-  for (std::size_t row = 0; row < lowered.extern_types.size(); ++row) {
-    const char* name = lowered.extern_types[row].name;
-    lowered.extern_types[row] = types[row];
-    lowered.extern_types[row].name = name;
+  const auto* types = static_cast<const rt::FfiType*>(::dlsym(library, "bip_ffi_types"));
+  for (std::size_t row = 0; row < lowered.ffi_types.size(); ++row) {
+    const char* name = lowered.ffi_types[row].name;
+    lowered.ffi_types[row] = types[row];
+    lowered.ffi_types[row].name = name;
   }
   const auto* classes = static_cast<const rt::EventClass*>(::dlsym(library, "bip_event_classes"));
   for (std::size_t row = 0; row < lowered.event_classes.size(); ++row) lowered.event_classes[row] = classes[row];

@@ -1,4 +1,4 @@
-// The C++ side of a model: where its files are, and for `bipc run` a shared object with everything that is called.
+// The FFI of a model: where its files are, and for `bipc run` a shared object with everything that is called.
 //
 // The object is compiled once by the host compiler and kept below $XDG_CACHE_HOME/bipc (or ~/.cache/bipc), named by the
 // content of all that went into it. A model that calls nothing needs none of this.
@@ -8,14 +8,14 @@
 
 namespace bip::driver {
 
-[[nodiscard]] bool has_cpp_side(const Compilation& c);
+[[nodiscard]] bool uses_ffi(const Compilation& c);
 
 /// The files that `@cpp` names: below the package's folder, its `ext-cpp`, the -I folders and theirs. False if one is
 /// missing (reported).
-[[nodiscard]] bool find_cpp_side(Compilation& c, emit_cpp::CppBuild& out);
+[[nodiscard]] bool find_ffi_files(Compilation& c, emit_cpp::CppBuild& out);
 
-/// Compiles and loads the shared object and fills c.lowered's functions and extern types. False after a report; what
+/// Compiles and loads the shared object and fills c.lowered's functions and FFI types. False after a report; what
 /// C++ does not have is told by its prototype.
-[[nodiscard]] bool load_cpp_side(Compilation& c);
+[[nodiscard]] bool load_ffi(Compilation& c);
 
 }  // namespace bip::driver

@@ -92,7 +92,7 @@ bool is_answerable(const VerifyArguments& a, Compilation& c, const verify::Quest
   const char* refused = nullptr;
   if (question.what == verify::QuestionKind::NoLocalDeadlock) refused = "`--partial` for a model with time";
   else if (!a.certificate.empty()) refused = "a certificate for a model with time";
-  else if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty())
+  else if (!c.system->code.functions.empty() || !c.system->code.ffi_types.empty())
     refused = "a proof about a model with time that calls C++";
   if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
   return refused == nullptr;

@@ -3,7 +3,7 @@
 // Everything but image() is in an unnamed namespace inside the options' one, so files of several models can be one
 // translation unit. The file is made for `g++ -std=c++20 -ffp-contract=off`: floats must not be contracted.
 #include "compiler/emit_cpp/emit_cpp.hpp"
-#include "compiler/emit_cpp/foreign_events.hpp"
+#include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/tables.hpp"
@@ -31,17 +31,17 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line("#include <limits>");
   out.line();
   const CodeTable& code = lowered.system->code;
-  const bool has_outside = lowered.image.outside != nullptr;
+  const bool has_ffi = lowered.image.ffi != nullptr;
   out.line("#include \"bip/emitted.hpp\"");
   if (options.with_main) out.line("#include \"bip/run.hpp\"");
   if (!lowered.steps.shapes.empty()) out.line("#include \"bip/step_loop.hpp\"");
   out.line();
-  if (has_outside) out.line(foreign_includes(code));
+  if (has_ffi) out.line(ffi_includes(code));
   const std::vector<lower::EventClassUse> classes = lower::event_class_uses(*lowered.system);
   if (!classes.empty()) out.line("#include \"bip/event_source.hpp\"");
   out.line("namespace " + options.namespace_name + " {");
-  if (has_outside) out.line(foreign_text(code, options.const_names, {.mark = options.mark_foreign}));
-  if (!classes.empty()) out.line(event_class_text(*lowered.system, classes, options.mark_foreign));
+  if (has_ffi) out.line(ffi_text(code, options.const_names, {.mark = options.mark_ffi}));
+  if (!classes.empty()) out.line(event_class_text(*lowered.system, classes, options.mark_ffi));
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.
@@ -49,7 +49,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
                            "wrap_add", "wrap_mul", "wrap_neg", "wrap_sub"}) {
     out.line(std::string("using bip::rt::") + name + ";");
   }
-  if (has_outside) out.line("using bip::rt::ExternVar;");
+  if (has_ffi) out.line("using bip::rt::FfiVariable;");
   emit_functions(lowered, out);
   emit_steps(lowered, out);
   out.line();

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "compiler/base/result.hpp"
-#include "compiler/emit_cpp/foreign.hpp"
+#include "compiler/emit_cpp/ffi_text.hpp"
 #include "compiler/lower/lower.hpp"
 
 namespace bip::emit_cpp {
@@ -14,21 +14,21 @@ struct Options {
   bool with_main = true;                 // main() that calls bip::rt::run_main(image, argc, argv)
   bool line_directives = true;           // #line to the .bip
   ConstNames const_names{};              // C++ functions with a `const_` variant
-  bool mark_foreign = false;             // what a compiler says about calls of C++ names their prototypes (foreign.hpp)
+  bool mark_ffi = false;  // what a compiler says about calls of C++ names their prototypes (ffi_text.hpp)
 };
 /// The text of one .cpp file that needs runtime/ only. With Options::with_main false it defines
 /// `const bip::rt::Image& <namespace>::image()`.
 [[nodiscard]] std::string emit(const lower::LoweredSystem& lowered, const Options& options);
 
-/// The C++ side of a model as a build needs it: absolute paths. Headers are found in the include_dirs, too.
+/// The FFI of a model as a build needs it: absolute paths. Headers are found in the include_dirs, too.
 struct CppBuild {
   std::vector<std::string> include_dirs, sources, objects, headers;
   ConstNames const_names;
 };
 
-/// Writes model.cpp, a CMakeLists.txt and copies of the runtime's sources and of the model's C++ side into `directory`,
-/// so that it builds alone, and elsewhere. `runtime_dir` is where the runtime's sources are; `cpp` what the model's C++
-/// side adds to the build.
+/// Writes model.cpp, a CMakeLists.txt and copies of the runtime's sources and of the model's FFI files into
+/// `directory`, so that it builds alone, and elsewhere. `runtime_dir` is where the runtime's sources are; `cpp` what
+/// the model's C++ side adds to the build.
 [[nodiscard]] Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
                                         const std::string& runtime_dir, const std::string& program_name,
                                         const CppBuild& cpp = {});

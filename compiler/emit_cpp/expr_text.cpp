@@ -124,7 +124,7 @@ Text binary(ExprContext& c, ExprId id, const Expr& e) {
     const Text b = text_of(c, e.b);
     return combine(c, id, e, a, b);
   }
-  const std::string type = c.foreign.type(c.lowered.system->code.exprs[e.a].type);
+  const std::string type = c.ffi.type(c.lowered.system->code.exprs[e.a].type);
   const std::string left = c.names.make("left");
   const std::string right = c.names.make("right");
   std::string text = std::string("[&] { const ") + type + " " + left + " = " + text_of(c, e.a).text + "; ";
@@ -144,16 +144,16 @@ Text call(ExprContext& c, ExprId id, const Expr& e) {
     bind = bind || (args.size() > 1 && c.faults.calls(arg));
   }
   bind = bind || faulty > 1;
-  std::string before, text = c.foreign.function(e.index) + "(";
+  std::string before, text = c.ffi.function(e.index) + "(";
   for (std::size_t k = 0; k < args.size(); ++k) {
     const Type type = function.params[k].type;
     std::string arg = text_of(c, args[k]).text;
     if (bind && !function.params[k].by_reference) {
       const std::string name = c.names.make("arg");
-      before += "const " + c.foreign.type(type) + (is_extern(type) ? "& " : " ") + name + " = " + arg + "; ";
+      before += "const " + c.ffi.type(type) + (is_ffi(type) ? "& " : " ") + name + " = " + arg + "; ";
       arg = name;
     }
-    if (function.params[k].by_reference && !is_extern(type)) arg += ".ref()";
+    if (function.params[k].by_reference && !is_ffi(type)) arg += ".ref()";
     text += arg + ", ";
   }
   text += std::to_string(c.lowered.site_of_expr[id.value]) + ")";

@@ -26,8 +26,8 @@ std::string LocalNames::make(std::string_view name) {
 
 namespace {
 
-std::string variable_type(const ForeignNames& foreign, Type type, bool on_cells) {
-  if (is_extern(type)) return "ExternVar<" + foreign.type(type) + ">";
+std::string variable_type(const FfiNames& ffi, Type type, bool on_cells) {
+  if (is_ffi(type)) return "FfiVariable<" + ffi.type(type) + ">";
   switch (type) {
     case Type::Bool: return on_cells ? "BoolCell" : "BoolVar";
     case Type::Float: return "FloatVar";
@@ -137,7 +137,7 @@ class FunctionEmitter {
         out_(out),
         distance_(distance),
         faults_(lowered),
-        foreign_(lowered.system->code) {}
+        ffi_(lowered.system->code) {}
 
   void emit(const lower::CodeUnit& unit);
 
@@ -154,7 +154,7 @@ class FunctionEmitter {
   CppWriter& out_;
   std::uint32_t distance_;
   FaultInfo faults_;
-  ForeignNames foreign_;
+  FfiNames ffi_;
 };
 
 void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
@@ -163,7 +163,7 @@ void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
     const std::string row =
         std::to_string(local.index) + (is_bind || distance_ < 2 ? "" : " * " + std::to_string(distance_));
     const std::string cell = is_bind ? "all[bind[" + row + "]]" : "self[" + row + "]";
-    indented(1, std::string(local.written ? "" : "const ") + variable_type(foreign_, local.type, distance_ != 0) + " " +
+    indented(1, std::string(local.written ? "" : "const ") + variable_type(ffi_, local.type, distance_ != 0) + " " +
                     local.name + "{" + cell + "};");
   }
 }
@@ -228,7 +228,7 @@ void FunctionEmitter::emit(const lower::CodeUnit& unit) {
   out_.line(head + (uses.faults ? " try {" : " {"));
   declare(uses.self, false);
   declare(uses.bind, true);
-  ExprContext context{lowered_, faults_, names, foreign_, uses.self, uses.bind};
+  ExprContext context{lowered_, faults_, names, ffi_, uses.self, uses.bind};
   if (unit.kind == lower::CodeKind::Guard) {
     const std::string value = expr_text(context, unit.expr);
     out_.at(unit.loc);

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compiler/emit_cpp/foreign.hpp"
+#include "compiler/emit_cpp/ffi_text.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/lower/unit_names.hpp"
@@ -53,7 +53,7 @@ struct ExprContext {
   const lower::LoweredSystem& lowered;
   FaultInfo& faults;
   LocalNames& names;
-  const ForeignNames& foreign;
+  const FfiNames& ffi;
   const std::vector<Local>& self_locals;  // by row in Self
   const std::vector<Local>& bind_locals;
 };

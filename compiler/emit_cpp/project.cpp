@@ -1,4 +1,4 @@
-// A directory that builds alone: model.cpp, CMakeLists.txt, copies of the runtime and of the model's C++ side.
+// A directory that builds alone: model.cpp, CMakeLists.txt, copies of the runtime and of the model's FFI files.
 //
 // Files whose text is already there are left untouched, so a second emission rebuilds only what changed.
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "compiler/emit_cpp/copy_outside.hpp"
+#include "compiler/emit_cpp/copy_ffi_files.hpp"
 
 namespace bip::emit_cpp {
 
@@ -112,7 +112,7 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
     Result<bool> written = write_file(root / "runtime" / file, *text);
     if (!written) return written;
   }
-  const Result<CppBuild> copied = copy_outside(cpp, root);
+  const Result<CppBuild> copied = copy_ffi_files(cpp, root);
   if (!copied) return Failure{copied.error()};
   Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, *copied));
   if (!written) return written;

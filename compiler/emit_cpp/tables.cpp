@@ -4,8 +4,8 @@
 // a second. Cost: linear in the image.
 #include "compiler/emit_cpp/tables.hpp"
 
-#include "compiler/emit_cpp/foreign.hpp"
-#include "compiler/emit_cpp/foreign_events.hpp"
+#include "compiler/emit_cpp/ffi_text.hpp"
+#include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 
 namespace bip::emit_cpp {
@@ -13,7 +13,7 @@ namespace bip::emit_cpp {
 namespace {
 
 std::string cell_type_text(rt::CellType type) {
-  if (rt::is_extern(type)) return "CellType{" + std::to_string(static_cast<unsigned>(type)) + "}";
+  if (rt::is_ffi(type)) return "CellType{" + std::to_string(static_cast<unsigned>(type)) + "}";
   switch (type) {
     case rt::CellType::Bool: return "CellType::Bool";
     case rt::CellType::Float: return "CellType::Float";
@@ -190,13 +190,13 @@ void TableWriter::image() {
     sites.push_back("{" + loc_text(site.loc) +
                     (site.function == nullptr ? "}" : ", " + string_literal(site.function) + "}"));
   }
-  const ForeignNames foreign(lowered_.system->code);
-  std::vector<std::string> extern_types;
-  for (std::size_t k = 0; k < lowered_.extern_types.size(); ++k) {
-    extern_types.push_back("extern_type_of<" + foreign.type(extern_type(k)) + ">(" +
-                           string_literal(lowered_.extern_types[k].name) + ")");
+  const FfiNames ffi(lowered_.system->code);
+  std::vector<std::string> ffi_types;
+  for (std::size_t k = 0; k < lowered_.ffi_types.size(); ++k) {
+    ffi_types.push_back("ffi_type_of<" + ffi.type(ffi_type(k)) + ">(" + string_literal(lowered_.ffi_types[k].name) +
+                        ")");
   }
-  const std::string extern_span = table("ExternType", "extern_types", extern_types);
+  const std::string ffi_span = table("FfiType", "ffi_types", ffi_types);
   const std::vector<lower::EventClassUse> uses = lower::event_class_uses(*lowered_.system);
   std::vector<std::string> event_classes;
   for (std::size_t k = 0; k < uses.size(); ++k) event_classes.push_back(event_class_row(*lowered_.system, uses, k));
@@ -237,9 +237,9 @@ void TableWriter::image() {
       field("step_cells_pay", std::to_string(lowered_.steps.cells.pay));
     }
   }
-  if (image_.outside != nullptr) {
-    field("extern_types", extern_span);
-    field("outside", "&outside::own_world");
+  if (image_.ffi != nullptr) {
+    field("ffi_types", ffi_span);
+    field("ffi", "&ffi::own_context");
     if (!uses.empty()) field("event_classes", event_class_span);
   }
   out_.line("};");

@@ -67,7 +67,7 @@ class NetWriter {
     std::vector<verify::AbstractValue> self(type_of(atom).variables.size());
     for (std::size_t k = 0; k < self.size(); ++k) {
       const DataVariable& variable = type_of(atom).variables[k];
-      if (variable.is_param && variable.type != Type::Float && !is_extern(variable.type))
+      if (variable.is_param && variable.type != Type::Float && !is_ffi(variable.type))
         self[k] = verify::known(system_.atoms[atom].args[k].int_value);
     }
     const verify::AbstractValue value = verify::evaluate(system_.code, guard, self, {});

@@ -80,7 +80,7 @@ void PromelaWriter::declare(AtomId atom) {
   }
   for (std::size_t k = 0; k < type.variables.size(); ++k) {
     const DataVariable& variable = type.variables[k];
-    if (is_extern(variable.type)) code_.refuse("data of type " + system_.code.type_name(variable.type), variable.loc);
+    if (is_ffi(variable.type)) code_.refuse("data of type " + system_.code.type_name(variable.type), variable.loc);
     if (!variable.is_param && variable.type != Type::Float)
       declarations_ +=
           fmt::format("{} d{}_{}; /* {} */\n", type_name(variable.type), atom.value, k, plain(variable.name));

@@ -50,7 +50,7 @@ void PromelaCode::refuse(const std::string& what, const Loc& loc) {
 
 // A float that is stored and never compared: reading one is refused, so that what is left out changes nothing.
 bool PromelaCode::decides_nothing(const Stmt& store) {
-  if (is_extern(store.type) || (store.type == Type::Float && !code_.functions.empty()))
+  if (is_ffi(store.type) || (store.type == Type::Float && !code_.functions.empty()))
     refuse("data of type " + code_.type_name(store.type), store.loc);
   return store.type == Type::Float;
 }
@@ -73,7 +73,7 @@ std::string PromelaCode::text(ExprId expr, const Names& names) {
     case Op::LoadSelf:
     case Op::LoadBind: {
       const std::string name = e.op == Op::LoadSelf ? names.self(e.index) : names.bind(e.index);
-      if (e.type == Type::Float || is_extern(e.type)) refuse("data of type " + code_.type_name(e.type), e.loc);
+      if (e.type == Type::Float || is_ffi(e.type)) refuse("data of type " + code_.type_name(e.type), e.loc);
       if (name.empty()) refuse("what is read of a merged port that does not take part", e.loc);
       return name;
     }

@@ -93,7 +93,7 @@ void PromelaWriter::add_connector(ConnectorId connector) {
     const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
     for (u32 k = 0; k < type.variables.size(); ++k) {
       if (type.variables[k].type == Type::Float) continue;
-      if (is_extern(type.variables[k].type))
+      if (is_ffi(type.variables[k].type))
         code_.refuse("data of type " + system_.code.type_name(type.variables[k].type), type.variables[k].loc);
       const std::string declaration = fmt::format(
           "hidden {} {}; /* {}.{} */\n", type.variables[k].type == Type::Bool ? "byte" : "int",

@@ -130,7 +130,7 @@ class LevelWriter {
       const std::string none = wire({.name = p.component + "_none", .ports = {prefix + "none"}});
       for (const std::string& read : reads) priorities_.emplace_back(none, read);
     }
-    if (p.launches_outside) launches(m);
+    if (p.is_launched_by_rules) launches(m);
     wire({.name = p.component + "_give", .ports = {prefix + "give", "semaphore.give"}});
     for (std::size_t i = 0; i < p.tasks.size(); ++i) {
       const Task& t = p.module->tasks[i];

@@ -183,7 +183,7 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
     if (c.kind == ConstraintKind::Interrupt && c.other.module == index) p.services[c.other.service].is_stopped = true;
     if (c.kind != ConstraintKind::Wait) continue;
     if (c.other.module == index) p.services[c.other.service].is_waited_for = true;
-    if (c.subject.module == index) p.launches_outside = true;
+    if (c.subject.module == index) p.is_launched_by_rules = true;
   }
   for (const SuccessRow& row : options.constraints.successes) {
     if (row.service.module == index) p.services[row.service.service].is_heard = true;

@@ -70,9 +70,9 @@ struct Plan {
   bool by_codel = false;  // lock granularity
   bool calls = false;     // execution flavour: codels are called
   Executive executive = Executive::Anybody;
-  bool launches_outside = false;  // rules say when activities begin
-  std::string type;               // of the module's compound; begins the names of its other types
-  std::string component;          // in the functional level
+  bool is_launched_by_rules = false;  // rules say when activities begin
+  std::string type;                   // of the module's compound; begins the names of its other types
+  std::string component;              // in the functional level
   std::vector<ServiceInstance> activities;
   std::vector<ServicePlan> services;
   std::vector<TaskPlan> tasks;

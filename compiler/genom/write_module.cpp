@@ -58,7 +58,7 @@ void ModuleWriter::run(const GenerateOptions& options) {
   for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
     if (m_.tasks[i].period_us == 0) done.push_back(of_task(i, "wake"));
   }
-  wire({.name = "done", .ports = done, .exported = p_.launches_outside});
+  wire({.name = "done", .ports = done, .exported = p_.is_launched_by_rules});
   std::vector<std::string> rest{control("rest")};
   std::vector<std::string> give{control("give")};
   add_module_lock(rest, "give");

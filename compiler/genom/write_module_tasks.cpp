@@ -33,7 +33,7 @@ void ModuleWriter::launches() {
         if (activity != k) ports.push_back(of_activity(activity, "idle"));
       }
     }
-    wire({.name = "launch_" + p_.activities[k].component, .ports = ports, .exported = p_.launches_outside});
+    wire({.name = "launch_" + p_.activities[k].component, .ports = ports, .exported = p_.is_launched_by_rules});
   }
   if (std::any_of(m_.services.begin(), m_.services.end(), [&](const Service& s) { return waits(s); })) {
     wire({.name = "retake", .ports = {control("retake"), p_.lock + ".take"}});
@@ -238,7 +238,7 @@ void ModuleWriter::priorities() {
     if (p_.service_of(k).kind == ServiceKind::Execution) launches.push_back("launch_" + p_.activities[k].component);
   }
   // Where rules say when activities begin, the functional level does this.
-  if (launches.empty() || p_.launches_outside) return;
+  if (launches.empty() || p_.is_launched_by_rules) return;
   out_ += "\n";
   for (std::size_t k = 0; k < launches.size(); ++k) {
     const std::string& low = names_.at(k + 1 < launches.size() ? launches[k + 1] : "done");
@@ -274,13 +274,13 @@ void ModuleWriter::exports() {
         write_export(out_, out_of("final_" + name), "fin_" + name);
       else if (p.is_heard && p.activity.ends) write_export(out_, out_of("fin_" + name), "fin_" + name);
       if (p.is_waited_for) write_export(out_, of_activity(activity, "idle"), "idle_" + name);
-      if (p_.launches_outside && m_.services[i].kind == ServiceKind::Execution)
+      if (p_.is_launched_by_rules && m_.services[i].kind == ServiceKind::Execution)
         write_export(out_, out_of("launch_" + name), "launch_" + name);
     }
   }
   if (p_.execution_activities > 0) write_export(out_, control("read_Abort"), "read_Abort");
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
-  if (p_.launches_outside) write_export(out_, out_of("done"), "done");
+  if (p_.is_launched_by_rules) write_export(out_, out_of("done"), "done");
   if (p_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
   write_export(out_, out_of("give"), "give");
   for (std::size_t i = 0; i < m_.tasks.size(); ++i) {

@@ -164,18 +164,18 @@ rt::Cell Evaluator::call(ExprId id, const Expr& e) {
     variables.push_back(&values[k]);
   }
   rt::Cell result{};
-  if (function.has_result && is_extern(function.result))
-    result = *lowered_.results.cell(id.value, lowered_.extern_types[extern_row(function.result)]);
-  if (lowered_.functions[e.index](&lowered_.outside, &result, variables.data()) != 0) {
+  if (function.has_result && is_ffi(function.result))
+    result = *lowered_.results.cell(id.value, lowered_.ffi_types[ffi_row(function.result)]);
+  if (lowered_.functions[e.index](&lowered_.ffi, &result, variables.data()) != 0) {
     status_ = rt::fault_status(lowered_.site_of_expr[id.value], rt::FaultKind{});
   }
   return result;
 }
 
-// Extern types: the object is copied, the variable keeps its own.
+// FFI types: the object is copied, the variable keeps its own.
 void Evaluator::store(Type type, rt::Cell& to, rt::Cell value) {
-  if (is_extern(type)) {
-    lowered_.extern_types[extern_row(type)].copy(&rt::object_in<char>(to), &rt::object_in<char>(value));
+  if (is_ffi(type)) {
+    lowered_.ffi_types[ffi_row(type)].copy(&rt::object_in<char>(to), &rt::object_in<char>(value));
   } else {
     to = value;
   }

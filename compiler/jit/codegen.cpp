@@ -72,14 +72,14 @@ class UnitBuilder {
   llvm::Value* load(Type type, llvm::Value* cell) {
     if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), cell, cell_align_);
     // The address of the object.
-    if (is_extern(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), cell, cell_align_);
+    if (is_ffi(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), cell, cell_align_);
     // All of the cell, as it is stored: loops over neighbouring cells become vectors.
     llvm::Value* low = b_.CreateTrunc(b_.CreateAlignedLoad(cell_type_, cell, cell_align_), i32_);
     return type == Type::Bool ? b_.CreateICmpNE(low, b_.getInt32(0)) : low;
   }
   void store(Type type, llvm::Value* value, llvm::Value* cell) {
     // Unused bits of a cell are zero.
-    if (type != Type::Float && !is_extern(type)) value = b_.CreateZExt(value, cell_type_);
+    if (type != Type::Float && !is_ffi(type)) value = b_.CreateZExt(value, cell_type_);
     b_.CreateAlignedStore(value, cell, cell_align_);
   }
 
@@ -112,7 +112,7 @@ class UnitBuilder {
     return e.op == Op::LoadSelf ? self_variable(e.index) : bind_cell(e.index);
   }
   /// What the process gives: a function, or data.
-  llvm::Constant* outside(const std::string& name) {
+  llvm::Constant* process_symbol(const std::string& name) {
     return function_->getParent()->getOrInsertGlobal(name, b_.getInt8Ty());
   }
   // One frame for all cells and their addresses of a call, at the function's start: loops there are none.
@@ -121,17 +121,17 @@ class UnitBuilder {
     return start.CreateAlloca(llvm::ArrayType::get(type, size == 0 ? 1 : size));
   }
 
-  /// The cell of the object that an extern result is assigned to: the thread's own.
+  /// The cell of the object that an FFI result is assigned to: the thread's own.
   llvm::Value* result_object(ExprId call, Type result) {
     auto* type = llvm::FunctionType::get(b_.getPtrTy(), {b_.getPtrTy(), i32_, i32_}, false);
-    llvm::Value* row = b_.getInt32(static_cast<std::uint32_t>(extern_row(result)));
+    llvm::Value* row = b_.getInt32(static_cast<std::uint32_t>(ffi_row(result)));
     llvm::CallInst* cell =
-        b_.CreateCall(type, outside(kResultName), {outside(kLoweredName), b_.getInt32(call.value), row});
+        b_.CreateCall(type, process_symbol(kResultName), {process_symbol(kLoweredName), b_.getInt32(call.value), row});
     cell->setDoesNotThrow();
     return cell;
   }
 
-  /// As rt::ForeignFn wants it. Arguments by value get cells of their own.
+  /// As rt::FfiFunction wants it. Arguments by value get cells of their own.
   llvm::Value* call(ExprId id, const Expr& e) {
     const Function& function = code_.functions[e.index];
     const std::span<const ExprId> args = code_.args_of(e);
@@ -152,10 +152,10 @@ class UnitBuilder {
       b_.CreateStore(cell, b_.CreateConstInBoundsGEP1_64(pointer, cells, k));
     }
     llvm::Value* result = values;
-    if (function.has_result && is_extern(function.result)) result = result_object(id, function.result);
+    if (function.has_result && is_ffi(function.result)) result = result_object(id, function.result);
     auto* type = llvm::FunctionType::get(i32_, {pointer, pointer, pointer}, false);
-    llvm::CallInst* status =
-        b_.CreateCall(type, outside(kFunctionName + std::to_string(e.index)), {outside(kOutsideName), result, cells});
+    llvm::CallInst* status = b_.CreateCall(type, process_symbol(kFunctionName + std::to_string(e.index)),
+                                           {process_symbol(kFfiContextName), result, cells});
     status->setDoesNotThrow();
     llvm::BasicBlock* faulty = new_block("exception");
     llvm::BasicBlock* sound = new_block("called");
@@ -165,13 +165,14 @@ class UnitBuilder {
     b_.SetInsertPoint(sound);
     return function.has_result ? load(function.result, result) : b_.getInt32(0);
   }
-  /// An assignment between variables of an extern type copies the object.
+  /// An assignment between variables of an FFI type copies the object.
   void assign(Type type, llvm::Value* value, llvm::Value* cell) {
-    if (!is_extern(type)) return store(type, value, cell);
+    if (!is_ffi(type)) return store(type, value, cell);
     llvm::Type* pointer = b_.getPtrTy();
     auto* copy = llvm::FunctionType::get(b_.getVoidTy(), {pointer, pointer}, false);
     llvm::Value* to = b_.CreateIntToPtr(load(type, cell), pointer);
-    b_.CreateCall(copy, outside(kCopyName + std::to_string(extern_row(type))), {to, b_.CreateIntToPtr(value, pointer)})
+    b_.CreateCall(copy, process_symbol(kCopyName + std::to_string(ffi_row(type))),
+                  {to, b_.CreateIntToPtr(value, pointer)})
         ->setDoesNotThrow();
   }
 

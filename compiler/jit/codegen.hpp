@@ -12,8 +12,8 @@ namespace bip::jit {
 
 class DebugInfo;
 
-/// C++ functions and data of the process, declared by name; a number follows some: row of functions, of extern types.
-inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kOutsideName = "bip_outside",
+/// C++ functions and data of the process, declared by name; a number follows some: row of functions, of FFI types.
+inline const std::string kFunctionName = "bip_call_", kCopyName = "bip_copy_", kFfiContextName = "bip_ffi_context",
                          kResultName = "bip_result", kLoweredName = "bip_lowered", kCodesName = "bip_codes",
                          kDrawName = "bip_draw";
 

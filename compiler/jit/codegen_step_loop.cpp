@@ -200,16 +200,16 @@ class LoopBuilder {
   // If the interaction is one of the run, the step; what follows is for the others.
   void write_run(const rt::StepRun& run) {
     llvm::BasicBlock* inside = new_block("run");
-    llvm::BasicBlock* outside = new_block("others");
+    llvm::BasicBlock* others = new_block("others");
     Value* offset = b_.CreateSub(interaction_index_, number(run.first));
     Value* is_inside = b_.CreateICmpULT(offset, number(std::uint64_t{run.count} * run.distance));
     if (run.distance != 1) {
       llvm::BasicBlock* near = new_block("near");
-      b_.CreateCondBr(is_inside, near, outside);
+      b_.CreateCondBr(is_inside, near, others);
       b_.SetInsertPoint(near);
       is_inside = b_.CreateICmpEQ(b_.CreateURem(offset, number(run.distance)), number(0));
     }
-    b_.CreateCondBr(is_inside, inside, outside);
+    b_.CreateCondBr(is_inside, inside, others);
     b_.SetInsertPoint(inside);
     Value* i = run.distance == 1 ? offset : b_.CreateExactUDiv(offset, number(run.distance));
     const lower::StepCells& cells = lowered_.steps.cells;
@@ -231,7 +231,7 @@ class LoopBuilder {
       call(run, shape.strides.size(), rows, i);
     }
     b_.CreateBr(taken_);
-    b_.SetInsertPoint(outside);
+    b_.SetInsertPoint(others);
   }
 
   // Beside a long pass over who is ready a call is cheap, and what the loop has at hand stays in registers for the

@@ -42,9 +42,9 @@ std::string own_build() {
 // For the loop over steps.
 std::uint64_t draw(rt::Prng* prng, std::uint64_t below) { return prng->below(below); }
 
-// For calls that give a value of an extern type.
+// For calls that give a value of an FFI type.
 rt::Cell* result_cell(lower::LoweredSystem* lowered, std::uint32_t call, std::uint32_t type) {
-  return lowered->results.cell(call, lowered->extern_types[type]);
+  return lowered->results.cell(call, lowered->ffi_types[type]);
 }
 
 llvm::Error stopped() { return llvm::createStringError(llvm::inconvertibleErrorCode(), "stopped"); }
@@ -62,8 +62,8 @@ struct Compiler {
   std::unique_ptr<llvm::TargetMachine> machine;
   std::string origin;  // what all objects depend on
 
-  /// Gives the C++ side of the system its names.
-  llvm::Error add_outside() {
+  /// Gives the FFI of the system its names.
+  llvm::Error add_ffi() {
     llvm::orc::SymbolMap symbols;
     const auto add = [&](const std::string& name, const void* address) {
       if (address == nullptr) return;
@@ -73,15 +73,15 @@ struct Compiler {
     const auto number = [](std::size_t k) { return std::to_string(k); };
     add(kCodesName, lowered.codes.data());
     add(kDrawName, reinterpret_cast<const void*>(&draw));
-    if (lowered.image.outside != nullptr) {
-      add(kOutsideName, &lowered.outside);
+    if (lowered.image.ffi != nullptr) {
+      add(kFfiContextName, &lowered.ffi);
       add(kLoweredName, &lowered);
       add(kResultName, reinterpret_cast<const void*>(&result_cell));
     }
     for (std::size_t k = 0; k < lowered.functions.size(); ++k)
       add(kFunctionName + number(k), reinterpret_cast<const void*>(lowered.functions[k]));
-    for (std::size_t k = 0; k < lowered.extern_types.size(); ++k)
-      add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.extern_types[k].copy));
+    for (std::size_t k = 0; k < lowered.ffi_types.size(); ++k)
+      add(kCopyName + number(k), reinterpret_cast<const void*>(lowered.ffi_types[k].copy));
     return engine->getMainJITDylib().define(llvm::orc::absoluteSymbols(std::move(symbols)));
   }
 
@@ -202,7 +202,7 @@ Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, c
   compiler.origin = content_hash({options.version, own_build(), LLVM_VERSION_STRING,
                                   options.level == OptLevel::O0 ? "0" : "2", compiler.machine->getTargetTriple().str(),
                                   compiler.machine->getTargetCPU(), compiler.machine->getTargetFeatureString()});
-  // Our code has no initialisers, no thread-locals and calls only what add_outside names: no platform, no look into the
+  // Our code has no initialisers, no thread-locals and calls only what add_ffi names: no platform, no look into the
   // process.
   auto engine = llvm::orc::LLJITBuilder()
                     .setJITTargetMachineBuilder(std::move(*target))
@@ -210,7 +210,7 @@ Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, c
                     .create();
   if (!engine) return Failure{"the JIT does not start: " + text_of(engine.takeError())};
   compiler.engine = std::move(*engine);
-  if (llvm::Error error = compiler.add_outside())
+  if (llvm::Error error = compiler.add_ffi())
     return Failure{"the JIT does not take the C++ functions: " + text_of(std::move(error))};
   if (options.for_debuggers) {
     if (llvm::Error error = compiler.add_watchers())

@@ -76,10 +76,10 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.port_refs = pools.port_refs.view();
   image.binds = pools.binds.view();
   image.choices = span_of(pools.choices);
-  image.extern_types = span_of(out.extern_types);
+  image.ffi_types = span_of(out.ffi_types);
   image.event_classes = span_of(out.event_classes);
-  if (!out.functions.empty() || !out.extern_types.empty() || !out.event_classes.empty() || brings_strings(image))
-    image.outside = &out.outside;
+  if (!out.functions.empty() || !out.ffi_types.empty() || !out.event_classes.empty() || brings_strings(image))
+    image.ffi = &out.ffi;
   image.priorities = span_of(pools.priorities);
 }
 
@@ -102,8 +102,8 @@ std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& na
   lower_instances(l);
   out->codes.resize(out->units.size());
   out->functions.resize(system.code.functions.size());
-  for (const ExternType& type : system.code.extern_types)
-    out->extern_types.push_back({type.name.c_str(), nullptr, nullptr, nullptr, nullptr, nullptr});
+  for (const FfiType& type : system.code.ffi_types)
+    out->ffi_types.push_back({type.name.c_str(), nullptr, nullptr, nullptr, nullptr, nullptr});
   point_image_to_pools(*out, *out->pools);
   return out;
 }

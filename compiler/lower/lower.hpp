@@ -10,7 +10,7 @@
 #include "compiler/lower/step_shapes.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/image_time.hpp"
-#include "runtime/include/bip/outside.hpp"
+#include "runtime/include/bip/ffi.hpp"
 
 namespace bip::lower {
 
@@ -34,12 +34,12 @@ struct LoweredSystem {
   std::vector<rt::Code> codes;              // one a unit
   std::vector<std::uint32_t> site_of_expr;  // by ExprId: row of Image::sites, or rt::kNone if it cannot fault
   rt::Image image;                          // image.codes points to `codes`
-  // The C++ side. Whoever compiles it fills `functions` (one a row of CodeTable::functions) and `extern_types`.
-  std::vector<rt::ForeignFn> functions;
-  std::vector<rt::ExternType> extern_types;
+  // The FFI. Whoever compiles it fills `functions` (one a row of CodeTable::functions) and `ffi_types`.
+  std::vector<rt::FfiFunction> functions;
+  std::vector<rt::FfiType> ffi_types;
   std::vector<rt::EventClass> event_classes;  // one an EventClassUse
   Results results;
-  rt::Outside outside;
+  rt::FfiContext ffi;
   // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.
   Steps steps;
   std::vector<rt::StepFn> step_fns;

@@ -1,7 +1,7 @@
-// The objects between a call that gives a value of an extern type and the use of that value: one a call and thread.
+// The objects between a call that gives a value of an FFI type and the use of that value: one a call and thread.
 //
 // Calls do not nest in themselves, but with `--engine=threads` two atoms of a type run the same call at a time. An
-// object is made at a thread's first call and stays; one look under a lock each (as Outside has for strings).
+// object is made at a thread's first call and stays; one look under a lock each (as FfiContext has for strings).
 #pragma once
 #include <cstdint>
 #include <map>
@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "runtime/include/bip/outside.hpp"
+#include "runtime/include/bip/ffi.hpp"
 
 namespace bip::lower {
 
@@ -22,7 +22,7 @@ class Results {
 
   /// The variable whose object holds what call `row` (an ExprId) gives the calling thread. Stays where it is until
   /// clear().
-  [[nodiscard]] rt::Cell* cell(std::uint32_t row, const rt::ExternType& type) {
+  [[nodiscard]] rt::Cell* cell(std::uint32_t row, const rt::FfiType& type) {
     const std::lock_guard guard(lock_);
     const auto [it, is_new] = objects_.try_emplace({std::this_thread::get_id(), row});
     if (is_new) it->second = {rt::object_cell(type.make()), type.destroy};

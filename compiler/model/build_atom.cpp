@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "compiler/model/build_time.hpp"
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 
 namespace bip::model {
 

@@ -4,7 +4,7 @@
 
 #include "compiler/model/compound_builder.hpp"
 #include "compiler/model/packages.hpp"
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 
 namespace bip::model {
 

@@ -1,7 +1,7 @@
 // Connector bodies, typed and inline: own data, exported port, `define`, and one clause an interaction with its code.
 #include <algorithm>
 
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 
 namespace bip::model {
 

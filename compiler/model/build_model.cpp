@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 #include "compiler/model/packages.hpp"
 
 namespace bip::model {
@@ -281,7 +281,7 @@ std::optional<Model> build_model(const std::vector<const syntax::Syntax*>& packa
   ModelBuilder b{model, diags, sources, {}};
   declare_packages(b, packages);
   declare_names(b);
-  declare_extern_types(b);
+  declare_ffi_types(b);
   check_prototypes(b);
   collect_cpp(b, packages);
   build_constants(b);

@@ -1,5 +1,5 @@
 // Typed statements: assignments and `if`, chained by `next`. Part of CodeBuilder (code_builder.hpp).
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 #include "compiler/model/packages.hpp"
 
 namespace bip::model {
@@ -76,7 +76,7 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     return next;
   }
   if (const auto assign = model_.operators.find("operator =");
-      assign != model_.operators.end() && is_extern(target->type)) {
+      assign != model_.operators.end() && is_ffi(target->type)) {
     const std::optional<Argument> given = argument(s->value);
     if (!given) return next;
     const ExprId load = make({.op = target->load,
@@ -87,7 +87,7 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
                               .loc = loc(s->target.range)});
     const std::vector<Argument> args{{{load, target->type}, true, s->target.range}, *given};
     if (!best_prototypes(model_, assign->second, args).empty()) {
-      const std::optional<Typed> call = extern_call("=", assign->second, args, s->range, false);
+      const std::optional<Typed> call = ffi_call("=", assign->second, args, s->range, false);
       if (!call) return next;
       return model_.code.stmts.push({.op = StmtOp::Call,
                                      .type = call->type,

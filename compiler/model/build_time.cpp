@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "compiler/model/evaluate.hpp"
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 
 namespace bip::model {
 

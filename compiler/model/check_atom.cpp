@@ -35,7 +35,7 @@ void check_uninitialised(ModelBuilder& b, const AtomType& atom, const syntax::De
   for (const syntax::DataDecl& d : decl.data) {
     for (const syntax::Var& v : d.vars) {
       // C++ objects begin as their class says.
-      if (variable < atom.variables.size() && !is_extern(atom.variables[variable].type) && read[variable] &&
+      if (variable < atom.variables.size() && !is_ffi(atom.variables[variable].type) && read[variable] &&
           !written[variable] && decl.notation == syntax::Notation::Bip2) {
         static constexpr const char* kZeros[] = {"0", "false", "0.0", "\"\""};
         const char* zero = kZeros[static_cast<int>(atom.variables[variable].type)];

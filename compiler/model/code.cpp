@@ -17,8 +17,7 @@ const char* name_of(Type type) {
 }
 
 std::string CodeTable::type_name(Type type) const {
-  return is_extern(type) && extern_row(type) < extern_types.size() ? extern_types[extern_row(type)].name
-                                                                   : name_of(type);
+  return is_ffi(type) && ffi_row(type) < ffi_types.size() ? ffi_types[ffi_row(type)].name : name_of(type);
 }
 
 const char* name_of(Op op) {

@@ -18,12 +18,12 @@
 
 namespace bip {
 
-/// A native type, or from kFirstExtern on a row of CodeTable::extern_types.
+/// A native type, or from kFirstFfiType on a row of CodeTable::ffi_types.
 enum class Type : std::uint16_t { Int, Bool, Float, String };
-inline constexpr std::uint16_t kFirstExtern = 4;
-[[nodiscard]] constexpr bool is_extern(Type type) { return static_cast<std::uint16_t>(type) >= kFirstExtern; }
-[[nodiscard]] constexpr Type extern_type(std::size_t row) { return static_cast<Type>(kFirstExtern + row); }
-[[nodiscard]] constexpr std::size_t extern_row(Type type) { return static_cast<std::size_t>(type) - kFirstExtern; }
+inline constexpr std::uint16_t kFirstFfiType = 4;
+[[nodiscard]] constexpr bool is_ffi(Type type) { return static_cast<std::uint16_t>(type) >= kFirstFfiType; }
+[[nodiscard]] constexpr Type ffi_type(std::size_t row) { return static_cast<Type>(kFirstFfiType + row); }
+[[nodiscard]] constexpr std::size_t ffi_row(Type type) { return static_cast<std::size_t>(type) - kFirstFfiType; }
 [[nodiscard]] const char* name_of(Type type);  // "int" …
 
 using ExprId = Id<struct ExprTag>;
@@ -84,7 +84,7 @@ struct Stmt {
 };
 
 /// A type of data whose values are C++ objects: `extern data type name refine … as "cpp"`.
-struct ExternType {
+struct FfiType {
   std::string name;
   std::string cpp;            // "std::list<int>"
   std::vector<Type> refines;  // what a value can stand for
@@ -93,7 +93,7 @@ struct ExternType {
 enum class FunctionKind : std::uint8_t { Function, Operator, Cast };
 struct FunctionParam {
   Type type = Type::Int;      // of the argument, which may refine the prototype's
-  bool by_reference = false;  // int, float, extern: C++ may change the variable that is given
+  bool by_reference = false;  // int, float, FFI type: C++ may change the variable that is given
   friend bool operator==(const FunctionParam&, const FunctionParam&) = default;
 };
 /// A C++ function, operator or conversion as one kind of call uses it.
@@ -111,7 +111,7 @@ struct CppFile {
   std::string folder, name;
   friend bool operator==(const CppFile&, const CppFile&) = default;
 };
-struct CppSide {
+struct FfiFiles {
   std::vector<CppFile> includes, sources, objects;
 };
 
@@ -120,14 +120,14 @@ struct CodeTable {
   IndexVector<ExprId, Expr> exprs;
   IndexVector<StmtId, Stmt> stmts;
   std::vector<std::string> strings;
-  std::vector<ExternType> extern_types;
+  std::vector<FfiType> ffi_types;
   std::vector<Function> functions;
   std::vector<ExprId> args;  // of calls; an argument by reference is a load
-  CppSide cpp;
+  FfiFiles cpp;
 
   /// The row of a string constant, added if new.
   std::uint32_t string(const std::string& text);
-  /// "int", or the name of an extern type.
+  /// "int", or the name of an FFI type.
   [[nodiscard]] std::string type_name(Type type) const;
   /// The arguments of a call.
   [[nodiscard]] std::span<const ExprId> args_of(const Expr& call) const {

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 #include "compiler/model/packages.hpp"
 
 namespace bip::model {
@@ -87,7 +87,7 @@ Typed CodeBuilder::convert(Typed v, Type to) {
     return {make({.op = Op::IntToFloat, .type = Type::Float, .a = v.id, .b = {}, .loc = model_.code.exprs[v.id].loc}),
             Type::Float};
   }
-  if (v.type != to && is_extern(v.type) && refines(model_.code, v.type, to)) return cast(v, to);
+  if (v.type != to && is_ffi(v.type) && refines(model_.code, v.type, to)) return cast(v, to);
   return v;
 }
 
@@ -215,8 +215,8 @@ std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
   if (!arg) return std::nullopt;
   const std::optional<Typed> v = arg->typed;
   bool handled = false;
-  const std::optional<Typed> outside = extern_operator(e, model_.sources->text(e->op_range), {*arg}, handled);
-  if (handled) return outside;
+  const std::optional<Typed> call = ffi_operator(e, model_.sources->text(e->op_range), {*arg}, handled);
+  if (handled) return call;
   switch (e->unary) {
     case UnaryOp::Plus:
       if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
@@ -240,8 +240,8 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
   const std::optional<Argument> right = argument(e->operands[1]);
   if (!left || !right) return std::nullopt;
   bool handled = false;
-  const std::optional<Typed> outside = extern_operator(e, text_of(e->binary), {*left, *right}, handled);
-  if (handled) return outside;
+  const std::optional<Typed> call = ffi_operator(e, text_of(e->binary), {*left, *right}, handled);
+  if (handled) return call;
   std::optional<Typed> a = left->typed;
   std::optional<Typed> b = right->typed;
   const auto both = [&](bool (*fits)(Type), const char* wants) -> const syntax::Expr* {
@@ -344,7 +344,7 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
   const auto* found = find_visible(model_, model_.functions, name, e->path.range, diags_);
   if (found == nullptr) {
     if (const auto prototypes = visible_prototypes(model_, name, e->path.range.file); !prototypes.empty())
-      return extern_function(e, name, prototypes);
+      return ffi_function(e, name, prototypes);
     std::vector<std::string> known;
     if (diags_.error_count() <= kHelpedErrors) {
       for (const auto& [key, decls] : model_.prototypes) {

@@ -41,7 +41,7 @@ struct Typed {
   Type type = Type::Int;
 };
 
-struct Argument;  // externs.hpp
+struct Argument;  // ffi.hpp
 
 class CodeBuilder {
  public:
@@ -94,13 +94,13 @@ class CodeBuilder {
   std::optional<Typed> binary(const syntax::Expr* e);
   std::optional<Typed> call(const syntax::Expr* e);
   std::optional<Argument> argument(const syntax::Expr* e);
-  std::optional<Typed> extern_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
-                                   std::vector<Argument> args, SourceRange at, bool needs_value);
-  std::optional<Typed> extern_function(const syntax::Expr* e, const std::string& name,
-                                       const std::vector<const syntax::Decl*>& prototypes);
+  std::optional<Typed> ffi_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
+                                std::vector<Argument> args, SourceRange at, bool needs_value);
+  std::optional<Typed> ffi_function(const syntax::Expr* e, const std::string& name,
+                                    const std::vector<const syntax::Decl*>& prototypes);
   /// handled: the operator is C++'s, and nothing is left to say.
-  std::optional<Typed> extern_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args,
-                                       bool& handled);
+  std::optional<Typed> ffi_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args,
+                                    bool& handled);
   Typed cast(Typed v, Type to);
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);

@@ -172,7 +172,7 @@ struct Model {
   std::unordered_map<std::string, std::vector<const syntax::Decl*>> prototypes;  // `extern function`, in source order
   std::unordered_map<std::string, std::vector<const syntax::Decl*>>
       operators;  // by "operator +"; they know no packages
-  std::unordered_map<std::string, Type> extern_type_names;
+  std::unordered_map<std::string, Type> ffi_type_names;
 
   [[nodiscard]] Loc loc(SourceRange r) const { return sources->loc(r); }
 };

@@ -160,7 +160,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.image.step_columns = {};
   lowered.image.step_cells = 0;
   // Objects of C++ types are no data of ours.
-  if (lowered.image.outside != nullptr) return;
+  if (lowered.image.ffi != nullptr) return;
   Deriver deriver(lowered);
   if (!deriver.link_priorities()) return;
   lower::Steps steps;

@@ -55,13 +55,13 @@ class BsysParser : RowParser {
     } else if (head == "cpp") {
       cpp_file(node, list);
     } else if (head == "extern-type") {
-      r_.row(list, s_.code.extern_types.size());
-      ExternType row;
+      r_.row(list, s_.code.ffi_types.size());
+      FfiType row;
       row.name = r_.name(list);
       row.cpp = r_.quoted(list);
       r_.close(list);
       row.loc = list.loc;
-      s_.code.extern_types.push_back(std::move(row));
+      s_.code.ffi_types.push_back(std::move(row));
     } else if (head == "function") {
       r_.row(list, s_.code.functions.size());
       s_.code.functions.push_back(function(list));
@@ -88,7 +88,7 @@ class BsysParser : RowParser {
     r_.close(list);
   }
   void cpp_file(std::uint32_t node, List& list) {
-    CppSide& cpp = s_.code.cpp;
+    FfiFiles& cpp = s_.code.cpp;
     std::vector<CppFile>* files = nullptr;
     if (r_.flag(list, "include")) files = &cpp.includes;
     else if (r_.flag(list, "source")) files = &cpp.sources;

@@ -105,10 +105,10 @@ Type BsysReader::type(List& list) {
   if (node == kNoNode) return Type::Int;
   const std::optional<Type> type =
       tree_.nodes[node].kind == Node::Kind::Word ? type_of(tree_.word(node)) : std::nullopt;
-  if (!type && !s_.code.extern_types.empty()) {
+  if (!type && !s_.code.ffi_types.empty()) {
     list.at = node;
-    return extern_type(ref(list, s_.code.extern_types.size(), "type",
-                           [&](std::uint32_t k) -> const std::string& { return s_.code.extern_types[k].name; }));
+    return ffi_type(ref(list, s_.code.ffi_types.size(), "type",
+                        [&](std::uint32_t k) -> const std::string& { return s_.code.ffi_types[k].name; }));
   }
   if (!type) fail(node, "expected int, bool, float or string");
   return type.value_or(Type::Int);

@@ -27,7 +27,7 @@ class BsysPrinter {
                                       {"(cpp source ", &s_.code.cpp.sources},
                                       {"(cpp object ", &s_.code.cpp.objects}})
       for (const CppFile& file : *files) cpp_file(head, file);
-    for (std::size_t k = 0; k < s_.code.extern_types.size(); ++k) extern_type_row(s_.code.extern_types[k], k);
+    for (std::size_t k = 0; k < s_.code.ffi_types.size(); ++k) ffi_type_row(s_.code.ffi_types[k], k);
     for (std::size_t k = 0; k < s_.code.functions.size(); ++k) function(s_.code.functions[k], k);
     each(s_.port_types, [this](const PortType& row, std::size_t k) { port_type(row, k); });
     each(s_.atom_types, [this](const AtomType& row, std::size_t k) { atom_type(row, k); });
@@ -90,11 +90,11 @@ class BsysPrinter {
     put_stmts(out_, s_.code, first, scope);
     out_ += ')';
   }
-  /// A native type's word; of an extern type number:name.
+  /// A native type's word; of an FFI type number:name.
   [[nodiscard]] std::string type_text(Type type) const {
-    if (!is_extern(type)) return word_of(type);
+    if (!is_ffi(type)) return word_of(type);
     std::string text;
-    put_ref(text, static_cast<std::uint32_t>(extern_row(type)), s_.code.type_name(type));
+    put_ref(text, static_cast<std::uint32_t>(ffi_row(type)), s_.code.type_name(type));
     return text;
   }
   void cpp_file(const char* head, const CppFile& file) {
@@ -104,7 +104,7 @@ class BsysPrinter {
     put_quoted(out_, file.name);
     out_ += ")\n";
   }
-  void extern_type_row(const ExternType& row, std::size_t k) {
+  void ffi_type_row(const FfiType& row, std::size_t k) {
     open("(extern-type", k, row.name);
     out_ += ' ';
     put_quoted(out_, row.cpp);

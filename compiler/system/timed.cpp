@@ -44,7 +44,7 @@ std::string first_event_with_object(const System& system) {
     for (const Port& port : type.ports) {
       if (!port.external) continue;
       for (const Variable& var : system.port_types[port.type].variables) {
-        if (is_extern(var.type))
+        if (is_ffi(var.type))
           return told(system, type, fmt::format("port `{}` for events with `{}`, a C++ object", port.name, var.name),
                       port.loc);
       }

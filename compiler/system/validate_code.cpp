@@ -201,7 +201,7 @@ class CodeChecker {
       case Op::And:
       case Op::Or: sound = sound && a == Type::Bool && e.type == a; break;
       case Op::Eq:
-      case Op::Ne: sound = sound && e.type == Type::Bool && !is_extern(a); break;
+      case Op::Ne: sound = sound && e.type == Type::Bool && !is_ffi(a); break;
       case Op::Call: sound = true; break;
       case Op::Lt:
       case Op::Gt:

@@ -70,7 +70,7 @@ inline void check_loc(const System& system, const Loc& loc, Problems& problems) 
 /// Port types whose variables agree: as many, of the same types. Both must be rows.
 [[nodiscard]] bool same_variables(const System& system, PortTypeId a, PortTypeId b);
 inline bool is_type(const System& system, Type type) {
-  return !is_extern(type) || extern_row(type) < system.code.extern_types.size();
+  return !is_ffi(type) || ffi_row(type) < system.code.ffi_types.size();
 }
 
 }  // namespace bip::system

@@ -7,11 +7,11 @@
 namespace bip::rt {
 
 Core::Core(const Image& image, CoreOptions options)
-    : tables_(link(image, options.progress)), options_(options), rules_(link_priorities(tables_)), extern_data_(image) {
+    : tables_(link(image, options.progress)), options_(options), rules_(link_priorities(tables_)), ffi_data_(image) {
   const u32 cell_count = static_cast<u32>(tables_.interactions.size());
   atoms_ = {tables_.atoms.data(), image.atoms.size};
   all_.assign(image.cell_count, Cell{0});
-  for (u32 i = 0; !extern_data_.empty() && i < image.connectors.size; ++i) zero_frame(i);
+  for (u32 i = 0; !ffi_data_.empty() && i < image.connectors.size; ++i) zero_frame(i);
   ports_.resize(tables_.port_atom.size());
   const auto is_direct = [&](u32 interaction) {
     return !tables_.interactions[interaction].searched && (rules_.count == 0 || rules_.is_involved[interaction] == 0);
@@ -48,7 +48,7 @@ Core::Core(const Image& image, CoreOptions options)
 }
 
 FlatGuard Core::flat_guard(const InteractionInfo& info) {
-  if (info.kind != InteractionKind::Flat || info.clause() == kNone || !extern_data_.empty()) return {};
+  if (info.kind != InteractionKind::Flat || info.clause() == kNone || !ffi_data_.empty()) return {};
   const Clause& clause = tables_.connector_type(info.row).clauses[info.clause()];
   const Code guard = tables_.code(clause.guard);
   if (guard.fn == nullptr || clause.may_fault) return {};
@@ -109,7 +109,7 @@ bool Core::initialize() {
       interactions[i] = Cell{0};
       if (type.variables[i].is_param) interactions[i] = image.args[args++];
     }
-    if (!extern_data_.empty()) extern_data_.reset(type.variables, all_.data(), state.first_cell);
+    if (!ffi_data_.empty()) ffi_data_.reset(type.variables, all_.data(), state.first_cell);
     if (linked.mark_words == 0) {
       places_[atom] = type.initial[0];
     } else {
@@ -184,7 +184,7 @@ State Core::snapshot() const {
   state.marks = marks_;
   state.data.resize(tables_.atom_cells);
   if (!state.data.empty()) std::memcpy(state.data.data(), all_.data(), state.data.size() * sizeof(Cell));
-  extern_data_.save(state.data, state.objects);
+  ffi_data_.save(state.data, state.objects);
   if (time_ != nullptr) save_time(state.time);
   return state;
 }
@@ -197,7 +197,7 @@ bool Core::restore(const State& state) {
   fault_ = {};
   if (time_ != nullptr) load_time(state.time);
   // All objects first: what an atom offers may depend on them. An atom that has one counts as changed.
-  if (!extern_data_.empty()) extern_data_.load(all_.data(), state.objects);
+  if (!ffi_data_.empty()) ffi_data_.load(all_.data(), state.objects);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomInfo& now = atoms_[atom];
     const AtomType& type = image.atom_types[now.type];
@@ -211,7 +211,7 @@ bool Core::restore(const State& state) {
     const bool is_still = time_ == nullptr || type.time == nullptr;
     if (is_still && same_data && same_marks && places_[atom] == state.places[atom]) continue;
     for (u32 i = 0; i < interactions; ++i) {
-      if (!is_extern(type.variables[i].type)) all_[now.first_cell + i].bits = state.data[now.first_cell + i];
+      if (!is_ffi(type.variables[i].type)) all_[now.first_cell + i].bits = state.data[now.first_cell + i];
     }
     if (words != 0) std::memcpy(&marks_[mark], &state.marks[mark], words * sizeof(u64));
     const u32 before = places_[atom];

@@ -16,7 +16,7 @@
 #include "bip/prng.hpp"
 #include "runtime/core/search/bits.hpp"
 #include "runtime/core/core_rows.hpp"
-#include "runtime/core/state/extern_data.hpp"
+#include "runtime/core/state/ffi_data.hpp"
 #include "runtime/core/fire/fault.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/core/link/priorities.hpp"
@@ -367,7 +367,7 @@ class Core {
   u32 history_at_ = 0;
   std::vector<u64> marks_;
   std::vector<Cell, InCacheLines<Cell>> all_;
-  ExternData extern_data_;
+  FfiData ffi_data_;
   Binds binds_;  // made when code that needs them may run
   std::vector<PortState> ports_;
   std::vector<std::int32_t> values_;  // by node of the availability network

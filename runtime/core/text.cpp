@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 
 namespace bip::rt {
 
@@ -61,7 +61,7 @@ void append_value(std::string& out, const Image& image, CellType type, Cell valu
     case CellType::String: append_quoted(out, string_of(image, value)); break;
     default:
       out += '<';
-      out += image.extern_types[static_cast<u32>(type) - kFirstExtern].name;
+      out += image.ffi_types[static_cast<u32>(type) - kFirstFfiType].name;
       out += '>';
       break;
   }

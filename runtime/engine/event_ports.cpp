@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -93,7 +93,7 @@ void EventPorts::to_cells(u32 row, const std::vector<EventValue>& values, std::v
     if (const auto* truth = std::get_if<bool>(&values[i])) cell.i = *truth ? 1 : 0;
     else if (const auto* whole = std::get_if<std::int32_t>(&values[i])) cell.i = *whole;
     else if (const auto* real = std::get_if<double>(&values[i])) cell.f = *real;
-    else if (const auto* text = std::get_if<std::string>(&values[i])) cell.i = image_.outside->intern(*text);
+    else if (const auto* text = std::get_if<std::string>(&values[i])) cell.i = image_.ffi->intern(*text);
     out.push_back(cell);
   }
 }

@@ -1,7 +1,7 @@
 // See event_sources.hpp.
 #include "runtime/engine/event_sources.hpp"
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 
 namespace bip::rt {
 
@@ -13,7 +13,7 @@ EventSources::~EventSources() {
 
 bool EventSources::fail(const Object& object, const Core& core) {
   problem_ = "exception in class `" + std::string(object.type->name) + "` of port `" + object.path + '`';
-  const std::string& said = core.image().outside->message();
+  const std::string& said = core.image().ffi->message();
   if (!said.empty()) problem_ += ": " + said;
   return false;
 }
@@ -34,7 +34,7 @@ bool EventSources::open(const Core& core, const EventPorts& ports, Engine& engin
                         const Engine& e = *static_cast<Engine*>(from);
                         return e.wall != nullptr ? e.wall->now() : e.instant.load(std::memory_order_relaxed);
                       }};
-    object.address = object.type->make(object.context, *image.outside);
+    object.address = object.type->make(object.context, *image.ffi);
     if (object.address == nullptr) return fail(object, core);
   }
   return true;
@@ -46,7 +46,7 @@ bool EventSources::poll(const Core& core, const EventPorts& ports, i64 until, st
     const Span<Var>& vars = ports.vars(object.row);
     cells_.assign(vars.size, Cell{0});
     Event event{0, object.row, kAnyLook, {}};
-    switch (object.type->poll(object.address, *core.image().outside, object.context.now(object.context.engine), until,
+    switch (object.type->poll(object.address, *core.image().ffi, object.context.now(object.context.engine), until,
                               event.time, cells_.data())) {
       case Poll::None: continue;
       case Poll::Exception: return fail(object, core);
@@ -65,7 +65,7 @@ bool EventSources::delivered(const Core& core, u32 row) {
   object.is_on_way = false;
   // It was dropped: so is what came with it.
   const bool is_dropped = core.event_ports()[row].policy == EventPolicy::Ignore && core.waiting_events(row) == 0;
-  return !is_dropped || object.type->purge(object.address, *core.image().outside) || fail(object, core);
+  return !is_dropped || object.type->purge(object.address, *core.image().ffi) || fail(object, core);
 }
 
 }  // namespace bip::rt

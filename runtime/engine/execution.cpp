@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bip/bip.hpp"
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/output.hpp"
@@ -47,7 +47,7 @@ struct Execution::Impl {
     for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) by_path.push_back(atom);
     std::sort(by_path.begin(), by_path.end(),
               [&](rt::u32 a, rt::u32 b) { return image.atoms[a].path() < image.atoms[b].path(); });
-    if (image.outside != nullptr) std::srand(static_cast<unsigned>(options.seed));
+    if (image.ffi != nullptr) std::srand(static_cast<unsigned>(options.seed));
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
     if (outcome == Outcome::Stepped) scheduler.start(core);
     feed.open_inbox();

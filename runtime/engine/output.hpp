@@ -46,7 +46,7 @@ class Output {
         out_(out),
         trace_(trace),
         to_trace_(trace != nullptr),
-        image_calls_cpp_(image.outside != nullptr),
+        image_calls_cpp_(image.ffi != nullptr),
         told_(options, seed) {}
 
   [[nodiscard]] bool writes_steps() const { return !options_.silent || options_.debug || to_trace_; }

@@ -49,7 +49,7 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
   Output output(options, result.begin.seed, out, nullptr, image);
   output.begin(image);
   Core core(image, {.progress = result.begin.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
-  if (image.outside != nullptr) std::srand(static_cast<unsigned>(result.begin.seed));
+  if (image.ffi != nullptr) std::srand(static_cast<unsigned>(result.begin.seed));
   bool sound = core.initialize();
   EnabledSet::Position at{};
   RecordedEnd end;

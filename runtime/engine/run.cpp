@@ -214,7 +214,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   TimedScheduler timed(options.policy, options.asap || options.interactive, seed);
   const bool writes = output.writes_steps();
   // Models that draw numbers by rand() run alike wherever they run.
-  if (image.outside != nullptr) std::srand(static_cast<unsigned>(seed));
+  if (image.ffi != nullptr) std::srand(static_cast<unsigned>(seed));
   bool sound = core.initialize();
   if (sound && core.is_timed()) timed.start(core);
   else if (sound) scheduler.start(core);

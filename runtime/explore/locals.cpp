@@ -36,7 +36,7 @@ Locals::Locals(const Core& core) : image_(core.image()) {
     u32 arg = row.args, own_objects = 0;
     for (const Var& var : type.variables) {
       if (var.is_param) key.push_back(image_.args[arg++].bits);
-      own_objects += is_extern(var.type) ? 1u : 0u;
+      own_objects += is_ffi(var.type) ? 1u : 0u;
     }
     const auto [found, is_new] = rows.try_emplace(std::move(key), static_cast<u32>(classes_.size()));
     class_of_.push_back(found->second);
@@ -49,7 +49,7 @@ Locals::Locals(const Core& core) : image_(core.image()) {
     made->places = type.places.size;
     made->mark_words = tables.types[row.type].mark_words;
     for (u32 cell = 0; cell < type.variables.size; ++cell) {
-      if (is_extern(type.variables[cell].type)) made->objects.push_back(cell);
+      if (is_ffi(type.variables[cell].type)) made->objects.push_back(cell);
       else if (!type.variables[cell].is_param) made->cells.push_back(cell);
     }
     made->is_direct = made->mark_words == 0 && made->cells.empty() && made->objects.empty();
@@ -77,7 +77,7 @@ const u64* Locals::entry(const Class& row, u32 number) {
   return row.pieces[piece].get() + std::size_t{at} * row.width;
 }
 
-u32 Locals::find_or_add(Class& row, const u64* key, std::vector<ExternValue>&& objects) {
+u32 Locals::find_or_add(Class& row, const u64* key, std::vector<FfiValue>&& objects) {
   const u64 hash = hash_of(key, row.width);
   const std::lock_guard guard(row.lock);
   std::size_t mask = row.index.size() - 1;
@@ -93,8 +93,7 @@ u32 Locals::find_or_add(Class& row, const u64* key, std::vector<ExternValue>&& o
   const auto [piece, rank] = position(number);
   if (row.pieces[piece] == nullptr) {
     row.pieces[piece].reset(new u64[std::size_t{row.width} * (std::size_t{kFirst} << piece)]);
-    if (!row.objects.empty())
-      row.object_pieces[piece].reset(new std::vector<ExternValue>[std::size_t{kFirst} << piece]);
+    if (!row.objects.empty()) row.object_pieces[piece].reset(new std::vector<FfiValue>[std::size_t{kFirst} << piece]);
   }
   std::memcpy(row.pieces[piece].get() + std::size_t{rank} * row.width, key, row.width * sizeof(u64));
   if (!row.objects.empty()) row.object_pieces[piece][rank] = std::move(objects);
@@ -134,11 +133,11 @@ u32 Locals::number(u32 atom, const Core& core) {
   }
   const u32 base = core.tables().atoms[atom].first_cell;
   for (u32 cell : row.cells) *out++ = core.cell(base + cell).bits;
-  std::vector<ExternValue> objects;
+  std::vector<FfiValue> objects;
   for (u32 cell : row.objects) {
     const CellType type = image_.atom_types[row.type].variables[cell].type;
-    const ExternType& extern_type = image_.extern_types[static_cast<u32>(type) - kFirstExtern];
-    objects.emplace_back(extern_type,
+    const FfiType& ffi_type = image_.ffi_types[static_cast<u32>(type) - kFirstFfiType];
+    objects.emplace_back(ffi_type,
                          reinterpret_cast<const void*>(static_cast<std::uintptr_t>(core.cell(base + cell).bits)));
   }
   return find_or_add(row, key, std::move(objects));

@@ -46,16 +46,16 @@ class Locals {
     u32 type = 0, places = 0, mark_words = 0, width = 0;  // width: words of an entry
     bool is_direct = false;
     std::vector<u32> cells;    // of data that is no parameter and no object
-    std::vector<u32> objects;  // of extern types
+    std::vector<u32> objects;  // of FFI types
     mutable std::mutex lock;
     u32 size = 0;
     std::array<std::unique_ptr<u64[]>, 26> pieces;  // never moved, so that numbers can be read while others are added
-    std::array<std::unique_ptr<std::vector<ExternValue>[]>, 26> object_pieces;
+    std::array<std::unique_ptr<std::vector<FfiValue>[]>, 26> object_pieces;
     std::vector<u32> index;  // open addressing: number + 1, 0 is empty
   };
   [[nodiscard]] static std::pair<u32, u32> position(u32 number);
   [[nodiscard]] static const u64* entry(const Class& row, u32 number);
-  u32 find_or_add(Class& row, const u64* key, std::vector<ExternValue>&& objects);
+  u32 find_or_add(Class& row, const u64* key, std::vector<FfiValue>&& objects);
 
   const Image& image_;
   std::vector<u32> class_of_, mark_base_, object_base_;

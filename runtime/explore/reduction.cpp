@@ -8,7 +8,7 @@ namespace bip::rt {
 std::string reduction_problem(const Image& image, const ExploreOptions& options) {
   if (options.reduction == StateReduction::None) return {};
   if (has_time(image)) return "the model has time, on whose passing all components agree";
-  if (image.outside != nullptr) return "the model calls C++, and what a function remembers belongs to no component";
+  if (image.ffi != nullptr) return "the model calls C++, and what a function remembers belongs to no component";
   if (image.priorities.size != 0)
     return "the model has priorities between interactions, which compare components that share no interaction";
   const Core core(image, {.progress = options.progress});

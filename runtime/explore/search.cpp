@@ -16,7 +16,7 @@ constexpr std::size_t kBatchWords = 1u << 18;  // of successors a thread: a batc
 Search::Search(const Image& image, const ExploreOptions& options)
     : image_(image),
       options_(options),
-      team_(image.outside != nullptr || options.limit != ~u64{0} ? 1 : std::max(1u, options.threads)) {}
+      team_(image.ffi != nullptr || options.limit != ~u64{0} ? 1 : std::max(1u, options.threads)) {}
 
 u64 Search::states() const {
   u64 sum = 0;

@@ -59,7 +59,7 @@ class ShapeBuilder {
       for (const u32 atom : shapes_.atoms_of(interaction)) pairs.push_back({atom, interaction});
     }
     shapes_.interactions_of_atom = Csr::build(image_.atoms.size, pairs);
-    shapes_.calls_cpp = image_.outside != nullptr;
+    shapes_.calls_cpp = image_.ffi != nullptr;
     shapes_.needs_core = shapes_.calls_cpp;
     if (image_.priorities.size != 0 && !shapes_.needs_core && !add_rules()) shapes_.needs_core = true;
     add_watched();

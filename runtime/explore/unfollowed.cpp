@@ -13,8 +13,8 @@ std::string at(const Image& image, const Loc& loc) {
 }  // namespace
 
 std::string what_zones_cannot_follow(const Image& image) {
-  if (image.extern_types.size != 0)
-    return std::string("the model has variables of the C++ type `") + image.extern_types[0].name + "`";
+  if (image.ffi_types.size != 0)
+    return std::string("the model has variables of the C++ type `") + image.ffi_types[0].name + "`";
   for (const Atom& atom : image.atoms) {
     const AtomType& type = image.atom_types[atom.type];
     if (type.time == nullptr) continue;

@@ -15,7 +15,7 @@ namespace {
 
 void append_json_value(std::string& out, const Image& image, CellType type, Cell value) {
   // JSON has no word for these.
-  const bool quoted = is_extern(type) || (type == CellType::Float && !std::isfinite(value.f));
+  const bool quoted = is_ffi(type) || (type == CellType::Float && !std::isfinite(value.f));
   if (quoted) out += '"';
   append_value(out, image, type, value);
   if (quoted) out += '"';

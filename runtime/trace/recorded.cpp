@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 
 namespace bip::rt {
 
@@ -69,7 +69,7 @@ std::uint64_t digest_of(const Core& core) {
     const AtomType& type = image.atom_types[atom.type];
     for (u32 i = 0; i < type.variables.size; ++i) {
       const Cell cell = core.cell(atom.first_cell + i);
-      if (is_extern(type.variables[i].type)) continue;
+      if (is_ffi(type.variables[i].type)) continue;
       if (type.variables[i].type == CellType::String) digest.add(string_of(image, cell));
       else if (type.variables[i].type == CellType::Float && std::isnan(cell.f)) digest.add("nan");
       else digest.add(cell.bits);

@@ -11,7 +11,7 @@
 #include "compiler/interp/interp.hpp"
 #include "compiler/lower/lower.hpp"
 #include "runtime/core/core.hpp"
-#include "runtime/include/bip/outside.hpp"
+#include "runtime/include/bip/ffi.hpp"
 
 namespace bip::fuzz {
 namespace {
@@ -19,26 +19,26 @@ namespace {
 constexpr int kSteps = 20;
 constexpr rt::CoreOptions kBounds{.internal_bound = 1000, .enumeration_bound = 1u << 10};
 
-std::int32_t answer_zero(rt::Outside*, rt::Cell* result, rt::Cell* const*) {
+std::int32_t answer_zero(rt::FfiContext*, rt::Cell* result, rt::Cell* const*) {
   *result = rt::Cell{.bits = 0};
   return 0;
 }
-std::int32_t answer_empty(rt::Outside* outside, rt::Cell* result, rt::Cell* const*) {
-  *result = rt::Cell{.bits = static_cast<std::uint32_t>(outside->intern(""))};
+std::int32_t answer_empty(rt::FfiContext* ffi, rt::Cell* result, rt::Cell* const*) {
+  *result = rt::Cell{.bits = static_cast<std::uint32_t>(ffi->intern(""))};
   return 0;
 }
 // The object that the cell points to stays as it is.
-std::int32_t answer_object(rt::Outside*, rt::Cell*, rt::Cell* const*) { return 0; }
+std::int32_t answer_object(rt::FfiContext*, rt::Cell*, rt::Cell* const*) { return 0; }
 
 void stand_in(lower::LoweredSystem& lowered, const CodeTable& code) {
   for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
     const Function& function = code.functions[row];
     const bool gives = function.has_result;
-    lowered.functions[row] = gives && is_extern(function.result)        ? &answer_object
+    lowered.functions[row] = gives && is_ffi(function.result)           ? &answer_object
                              : gives && function.result == Type::String ? &answer_empty
                                                                         : &answer_zero;
   }
-  for (rt::ExternType& type : lowered.extern_types) type = rt::extern_type_of<int>(type.name);
+  for (rt::FfiType& type : lowered.ffi_types) type = rt::ffi_type_of<int>(type.name);
 }
 
 }  // namespace

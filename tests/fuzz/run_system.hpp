@@ -6,7 +6,7 @@
 
 namespace bip::fuzz {
 
-/// Lowers and runs up to 20 steps; foreign functions answer zero, extern types are numbers. Faults and deadlocks are
+/// Lowers and runs up to 20 steps; FFI functions answer zero, FFI types are numbers. Faults and deadlocks are
 /// normal ends. Returns what is wrong in one line, empty if nothing is.
 [[nodiscard]] std::string try_running(const System& system);
 

@@ -64,7 +64,7 @@ class Check {
       return;
     }
     // What C++ remembers is outside of a state: there is no visit to compare with.
-    if (!c.system->code.functions.empty() || !c.system->code.extern_types.empty()) return;
+    if (!c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) return;
     ++t_.systems;
     if (!o_.print.empty()) {
       std::ofstream(o_.print + '/' + name + ".bsys") << system::print(*c.system);

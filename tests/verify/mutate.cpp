@@ -66,7 +66,7 @@ class Run {
 
   void system(const std::string& name, const std::vector<std::string>& texts, std::uint64_t seed) {
     const gen::Compiled c = gen::compile_texts(texts);
-    if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.extern_types.empty()) return;
+    if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) return;
     const interp::Interpreter interpreter(*c.lowered);
     certcheck::Model model;
     try {

@@ -216,7 +216,7 @@ struct Model {
 /// The model keeps the text, and points into it.
 void read_model(std::string text, Model& model);
 
-/// Types whose values are followed; of float and extern data nothing is known.
+/// Types whose values are followed; of float and FFI data nothing is known.
 [[nodiscard]] inline bool is_exact(Text type) { return type == "int" || type == "bool" || type == "string"; }
 
 inline constexpr int kMostWeight = 0x40000000;

@@ -93,7 +93,7 @@ std::vector<Failure> check_emitted(const std::vector<EmittedCase>& cases, const 
   std::string root = options.source_dir;
   std::string command = "ccache g++ -std=c++20 -O0 -ffp-contract=off -fuse-ld=mold " + options.cxx_flags + " -I" +
                         quoted(root) + " -I" + quoted(root + "/runtime/include") + " -I" + quoted(root + "/runtime") +
-                        " -I" + quoted(root + "/tools/gen/outside") + " " + quoted(base + ".cpp") + " " +
+                        " -I" + quoted(root + "/tools/gen/ffi") + " " + quoted(base + ".cpp") + " " +
                         quoted(options.runtime_lib) + " -lpthread -o " + quoted(base + ".exe") + " >" +
                         quoted(base + ".log") + " 2>&1";
   if (std::system(command.c_str()) != 0) {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 #include "runtime/core/core.hpp"
 #include "tools/gen/check.hpp"
 #include "tools/gen/naive.hpp"
@@ -16,7 +16,7 @@ namespace bip::gen {
 
 inline std::string cell_text(const rt::Image& image, rt::CellType type, rt::Cell cell) {
   if (type == rt::CellType::String) return std::string("\"") + rt::string_of(image, cell) + "\"";
-  if (rt::is_extern(type)) return fmt::format("({}, {})", rt::object_in<Pair>(cell).a, rt::object_in<Pair>(cell).b);
+  if (rt::is_ffi(type)) return fmt::format("({}, {})", rt::object_in<Pair>(cell).a, rt::object_in<Pair>(cell).b);
   if (type == rt::CellType::Float) return fmt::format("{}", cell.f);
   return std::to_string(cell.i);
 }

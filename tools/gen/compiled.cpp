@@ -24,8 +24,8 @@ void lower_sound(Compiled& c) {
     return;
   }
   c.lowered = lower::lower(*c.system, "Root()");
-  const std::string missing = bind_outside(*c.lowered);
-  if (!missing.empty()) c.problem = "outside: no C++ function " + missing;
+  const std::string missing = bind_ffi(*c.lowered);
+  if (!missing.empty()) c.problem = "ffi: no C++ function " + missing;
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "compiler/lower/lower.hpp"
 #include "compiler/system/system.hpp"
-#include "tools/gen/bind_outside.hpp"
+#include "tools/gen/bind_ffi.hpp"
 
 namespace bip::gen {
 

@@ -10,11 +10,11 @@
 
 namespace bip::gen {
 
-/// Pair and Wide: the extern types of outside.hpp; Wide refines Pair.
+/// Pair and Wide: the FFI types of random_ffi.hpp; Wide refines Pair.
 enum class Ty : std::uint8_t { Int, Bool, Float, String, Pair, Wide };
 [[nodiscard]] const char* name_of(Ty type);
 
-/// Constant: `text` names it and args[0] is its value. Call: args of row `row` of outside_functions(). Inline: `text`
+/// Constant: `text` names it and args[0] is its value. Call: args of row `row` of ffi_functions(). Inline: `text`
 /// names a function of the model and args follow; its last one is the function's body, whose parameters are names in
 /// scope "$".
 enum class ExprKind : std::uint8_t { Literal, Name, Unary, Binary, Constant, Call, Inline };
@@ -56,7 +56,7 @@ struct Port {
   std::string merged;  // not empty: exported under this name only, together with the others of it
   std::string event;   // not empty: for events from outside; remember, ignore, error
   /// What connectors call it.
-  [[nodiscard]] const std::string& outside() const { return merged.empty() ? name : merged; }
+  [[nodiscard]] const std::string& outer_name() const { return merged.empty() ? name : merged; }
 };
 /// A clock; `unit` as BIP2 names it.
 struct Clock {

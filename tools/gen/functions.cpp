@@ -55,14 +55,14 @@ bool call_picky(const Args& a, bool, Value& result) {
   }
 }
 
-std::vector<OutsideFunction> table() {
-  constexpr OutsideParam kInt{Ty::Int, false}, kFloat{Ty::Float, false}, kString{Ty::String, false},
-      kPair{Ty::Pair, false}, kWide{Ty::Wide, false};
-  constexpr OutsideParam kIntRef{Ty::Int, true}, kFloatRef{Ty::Float, true}, kPairRef{Ty::Pair, true};
-  std::vector<OutsideFunction> t;
-  const auto add = [&](const char* name, const char* prototype, Ty result, std::vector<OutsideParam> params,
-                       bool (*apply)(const Args&, bool, Value&)) -> OutsideFunction& {
-    return t.emplace_back(OutsideFunction{
+std::vector<FfiPrototype> table() {
+  constexpr FfiParam kInt{Ty::Int, false}, kFloat{Ty::Float, false}, kString{Ty::String, false}, kPair{Ty::Pair, false},
+      kWide{Ty::Wide, false};
+  constexpr FfiParam kIntRef{Ty::Int, true}, kFloatRef{Ty::Float, true}, kPairRef{Ty::Pair, true};
+  std::vector<FfiPrototype> t;
+  const auto add = [&](const char* name, const char* prototype, Ty result, std::vector<FfiParam> params,
+                       bool (*apply)(const Args&, bool, Value&)) -> FfiPrototype& {
+    return t.emplace_back(FfiPrototype{
         .name = name, .prototype = prototype, .result = result, .params = std::move(params), .apply = apply});
   };
   add("mix", "function int mix(const int, const int)", Ty::Int, {kInt, kInt}, BIP_GEN_CALL(mix(a[0]->i, a[1]->i)));
@@ -118,12 +118,12 @@ std::vector<OutsideFunction> table() {
 
 }  // namespace
 
-bool OutsideFunction::is_pure() const {
-  return has_result && std::none_of(params.begin(), params.end(), [](const OutsideParam& p) { return p.by_reference; });
+bool FfiPrototype::is_pure() const {
+  return has_result && std::none_of(params.begin(), params.end(), [](const FfiParam& p) { return p.by_reference; });
 }
 
-const std::vector<OutsideFunction>& outside_functions() {
-  static const std::vector<OutsideFunction> kTable = table();
+const std::vector<FfiPrototype>& ffi_functions() {
+  static const std::vector<FfiPrototype> kTable = table();
   return kTable;
 }
 

@@ -1,20 +1,20 @@
 // The functions that code of a random model may call, as data: what the generator needs to write a call, what the
-// oracle needs to answer it. The C++ itself is tools/gen/outside/outside.hpp and the C and C++ libraries.
+// oracle needs to answer it. The C++ itself is tools/gen/ffi/random_ffi.hpp and the C and C++ libraries.
 #pragma once
 #include "tools/gen/naive_value.hpp"
 
 namespace bip::gen {
 
-struct OutsideParam {
+struct FfiParam {
   Ty type = Ty::Int;
   bool by_reference = false;
 };
-struct OutsideFunction {
+struct FfiPrototype {
   const char* name;       // an operator: its sign
   const char* prototype;  // as declared, without `extern`
   bool has_result = true;
   Ty result = Ty::Int;
-  std::vector<OutsideParam> params;
+  std::vector<FfiParam> params;
   bool is_operator = false;
   bool is_library = false;  // of the C or C++ library: no @cpp
   bool may_fault = false;
@@ -26,7 +26,7 @@ struct OutsideFunction {
 };
 
 /// All of them; Expr::row and Stmt's call are rows of it.
-[[nodiscard]] const std::vector<OutsideFunction>& outside_functions();
+[[nodiscard]] const std::vector<FfiPrototype>& ffi_functions();
 
 /// `name` of functions with a `const_name`.
 [[nodiscard]] bool has_const_variant(const std::string& name);

@@ -17,14 +17,14 @@ Description generate(std::uint64_t seed, Features features) {
   style.atom_rules = random.percent(20);
   style.invariants = random.percent(10);
   style.calls = random.percent(15);
-  style.outside = random.percent(25);
-  style.objects = style.outside && random.percent(60);
+  style.ffi = random.percent(25);
+  style.objects = style.ffi && random.percent(60);
   if (features == Features::Plain) style.merged = style.atom_rules = style.invariants = false;
   // Random numbers of its own: other seeds' models stay what they are.
   style.regular = Prng(seed ^ 0x7265677561u).percent(30);
   if (style.regular) {
     style.faults = style.merged = style.atom_rules = style.invariants = false;
-    style.calls = style.outside = style.objects = false;
+    style.calls = style.ffi = style.objects = false;
     style.narrow = Prng(seed ^ 0x6e6172726f77u).percent(80);
   }
   if (style.large) style.max_weight = 3000;
@@ -40,7 +40,7 @@ Description generate(std::uint64_t seed, Features features) {
   if (random.percent(20)) {
     // Their bodies are one expression over the parameters: no calls of C++, and of each other none.
     Style plain = style;
-    plain.calls = plain.outside = plain.objects = false;
+    plain.calls = plain.ffi = plain.objects = false;
     CodeMaker of_functions(random, plain);
     style.functions = model.functions = make_functions(of_functions, random);
   }

@@ -36,7 +36,7 @@ struct Style {
   bool atom_rules = false;  // priorities of atoms
   bool invariants = false;
   bool calls = false;    // functions of the C and C++ libraries in code
-  bool outside = false;  // and those of outside.hpp
+  bool ffi = false;      // and those of random_ffi.hpp
   bool objects = false;  // and its types
   bool regular =
       false;  // what can be compiled as whole steps: ports of one transition, no faults, few guards and triggers

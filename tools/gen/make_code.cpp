@@ -138,7 +138,7 @@ Expr CodeMaker::float_operation(const std::vector<Known>& known, int depth) {
 
 Expr CodeMaker::expression(Ty type, const std::vector<Known>& known, int depth) {
   Expr e;
-  const bool may_call = style_->calls || style_->outside;
+  const bool may_call = style_->calls || style_->ffi;
   const InlineFunction* function =
       style_->functions.empty() || !random_->percent(15) ? nullptr : &random_->pick(style_->functions);
   if (depth > 0 && function != nullptr && function->result == type) {
@@ -184,7 +184,7 @@ Body CodeMaker::body(const std::vector<Known>& known, int count, int depth, Chan
   Body result;
   if (targets.empty()) return result;
   for (int i = 0; i < count; ++i) {
-    if (style_->outside && changes == Changes::ByCalls && random_->percent(25)) {
+    if (style_->ffi && changes == Changes::ByCalls && random_->percent(25)) {
       std::optional<Stmt> stmt = call_statement(known, 1);
       if (stmt) {
         result.push_back(std::move(*stmt));

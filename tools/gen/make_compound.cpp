@@ -69,7 +69,7 @@ class CompoundMaker {
       if (!port.merged.empty() && !result.empty() && result.back().name == port.merged) {
         ++result.back().weight;
       } else {
-        result.push_back({port.outside(), port.type, 1});
+        result.push_back({port.outer_name(), port.type, 1});
       }
     }
     return result;

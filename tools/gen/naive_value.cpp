@@ -102,7 +102,7 @@ Value float_operation(const std::string& op, double a, double b) {
 
 /// Arguments from left to right; one by reference is the variable itself.
 Value call_value(const Expr& expr, const Lookup& lookup, Place& at) {
-  const OutsideFunction& function = outside_functions()[static_cast<std::size_t>(expr.row)];
+  const FfiPrototype& function = ffi_functions()[static_cast<std::size_t>(expr.row)];
   std::vector<Value> values(expr.args.size());
   std::vector<Value*> args;
   for (std::size_t k = 0; k < expr.args.size(); ++k) {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "tools/gen/description.hpp"
-#include "tools/gen/outside/outside.hpp"
+#include "tools/gen/ffi/random_ffi.hpp"
 
 namespace bip::gen {
 

@@ -91,7 +91,7 @@ class NaiveWorldBuilder {
     WorldPort result;
     if (auto atom = at.atoms.find(key); atom != at.atoms.end()) {
       for (const Port& port : world_.atoms[static_cast<std::size_t>(atom->second)].type->ports) {
-        if (port.exported && port.outside() == path.port) result.push_back({atom->second, port.name, -1, false});
+        if (port.exported && port.outer_name() == path.port) result.push_back({atom->second, port.name, -1, false});
       }
       return result;
     }

@@ -24,7 +24,7 @@ constexpr int kPrimary = 11;
 // An operator on objects is written like any other.
 bool is_operator(const Expr& expr) {
   return expr.kind == ExprKind::Binary ||
-         (expr.kind == ExprKind::Call && outside_functions()[static_cast<std::size_t>(expr.row)].is_operator);
+         (expr.kind == ExprKind::Call && ffi_functions()[static_cast<std::size_t>(expr.row)].is_operator);
 }
 
 int precedence(const Expr& expr) {

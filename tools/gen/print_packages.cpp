@@ -1,4 +1,4 @@
-// The model as packages: what is declared beside its types (constants, functions, the C++ side as far as it is used),
+// The model as packages: what is declared beside its types (constants, functions, the FFI as far as it is used),
 // what goes into which package, and how a package writes the names of another one.
 #include <map>
 
@@ -29,14 +29,14 @@ std::string constants_and_functions(const Description& model) {
   return text;
 }
 
-/// Prototypes and types of outside.hpp that the text names.
-std::string outside(const std::string& used, bool& needs_header) {
+/// Prototypes and types of random_ffi.hpp that the text names.
+std::string ffi_declarations(const std::string& used, bool& needs_header) {
   const bool has_objects = has(used, "$Pair") || has(used, "$Wide") || has(used, "$make_two(");
   std::string text;
   if (has_objects) text += "  extern data type Pair\n  extern data type Wide refine Pair as \"::Wide\"\n";
-  for (const OutsideFunction& f : outside_functions()) {
+  for (const FfiPrototype& f : ffi_functions()) {
     bool of_objects = f.result >= Ty::Pair;
-    for (const OutsideParam& p : f.params) of_objects = of_objects || p.type >= Ty::Pair;
+    for (const FfiParam& p : f.params) of_objects = of_objects || p.type >= Ty::Pair;
     if (of_objects && !has_objects) continue;
     if (!f.is_operator && !has(used, std::string("$") + f.name + "(")) continue;
     text += std::string("  extern ") + f.prototype + "\n";
@@ -71,8 +71,8 @@ std::vector<std::string> print_packages(const Description& model) {
   const std::string words = constants_and_functions(model), types = print_types(model.port_types),
                     parts = print_parts(model), compounds = print_compounds(model);
   bool needs_header = false;
-  const std::string externs = outside(words + types + parts + compounds, needs_header);
-  const std::string base = externs + words + types;
+  const std::string declarations = ffi_declarations(words + types + parts + compounds, needs_header);
+  const std::string base = declarations + words + types;
 
   std::vector<Package> packages;
   if (model.split == Split::One) packages.push_back({model.package, base + parts + compounds, {}});
@@ -85,7 +85,7 @@ std::vector<std::string> print_packages(const Description& model) {
   for (const PortType& type : model.port_types) home[type.name] = packages.front().name;
   for (const Var& var : model.constants) home[var.name] = packages.front().name;
   for (const InlineFunction& function : model.functions) home[function.name] = packages.front().name;
-  for (const OutsideFunction& f : outside_functions()) home[f.name] = packages.front().name;
+  for (const FfiPrototype& f : ffi_functions()) home[f.name] = packages.front().name;
   home["Pair"] = home["Wide"] = packages.front().name;
   const std::string& of_parts = packages[packages.size() == 3 ? 1 : packages.size() - 1].name;
   for (const AtomType& type : model.atom_types) home[type.name] = of_parts;
@@ -93,7 +93,7 @@ std::vector<std::string> print_packages(const Description& model) {
 
   std::vector<std::string> texts;
   for (const Package& package : packages) {
-    std::string text = texts.empty() && needs_header ? "@cpp(include=\"outside.hpp\")\n" : "";
+    std::string text = texts.empty() && needs_header ? "@cpp(include=\"random_ffi.hpp\")\n" : "";
     text += "package " + package.name + "\n";
     for (const std::string& use : package.uses) text += "  use " + use + "\n";
     texts.push_back(text + resolved(package.body, package.name, home, model.qualified) + "end\n");

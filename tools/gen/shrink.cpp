@@ -166,7 +166,7 @@ class Editor {
       return;
     }
     if (e.extra_parens && here()) e.extra_parens = false;
-    const bool changes = e.kind == ExprKind::Call && !outside_functions()[static_cast<std::size_t>(e.row)].is_pure();
+    const bool changes = e.kind == ExprKind::Call && !ffi_functions()[static_cast<std::size_t>(e.row)].is_pure();
     for (std::size_t k = 0; k < count && !changes; ++k) each(e.args[k]);
   }
   void each(Body& body) {

@@ -88,7 +88,7 @@ class Tidier {
     if (const Component* component = find_named(at.components, path.component)) {
       if (const AtomType* atom = find_named(model_.atom_types, component->type)) {
         return std::any_of(atom->ports.begin(), atom->ports.end(),
-                           [&](const Port& p) { return p.outside() == path.port; });
+                           [&](const Port& p) { return p.outer_name() == path.port; });
       }
       const CompoundType* inner = find_named(model_.compound_types, component->type);
       return inner != nullptr && find_named(inner->port_exports, path.port) != nullptr;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/engine/scheduler.hpp"

@@ -16,7 +16,7 @@ bool is_type(SymbolKind kind) {
 }
 
 /// What one sees of a type from outside: its ports and data, a line each.
-std::string outside_of(const Index& index, const Symbol& type) {
+std::string interface_of(const Index& index, const Symbol& type) {
   std::string lines;
   std::size_t count = 0;
   for (const SymbolId m : type.members) {
@@ -30,12 +30,12 @@ std::string outside_of(const Index& index, const Symbol& type) {
 
 std::string code_of(const Index& index, const Symbol& s) {
   std::string code = s.detail;
-  if (is_type(s.kind)) return code + outside_of(index, s);
+  if (is_type(s.kind)) return code + interface_of(index, s);
   if (!s.type.is_valid()) return code;
   const Symbol& type = index.symbols[s.type];
   if (type.kind == SymbolKind::PortType) return code + "\n" + type.detail;
   if (is_type(type.kind) && (s.kind == SymbolKind::Component || s.kind == SymbolKind::Connector))
-    code += "\n" + type.detail + outside_of(index, type);
+    code += "\n" + type.detail + interface_of(index, type);
   return code;
 }
 

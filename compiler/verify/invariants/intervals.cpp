@@ -56,7 +56,7 @@ class Code {
     const Range a = e.a.is_valid() ? evaluate(e.a, local) : whole;
     const Range b = e.b.is_valid() ? evaluate(e.b, local) : whole;
     const Type operands = e.a.is_valid() ? code_.exprs[e.a].type : Type::Int;
-    if (operands == Type::Float || is_extern(operands)) return whole;
+    if (operands == Type::Float || is_ffi(operands)) return whole;
     if (a.is_empty() || b.is_empty()) return whole;
     return apply(e.op, a, b, whole);
   }
@@ -79,7 +79,7 @@ class Code {
     if (e.op == Op::LoadSelf || e.op == Op::LoadBind) return narrow(id, {truth ? 1 : 0, truth ? 1 : 0}, local);
     if (e.op >= Op::Eq && e.op <= Op::Ge) {
       const Type operands = code_.exprs[e.a].type;
-      if (operands == Type::Float || is_extern(operands)) return true;
+      if (operands == Type::Float || is_ffi(operands)) return true;
       return compare(truth ? e.op : opposite(e.op), e.a, e.b, local);
     }
     const Range r = evaluate(id, local);

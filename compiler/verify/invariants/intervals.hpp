@@ -21,7 +21,7 @@ struct Range {
 };
 inline constexpr Range kAnyInt{std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()};
 
-/// By row among all variables of the image (atoms', then connectors' own). Of floats and extern values: meaningless.
+/// By row among all variables of the image (atoms', then connectors' own). Of floats and FFI values: meaningless.
 [[nodiscard]] std::vector<Range> find_ranges(const System& system, const rt::Image& image);
 
 }  // namespace bip::verify

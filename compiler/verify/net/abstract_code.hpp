@@ -1,6 +1,6 @@
 // Guards and actions over values that may be unknown: what is known of the result is known for every value of the rest.
 //
-// Exact for int, bool and string constants; float, extern data, calls and faults give unknown. Cost: the size of the
+// Exact for int, bool and string constants; float, FFI data, calls and faults give unknown. Cost: the size of the
 // code, plus a copy of the variables at an `if` whose condition is unknown.
 #pragma once
 #include <compare>

@@ -8,7 +8,7 @@ namespace bip::verify {
 // The expression in prefix form, data by where it is. False: it can fault, or reads what is not an atom's.
 bool GuardLiterals::add_key(ExprId id, const Locate& locate, Key& key) const {
   const Expr& e = code_.exprs[id];
-  if (is_extern(e.type)) return false;
+  if (is_ffi(e.type)) return false;
   key.push_back(static_cast<std::int64_t>(e.op));
   switch (e.op) {
     case Op::ConstInt:

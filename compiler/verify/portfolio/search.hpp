@@ -38,7 +38,7 @@ struct SearchLimits {
 [[nodiscard]] SearchResult search(const Net& net, const rt::Image& image, const SearchGoal& goal,
                                   const std::vector<u32>& candidate, const SearchLimits& limits);
 
-/// Equal for equal states only; of images without extern data and time.
+/// Equal for equal states only; of images without FFI data and time.
 [[nodiscard]] std::string state_key(const rt::State& state);
 
 /// Do these steps lead from the initial state to the goal?

@@ -141,7 +141,7 @@ class PropertyParser {
     if (variable == kNoAtom)
       return wrong("there is no data `" + name.substr(dot + 1) + "` in `" + name.substr(0, dot) + "`");
     const Type cell_type = type_of(atom).variables[variable].type;
-    if (is_extern(cell_type)) return wrong("`" + name + "` is a C++ object");
+    if (is_ffi(cell_type)) return wrong("`" + name + "` is a C++ object");
     return add({.kind = PropertyKind::Data, .type = cell_type, .owner = atom, .row = variable});
   }
   std::uint32_t can(std::size_t start) {

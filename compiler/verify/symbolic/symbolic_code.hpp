@@ -1,6 +1,6 @@
 // Guards, actions and transfers as circuits, bit by bit as the language defines them.
 //
-// int, bool and string (row of the string table) are exact. What a float, an extern value or a call of C++ gives is any
+// int, bool and string (row of the string table) are exact. What a float, an FFI value or a call of C++ gives is any
 // value: a comparison with it is a new input, and the place is noted, so that a verdict can name what it could not see.
 #pragma once
 #include <functional>

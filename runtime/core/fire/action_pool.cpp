@@ -1,7 +1,7 @@
 // See action_pool.hpp.
 #include "runtime/core/fire/action_pool.hpp"
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 
 namespace bip::rt {
 
@@ -53,7 +53,7 @@ void ActionPool::work() {
     // Without an action there is nothing to wait for.
     job.status = job.action.fn == nullptr ? 1 : job.action.fn(job.action.context, job.self.data(), nullptr, nullptr);
     // Each thread sees the exception of its own last call.
-    if (job.status >= 2 && job.outside != nullptr) job.message = job.outside->message();
+    if (job.status >= 2 && job.ffi != nullptr) job.message = job.ffi->message();
     const std::uint32_t atom = job.atom;
     hold.lock();
     if (!wanted_.contains(next.number)) continue;

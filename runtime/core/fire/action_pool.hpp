@@ -16,16 +16,16 @@
 #include <thread>
 #include <vector>
 
-#include "runtime/core/state/extern_data.hpp"
+#include "runtime/core/state/ffi_data.hpp"
 
 namespace bip::rt {
 
 struct ActionJob {
   std::uint32_t atom = kNone;
   Code action;
-  std::vector<Cell> self;            // of the atom; cells of extern types name `objects`
-  std::vector<ExternValue> objects;  // in the order of their cells
-  Outside* outside = nullptr;
+  std::vector<Cell> self;         // of the atom; cells of FFI types name `objects`
+  std::vector<FfiValue> objects;  // in the order of their cells
+  FfiContext* ffi = nullptr;
   std::int32_t status = 0;  // afterwards
   std::string message;      // of the exception, if it ended so
 };

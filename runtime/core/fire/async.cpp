@@ -6,7 +6,7 @@
 // and one look at the atom each way.
 #include <algorithm>
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 #include "runtime/core/fire/action_pool.hpp"
 #include "runtime/core/core.hpp"
 
@@ -34,18 +34,18 @@ void Core::begin_job(u32 atom) {
   ActionJob job;
   job.atom = atom;
   job.action = transition.action;
-  job.outside = image().outside;
+  job.ffi = image().ffi;
   const Span<Var>& vars = tables_.atom_type(atom).variables;
   const Cell* self = all_.data() + atoms_[atom].first_cell;
   job.self.assign(self, self + vars.size);
   for (u32 i = 0; i < vars.size; ++i) {
-    if (is_extern(vars[i].type))
-      job.objects.emplace_back(extern_type(image(), vars[i].type),
+    if (is_ffi(vars[i].type))
+      job.objects.emplace_back(ffi_type(image(), vars[i].type),
                                reinterpret_cast<const void*>(static_cast<std::uintptr_t>(self[i].bits)));
   }
   std::size_t object = 0;
   for (u32 i = 0; i < vars.size; ++i) {
-    if (is_extern(vars[i].type)) job.self[i] = object_cell(job.objects[object++].object());
+    if (is_ffi(vars[i].type)) job.self[i] = object_cell(job.objects[object++].object());
   }
   work.job = time_->pool->begin(std::move(job));
 }
@@ -78,12 +78,12 @@ bool Core::finish_action(u32 atom) {
   if (work.job != 0) {
     const ActionJob job = t.pool->take(work.job);
     status = job.status;
-    if (status >= 2 && job.outside != nullptr) job.outside->set_message(job.message.c_str());
+    if (status >= 2 && job.ffi != nullptr) job.ffi->set_message(job.message.c_str());
     std::size_t object = 0;
     for (u32 i = 0; i < vars.size; ++i) {
-      if (!is_extern(vars[i].type)) self[i] = job.self[i];
+      if (!is_ffi(vars[i].type)) self[i] = job.self[i];
       else
-        extern_type(image(), vars[i].type)
+        ffi_type(image(), vars[i].type)
             .copy(reinterpret_cast<void*>(static_cast<std::uintptr_t>(self[i].bits)), job.objects[object++].object());
     }
   } else if (transition.action.fn != nullptr) {

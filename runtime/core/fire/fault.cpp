@@ -1,7 +1,7 @@
 // Faults as data and as text. See fault.hpp.
 #include "runtime/core/fire/fault.hpp"
 
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/core/text.hpp"
 
@@ -130,7 +130,7 @@ bool Core::fail_code(std::int32_t status, u32 atom, u32 connector, const Transit
   if (function != nullptr) {
     fault_.code = FaultCode::Exception;
     fault_.what = "exception in " + quoted(function);
-    const std::string message = image().outside != nullptr ? image().outside->message() : "";
+    const std::string message = image().ffi != nullptr ? image().ffi->message() : "";
     if (!message.empty()) fault_.what += ": " + message;
   }
   if (atom != kNone) {

@@ -36,9 +36,9 @@ void Core::zero_frame(u32 connector) {
   const u32 size = tables_.connector_type(connector).variables.size;
   Cell* frame = all_.data() + tables_.image->connectors[connector].first_cell;
   for (u32 i = 0; i < size; ++i) frame[i] = Cell{0};
-  if (!extern_data_.empty())
-    extern_data_.reset(tables_.connector_type(connector).variables, all_.data(),
-                       tables_.image->connectors[connector].first_cell);
+  if (!ffi_data_.empty())
+    ffi_data_.reset(tables_.connector_type(connector).variables, all_.data(),
+                    tables_.image->connectors[connector].first_cell);
 }
 
 bool Core::run_code(Code code, u32 connector) {

@@ -133,7 +133,7 @@ bool Core::list_program(u32 interaction, ProgramParts& parts) {
   if (info.kind == InteractionKind::Flat) {
     if (info.count > kOpsKept) return false;
     if (info.clause() != kNone) {
-      if (!extern_data_.empty()) return false;
+      if (!ffi_data_.empty()) return false;
       const Clause& clause = tables_.connector_type(info.row).clauses[info.clause()];
       const Code up = tables_.code(clause.up), down = tables_.code(clause.down);
       if (up.fn != nullptr) list_code(info.row, up, true, parts.before);
@@ -141,7 +141,7 @@ bool Core::list_program(u32 interaction, ProgramParts& parts) {
     }
     for (u32 i = 0; i < info.count; ++i) list_port(tables_.flat_ports[info.first + i], parts);
   } else {
-    if (info.kind != InteractionKind::Planned || info.searched || !extern_data_.empty()) return false;
+    if (info.kind != InteractionKind::Planned || info.searched || !ffi_data_.empty()) return false;
     const Plan& plan = tables_.plans[info.plan()];
     if (!plan.rigid || plan.guarded || plan.has_choice || plan.node_count > kOpsKept) return false;
     list_plan(plan, parts);

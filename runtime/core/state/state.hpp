@@ -1,6 +1,6 @@
 // What a core is asked with and what it answers in: options, candidates, who takes part, whole states.
 #pragma once
-#include "runtime/core/state/extern_data.hpp"
+#include "runtime/core/state/ffi_data.hpp"
 #include "runtime/core/time/interval.hpp"
 #include "runtime/core/link/tables.hpp"
 
@@ -29,11 +29,11 @@ struct Participant {
 
 /// What a stable state is: markings and the atoms' data. Everything else follows from it.
 struct State {
-  std::vector<u32> places;           // by atom; for Petri types unused (0)
-  std::vector<u64> marks;            // bitsets of the Petri types' atoms, in atom order
-  std::vector<u64> data;             // the atoms' interactions, as bits; of extern types 0
-  std::vector<ExternValue> objects;  // of the atoms' interactions of extern types, in their order
-  std::vector<i64> time;             // of images with time: see Core::save_time
+  std::vector<u32> places;        // by atom; for Petri types unused (0)
+  std::vector<u64> marks;         // bitsets of the Petri types' atoms, in atom order
+  std::vector<u64> data;          // the atoms' interactions, as bits; of FFI types 0
+  std::vector<FfiValue> objects;  // of the atoms' interactions of FFI types, in their order
+  std::vector<i64> time;          // of images with time: see Core::save_time
   friend bool operator==(const State&, const State&) = default;
 };
 

@@ -35,11 +35,11 @@ bool to_ticks(double value, i64 unit, i64& ticks) {
 bool is_foreseeable(const AtomType& type, const Image& image) {
   if (type.time->events.size != 0 || type.priorities.size != 0) return false;
   const auto is_simple = [&](const TimeGuard& when) {
-    if (image.outside != nullptr && when.measure != kNone) return false;
+    if (image.ffi != nullptr && when.measure != kNone) return false;
     return std::all_of(when.bounds.begin(), when.bounds.end(), [](const Bound& bound) { return bound.minus == kNone; });
   };
   for (u32 row = 0; row < type.transitions.size; ++row) {
-    if (image.outside != nullptr && type.transitions[row].guard != kNone) return false;
+    if (image.ffi != nullptr && type.transitions[row].guard != kNone) return false;
     if (!is_simple(type.time->transitions[row].when)) return false;
   }
   return std::all_of(type.time->invariants.begin(), type.time->invariants.end(), is_simple);

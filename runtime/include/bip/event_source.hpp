@@ -14,7 +14,7 @@
 
 #include "bip/emitted.hpp"
 #include "bip/image_time.hpp"
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 
 namespace bip {
 
@@ -47,13 +47,13 @@ template <class Class>
 }
 
 /// In a handler: what the exception said.
-inline void note_exception(Outside& outside) {
+inline void note_exception(FfiContext& ffi) {
   try {
     throw;
   } catch (const std::exception& exception) {
-    outside.set_message(exception.what());
+    ffi.set_message(exception.what());
   } catch (...) {
-    outside.set_message("");
+    ffi.set_message("");
   }
 }
 
@@ -63,23 +63,23 @@ template <class Class>
   else return now;
 }
 
-template <class Class, void (*Get)(Class&, Cell*, Outside&)>
-[[nodiscard]] Poll poll_source(void* object, Outside& outside, std::int64_t now, std::int64_t until, std::int64_t& time,
+template <class Class, void (*Get)(Class&, Cell*, FfiContext&)>
+[[nodiscard]] Poll poll_source(void* object, FfiContext& ffi, std::int64_t now, std::int64_t until, std::int64_t& time,
                                Cell* values) try {
   Class& source = source_in<Class>(object);
   if (!source.hasEvent()) return Poll::None;
   time = time_of_event(source, now);
   if (time > until) return Poll::None;
-  Get(source, values, outside);
+  Get(source, values, ffi);
   source.popEvent();
   return Poll::Event;
 } catch (...) {
-  note_exception(outside);
+  note_exception(ffi);
   return Poll::Exception;
 }
 
 template <class Class>
-[[nodiscard]] void* make_source(const SourceContext& context, Outside& outside) try {
+[[nodiscard]] void* make_source(const SourceContext& context, FfiContext& ffi) try {
   auto* const source = new Class();
   EventSource* const object = source;
   object->bip_connect(&context);
@@ -91,21 +91,21 @@ template <class Class>
   }
   return object;
 } catch (...) {
-  note_exception(outside);
+  note_exception(ffi);
   return nullptr;
 }
 
 template <class Class>
-[[nodiscard]] bool purge_source(void* object, Outside& outside) try {
+[[nodiscard]] bool purge_source(void* object, FfiContext& ffi) try {
   if constexpr (requires(Class & source) { source.purgeEvents(); }) source_in<Class>(object).purgeEvents();
   return true;
 } catch (...) {
-  note_exception(outside);
+  note_exception(ffi);
   return false;
 }
 
 /// The row of a class for the variables that Get reads.
-template <class Class, void (*Get)(Class&, Cell*, Outside&)>
+template <class Class, void (*Get)(Class&, Cell*, FfiContext&)>
 [[nodiscard]] constexpr EventClass event_class_of(const char* name) {
   static_assert(std::is_base_of_v<EventSource, Class>,
                 "a class for events derives from bip::EventSource (bip/event_source.hpp)");
@@ -113,7 +113,7 @@ template <class Class, void (*Get)(Class&, Cell*, Outside&)>
           [](void* object) { delete static_cast<EventSource*>(object); }};
 }
 
-inline Cell event_cell(Outside& outside, std::string_view text) { return int_cell(outside.intern(text)); }
+inline Cell event_cell(FfiContext& ffi, std::string_view text) { return int_cell(ffi.intern(text)); }
 
 }  // namespace rt
 }  // namespace bip

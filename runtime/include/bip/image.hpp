@@ -19,10 +19,10 @@ struct Slice {
   std::uint32_t count = 0;
 };
 
-/// A native type, or from kFirstExtern on a row of Image::extern_types: the variable holds the address of a C++ object.
+/// A native type, or from kFirstFfiType on a row of Image::ffi_types: the variable holds the address of a C++ object.
 enum class CellType : std::uint16_t { Int, Bool, Float, String };
-inline constexpr std::uint16_t kFirstExtern = 4;
-constexpr bool is_extern(CellType type) { return static_cast<std::uint16_t>(type) >= kFirstExtern; }
+inline constexpr std::uint16_t kFirstFfiType = 4;
+constexpr bool is_ffi(CellType type) { return static_cast<std::uint16_t>(type) >= kFirstFfiType; }
 /// One variable. Bool is 0 or 1 in i; String is a row of Image::strings in i. Unused bits are zero.
 union Cell {
   std::uint64_t bits;
@@ -55,7 +55,7 @@ struct Site {
   const char* function = nullptr;
 };
 /// What the runtime does with objects of a C++ type. Nothing throws.
-struct ExternType {
+struct FfiType {
   const char* name;
   void* (*make)();              // a new default one
   void (*reset)(void* object);  // to a default one
@@ -64,7 +64,7 @@ struct ExternType {
   void (*destroy)(void* object);
 };
 struct EventClass;  // image_time.hpp
-class Outside;      // outside.hpp
+class FfiContext;   // ffi.hpp
 
 struct Var {
   const char* name;
@@ -291,8 +291,8 @@ struct Image {
   Span<Priority> priorities;
   std::uint32_t cell_count = 0;  // of all atoms, then of all connectors
   Span<Choice> choices = {};
-  Span<ExternType> extern_types = {};
-  Outside* outside = nullptr;  // if the model calls C++
+  Span<FfiType> ffi_types = {};
+  FfiContext* ffi = nullptr;  // if the model calls C++
   Span<EventClass> event_classes = {};
   Span<StepFn> step_fns = {};  // by shape; empty: no compiled steps
   Span<StepRun> step_runs = {};
@@ -303,9 +303,9 @@ struct Image {
   std::uint32_t step_cells_pay = 0;    // after so many steps filling the columns has paid
 };
 
-/// Requires is_extern(type). Returns the row that describes the C++ type.
-inline const ExternType& extern_type(const Image& image, CellType type) {
-  return image.extern_types[static_cast<std::uint32_t>(type) - kFirstExtern];
+/// Requires is_ffi(type). Returns the row that describes the C++ type.
+inline const FfiType& ffi_type(const Image& image, CellType type) {
+  return image.ffi_types[static_cast<std::uint32_t>(type) - kFirstFfiType];
 }
 
 }  // namespace bip::rt

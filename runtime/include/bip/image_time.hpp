@@ -69,15 +69,15 @@ struct SourceContext {
   std::int64_t (*now)(void* engine);
 };
 enum class Poll : std::uint8_t { None, Event, Exception };
-/// A class behind a port for events (event_source.hpp). Nothing throws: what an exception said is the Outside's
+/// A class behind a port for events (event_source.hpp). Nothing throws: what an exception said is the FfiContext's
 /// message.
 struct EventClass {
   const char* name;
   /// A new object, initialized; null after an exception.
-  void* (*make)(const SourceContext& context, Outside& outside);
+  void* (*make)(const SourceContext& context, FfiContext& ffi);
   /// Takes the first event if its instant is no later than `until`: the instant and the values.
-  Poll (*poll)(void* object, Outside& outside, std::int64_t now, std::int64_t until, std::int64_t& time, Cell* values);
-  bool (*purge)(void* object, Outside& outside);  // false after an exception
+  Poll (*poll)(void* object, FfiContext& ffi, std::int64_t now, std::int64_t until, std::int64_t& time, Cell* values);
+  bool (*purge)(void* object, FfiContext& ffi);  // false after an exception
   void (*destroy)(void* object);
 };
 

@@ -35,7 +35,7 @@ struct Tally {
 
 // Exploring is meant for systems that can be explored; the interpreter's faults and C++'s memory are tested elsewhere.
 bool is_fit(const gen::Compiled& c) {
-  return c.problem.empty() && c.system->code.functions.empty() && c.system->code.extern_types.empty();
+  return c.problem.empty() && c.system->code.functions.empty() && c.system->code.ffi_types.empty();
 }
 
 // The successors that tables give are those that the core gives, state by state.

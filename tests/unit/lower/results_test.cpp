@@ -1,4 +1,4 @@
-// The objects of extern results: one a call and thread, made once, destroyed together.
+// The objects of FFI results: one a call and thread, made once, destroyed together.
 #include "compiler/lower/results.hpp"
 
 #include <catch2/catch.hpp>
@@ -19,8 +19,8 @@ struct Counted {
   ~Counted() { --alive; }
 };
 
-TEST_CASE("a call's extern result stands in the same object each time, another call's in another one") {
-  const rt::ExternType type = rt::extern_type_of<Counted>("Counted");
+TEST_CASE("a call's FFI result stands in the same object each time, another call's in another one") {
+  const rt::FfiType type = rt::ffi_type_of<Counted>("Counted");
   Results results;
   rt::Cell* first = results.cell(3, type);
   rt::object_in<Counted>(*first).value = 7;
@@ -31,7 +31,7 @@ TEST_CASE("a call's extern result stands in the same object each time, another c
 }
 
 TEST_CASE("threads that make the same call at a time have an object each") {
-  const rt::ExternType type = rt::extern_type_of<Counted>("Counted");
+  const rt::FfiType type = rt::ffi_type_of<Counted>("Counted");
   {
     Results results;
     std::set<const void*> objects;

@@ -82,7 +82,7 @@ struct Tally {
 
 void compare(const std::vector<std::string>& texts, Tally& tally) {
   const gen::Compiled c = gen::compile_texts(texts);
-  if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.extern_types.empty()) return;
+  if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) return;
   INFO(texts.back());
   const verify::Net net = verify::build_net(*c.system);
   if (net.too_large_atom != verify::kNoRow) return;

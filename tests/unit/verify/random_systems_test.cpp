@@ -23,7 +23,7 @@ struct NetTally {
 void compare(const std::vector<std::string>& texts, NetTally& tally) {
   const gen::Compiled c = gen::compile_texts(texts);
   // What C++ remembers is outside of a state: `bipc verify` does not take such models.
-  if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.extern_types.empty()) {
+  if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) {
     ++tally.skipped;
     return;
   }

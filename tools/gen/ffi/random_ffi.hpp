@@ -1,5 +1,5 @@
-// The C++ side of random models: functions and types that their `@cpp` names. Compiled into emitted programs, called by
-// the interpreter and the JIT through bind_outside.cpp, and by the oracle. Pure where the models call them from guards
+// The FFI of random models: functions and types that their `@cpp` names. Compiled into emitted programs, called by
+// the interpreter and the JIT through bind_ffi.cpp, and by the oracle. Pure where the models call them from guards
 // or `up`.
 //
 // All arithmetic wraps, so that nothing here depends on the compiler.

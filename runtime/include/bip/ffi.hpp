@@ -1,4 +1,4 @@
-// The C++ side of a running model: strings that were made at run time, the last exception, objects of extern types.
+// The FFI of a running model: strings that were made at run time, the last exception, objects of FFI types.
 //
 // Header only: the emitted program, the shared object of `bipc run` and the compiler all use it. Strings are rows;
 // those of the image come first, C++ results are interned above them, so that equal texts stay equal rows. Several
@@ -17,11 +17,11 @@
 
 namespace bip::rt {
 
-class Outside {
+class FfiContext {
  public:
-  Outside() = default;
-  Outside(const Outside&) = delete;
-  Outside& operator=(const Outside&) = delete;
+  FfiContext() = default;
+  FfiContext(const FfiContext&) = delete;
+  FfiContext& operator=(const FfiContext&) = delete;
 
   /// Takes over the image's strings; once, before anything is called.
   void attach(Span<const char*> strings) {
@@ -66,13 +66,13 @@ class Outside {
   mutable std::mutex lock_;
 };
 
-/// A C++ function behind an adapter: 0, or 1 after an exception. An extern result is assigned to the object that
+/// A C++ function behind an adapter: 0, or 1 after an exception. An FFI result is assigned to the object that
 /// `result` points to.
-using ForeignFn = std::int32_t (*)(Outside* outside, Cell* result, Cell* const* args);
+using FfiFunction = std::int32_t (*)(FfiContext* ffi, Cell* result, Cell* const* args);
 
 /// A string of a running model.
 [[nodiscard]] inline const char* string_of(const Image& image, Cell row) {
-  if (image.outside != nullptr) return image.outside->text(row.i);
+  if (image.ffi != nullptr) return image.ffi->text(row.i);
   return image.strings.size == 0 ? "" : image.strings[static_cast<std::uint32_t>(row.i)];
 }
 
@@ -84,13 +84,13 @@ template <class T>
 
 /// The row of a C++ type.
 template <class T>
-[[nodiscard]] constexpr ExternType extern_type_of(const char* name) {
-  ExternType type{name,
-                  []() -> void* { return new T(); },
-                  [](void* object) { *static_cast<T*>(object) = T(); },
-                  [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); },
-                  nullptr,
-                  [](void* object) { delete static_cast<T*>(object); }};
+[[nodiscard]] constexpr FfiType ffi_type_of(const char* name) {
+  FfiType type{name,
+               []() -> void* { return new T(); },
+               [](void* object) { *static_cast<T*>(object) = T(); },
+               [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); },
+               nullptr,
+               [](void* object) { delete static_cast<T*>(object); }};
   if constexpr (requires(const T& value) { static_cast<bool>(value == value); }) {
     type.equal = [](const void* a, const void* b) {
       return static_cast<bool>(*static_cast<const T*>(a) == *static_cast<const T*>(b));

@@ -1,6 +1,6 @@
-// See externs.hpp. Sub-typing is a walk over the few extern types of a model; resolution is quadratic in the prototypes
+// See ffi.hpp. Sub-typing is a walk over the few FFI types of a model; resolution is quadratic in the prototypes
 // of one name that fit.
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 
 #include <algorithm>
 
@@ -13,10 +13,10 @@ using syntax::DeclKind;
 Type data_type(const Model& model, const syntax::TypeRef& type, Diagnostics& diags) {
   if (const std::optional<Type> native = native_type(type, diags)) return *native;
   const std::string name = path_key(type.name, *model.sources);
-  if (const Type* found = find_visible(model, model.extern_type_names, name, type.name.range, diags)) return *found;
+  if (const Type* found = find_visible(model, model.ffi_type_names, name, type.name.range, diags)) return *found;
   auto d = diags.report(Diag::kB1003, type.name.range, name);
   std::vector<std::string> known;
-  for (const auto& [key, row] : model.extern_type_names) {
+  for (const auto& [key, row] : model.ffi_type_names) {
     if (std::string shown = shown_key(model, key, type.name.range.file); !shown.empty())
       known.push_back(std::move(shown));
   }
@@ -29,21 +29,21 @@ Type data_type(const Model& model, const syntax::TypeRef& type, Diagnostics& dia
 
 Type native_data_type(const Model& model, const syntax::TypeRef& type, const char* what, Diagnostics& diags) {
   const Type found = data_type(model, type, diags);
-  if (!is_extern(found)) return found;
+  if (!is_ffi(found)) return found;
   diags.report(Diag::kB1046, type.name.range, what, model.code.type_name(found));
   return Type::Int;
 }
 
 bool refines(const CodeTable& code, Type type, Type wanted) {
   std::vector<Type> todo{type};
-  std::vector<bool> seen(code.extern_types.size());
+  std::vector<bool> seen(code.ffi_types.size());
   while (!todo.empty()) {
     const Type at = todo.back();
     todo.pop_back();
     if (at == wanted) return true;
-    if (!is_extern(at) || seen[extern_row(at)]) continue;
-    seen[extern_row(at)] = true;
-    for (const Type base : code.extern_types[extern_row(at)].refines) todo.push_back(base);
+    if (!is_ffi(at) || seen[ffi_row(at)]) continue;
+    seen[ffi_row(at)] = true;
+    for (const Type base : code.ffi_types[ffi_row(at)].refines) todo.push_back(base);
   }
   return false;
 }
@@ -71,7 +71,7 @@ bool fits_prototype(const Model& model, const syntax::Decl& prototype, const std
     const Type wanted = quiet_type(model, prototype.params[k].type);
     if (!converts(model.code, args[k].typed.type, wanted)) return false;
     // A native value that may not change is passed as a copy; an object is not.
-    if (is_extern(wanted) && !prototype.params[k].type.is_const && !args[k].is_variable) return false;
+    if (is_ffi(wanted) && !prototype.params[k].type.is_const && !args[k].is_variable) return false;
   }
   return true;
 }
@@ -152,23 +152,23 @@ bool calls_cpp(const CodeTable& code, ExprId expr) {
   return false;
 }
 
-void declare_extern_types(ModelBuilder& b) {
+void declare_ffi_types(ModelBuilder& b) {
   CodeTable& code = b.model.code;
   std::vector<const syntax::Decl*> decls;
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != DeclKind::ExternType) continue;
     const std::string cpp(decl->cpp_name.empty() ? decl->name.text : decl->cpp_name);
-    b.model.extern_type_names[b.key(*decl)] = extern_type(code.extern_types.size());
-    code.extern_types.push_back({std::string(decl->name.text), cpp, {}, b.loc(decl->name.range)});
+    b.model.ffi_type_names[b.key(*decl)] = ffi_type(code.ffi_types.size());
+    code.ffi_types.push_back({std::string(decl->name.text), cpp, {}, b.loc(decl->name.range)});
     decls.push_back(decl);
   }
   for (std::size_t row = 0; row < decls.size(); ++row) {
     for (const syntax::Path& base : decls[row]->refines) {
       const Type type = data_type(b.model, {.name = base, .is_const = false}, b.diags);
-      if (refines(code, type, extern_type(row))) {
+      if (refines(code, type, ffi_type(row))) {
         b.diags.report(Diag::kB1044, base.range, decls[row]->name.text);
       } else {
-        code.extern_types[row].refines.push_back(type);
+        code.ffi_types[row].refines.push_back(type);
       }
     }
   }
@@ -197,7 +197,7 @@ void check_prototypes(ModelBuilder& b) {
 }
 
 void collect_cpp(ModelBuilder& b, const std::vector<const syntax::Syntax*>& packages) {
-  CppSide& cpp = b.model.code.cpp;
+  FfiFiles& cpp = b.model.code.cpp;
   for (const syntax::Syntax* syntax : packages) {
     const std::string file = b.sources.name(syntax->file);
     const std::size_t slash = file.rfind('/');

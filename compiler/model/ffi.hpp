@@ -1,4 +1,5 @@
-// The outside world in the model: extern types and their sub-typing, prototypes of C++ functions and operators, `@cpp`.
+// The foreign function interface in the model: FFI types and their sub-typing, prototypes of C++ functions and
+// operators, `@cpp`.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,7 +8,7 @@
 
 namespace bip::model {
 
-/// The type of data that a name means: native, or an extern type that is visible there. Anything else is reported.
+/// The type of data that a name means: native, or an FFI type that is visible there. Anything else is reported.
 [[nodiscard]] Type data_type(const Model& model, const syntax::TypeRef& type, Diagnostics& diags);
 /// The same where only a native type may be: `what` is "a parameter".
 [[nodiscard]] Type native_data_type(const Model& model, const syntax::TypeRef& type, const char* what,
@@ -35,8 +36,8 @@ struct Argument {
 /// True if the expression calls C++.
 [[nodiscard]] bool calls_cpp(const CodeTable& code, ExprId expr);
 
-/// Rows of all extern types; what they refine; cycles are reported.
-void declare_extern_types(ModelBuilder& b);
+/// Rows of all FFI types; what they refine; cycles are reported.
+void declare_ffi_types(ModelBuilder& b);
 /// Types of all prototypes, and `@cpp` of all packages.
 void check_prototypes(ModelBuilder& b);
 void collect_cpp(ModelBuilder& b, const std::vector<const syntax::Syntax*>& packages);

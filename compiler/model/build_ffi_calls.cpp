@@ -1,8 +1,8 @@
 // Calls of C++ functions and operators as typed code. Part of CodeBuilder (code_builder.hpp).
 //
-// The prototype is chosen by the arguments' types (externs.hpp). A row of CodeTable::functions says how C++ is called
+// The prototype is chosen by the arguments' types (ffi.hpp). A row of CodeTable::functions says how C++ is called
 // with exactly these types, so conversions along `refine` are left to C++, which knows the classes.
-#include "compiler/model/externs.hpp"
+#include "compiler/model/ffi.hpp"
 
 namespace bip::model {
 
@@ -30,9 +30,8 @@ std::optional<Argument> CodeBuilder::argument(const syntax::Expr* e) {
   return Argument{*typed, is_variable, e->range};
 }
 
-std::optional<Typed> CodeBuilder::extern_call(const std::string& name,
-                                              const std::vector<const syntax::Decl*>& prototypes,
-                                              std::vector<Argument> args, SourceRange at, bool needs_value) {
+std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
+                                           std::vector<Argument> args, SourceRange at, bool needs_value) {
   CodeTable& code = model_.code;
   const std::vector<const syntax::Decl*> best = best_prototypes(model_, prototypes, args);
   if (best.size() != 1) {
@@ -42,7 +41,7 @@ std::optional<Typed> CodeBuilder::extern_call(const std::string& name,
       auto d = diags_.report(Diag::kB1040, at, shown, types_text(code, args));
       list_prototypes(model_, d, prototypes);
       for (const Argument& arg : args) {
-        if (is_extern(arg.typed.type) && !arg.is_variable) {
+        if (is_ffi(arg.typed.type) && !arg.is_variable) {
           d.help("an object that may not change here needs a `const` parameter");
           break;
         }
@@ -72,8 +71,8 @@ std::optional<Typed> CodeBuilder::extern_call(const std::string& name,
     const Type wanted = data_type(model_, param, quiet);
     Typed value = args[k].typed;
     if (value.type == Type::Int && wanted == Type::Float) value = convert(value, Type::Float);
-    const bool can_refer = is_extern(value.type) ||
-                           ((value.type == Type::Int || value.type == Type::Float) && value.id == args[k].typed.id);
+    const bool can_refer =
+        is_ffi(value.type) || ((value.type == Type::Int || value.type == Type::Float) && value.id == args[k].typed.id);
     row.params.push_back({value.type, args[k].is_variable && !param.is_const && can_refer});
     ids.push_back(value.id);
   }
@@ -86,8 +85,8 @@ std::optional<Typed> CodeBuilder::extern_call(const std::string& name,
       result};
 }
 
-std::optional<Typed> CodeBuilder::extern_function(const syntax::Expr* e, const std::string& name,
-                                                  const std::vector<const syntax::Decl*>& prototypes) {
+std::optional<Typed> CodeBuilder::ffi_function(const syntax::Expr* e, const std::string& name,
+                                               const std::vector<const syntax::Decl*>& prototypes) {
   const bool needs_value = !is_statement_;
   is_statement_ = false;
   std::vector<Argument> args;
@@ -98,14 +97,14 @@ std::optional<Typed> CodeBuilder::extern_function(const syntax::Expr* e, const s
     if (arg) args.push_back(*arg);
   }
   if (!sound) return std::nullopt;
-  return extern_call(name, prototypes, std::move(args), e->range, needs_value);
+  return ffi_call(name, prototypes, std::move(args), e->range, needs_value);
 }
 
-std::optional<Typed> CodeBuilder::extern_operator(const syntax::Expr* e, std::string_view sign,
-                                                  std::vector<Argument> args, bool& handled) {
+std::optional<Typed> CodeBuilder::ffi_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args,
+                                               bool& handled) {
   bool has_object = false, has_string = false;
   for (const Argument& arg : args) {
-    has_object = has_object || is_extern(arg.typed.type);
+    has_object = has_object || is_ffi(arg.typed.type);
     has_string = has_string || arg.typed.type == Type::String;
   }
   const auto found = model_.operators.find("operator " + std::string(sign));
@@ -121,7 +120,7 @@ std::optional<Typed> CodeBuilder::extern_operator(const syntax::Expr* e, std::st
       !(has_string && sign != "==" && sign != "!=" && !best_prototypes(model_, found->second, args).empty()))
     return std::nullopt;
   handled = true;
-  return extern_call(std::string(sign), found->second, std::move(args), e->op_range, true);
+  return ffi_call(std::string(sign), found->second, std::move(args), e->op_range, true);
 }
 
 Typed CodeBuilder::cast(Typed v, Type to) {
@@ -132,7 +131,7 @@ Typed CodeBuilder::cast(Typed v, Type to) {
                                                      .has_result = true,
                                                      .result = to,
                                                      .params = {{v.type, false}},
-                                                     .loc = code.extern_types[extern_row(v.type)].loc});
+                                                     .loc = code.ffi_types[ffi_row(v.type)].loc});
   const auto first = static_cast<std::int32_t>(code.args.size());
   code.args.push_back(v.id);
   return {make({.op = Op::Call,

@@ -49,14 +49,12 @@ Expr constant(const Var& var) {
 
 /// A call of the result's type; a literal if there is none.
 Expr CodeMaker::call(Ty type, const std::vector<Known>& known, int depth) {
-  const auto& all = outside_functions();
+  const auto& all = ffi_functions();
   std::vector<std::size_t> fitting;
   for (std::size_t row = 0; row < all.size(); ++row) {
-    const OutsideFunction& f = all[row];
-    bool fits =
-        f.is_pure() && f.result == type && (style_->outside || f.is_library) && (!f.may_fault || style_->faults);
-    for (const OutsideParam& p : f.params)
-      fits = fits && (style_->objects || (p.type != Ty::Pair && p.type != Ty::Wide));
+    const FfiPrototype& f = all[row];
+    bool fits = f.is_pure() && f.result == type && (style_->ffi || f.is_library) && (!f.may_fault || style_->faults);
+    for (const FfiParam& p : f.params) fits = fits && (style_->objects || (p.type != Ty::Pair && p.type != Ty::Wide));
     if (fits) fitting.push_back(row);
   }
   if (fitting.empty()) return literal(type);
@@ -64,9 +62,9 @@ Expr CodeMaker::call(Ty type, const std::vector<Known>& known, int depth) {
   e.kind = ExprKind::Call;
   e.type = type;
   e.row = static_cast<int>(fitting[random_->below(fitting.size())]);
-  const OutsideFunction& f = all[static_cast<std::size_t>(e.row)];
+  const FfiPrototype& f = all[static_cast<std::size_t>(e.row)];
   e.text = f.name;
-  for (const OutsideParam& p : f.params) {
+  for (const FfiParam& p : f.params) {
     Expr arg = expression(p.type, known, depth - 1);
     // The prototype that was meant must be the most specific one: no int where a float is wanted.
     const bool is_overloaded = e.text == "sort_of";
@@ -82,7 +80,7 @@ Expr CodeMaker::pair_of(Expr a, Expr b) {
   e.kind = ExprKind::Call;
   e.type = Ty::Pair;
   e.text = "make_two";
-  while (outside_functions()[static_cast<std::size_t>(++e.row)].name != e.text) continue;
+  while (ffi_functions()[static_cast<std::size_t>(++e.row)].name != e.text) continue;
   e.args = {std::move(a), std::move(b)};
   return e;
 }
@@ -99,9 +97,9 @@ Expr CodeMaker::inline_call(const InlineFunction& function, const std::vector<Kn
 
 /// A statement that calls C++; nothing if no variable fits what it changes.
 std::optional<Stmt> CodeMaker::call_statement(const std::vector<Known>& known, int depth) {
-  const auto& all = outside_functions();
+  const auto& all = ffi_functions();
   const std::size_t row = random_->below(all.size());
-  const OutsideFunction& f = all[row];
+  const FfiPrototype& f = all[row];
   if (f.is_pure() || f.is_operator) return std::nullopt;
   Stmt stmt;
   stmt.is_call = true;
@@ -109,7 +107,7 @@ std::optional<Stmt> CodeMaker::call_statement(const std::vector<Known>& known, i
   stmt.value.type = f.result;
   stmt.value.text = f.name;
   stmt.value.row = static_cast<int>(row);
-  for (const OutsideParam& p : f.params) {
+  for (const FfiParam& p : f.params) {
     if (!p.by_reference) {
       stmt.value.args.push_back(expression(p.type, known, depth));
       continue;

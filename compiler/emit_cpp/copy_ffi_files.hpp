@@ -1,4 +1,4 @@
-// The C++ side of a model, copied into an emitted project, so that the project can be moved. Internal to emit_cpp/.
+// The FFI of a model, copied into an emitted project, so that the project can be moved. Internal to emit_cpp/.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace bip::emit_cpp {
 
-/// Copies sources, objects and headers into `project`/outside, with all that they include and that is found beside them
+/// Copies sources, objects and headers into `project`/ffi, with all that they include and that is found beside them
 /// or in the include folders. The result's paths are relative to `project`; folders lie to each other as they did.
-[[nodiscard]] Result<CppBuild> copy_outside(const CppBuild& cpp, const std::filesystem::path& project);
+[[nodiscard]] Result<CppBuild> copy_ffi_files(const CppBuild& cpp, const std::filesystem::path& project);
 
 // project.cpp
 [[nodiscard]] std::optional<std::string> read_file(const std::filesystem::path& path);

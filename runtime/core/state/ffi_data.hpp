@@ -1,6 +1,6 @@
-// The C++ objects behind variables of extern types: one object a cell, made with the core and kept until it goes.
+// The C++ objects behind variables of FFI types: one object a cell, made with the core and kept until it goes.
 //
-// A cell of an extern type holds its object's address, always the same one; assignment copies between objects. A state
+// A cell of an FFI type holds its object's address, always the same one; assignment copies between objects. A state
 // that is kept (State) has copies of its own. A system without such variables pays one comparison a frame.
 #pragma once
 #include <vector>
@@ -10,54 +10,52 @@
 namespace bip::rt {
 
 /// A copy of one object, with value semantics.
-class ExternValue {
+class FfiValue {
  public:
-  ExternValue(const ExternType& type, const void* from) : type_(&type), object_(type.make()) {
-    type.copy(object_, from);
-  }
-  ExternValue(const ExternValue& other) : ExternValue(*other.type_, other.object_) {}
-  ExternValue(ExternValue&& other) noexcept : type_(other.type_), object_(other.object_) { other.object_ = nullptr; }
-  ExternValue& operator=(ExternValue other) noexcept {
+  FfiValue(const FfiType& type, const void* from) : type_(&type), object_(type.make()) { type.copy(object_, from); }
+  FfiValue(const FfiValue& other) : FfiValue(*other.type_, other.object_) {}
+  FfiValue(FfiValue&& other) noexcept : type_(other.type_), object_(other.object_) { other.object_ = nullptr; }
+  FfiValue& operator=(FfiValue other) noexcept {
     void* const object = object_;
     object_ = other.object_;
     other.object_ = object;
     type_ = other.type_;
     return *this;
   }
-  ~ExternValue() {
+  ~FfiValue() {
     if (object_ != nullptr) type_->destroy(object_);
   }
   [[nodiscard]] const void* object() const { return object_; }
   [[nodiscard]] void* object() { return object_; }
   /// Values that C++ cannot compare differ.
-  friend bool operator==(const ExternValue& a, const ExternValue& b) {
+  friend bool operator==(const FfiValue& a, const FfiValue& b) {
     return a.type_ == b.type_ && a.type_->equal != nullptr && a.type_->equal(a.object_, b.object_);
   }
 
  private:
-  const ExternType* type_;
+  const FfiType* type_;
   void* object_;
 };
 
-class ExternData {
+class FfiData {
  public:
-  explicit ExternData(const Image& image);
-  ExternData(const ExternData&) = delete;
-  ExternData& operator=(const ExternData&) = delete;
-  ~ExternData();
+  explicit FfiData(const Image& image);
+  FfiData(const FfiData&) = delete;
+  FfiData& operator=(const FfiData&) = delete;
+  ~FfiData();
 
   [[nodiscard]] bool empty() const { return objects_.empty(); }
   /// Puts the objects of `vars` at their cells, from row `base` of `all` on, each with its default value.
   void reset(const Span<Var>& vars, Cell* all, std::uint32_t base);
   /// Copies of the atoms' objects, in the order of the cells; `data` (the cells' bits) forgets their addresses.
-  void save(std::vector<std::uint64_t>& data, std::vector<ExternValue>& out) const;
+  void save(std::vector<std::uint64_t>& data, std::vector<FfiValue>& out) const;
   /// The atoms' objects from such copies, and their addresses into the cells.
-  void load(Cell* all, const std::vector<ExternValue>& from);
+  void load(Cell* all, const std::vector<FfiValue>& from);
 
  private:
   struct Object {
     std::uint32_t cell;
-    const ExternType* type;
+    const FfiType* type;
     void* address;
   };
   void add(const Image& image, const Span<Var>& vars, std::uint32_t base);

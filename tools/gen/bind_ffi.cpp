@@ -1,19 +1,19 @@
 // Adapters by templates: a cell a parameter, exceptions as faults with their message. A row of the code table is found
-// by its name, and by the type of its argument where outside.hpp overloads one.
-#include "tools/gen/bind_outside.hpp"
+// by its name, and by the type of its argument where random_ffi.hpp overloads one.
+#include "tools/gen/bind_ffi.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "runtime/include/bip/outside.hpp"
-#include "tools/gen/outside/outside.hpp"
+#include "runtime/include/bip/ffi.hpp"
+#include "tools/gen/ffi/random_ffi.hpp"
 
 namespace bip::gen {
 namespace {
 
 template <class T>
-T read(rt::Outside* outside, rt::Cell& cell) {
+T read(rt::FfiContext* ffi, rt::Cell& cell) {
   using Plain = std::remove_cvref_t<T>;
   if constexpr (std::is_same_v<T, int&>) {
     return cell.i;
@@ -24,7 +24,7 @@ T read(rt::Outside* outside, rt::Cell& cell) {
   } else if constexpr (std::is_same_v<Plain, double>) {
     return cell.f;
   } else {
-    (void)outside;
+    (void)ffi;
     return rt::object_in<Plain>(cell);
   }
 }
@@ -37,31 +37,31 @@ struct Text {
 template <class T>
 struct Read {
   using Result = T;
-  static T from(rt::Outside* outside, rt::Cell& cell) { return read<T>(outside, cell); }
+  static T from(rt::FfiContext* ffi, rt::Cell& cell) { return read<T>(ffi, cell); }
 };
 template <>
 struct Read<const std::string&> {
   using Result = Text;
-  static Text from(rt::Outside* outside, rt::Cell& cell) { return {outside->text(cell.i)}; }
+  static Text from(rt::FfiContext* ffi, rt::Cell& cell) { return {ffi->text(cell.i)}; }
 };
 
-void write(rt::Outside*, rt::Cell& cell, int value) { cell = rt::Cell{.bits = static_cast<std::uint32_t>(value)}; }
-void write(rt::Outside*, rt::Cell& cell, bool value) { cell = rt::Cell{.bits = value ? 1u : 0u}; }
-void write(rt::Outside*, rt::Cell& cell, double value) { cell.f = value; }
-void write(rt::Outside* outside, rt::Cell& cell, const std::string& value) {
-  cell = rt::Cell{.bits = static_cast<std::uint32_t>(outside->intern(std::string_view(value)))};
+void write(rt::FfiContext*, rt::Cell& cell, int value) { cell = rt::Cell{.bits = static_cast<std::uint32_t>(value)}; }
+void write(rt::FfiContext*, rt::Cell& cell, bool value) { cell = rt::Cell{.bits = value ? 1u : 0u}; }
+void write(rt::FfiContext*, rt::Cell& cell, double value) { cell.f = value; }
+void write(rt::FfiContext* ffi, rt::Cell& cell, const std::string& value) {
+  cell = rt::Cell{.bits = static_cast<std::uint32_t>(ffi->intern(std::string_view(value)))};
 }
 template <class T>
 requires std::is_base_of_v<Pair, T>
-void write(rt::Outside*, rt::Cell& cell, const T& value) { rt::object_in<T>(cell) = value; }
+void write(rt::FfiContext*, rt::Cell& cell, const T& value) { rt::object_in<T>(cell) = value; }
 
 template <auto function, class R, class... A, std::size_t... k>
-void call_with(R (*)(A...), std::index_sequence<k...>, rt::Outside* outside, rt::Cell* result, rt::Cell* const* args) {
+void call_with(R (*)(A...), std::index_sequence<k...>, rt::FfiContext* ffi, rt::Cell* result, rt::Cell* const* args) {
   if constexpr (std::is_void_v<R>) {
     (void)result;
-    function(Read<A>::from(outside, *args[k])...);
+    function(Read<A>::from(ffi, *args[k])...);
   } else {
-    write(outside, *result, function(Read<A>::from(outside, *args[k])...));
+    write(ffi, *result, function(Read<A>::from(ffi, *args[k])...));
   }
 }
 template <class R, class... A>
@@ -70,18 +70,18 @@ constexpr std::size_t arity(R (*)(A...)) {
 }
 
 template <auto function>
-std::int32_t call(rt::Outside* outside, rt::Cell* result, rt::Cell* const* args) {
+std::int32_t call(rt::FfiContext* ffi, rt::Cell* result, rt::Cell* const* args) {
   try {
-    call_with<function>(function, std::make_index_sequence<arity(function)>(), outside, result, args);
+    call_with<function>(function, std::make_index_sequence<arity(function)>(), ffi, result, args);
     return 0;
   } catch (const std::exception& e) {
-    outside->set_message(e.what());
+    ffi->set_message(e.what());
     return 1;
   }
 }
 
 template <auto function>
-constexpr rt::ForeignFn kCall = &call<function>;
+constexpr rt::FfiFunction kCall = &call<function>;
 
 template <class R, class A>
 using Unary = R (*)(A);
@@ -91,13 +91,13 @@ int smaller(int a, int b) { return std::min(a, b); }
 double rounded_down(double a) { return std::floor(a); }
 bool is_greater(double a, double b) { return std::isgreater(a, b); }
 
-std::int32_t to_pair(rt::Outside*, rt::Cell* result, rt::Cell* const* args) {
+std::int32_t to_pair(rt::FfiContext*, rt::Cell* result, rt::Cell* const* args) {
   rt::object_in<Pair>(*result) = static_cast<Pair>(rt::object_in<Wide>(*args[0]));
   return 0;
 }
 
-const std::map<std::string, rt::ForeignFn>& adapters() {
-  static const std::map<std::string, rt::ForeignFn> kAdapters = {
+const std::map<std::string, rt::FfiFunction>& adapters() {
+  static const std::map<std::string, rt::FfiFunction> kAdapters = {
       {"mix", kCall<&mix>},
       {"scale", kCall<&scale>},
       {"odd", kCall<&odd>},
@@ -132,7 +132,7 @@ const std::map<std::string, rt::ForeignFn>& adapters() {
 
 }  // namespace
 
-std::string bind_outside(lower::LoweredSystem& lowered) {
+std::string bind_ffi(lower::LoweredSystem& lowered) {
   std::string missing;
   const CodeTable& code = lowered.system->code;
   for (std::size_t row = 0; row < code.functions.size(); ++row) {
@@ -146,8 +146,8 @@ std::string bind_outside(lower::LoweredSystem& lowered) {
                                                           : found->second;
     if (lowered.functions[row] == nullptr) missing = name;
   }
-  for (rt::ExternType& type : lowered.extern_types) {
-    type = std::string_view(type.name) == "Pair" ? rt::extern_type_of<Pair>("Pair") : rt::extern_type_of<Wide>("Wide");
+  for (rt::FfiType& type : lowered.ffi_types) {
+    type = std::string_view(type.name) == "Pair" ? rt::ffi_type_of<Pair>("Pair") : rt::ffi_type_of<Wide>("Wide");
   }
   return missing;
 }

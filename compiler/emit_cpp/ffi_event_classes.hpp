@@ -8,7 +8,7 @@
 
 namespace bip::emit_cpp {
 
-/// In namespace `outside`, after foreign_text. `mark`: what a compiler says about use k names the file "bip-class-k".
+/// In namespace `ffi`, after ffi_text. `mark`: what a compiler says about use k names the file "bip-class-k".
 [[nodiscard]] std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses,
                                            bool mark);
 /// The initializer of row k.

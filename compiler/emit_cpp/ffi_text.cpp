@@ -1,7 +1,7 @@
-// See foreign.hpp. Wrappers are called `call_f`, so that they never hide the `f` that they call.
-#include "compiler/emit_cpp/foreign.hpp"
+// See ffi_text.hpp. Wrappers are called `call_f`, so that they never hide the `f` that they call.
+#include "compiler/emit_cpp/ffi_text.hpp"
 
-#include "compiler/emit_cpp/foreign_events.hpp"
+#include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/unit_names.hpp"
 
@@ -34,7 +34,7 @@ const char* operator_name(const std::string& sign) {
 std::string argument(const Function& function, std::size_t k) {
   const std::string name = "a" + std::to_string(k);
   if (function.params[k].type != Type::String) return name;
-  const std::string text = "world->text(" + name + ")";
+  const std::string text = "bip_context->text(" + name + ")";
   return function.kind == FunctionKind::Operator ? "std::string(" + text + ")" : text;
 }
 
@@ -52,26 +52,24 @@ std::string call_text(const Function& function, const ConstNames& const_names, c
 }
 
 std::string local(const std::string& qualified) {
-  return qualified.starts_with("outside::") ? qualified.substr(9) : qualified;
+  return qualified.starts_with("ffi::") ? qualified.substr(5) : qualified;
 }
 
 }  // namespace
 
-ForeignNames::ForeignNames(const CodeTable& code) {
+FfiNames::FfiNames(const CodeTable& code) {
   lower::UniqueNames names;
-  for (const char* taken : {"world", "own_world"}) names.reserve(taken);
-  for (const ExternType& type : code.extern_types) types_.push_back("outside::" + names.make(type.name + "_type"));
+  for (const char* taken : {"bip_context", "own_context"}) names.reserve(taken);
+  for (const FfiType& type : code.ffi_types) types_.push_back("ffi::" + names.make(type.name + "_type"));
   for (const Function& function : code.functions) {
     std::string name = "call_" + function.name;
     if (function.kind == FunctionKind::Operator) name = std::string("operator_") + operator_name(function.name);
     if (function.kind == FunctionKind::Cast) name = "to_" + function.name;
-    functions_.push_back("outside::" + names.make(name));
+    functions_.push_back("ffi::" + names.make(name));
   }
 }
 
-std::string ForeignNames::type(Type type) const {
-  return is_extern(type) ? types_[extern_row(type)] : native_type(type);
-}
+std::string FfiNames::type(Type type) const { return is_ffi(type) ? types_[ffi_row(type)] : native_type(type); }
 
 std::string signature_text(const CodeTable& code, const Function& function) {
   std::string text = function.has_result ? code.type_name(function.result) + " " : "";
@@ -81,29 +79,30 @@ std::string signature_text(const CodeTable& code, const Function& function) {
   return text + ")";
 }
 
-std::string foreign_includes(const CodeTable& code) {
+std::string ffi_includes(const CodeTable& code) {
   std::string out;
   const auto line = [&](const std::string& text) { out += text + "\n"; };
   for (const char* header : {"algorithm", "cmath", "cstdio", "cstdlib", "iostream", "string"})
     line(std::string("#include <") + header + ">");
   line("");
-  line("#include \"bip/foreign.hpp\"");
+  line("#include \"bip/ffi_calls.hpp\"");
   for (const CppFile& file : code.cpp.includes) line("#include \"" + file.name + "\"");
   return out;
 }
 
-std::string foreign_text(const CodeTable& code, const ConstNames& const_names, const ForeignOptions& options) {
-  const ForeignNames names(code);
+std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const FfiTextOptions& options) {
+  const FfiNames names(code);
   std::string out;
   const auto line = [&](const std::string& text) { out += text + "\n"; };
   line("// The C++ that the model calls. An exception is a fault of the call at its site.");
-  line("namespace outside {");
+  line("namespace ffi {");
   line("using namespace std;");
-  if (options.own_world) line("inline bip::rt::Outside own_world;");
-  line(std::string("inline bip::rt::Outside* world = ") + (options.own_world ? "&own_world;" : "nullptr;"));
-  for (std::size_t k = 0; k < code.extern_types.size(); ++k) {
+  if (options.own_context) line("inline bip::rt::FfiContext own_context;");
+  line(std::string("inline bip::rt::FfiContext* bip_context = ") +
+       (options.own_context ? "&own_context;" : "nullptr;"));
+  for (std::size_t k = 0; k < code.ffi_types.size(); ++k) {
     if (options.mark) line("#line 1 \"bip-type-" + std::to_string(k) + "\"");
-    line("using " + local(names.type(extern_type(k))) + " = " + code.extern_types[k].cpp + ";");
+    line("using " + local(names.type(ffi_type(k))) + " = " + code.ffi_types[k].cpp + ";");
   }
   if (options.mark) line("#line 1 \"bip-shim\"");
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
@@ -113,53 +112,53 @@ std::string foreign_text(const CodeTable& code, const ConstNames& const_names, c
     for (std::size_t p = 0; p < function.params.size(); ++p) {
       const FunctionParam& param = function.params[p];
       const std::string type = local(names.type(param.type));
-      head += (is_extern(param.type) && !param.by_reference ? "const " : "") + type +
-              (is_extern(param.type) || param.by_reference ? "&" : "") + " a" + std::to_string(p) + ", ";
+      head += (is_ffi(param.type) && !param.by_reference ? "const " : "") + type +
+              (is_ffi(param.type) || param.by_reference ? "&" : "") + " a" + std::to_string(p) + ", ";
     }
     line("");
     line(head + "[[maybe_unused]] std::uint32_t site) try {");
     if (options.mark) line("#line 1 \"bip-prototype-" + std::to_string(k) + "\"");
     const std::string call = call_text(function, const_names, result);
     if (!function.has_result) line("  " + call + ";");
-    else if (function.result == Type::String) line("  return world->intern(" + call + ");");
-    else if (is_extern(function.result)) line("  return " + call + ";");
+    else if (function.result == Type::String) line("  return bip_context->intern(" + call + ");");
+    else if (is_ffi(function.result)) line("  return " + call + ";");
     else line("  return static_cast<" + result + ">(" + call + ");");
     if (options.mark) line("#line 1 \"bip-shim\"");
     line("} catch (...) {");
-    line("  bip::rt::raise(*world, site);");
+    line("  bip::rt::raise(*bip_context, site);");
     line("}");
   }
-  line("}  // namespace outside");
+  line("}  // namespace ffi");
   return out;
 }
 
 std::string shim_text(const System& system, const ConstNames& const_names) {
   const CodeTable& code = system.code;
-  const ForeignNames names(code);
+  const FfiNames names(code);
   const std::vector<lower::EventClassUse> classes = lower::event_class_uses(system);
-  std::string out = foreign_includes(code);
+  std::string out = ffi_includes(code);
   if (!classes.empty()) out += "#include \"bip/event_source.hpp\"\n";
-  out += "\n" + foreign_text(code, const_names, {.own_world = false, .mark = true});
+  out += "\n" + ffi_text(code, const_names, {.own_context = false, .mark = true});
   if (!classes.empty()) out += event_class_text(system, classes, true);
   const auto line = [&](const std::string& text) { out += text + "\n"; };
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
     const Function& function = code.functions[k];
     line("");
     line("extern \"C\" std::int32_t bip_call_" + std::to_string(k) +
-         "(bip::rt::Outside* outside_world, [[maybe_unused]] bip::rt::Cell* result, "
+         "(bip::rt::FfiContext* ffi_context, [[maybe_unused]] bip::rt::Cell* result, "
          "[[maybe_unused]] bip::rt::Cell* const* args) {");
-    line("  outside::world = outside_world;");
+    line("  ffi::bip_context = ffi_context;");
     line("  try {");
     std::string call = names.function(k) + "(";
     for (std::size_t p = 0; p < function.params.size(); ++p) {
       const std::string cell = "args[" + std::to_string(p) + "]";
       const Type type = function.params[p].type;
-      if (is_extern(type)) call += "bip::rt::object_in<" + names.type(type) + ">(*" + cell + "), ";
+      if (is_ffi(type)) call += "bip::rt::object_in<" + names.type(type) + ">(*" + cell + "), ";
       else call += cell + (type == Type::Float ? "->f, " : type == Type::Bool ? "->i != 0, " : "->i, ");
     }
     call += "0)";
     if (!function.has_result) line("    " + call + ";");
-    else if (is_extern(function.result))
+    else if (is_ffi(function.result))
       line("    bip::rt::object_in<" + names.type(function.result) + ">(*result) = " + call + ";");
     else if (function.result == Type::Float) line("    *result = bip::rt::float_cell(" + call + ");");
     else line("    *result = bip::rt::int_cell(" + call + (function.result == Type::Bool ? " ? 1 : 0);" : ");"));
@@ -172,12 +171,11 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
   if (!classes.empty()) line("\nextern \"C\" const bip::rt::EventClass bip_event_classes[] = {");
   for (std::size_t k = 0; k < classes.size(); ++k) line("    " + event_class_row(system, classes, k) + ",");
   if (!classes.empty()) line("};");
-  if (code.extern_types.empty()) return out;
+  if (code.ffi_types.empty()) return out;
   line("");
-  line("extern \"C\" const bip::rt::ExternType bip_extern_types[] = {");
-  for (std::size_t k = 0; k < code.extern_types.size(); ++k) {
-    line("    bip::rt::extern_type_of<" + names.type(extern_type(k)) + ">(" +
-         string_literal(code.extern_types[k].name) + "),");
+  line("extern \"C\" const bip::rt::FfiType bip_ffi_types[] = {");
+  for (std::size_t k = 0; k < code.ffi_types.size(); ++k) {
+    line("    bip::rt::ffi_type_of<" + names.type(ffi_type(k)) + ">(" + string_literal(code.ffi_types[k].name) + "),");
   }
   line("};");
   return out;

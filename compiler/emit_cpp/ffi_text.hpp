@@ -1,8 +1,8 @@
-// The C++ side of a system as text: one wrapper a function of the code table, with native parameters, so that
+// The FFI of a system as text: one wrapper a function of the code table, with native parameters, so that
 // overloads, conversions and exceptions are C++'s matter in one place.
 //
 // Both users share it: the emitted program calls the wrappers by name, the shared object of `bipc run` adds adapters
-// (rt::ForeignFn) around them.
+// (rt::FfiFunction) around them.
 #pragma once
 #include <set>
 #include <string>
@@ -12,16 +12,16 @@
 
 namespace bip::emit_cpp {
 
-/// How C++ calls the types and functions of a code table. All of it is in namespace `outside`.
-class ForeignNames {
+/// How C++ calls the types and functions of a code table. All of it is in namespace `ffi`.
+class FfiNames {
  public:
-  explicit ForeignNames(const CodeTable& code);
-  /// "std::int32_t", "bool", "double", "outside::List_type"; strings are rows.
+  explicit FfiNames(const CodeTable& code);
+  /// "std::int32_t", "bool", "double", "ffi::List_type"; strings are rows.
   [[nodiscard]] std::string type(Type type) const;
-  /// "outside::call_push_back"
+  /// "ffi::call_push_back"
   [[nodiscard]] const std::string& function(std::size_t row) const { return functions_[row]; }
   [[nodiscard]] static bool is_needed(const CodeTable& code) {
-    return !code.functions.empty() || !code.extern_types.empty();
+    return !code.functions.empty() || !code.ffi_types.empty();
   }
 
  private:
@@ -31,20 +31,19 @@ class ForeignNames {
 /// `name` of C++ functions that have a `const_name` for places where nothing may change.
 using ConstNames = std::set<std::string>;
 
-/// #includes for foreign_text, the C++ files' too.
-[[nodiscard]] std::string foreign_includes(const CodeTable& code);
+/// #includes for ffi_text, the C++ files' too.
+[[nodiscard]] std::string ffi_includes(const CodeTable& code);
 
-/// Namespace `outside`. With `own_world` the strings and messages are kept there, else a
+/// Namespace `ffi`. With `own_context` the strings and messages are kept there, else a
 /// pointer must be set before a call. `mark`: what a compiler says about function k names the file "bip-prototype-k",
-/// about extern type k "bip-type-k".
-struct ForeignOptions {
-  bool own_world = true;
+/// about FFI type k "bip-type-k".
+struct FfiTextOptions {
+  bool own_context = true;
   bool mark = false;
 };
-[[nodiscard]] std::string foreign_text(const CodeTable& code, const ConstNames& const_names,
-                                       const ForeignOptions& options);
+[[nodiscard]] std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const FfiTextOptions& options);
 
-/// The source of the shared object: exports `bip_call_<row>`, and `bip_extern_types` and `bip_event_classes` if there
+/// The source of the shared object: exports `bip_call_<row>`, and `bip_ffi_types` and `bip_event_classes` if there
 /// are any.
 [[nodiscard]] std::string shim_text(const System& system, const ConstNames& const_names);
 

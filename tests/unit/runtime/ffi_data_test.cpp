@@ -1,10 +1,10 @@
-// Objects of extern types: made with the core, put to their default, saved and loaded as deep copies.
+// Objects of FFI types: made with the core, put to their default, saved and loaded as deep copies.
 #include <catch2/catch.hpp>
 
 #include <vector>
 
-#include "bip/outside.hpp"
-#include "runtime/core/state/extern_data.hpp"
+#include "bip/ffi.hpp"
+#include "runtime/core/state/ffi_data.hpp"
 
 using namespace bip::rt;
 
@@ -14,32 +14,32 @@ struct Incomparable {
   int x = 7;
 };
 
-const ExternType kTypes[] = {extern_type_of<std::vector<int>>("List"), extern_type_of<Incomparable>("Odd")};
+const FfiType kTypes[] = {ffi_type_of<std::vector<int>>("List"), ffi_type_of<Incomparable>("Odd")};
 const Var kVars[] = {{"n", CellType::Int, false, false},
-                     {"l", static_cast<CellType>(kFirstExtern), false, false},
-                     {"o", static_cast<CellType>(kFirstExtern + 1), false, false}};
+                     {"l", static_cast<CellType>(kFirstFfiType), false, false},
+                     {"o", static_cast<CellType>(kFirstFfiType + 1), false, false}};
 const char* const kTexts[] = {"", "one"};
 
-Image image_of(AtomType& type, const Atom& atom, Outside& outside) {
+Image image_of(AtomType& type, const Atom& atom, FfiContext& ffi) {
   type.variables = {kVars, 3};
   Image image;
   image.strings = {kTexts, 2};
   image.atom_types = {&type, 1};
   image.atoms = {&atom, 1};
   image.cell_count = 3;
-  image.extern_types = {kTypes, 2};
-  image.outside = &outside;
+  image.ffi_types = {kTypes, 2};
+  image.ffi = &ffi;
   return image;
 }
 
 }  // namespace
 
 TEST_CASE("objects are saved and loaded as copies") {
-  Outside outside;
+  FfiContext ffi;
   AtomType type{};
   const Atom atom{};
-  const Image image = image_of(type, atom, outside);
-  ExternData data(image);
+  const Image image = image_of(type, atom, ffi);
+  FfiData data(image);
   std::vector<Cell> all(3, Cell{0});
   data.reset(type.variables, all.data(), 0);
   REQUIRE(object_in<std::vector<int>>(all[1]).empty());
@@ -47,7 +47,7 @@ TEST_CASE("objects are saved and loaded as copies") {
   object_in<std::vector<int>>(all[1]) = {1, 2};
 
   std::vector<std::uint64_t> bits{0, all[1].bits, all[2].bits};
-  std::vector<ExternValue> saved;
+  std::vector<FfiValue> saved;
   data.save(bits, saved);
   CHECK(bits == std::vector<std::uint64_t>{0, 0, 0});
   object_in<std::vector<int>>(all[1]).push_back(3);
@@ -57,7 +57,7 @@ TEST_CASE("objects are saved and loaded as copies") {
   CHECK(object_in<std::vector<int>>(all[1]) == std::vector<int>{1, 2});
 
   SECTION("copies compare by the type's ==, and differ without one") {
-    const std::vector<ExternValue> copy = saved;
+    const std::vector<FfiValue> copy = saved;
     CHECK(copy[0] == saved[0]);
     CHECK_FALSE(copy[1] == saved[1]);
   }
@@ -68,13 +68,13 @@ TEST_CASE("objects are saved and loaded as copies") {
 }
 
 TEST_CASE("strings made at run time stand above those of the image, each once") {
-  Outside outside;
-  outside.attach({kTexts, 2});
-  outside.attach({kTexts, 2});
-  CHECK(outside.intern("one") == 1);
-  CHECK(outside.intern(static_cast<const char*>(nullptr)) == 0);
-  const std::int32_t row = outside.intern(std::string("two"));
+  FfiContext ffi;
+  ffi.attach({kTexts, 2});
+  ffi.attach({kTexts, 2});
+  CHECK(ffi.intern("one") == 1);
+  CHECK(ffi.intern(static_cast<const char*>(nullptr)) == 0);
+  const std::int32_t row = ffi.intern(std::string("two"));
   CHECK(row == 2);
-  CHECK(outside.intern("two") == row);
-  CHECK(std::string(outside.text(row)) == "two");
+  CHECK(ffi.intern("two") == row);
+  CHECK(std::string(ffi.text(row)) == "two");
 }

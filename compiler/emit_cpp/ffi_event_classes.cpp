@@ -1,5 +1,5 @@
-// See foreign_events.hpp.
-#include "compiler/emit_cpp/foreign_events.hpp"
+// See ffi_event_classes.hpp.
+#include "compiler/emit_cpp/ffi_event_classes.hpp"
 
 #include "compiler/emit_cpp/writer.hpp"
 
@@ -22,13 +22,13 @@ const char* cell_function(Type type) {
 }  // namespace
 
 std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses, bool mark) {
-  std::string out = "namespace outside {\n";
+  std::string out = "namespace ffi {\n";
   for (std::size_t k = 0; k < uses.size(); ++k) {
     const std::string name = "event_class_" + std::to_string(k);
     if (mark) out += "#line 1 \"bip-class-" + std::to_string(k) + "\"\n";
     out += "using " + name + " = " + port_of(system, uses[k]).event_class + ";\n";
     out += "inline void event_values_" + std::to_string(k) + "([[maybe_unused]] " + name +
-           "& source, [[maybe_unused]] bip::rt::Cell* out, [[maybe_unused]] bip::rt::Outside& strings) {\n";
+           "& source, [[maybe_unused]] bip::rt::Cell* out, [[maybe_unused]] bip::rt::FfiContext& strings) {\n";
     std::size_t row = 0;
     for (const Variable& v : system.port_types[port_of(system, uses[k]).type].variables) {
       out += "  out[" + std::to_string(row++) + "] = " + cell_function(v.type) + v.name + "()" +
@@ -37,12 +37,12 @@ std::string event_class_text(const System& system, const std::vector<lower::Even
     out += "}\n";
   }
   if (mark) out += "#line 1 \"bip-shim\"\n";
-  return out + "}  // namespace outside\n";
+  return out + "}  // namespace ffi\n";
 }
 
 std::string event_class_row(const System& system, const std::vector<lower::EventClassUse>& uses, std::size_t k) {
   const std::string number = std::to_string(k);
-  return "bip::rt::event_class_of<outside::event_class_" + number + ", &outside::event_values_" + number + ">(" +
+  return "bip::rt::event_class_of<ffi::event_class_" + number + ", &ffi::event_values_" + number + ">(" +
          string_literal(port_of(system, uses[k]).event_class) + ")";
 }
 

@@ -4,33 +4,33 @@
 #include <exception>
 
 #include "bip/emitted.hpp"
-#include "bip/outside.hpp"
+#include "bip/ffi.hpp"
 
 namespace bip::rt {
 
 /// In a handler: the exception becomes the fault of the call at `site`.
-[[noreturn]] inline void raise(Outside& outside, std::uint32_t site) {
+[[noreturn]] inline void raise(FfiContext& ffi, std::uint32_t site) {
   try {
     throw;
   } catch (const std::exception& exception) {
-    outside.set_message(exception.what());
+    ffi.set_message(exception.what());
   } catch (...) {
-    outside.set_message("");
+    ffi.set_message("");
   }
   throw CodeFault{fault_status(site, FaultKind{})};
 }
 
-/// A variable of an extern type. Assignment copies the object.
+/// A variable of an FFI type. Assignment copies the object.
 template <class T>
-class ExternVar {
+class FfiVariable {
  public:
-  explicit ExternVar(const Cell& cell) : object_(object_in<T>(cell)) {}
-  ExternVar(const ExternVar&) = delete;
-  ExternVar& operator=(const T& value) {
+  explicit FfiVariable(const Cell& cell) : object_(object_in<T>(cell)) {}
+  FfiVariable(const FfiVariable&) = delete;
+  FfiVariable& operator=(const T& value) {
     object_ = value;
     return *this;
   }
-  ExternVar& operator=(const ExternVar& other) { return *this = other.object_; }
+  FfiVariable& operator=(const FfiVariable& other) { return *this = other.object_; }
   operator T&() const { return object_; }
 
  private:

@@ -1,7 +1,7 @@
-// See copy_outside.hpp. Includes are followed without a preprocessor: a header in a branch that is not taken is copied,
-// too; one whose name is a macro is not found, and neither is one of the system, which stays where it is. Linear in the
-// files.
-#include "compiler/emit_cpp/copy_outside.hpp"
+// See copy_ffi_files.hpp. Includes are followed without a preprocessor: a header in a branch that is not taken is
+// copied, too; one whose name is a macro is not found, and neither is one of the system, which stays where it is.
+// Linear in the files.
+#include "compiler/emit_cpp/copy_ffi_files.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -46,7 +46,7 @@ fs::path common_folder(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-Result<CppBuild> copy_outside(const CppBuild& cpp, const fs::path& project) {
+Result<CppBuild> copy_ffi_files(const CppBuild& cpp, const fs::path& project) {
   std::vector<fs::path> open;
   for (const auto* files : {&cpp.headers, &cpp.sources, &cpp.objects})
     open.insert(open.end(), files->begin(), files->end());
@@ -78,7 +78,7 @@ Result<CppBuild> copy_outside(const CppBuild& cpp, const fs::path& project) {
   for (const auto& [path, text] : texts) top = common_folder(top, path.parent_path());
   for (const std::string& dir : cpp.include_dirs) top = common_folder(top, fs::path(dir));
   const auto moved = [&top](const fs::path& path) {
-    return (fs::path("outside") / path.lexically_relative(top)).lexically_normal();
+    return (fs::path("ffi") / path.lexically_relative(top)).lexically_normal();
   };
   for (const auto& [path, text] : texts) {
     const Result<bool> written = write_file(project / moved(path), text);
