@@ -1,5 +1,5 @@
-// From module descriptions to BIP over stdlib/genom, as a text that people read and change. docs/genom.md says, element
-// by element, what becomes what.
+// From module descriptions to BIP over stdlib/genom, as a text that people read and change. compiler/docs/genom.md
+// says, element by element, what becomes what.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // Module by module: who may ask, what is accepted, rejected, told to stop, and begun; then time.
 //
-// A request is decided where it is at `okay` (docs/genom.md): either `allow` and the interruptions go through, or a
-// `reject` does; the guards exclude each other. What a rule stops goes before time does.
+// A request is decided where it is at `okay` (compiler/docs/genom.md): either `allow` and the interruptions go through,
+// or a `reject` does; the guards exclude each other. What a rule stops goes before time does.
 #include "compiler/genom/level.hpp"
 
 #include <fmt/format.h>

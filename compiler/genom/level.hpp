@@ -1,5 +1,5 @@
 // The functional level: all modules, what belongs to none of them, and the connectors that rules replace
-// (docs/rules.md). Inside compiler/genom only.
+// (compiler/docs/rules.md). Inside compiler/genom only.
 #pragma once
 #include <string>
 #include <vector>

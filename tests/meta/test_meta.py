@@ -216,6 +216,51 @@ def check_files_begin_with_prose():
             if not p.read_text(encoding="utf-8").lstrip().startswith("//")]
 
 
+DOCUMENTS = sorted(p for p in ROOT.rglob("*.md") if not any(part.startswith(("build", ".git")) for part in p.relative_to(ROOT).parts))
+TOP_FOLDERS = ("compiler", "grammar", "models", "runtime", "stdlib", "tests", "tools")
+CODE_FILE = re.compile(r"[\w.-]+\.(?:cpp|hpp|h|def|py|md|g4|txt|json)$")
+
+
+def file_names():
+    return {p.name for folder in TOP_FOLDERS for p in (ROOT / folder).rglob("*")} | {p.name for p in ROOT.iterdir()}
+
+
+def check_paths_in_documents_exist():
+    """In *.md: `path/of/a.file` in backticks (from the root, the document's folder, compiler or runtime), `file.hpp`, and [links](to.md)."""
+    names = file_names()
+    problems = []
+    for document in DOCUMENTS:
+        text = re.sub(r"^```.*?^```", "", document.read_text(encoding="utf-8"), flags=re.M | re.S)
+        bases = (ROOT, document.parent, ROOT / "compiler", ROOT / "runtime", ROOT / "runtime/include", ROOT / "tests")
+        for word in re.findall(r"`([\w.*-]+(?:/[\w.*-]+)*)/?`", text):
+            parts = word.split("/")
+            is_ours = CODE_FILE.match(parts[-1]) or (len(parts) > 1 and parts[0] in TOP_FOLDERS)
+            is_placeholder = "explain" in document.parts or re.match(r"[A-Z]{2,}_", parts[-1]) or (len(parts) == 1 and "*" in word)
+            if not is_ours or is_placeholder:
+                continue
+            found = parts[0] in names if len(parts) == 1 else any(next(base.glob(word), None) for base in bases)
+            if not found:
+                problems.append(f"{relative(document)}: `{word}` does not exist")
+        for link in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+            if "://" not in link and not (document.parent / link).exists():
+                problems.append(f"{relative(document)}: the link to {link} leads nowhere")
+    return problems
+
+
+def check_documents_in_comments_exist():
+    """A document that a source names (x.md) is in the repository, at that path if it has one."""
+    names = file_names()
+    problems = []
+    for path in [*SOURCES, *(p for folder in ("tests", "tools") for p in (ROOT / folder).rglob("*.py"))]:
+        if path == pathlib.Path(__file__).resolve():
+            continue
+        for word in re.findall(r"(?<![\w/.%}<>*-])((?:[\w-]+/)*[\w-]+\.md)\b", path.read_text(encoding="utf-8")):
+            bases = (ROOT, path.parent, ROOT / "compiler/docs")
+            if not (any((base / word).exists() for base in bases) or ("/" not in word and word in names)):
+                problems.append(f"{relative(path)}: {word} does not exist")
+    return problems
+
+
 def check_license():
     text = (ROOT / "LICENSE").read_text(encoding="utf-8") if (ROOT / "LICENSE").exists() else ""
     wanted = ("Apache License", "Version 2.0, January 2004", "LLVM Exceptions to the Apache 2.0 License")
