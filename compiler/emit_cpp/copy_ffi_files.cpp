@@ -1,6 +1,5 @@
 // See copy_ffi_files.hpp. Includes are followed without a preprocessor: a header in a branch that is not taken is
-// copied, too; one whose name is a macro is not found, and neither is one of the system, which stays where it is.
-// Linear in the files.
+// copied as well, one whose name is a macro is not found, and system headers are not copied. Linear in the files.
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The FFI of a model, copied into an emitted project, so that the project can be moved. Internal to emit_cpp/.
+// Copies the C++ files of a model into an emitted project, so that the project can be moved. Internal to emit_cpp/.
 #pragma once
 #include <filesystem>
 #include <optional>

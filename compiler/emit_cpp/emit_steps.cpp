@@ -1,7 +1,7 @@
-// One C++ function a shape of interaction: see compiler/lower/step_shapes.hpp for what the operations mean.
+// Emits one C++ function per shape of interaction; compiler/lower/step_shapes.hpp defines the operations.
 //
-// Operands are local constants v0, v1, ...; the units' functions are called by name, so that the compiler inlines them.
-// In loops positions are pointers that move by constants: then compilers make vectors of them.
+// Operands are local constants v0, v1, …. The functions of units are called by name, so that the compiler inlines them.
+// In loops, positions are pointers that advance by constants, which lets compilers vectorise them.
 #include "compiler/emit_cpp/emit_steps.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Step functions as C++ text.
+// Emits step functions as C++ text.
 #pragma once
 #include <string>
 

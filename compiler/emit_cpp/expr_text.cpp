@@ -1,8 +1,8 @@
-// Expressions of the code IR as C++ text.
+// Prints expressions of the code IR as C++.
 //
-// int arithmetic goes through wrap_add … and divide/modulo, everything else is the operator. C++ leaves the order of a
-// binary operator's operands open; that can be seen only if both can fault or one calls C++, and then they are bound
-// left to right first.
+// int arithmetic uses wrap_add … and divide/modulo; other operators are C++'s. C++ does not specify the order in which
+// the operands of a binary operator are evaluated. The order is observable only if both can fault or one calls C++;
+// then the operands are bound to names left to right first.
 #include "compiler/emit_cpp/functions.hpp"
 
 namespace bip::emit_cpp {

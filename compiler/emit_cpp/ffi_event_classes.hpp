@@ -1,5 +1,4 @@
-// The C++ classes behind ports for events, as text: names for them, their getters, and their rows of
-// Image::event_classes.
+// Emits the C++ classes behind event ports: their names, their getters, and their rows of Image::event_classes.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// See ffi_text.hpp. Wrappers are called `call_f`, so that they never hide the `f` that they call.
+// See ffi_text.hpp. Wrappers are named `call_f`, so that they never hide the function `f` that they call.
 #include "compiler/emit_cpp/ffi_text.hpp"
 
 #include "compiler/emit_cpp/ffi_event_classes.hpp"

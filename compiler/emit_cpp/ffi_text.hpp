@@ -1,7 +1,7 @@
-// The FFI of a system as text: one wrapper a function of the code table, with native parameters, so that
-// overloads, conversions and exceptions are C++'s matter in one place.
+// Emits the FFI of a system: one wrapper per function of the code table, with native parameters, so that C++ resolves
+// overloads, conversions and exceptions in one place.
 //
-// Both users share it: the emitted program calls the wrappers by name, the shared object of `bipc run` adds adapters
+// It has two users: the emitted program calls the wrappers by name; the shared object of `bipc run` adds adapters
 // (rt::FfiFunction) around them.
 #pragma once
 #include <set>

@@ -1,9 +1,9 @@
-// Guards, actions and transfers as C++ functions with the model's names.
+// Emits guards, actions and transfers as C++ functions with the model's names.
 //
-// A function names the variables it uses, each a reference into the cells, then reads like its source. One that divides
-// ints is a function-try-block: the first fault ends it with the site's status, as rt::CodeFn wants it.
-// Cost: linear in the code. Recursion follows nested ifs and expressions, whose depth the parser caps; else-if chains
-// are followed in a loop.
+// A function declares the variables that it uses as references into the cells; its body then resembles the source. A
+// function that divides ints is a function-try-block: the first fault ends it with the site's status, as rt::CodeFn
+// requires. Linear in the code. Recursion follows nested ifs and expressions, whose depth the parser limits; else-if
+// chains are followed in a loop.
 #include "compiler/emit_cpp/functions.hpp"
 
 #include <algorithm>

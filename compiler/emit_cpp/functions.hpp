@@ -1,4 +1,4 @@
-// One C++ function a code unit.
+// Emits one C++ function per code unit.
 #pragma once
 #include <cstdint>
 #include <vector>

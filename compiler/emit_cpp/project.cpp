@@ -1,6 +1,7 @@
-// A directory that builds alone: model.cpp, CMakeLists.txt, copies of the runtime and of the model's FFI files.
+// Writes a directory that can be built by itself: model.cpp, CMakeLists.txt, copies of the runtime and of the model's
+// C++ files.
 //
-// Files whose text is already there are left untouched, so a second emission rebuilds only what changed.
+// Files whose text is unchanged are not written, so that a second emission rebuilds only what changed.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

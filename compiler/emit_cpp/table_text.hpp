@@ -1,4 +1,4 @@
-// Cells of the emitted tables as text.
+// Prints single values of the emitted tables.
 #pragma once
 #include <initializer_list>
 #include <string>

@@ -1,7 +1,7 @@
-// Tables of types and of the image; those of instances are in tables_instances.cpp.
+// Emits the tables of types and of the image; tables_instances.cpp emits those of instances.
 //
-// Everything is a constant aggregate, one row a line, so that a compiler only copies it: 10,000 atoms compile in about
-// a second. Cost: linear in the image.
+// Everything is a constant aggregate, one row per line, so that a compiler only copies it: 10,000 atoms compile in
+// about a second. Linear in the image.
 #include "compiler/emit_cpp/tables.hpp"
 
 #include "compiler/emit_cpp/ffi_text.hpp"

@@ -1,6 +1,7 @@
-// Tables of instances: compounds, atoms with their arguments, connectors with ports and bound cells, priorities.
+// Emits the tables of instances: compounds, atoms with their arguments, connectors with ports and bound cells,
+// priorities.
 //
-// One row a line; rows that carry no path say in a comment whose they are.
+// One row per line; rows without a path name their owner in a comment.
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 #include "compiler/emit_cpp/tables.hpp"

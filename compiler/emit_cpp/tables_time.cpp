@@ -1,4 +1,4 @@
-// Tables of types that have to do with time; see tables.hpp.
+// Emits the tables of timed types; see tables.hpp.
 #include "compiler/emit_cpp/table_text.hpp"
 #include "compiler/emit_cpp/tables.hpp"
 

@@ -1,6 +1,6 @@
-// Text of the emitted file with its #line bookkeeping, and how names and constants are spelled in C++.
+// The text of the emitted file with its #line bookkeeping, and the spelling of names and constants in C++.
 //
-// `at(loc)` writes a #line only where the compiler would think of another line, so most code stays free of them.
+// `at(loc)` writes a #line only if the compiler would otherwise assume another line, so most of the code has none.
 #pragma once
 #include <cstdint>
 #include <string>

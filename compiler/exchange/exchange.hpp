@@ -1,8 +1,8 @@
-// The System in the languages of other tools: Promela for SPIN, PNML for Petri net tools.
+// Writes the System in the languages of other tools: Promela for SPIN, PNML for Petri net tools.
 //
-// What they are for is a second opinion: reachable stable states and deadlocks are the System's own, run-time errors
-// end a run without being deadlocks. A model that a format has no form for is refused with the reason; nothing is left
-// out silently.
+// The purpose is a second opinion: the reachable stable states and deadlocks are those of the System, and a run-time
+// error ends a run without being a deadlock. A model that a format cannot express is refused with the reason; nothing
+// is omitted silently.
 #pragma once
 #include <string>
 

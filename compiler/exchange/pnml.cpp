@@ -1,7 +1,7 @@
-// See exchange.hpp. A net has neither data nor preferences, so: guards must be decided by parameters, priorities and
-// larger interactions that go before smaller ones are refused. A place is one of an atom's, a transition an interaction
-// with a transition of each of its ports; internal transitions are folded into those that lead to them. Written to
-// ISO/IEC 15909-2's PT net schema.
+// See exchange.hpp. A net has neither data nor priorities, so models are refused whose guards are not decided by
+// parameters, that have priorities, or in which a larger interaction hides a smaller one. Each place is a place of an
+// atom, each transition an interaction with one transition for each of its ports. Internal transitions are folded into
+// the transitions that lead to them. The format is the PT net schema of ISO/IEC 15909-2.
 #include "compiler/exchange/exchange.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// See exchange.hpp. One process that takes a step at a time: an alternative an interaction, each a `d_step`, so that
-// SPIN's states are the stable ones. Where no alternative is executable the process waits for ever, SPIN's invalid end
-// state; after a run-time error it ends. Cost: the interactions, times what they touch.
+// See exchange.hpp. Writes one process that takes one step at a time, with one alternative per interaction, each a
+// `d_step`, so that SPIN's states are the stable ones. If no alternative is executable the process waits forever, which
+// is SPIN's invalid end state; after a run-time error it ends. Cost: the number of interactions times the size of each.
 #include "compiler/exchange/promela.hpp"
 
 #include <algorithm>

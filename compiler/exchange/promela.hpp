@@ -1,4 +1,4 @@
-// The work of promela(), shared by its files: atoms, connectors, priorities. Internal to exchange/.
+// The class behind promela(), shared by the files for atoms, connectors and priorities. Internal to exchange/.
 #pragma once
 #include <set>
 

@@ -1,5 +1,5 @@
-// Atoms in Promela: `p3` the place of atom 3 (`m3_1`: is place 1 of a Petri net atom marked?), `d3_0` its variable 0,
-// `on3_1` whether its port 1 is enabled, `settle3()` what happens to it before anybody looks at it again.
+// Atoms in Promela. Names: `p3` is the place of atom 3 (`m3_1`: whether place 1 of a Petri net atom is marked), `d3_0`
+// its variable 0, `on3_1` whether its port 1 is enabled; `settle3()` runs its internal transitions after a step.
 #include <algorithm>
 
 #include <fmt/format.h>

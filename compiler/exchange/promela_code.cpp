@@ -1,4 +1,4 @@
-// See promela_code.hpp. Recursion follows code, whose depth .bsys bounds.
+// See promela_code.hpp. Recursion follows the nesting of code, which .bsys limits.
 #include "compiler/exchange/promela_code.hpp"
 
 #include <limits>

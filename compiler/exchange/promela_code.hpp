@@ -1,4 +1,4 @@
-// Guards and actions as Promela text.
+// Prints guards and actions as Promela text.
 #pragma once
 #include <functional>
 #include <map>

@@ -1,5 +1,6 @@
-// Connectors in Promela: `en3_1` whether interaction 1 of connector 3 is enabled, `is3_1` whether no larger one is,
-// `f3_0` its own data while a step is taken. What an `up` computes stands in the guards above it as an expression.
+// Connectors in Promela. Names: `en3_1` is whether interaction 1 of connector 3 is enabled, `is3_1` whether no larger
+// one is, `f3_0` its own variable 0 during a step. The values that an `up` computes appear in the guards above it as
+// expressions.
 #include <algorithm>
 
 #include <fmt/format.h>

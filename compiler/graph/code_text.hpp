@@ -1,8 +1,8 @@
-// Code as BIP writes it, in one line: guards, actions and transfers for people who look at a picture.
+// Prints code as BIP text in one line: guards, actions and transfers for pictures and JSON.
 //
-// Names come from the owner of the code. What the compiler adds is left out again: conversions to float, and the hidden
-// variables of time, whose stores become assignments to the clock. Needs code that `validate` accepts; recursion
-// follows its nesting, which is limited there. Linear in the output.
+// Names come from the owner of the code. Code that the compiler adds is not printed: conversions to float, and the
+// hidden variables of time, whose stores are printed as assignments to the clock. Requires code that `validate`
+// accepts; recursion follows its nesting, which is limited there. Linear in the output.
 #pragma once
 #include <string>
 #include <string_view>

@@ -1,4 +1,4 @@
-// The DOT text: its frame, and the quoting that both halves use.
+// The frame of the DOT text, and the quoting that structure and automata share.
 #include "compiler/graph/dot.hpp"
 
 #include "compiler/graph/graph.hpp"

@@ -1,4 +1,4 @@
-// What the two halves of the DOT text share: quoting and labels. Internal to graph/.
+// Quoting and labels of DOT text, shared by dot_structure.cpp and dot_automata.cpp. Internal to graph/.
 #pragma once
 #include <string>
 #include <string_view>

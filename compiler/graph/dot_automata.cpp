@@ -1,5 +1,5 @@
-// The automaton of each atom type as DOT: circles are places, arrows transitions. A transition with several places on a
-// side, which is a Petri net's, is a bar of its own.
+// The automaton of each atom type as DOT: circles are places, arrows are transitions. A transition of a Petri net,
+// which has several places on one side, is a bar.
 #include <fmt/format.h>
 
 #include <iterator>

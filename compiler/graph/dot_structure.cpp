@@ -1,5 +1,5 @@
-// Components and connectors as DOT: a cluster a compound, a record an atom with its exported ports, a rounded box a
-// connector. Iterative over the hierarchy.
+// Components and connectors as DOT: one cluster per compound, one record per atom with its exported ports, one rounded
+// box per connector. Iterative over the hierarchy.
 #include <fmt/format.h>
 
 #include <iterator>

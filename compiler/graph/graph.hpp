@@ -1,7 +1,7 @@
-// A System as a picture and as data: DOT for Graphviz, JSON for other tools. Format: compiler/docs/cli.md, `bipc
-// graph`.
+// Writes a System as DOT for Graphviz, or as JSON for other programs. The formats are described in
+// compiler/docs/cli.md, `bipc graph`.
 //
-// Needs a System that `validate` accepts. Deterministic: rows in table order. Linear in the System and its code.
+// Requires a System that `validate` accepts. Deterministic: rows in table order. Linear in the System and its code.
 #pragma once
 #include <string>
 

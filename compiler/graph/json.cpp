@@ -1,5 +1,5 @@
-// The System as JSON: one object, a list a table, names instead of row numbers wherever a name is unique. Code is BIP
-// text in one line. Keys are in a fixed order; what is absent or empty is left out, except lists that are always
+// The System as JSON: one object with one list per table. Rows are identified by names where names are unique. Code is
+// BIP text in one line. Keys have a fixed order; absent or empty values are omitted, except lists that are always
 // expected.
 #include <nlohmann/json.hpp>
 

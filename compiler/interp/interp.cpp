@@ -1,8 +1,8 @@
-// The reference executor. One evaluator over the code IR serves guards, actions and transfers.
+// The reference executor. One evaluator over the code IR executes guards, actions and transfers.
 //
-// Operands are evaluated left to right, && and || stop early, and the first fault ends the unit at once: nothing after
-// it is read or stored. Statements are followed in a loop; expressions and nested ifs recurse, and the parser caps
-// their depth. Float operations are plain IEEE double: this file is compiled without fast-math or contraction.
+// Operands are evaluated left to right, && and || stop early, and the first fault ends the unit: nothing is read or
+// stored after it. Statements are followed in a loop; expressions and nested ifs recurse, and the parser limits their
+// depth. Float operations are plain IEEE double: this file is compiled without fast-math or contraction.
 #include "compiler/interp/interp.hpp"
 
 #include <vector>

@@ -1,5 +1,5 @@
-// The reference executor: evaluates the code IR tree by tree. Small, slow, needs no LLVM; the oracle for jit and
-// emit_cpp.
+// The reference executor: evaluates the code IR tree by tree. Small, slow and independent of LLVM; the oracle for jit
+// and emit_cpp.
 #pragma once
 #include <memory>
 

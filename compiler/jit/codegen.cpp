@@ -1,9 +1,9 @@
-// Code IR to LLVM IR, one function a unit.
+// Generates LLVM IR from the code IR, one function per unit.
 //
-// Meaning as in code.hpp, the same as the interpreter's: int is i32 with plain (wrapping) arithmetic, bool is i1 in
+// The meaning is that of code.hpp and of the interpreter: int is i32 with wrapping arithmetic, bool is i1 in
 // expressions and 0/1 in cells, float is double without any fast-math flag, string is the i32 row of its text. A store
-// writes all 64 bits of the cell. Divisions branch to `ret <status>`; && and || branch. Expressions recurse (their
-// depth is limited by `validate`); statements are followed in a loop but for nested ifs.
+// writes all 64 bits of the cell. Divisions branch to `ret <status>`; && and || branch. Expressions recurse (`validate`
+// limits their depth); statements are followed in a loop except for nested ifs.
 #include "compiler/jit/codegen.hpp"
 
 #include <llvm/IR/IRBuilder.h>

@@ -1,4 +1,4 @@
-// LLVM IR for code units. Internal to jit/; the only headers of LLVM it needs are those of the IR.
+// LLVM IR for code units. Internal to jit/; includes only the IR headers of LLVM.
 #pragma once
 #include <llvm/IR/Module.h>
 

@@ -1,5 +1,5 @@
-// The module of whole steps: a rt::StepFn a shape, then the loop over them. The list's length lives in a register; it
-// is stored at the end.
+// Generates the module of compiled steps: one rt::StepFn per shape, and the loop over steps. The length of the enabled
+// set lives in a register and is stored at the end.
 #include <cstddef>
 #include <optional>
 

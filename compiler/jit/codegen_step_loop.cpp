@@ -1,9 +1,9 @@
-// The loop over steps as LLVM IR: rt::take_steps (bip/step_loop.hpp) with `take` written out, since what it takes is
-// known by now: the runs with the most interactions, their operands as constants. A draw is a few instructions, no
-// address is computed twice, and nothing is called but steps with loops in them.
+// The loop over compiled steps as LLVM IR: rt::take_steps (bip/step_loop.hpp) specialised to the runs with the most
+// interactions, with their operands as constants. A draw is a few instructions, no address is computed twice, and the
+// only calls are to steps that contain loops.
 //
-// The core's arrays are arguments of an inner function: there LLVM knows that they are different ones. Random numbers
-// are those of bip/prng.hpp; the one case in 2^64 / n in which it may draw again is left to it.
+// The core's arrays are arguments of an inner function, which tells LLVM that they do not alias. Random numbers are
+// those of bip/prng.hpp; the rare case (probability n / 2^64) in which a draw is repeated calls that header's function.
 #include <llvm/IR/MDBuilder.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
-// The operations of a step as LLVM IR: see compiler/lower/step_shapes.hpp for what they mean;
-// compiler/emit_cpp/emit_steps.cpp writes the same as C++.
+// The operations of a step as LLVM IR. compiler/lower/step_shapes.hpp defines them; compiler/emit_cpp/emit_steps.cpp
+// generates the same as C++.
 //
-// Units are built once more into this module, to be inlined. The list's length is a variable, which passes put into a
-// register.
+// Units are generated again in this module, so that they can be inlined. The length of the enabled set is a local
+// variable, which LLVM's passes move to a register.
 #include "compiler/jit/codegen_steps.hpp"
 
 #include <functional>

@@ -1,5 +1,5 @@
-// A step's operations as LLVM IR, written where a builder is: into a function of one shape, or into a loop over steps.
-// Internal to jit/.
+// The operations of a step as LLVM IR, appended at a builder's position: in a function of one shape, or in a loop over
+// steps. Internal to jit/.
 #pragma once
 #include <llvm/IR/IRBuilder.h>
 

@@ -1,4 +1,5 @@
-// See debug_info.hpp. Variables are not described: they are cells, which `bipc serve` and traces show with their names.
+// See debug_info.hpp. Variables are not described, because they are cells of the core; `bipc serve` and traces show
+// them by name.
 #include "compiler/jit/debug_info.hpp"
 
 #include <llvm/BinaryFormat/Dwarf.h>

@@ -1,4 +1,4 @@
-// DWARF for a module: functions and lines as they are in the model. Internal to jit/.
+// DWARF debug information for a module: functions and lines of the model. Internal to jit/.
 #pragma once
 #include <llvm/IR/DIBuilder.h>
 #include <llvm/IR/Module.h>

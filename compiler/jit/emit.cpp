@@ -1,4 +1,4 @@
-// The units as text: LLVM IR, or assembly of this machine. One module, so that a person sees the whole.
+// Prints the units as LLVM IR or as assembly of this machine, in one module.
 #include <llvm/ADT/SmallString.h>
 #include <llvm/IR/LegacyPassManager.h>
 #include <llvm/IR/Verifier.h>

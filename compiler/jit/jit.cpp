@@ -1,10 +1,10 @@
-// Units to machine code in this process, with LLVM's ORC.
+// Compiles units to machine code in this process, with LLVM's ORC.
 //
-// Units go in modules of kUnitsPerModule (one a module costs six times as much, all in one makes passes and linking
-// slow to start), each compiled and looked up before the next is built, so that memory stays that of one module plus
-// the code. A module has a context of its own: what a pass interns dies with it. A module's object is looked for in the
-// cache by the hash of its IR as built, of the machine and of this library: only what nobody has compiled before runs
-// passes.
+// A module has kUnitsPerModule units (one unit per module costs six times as much; all units in one module delay the
+// first result). Each module is compiled and looked up before the next is built, so memory is bounded by one module
+// plus the code. Each module has its own LLVM context, which is destroyed with it. The object code of a module is
+// looked up in the cache by the hash of its unoptimised IR, of the processor and of this library; passes run only for
+// modules that are not in the cache.
 #include "compiler/jit/jit.hpp"
 
 #include <dlfcn.h>

@@ -1,4 +1,4 @@
-// Native code for guards, actions and transfers with LLVM ORC. The only folder that knows LLVM.
+// Native code for guards, actions and transfers with LLVM ORC. The only folder that includes LLVM.
 #pragma once
 #include <functional>
 #include <memory>

@@ -1,5 +1,6 @@
-// The entry points of libbipc_jit.so. C names, so that the driver finds them with dlsym; C++ types may cross, since
-// both sides are built by one compiler from one tree (`bipc_jit_abi` tells them apart if they are not).
+// The entry points of libbipc_jit.so. They have C names, so that the driver finds them with dlsym. C++ types may be
+// passed, because program and plug-in are built by one compiler from one tree; `bipc_jit_abi` detects a plug-in that
+// was not.
 #pragma once
 #include <cstdint>
 #include <string>

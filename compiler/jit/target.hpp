@@ -1,4 +1,4 @@
-// The machine that code is made for, and the IR passes before. Internal to jit/.
+// The target machine (this host), and the IR passes that run before code generation. Internal to jit/.
 #pragma once
 #include <llvm/ExecutionEngine/Orc/JITTargetMachineBuilder.h>
 #include <llvm/IR/Module.h>

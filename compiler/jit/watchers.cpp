@@ -1,5 +1,5 @@
-// See watchers.hpp. gdb reads objects with DWARF that it is told of by the interface of its manual's chapter "JIT
-// Compilation Interface"; perf knows anonymous code by a text file of addresses, sizes and names.
+// See watchers.hpp. gdb reads objects with DWARF that are registered by its "JIT Compilation Interface" (GDB manual);
+// perf reads a text file of addresses, sizes and names.
 #include "compiler/jit/watchers.hpp"
 
 #include <llvm/ExecutionEngine/JITLink/JITLink.h>

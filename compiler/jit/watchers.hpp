@@ -1,4 +1,4 @@
-// What tools outside see of machine code in this process: gdb's list of in-memory objects, perf's map. Internal to
+// Registers machine code of this process with other tools: gdb's list of in-memory objects, perf's map. Internal to
 // jit/.
 #pragma once
 #include <llvm/ExecutionEngine/Orc/LLJIT.h>

@@ -1,4 +1,4 @@
-// What is known of a unit's code without running it.
+// Static facts about the code of a unit: can it fault, does it call C++.
 #pragma once
 #include <cstdint>
 #include <vector>

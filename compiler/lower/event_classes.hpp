@@ -1,4 +1,4 @@
-// C++ classes behind ports for events: which ones a system needs, one a port of an atom type with instances.
+// The C++ classes behind event ports that a system needs: one per event port of an atom type with instances.
 #pragma once
 #include <vector>
 

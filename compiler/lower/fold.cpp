@@ -1,5 +1,5 @@
-// Folding tables; see fold.hpp. A stretch of rows is a series if period after period each number grows by what it grew
-// first, and of each name one index by one.
+// Folds tables, see fold.hpp. A range of rows is a series if, from period to period, each number grows by the same
+// difference, and one index in each name by one.
 #include "compiler/lower/fold.hpp"
 
 #include <charconv>

@@ -1,9 +1,9 @@
-// Tables of instances, folded: what an array of components or connectors repeats stands once (rt::Rows).
+// Folded tables of instances: rows that arrays of components or connectors repeat are stored once (rt::Rows).
 //
-// Folding is the last thing that happens to a table. Rows, names and places included, come out as they went in; what
-// does not repeat stands as it is. Tables of a screenful are left alone: whoever reads an emitted file wants to see
-// them. Linear but for the search of a period, which tries the first 64; names are copied, so the System's are no
-// longer needed.
+// Folding is the last pass over a table. Decoded rows equal the original ones, including names and places; irregular
+// rows are stored as they are. Small tables are not folded, because people read them in emitted files. Linear, except
+// for the search of a period, which tries the first 64. Names are copied, so the System's names are not needed
+// afterwards.
 #pragma once
 #include <vector>
 

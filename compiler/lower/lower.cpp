@@ -1,7 +1,7 @@
-// System to image: fills the pools, then lets the image point to them.
+// Lowers a System to an image: fills the pools, then sets the image's pointers.
 //
-// Needs a System that `validate` accepts. Promises the same image for the same System; time and memory are linear,
-// code is per type. Functions stay null until an executor fills `codes`.
+// Requires a System that `validate` accepts. Deterministic; linear in time and memory, with code per type. Functions
+// are null until an executor fills `codes`.
 #include "compiler/lower/lower.hpp"
 
 #include "compiler/base/assert.hpp"

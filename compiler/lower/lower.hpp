@@ -1,4 +1,4 @@
-// From the System to the runtime's image: layout of variables, bindings as offsets, one code unit per guard, action or
+// From the System to the runtime's image: layout of cells, bindings as offsets, one code unit per guard, action or
 // transfer of a type. All executors start here.
 #pragma once
 #include <deque>

@@ -1,7 +1,7 @@
-// Instances to rows: variable bases, port references and tables of bound variables.
+// Lowers instances to rows: first cells, port references and tables of bound variables.
 //
-// Interactions are laid out atoms first, in the System's order, then connectors by height; a connector comes after
-// those it is bound to, so one pass knows every base that a binding needs. Linear in the number of instances and
+// Cells are laid out for atoms first, in the System's order, then for connectors by height. A connector comes after
+// those that it binds, so one pass knows every cell that a binding needs. Linear in the number of instances and
 // bindings.
 #include <algorithm>
 #include <utility>

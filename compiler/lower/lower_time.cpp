@@ -1,4 +1,4 @@
-// What types have to do with time, as the runtime wants it. A type without any of it gets no tables.
+// Lowers the timed part of types: clocks, bounds, urgency, `resume`. Types without time get no tables.
 #include "compiler/lower/pools.hpp"
 #include "runtime/include/bip/image_time.hpp"
 

@@ -1,6 +1,6 @@
-// Types to their runtime tables, and one code unit for each guard, action and transfer of a type.
+// Lowers types to runtime tables, with one code unit per guard, action and transfer of a type.
 //
-// Cost: linear in the text of the types; instances play no part.
+// Linear in the size of the types, independent of the instances.
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/pools.hpp"
 #include "compiler/lower/range_code.hpp"

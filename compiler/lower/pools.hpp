@@ -1,8 +1,8 @@
-// What an Image points to, and the context of one lowering. Private to lower/.
+// Storage behind an Image, and the context of one lowering. Internal to lower/.
 //
-// Small arrays of types live in an arena, the instance tables in vectors that are sized before anything points to them.
-// Names of types and compounds are not copied: the System owns them and outlives the image. Of atoms and connectors
-// nothing is needed later.
+// Small arrays of types live in an arena, instance tables in vectors that have their final size before anything points
+// to them. Names of types and compounds are not copied: the System owns them and must outlive the image. Nothing of
+// atoms and connectors is needed after lowering.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// See intervals.hpp. Recursion follows the code's nesting, which the parser caps.
+// See range_code.hpp. Recursion follows the nesting of code, which the parser limits.
 #include "compiler/lower/range_code.hpp"
 
 #include "compiler/lower/code_facts.hpp"

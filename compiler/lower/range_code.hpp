@@ -1,4 +1,4 @@
-// A clause's guard and `up` as the runtime reads them over ranges of values (runtime/core/search/ranges.hpp).
+// Lowers the guard and the `up` of a clause to operations over intervals (runtime/core/search/ranges.hpp).
 #pragma once
 #include <optional>
 #include <vector>

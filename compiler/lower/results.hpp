@@ -1,7 +1,8 @@
-// The objects between a call that gives a value of an FFI type and the use of that value: one a call and thread.
+// Objects that hold the result of a call with an FFI type until it is used: one per call and thread.
 //
-// Calls do not nest in themselves, but with `--engine=threads` two atoms of a type run the same call at a time. An
-// object is made at a thread's first call and stays; one look under a lock each (as FfiContext has for strings).
+// Calls do not nest in themselves, but with `--engine=threads` two atoms of a type can execute the same call at the
+// same time. An object is created at the first call of a thread and reused; each access takes one lock (as FfiContext
+// does for strings).
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,7 +1,7 @@
 // Shapes of interactions, from which step functions are generated (bip/steps.hpp); compiler/steps derives them.
 //
-// A shape is a list of operations. What differs between interactions of one shape are the operands, numbered through
-// the operations in order: `refs` of them each, after a count if the operation repeats.
+// A shape is a list of operations. Interactions of one shape differ in the operands, which are numbered through the
+// operations in order: `refs` of them for each operation, after a count if the operation repeats.
 #pragma once
 #include <algorithm>
 #include <cstdint>

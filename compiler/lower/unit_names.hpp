@@ -1,7 +1,8 @@
-// Readable C identifiers for code units, each used once.
+// Readable, unique C identifiers for code units.
 //
-// Names come from the model ("Fork_on_take_from_free_guard"); what is not a letter, a digit or `_` becomes one `_`.
-// Long names are cut, equal ones numbered from _2 on. Linear in the text: counters are kept by stem.
+// Names come from the model ("Fork_on_take_from_free_guard"); each sequence of other characters than letters, digits
+// and `_` becomes one `_`. Long names are truncated, equal names are numbered from _2 on. Linear in the text: counters
+// are kept per stem.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,7 +1,7 @@
-// A model that runs on a thread of its own while others post events, look at it, pause it and take it back.
+// A model that runs on its own thread while other threads post events, observe it, pause it and restore it.
 //
-// Whoever wants to see or change more than an event hands over a function; it runs on the engine's thread between two
-// steps, so nothing is ever seen half-way. A waiting engine is woken for it. Cost while nothing happens: none.
+// Access to more than events is a function, which the engine's thread executes between two steps, so no observer sees a
+// state half-way through a step. A sleeping engine is woken for it. No cost while there are no requests.
 #pragma once
 #include <condition_variable>
 #include <deque>

@@ -1,7 +1,8 @@
-// What a line from a client means (compiler/docs/serve.md): checked, done, answered with one line. No sockets here.
+// Decodes one request of a client (compiler/docs/serve.md), executes it and encodes its answer. Knows nothing of
+// sockets.
 //
-// Nothing that a client sends can do more than be refused: lines are limited in size by who reads them, values are
-// checked against the model, unknown words are named. Nothing throws.
+// Every malformed request is refused with a reason: the reader limits the size of lines, values are checked against the
+// model, unknown words are named in the answer. Nothing throws.
 #pragma once
 #include <functional>
 #include <memory>

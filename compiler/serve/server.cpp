@@ -1,5 +1,5 @@
-// See server.hpp. A client lives in a table by number; handlers name the number, so that one that is gone is not
-// touched. It is taken out when no operation of it is under way, for those use its buffers.
+// See server.hpp. Clients are rows of a table. Handlers hold the row's number, not a pointer, so that a handler of a
+// closed connection does nothing. A client is removed when no operation on its buffers is pending.
 #include "compiler/serve/server.hpp"
 
 #include <unistd.h>

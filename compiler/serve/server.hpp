@@ -1,9 +1,9 @@
-// Connections of clients to a running model: standard input, a Unix socket, TCP on the loopback. asio is caged in this
-// folder.
+// Connections of clients to a running model: standard input, a Unix socket, TCP on the loopback. The only folder that
+// includes asio.
 //
-// One thread serves all clients and never waits for one: what a client does not read is kept up to a bound, then notes
-// are dropped and counted to it, and its own lines are no longer read until it reads the answers. A line has a largest
-// size.
+// One thread serves all clients and never blocks on one of them. Output that a client does not read is buffered up to a
+// limit; beyond it notes are dropped and counted, and the client's requests are not read until it has read the answers.
+// The length of a line is limited.
 #pragma once
 #include <cstdint>
 #include <memory>

@@ -1,6 +1,6 @@
-// Columns: see columns.hpp. A cell's number is its variable's column, then the atom's rank among those of its type;
-// connectors' own data follow as they are. Operands are moved there one value after the other, which also shows whether
-// they still move by equal distances.
+// Computes the columns of columns.hpp. The number of a cell is the column of its variable, then the rank of the atom
+// among those of its type; connectors' own variables follow in their order. Operands are mapped one by one, which also
+// shows whether they still grow by equal strides.
 #include "compiler/steps/columns.hpp"
 
 #include <algorithm>

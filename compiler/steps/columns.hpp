@@ -1,8 +1,8 @@
-// Data in columns for the loop over steps.
+// Columnar layout of data for the loop over compiled steps.
 //
-// In the core's array an atom's variables lie side by side, eight bytes each. An interaction of a thousand atoms that
-// looks at one variable of each reads four or eight times what it needs. While the loop over steps runs nobody else
-// looks at data, so they may lie otherwise: four bytes each, and those of one variable in a row.
+// In the core's array the variables of an atom lie side by side, eight bytes each. An interaction of a thousand atoms
+// that reads one variable of each reads four or eight times the bytes that it needs. During the loop over steps nothing
+// else reads data, so the layout may differ there: four bytes per value, and all values of one variable in sequence.
 #pragma once
 #include "compiler/steps/derive_steps.hpp"
 

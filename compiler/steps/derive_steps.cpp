@@ -1,7 +1,7 @@
-// Shapes and runs: see derive_steps.hpp. Two interactions have one shape if their folded operations are equal but for
-// the operands. If there are few, shapes whose runs have other strides are told apart too: then strides are constants
-// in the code. A run goes on while interactions come at equal distances and every operand grows by an equal stride; the
-// borders of a ring or a grid are runs of their own.
+// Derives shapes and runs, see derive_steps.hpp. Two interactions have the same shape if their folded operations are
+// equal except for the operands. If there are few shapes, those whose runs have different strides are split as well,
+// which makes strides constants of the code. A run continues while interactions come at equal distances and every
+// operand grows by a constant stride; the borders of a ring or a grid are runs of their own.
 #include "compiler/steps/derive_steps.hpp"
 
 #include <algorithm>

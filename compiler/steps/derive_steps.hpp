@@ -1,5 +1,5 @@
-// From the runtime's image to the shapes of its interactions. See compiler/lower/step_shapes.hpp and
-// runtime/include/bip/steps.hpp.
+// Derives the shapes of interactions from the runtime's image. See compiler/lower/step_shapes.hpp for the operations
+// and runtime/include/bip/steps.hpp for how they are executed.
 #pragma once
 #include "compiler/lower/lower.hpp"
 

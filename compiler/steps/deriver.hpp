@@ -1,4 +1,4 @@
-// One derivation: what interactions do, interaction by interaction. Private to steps/.
+// The state of one derivation: the operations of each interaction in turn. Internal to steps/.
 #pragma once
 #include <map>
 #include <vector>

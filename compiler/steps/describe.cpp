@@ -1,9 +1,11 @@
-// What one interaction does: its code, where its atoms go, whose being enabled that may change.
+// Describes one interaction as operations: its code, the next places of its atoms, and the interactions that it may
+// enable or disable.
 //
-// Covered: rendezvous of atoms of simple types (each port one transition, without guards), flat or a hierarchy without
-// triggers, guards of flat connectors, internal ports, broadcasts of atoms without transfer, code that cannot fault. As
-// nothing faults and codes of different atoms or connectors share no variables, `up`s run bottom up, `down`s top down,
-// then actions: an order that repeats where the core's depth-first one does not. Hierarchies: transfers.cpp.
+// Supported: rendezvous of atoms of simple types (one transition per port, without guards), flat or in a hierarchy
+// without triggers; guards of flat connectors; internal ports; broadcasts of atoms without transfer; code that cannot
+// fault. Since nothing faults and the code of different atoms or connectors shares no variables, `up`s run bottom up,
+// `down`s top down, then actions: this order forms loops, unlike the core's depth-first order, and gives the same
+// result. Hierarchies: transfers.cpp.
 #include <algorithm>
 
 #include "compiler/steps/deriver.hpp"

@@ -1,5 +1,5 @@
-// Whose being enabled an interaction may change: interactions that count ports which flip, guards over data of atoms
-// that move, interactions that such an interaction hides.
+// Computes the interactions that a step may enable or disable: those that count a port that flips, those with a guard
+// over data of atoms that move, and those that are hidden by one of these.
 #include <algorithm>
 
 #include "compiler/steps/deriver.hpp"

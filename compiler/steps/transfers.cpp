@@ -1,13 +1,13 @@
-// Data that go up and down a hierarchy of connectors in one step.
+// Data that move up and down a hierarchy of connectors in one step.
 //
-// A connector's own data are zero before each use and nobody sees them after a step. So only what the atoms get counts:
-// - the old value of a variable, or many of them joined in any order (a sum, the largest): it is calculated in one
-// loop, and
-//   given to all at once;
-// - what an `up` calculated otherwise: `up`s run, and what `down`s only pass on is given at once;
-// - anything else: all code runs, `up`s bottom up, `down`s top down, the connectors of one depth by where their data
-// are, for
-//   levels of regular trees are regular.
+// The variables of a connector are zero before each use and are not observed after the step. So only the values that
+// atoms receive matter:
+// - the old value of a variable, or many of them joined in any order (a sum, the largest): computed in one loop and
+//   given to all receivers at once;
+// - another value that an `up` computes: the `up`s run, and a value that `down`s only pass on is given to the receivers
+//   at once;
+// - otherwise all code runs, `up`s bottom up and `down`s top down, the connectors of one depth in the order of their
+//   data, because the levels of regular trees are regular.
 #include <algorithm>
 #include <numeric>
 #include <tuple>

@@ -1,6 +1,6 @@
-// Values of cells: see values.hpp. Both branches of an `if` run, one after the other on the same cells; where they
-// differ, the larger or the smaller of two is recognised. Expressions recurse (their depth is limited by `validate`),
-// so do branches, up to a depth of their own, for chains of `else if` have no limit.
+// Symbolic values of cells, see values.hpp. Both branches of an `if` are executed, one after the other on the same
+// cells; where they differ, a maximum or minimum of two values is recognised. Expressions recurse (`validate` limits
+// their depth). Branches recurse as well, with a limit of their own, because chains of `else if` have none.
 #include "compiler/steps/values.hpp"
 
 #include <algorithm>

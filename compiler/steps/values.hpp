@@ -1,8 +1,8 @@
-// What code makes of cells, as expressions over what they held before it ran.
+// The effect of code on cells, as expressions over the values that the cells had before.
 //
-// Code of connectors mostly compares, adds up and passes on. A value that is a cell's old one, or many old ones joined
-// by an operation that may be done in any order with the same bits, need not go through the connectors' own variables:
-// whoever gets it can be given it at once. What cannot be said that way is opaque: a value of its own.
+// Code of connectors mostly compares, adds and passes values on. A value that is the old value of a cell, or many old
+// values joined by an operation whose order cannot be observed in the result's bits, need not pass through the
+// connectors' variables: the receiver can be given it directly. Any other value is opaque.
 #pragma once
 #include <utility>
 #include <vector>

@@ -1,5 +1,5 @@
-// Adapters by templates: a cell a parameter, exceptions as faults with their message. A row of the code table is found
-// by its name, and by the type of its argument where random_ffi.hpp overloads one.
+// Adapters by templates: one cell per parameter, exceptions as faults with their message. A row of the code table is
+// found by its name, and by the type of its argument where random_ffi.hpp overloads a function.
 #include "tools/gen/bind_ffi.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What `bipc run` compiles and loads, here by hand: the functions of random_ffi.hpp behind the runtime's calling
-// convention.
+// The functions of random_ffi.hpp behind the runtime's calling convention: written by hand here, generated, compiled
+// and loaded by `bipc run`.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// One model through everything that runs in this process.
+// Checks one model on every executor of this process.
 #include "tools/gen/check.hpp"
 
 #include "compiler/emit_cpp/emit_cpp.hpp"

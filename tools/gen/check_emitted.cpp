@@ -1,6 +1,7 @@
-// A batch of models as one C++ program: the emitted texts one after the other, a main() that makes every run and writes
-// each trace with its length before it. -O0 finds errors of emission; the optimiser is g++'s own affair. Runs of the
-// engines with several threads are judged by the program itself: one record a model, its counts or what is wrong.
+// Checks a batch of models as one C++ program: the emitted texts in sequence, and a main() that executes every run and
+// writes each trace with its length before it. Compiled with -O0, which finds errors of emission; errors of g++'s
+// optimiser are out of scope. Runs of the engines with several threads are checked inside the program, which writes one
+// record per model with its counts or the failure.
 #include <array>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// The naive oracle against the runtime's core, state by state: every atom's places and data, every candidate. The steps
-// are chosen by the generator's own random numbers, so that no policy is trusted.
+// Compares the naive oracle with the runtime's core, state by state: every atom's places and data, every candidate. The
+// generator's own random numbers choose the steps, so that the test does not depend on a policy.
 #include "tools/gen/comparison.hpp"
 
 namespace bip::gen {

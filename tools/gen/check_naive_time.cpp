@@ -1,7 +1,7 @@
-// Models with time against the oracle: at every instant states, clocks and candidates; of the engine's intervals that
-// nothing turns before it says so, that time may pass exactly as far as it says, and until when each candidate is
-// possible. The random numbers here say when time passes and how far, when events come and what is fired: no policy is
-// trusted.
+// Compares timed models with the oracle: states, clocks and candidates at every instant. For the engine's intervals: no
+// truth value changes before the predicted instant, time may pass exactly as far as predicted, and each candidate is
+// possible exactly until the predicted instant. The generator's random numbers choose delays, events and steps, so that
+// the test does not depend on a policy.
 #include "tools/gen/comparison.hpp"
 
 namespace bip::gen {

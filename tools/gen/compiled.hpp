@@ -1,4 +1,4 @@
-// One generated model through the compiler, in process: the stages one by one, no files.
+// Compiles one generated model in process, stage by stage, without files.
 #pragma once
 #include <memory>
 #include <string>

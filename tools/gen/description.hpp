@@ -1,7 +1,7 @@
-// A random model as data: what the generator makes, the printer writes as .bip, the shrinker takes apart and the naive
-// oracle runs. Deliberately not the compiler's syntax tree: an error there must not hide here.
+// A random model as data: the generator creates it, the printer writes it as .bip, the shrinker reduces it and the
+// naive oracle executes it. It is not the compiler's syntax tree on purpose: an error there must not be hidden here.
 //
-// Names are strings and references go by name; models are small, clarity wins.
+// Names are strings and references are names; models are small, so clarity matters more than speed.
 #pragma once
 #include <cstdint>
 #include <optional>

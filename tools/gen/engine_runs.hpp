@@ -1,6 +1,6 @@
-// Runs of the engines with several threads under random delays: each must be one that the core accepts
-// (runtime/engine/replay_record.hpp), its end and last state included. Needs the runtime only, so that emitted programs
-// of a batch make the same runs.
+// Runs of the engines with several threads under random delays. The core must accept each of them, including its end
+// and its last state (runtime/engine/replay_record.hpp). Needs the runtime only, so that emitted programs of a batch
+// execute the same runs.
 #pragma once
 #include <sys/mman.h>
 #include <unistd.h>

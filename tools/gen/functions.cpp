@@ -1,5 +1,5 @@
-// The table. The oracle calls the same C++ as everybody; which function, with which arguments and how often, is its
-// own.
+// The table of functions. The oracle calls the same C++ functions as the executors, but decides by itself which
+// function is called, with which arguments and how often.
 #include "tools/gen/functions.hpp"
 
 #include <algorithm>

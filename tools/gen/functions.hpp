@@ -1,5 +1,5 @@
-// The functions that code of a random model may call, as data: what the generator needs to write a call, what the
-// oracle needs to answer it. The C++ itself is tools/gen/ffi/random_ffi.hpp and the C and C++ libraries.
+// The functions that the code of a random model may call, as data: what the generator needs to write a call, and the
+// oracle to evaluate it. The C++ code is tools/gen/ffi/random_ffi.hpp and the C and C++ libraries.
 #pragma once
 #include "tools/gen/naive_value.hpp"
 

@@ -1,4 +1,5 @@
-// A seed's whole model: its style first, then port types, atom types, compounds from the leaves to the root.
+// Generates the model of a seed: first its style, then port types, atom types, and compounds from the leaves to the
+// root.
 #include "tools/gen/make.hpp"
 
 namespace bip::gen {

@@ -1,5 +1,5 @@
-// The parts of the generator: expressions and bodies, atom types, connector types, compounds. Each takes what it may
-// use and the random numbers; nothing is global.
+// The parts of the generator: expressions and bodies, atom types, connector types, compounds. Each receives what it may
+// use and the random numbers; there is no global state.
 #pragma once
 #include <map>
 #include <set>

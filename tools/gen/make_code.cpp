@@ -1,4 +1,4 @@
-// Random expressions and statements, well typed. Divisors are kept from zero by `(e & 7) + 1` unless the style wants
+// Random well-typed expressions and statements. Divisors are kept from zero by `(e & 7) + 1` unless the style asks for
 // faults; integer constants near the ends of the range make sums and products wrap.
 #include "tools/gen/make.hpp"
 

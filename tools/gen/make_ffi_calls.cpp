@@ -1,4 +1,5 @@
-// What a model declares beside its types: constants, functions of its own, and the calls of C++ that its code makes.
+// The declarations of a model beside its types: constants, functions of its own, and the C++ functions that its code
+// calls.
 #include "tools/gen/functions.hpp"
 #include "tools/gen/make.hpp"
 

@@ -1,6 +1,6 @@
-// Random priority rules. Connectors get a rank and rules between two connectors go up in rank; a rule within a
-// connector is the only one of that connector's own and its sides do not contain one another; a rule with *:* stands
-// alone. So no cycle can close, whatever the guards say.
+// Random priority rules. Connectors are ranked, and a rule between two connectors goes up in rank. A rule within a
+// connector is the only one of that connector, and neither of its sides contains the other. A rule with *:* is the only
+// rule. So no cycle can close, whatever the values of guards.
 #include <algorithm>
 
 #include "tools/gen/make.hpp"

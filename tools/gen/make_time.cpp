@@ -1,6 +1,6 @@
-// Time in a random model that is otherwise finished: clocks in units of different lengths, bounds with small limits (so
-// that intervals meet), urgency, invariants that usually leave a way out, `resume`, `@async`, ports for events from
-// outside. Types in the paper's notation that get time are written in BIP2's.
+// Adds time to a complete random model: clocks in units of different lengths, bounds with small limits (so that
+// intervals intersect), urgency, invariants that usually can be satisfied, `resume`, `@async`, external event ports.
+// Types in the paper's notation that get time are written in BIP2's.
 #include <algorithm>
 
 #include "tools/gen/make.hpp"

@@ -1,5 +1,5 @@
-// Time in the oracle. Conditions on clocks are comparisons of numbers at one instant; what the engine says of whole
-// intervals is asked again at every instant at which something might turn.
+// Time in the oracle. Conditions on clocks are comparisons of numbers at one instant; predictions of the engine about
+// whole intervals are checked at every instant at which a truth value may change.
 #include <algorithm>
 
 #include "tools/gen/naive.hpp"

@@ -1,5 +1,5 @@
-// A tree walk with the types looked at on the way. int is computed in 64 bits and wrapped, which is not how any
-// executor does it.
+// A tree walk that checks types while it evaluates. int is computed in 64 bits and then wrapped, unlike in any
+// executor.
 #include "tools/gen/naive_value.hpp"
 
 #include <cstdlib>

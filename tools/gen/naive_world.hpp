@@ -1,4 +1,4 @@
-// The naive oracle's instances: the description's compounds written out, arrays and loops included.
+// The instances of the naive oracle: the compounds of the description, with arrays and loops unfolded.
 #pragma once
 #include <memory>
 #include <set>

@@ -1,5 +1,5 @@
-// The model as packages: what is declared beside its types (constants, functions, the FFI as far as it is used),
-// what goes into which package, and how a package writes the names of another one.
+// Prints a model as packages: its declarations beside types (constants, functions, the FFI as far as it is used), the
+// package of each declaration, and how a package spells the names of another one.
 #include <map>
 
 #include "tools/gen/functions.hpp"

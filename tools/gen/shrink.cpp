@@ -1,4 +1,5 @@
-// The edits, by walking the description: the walk counts the places where something could be done and does the n-th.
+// The edits of the shrinker. A walk over the description counts the places at which an edit is possible and applies the
+// n-th.
 #include "tools/gen/shrink.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Making a failing model small: one edit at a time, kept while the failure persists.
+// Reduces a failing model: one edit at a time, kept if the failure persists.
 #pragma once
 #include <functional>
 

@@ -1,4 +1,4 @@
-// After an edit: references that lead nowhere are dropped, then whatever they held together, then what nobody uses.
+// After an edit: removes dangling references, then the declarations that need them, then unused declarations.
 #include <algorithm>
 #include <set>
 

@@ -1,5 +1,5 @@
-// One run of an image and everything that it says: candidates and choices in the reference engine's format, run-time
-// errors, the JSON trace, how it ended. Needs the runtime only, so that emitted programs of a batch use the same text.
+// One run of an image with all of its output: candidates and choices in the reference engine's format, run-time errors,
+// the JSON trace, how it ended. Needs the runtime only, so that emitted programs of a batch print the same text.
 #pragma once
 #include <sys/mman.h>
 #include <unistd.h>

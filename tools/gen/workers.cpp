@@ -1,5 +1,5 @@
-// Workers are forks; each writes lines of results into a pipe and its current seed into shared memory. When one dies,
-// the seed in hand has failed and a new worker goes on after it.
+// Workers are child processes. Each writes lines of results to a pipe and its current seed to shared memory. When a
+// worker dies, its current seed counts as failed and a new worker continues with the next one.
 #include "tools/gen/workers.hpp"
 
 #include <sys/mman.h>

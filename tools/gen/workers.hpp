@@ -1,4 +1,4 @@
-// Checking many seeds in several processes. A worker that crashes or hangs costs its seed, not the session.
+// Checks many seeds in several processes. A worker that crashes or hangs fails its seed and does not end the session.
 #pragma once
 #include "tools/gen/check.hpp"
 

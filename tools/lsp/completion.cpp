@@ -1,7 +1,7 @@
-// Completion: names by what may stand at the cursor, and the words of the language that may.
+// Completion: the names and the words of the language that may stand at the cursor.
 //
-// Where the cursor is comes from the words before it, since the text there is half-written as a rule; the names come
-// from the index. While the file cannot be read at all, the names of its last readable state serve.
+// The context is computed from the words before the cursor, because the text there is usually incomplete; the names
+// come from the index. While the file cannot be parsed, the names of its last parsed state are used.
 #include <algorithm>
 #include <set>
 

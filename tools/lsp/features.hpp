@@ -1,4 +1,4 @@
-// What a request is answered with, one function a request. A document is open; an offset is one of its text.
+// The answers to requests, one function per request. The document must be open; offsets are in its text.
 #pragma once
 #include "tools/lsp/workspace.hpp"
 

@@ -1,8 +1,8 @@
 // Messages on a byte stream: `Content-Length: N`, an empty line, N bytes.
 //
-// Bytes are fed as they come and messages are taken as they are complete. A header that is none is skipped up to the
-// next line that begins with `Content-Length:`, so one bad message does not cost the session. Lengths are limited; what
-// is too long is passed over without being stored.
+// Bytes are fed as they arrive, messages are taken when they are complete. A malformed header is skipped up to the next
+// line that begins with `Content-Length:`, so that one bad message does not end the session. Lengths are limited; a
+// longer message is skipped without being stored.
 #pragma once
 #include <cstddef>
 #include <optional>

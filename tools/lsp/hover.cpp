@@ -1,4 +1,4 @@
-// Hover: the declaration, where it is, what belongs to it, and the comment above it.
+// Hover: the declaration of a name, its location, its members, and the comment above it.
 #include "tools/lsp/features.hpp"
 
 namespace bip::lsp {

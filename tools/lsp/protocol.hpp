@@ -1,4 +1,4 @@
-// JSON-RPC as far as the server needs it: errors, and readers of parameters that never trust a message.
+// JSON-RPC as the server needs it: errors, and readers of parameters that check every message.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>

@@ -1,4 +1,4 @@
-// The protocol: which message is when in order, and who answers it.
+// The protocol: which messages are valid in which state, and which function answers them.
 #include "tools/lsp/server.hpp"
 
 #include <filesystem>

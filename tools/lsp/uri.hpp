@@ -1,5 +1,5 @@
-// file: URIs and paths. Other schemes (untitled:…) have no path; their whole text serves as one, so that they can be
-// checked like files, only that no folder is theirs.
+// file: URIs and paths. Other schemes (untitled:…) have no path; their whole text is used as one, so that such
+// documents can be checked like files, without a folder of their own.
 #pragma once
 #include <string>
 #include <string_view>

@@ -1,6 +1,6 @@
-// The words of the language as completion needs them, and a text cut into words without comments and strings.
+// The words of the language for completion, and a scanner that splits text into words without comments and strings.
 //
-// Not a lexer: it never fails, so it serves on half-written text.
+// The scanner is not a lexer: it never fails, so it works on incomplete text.
 #pragma once
 #include <cstdint>
 #include <string_view>

@@ -1,8 +1,7 @@
-// The open documents, and what the compiler says of each.
+// The open documents, and the compiler's diagnostics for each.
 //
-// Every change is followed by a full check with the code of `bipc check`, so the diagnostics are the same by
-// construction; a document whose packages include the changed one is checked again. Texts that are open stand for the
-// files on disk.
+// Every change is followed by a full check with the code of `bipc check`, so both report the same diagnostics. A
+// document that uses the package of a changed one is checked again. Open texts replace the files on disk.
 #pragma once
 #include <map>
 #include <memory>

@@ -1,6 +1,6 @@
-// The lamps by hand: of the sets of lamps that the mains carry, those to which none can be added, found as a good
-// programmer would for that one model: what must be left out is little, so he looks for the least sets to leave out.
-// `naive` asks all 2^n - 1 interactions, and of those that are enabled which ones are maximal.
+// The lamps by hand: the maximal sets of lamps that the mains can carry, found as a careful programmer would for that
+// one model: few lamps must be off, so the program searches the minimal sets of lamps to switch off. `naive` evaluates
+// all 2^n - 1 interactions, and then which of the enabled ones are maximal.
 #include "limit.hpp"
 
 namespace {

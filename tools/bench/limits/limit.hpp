@@ -1,10 +1,9 @@
-// What the programs by hand share: random numbers, an exact set of enabled interactions, and the two loops. `limit`
-// keeps the set up to date as a good programmer would for that one model; `naive` asks every interaction at each step,
-// which is the classic cycle of BIP engines without anything else that costs.
+// Shared by the programs by hand: random numbers, an exact set of enabled interactions, and two loops. `limit` updates
+// the set incrementally, as a careful programmer would for that one model; `naive` evaluates every interaction in each
+// step, which is the classic cycle of BIP engines without their other costs.
 //
-// A world gives: interactions(), is_enabled(i), apply(i) and update(set, i), which brings the set up to date after i
-// was applied. Interactions are drawn uniformly. Prints one line of JSON: CPU nanoseconds an interaction and a
-// checksum.
+// A world provides interactions(), is_enabled(i), apply(i) and update(set, i), which updates the set after i was
+// applied. Interactions are drawn uniformly. Prints one line of JSON: CPU nanoseconds per interaction and a checksum.
 #pragma once
 #include <time.h>
 

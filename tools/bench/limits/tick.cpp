@@ -1,4 +1,4 @@
-// The tick by hand: one interaction, n counters. `naive` keeps a record an atom and looks at all of them before it
+// The tick by hand: one interaction, n counters. `naive` stores one record per atom and reads all of them before it
 // fires.
 #include "limit.hpp"
 
