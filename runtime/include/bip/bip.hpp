@@ -1,5 +1,8 @@
-// Embedding: run a linked image step by step in another program. The image must outlive the Execution; everything else
-// the Execution owns. Nothing is thrown; a fault stops it, and fault() has the text.
+// Embedding: runs the image of a model step by step inside another program.
+//
+// The image must outlive the Execution, which owns everything else. No function throws. A run-time error of the model
+// stops the execution: every further step returns Outcome::Fault, and fault() has the text. One Execution is used by
+// one thread at a time, except for post() and stop(); different Executions are independent.
 //
 //   bip::Execution system(model::image(), {.seed = 42});
 //   system.on_step([](const bip::Step& step) { std::puts(step.interaction.c_str()); });
@@ -21,28 +24,30 @@ struct ExecutionOptions {
   std::uint64_t seed = 0;
   rt::Policy policy = rt::Policy::Uniform;
   bool maximal_progress = true;
-  bool asap = false;  // models with time: each step as soon as it is possible
-  // Model seconds a second: step() sleeps until its step is due, and waits for events if there is none. 0: logical
-  // time.
+  bool asap = false;  // models with clocks: take each step at the earliest instant at which it is possible
+  // Seconds of model time per second of the wall clock: step() sleeps until its step is due, and waits for events if no
+  // step is. 0: logical time, which passes without waiting.
   double speed = 0;
-  // With `speed`: a step that starts later than its guard allows is a fault, R0022. Without it is only counted: under a
-  // flood of events the model is always behind.
+  // With `speed`: a step that starts later than its guard allows is a fault, R0022. If false, such steps are only
+  // counted, because a model that receives more events than it can take is always late.
   bool strict = false;
-  std::uint32_t event_capacity = 65536;  // events that may wait for a port
+  std::uint32_t event_capacity = 65536;  // greatest number of events that wait for one port
 };
+/// How a call ended: a step was taken, there is no candidate, a run-time error (see fault()), or stop() was called.
 enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault, Stopped };
-/// What became of an event. Full: as many as may wait do; the model takes them slower than they come.
+/// The result of post(). Full: event_capacity events wait for this port already. BadValues: number or types of the
+/// values are not those of the port's type.
 enum class Posted : std::uint8_t { Taken, Full, NoSuchPort, BadValues };
 
-/// A variable of a port, as it was when the interaction was chosen. Of a C++ type: its text.
+/// The value of a port's variable when the interaction was chosen, before `down`. For a C++ type: its text.
 struct StepValue {
   std::uint32_t port = 0;  // row of Step::ports
-  const char* name = "";   // in the port's type; lives as long as the image
+  const char* name = "";   // of the variable in the port's type; valid as long as the image
   EventValue value;
 };
-/// An interaction that was taken.
+/// A step: the interaction that was fired.
 struct Step {
-  std::uint64_t number = 0;
+  std::uint64_t number = 0;        // counted from 0
   std::string interaction;         // "ROOT.take0", or "ROOT.a.think" for an internal port
   std::vector<std::string> ports;  // "ROOT.p0.take", in the order of firing
   std::vector<StepValue> values;   // by port
@@ -50,66 +55,74 @@ struct Step {
 
 class Execution {
  public:
-  /// Initializes; if that faults, outcome() says so.
+  /// Initializes the model: initial actions, then internal transitions. If that ends with a run-time error, outcome()
+  /// is Fault. Linear in the system.
   explicit Execution(const rt::Image& image, ExecutionOptions options = {});
   ~Execution();
   Execution(Execution&&) noexcept;
   Execution& operator=(Execution&&) noexcept;
 
-  /// How the last call ended; Stepped after a good start.
+  /// Returns how the last call that changed the execution ended; Stepped after a successful initialization.
   [[nodiscard]] Outcome outcome() const;
-  /// One step, chosen by the policy. In a model with time the time until then passes first, without sleeping.
+  /// Takes one step that the policy chooses. In a model with clocks, time first passes to the instant of the step:
+  /// without waiting in logical time, sleeping with `speed`.
   Outcome step();
-  /// Up to n steps; how many were taken.
+  /// Takes up to n steps and returns how many were taken; if fewer, outcome() says why. Uses compiled steps if n is
+  /// large and neither a callback nor a trace is set.
   std::uint64_t run(std::uint64_t n);
-  /// Steps taken since the start, or as the restored snapshot has it.
+  /// Returns the number of steps since the start; restore() sets it to that of the snapshot.
   [[nodiscard]] std::uint64_t steps() const;
 
-  /// An event from outside for `extern port`s, "ROOT.panel.turn" with or without "ROOT.", with a value for each
-  /// variable of the port's type. From any thread, also while another one is in step(); it comes at the instant of the
-  /// wall clock, in logical time at that of the next step(). After Deadlock the model goes on if an event helps.
+  /// Posts an external event to an `extern port`, "ROOT.panel.turn" with or without "ROOT.", with one value for each
+  /// variable of the port's type, in their order. May be called by any thread, also while another one is in step(). The
+  /// event arrives at the instant of the wall clock; in logical time, at that of the next step(). After Deadlock the
+  /// execution continues if an event enables a step.
   Posted post(const std::string& port, std::vector<EventValue> values = {});
-  /// The same without looking for the name each time. kNone: there is no such port.
+  /// Returns a number for post() that saves the look-up of the name; rt::kNone if there is no such port.
   [[nodiscard]] std::uint32_t event_port(const std::string& port) const;
   Posted post(std::uint32_t event_port, std::vector<EventValue> values);
-  /// From any thread: step() that waits, or the next that would, ends with Stopped. Until go_on().
+  /// Ends a waiting step(), and each one that would wait, with Stopped, until go_on(). May be called by any thread.
   void stop();
   void go_on();
-  /// With `speed`: now is the model's instant, as after a pause. Events that wait come now.
+  /// With `speed`: aligns the wall clock with the model's instant, as after a pause. Waiting events arrive now.
   void restart_clock();
 
-  /// With `speed`: steps that started later than their guards allow.
+  /// Returns the number of steps that started later than their guards allow (with `speed`).
   [[nodiscard]] std::uint64_t late_steps() const;
-  /// With `speed`: actions that run beside the others (`@async`) and used up their budgets.
+  /// Returns the number of `@async` actions that exceeded their budgets (with `speed`).
   [[nodiscard]] std::uint64_t overruns() const;
 
-  /// The instant, in ns since the start; 0 in a model without time.
+  /// Returns the model's instant in ns since the start; 0 in a model without clocks.
   [[nodiscard]] std::int64_t now() const;
 
-  /// Of this instant: in a model with time there may be none although time brings some.
+  /// Returns the number of candidates at this instant; 0 after a fault. In a model with clocks, 0 does not mean
+  /// deadlock: candidates may appear when time passes.
   [[nodiscard]] std::uint64_t candidate_count() const;
-  /// The interaction's name, as in Step. k < candidate_count().
+  /// Returns the name of candidate k, as in Step::interaction. Requires k < candidate_count().
   [[nodiscard]] std::string candidate(std::uint64_t k) const;
-  /// Takes the k-th candidate instead of asking the policy.
+  /// Takes candidate k instead of asking the policy. Deadlock if there is no candidate k.
   Outcome fire(std::uint64_t k);
 
-  /// Called after each step.
+  /// Sets a function that is called after each step, on the thread that steps. An empty function removes it.
   void on_step(std::function<void(const Step&)> callback);
 
-  /// Writes the steps from now on to a file, as --trace does: Json, Mcap or Perfetto. False: it cannot be opened.
+  /// Writes a trace of all further steps to a file, as --trace does: Json, Mcap or Perfetto. Returns false if the file
+  /// cannot be opened.
   bool trace(const std::string& path, rt::TraceFormat format);
-  /// Ends the file, which is not complete before. False: not all of it could be written.
+  /// Completes the trace's file. Returns false if not all of it could be written.
   bool end_trace();
 
-  /// The place(s) of an atom, "A" or "A, B"; empty if there is no such atom. "ROOT.a".
+  /// Returns the place of an atom, or the marked places of a Petri net ("A, B"), by its path "ROOT.a"; empty if there
+  /// is no such atom.
   [[nodiscard]] std::string place(const std::string& atom_path) const;
-  /// A variable by path, "ROOT.a.x". False: no such variable, or of another type.
+  /// Reads a variable by its path, "ROOT.a.x". Returns false, and leaves `value` unchanged, if there is no such
+  /// variable of this type.
   bool read(const std::string& path, std::int32_t& value) const;
   bool read(const std::string& path, bool& value) const;
   bool read(const std::string& path, double& value) const;
   bool read(const std::string& path, std::string& value) const;
 
-  /// State, number of steps and the policy's memory: running on from a snapshot repeats what followed it.
+  /// State, number of steps and the policy's memory: a run continued from a snapshot repeats the run that followed it.
   class Snapshot {
    public:
     ~Snapshot();
@@ -123,11 +136,12 @@ class Execution {
     std::unique_ptr<Impl> impl_;
   };
   [[nodiscard]] Snapshot snapshot() const;
+  /// Restores a snapshot of an execution of the same image. With `speed`, the wall clock is aligned with its instant.
   void restore(const Snapshot& snapshot);
 
-  /// Empty, or the fault's text.
+  /// Returns the text of the run-time error; empty if there is none.
   [[nodiscard]] std::string fault() const;
-  /// Why the state is a deadlock; empty if it is none.
+  /// Returns the explanation of a deadlock (which component waits for which); empty if the state is not a deadlock.
   [[nodiscard]] std::string story() const;
 
  private:
