@@ -1,6 +1,6 @@
-// A bump allocator for trees that live and die together (the syntax tree).
+// A bump allocator for trees whose nodes have the same lifetime (the syntax tree).
 //
-// Only trivially destructible objects: nothing is ever destroyed one by one.
+// Only for trivially destructible objects: destructors are not called.
 #pragma once
 #include <cstring>
 #include <memory>

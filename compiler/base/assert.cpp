@@ -1,5 +1,5 @@
-// The stages that a failed assertion prints: thread-local bookkeeping that nothing else reads, so two compilations in
-// one process never meet.
+// The stack of stages that a failed assertion prints. It is thread-local and read by nothing else, so two compilations
+// in one process do not interfere.
 #include "compiler/base/assert.hpp"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// See content_cache.hpp. A file is a line that names the format, the hash of the rest, the rest.
+// See content_cache.hpp. A file consists of a line that names the format, the hash of the rest, and the rest.
 #include "compiler/base/content_cache.hpp"
 
 #include <unistd.h>

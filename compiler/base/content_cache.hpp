@@ -1,10 +1,9 @@
-// What is kept on disk for the next time, machine code or proofs: files in a folder, named by the hash of all that they
-// were made from.
+// A cache on disk of machine code and proofs: files in a folder, named by the hash of all inputs.
 //
-// Whoever asks for a name gets bytes that were stored under it, or nothing: a file that is cut or changed is recognised
-// by the hash it begins with and counts as none. (Somebody who can write to the folder can forge the hash, too: whoever
-// takes what is kept trusts the folder's owner, or checks it.) Several processes may use a folder at a time, since
-// files appear by renaming. Nothing here fails: a folder that cannot be written is one that never has anything. Cost:
+// A look-up returns the bytes that were stored under the name, or nothing: a truncated or changed file is detected by
+// the hash at its beginning and counts as absent. (Whoever can write to the folder can forge the hash as well, so a
+// user of the contents trusts the owner of the folder, or checks them.) Several processes may use a folder at the same
+// time, since files are renamed into place. No function fails: a folder that cannot be written is an empty cache. Cost:
 // reading and hashing the file.
 #pragma once
 #include <cstdint>

@@ -1,5 +1,5 @@
-// A name for contents: BLAKE2b with 256 bits (RFC 7693), as 64 hexadecimal digits. Equal texts have equal names on
-// every machine, and nobody can make two different ones with the same. Cost: about a nanosecond a byte.
+// Names contents by BLAKE2b with 256 bits (RFC 7693), as 64 hexadecimal digits. Equal texts have equal names on every
+// machine, and collisions are infeasible. Cost: about a nanosecond per byte.
 #pragma once
 #include <string>
 #include <string_view>

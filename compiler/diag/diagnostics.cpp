@@ -1,7 +1,7 @@
 // The registry as a table, and the store of diagnostics with its order.
 //
-// Promises: `sorted` is by file, offset and then order of report, so output does not depend on the order in which a
-// stage walks its tables. Cost: n log n at rendering, nothing while reporting.
+// `sorted` orders by file, offset and then order of report, so the output does not depend on the order in which a stage
+// walks its tables. Cost: n log n when diagnostics are rendered, none when they are reported.
 #include "compiler/diag/diagnostics.hpp"
 
 #include <algorithm>

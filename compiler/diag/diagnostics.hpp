@@ -1,8 +1,8 @@
-// Diagnostics: what is wrong, where, why, and how to mend it, as data. Renderers turn them into text.
+// Diagnostics as data: what is wrong, where, why, and how to correct it. Renderers turn them into text.
 //
 // Codes live in kinds.def. A stage reports through `Diagnostics::report(Kind, range, args...)` and adds labels, notes
-// and helps to what it returns. Order of output is source order, duplicates at one place are dropped, the cap is 20
-// errors (the rest is counted).
+// and helps to the result. Output is in source order, duplicates at one place are dropped, and at most 20 errors are
+// printed (the rest is counted).
 #pragma once
 #include <fmt/format.h>
 

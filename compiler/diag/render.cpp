@@ -1,7 +1,7 @@
-// Chooses the renderer, caps what a person has to read, and closes with the counts.
+// Selects the renderer, limits the number of messages, and prints the counts at the end.
 //
-// Frame and short show at most `max_errors` errors and as many warnings; JSON and SARIF are for machines and show all
-// of them without a closing line.
+// Frame and short print at most `max_errors` errors and as many warnings; JSON and SARIF are read by machines and
+// contain all of them without a closing line.
 #include "compiler/diag/render.hpp"
 
 namespace bip {

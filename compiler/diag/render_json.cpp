@@ -1,5 +1,5 @@
-// One JSON object a line and diagnostic, keys in a fixed order. Lines and columns start at 1, columns count bytes,
-// offsets are bytes from 0; ends are exclusive. Text that is not UTF-8 is replaced, never refused.
+// One JSON object per line and diagnostic, with keys in a fixed order. Lines and columns start at 1, columns count
+// bytes, offsets are bytes from 0; ends are exclusive. Text that is not UTF-8 is replaced.
 #include <nlohmann/json.hpp>
 
 #include "compiler/diag/render.hpp"

@@ -1,6 +1,6 @@
-// SARIF 2.1.0 (OASIS, 2020): one document a compilation, which code-review services and editors read.
+// SARIF 2.1.0 (OASIS, 2020), for code-review services and editors: one document per compilation.
 //
-// A rule for each code that occurs, in order of code. Columns count UTF-16 units, as SARIF wants them; offsets are
+// There is one rule per code that occurs, in order of code. Columns count UTF-16 units, as SARIF requires; offsets are
 // bytes. Helps with an edit become fixes, notes and other helps lines of the message.
 #include <map>
 #include <nlohmann/json.hpp>

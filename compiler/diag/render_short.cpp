@@ -1,4 +1,4 @@
-// One line a diagnostic: `file:line:column: error[B1001]: message`, the form that editors and scripts parse.
+// One line per diagnostic: `file:line:column: error[B1001]: message`, the form that editors and scripts parse.
 #include "compiler/diag/render.hpp"
 
 namespace bip::diag {

@@ -1,5 +1,5 @@
-// Names that a person may have meant: optimal string alignment distance (Levenshtein with neighbouring swaps; Boytsov,
-// "Indexing methods for approximate dictionary searching", 2011), case counting for less. O(n·|wrong|·|known|).
+// Finds names similar to an unknown one: optimal string alignment distance (Levenshtein with transpositions; Boytsov,
+// "Indexing methods for approximate dictionary searching", 2011), with a lower cost for case. O(n·|wrong|·|known|).
 #include <algorithm>
 #include <cctype>
 #include <numeric>

@@ -1,5 +1,4 @@
-// Where things are kept between runs: what the JIT made of a model's code, the compiled C++ of models that call it, and
-// proofs.
+// The folder of the cache: machine code of the JIT, compiled C++ of models, and proofs.
 #pragma once
 #include <filesystem>
 

@@ -1,5 +1,5 @@
-// See check_rest.hpp. Which declarations depend on which is seen from the words of their texts: a word that is no
-// reference only makes us say less. Linear in the text.
+// See check_rest.hpp. Dependences between declarations are approximated by the words of their texts: a word that is not
+// a reference only makes the check skip more. Linear in the text.
 #include "compiler/driver/check_rest.hpp"
 
 #include <algorithm>

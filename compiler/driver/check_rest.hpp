@@ -1,4 +1,4 @@
-// After syntax errors: names and types of the declarations that no error touches.
+// After syntax errors: checks names and types of the declarations that do not depend on an erroneous one.
 #pragma once
 #include "compiler/driver/pipeline.hpp"
 

@@ -1,4 +1,4 @@
-// From argv to a command. CLI11 reads the options; what is wrong with them is exit code 2 with one line and a hint.
+// Selects a command from argv. CLI11 parses the options; an error in them is exit code 2 with one line and a hint.
 #include "compiler/driver/cli.hpp"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Options about machine code and who runs it: how it is made, kept and watched, and its priority. See cli_options.hpp.
+// Options for machine code (optimisation, cache, debugging, profile) and for thread priority. See cli_options.hpp.
 #include "compiler/driver/cli_options.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// One function a command: its description, its options, its example.
+// One function per command: its description, its options, its example.
 #include "compiler/driver/cli_options.hpp"
 
 #include <map>

@@ -1,4 +1,4 @@
-// The options of each command, bound to its arguments. Help texts here are what compiler/docs/cli.md holds.
+// The options of each command, bound to its arguments. compiler/docs/cli.md is generated from the help texts.
 #pragma once
 #include <CLI/CLI.hpp>
 

@@ -1,7 +1,7 @@
-// `bipc build`: the emitted C++, the runtime and the host compiler make a program of their own.
+// `bipc build`: builds a stand-alone program from the emitted C++ and the runtime, with the host compiler.
 //
-// Needs a C++20 compiler on the host. The C++ is written to a temporary directory that is removed in any case; what the
-// compiler says of it is told by places of the model (compiler_errors.hpp).
+// Requires a C++20 compiler on the host. The C++ is written to a temporary directory, which is always removed; errors
+// of the compiler are reported at locations of the model (compiler_errors.hpp).
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,4 @@
-// `bipc check`: everything that can be wrong without running. Silent if nothing is.
+// `bipc check`: reports everything that can be wrong without running. Prints nothing if there is nothing to report.
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/report.hpp"

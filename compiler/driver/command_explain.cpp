@@ -1,4 +1,4 @@
-// `bipc explain`: the page of a code, or the list of all codes with their titles.
+// `bipc explain`: prints the page of a code, or the list of all codes with their titles.
 #include <unistd.h>
 
 #include <cctype>

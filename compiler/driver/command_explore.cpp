@@ -1,7 +1,8 @@
-// `bipc explore`: all reachable states, told in three forms: for people, as JSON, as the published engine does.
+// `bipc explore`: visits all reachable states and prints the result in one of three forms: for people, as JSON, as the
+// published engine does.
 //
-// Ways are taken by a core from the initial state before they are told. What a limit cut off is called partial, and a
-// reduction says what it keeps.
+// Counterexamples are replayed by a core from the initial state before they are printed. A result that a limit cut off
+// is labelled partial, and the properties that a reduction preserves are named.
 #include <unistd.h>
 
 #include <cstdio>

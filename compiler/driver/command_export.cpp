@@ -1,4 +1,4 @@
-// `bipc export`: the System in another tool's language (compiler/exchange), on standard output or in a file.
+// `bipc export`: writes the System in the language of another tool (compiler/exchange).
 #include <cstdio>
 
 #include "compiler/driver/commands.hpp"

@@ -1,6 +1,6 @@
-// `bipc fmt`: a file in house style, on standard output, compared (--check) or in place (-i).
+// `bipc fmt`: formats files, on standard output, compared (--check) or in place (-i).
 //
-// In place never harms: the new text must parse and print as itself, and is renamed over the old file in one go.
+// Formatting in place is safe: the new text must parse and print as itself, and replaces the old file by renaming.
 #include <cstdio>
 
 #include "compiler/base/assert.hpp"

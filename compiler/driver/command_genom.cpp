@@ -1,4 +1,4 @@
-// `bipc genom`: descriptions of robot modules to one BIP package (compiler/genom does the work).
+// `bipc genom`: translates descriptions of robot modules to one BIP package (compiler/genom).
 #include <cstdio>
 
 #include "compiler/driver/commands.hpp"

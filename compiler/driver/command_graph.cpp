@@ -1,4 +1,4 @@
-// `bipc graph`: the System as a picture or as JSON, to standard output.
+// `bipc graph`: prints the System as a picture or as JSON.
 #include <cstdio>
 
 #include "compiler/driver/commands.hpp"

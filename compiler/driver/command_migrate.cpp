@@ -1,7 +1,7 @@
-// `bipc migrate`: deprecated spellings replaced by current ones, nothing else of the text touched.
+// `bipc migrate`: replaces deprecated spellings and leaves the rest of the text unchanged.
 //
-// A deprecated spelling is a warning whose help holds the edit, so there is one list: what is warned about. The new
-// text is migrated again before it is handed out: it must parse, and nothing may be left to do.
+// A deprecated spelling is a warning whose help contains the edit, so there is one list of them. The new text is
+// migrated again before it is written: it must parse, and nothing may be left to replace.
 #include <algorithm>
 #include <cstdio>
 

@@ -1,9 +1,9 @@
-// `bipc replay --published TRACE FILE`: does a model still mean what the published engine made of it. And --recorded:
-// is a binary trace a run of the model, shown in another format (runtime/engine/replay_record.hpp).
+// `bipc replay --published TRACE FILE` compares a model with a trace of the published engine; `--recorded` checks that
+// a binary trace is a run of the model, and prints it in another format (runtime/engine/replay_record.hpp).
 //
 // --published follows the choices of the trace with our own core and compares, state by state, the candidates as
-// multisets of their printed form (names, port values and, of models with time, the intervals in which each may be
-// taken). The first difference is told with both sets.
+// multisets of their printed form (names, port values and, for models with time, the intervals in which each may be
+// taken). The first difference is printed with both sets.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// `bipc rules`: constraints over robot modules to the connectors that enforce them (compiler/rules does the work), and
-// whether they can be met at all: each rule that takes part in a contradiction is named.
+// `bipc rules`: translates constraints over robot modules to the connectors that enforce them (compiler/rules), and
+// decides whether they can be met: each rule that takes part in a contradiction is named.
 #include <cstdio>
 #include <filesystem>
 

@@ -1,5 +1,5 @@
-// `bipc run`: compile, choose an executor, run to the end that comes first. A folder is run by its own program `run`,
-// which finds us as $BIPC.
+// `bipc run`: compiles, selects an executor, and runs to the limit, a deadlock, an error or Ctrl-C. A folder is run by
+// its own program `run`, which receives the path of bipc in $BIPC.
 #include <unistd.h>
 #if defined(__GLIBC__)
 #include <malloc.h>

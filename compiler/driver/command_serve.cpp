@@ -1,4 +1,4 @@
-// `bipc serve`: a model runs in real time, and clients talk to it (compiler/docs/serve.md).
+// `bipc serve`: runs a model in real time while clients communicate with it (compiler/docs/serve.md).
 #include <cstdio>
 
 #include "compiler/driver/commands.hpp"

@@ -1,8 +1,9 @@
-// `bipc verify`: deadlock-freedom, run-time errors or a property of states, decided
-// (compiler/verify/portfolio/portfolio.hpp) and told.
+// `bipc verify`: decides deadlock-freedom, run-time errors or a property of states
+// (compiler/verify/portfolio/portfolio.hpp) and prints the verdict.
 //
-// Three verdicts. What holds has a proof, or every reachable state was visited; what is violated has been replayed
-// before it is told; everything else is unknown, with the reason. Ctrl-C ends it with what is known.
+// There are three verdicts. A property that holds has a proof, or every reachable state was visited; a counterexample
+// has been replayed before it is printed; everything else is unknown, with the reason. Ctrl-C ends the command with the
+// facts known so far.
 #include <unistd.h>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// `bipc version`: one line a fact, so that a bug report can hold all of them.
+// `bipc version`: prints one fact per line, for bug reports.
 #include <cstdio>
 
 #include "compiler/driver/commands.hpp"

@@ -1,4 +1,4 @@
-// The commands. Each prints what it has to say and returns the exit code.
+// The commands. Each prints its results and returns the exit code.
 #pragma once
 #include <string>
 

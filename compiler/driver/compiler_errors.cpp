@@ -1,5 +1,6 @@
-// See compiler_errors.hpp. C++ compilers name places; our own text makes them places of the model: `#line` where code
-// of the model stands, "bip-prototype-3", "bip-type-3" and "bip-class-3" where C++ is called (emit_cpp/ffi_text.hpp).
+// See compiler_errors.hpp. C++ compilers name locations; the emitted text makes them locations of the model: `#line`
+// where it contains code of the model, "bip-prototype-3", "bip-type-3" and "bip-class-3" where it calls C++
+// (emit_cpp/ffi_text.hpp).
 #include "compiler/driver/compiler_errors.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What the host's C++ compiler said, told in the model's terms.
+// Translates errors of the host's C++ compiler to diagnostics of the model.
 #pragma once
 #include <string>
 

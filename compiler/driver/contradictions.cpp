@@ -1,5 +1,5 @@
-// One question a service; minimal sets by deletion: a rule that is not needed for the trouble goes, one after the
-// other.
+// See contradictions.hpp. One question per service; minimal sets by deletion: rules that are not needed for the
+// contradiction are removed one after the other.
 #include "compiler/driver/contradictions.hpp"
 
 #include <fmt/format.h>

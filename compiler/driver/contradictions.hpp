@@ -1,9 +1,9 @@
-// Can the rules be met? A service that they never let in is reported (B6110) with a set of rules that is enough for it
-// and that no rule can be taken from.
+// Decides whether rules over robot modules can be met. A service that they never admit is reported (B6110) with a
+// minimal set of rules that excludes it.
 //
-// QuestionKind of a reduction (compiler/rules/reduce.hpp) of the modules, once for each service that rules are about,
-// and for what is found once more for each rule. Time is left out: a limit may be reached or not. Out of time: nothing
-// is said.
+// Each service that rules are about is one question about the reduction (compiler/rules/reduce.hpp) of the modules, and
+// each service that is never admitted one more question per rule. Time is abstracted: a limit may be reached or not. If
+// the time limit is reached, nothing is reported.
 #pragma once
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/rules/check.hpp"

@@ -1,4 +1,4 @@
-// Prints one stage's product. Which stage a kind needs, and what makes its text, is the switch below.
+// Prints the product of one stage. The switch below selects the stage and the function that prints it.
 #include "compiler/driver/emit_stage.hpp"
 
 #include <cstdio>

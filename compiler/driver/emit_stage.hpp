@@ -1,4 +1,4 @@
-// --emit=KIND: one stage's product as text on standard output, instead of what the command does otherwise.
+// --emit=KIND: prints the product of one stage to standard output, instead of executing the command.
 #pragma once
 #include "compiler/driver/pipeline.hpp"
 

@@ -1,6 +1,6 @@
-// Fills the code of an image. The interpreter is always there; the JIT is a plug-in that may be missing.
+// Fills the code of an image. The interpreter is always available; the JIT is a plug-in that may be missing.
 //
-// Without a wish the JIT is taken if it is there. A system without any code needs neither: then libLLVM stays unloaded.
+// By default the JIT is used if it is available. A system without any code needs neither: then libLLVM is not loaded.
 #include "compiler/driver/executor.hpp"
 
 #include <chrono>

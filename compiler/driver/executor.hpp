@@ -1,4 +1,4 @@
-// The choice of an executor: fills the image's code from the interpreter or the JIT.
+// Selects an executor: fills the image's code from the interpreter or the JIT.
 #pragma once
 #include <memory>
 

@@ -1,4 +1,4 @@
-// Finding, compiling and loading the FFI: see ffi_build.hpp.
+// Finds, compiles and loads the C++ code of a model: see ffi_build.hpp.
 #include "compiler/driver/ffi_build.hpp"
 
 #include <dlfcn.h>

@@ -1,4 +1,4 @@
-// Paths are those of the command line, or beside the .rules file that names them.
+// See genom_files.hpp. Paths are those of the command line, or relative to the .rules file that names them.
 #include "compiler/driver/genom_files.hpp"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What `bipc genom` and `bipc rules` have in common: files in, options, files out.
+// Shared by `bipc genom` and `bipc rules`: reading files and options, writing files.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-// Finds and runs the host's C++ compiler, finds the runtime's sources, and handles files on the way. POSIX only.
+// Finds and runs the host's C++ compiler, finds the runtime's sources, and manages temporary files. POSIX only.
 #include "compiler/driver/host_compiler.hpp"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// Ctrl-C ends the question that the command line has asked, not the process: what is known by then is reported.
+// Ctrl-C cancels the question of the command line instead of ending the process: the facts known by then are reported.
 #pragma once
 #include "compiler/verify/solver/cancellation.hpp"
 

@@ -1,7 +1,7 @@
-// The JIT, loaded when a command needs it: `bipc check` must not pay for libLLVM.
+// Loads the JIT when a command needs it, so that `bipc check` does not pay for libLLVM.
 //
-// The plug-in libbipc_jit.so is looked for beside the executable, then in ../lib/bipc (an installed tree). Once loaded
-// it stays for the life of the process, because LLVM cannot be unloaded safely.
+// The plug-in libbipc_jit.so is searched beside the executable, then in ../lib/bipc (an installed tree). Once loaded it
+// remains for the life of the process, because LLVM cannot be unloaded safely.
 #pragma once
 #include <memory>
 #include <string>

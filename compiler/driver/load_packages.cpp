@@ -1,4 +1,4 @@
-// Depth first over `use` lines with a stack of its own: a chain of packages may be as long as it likes.
+// Follows `use` depth first with an explicit stack, so that a chain of packages may have any length.
 #include "compiler/driver/load_packages.hpp"
 
 #include <algorithm>

@@ -1,9 +1,8 @@
-// The packages that a file uses, from their files: package a.b.C is a/b/C.bip below one of the folders that are
-// searched.
+// Loads the packages that a file uses: package a.b.C is a/b/C.bip below one of the folders that are searched.
 //
-// Needs the compiled file parsed. Promises c.packages: a package after those it uses, the compiled one last. Folders
-// are those of -I in their order, then the compiled file's own (the folder above a/b if it is a/b/C.bip with package
-// a.b.C), then the standard library. Each file is read once.
+// Requires the compiled file to be parsed. Fills c.packages: a package after those it uses, the compiled one last.
+// Folders are those of -I in their order, then the compiled file's own (the folder above a/b if it is a/b/C.bip with
+// package a.b.C), then the standard library. Each file is read once.
 #pragma once
 #include <string>
 #include <vector>

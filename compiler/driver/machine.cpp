@@ -1,4 +1,4 @@
-// See machine.hpp. Linux tells in /proc and /sys; elsewhere the guess holds.
+// See machine.hpp. Reads /proc and /sys on Linux; elsewhere a default is used.
 #include "compiler/driver/machine.hpp"
 
 #include <algorithm>

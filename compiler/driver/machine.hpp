@@ -1,4 +1,4 @@
-// What this machine has to spare, for the defaults of long work.
+// Free resources of this machine, for the defaults of long computations.
 #pragma once
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-// What the command line says, as data. Defaults are the commands' defaults.
+// The command line as data, with the defaults of the commands.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,7 +1,8 @@
-// The pipeline: the table of passes below, a line a pass, is the whole of it.
+// The pipeline: the table of passes below, one line per pass.
 //
-// Each pass reads the product before it and leaves its own in the Compilation; it says `false` if it reported errors.
-// With --verify-each the System's promises are checked right after it was made; a broken one is our bug.
+// Each pass reads the product of an earlier one and stores its own in the Compilation; it returns `false` if it
+// reported errors. With --verify-each the System is validated as soon as it is made; a violation is a bug of the
+// compiler.
 #include "compiler/driver/pipeline.hpp"
 
 #include <chrono>

@@ -1,7 +1,7 @@
-// One compilation and the pipeline that drives it from a file to what an executor runs.
+// One compilation, and the pipeline that drives it from a file to the input of an executor.
 //
-// A Compilation owns everything: texts, diagnostics, and the product of each stage. Nothing is global, so two of them
-// in one process never meet. The pipeline never prints and never exits: commands do (report.hpp).
+// A Compilation owns everything: texts, diagnostics, and the product of each stage. There is no global state, so two
+// compilations in one process are independent. The pipeline neither prints nor exits: commands do (report.hpp).
 #pragma once
 #include <deque>
 #include <map>

@@ -1,6 +1,6 @@
-// See profile_text.hpp. What a piece of code is follows from who names its row in the image.
+// See profile_text.hpp. The kind of a piece of code follows from the rows of the image that refer to it.
 //
-// Cost: linear in the image's types and in the interactions' declarations.
+// Linear in the image's types and in the declarations of interactions.
 #include "compiler/driver/profile_text.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// A run's profile (runtime/core/profile.hpp) in the model's own words: as tables for a person, or as JSON.
+// Prints the profile of a run (runtime/core/profile.hpp) with the names of the model, as tables or as JSON.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-// A line at a time. See published_trace.hpp.
+// See published_trace.hpp. Reads one line at a time.
 #include "compiler/driver/published_trace.hpp"
 
 #include <fmt/format.h>

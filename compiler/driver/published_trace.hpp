@@ -1,7 +1,7 @@
-// The text trace of the published engine (and of --trace-format=bip2), read back.
+// Reads the text trace of the published engine (and of --trace-format=bip2).
 //
-// Lines that matter begin with `[BIP ENGINE]: `; what the model printed in between is passed over. A state is what may
-// be chosen in it, then what was chosen; the last one may be a deadlock or be cut off anywhere.
+// Relevant lines begin with `[BIP ENGINE]: `; output of the model in between is skipped. A state consists of its
+// candidates and of the choice; the last state may be a deadlock or be truncated anywhere.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-// What commands print for a compilation, and the exit code that follows from it.
+// The output of commands for a compilation, and the resulting exit code.
 #pragma once
 #include "compiler/driver/pipeline.hpp"
 

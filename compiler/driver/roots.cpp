@@ -1,4 +1,4 @@
-// Finds root compounds by looking at every compound's components once.
+// See roots.hpp. Visits the components of every compound once.
 #include "compiler/driver/roots.hpp"
 
 #include <set>

@@ -1,4 +1,4 @@
-// Roots: which compounds a file offers as one, and how a root is named in traces.
+// Finds the root compound of a file, and names the root in traces.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// What commands that visit states print alike: limits of stories, units, unbuffered text for a terminal.
+// Shared by commands that visit states: limits for printed runs, units, unbuffered text for a terminal.
 #pragma once
 #include <cstdint>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// See tiers.hpp. The thread reads the lowered system and writes the description of steps, which nobody reads before
-// there are functions for them; codes and functions change on the engine's thread alone.
+// See tiers.hpp. The thread reads the lowered system and writes the description of steps, which is not read before its
+// functions exist; codes and functions are changed by the engine's thread only.
 #include "compiler/driver/tiers.hpp"
 
 #include <fmt/format.h>

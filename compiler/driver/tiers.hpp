@@ -1,8 +1,8 @@
-// A run that begins interpreted, at once, and goes on with machine code when that is ready.
+// Tiered execution: a run begins interpreted at once and continues with machine code when that is ready.
 //
-// A thread waits a little, since most runs are short and then need no compiler at all; loads the JIT, compiles
-// everything at -O2 with whole steps (or finds it in the cache) and tells the engine. The trace is the same whenever
-// that happens.
+// A thread waits a little, because most runs are short and need no compiler; then it loads the JIT, compiles everything
+// at -O2 with compiled steps (or finds it in the cache) and notifies the engine. The trace does not depend on when that
+// happens.
 #pragma once
 #include <condition_variable>
 #include <mutex>

@@ -1,5 +1,5 @@
-// See timed_models.hpp. What is told has been taken by a core; what could not be followed exactly is named and gives no
-// verdict.
+// See timed_models.hpp. Reported runs have been taken by a core; parts of the model that cannot be followed exactly are
+// named and prevent a verdict.
 #include "compiler/driver/timed_models.hpp"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What `bipc explore` and `bipc verify` do with models that have to do with time: their zone graph
-// (runtime/explore/zones.hpp).
+// `bipc explore` and `bipc verify` for models with clocks: explores their zone graph (runtime/explore/zones.hpp).
 #pragma once
 #include "compiler/driver/options.hpp"
 #include "compiler/driver/pipeline.hpp"

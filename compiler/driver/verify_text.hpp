@@ -1,4 +1,4 @@
-// What `bipc verify` says: the verdict in words and as JSON.
+// Prints the verdict of `bipc verify`, in words and as JSON.
 #pragma once
 #include <string>
 

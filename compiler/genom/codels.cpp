@@ -1,4 +1,5 @@
-// One list of codels gives three texts: BIP's prototypes, a C++ header, and a C++ source to begin with.
+// See codels.hpp. One list of codels gives three texts: BIP's prototypes, a C++ header, and a C++ source with empty
+// functions.
 #include "compiler/genom/codels.hpp"
 
 #include <fmt/format.h>

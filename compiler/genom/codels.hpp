@@ -1,5 +1,5 @@
-// The C++ side of the execution flavour. Inside compiler/genom only; its header and source are asked for in
-// generate.hpp.
+// The C++ functions of the execution flavour; generate.hpp declares the functions that return their header and source.
+// Internal to compiler/genom.
 #pragma once
 #include <string>
 #include <vector>

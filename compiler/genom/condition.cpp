@@ -1,4 +1,4 @@
-// Precedence climbing; arithmetic wraps, for nobody counts on overflow in a description.
+// See condition.hpp. Precedence climbing; arithmetic wraps, because overflow in a description is meaningless.
 #include "compiler/genom/condition.hpp"
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// The value of a constant expression of whole numbers: what `#if`, `number:`, `period` and array sizes hold.
+// Evaluates a constant expression of integers: of `#if`, `number:`, `period` and array sizes.
 #pragma once
 #include <cstdint>
 #include <optional>

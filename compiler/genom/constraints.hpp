@@ -1,5 +1,5 @@
-// What rules ask of a functional level, as the generator takes it: who may be admitted, who is told to stop and when,
-// who waits for whom. compiler/rules fills it from a .rules file; nothing in it refers to text.
+// The constraints of rules on a functional level, as the generator reads them: who may be admitted, who is stopped and
+// when, who waits for whom. compiler/rules fills them from a .rules file; nothing in them refers to text.
 #pragma once
 #include <compare>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The common part of both parsers.
+// See cursor.hpp.
 #include "compiler/genom/cursor.hpp"
 
 #include <span>

@@ -1,6 +1,7 @@
-// Where a parser is in its tokens, and what both parsers do there: look, expect, name, skip.
+// The position of a parser in its tokens, and operations of both parsers: look, expect, name, skip.
 //
-// A parse function that returns false has reported; its caller recovers with `skip_past`. Nothing here goes back.
+// A parse function that returns false has reported the error; its caller recovers with `skip_past`. There is no
+// backtracking.
 #pragma once
 #include <optional>
 #include <string>

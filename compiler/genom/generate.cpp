@@ -1,4 +1,4 @@
-// The package: a comment, what it uses, the modules; the functional level is level.cpp's.
+// Writes the package: a comment, the packages used, the modules; level.cpp writes the functional level.
 #include "compiler/genom/generate.hpp"
 
 #include <fmt/format.h>

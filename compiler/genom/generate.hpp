@@ -1,5 +1,5 @@
-// From module descriptions to BIP over stdlib/genom, as a text that people read and change. compiler/docs/genom.md
-// says, element by element, what becomes what.
+// Translates module descriptions to BIP over stdlib/genom, as text that people read and change. compiler/docs/genom.md
+// defines the translation, element by element.
 #pragma once
 #include <string>
 #include <vector>

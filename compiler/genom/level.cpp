@@ -1,7 +1,8 @@
-// Module by module: who may ask, what is accepted, rejected, told to stop, and begun; then time.
+// Writes the functional level, module by module: who may request, which requests are accepted, rejected, stopped and
+// begun; then time.
 //
-// A request is decided where it is at `okay` (compiler/docs/genom.md): either `allow` and the interruptions go through,
-// or a `reject` does; the guards exclude each other. What a rule stops goes before time does.
+// A request is decided at the place `okay` (compiler/docs/genom.md): either `allow` and the interruptions happen, or a
+// `reject` does; their guards exclude each other. Activities that a rule stops are stopped before time passes.
 #include "compiler/genom/level.hpp"
 
 #include <fmt/format.h>

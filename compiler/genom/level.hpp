@@ -1,5 +1,5 @@
-// The functional level: all modules, what belongs to none of them, and the connectors that rules replace
-// (compiler/docs/rules.md). Inside compiler/genom only.
+// The functional level: all modules, the components shared by them, and the connectors that rules replace
+// (compiler/docs/rules.md). Internal to compiler/genom.
 #pragma once
 #include <string>
 #include <vector>

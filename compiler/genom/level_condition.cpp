@@ -1,4 +1,4 @@
-// Every operator in parentheses: nobody has to know two precedences.
+// See level_condition.hpp. Every operator is parenthesised, so that readers need not know two precedences.
 #include "compiler/genom/level_condition.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Conditions of rules as guards: the text, and the ports that have to take part so that it can be read. Inside
-// compiler/genom only.
+// Translates conditions of rules to guards: the text, and the ports that must take part so that the guard can be
+// evaluated. Internal to compiler/genom.
 #pragma once
 #include <string>
 #include <vector>

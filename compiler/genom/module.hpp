@@ -1,8 +1,8 @@
-// The description of one robot module, whichever generation of GenoM it was written for: what the generator reads, and
-// nothing else of a .gen file.
+// The description of one robot module, for both generations of GenoM: the input of the generator, without the rest of a
+// .gen file.
 //
 // The two front ends fill it with names; `resolve` (resolve.hpp) checks the names and fills the indices. Rows keep the
-// order of the file, which is the order of request numbers and of activity activities.
+// order of the file, which is the order of request numbers and of activities.
 #pragma once
 #include <cstdint>
 #include <optional>

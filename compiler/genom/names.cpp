@@ -1,4 +1,5 @@
-// The reserved words are those of grammar/BipLexer.g4; contextual words are names wherever we put them.
+// See names.hpp. The reserved words are those of grammar/BipLexer.g4; contextual words are names wherever they are
+// generated.
 #include "compiler/genom/names.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Names of a description as names of BIP: words that BIP reserves get an underscore, a second owner of a name a suffix.
+// Maps names of a description to names of BIP: a reserved word gets an underscore, the second owner of a name a suffix.
 #pragma once
 #include <set>
 #include <string>

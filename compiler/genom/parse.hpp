@@ -1,5 +1,5 @@
-// From tokens to a module: one function a generation of GenoM. Both go on after errors; what they return is only whole
-// if nothing was reported.
+// Parses tokens to a module: one function per generation of GenoM. Both continue after errors; the result is complete
+// only if nothing was reported.
 #pragma once
 #include "compiler/genom/module.hpp"
 #include "compiler/genom/tokens.hpp"

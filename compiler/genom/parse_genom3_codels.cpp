@@ -1,4 +1,4 @@
-// Codels and parameters of GenoM 3, and what their states must be to one another.
+// Codels and parameters of GenoM 3, and the checks of the states of an activity.
 #include <algorithm>
 
 #include "compiler/genom/parse_genom3.hpp"

@@ -1,4 +1,4 @@
-// Names first, then what can be reached, then what is shared.
+// Assigns names, then computes what is reachable, then what is shared.
 #include "compiler/genom/plan.hpp"
 
 #include <fmt/format.h>

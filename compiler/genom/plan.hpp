@@ -1,5 +1,5 @@
-// What the parts of the generator agree on: the names of everything that is generated for a module, and what is needed
-// of it. Inside compiler/genom only.
+// Shared by the parts of the generator: the names of everything that is generated for a module, and which parts are
+// needed. Internal to compiler/genom.
 #pragma once
 #include <string>
 #include <vector>

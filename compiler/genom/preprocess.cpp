@@ -1,4 +1,4 @@
-// A stack of open files and a stack of open #if's a file.
+// See preprocess.hpp. A stack of open files, and for each file a stack of open #if's.
 #include "compiler/genom/preprocess.hpp"
 
 #include <filesystem>

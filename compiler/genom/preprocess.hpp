@@ -1,8 +1,8 @@
-// The C preprocessor as far as descriptions need it: #include, object-like #define, #undef, #if and its kin, #pragma
-// (ignored), #error (a diagnostic).
+// The C preprocessor as far as descriptions need it: #include, object-like #define, #undef, #if and related directives,
+// #pragma (ignored), #error (a diagnostic).
 //
-// Works on tokens, so text inside of strings is never replaced. A header that is not there is a warning, once a file:
-// its types are opaque from then on. Includes nest at most 64 deep; at most 2^20 tokens come out.
+// Works on tokens, so text inside of strings is not replaced. A missing header is a warning, once per file, and its
+// types are opaque. Includes nest at most 64 deep; the output has at most 2^20 tokens.
 #pragma once
 #include <string>
 #include <utility>

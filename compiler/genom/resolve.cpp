@@ -1,4 +1,4 @@
-// Linear searches: a module has tens of names.
+// See resolve.hpp. Linear searches: a module has tens of names.
 #include "compiler/genom/resolve.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // Tokens of a .gen file and of the C headers that it includes.
 //
-// `lex` is linear and never fails: what is no token is reported and skipped. Text of a token is a view into the source
-// map.
+// `lex` is linear and never fails: other characters are reported and skipped. The text of a token is a view into the
+// source map.
 #pragma once
 #include <cstdint>
 #include <string_view>

@@ -1,4 +1,4 @@
-// The pipeline of a translation, a line a stage.
+// The pipeline of a translation, one line per stage.
 #include "compiler/genom/translate.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// .gen files to one BIP text: what `bipc genom` and the tests call.
+// Translates .gen files to one BIP text, for `bipc genom` and the tests.
 #pragma once
 #include <optional>
 #include <string>

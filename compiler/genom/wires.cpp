@@ -1,4 +1,4 @@
-// One shape for all: name, data, exported port, define, and a clause only if there is something to say.
+// See wires.hpp. All connectors have one form: name, data, exported port, define, and a clause if it is not trivial.
 #include "compiler/genom/wires.hpp"
 
 #include <fmt/format.h>

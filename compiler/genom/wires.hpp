@@ -1,4 +1,4 @@
-// Connectors as text: written where they are used, in the paper's notation, as `bipc fmt` would print them.
+// Prints connectors as text: inline, in the paper's notation, in the layout of `bipc fmt`.
 #pragma once
 #include <string>
 #include <vector>

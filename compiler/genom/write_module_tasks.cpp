@@ -1,4 +1,4 @@
-// The second half of a module's compound: what its tasks do, time, and what the outside may bind.
+// The second half of a module's compound: its tasks, time, and its exported ports.
 #include <fmt/format.h>
 
 #include <algorithm>

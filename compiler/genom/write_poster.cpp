@@ -1,6 +1,6 @@
-// A poster with values that rules ask for: the library's Poster and what it holds. Where codels answer freely a write
-// is a choice among all combinations of the values that the rules declare (scope.cpp limits their number), fractions as
-// ten-thousandths; else C++ functions tell them.
+// A poster with values that rules read: the library's Poster and its values. In the verification flavour a write is a
+// choice among all combinations of the values that the rules declare (scope.cpp limits their number), fractions as
+// ten-thousandths; in the execution flavour C++ functions return them.
 #include <fmt/format.h>
 
 #include "compiler/genom/codels.hpp"

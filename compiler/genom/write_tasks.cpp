@@ -1,5 +1,5 @@
-// Execution tasks: the scheduler, which gives each activity its turn in activity order, and the compound of Figure 7
-// around it.
+// Execution tasks: the scheduler, which gives each activity its turn in the order of activities, and the compound of
+// Figure 7 around it.
 #include <fmt/format.h>
 
 #include "compiler/genom/names.hpp"

@@ -1,7 +1,7 @@
-// First pass: a symbol for each declared name, with the scope it is in.
+// First pass: creates a symbol for each declared name, with its scope.
 //
-// A name that is declared twice in one scope (overloads of a function, elements of an array one by one, a mistake) is
-// one symbol with several declarations.
+// A name that is declared several times in one scope (overloads of a function, elements of an array, an error) is one
+// symbol with several declarations.
 #include <algorithm>
 
 #include "compiler/index/builder.hpp"

@@ -1,4 +1,4 @@
-// What a hover shows of a declaration: its line, and the comment that stands right above it.
+// The text that a hover shows for a declaration: its line, and the comment directly above it.
 #include <algorithm>
 
 #include "compiler/index/builder.hpp"

@@ -1,4 +1,4 @@
-// Building the index, and the questions that it answers.
+// Builds the index and answers queries on it.
 #include "compiler/index/index.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Names in `@SuppressWarning` that no warning has: most likely a slip, and then the warning stays. Other annotations
-// are nobody's business here. Linear in the annotations.
+// Warns about names in `@SuppressWarning` that no warning has, because the warning that was meant is not suppressed
+// then. Other annotations are not checked. Linear in the annotations.
 #include <algorithm>
 #include <array>
 

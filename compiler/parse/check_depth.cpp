@@ -1,5 +1,5 @@
-// The depth limit, enforced on tokens: ANTLR's parser, the conversion and every later stage recurse over nested
-// expressions and statements, so what is too deep must be refused before any of them starts. Cost: one pass.
+// Enforces the depth limit on tokens. ANTLR's parser, the conversion and every later stage recurse over nested
+// expressions and statements, so input that is too deep must be refused before any of them starts. One pass.
 #include "BipLexer.h"
 #include "antlr4-runtime.h"
 #include "compiler/parse/parse.hpp"

@@ -1,9 +1,10 @@
-// What a word is, where that depends on its neighbours: one left-to-right pass with at most three tokens of lookahead.
+// Classifies words whose kind depends on their neighbours: one left-to-right pass with at most three tokens of
+// lookahead.
 //
-// The late words of BIP2 and the paper's own words are names in older models, so they become keywords only where what
-// follows makes them so. The pass also marks the words that begin declarations of a package (`port type`, `connector
-// type`, a paper `component`), which leaves the parser nearly LL(1) and lets it see that an `end` is missing. It knows
-// the kind of declaration it is in from the marked words and `end`; nothing else is remembered.
+// The late words of BIP2 and the words of the paper's notation are names in older models, so they become keywords only
+// if the following tokens require it. The pass also marks the words that begin declarations of a package (`port type`,
+// `connector type`, a paper `component`), which makes the grammar nearly LL(1) and lets the parser detect a missing
+// `end`. The state of the pass is the kind of the current declaration, known from the marked words and `end`.
 #include <algorithm>
 
 #include "BipLexer.h"

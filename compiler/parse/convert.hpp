@@ -1,8 +1,7 @@
-// From ANTLR's parse tree to syntax::Syntax, with the checks that the permissive grammar leaves to it.
+// Converts ANTLR's parse tree to syntax::Syntax, with the checks that the permissive grammar omits.
 //
-// The converter skips what the parser could not read (a context with an exception). Nodes go to an arena; names are
-// views into the source. Depth: the tree that it builds is at most kMaxDepth deep (B0008 otherwise), whatever its
-// width.
+// Contexts with an exception (text that could not be parsed) are skipped. Nodes are allocated in an arena; names are
+// views into the source. The tree is at most kMaxDepth deep (B0008 otherwise), whatever its width.
 #pragma once
 #include <string>
 #include <vector>

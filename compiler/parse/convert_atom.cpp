@@ -1,4 +1,4 @@
-// Conversion of what an atom consists of, in both notations: ports, clocks, places or states, transitions, rules.
+// Converts the contents of atoms in both notations: ports, clocks, places or states, transitions, rules.
 #include <algorithm>
 
 #include "compiler/parse/convert.hpp"

@@ -1,4 +1,4 @@
-// Conversion of what a compound consists of: components, connectors (typed and inline), `for`, priorities, exports.
+// Converts the contents of compounds: components, connectors (typed and inline), `for`, priorities, exports.
 #include "compiler/parse/convert.hpp"
 
 namespace bip::parse {

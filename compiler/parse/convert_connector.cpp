@@ -1,4 +1,4 @@
-// Conversion of connectors: the define tree, clauses, the exported port. Serves connector types and inline connectors.
+// Converts connector types and inline connectors: the define tree, clauses, the exported port.
 #include "compiler/parse/convert.hpp"
 
 namespace bip::parse {

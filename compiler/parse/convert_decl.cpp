@@ -1,5 +1,4 @@
-// Conversion of a file and its declarations, and the checks that concern a declaration as a whole: what may stand in it
-// and what it lacks.
+// Converts a file and its declarations, and checks declarations as a whole: misplaced and missing parts.
 #include <algorithm>
 #include <utility>
 

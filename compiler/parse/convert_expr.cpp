@@ -1,5 +1,5 @@
-// Conversion of expressions. A chain a + b + c … is a left spine in the parse tree: it is walked by a loop, so its
-// length costs no stack; right operands, parentheses and arguments recurse and are bounded by check_depth.
+// Converts expressions. A chain a + b + c … is a left spine of the parse tree and is walked by a loop, so its length
+// needs no stack; right operands, parentheses and arguments recurse and are bounded by check_depth.
 #include <algorithm>
 
 #include "compiler/parse/convert.hpp"

@@ -1,4 +1,4 @@
-// Conversion of the small pieces: ranges, names, paths, strings, annotations, parameters, data.
+// Converts ranges, names, paths, strings, annotations, parameters and data declarations.
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/unescape.hpp"
 

@@ -1,4 +1,4 @@
-// Conversion of actions. `else if` chains with one `fi` become nested ifs, as the longer spelling would.
+// Converts actions. An `else if` chain with one `fi` becomes nested ifs, as in the longer spelling.
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/describe.hpp"
 

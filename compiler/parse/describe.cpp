@@ -1,4 +1,4 @@
-// Words for people. The tables here are why no phrase of the parser generator is ever seen.
+// See describe.hpp. These tables replace all phrases of the parser generator.
 #include "compiler/parse/describe.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Words for people: what a token is called, what a set of expected tokens means, which construct was being read.
+// Descriptions for messages: of a token, of a set of expected tokens, of the construct that was being parsed.
 #pragma once
 #include <string>
 #include <string_view>

@@ -1,4 +1,5 @@
-// Reporting and recovery. Exceptions stay inside compiler/parse: the rule functions of the generated parser catch them.
+// See error_strategy.hpp. Exceptions do not leave compiler/parse: the rule functions of the generated parser catch
+// them.
 #include "compiler/parse/error_strategy.hpp"
 
 #include <algorithm>

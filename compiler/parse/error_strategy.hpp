@@ -1,8 +1,9 @@
-// Reporting and recovery in place of ANTLR's: messages in BIP's words, recovery at items and declarations.
+// Reports syntax errors in BIP's words and recovers at items and declarations, instead of ANTLR's strategy.
 //
-// An error inside an item unwinds to that item, which is left out; the rest of its declaration is still read. A missing
-// `end` or closing bracket is reported once and then assumed. One error a line: what follows on it is nearly always a
-// consequence. What is missing is told after the last word that is there, not at the next one, lines below.
+// An error inside an item discards that item; the rest of its declaration is parsed. A missing `end` or closing bracket
+// is reported once and then assumed. At most one error is reported per line, because further ones are nearly always
+// consequences. A missing token is reported after the last token before it, not at the next one, which may be lines
+// below.
 #pragma once
 #include <memory>
 #include <set>

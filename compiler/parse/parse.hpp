@@ -1,4 +1,4 @@
-// From text to the syntax tree. The only folder that knows ANTLR.
+// Parses text to a syntax tree. The only folder that includes ANTLR.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,8 +1,8 @@
-// Text to tree: tokens, depth check, ANTLR in two stages, conversion.
+// Parses a file: tokens, depth check, ANTLR in two stages, conversion.
 //
-// A file about which there is nothing to say is read in pieces (read_in_pieces.cpp) and that is all. Any other is read
-// whole: stage one predicts without context (SLL) and gives up at the first error; it reads every sound file. Only if
-// it gives up does stage two predict with full context and report. Nothing that ANTLR throws leaves this file.
+// A file without errors and warnings is parsed in pieces (read_in_pieces.cpp). Any other file is parsed whole: stage
+// one predicts without context (SLL) and gives up at the first error; it accepts every correct file. Only if it gives
+// up does stage two predict with full context and report errors. No exception of ANTLR leaves this file.
 #include "compiler/parse/parse.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// The upper levels of the grammar, `package`, `decl*`, `compoundType`, by hand; all below by the generated rules.
-// Called on their own they predict as inside a whole file: without context, prediction never looks at what surrounds a
-// rule.
+// See read_in_pieces.hpp. The upper levels of the grammar (`package`, `decl*`, `compoundType`) are parsed by hand, all
+// below by the generated rules. These predict as they do inside a whole file, because prediction without context does
+// not depend on what surrounds a rule.
 #include "compiler/parse/read_in_pieces.hpp"
 
 namespace bip::parse {

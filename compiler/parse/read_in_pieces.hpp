@@ -1,6 +1,6 @@
-// A sound file, a declaration or an item of a compound at a time: each piece is parsed, converted and forgotten, so
-// that the parse tree of a large file never exists whole. That tree is 50 times the text, and freeing it costs as much
-// as parsing.
+// Parses a correct file piece by piece: each declaration, or item of a compound, is parsed, converted and freed, so
+// that the parse tree of a large file never exists as a whole. That tree has 50 times the size of the text, and freeing
+// it costs as much as parsing.
 #pragma once
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/row_stream.hpp"

@@ -1,5 +1,5 @@
-// Lexing: ANTLR's lexer over the file, positions turned from code points into bytes, comments set apart, lexical errors
-// reported. The lexer itself cannot fail: its last rules match whatever is left.
+// Lexes a file with ANTLR's lexer, converts positions from code points to bytes, separates comments, and reports
+// lexical errors. The lexer cannot fail: its last rules match any remaining character.
 #include <algorithm>
 #include <string>
 

@@ -1,4 +1,4 @@
-// The stream's moves. ANTLR asks for the token before the first one (null) and may not consume the end of file.
+// See row_stream.hpp. ANTLR asks for the token before the first one (null) and may not consume the end of file.
 #include "compiler/parse/row_stream.hpp"
 
 #include <algorithm>

@@ -1,7 +1,8 @@
-// The token list as ANTLR wants to see it: a token is 40 bytes in one vector, where ANTLR's own are 150 and stand
-// alone.
+// The token list as a token stream of ANTLR: a token is 40 bytes in one vector, where ANTLR's are 150 bytes allocated
+// one by one.
 //
-// Positions are byte offsets, the end excluded. The last token is the end of file; looking beyond it gives it again.
+// Positions are byte offsets, the end excluded. The last token is the end of file; lookahead beyond it returns it
+// again.
 #pragma once
 #include <algorithm>
 #include <string>

@@ -1,7 +1,7 @@
-// The tokens of one file, after the lexer and the pass that decides what depends on context.
+// The tokens of one file, after the lexer and the classification of words that depend on context.
 //
-// A token is a type of the grammar and a byte range; comments are kept apart. Lexical errors are reported here, and
-// what they concern is dropped or mended, so that the parser goes on. Cost: linear in the text.
+// A token has a type of the grammar and a byte range; comments are kept separately. Lexical errors are reported here,
+// and the tokens concerned are dropped or repaired, so that the parser can continue. Linear in the text.
 #pragma once
 #include <string_view>
 #include <vector>

@@ -1,7 +1,8 @@
-// The base of the generated parser's tree nodes: the accessors of children without `dynamic_cast`.
+// The base class of the generated parser's tree nodes: accessors of children without `dynamic_cast`.
 //
-// ANTLR's own ask every child for its class by walking the class hierarchy, twice a hit; that was an eighth of the time
-// of parsing. Node classes are final in fact and all are made in this program, so equal classes have one `type_info`.
+// ANTLR's accessors find the class of every child by walking the class hierarchy, twice per match; that was an eighth
+// of the time of parsing. No node class is derived from, and all are instantiated in this program, so equal classes
+// have one `type_info`.
 #pragma once
 #include <typeinfo>
 #include <vector>

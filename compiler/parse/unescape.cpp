@@ -1,5 +1,5 @@
-// Escapes of string literals. \uXXXX becomes UTF-8 (a surrogate is no character, so it is a bad escape); \ooo is one
-// byte.
+// Decodes escapes of string literals. \uXXXX becomes UTF-8 (a surrogate is not a character, hence a bad escape); \ooo
+// is one byte.
 #include "compiler/parse/unescape.hpp"
 
 namespace bip::parse {

@@ -1,5 +1,5 @@
-// Names of a .rules file to services, posters and parameters of resolved modules; each rule to what it asks of the
-// functional level.
+// Resolves the names of a .rules file to services, posters and parameters of modules, and translates each rule to
+// constraints on the functional level.
 #pragma once
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/rules/rules.hpp"

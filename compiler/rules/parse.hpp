@@ -1,4 +1,5 @@
-// .rules text to rows. A rule that cannot be read is reported and left out; the next one begins after its semicolon.
+// Parses .rules text to rows. A rule with a syntax error is reported and skipped; the next one begins after its
+// semicolon.
 #pragma once
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/rules/rules.hpp"

@@ -1,5 +1,4 @@
-// The two halves of the parser: rules (parse.cpp) and their conditions (parse_condition.cpp). Inside compiler/rules
-// only.
+// The parser of rules (parse.cpp) and of their conditions (parse_condition.cpp). Internal to compiler/rules.
 #pragma once
 #include "compiler/genom/cursor.hpp"
 #include "compiler/rules/rules.hpp"

@@ -1,4 +1,4 @@
-// A mapping from old references to new ones, filled in the order of the rows.
+// See reduce.hpp. Maps old references to new ones, in the order of the rows.
 #include "compiler/rules/reduce.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
-// What is left of modules if only rules matter: the services that rules name, which run and end as they like, posters
-// that are written or not. Everything that the modules can do, as far as rules see it, the reduction can do as well, in
-// less time: its periods and limits are one or two ticks.
+// Reduces modules to what rules depend on: the services that rules name, which run and end at any time, and posters
+// that are written or not. The reduction simulates the modules as far as rules observe them, in less time: its periods
+// and limits are one or two ticks.
 #pragma once
 #include <vector>
 

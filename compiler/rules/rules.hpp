@@ -1,4 +1,4 @@
-// A .rules file as it was written: names are names still, and every row knows its place.
+// A .rules file as parsed: names are unresolved, and every row has its source location.
 #pragma once
 #include <cstdint>
 #include <optional>

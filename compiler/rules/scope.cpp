@@ -1,4 +1,4 @@
-// Linear searches: a functional level has hundreds of names, a file tens of rules.
+// See scope.hpp. Linear searches: a functional level has hundreds of names, a file tens of rules.
 #include "compiler/rules/scope.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What names of a .rules file mean, and conditions with their types. Inside compiler/rules only.
+// Resolves the names of a .rules file and types its conditions. Internal to compiler/rules.
 #pragma once
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/rules/rules.hpp"

@@ -1,6 +1,6 @@
-// The source map: file texts, byte ranges, and their lines and columns.
+// The source map: texts of files, byte ranges, and their lines and columns.
 //
-// Texts stay alive and unmoved as long as the map, so names in the syntax tree are views into them.
+// Texts are neither moved nor freed while the map exists, so names in the syntax tree are views into them.
 #pragma once
 #include <cstdint>
 #include <deque>

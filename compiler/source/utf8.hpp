@@ -1,4 +1,4 @@
-// UTF-8 as bytes: is a text well-formed, and how many columns does it take on a terminal.
+// Functions on UTF-8: is a text well-formed, and how many columns does it occupy on a terminal.
 #pragma once
 #include <cstddef>
 #include <optional>

@@ -1,4 +1,4 @@
-// Walks every written type of a file. See deprecated.hpp.
+// Walks every type name of a file. See deprecated.hpp.
 #include "compiler/syntax/deprecated.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Spellings that still compile, with a warning, and what one writes today. `bipc migrate` applies them.
+// Deprecated spellings, which compile with a warning, and their replacements. `bipc migrate` applies them.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
-// The tree as text, for goldens and `--emit=syntax`: a node a line, `Kind @line:column-line:column details`. Small
-// things (expressions, paths, lists of names) stand on their parent's line in a form of their own, fully parenthesised.
+// The tree as text, for goldens and `--emit=syntax`: one node per line, `Kind @line:column-line:column details`. Small
+// nodes (expressions, paths, lists of names) are printed on the line of their parent, fully parenthesised.
 #include "compiler/syntax/dump.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The dumper's state, shared by dump.cpp (nodes) and dump_text.cpp (what stands on a node's line).
+// The state of the dumper, shared by dump.cpp (nodes) and dump_text.cpp (details on the line of a node).
 #pragma once
 #include <fmt/format.h>
 

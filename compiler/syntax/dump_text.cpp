@@ -1,4 +1,4 @@
-// What stands on a node's line: expressions with every operator in parentheses and under one spelling, paths, names.
+// Details on the line of a node: expressions with every operator in parentheses and in one spelling, paths, names.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/dump.hpp"
 

@@ -1,5 +1,5 @@
-// The printer's lines: indentation, comments, blank lines. A blank line of the source is kept (one of several), none is
-// kept at the beginning or end of a block. Cost: linear in the text.
+// The lines of the printer: indentation, comments, blank lines. Of consecutive blank lines of the source one is kept,
+// none at the beginning or end of a block. Linear in the text.
 #include "compiler/syntax/print.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Actions: on the line of their transition if they are short and plain, else a statement a line.
+// Prints actions: on the line of their transition if they are short and plain, otherwise one statement per line.
 #include "compiler/syntax/printer.hpp"
 
 namespace bip::syntax {

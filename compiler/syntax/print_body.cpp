@@ -1,5 +1,5 @@
-// The bodies of atoms and compounds. An atom of the paper's notation is printed as states if each of its transitions
-// leaves one place and they stand place by place, else as places with transitions `from … to …`, as in BIP2.
+// Prints bodies of atoms and compounds. An atom of the paper's notation is printed as states if each of its transitions
+// leaves one place and they are grouped by place, otherwise as places with transitions `from … to …`, as in BIP2.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 

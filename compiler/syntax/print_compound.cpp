@@ -1,4 +1,4 @@
-// The bodies of compounds: components and connectors in source order, those of one line together again.
+// Prints bodies of compounds: components and connectors in source order; those declared on one line stay on one line.
 #include "compiler/syntax/printer.hpp"
 
 namespace bip::syntax {

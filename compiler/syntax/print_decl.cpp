@@ -1,4 +1,4 @@
-// Files, packages and their declarations.
+// Prints files, packages and their declarations.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 

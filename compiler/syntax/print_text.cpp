@@ -1,5 +1,5 @@
-// Pieces of lines: expressions, paths, lists. Operators keep the sign that was written (`&&`, `and`, `∧`); parentheses
-// are kept where they were. Recursion follows the depth of expressions, which the parser limits.
+// Prints expressions, paths and lists. Operators keep their spelling (`&&`, `and`, `∧`), and parentheses are preserved.
+// Recursion follows the depth of expressions, which the parser limits.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 

@@ -1,5 +1,5 @@
-// The printer's state, shared by its files. Lines are appended to one text; comments are taken from the source in order
-// and put before the line that they preceded, or after the line that they followed.
+// The state of the printer, shared by its files. Lines are appended to one text. Comments are taken from the source in
+// order and printed before the line that they preceded, or after the line that they followed.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,8 +1,8 @@
-// The syntax tree: one tree for both notations (BIP2 and the paper's), as written, before any name is resolved.
+// The syntax tree: one tree for both notations (BIP2 and the paper's), before names are resolved.
 //
-// Plain immutable structs in an arena; lists are spans; names are views into the source text. Every node carries its
-// byte range. What the parser could not read is left out (the diagnostics say so); nothing here is ever null unless
-// the field says "may be null".
+// Plain immutable structs in an arena; lists are spans; names are views into the source text. Every node has its byte
+// range. Text that could not be parsed has no node (and a diagnostic). No pointer is null unless the field says "may be
+// null".
 #pragma once
 #include <cstdint>
 #include <memory>

@@ -1,4 +1,4 @@
-// .bsys, the System's text form: round-tripping, versioned, the stable interface for outside tools.
+// .bsys, the text form of a System: round-tripping, versioned, and stable for other tools.
 #pragma once
 #include <string>
 #include <string_view>

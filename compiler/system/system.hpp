@@ -1,8 +1,8 @@
-// The System: the instance model, flat, symbolic, and the contract between the front end and every back end.
+// The System: the instance model, flat and symbolic; the contract between the front end and every back end.
 //
 // Plain tables in a deterministic order (declaration order, depth first), typed ids, no pointers. Components are
-// flattened, interactions are never enumerated: a connector stays its tree of synchrons and triggers. Its text form is
-// .bsys (print.hpp, parse_bsys.hpp): parse(print(s)) == s and print(parse(t)) == t.
+// flattened, interactions are never enumerated: a connector keeps its tree of synchrons and triggers. Its text form is
+// .bsys (bsys.hpp): parse(print(s)) == s and print(parse(t)) == t.
 #pragma once
 #include <string>
 #include <variant>

@@ -1,4 +1,4 @@
-// Has a System to do with time? What runs or proves untimed systems asks first.
+// Does a System have clocks, urgency, `resume` or events? Commands for untimed systems ask first.
 #pragma once
 #include <string>
 

@@ -1,5 +1,5 @@
-// What an exploration found, as text. A counterexample is replayed by a core from the initial state before it is shown.
-// The last line of all reports comes from here too.
+// The result of an exploration as text. A counterexample is replayed by a core from the initial state before it is
+// printed. The last line of all reports is written here as well.
 #pragma once
 #include <string>
 

@@ -1,7 +1,7 @@
-// The shortest path to what was found. No state knows its parent; levels do: the states of level i that can step into a
-// given set of level i + 1 are found by expanding level i again, from the goals' level down. Then the real system walks
-// from the initial state, each time by the first candidate that leads into the set. Cost: at most the expansion of the
-// levels once more, without the store.
+// The shortest path to a goal state. Parents of states are not stored, but levels are: the states of level i that can
+// step into a given set of level i + 1 are found by expanding level i again, from the level of the goals backward. Then
+// a core runs from the initial state, each time by the first candidate that leads into the set. Cost: at most one more
+// expansion of the levels, without the store.
 #include <algorithm>
 
 #include "runtime/explore/search.hpp"

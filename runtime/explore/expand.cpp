@@ -1,5 +1,5 @@
-// Which candidates a state has, and the states they lead to. Three ways: masks alone; tables, then rules and
-// reductions; the core, where rules have guards or C++ is called.
+// The candidates of a state, and their successors. Three ways: masks alone; tables, then rules and reductions; the
+// core, if rules have guards or C++ is called.
 #include <algorithm>
 
 #include "runtime/explore/expander.hpp"

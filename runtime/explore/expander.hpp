@@ -1,9 +1,9 @@
-// The successors of a state, as words: tables that the core has filled, the core itself where there is no table.
+// The successors of a state, as words: from tables that the core has filled, or by the core if there is no table.
 //
-// An expander belongs to one thread. What it knows of an interaction and the numbers of its atoms it has asked a core
-// once: restore that state, fire, look at what the atoms are in afterwards. So nothing here defines what a step does; a
-// table remembers it. Tables live as long as the layout. A number that no longer fits sets `is_too_narrow`; the caller
-// then makes a wider layout and starts the batch again.
+// An expander belongs to one thread. The effect of an interaction on the numbers of its atoms is computed by a core
+// once: restore that state, fire, read the atoms' local states. So the expander caches the meaning of a step and does
+// not define one. Tables are valid as long as the layout. A number that no longer fits sets `is_too_narrow`; the caller
+// then makes a wider layout and repeats the batch.
 #pragma once
 #include <memory>
 #include <vector>

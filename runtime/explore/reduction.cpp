@@ -1,4 +1,4 @@
-// When a reduction may be used: what it cannot treat soundly is refused with the reason.
+// Decides whether a reduction may be used; models that it cannot treat soundly are refused with the reason.
 #include "runtime/explore/explore.hpp"
 #include "runtime/explore/shapes.hpp"
 #include "runtime/explore/symmetry.hpp"

@@ -1,9 +1,9 @@
 // One exploration: levels, batches of a level, and the paths to what was found. Internal to runtime/explore.
 //
-// A batch has two phases with nothing shared but what both only read. First each thread expands states of the frontier
-// and sorts what it finds by owner; then each owner adds to its own store. So no word is written by two threads, counts
-// do not depend on timing, and the set of states is the same for any number of threads. The order within a level is
-// not; nothing that is told depends on it.
+// A batch has two phases whose shared data are read-only. First each thread expands states of the frontier and sorts
+// the successors by owner; then each owner adds to its own store. So no word is written by two threads, counts do not
+// depend on timing, and the set of states is the same for any number of threads. The order within a level is not, and
+// no output depends on it.
 #pragma once
 #include <atomic>
 #include <chrono>
