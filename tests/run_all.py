@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """Runs all tests: every unit_* program, the goldens, the snippets, the meta-tests, the models, random systems.
 
-tools/test calls it after a build. Each group prints one line "group: N passed, N failed"; what failed is shown, the
-rest is in build/test-logs/. The last line is "N passed, N failed" over everything. Python's library only.
+tools/test calls it after a build. As many programs run at a time as there are processors (BIPC_TEST_JOBS: another
+number); those that measure time run by themselves, at the end. Each group prints one line "group: N passed, N failed";
+what failed is shown, the rest is in build/test-logs/. A program that was not built is a failure. The last line is
+"N passed, N failed" over everything. Python's library only.
 """
+import concurrent.futures
 import os
 import pathlib
 import re
 import subprocess
 import sys
+import threading
 import time
 import xml.etree.ElementTree as xml
 
@@ -49,36 +53,67 @@ def run_script(name, command):
     return passed, failed
 
 
+class Job:
+    """One program of a group. `alone`: it measures the processor or the clock, so nothing runs beside it."""
+
+    def __init__(self, name, run, weight=1, alone=False):
+        self.name, self.run, self.weight, self.alone = name, run, weight, alone
+
+
+def script(name, path, *arguments, weight=1, alone=False):
+    program = [sys.executable] if path.endswith(".py") else ["bash"]
+    return Job(name, lambda: run_script(name, [*program, str(ROOT / path), *arguments]), weight, alone)
+
+
+def needs(binary, *jobs):
+    """The jobs; if the program was not built, failures that say so."""
+    if (BUILD / binary).exists():
+        return list(jobs)
+
+    def missing(job):
+        print(f"{job.name}: no {BUILD / binary}: it was not built")
+        return 0, 1
+    return [Job(job.name, lambda job=job: missing(job)) for job in jobs]
+
+
+def unit_jobs():
+    """Each folder of tests/unit is a program; jit only where the build has LLVM. One that is missing is a failure."""
+    folders = sorted(p.name for p in (ROOT / "tests/unit").iterdir() if any(p.glob("*.cpp")))
+    if not (BUILD / "libbipc_jit.so").exists():
+        print("unit_jit and all runs by machine code are left out: the build has no LLVM (BIPC_JIT=OFF)", flush=True)
+        folders.remove("jit")
+    weights = {"runtime": 40, "verify": 60, "explore": 50, "driver": 30, "jit": 30}
+    for folder in folders:
+        program = BUILD / f"unit_{folder}"
+        yield from needs(program.name, Job(program.name, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "driver"))
+
+
 def groups():
-    units = sorted(p for p in BUILD.glob("unit_*") if os.access(p, os.X_OK) and p.is_file())
-    yield "unit", [(p.name, lambda p=p: run_unit(p)) for p in units]
-    scripts = [("golden", "tests/golden/test_golden.py"), ("snippets", "tests/meta/test_snippets.py"), ("meta", "tests/meta/test_meta.py"), ("odd_inputs", "tests/meta/test_odd_inputs.py"),
-               ("slips", "tests/slips/test_slips.py"), ("fmt", "tests/fmt/test_fmt.py"),
-               ("models", "tests/models/test_models.py")]
-    for name, script in scripts:
-        yield name, [(name, lambda n=name, s=script: run_script(n, [sys.executable, str(ROOT / s)]))]
+    """(name, jobs) in the order in which they are reported."""
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
-    yield "day", [("day", lambda: run_script("day", [sys.executable, str(ROOT / "tests/models/test_day.py"), "--steps", "6000000"]))]
-    yield "genom", [("genom", lambda: run_script("genom", [sys.executable, str(ROOT / "tests/genom/test_genom.py")])),
-                    ("dala", lambda: run_script("dala", [sys.executable, str(ROOT / "tests/genom/test_dala.py")])),
-                    ("rules", lambda: run_script("rules", [sys.executable, str(ROOT / "tests/rules/test_rules.py")])),
-                    ("mission", lambda: run_script("mission", [sys.executable, str(ROOT / "models/dala/run")]))]
-    yield "serve", [("serve", lambda: run_script("serve", [sys.executable, str(ROOT / "tests/serve/test_serve.py")]))]
-    yield "traces", [("traces", lambda: run_script("traces", [sys.executable, str(ROOT / "tests/traces/test_traces.py")]))]
-    yield "debuggers", [("debuggers", lambda: run_script("debuggers", [sys.executable, str(ROOT / "tests/debuggers/test_debuggers.py")]))]
-    if (BUILD / "bip-fuzz").exists():
-        yield "fuzz", [("fuzz", lambda: run_script("fuzz", [sys.executable, str(ROOT / "tests/fuzz/test_fuzz.py")]))]
-    if (BUILD / "bipc-lsp").exists():
-        os.environ["BIPC_BUILD_DIR"] = str(BUILD)
-        yield "lsp", [("lsp", lambda: run_script("lsp", [sys.executable, str(ROOT / "tests/lsp/test_lsp.py")]))]
-    if (BUILD / "bip-gen").exists():
-        os.environ["BUILD"] = str(BUILD)
-        if (BUILD / "bip-verify-check").exists():
-            yield "verify", [("verify", lambda: run_script("verify", [str(ROOT / "tests/verify/test_verify.sh")])),
-                             ("terminal", lambda: run_script("terminal", [sys.executable, str(ROOT / "tests/verify/test_terminal.py")])),
-                             ("exports", lambda: run_script("exports", [sys.executable, str(ROOT / "tests/verify/test_exports.py")]))]
-        yield "differential", [("differential", lambda: run_script("differential", [str(ROOT / "tests/differential/test_differential.sh"), "500"])),
-                               ("engines", lambda: run_script("engines", [str(ROOT / "tests/differential/test_engines.sh"), "100"]))]
+    os.environ["BUILD"] = str(BUILD)
+    return [
+        ("unit", list(unit_jobs())),
+        ("golden", [script("golden", "tests/golden/test_golden.py", weight=45)]),
+        ("snippets", [script("snippets", "tests/meta/test_snippets.py", weight=10)]),
+        ("meta", [script("meta", "tests/meta/test_meta.py", weight=5)]),
+        ("odd_inputs", [script("odd_inputs", "tests/meta/test_odd_inputs.py", weight=20)]),
+        ("slips", [script("slips", "tests/slips/test_slips.py", weight=5)]),
+        ("fmt", [script("fmt", "tests/fmt/test_fmt.py", weight=10)]),
+        ("models", [script("models", "tests/models/test_models.py", weight=57)]),
+        ("day", [script("day", "tests/models/test_day.py", "--steps", "6000000", weight=14)]),
+        ("genom", [script("genom", "tests/genom/test_genom.py", weight=30), script("dala", "tests/genom/test_dala.py", weight=30),
+                   script("rules", "tests/rules/test_rules.py", weight=10), script("mission", "models/dala/run", alone=True)]),
+        ("serve", [script("serve", "tests/serve/test_serve.py", alone=True)]),
+        ("traces", [script("traces", "tests/traces/test_traces.py", weight=3)]),
+        ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
+        ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
+        ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
+        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", weight=60),
+                         script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20))),
+        ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", "500", weight=150),
+                               script("engines", "tests/differential/test_engines.sh", "100", weight=40))),
+    ]
 
 
 def main():
@@ -86,24 +121,44 @@ def main():
     # The user's own cache is none of ours.
     os.environ["XDG_CACHE_HOME"] = str(BUILD / "tests-cache")
     wanted = sys.argv[1:]
-    unknown = set(wanted) - {name for name, _ in groups()}
+    everything = groups()
+    unknown = set(wanted) - {name for name, _ in everything}
     if unknown:
         sys.exit(f"test: no group {', '.join(sorted(unknown))}")
-    total = [0, 0]
-    for name, jobs in groups():
-        if wanted and name not in wanted:
-            continue
+    chosen = [(name, jobs) for name, jobs in everything if not wanted or name in wanted]
+    results, seconds = {}, {}
+
+    def execute(job):
         start = time.monotonic()
-        here = [0, 0]
-        for _, job in jobs:
-            passed, failed = job()
-            here[0] += passed
-            here[1] += failed
-        if not jobs or sum(here) == 0:
-            print(f"{name}: nothing ran")
-            here[1] += 1
-        print(f"{name}: {here[0]} passed, {here[1]} failed ({time.monotonic() - start:.1f} s)", flush=True)
-        total = [total[0] + here[0], total[1] + here[1]]
+        results[job] = job.run()
+        seconds[job] = time.monotonic() - start
+        report()
+
+    reported, lock, total = set(), threading.Lock(), [0, 0]
+
+    def report():
+        """Prints each group once all of it has run."""
+        with lock:
+            for name, jobs in chosen:
+                if name in reported or not all(job in seconds for job in jobs):
+                    continue
+                reported.add(name)
+                passed, failed = (sum(results[job][k] for job in jobs) for k in (0, 1))
+                if passed + failed == 0:
+                    print(f"{name}: nothing ran")
+                    failed = 1
+                print(f"{name}: {passed} passed, {failed} failed ({sum(seconds[job] for job in jobs):.1f} s)", flush=True)
+                total[0] += passed
+                total[1] += failed
+
+    jobs = [job for _, group in chosen for job in group]
+    workers = int(os.environ.get("BIPC_TEST_JOBS") or os.cpu_count() or 1)
+    with concurrent.futures.ThreadPoolExecutor(max_workers=workers) as pool:
+        # The longest first, so that none is left alone at the end.
+        list(pool.map(execute, sorted((job for job in jobs if not job.alone), key=lambda job: -job.weight)))
+    for job in jobs:
+        if job.alone:
+            execute(job)
     print(f"{total[0]} passed, {total[1]} failed", flush=True)
     return 1 if total[1] else 0
 

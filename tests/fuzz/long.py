@@ -4,7 +4,7 @@
 The targets take turns (`--turn` seconds, default 150) until `--seconds` (default 3600) have passed; a finding ends its turn only. Seeds are
 our own models and goldens (`tests/fuzz/test_fuzz.py --corpus`), tests/fuzz/corpus and the kept inputs; the dictionary is made from the grammar's words. What the
 turns learn stays in BUILD/fuzzing/TARGET, findings in BUILD/fuzzing/findings; a second call goes on from there. `--keep` (alone: with `--seconds 0`)
-minimises what was learnt (-merge=1) into tests/fuzz/corpus, the smallest inputs first, at most 350 kB a target.
+minimises what was learnt (-merge=1) into the archives in tests/fuzz/corpus, the smallest inputs first, at most 350 kB a target.
 BIPC_FUZZ_BUILD names the build of the preset `fuzz` (default: build-fuzz). The last line is "fuzzed N s, N inputs, N findings"; exit code 1 if there is a finding.
 """
 import argparse
@@ -16,6 +16,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import kept_inputs
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 HERE = ROOT / "tests" / "fuzz"
@@ -48,7 +50,7 @@ def turn(target, seconds, words):
     """One turn; its number of inputs, seconds and whether it found something."""
     start = time.monotonic()
     found = WORK / "findings"
-    kept = [str(path) for path in (HERE / "corpus" / target, HERE / "regressions" / target) if path.is_dir()]
+    kept = [str(path) for path in (WORK / "corpus" / target, HERE / "regressions" / target) if path.is_dir()]
     done = subprocess.run(command(target, f"-max_total_time={seconds}", f"-dict={words}", f"-artifact_prefix={found}/{target}-", "-max_len=8000", "-reload=0", str(WORK / target), *kept),
                           capture_output=True, text=True, errors="replace", cwd=WORK)
     inputs = re.search(r"stat::number_of_executed_units:\s*(\d+)", done.stderr)
@@ -71,21 +73,19 @@ def turn(target, seconds, words):
 
 def keep(target):
     """What covers all that was covered, the smallest inputs first, into tests/fuzz/corpus."""
-    folder = HERE / "corpus" / target
+    folder = WORK / "corpus" / target
     with tempfile.TemporaryDirectory() as least:
         sources = [str(path) for path in (folder, WORK / target) if path.is_dir()]
         subprocess.run(command(target, "-merge=1", "-max_len=8000", least, *sources), capture_output=True, check=True, cwd=WORK)
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
-        total = count = 0
+        inputs, total = {}, 0
         for path in sorted(pathlib.Path(least).iterdir(), key=lambda p: (p.stat().st_size, p.name)):
             total += path.stat().st_size
             if total > MOST_BYTES:
                 total -= path.stat().st_size
                 break
-            shutil.copyfile(path, folder / path.name)
-            count += 1
-    print(f"{target}: kept {count} inputs, {total} bytes", flush=True)
+            inputs[path.name] = path.read_bytes()
+        kept_inputs.pack(target, inputs)
+    print(f"{target}: kept {len(inputs)} inputs, {total} bytes", flush=True)
 
 
 def main():
@@ -103,6 +103,7 @@ def main():
     subprocess.run([sys.executable, str(HERE / "test_fuzz.py"), "--corpus", str(WORK)], check=True, env={**os.environ, "BIPC_BUILD_DIR": os.environ.get("BIPC_BUILD_DIR") or str(BUILD)})
     for target in targets:
         (WORK / target).mkdir(exist_ok=True)
+        kept_inputs.unpack(target, WORK / "corpus" / target)
     if (WORK / "format").is_dir():
         for path in (WORK / "text").iterdir():
             if not (WORK / "format" / path.name).exists():

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """tests/fuzz/test_fuzz.py [--edits N] [--seed S]: any bytes at all give a diagnostic or a system.
 
-First the kept crashers, tests/fuzz/regressions/TARGET/*, and what libFuzzer learnt, tests/fuzz/corpus/TARGET/*, then N random edits (default 20,000, a nightly run takes a
-million) of good sources, shared out among the targets. The sources: models/, the files in tests/golden, and the systems
+First the kept crashers, tests/fuzz/regressions/TARGET/*, and what libFuzzer learnt, tests/fuzz/corpus/TARGET.tar.xz, then N random edits (default 20,000, a nightly
+run takes a million) of good sources, shared out among the targets. The sources: models/, the files in tests/golden, and the systems
 that bipc makes of models/. BIPC_BUILD_DIR names the build (default: build).
 `--corpus DIR` only writes the sources there, as seeds for libFuzzer. The last line is "fuzz: N passed, N failed".
 """
@@ -13,6 +13,8 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+
+import kept_inputs
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
@@ -124,7 +126,8 @@ def main():
         seeds["format"] = seeds["text"]
         shares = {"text": 0.45, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02}
         for target, share in shares.items():
-            kept = sorted(str(p) for folder in ("regressions", "corpus") for p in (HERE / folder / target).glob("*"))
+            kept = sorted(str(p) for p in (HERE / "regressions" / target).glob("*"))
+            kept += [str(p) for p in kept_inputs.unpack(target, work / "corpus" / target)]
             jobs = [kept] if kept else []
             edits = int(options.edits * share)
             if edits and seeds[target]:

@@ -124,7 +124,7 @@ TEST_CASE("functions read like the model") {
   CHECK_THAT(text, Contains("  const IntVar from_v{all[bind[0]]};\n"));
   CHECK_THAT(text, Contains("  to_v = from_v;\n"));
   CHECK_THAT(text, Contains("#line 20 \"sum.bip\"\n"));
-  CHECK_THAT(text, Contains("/* ROOT.p[1] */ int_slot(2)"));
+  CHECK_THAT(text, Contains("/* ROOT.p[1] */ int_cell(2)"));
   CHECK_THAT(emit(test::producers(2), false), !Contains("#line") && Contains("// sum.bip:20\n"));
 }
 
