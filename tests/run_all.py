@@ -61,7 +61,7 @@ class Job:
 
 
 def script(name, path, *arguments, weight=1, alone=False):
-    program = [sys.executable] if path.endswith(".py") else ["bash"]
+    program = ["bash"] if path.endswith(".sh") else [sys.executable]
     return Job(name, lambda: run_script(name, [*program, str(ROOT / path), *arguments]), weight, alone)
 
 

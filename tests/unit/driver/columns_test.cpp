@@ -58,7 +58,11 @@ void compare(Prepared& model) {
   REQUIRE(model.c.lowered->image.step_cells == model.cells().count);
   const Result<JitPlugin> plugin = load_jit();
   if (!plugin) {
-    WARN("no JIT beside this program: left out");
+#ifdef BIP_TEST_HAS_JIT
+    FAIL("the build has LLVM, but its plug-in did not load");
+#else
+    WARN("the build has no LLVM: left out");
+#endif
     return;
   }
   jit::MadeCode made;

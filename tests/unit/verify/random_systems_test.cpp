@@ -80,4 +80,6 @@ TEST_CASE("proofs agree with exhaustive search on random models") {
   for (std::uint64_t seed = 1; seed <= runs; ++seed) compare(gen::print_packages(gen::generate(seed)), tally);
   report("random models", tally);
   CHECK(tally.skipped < static_cast<int>(runs) / 2);
+  CHECK(tally.free > 0);
+  CHECK(tally.deadlock > 0);
 }
