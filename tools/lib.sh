@@ -31,12 +31,18 @@ configure_and_build() {
   local jobs terminal=0
   jobs=$(nproc 2>/dev/null || echo 2)
   [[ -t 2 ]] && terminal=1
-  # On a terminal one line that changes; piped, a line each ten steps. What a failing step says is shown whole.
+  # On a terminal one line that changes; piped, a line each ten steps, with an estimate of the time that is left. What a
+  # failing step says is shown whole.
   ninja -C "$build_dir" -j"$jobs" "$@" 2>&1 9>&- | awk -v terminal=$terminal '
+    function now() { srand(); return srand() }
+    BEGIN { start = now() }
     /^ninja: (Entering|no work)/ || /Re-checking globbed|Re-running CMake/ || /^-- / { next }
     /^\[[0-9]+\/[0-9]+\] / {
       split($1, n, /[\[\/\]]/)
-      if (terminal) { printf "\r\033[K%.100s", $0; open = 1 } else if (n[2] % 10 == 0 || n[2] == n[3]) print
+      spent = now() - start
+      left = n[2] < 3 ? "" : sprintf("  (%d s, about %d s left)", spent, spent * (n[3] - n[2]) / n[2] + 0.5)
+      if (terminal) { printf "\r\033[K%.90s%s", $0, left; open = 1 }
+      else if (n[2] % 10 == 0 || n[2] == n[3]) print $0 left
       fflush(); next
     }
     { if (open) { printf "\n"; open = 0 } print; fflush() }
