@@ -6,6 +6,7 @@ number); those that measure time run by themselves, at the end. Each group print
 what failed is shown, the rest is in build/test-logs/. A program that was not built is a failure. The last line is
 "N passed, N failed" over everything. Python's library only.
 """
+import argparse
 import concurrent.futures
 import os
 import pathlib
@@ -88,7 +89,7 @@ def unit_jobs():
         yield from needs(program.name, Job(program.name, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "driver"))
 
 
-def groups():
+def groups(options):
     """(name, jobs) in the order in which they are reported."""
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
     os.environ["BUILD"] = str(BUILD)
@@ -111,7 +112,7 @@ def groups():
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
         ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", weight=60),
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20))),
-        ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", "500", weight=150),
+        ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), "1", *(["--without-emitted"] if options.without_emitted else []), weight=150),
                                script("engines", "tests/differential/test_engines.sh", "100", weight=40))),
     ]
 
@@ -120,8 +121,13 @@ def main():
     LOGS.mkdir(parents=True, exist_ok=True)
     # The user's own cache is none of ours.
     os.environ["XDG_CACHE_HOME"] = str(BUILD / "tests-cache")
-    wanted = sys.argv[1:]
-    everything = groups()
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("--systems", type=int, default=500, help="random systems of the group differential")
+    arguments.add_argument("--without-emitted", action="store_true", help="random systems are not also run as emitted C++")
+    arguments.add_argument("groups", nargs="*")
+    options = arguments.parse_args()
+    wanted = options.groups
+    everything = groups(options)
     unknown = set(wanted) - {name for name, _ in everything}
     if unknown:
         sys.exit(f"test: no group {', '.join(sorted(unknown))}")
