@@ -41,12 +41,13 @@ void check_port(const System& system, const AtomType& type, const Port& port, Pr
   check_loc(system, port.loc, problems);
   if (!problems.expect(system.port_types.contains(port.type), "a port's type is no row")) return;
   const std::vector<Variable>& variables = system.port_types[port.type].variables;
-  if (!problems.expect(port.variables.size() == variables.size(), "a port has not one slot a variable of its type"))
+  if (!problems.expect(port.variables.size() == variables.size(),
+                       "a port has not one variable of the atom a variable of its type"))
     return;
   for (std::size_t k = 0; k < variables.size(); ++k) {
-    if (problems.expect(port.variables[k] < type.variables.size(), "a port's slot is no row"))
+    if (problems.expect(port.variables[k] < type.variables.size(), "a port's variable is no row"))
       problems.expect(type.variables[port.variables[k]].type == variables[k].type,
-                      "a port's slot has not the variable's type");
+                      "a port's variable has not the variable's type");
   }
 }
 
@@ -62,8 +63,8 @@ void check_when(const AtomType& type, const TimeGuard& when, Problems& problems)
     problems.expect(bound.ticks >= -kMaxTicks && bound.ticks <= kMaxTicks, "a bound is beyond the end of time");
     if (bound.variable == Bound::kNone) continue;
     const bool is_hidden = bound.variable < type.variables.size() && bound.variable >= type.visible_variables();
-    if (problems.expect(is_hidden, "a bound's slot is none of the hidden ones"))
-      problems.expect(type.variables[bound.variable].type == Type::Float, "a bound's slot is no float");
+    if (problems.expect(is_hidden, "a bound's variable is none of the hidden ones"))
+      problems.expect(type.variables[bound.variable].type == Type::Float, "a bound's variable is no float");
     problems.expect(when.measure.is_valid(), "nothing measures a bound's limit");
   }
 }
@@ -72,20 +73,20 @@ void check_time(const AtomType& type, Problems& problems) {
   for (const Clock& clock : type.clocks) {
     problems.expect(clock.unit > 0 && clock.unit <= 86'400'000'000'000, "a clock's unit is not between 1 ns and a day");
     if (!problems.expect(clock.variable == next && clock.variable + kClockVariables <= type.variables.size(),
-                         "a clock's slots do not follow those before it"))
+                         "a clock's variables do not follow those before it"))
       return;
     problems.expect(type.variables[next].type == Type::Float && type.variables[next + 1].type == Type::Bool &&
                         type.variables[next + 2].type == Type::Float,
-                    "a clock's slots are not float, bool, float");
+                    "a clock's variables are not float, bool, float");
     next += kClockVariables;
   }
   for (std::size_t k = type.visible_variables(); k < type.variables.size(); ++k)
     problems.expect(!type.variables[k].is_param && !type.variables[k].exported,
-                    "a hidden slot is a parameter or exported");
+                    "a hidden variable is a parameter or exported");
   for (const Port& port : type.ports) {
     problems.expect(!(port.external && port.exported), "a port of events from outside is exported");
     for (const std::uint32_t variable : port.variables)
-      problems.expect(variable < type.visible_variables(), "a port shows a hidden slot");
+      problems.expect(variable < type.visible_variables(), "a port shows a hidden variable");
   }
   check_when(type, type.initial_resume.when, problems);
   for (const Transition& row : type.transitions) {
@@ -142,8 +143,8 @@ void check_atom_type(const System& system, const AtomType& type, Problems& probl
   bool data_begun = false;
   for (const DataVariable& variable : type.variables) {
     check_loc(system, variable.loc, problems);
-    problems.expect(is_type(system, variable.type), "a slot has no type");
-    problems.expect(!(data_begun && variable.is_param), "a parameter's slot comes after data");
+    problems.expect(is_type(system, variable.type), "a variable has no type");
+    problems.expect(!(data_begun && variable.is_param), "a parameter's variable comes after data");
     data_begun = data_begun || !variable.is_param;
   }
   for (const Port& port : type.ports) check_port(system, type, port, problems);

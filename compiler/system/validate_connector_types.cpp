@@ -119,7 +119,7 @@ bool check_params(const System& system, const ConnectorType& type, Problems& pro
   for (const DataRead& read : type.data_reads) problems.expect(is_type(system, read.type), "a data read has no type");
   for (const DataVariable& variable : type.variables) {
     check_loc(system, variable.loc, problems);
-    problems.expect(is_type(system, variable.type), "a slot has no type");
+    problems.expect(is_type(system, variable.type), "a variable has no type");
   }
   return true;
 }
@@ -143,12 +143,12 @@ void check_export(const System& system, const ConnectorType& type, Problems& pro
   if (!problems.expect(system.port_types.contains(type.export_type), "an exported port's type is no row")) return;
   const std::vector<Variable>& variables = system.port_types[type.export_type].variables;
   if (!problems.expect(type.export_variables.size() == variables.size(),
-                       "an exported port has not one slot a variable"))
+                       "an exported port has not one variable of the atom a variable"))
     return;
   for (std::size_t k = 0; k < variables.size(); ++k)
-    if (problems.expect(type.export_variables[k] < type.variables.size(), "an exported port's slot is no row"))
+    if (problems.expect(type.export_variables[k] < type.variables.size(), "an exported port's variable is no row"))
       problems.expect(type.variables[type.export_variables[k]].type == variables[k].type,
-                      "an exported port's slot has not the variable's type");
+                      "an exported port's variable has not the variable's type");
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ void check_atoms(const System& system, Problems& problems) {
 void check_data(const System& system, const DataRef& data, Problems& problems) {
   if (problems.expect(system.atoms.contains(data.atom), "data of no atom"))
     problems.expect(data.variable < system.atom_types[system.atoms[data.atom].type].variables.size(),
-                    "data is no slot of its atom");
+                    "data is no variable of its atom");
 }
 
 /// What is bound, measured once: the port type and the connectors below. `PortTypeId()`: broken, and said so.

@@ -359,8 +359,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   }
   if (options.stats) print_stats(err, core, enabled, result.steps, seconds.count(), cpu_seconds);
   if (options.stats && batch && batch->is_on()) {
-    std::fprintf(err, "parts %u, shared slots %zu, steps beside each other %llu\n", batch->parts(), batch->shared(),
-                 static_cast<unsigned long long>(batch->beside()));
+    std::fprintf(err, "parts %u, shared interactions %zu, steps beside each other %llu\n", batch->parts(),
+                 batch->shared(), static_cast<unsigned long long>(batch->beside()));
   } else if (options.stats && batch) {
     std::fprintf(err, "one part: the system does not come apart, or has steps without compiled code\n");
   }

@@ -11,7 +11,7 @@ class Follower:
         self.module, self.reference = module, reference
         self.component = module["name"]
         self.tasks = {t["name"]: t for t in module["tasks"]}
-        self.slots = {s.name: s for s in reference.slots}
+        self.activities = {s.name: s for s in reference.activities}
         self.control = None   # events of the control cycle that is open
         self.cycles = {}      # task -> (events, answers) of its cycle
         self.running = {}     # task -> (state, codel) whose codel is running
@@ -40,7 +40,7 @@ class Follower:
 
     def one(self, inner, root, ports):
         if inner == "collect":
-            actual = [("final", self.slot_of(p), v["rep"]) for p, v in ports if p.endswith(".controller.reply")]
+            actual = [("final", self.activity_of(p), v["rep"]) for p, v in ports if p.endswith(".controller.reply")]
             self.compare("final replies", self.reference.begin_control_cycle(), actual)
             self.counts["replies"] += len(actual)
             self.control, self.request, self.answer, self.aborted = [], None, "OK", None
@@ -68,7 +68,7 @@ class Follower:
             self.turn(ports)
 
     @staticmethod
-    def slot_of(port):
+    def activity_of(port):
         return port.split(".")[2]
 
     @staticmethod
@@ -87,16 +87,16 @@ class Follower:
             if any(p.endswith(".controller.ctrl") for p, _ in ports):
                 self.control.append(("codel", request["codel_control"]))
         elif inner.startswith("invalid_"):
-            slot = next(self.slot_of(p) for p, _ in ports if p.endswith(".controller.invalid"))
-            self.answer = inner[len(f"invalid_{slot}_"):]
+            activity = next(self.activity_of(p) for p, _ in ports if p.endswith(".controller.invalid"))
+            self.answer = inner[len(f"invalid_{activity}_"):]
             self.control.append(("refused", self.request, self.answer))
         elif root.startswith("abtInc_") or inner.startswith(("abort_", "bury_")) or inner == "unknown_activity":
             for port, _ in ports:
                 if port.endswith((".controller.abt", ".controller.cancel")):
-                    self.aborted = self.slot_of(port)
+                    self.aborted = self.activity_of(port)
                     self.control.append(("interrupted", self.aborted))
                 if port.endswith(".controller.bury"):
-                    self.aborted = self.slot_of(port)
+                    self.aborted = self.activity_of(port)
                     self.control.append(("buried", self.aborted))
             if inner == "unknown_activity":
                 self.control.append(("unknown",))
@@ -131,15 +131,15 @@ class Follower:
 
     def turn(self, ports):
         for port, _ in ports:
-            parts = port.split(".")  # ROOT.module.slot.activity.event
-            if len(parts) == 5 and parts[3] == "activity" and parts[2] in self.slots:
-                self.activity(self.slots[parts[2]], parts[4])
+            parts = port.split(".")  # ROOT.module.activity.activity.event
+            if len(parts) == 5 and parts[3] == "activity" and parts[2] in self.activities:
+                self.activity(self.activities[parts[2]], parts[4])
 
-    def activity(self, slot, event):
-        task = slot.request["exec_task"]
+    def activity(self, activity, event):
+        task = activity.request["exec_task"]
         if event.startswith("run_"):
             state = event[len("run_"):]
-            codel = slot.request.get({"START": "codel_start", "EXEC": "codel_main", "END": "codel_end", "INTER": "codel_inter", "FAIL": "codel_fail"}[state])
+            codel = activity.request.get({"START": "codel_start", "EXEC": "codel_main", "END": "codel_end", "INTER": "codel_inter", "FAIL": "codel_fail"}[state])
             self.running[task] = (state, codel)
             if codel:
                 self.cycles[task][0].append(("codel", codel))
@@ -153,7 +153,7 @@ class Follower:
         if event.startswith("report_"):
             answer = ("ETHER", event[len("report_"):])
         if answer is None:
-            raise Difference(f"event {event} of {slot.name}")
+            raise Difference(f"event {event} of {activity.name}")
         if codel:
             self.cycles[task][1].append(answer)
             self.seen.add((state, answer[0]))

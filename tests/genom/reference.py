@@ -18,7 +18,7 @@ CODEL_OF = {"START": "codel_start", "EXEC": "codel_main", "END": "codel_end", "I
 RUNNING = ("START", "EXEC", "END", "INTER", "FAIL")
 
 
-class Slot:
+class Activity:
     """One place for an activity of one request."""
 
     def __init__(self, request, number):
@@ -42,7 +42,7 @@ class Reference:
     def __init__(self, module, instances):
         self.module = module
         self.requests = {r["name"]: r for r in module["requests"]}
-        self.slots = [Slot(r, k) for r in module["requests"] if self.is_execution(r) for k in range(instances(r))]
+        self.activities = [Activity(r, k) for r in module["requests"] if self.is_execution(r) for k in range(instances(r))]
         self.initialised = not any(r["type"] == "init" for r in module["requests"])
         self.suspended = set()
 
@@ -52,26 +52,26 @@ class Reference:
         return request["type"] == "exec" or (request["type"] == "init" and ("exec_task" in request or codels))
 
     def interrupts(self, request):
-        """Slots of requests that this one is incompatible with: `init` with everything else, with itself if it says so."""
+        """Activities of requests that this one is incompatible with: `init` with everything else, with itself if it says so."""
         listed = request.get("interrupt_activity", [])
         if request["type"] == "init":
-            return [s for s in self.slots if s.request is not request or (listed != "all" and request["name"] in listed)]
-        return [s for s in self.slots if listed == "all" or s.request["name"] in listed]
+            return [s for s in self.activities if s.request is not request or (listed != "all" and request["name"] in listed)]
+        return [s for s in self.activities if listed == "all" or s.request["name"] in listed]
 
     # ---- the control cycle ----
     def begin_control_cycle(self):
         """Final replies of what ended or failed since the last one."""
         events = []
-        for slot in self.slots:
-            if slot.report is not None:
-                events.append(("final", slot.name, slot.report))
-                slot.report = None
+        for activity in self.activities:
+            if activity.report is not None:
+                events.append(("final", activity.name, activity.report))
+                activity.report = None
         return events
 
-    def request(self, name, answer, slot_of_abort=None):
+    def request(self, name, answer, activity_of_abort=None):
         """One request; `answer` is what its control codel gives ("OK" or a report), or None if it has none."""
         if name == "Abort":
-            return self.abort(slot_of_abort)
+            return self.abort(activity_of_abort)
         request = self.requests[name]
         if not self.is_execution(request):
             return self.control_request(request, answer)
@@ -82,20 +82,20 @@ class Reference:
                 refusal = "SYSTEM_ERROR"
             elif not self.initialised:
                 refusal = "WAIT_INIT_RQST"
-            elif any(s.state == "ZOMBIE" for s in self.slots):
+            elif any(s.state == "ZOMBIE" for s in self.activities):
                 refusal = "WAIT_ABORT_ZOMBIE_ACTIVITY"
             if refusal:
                 return [("refused", name, refusal)]
-        free = [s for s in self.slots if s.request is request and s.is_free()]
+        free = [s for s in self.activities if s.request is request and s.is_free()]
         if not free:
             return [("refused", name, "TOO_MANY_ACTIVITIES")]
-        slot = free[0]
+        activity = free[0]
         if "codel_control" in request:
             events.append(("codel", request["codel_control"]))
             if answer != "OK":
                 return events + [("refused", name, answer)]
         events += self.interrupt_all(request)
-        slot.state, slot.ran = "INIT", False
+        activity.state, activity.ran = "INIT", False
         return events
 
     def control_request(self, request, answer):
@@ -109,39 +109,39 @@ class Reference:
         return events + [("control reply", request["name"], answer)]
 
     def interrupt_all(self, request):
-        return [e for slot in self.interrupts(request) for e in self.interrupt(slot)]
+        return [e for activity in self.interrupts(request) for e in self.interrupt(activity)]
 
-    def interrupt(self, slot):
-        if slot.state == "INIT":
-            slot.state, slot.report = "ETHER", "ACTIVITY_INTERRUPTED"
-        elif slot.state in RUNNING or slot.state == "SLEEP":
-            slot.state = "INTER"
+    def interrupt(self, activity):
+        if activity.state == "INIT":
+            activity.state, activity.report = "ETHER", "ACTIVITY_INTERRUPTED"
+        elif activity.state in RUNNING or activity.state == "SLEEP":
+            activity.state = "INTER"
         else:
             return []
-        return [("interrupted", slot.name)]
+        return [("interrupted", activity.name)]
 
     def abort(self, name):
         """The client names an activity; None is one that does not exist."""
         if name is None:
             return [("unknown",)]
-        slot = next(s for s in self.slots if s.name == name)
-        if slot.state == "ZOMBIE":
-            slot.state = "ETHER"
-            return [("buried", slot.name)]
-        return self.interrupt(slot)
+        activity = next(s for s in self.activities if s.name == name)
+        if activity.state == "ZOMBIE":
+            activity.state = "ETHER"
+            return [("buried", activity.name)]
+        return self.interrupt(activity)
 
     def end_control_cycle(self):
         """Starts what waits for nobody; returns the intermediate replies."""
         events = []
-        for slot in self.slots:
-            if slot.state == "INIT" and not any(s.is_running() for s in self.interrupts(slot.request) if s is not slot):
-                slot.state, slot.ran = "START", True
-                events.append(("started", slot.name))
+        for activity in self.activities:
+            if activity.state == "INIT" and not any(s.is_running() for s in self.interrupts(activity.request) if s is not activity):
+                activity.state, activity.ran = "START", True
+                events.append(("started", activity.name))
         return events
 
     # ---- the task cycle ----
     def has_work(self, task):
-        busy = any(s.request["exec_task"] == task["name"] and (s.state in RUNNING or s.state == "SLEEP") for s in self.slots)
+        busy = any(s.request["exec_task"] == task["name"] and (s.state in RUNNING or s.state == "SLEEP") for s in self.activities)
         return task["name"] not in self.suspended and ("codel_task_main" in task or busy)
 
     def task_cycle(self, task, answer):
@@ -152,11 +152,11 @@ class Reference:
             if answer(task["codel_task_main"]) != "OK":
                 self.suspended.add(task["name"])
                 return events
-        for slot in self.slots:
-            if slot.request["exec_task"] != task["name"] or slot.state not in RUNNING:
+        for activity in self.activities:
+            if activity.request["exec_task"] != task["name"] or activity.state not in RUNNING:
                 continue
-            state = slot.state
-            codel = slot.request.get(CODEL_OF[state])
+            state = activity.state
+            codel = activity.request.get(CODEL_OF[state])
             report = "OK"
             if codel is None:
                 new = DEFAULT[state]
@@ -166,11 +166,11 @@ class Reference:
             if new not in PERMITTED[state]:
                 self.suspended.add(task["name"])
                 return events
-            slot.state = new
+            activity.state = new
             if new == "ETHER":
-                slot.report = "ACTIVITY_INTERRUPTED" if state == "INTER" else report
-                if slot.report == "OK" and slot.request["type"] == "init":
+                activity.report = "ACTIVITY_INTERRUPTED" if state == "INTER" else report
+                if activity.report == "OK" and activity.request["type"] == "init":
                     self.initialised = True
             elif new == "ZOMBIE":
-                slot.report = "ACTIVITY_FAILED"
+                activity.report = "ACTIVITY_FAILED"
         return events

@@ -271,7 +271,7 @@ class System {
     return here;
   }
   Local& local_of(std::size_t atom, Store& store) { return store.atoms.try_emplace(atom, now_.at(atom)).first->second; }
-  // (of ATOM SLOT)
+  // (of ATOM VARIABLE)
   expr& data(const Tree& of, Store& store) {
     const std::size_t atom = of.at(1).row();
     return local_of(atom, store).at(m_.type_of(atom).places + of.at(2).row());
@@ -345,7 +345,7 @@ class System {
         for (const Edge& one : m_.nodes[edge.node].children) part(one.node, m_.nodes[one.node].children[0].node);
     }
   }
-  // (at PATH PLACE), (data PATH SLOT), (can-port PATH PORT), (can CONNECTOR)
+  // (at PATH PLACE), (data PATH VARIABLE), (can-port PATH PORT), (can CONNECTOR)
   expr about(const Tree& e) {
     const Text what = e.head(), path = e.at(1).text;
     if (what == "can") {

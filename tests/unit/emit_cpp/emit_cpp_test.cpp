@@ -36,7 +36,7 @@ System random_system(std::uint32_t seed) {
   // Names that C++ has taken.
   variables[0].name = "int";
   variables[1].name = "self";
-  variables[2].name = "Slot";
+  variables[2].name = "Cell";
   variables[3].name = "EOF";
   variables[4].name = "left";
   variables[5].name = "kImage";

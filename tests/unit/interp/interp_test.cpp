@@ -137,7 +137,7 @@ TEST_CASE("the first fault ends an action: earlier stores stay, later ones do no
   CHECK(cells[1].i == 0);
 }
 
-TEST_CASE("stores of ints keep the upper bits of a slot zero") {
+TEST_CASE("stores of ints keep the upper bits of a cell zero") {
   System s = test::one_atom({test::variable("x", Type::Int)});
   Code c{s.code};
   rt::Cell cells[1] = {};

@@ -146,7 +146,7 @@ TEST_CASE("a division that is not reached does not fault") {
   }
 }
 
-TEST_CASE("a store writes the whole slot") {
+TEST_CASE("a store writes the whole cell") {
   for (const jit::OptLevel level : {jit::OptLevel::O0, jit::OptLevel::O2}) {
     test::Units u;
     StmtId body;

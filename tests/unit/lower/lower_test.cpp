@@ -11,7 +11,7 @@
 using namespace bip;
 using bip::test::Code;
 
-TEST_CASE("slots are laid out atoms first, then connectors") {
+TEST_CASE("cells are laid out atoms first, then connectors") {
   const System s = test::producers(3);
   const auto l = lower::lower(s, "Root()");
   const rt::Image& im = l->image;

@@ -81,7 +81,7 @@ class ImageBuilder {
       for (u32 i = 0; i < interactions.size(); ++i) {
         if (interactions[i].name == name) return i;
       }
-      throw std::logic_error("slot " + name);
+      throw std::logic_error("variable " + name);
     };
     std::vector<Port> ports;
     for (const PortSpec& port : spec.ports) {
@@ -189,7 +189,7 @@ class ImageBuilder {
     connector_specs_.push_back(spec);
   }
   /// ports: "atom.port", or a connector's name for its exported port ("name!" through a compound: maximal only).
-  /// reads: "atom.slot", data beyond the ports.
+  /// reads: "atom.variable", data beyond the ports.
   u32 connector(const std::string& name, const std::string& type_name, const std::vector<std::string>& ports,
                 const std::vector<std::string>& reads = {}, u32 parent = 0) {
     Connector row{};
@@ -279,7 +279,7 @@ class ImageBuilder {
     for (u32 i = 0; i < type.variables.size; ++i) {
       if (type.variables[i].name == read.substr(dot + 1)) return atoms_[atom_row].first_cell + i;
     }
-    throw std::logic_error("slot " + read);
+    throw std::logic_error("variable " + read);
   }
   /// How many variables the port "atom.port" shows.
   u32 port_vars(const std::string& name) const {

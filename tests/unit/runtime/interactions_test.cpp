@@ -46,7 +46,7 @@ std::size_t check(const std::vector<InteractionInfo>& all) {
 
 }  // namespace
 
-TEST_CASE("slots that come in order stand once") {
+TEST_CASE("interactions that come in order stand once") {
   for (const std::size_t count : {0u, 1u, 63u, 64u, 65u, 1000u, 6400u}) {
     CHECK(check(flat(
               count, [](std::size_t) { return false; }, 0)) <= 2048 + count / 5);
@@ -59,7 +59,7 @@ TEST_CASE("slots that come in order stand once") {
   }
 }
 
-TEST_CASE("slots in no order are what they were, 16 bytes each") {
+TEST_CASE("interactions in no order are what they were, 16 bytes each") {
   static Prng numbers(5);
   const std::size_t bytes = check(flat(
       6400, [](std::size_t) { return numbers.below(2) == 0; }, 5));
