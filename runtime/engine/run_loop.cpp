@@ -1,0 +1,327 @@
+// The loop of a run: see run_loop.hpp.
+#include "runtime/engine/run_loop.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "bip/assert.hpp"
+#include "runtime/core/profile.hpp"
+#include "runtime/engine/ask.hpp"
+#include "runtime/engine/new_code.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// With --stats the enabled set is sampled between so many compiled steps.
+constexpr u64 kStepsPerSample = u64{1} << 20;
+
+void write_text(std::FILE* file, const std::string& text) { std::fwrite(text.data(), 1, text.size(), file); }
+
+}  // namespace
+
+bool RunFile::open() {
+  if (path_.empty()) return true;
+  file_ = std::fopen(path_.c_str(), "wb");
+  if (file_ == nullptr) std::fprintf(err_, "error: cannot write `%s`: %s\n", path_.c_str(), std::strerror(errno));
+  return file_ != nullptr;
+}
+
+bool RunFile::close() {
+  if (file_ == nullptr || std::fclose(std::exchange(file_, nullptr)) == 0) return true;
+  std::fprintf(err_, "error: cannot write `%s`: %s\n", path_.c_str(), std::strerror(errno));
+  return false;
+}
+
+RunLoop::RunLoop(const Image& image, const RunOptions& options, const Record& recorded, std::uint64_t seed,
+                 Output& output, const RunFiles& files)
+    : image_(image),
+      options_(options),
+      recorded_(recorded),
+      seed_(seed),
+      output_(output),
+      files_(files),
+      new_code_(options.new_code),
+      core_(image, {.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off}),
+      scheduler_(options.policy, seed),
+      timed_(options.policy, options.asap || options.interactive, seed),
+      feed_(core_),
+      interrupt_guard_(&feed_.waker()),
+      wall_(options.speed > 0 ? options.speed : 1),
+      writes_(output.writes_steps()) {}
+
+RunResult RunLoop::run() {
+  BIP_ASSERT(phase_ == Phase::Created, "a RunLoop runs once");
+  if (!open_events()) {
+    (void)files_.trace.close();
+    (void)files_.record.close();
+    return {End::Fault, 0, 2};
+  }
+  begin_record();
+  initialize();
+  start_real_time();
+  start_measuring();
+  if (is_sound_ && options_.engine == Engine::Threads) run_on_threads();
+  while (phase_ != Phase::Ended) advance();
+  finish();
+  return result_;
+}
+
+// -- Phases --
+
+bool RunLoop::open_events() {
+  BIP_ASSERT(phase_ == Phase::Created, "phase {}", static_cast<int>(phase_));
+  std::string error;
+  if ((is_replay() && !feed_.replay(options_.replay_path, error)) ||
+      (!options_.events_path.empty() && !feed_.read(options_.events_path, error))) {
+    std::fprintf(files_.err, "error: %s\n", error.c_str());
+    return false;
+  }
+  phase_ = Phase::EventsOpened;
+  return true;
+}
+
+void RunLoop::begin_record() {
+  if (files_.record.get() == nullptr) return;
+  std::string text;
+  append_record_head(text, {false, image_.name, seed_, options_.policy, options_.asap, options_.maximal_progress,
+                            options_.speed > 0 && core_.has_async()});
+  write_text(files_.record.get(), text);
+  feed_.record(files_.record.get());
+}
+
+void RunLoop::initialize() {
+  BIP_ASSERT(phase_ == Phase::EventsOpened, "phase {}", static_cast<int>(phase_));
+  // Models that draw numbers by rand() run alike wherever they run.
+  if (image_.outside != nullptr) std::srand(static_cast<unsigned>(seed_));
+  is_sound_ = core_.initialize();
+  if (is_sound_ && core_.is_timed()) timed_.start(core_);
+  else if (is_sound_) scheduler_.start(core_);
+  phase_ = Phase::Initialized;
+}
+
+// The wall clock starts when the initial state is known; then what may ask for the time: threads of event sources.
+void RunLoop::start_real_time() {
+  sleeps_ = core_.is_timed() && options_.speed > 0;
+  const int priority = options_.real_time_priority;
+  if (sleeps_) real_time_thread_ = std::make_unique<RealTimeThread>(priority != 0);
+  wall_.start(core_.now());
+  if (sleeps_) feed_.follow(wall_);
+  if (sleeps_) feed_.open_pool(core_);
+  if (recorded_.tells_returns) core_.await_returns(nullptr);
+  feed_.warn(files_.err);
+  if (is_sound_ && !is_replay() && options_.events_path.empty()) is_sound_ = feed_.open_sources(core_);
+  // Threads inherit a priority: it is raised when all of them are there.
+  if (real_time_thread_ && priority != 0) {
+    real_time_thread_->raise(priority);
+    const std::string& problem = real_time_thread_->problem();
+    if (!problem.empty()) std::fprintf(files_.err, "warning: %s\n", problem.c_str());
+  }
+}
+
+void RunLoop::start_measuring() {
+  is_compiled_ = can_be_compiled();
+  if (is_sound_ && options_.profile != nullptr) options_.profile->start(core_.tables());
+  started_ = std::chrono::steady_clock::now();
+  cpu_started_ = std::clock();
+  if (is_sound_ && options_.engine == Engine::Batch)
+    batch_ = std::make_unique<BatchEngine>(core_, scheduler_, options_, output_);
+}
+
+void RunLoop::run_on_threads() {
+  BIP_ASSERT(phase_ == Phase::Initialized, "phase {}", static_cast<int>(phase_));
+  threaded_ = run_threads(core_, scheduler_, options_, output_);
+  result_.steps = threaded_.steps;
+  end_with(threaded_.end);
+}
+
+void RunLoop::finish() {
+  BIP_ASSERT(phase_ == Phase::Ended, "phase {}", static_cast<int>(phase_));
+  seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  if (options_.profile != nullptr) options_.profile->finish(seconds_);
+  cpu_seconds_ = static_cast<double>(std::clock() - cpu_started_) / CLOCKS_PER_SEC;
+  report_end();
+  end_record();
+  close_files();
+  compare_with_recorded_end();
+  if (options_.stats) print_statistics();
+}
+
+// -- One turn of the loop --
+
+void RunLoop::advance() {
+  BIP_ASSERT(phase_ == Phase::Initialized, "phase {}", static_cast<int>(phase_));
+  if (const std::optional<End> end = find_end()) return end_with(*end);
+  if (take_new_code()) return;
+  output_.foresee(core_);
+  switch (wait()) {
+    case Due::Event: return;
+    case Due::Fault: return end_with(End::Fault);
+    case Due::Stopped: return end_with(End::Interrupted);
+    case Due::Deadlock: return end_with(End::Deadlock);
+    case Due::Step: return take_steps();
+  }
+}
+
+// Ends that are known before time passes. A replay ends where the record was ended from outside; its deadlocks and
+// faults come again by themselves.
+std::optional<End> RunLoop::find_end() const {
+  if (!is_sound_) return End::Fault;
+  if (result_.steps >= options_.limit) return End::Limit;
+  const bool was_ended = recorded_.has_end && (recorded_.end == End::Limit || recorded_.end == End::Interrupted);
+  if (was_ended && result_.steps == recorded_.steps && feed_.looks() == recorded_.looks) return recorded_.end;
+  return std::nullopt;
+}
+
+bool RunLoop::take_new_code() {
+  if (new_code_ == nullptr || !new_code_->is_ready.load(std::memory_order_acquire)) return false;
+  core_.take_new_code(new_code_->install());
+  new_code_ = nullptr;
+  is_compiled_ = can_be_compiled();
+  if (is_compiled_) core_.drop_programs();
+  return true;
+}
+
+Due RunLoop::wait() {
+  if (core_.is_timed()) return timed_.wait(core_, feed_);
+  if (is_interrupted()) return Due::Stopped;
+  return core_.candidate_count() == 0 ? Due::Deadlock : Due::Step;
+}
+
+void RunLoop::take_steps() {
+  BIP_ASSERT(core_.candidate_count() != 0, "a step is due in a state without candidates");
+  if (batch_ && batch_->is_on())
+    result_.steps += batch_->advance(result_.steps, options_.limit - result_.steps, is_sound_);
+  else if (is_compiled_) take_compiled_steps();
+  else take_one_step();
+}
+
+void RunLoop::take_compiled_steps() {
+  u64 most = options_.limit - result_.steps;
+  if (options_.stats) {
+    enabled_sizes_.add(core_.candidate_count());
+    most = std::min(most, kStepsPerSample);
+  }
+  if (writes_) most = std::min<u64>(most, Core::kHistory);
+  const u64 done = core_.run_steps(scheduler_.prng(), most, is_interrupted, is_sound_, options_.profile);
+  result_.steps += done;
+  if (writes_) output_.record(core_.recent_interactions(done + (is_sound_ ? 0 : 1)));
+}
+
+void RunLoop::take_one_step() {
+  if (options_.stats) enabled_sizes_.add(core_.candidate_count());
+  EnabledSet::Position at{};
+  if (choose(at) == Choice::InputEnded) return end_with(End::Interrupted);
+  if (sleeps_ && !is_in_time(at)) return;
+  if (writes_) output_.step(core_, at, result_.steps, core_.number(at));
+  fire(at);
+}
+
+RunLoop::Choice RunLoop::choose(EnabledSet::Position& at) {
+  if (!options_.interactive) {
+    at = core_.is_timed() ? timed_.choice() : scheduler_.choose(core_);
+    return Choice::Made;
+  }
+  std::uint64_t k = 0;
+  output_.list(core_, result_.steps);
+  std::FILE* const input = options_.input == nullptr ? stdin : options_.input;
+  if (!ask_candidate(input, files_.out, core_.candidate_count(), k)) return Choice::InputEnded;
+  at = core_.position(k);
+  return Choice::Made;
+}
+
+// In real time: does the step start before its interval is over? If not, that is a fault, or with --relaxed a warning.
+bool RunLoop::is_in_time(EnabledSet::Position at) {
+  const i64 late = wall_.in_model(wall_.note_late(core_.now()));
+  if (!wall_.is_too_late(core_.now() + late, timed_.latest(core_))) return true;
+  (void)core_.fail_late(core_.candidate(at), timed_.latest(core_), core_.now() + late);
+  if (options_.relaxed) std::fprintf(files_.err, "warning: %s\n", core_.fault().what.c_str());
+  else is_sound_ = false;
+  return options_.relaxed;
+}
+
+void RunLoop::fire(EnabledSet::Position at) {
+  if (options_.profile != nullptr) options_.profile->begin_step();
+  if (core_.is_timed()) {
+    is_sound_ = core_.take_timed(at);
+    timed_.fired(at.interaction);
+  } else {
+    is_sound_ = core_.take(at);
+    scheduler_.fired(at.interaction);
+  }
+  if (!is_sound_) return;
+  if (options_.profile != nullptr) options_.profile->end_step(at.interaction);
+  ++result_.steps;
+}
+
+void RunLoop::end_with(End end) {
+  result_.end = end;
+  phase_ = Phase::Ended;
+}
+
+// -- The end --
+
+void RunLoop::report_end() {
+  output_.end(core_, result_.end, result_.steps);
+  if (result_.end == End::Fault) {
+    write_text(files_.err, fault_text(core_, seed_, result_.steps));
+    // Scripts made for the published engine look at its numbers.
+    result_.exit_code = output_.bip2_format() ? published_exit_code(core_.fault().code) : 1;
+  }
+  // As a shell says of a program that SIGINT ended; the end of --interactive's input is none.
+  if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + SIGINT;
+}
+
+void RunLoop::end_record() {
+  if (files_.record.get() == nullptr) return;
+  Record record;
+  record.end = result_.end;
+  record.steps = result_.steps;
+  record.looks = feed_.looks();
+  std::string text;
+  append_record_end(text, record);
+  write_text(files_.record.get(), text);
+}
+
+void RunLoop::close_files() {
+  const bool is_trace_written = files_.trace.close();
+  if (!files_.record.close() || !is_trace_written) result_.exit_code = 2;
+}
+
+void RunLoop::compare_with_recorded_end() {
+  if (!recorded_.has_end || (result_.end == recorded_.end && result_.steps == recorded_.steps)) return;
+  std::fprintf(files_.err, "error: %s: recorded were %llu steps and the end `%s`\n", options_.replay_path.c_str(),
+               static_cast<unsigned long long>(recorded_.steps), name_of(recorded_.end));
+  result_.exit_code = 1;
+}
+
+void RunLoop::print_statistics() {
+  if (sleeps_) {
+    std::string text;
+    wall_.append_histogram(text);
+    if (core_.has_async()) text += "budgets overrun: " + std::to_string(feed_.overruns()) + '\n';
+    write_text(files_.err, text);
+  }
+  print_run_statistics(files_.err, core_, enabled_sizes_, result_.steps, seconds_, cpu_seconds_);
+  if (batch_ && batch_->is_on()) {
+    std::fprintf(files_.err, "parts %u, shared interactions %zu, steps beside each other %llu\n", batch_->parts(),
+                 batch_->shared(), static_cast<unsigned long long>(batch_->beside()));
+  } else if (batch_) {
+    std::fprintf(files_.err, "one part: the system does not come apart, or has steps without compiled code\n");
+  }
+  if (threaded_.threads != 0) {
+    std::fprintf(files_.err, "threads %u, atoms at work at once %u, actions handed over %llu\n", threaded_.threads,
+                 threaded_.most_busy, static_cast<unsigned long long>(threaded_.handed_over));
+  }
+}
+
+// Compiled steps draw uniformly, know no time, and leave nothing behind but the numbers of their interactions.
+bool RunLoop::can_be_compiled() const {
+  return (!writes_ || output_.records_only()) && !options_.interactive && options_.policy == Policy::Uniform &&
+         !core_.is_timed() && core_.has_steps();
+}
+
+}  // namespace bip::rt
