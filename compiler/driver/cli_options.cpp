@@ -3,6 +3,9 @@
 
 #include <map>
 
+#include "runtime/engine/policies.hpp"
+#include "runtime/trace/trace_formats.hpp"
+
 namespace bip::driver {
 namespace {
 
@@ -22,15 +25,35 @@ const Names<EmitKind> kGraphFormats{{"dot", EmitKind::Dot}, {"json", EmitKind::J
 const Names<graph::Show> kShows{
     {"all", graph::Show::All}, {"structure", graph::Show::Structure}, {"automata", graph::Show::Automata}};
 const Names<Backend> kBackends{{"jit", Backend::Jit}, {"interp", Backend::Interp}};
-const Names<rt::Policy> kPolicies{
-    {"uniform", rt::Policy::Uniform}, {"first", rt::Policy::First}, {"fair", rt::Policy::Fair}};
-const Names<rt::TraceFormat> kTraceFormats{
-    {"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json}, {"bip2", rt::TraceFormat::Bip2}};
-const Names<rt::TraceFormat> kRecordFormats{{"steps", rt::TraceFormat::Steps}, {"json", rt::TraceFormat::Json},
-                                            {"bip2", rt::TraceFormat::Bip2},   {"binary", rt::TraceFormat::Binary},
-                                            {"mcap", rt::TraceFormat::Mcap},   {"perfetto", rt::TraceFormat::Perfetto}};
-const Names<rt::TraceFormat> kServedFormats{
-    {"json", rt::TraceFormat::Json}, {"mcap", rt::TraceFormat::Mcap}, {"perfetto", rt::TraceFormat::Perfetto}};
+
+// The policies and trace formats of the runtime's tables: which are choices of an option, and how the help shows them.
+struct PolicyChoices {
+  PolicyChoices() {
+    for (const rt::PolicyRow& row : rt::policies()) {
+      names.emplace(row.name, row.policy);
+      shown += shown.empty() ? row.name : std::string("|") + row.name;
+    }
+  }
+  Names<rt::Policy> names;
+  std::string shown;
+};
+struct FormatChoices {
+  explicit FormatChoices(bool (*has)(const rt::TraceFormatRow&)) {
+    for (const rt::TraceFormatRow& row : rt::trace_formats()) {
+      if (!has(row)) continue;
+      names.emplace(row.name, row.format);
+      shown += shown.empty() ? row.name : std::string("|") + row.name;
+      if (*row.help != '\0') help += fmt::format("{} {} {}", help.empty() ? ":" : ",", row.name, row.help);
+    }
+  }
+  Names<rt::TraceFormat> names;
+  std::string shown;
+  std::string help;  // ": bip2 is …, binary is …"
+};
+const PolicyChoices kPolicies;
+const FormatChoices kRunFormats([](const rt::TraceFormatRow&) { return true; });
+const FormatChoices kTextFormats([](const rt::TraceFormatRow& row) { return row.is_text; });
+const FormatChoices kServedFormats([](const rt::TraceFormatRow& row) { return row.can_embed; });
 const Names<rt::Engine> kEngines{
     {"sequential", rt::Engine::Sequential}, {"threads", rt::Engine::Threads}, {"batch", rt::Engine::Batch}};
 
@@ -137,7 +160,7 @@ void add_run(CLI::App& app, RunArguments& a) {
   command->add_option("--limit", a.run.limit, "stop the run after N steps (default: no limit)")
       ->check(is_number())
       ->type_name("N");
-  add_choice(*command, "--policy", a.run.policy, kPolicies, "uniform|first|fair",
+  add_choice(*command, "--policy", a.run.policy, kPolicies.names, kPolicies.shown,
              "how the next step is chosen among the candidates (default: uniform)");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: jit if it is built in)");
@@ -147,9 +170,8 @@ void add_run(CLI::App& app, RunArguments& a) {
                    "to -O2 code during the run)");
   command->add_option("--trace", a.run.trace_path, "write a trace of the run to PATH (default format: json)")
       ->type_name("PATH");
-  add_choice(*command, "--trace-format", a.run.format, kRecordFormats, "steps|json|bip2|binary|mcap|perfetto",
-             "format of the trace: bip2 is the text of the reference engine, binary is read by `bipc replay`, mcap by "
-             "Foxglove, perfetto by ui.perfetto.dev (default: steps, or json with --trace)");
+  add_choice(*command, "--trace-format", a.run.format, kRunFormats.names, kRunFormats.shown,
+             "format of the trace" + kRunFormats.help + " (default: steps, or json with --trace)");
   add_choice(*command, "--engine", a.run.engine, kEngines, "sequential|threads|batch",
              "threads executes long actions in parallel; batch executes independent short steps of a large system in "
              "parallel (default: sequential)");
@@ -266,8 +288,8 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
                    "write a trace that leads to the deadlock, or to the error if there is no deadlock, to PATH "
                    "(default format: json)")
       ->type_name("PATH");
-  add_choice(*command, "--trace-format", a.format, kTraceFormats, "steps|json|bip2",
-             "format of the trace; bip2 is the text of the reference engine");
+  add_choice(*command, "--trace-format", a.format, kTextFormats.names, kTextFormats.shown,
+             "format of the trace" + kTextFormats.help);
   command->add_flag("--silent", a.silent, "print only the summary line");
   command->add_flag("--stats", a.stats, "print states per second, bytes per state and the depth at the end");
   command->add_flag("--trust-cpp", a.trusts_cpp,
@@ -308,7 +330,7 @@ void add_serve(CLI::App& app, ServeArguments& a) {
       ->type_name("N");
   command->add_flag("--paused", a.paused, "start paused, until a client sends `resume` or `step`");
   command->add_option("--seed", a.seed, "seed of the random choices (default: 0)")->check(is_number())->type_name("N");
-  add_choice(*command, "--policy", a.policy, kPolicies, "uniform|first|fair",
+  add_choice(*command, "--policy", a.policy, kPolicies.names, kPolicies.shown,
              "how the next step is chosen among the candidates (default: uniform)");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: jit if it is built in)");
@@ -322,8 +344,8 @@ void add_serve(CLI::App& app, ServeArguments& a) {
       ->add_option("--trace", a.trace_path,
                    "write a trace of the steps to PATH; the file is complete when the process has ended")
       ->type_name("PATH");
-  add_choice(*command, "--trace-format", a.trace_format, kServedFormats, "json|mcap|perfetto",
-             "format of the trace: mcap is read by Foxglove, perfetto by ui.perfetto.dev (default: json)");
+  add_choice(*command, "--trace-format", a.trace_format, kServedFormats.names, kServedFormats.shown,
+             "format of the trace" + kServedFormats.help + " (default: json)");
   add_compile(*command, a.compile);
   command->footer(
       "Requests and answers are lines of JSON, see compiler/docs/serve.md; tools/serve_client.py is an example of a "
@@ -466,7 +488,7 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
                    "binary trace (as written by `bipc run --trace-format=binary`); its steps are printed")
       ->type_name("TRACE")
       ->excludes(published);
-  add_choice(*command, "--trace-format", a.format, kTraceFormats, "steps|json|bip2",
+  add_choice(*command, "--trace-format", a.format, kTextFormats.names, kTextFormats.shown,
              "with --recorded, format of the printed steps (default: steps)");
   command->add_flag("--silent", a.silent, "with --recorded, print no steps");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",

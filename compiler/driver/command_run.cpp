@@ -17,6 +17,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/profile_text.hpp"
 #include "compiler/driver/report.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip::driver {
 namespace {
@@ -28,17 +29,9 @@ bool has_own_program(const std::string& folder) {
   return fs::is_directory(folder, error) && ::access((fs::path(folder) / "run").c_str(), X_OK) == 0;
 }
 
-// Of a trace, as a folder's program takes it; what that does not write it refuses.
+// The format of a trace file, for a folder's program; it refuses formats that it does not write.
 const char* format_name(rt::TraceFormat format) {
-  switch (format) {
-    case rt::TraceFormat::Mcap: return "mcap";
-    case rt::TraceFormat::Perfetto: return "perfetto";
-    case rt::TraceFormat::Bip2: return "bip2";
-    case rt::TraceFormat::Binary: return "binary";
-    case rt::TraceFormat::Steps:
-    case rt::TraceFormat::Json: break;
-  }
-  return "json";
+  return format == rt::TraceFormat::Steps ? "json" : rt::row_of(format).name;
 }
 
 // Comes back only if the program cannot be started.

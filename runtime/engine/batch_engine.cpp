@@ -16,7 +16,7 @@ constexpr u64 kTestedEpoch = 8;  // small enough for runs of tests to have sever
 
 BatchEngine::BatchEngine(Core& core, Scheduler& scheduler, const RunOptions& options, Output& output)
     : core_(core), scheduler_(scheduler), options_(options), output_(output) {
-  if (!core.can_batch() || options.policy != Policy::Uniform) return;
+  if (!core.can_batch() || !scheduler.is_uniform()) return;
   const u32 threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   plan_ = plan_batch(core.tables(), core.priorities(), std::min<u32>(threads, kMostParts), options.perturb != 0);
   if (options.perturb != 0) {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "bip/bip.hpp"
+#include "runtime/engine/policies.hpp"
 
 struct bip_execution {
   bip::Execution system;
@@ -34,13 +35,17 @@ static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED &&
 extern "C" {
 
 bip_execution* bip_create(const bip_image* image, uint64_t seed, int policy) {
-  if (image == nullptr || policy < BIP_UNIFORM || policy > BIP_FAIR) return nullptr;
+  if (image == nullptr || policy < 0 || static_cast<std::size_t>(policy) >= bip::rt::policies().size()) return nullptr;
   bip::ExecutionOptions options;
   options.seed = seed;
   options.policy = static_cast<bip::rt::Policy>(policy);
   return std::make_unique<bip_execution>(
              bip_execution{bip::Execution(*reinterpret_cast<const bip::rt::Image*>(image), options)})
       .release();
+}
+int bip_find_policy(const char* name) {
+  const bip::rt::PolicyRow* const row = name == nullptr ? nullptr : bip::rt::find_policy(name);
+  return row == nullptr ? -1 : static_cast<int>(row->policy);
 }
 void bip_destroy(bip_execution* system) { const std::unique_ptr<bip_execution> owner(system); }
 

@@ -11,6 +11,7 @@
 
 #include "runtime/core/text.hpp"
 #include "runtime/engine/json_line.hpp"
+#include "runtime/engine/policies.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
@@ -177,6 +178,13 @@ Word word_of(JsonLine& json, std::initializer_list<Word> words) {
   return *words.begin();
 }
 
+Policy policy_of(JsonLine& json) {
+  const std::string name = json.string();
+  if (const PolicyRow* const row = find_policy(name)) return row->policy;
+  json.fail("`" + name + "` is not known");
+  return Policy::Uniform;
+}
+
 // Of the first or the last line; what others wrote into them is skipped over if it is no bracket.
 void read_record_line(JsonLine& json, Record& out, bool& is_first) {
   for (bool more = json.open('{'); more; more = json.next('}')) {
@@ -186,7 +194,7 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
     else if (key == "version") json.integer() == 1 ? void() : json.fail("version 1 was expected");
     else if (key == "model") out.model = json.string();
     else if (key == "seed") out.seed = static_cast<u64>(json.integer());
-    else if (key == "policy") out.policy = word_of(json, {Policy::Uniform, Policy::First, Policy::Fair});
+    else if (key == "policy") out.policy = policy_of(json);
     else if (key == "asap") out.asap = json.boolean();
     else if (key == "returns") out.tells_returns = json.boolean();
     else if (key == "maximal_progress") out.maximal_progress = json.boolean();

@@ -11,27 +11,26 @@
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip {
 
 /// A trace on its way to its file.
 struct Execution::TraceFile {
-  TraceFile(std::FILE* opened, const rt::RunOptions& given)
-      : options(given), text(options, options.seed), file(opened), sink(opened) {}
+  TraceFile(std::FILE* opened, const rt::TraceFormatRow& row) : format(row.make()), file(opened), out(opened) {}
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
   ~TraceFile() { (void)close(); }
   bool close() {
     if (file == nullptr) return true;
-    sink.flush();
+    out.flush();
     const bool is_sound = std::ferror(file) == 0;
     return std::fclose(std::exchange(file, nullptr)) == 0 && is_sound;
   }
   static constexpr std::size_t kPiece = 1 << 16;
-  rt::RunOptions options;
-  rt::TraceText text;
+  std::unique_ptr<rt::TraceSink> format;
   std::FILE* file;
-  rt::Sink sink;
+  rt::Sink out;
 };
 
 struct Execution::Impl {
@@ -105,8 +104,8 @@ struct Execution::Impl {
       }
     }
     if (trace) {
-      trace->text.step(trace->sink.text, core, at, steps, core.number(at));
-      trace->sink.drain(TraceFile::kPiece);
+      trace->format->step(trace->out.text, core, at, steps, core.number(at));
+      trace->out.drain(TraceFile::kPiece);
     }
     if (!(core.is_timed() ? core.take_timed(at) : core.take(at))) return outcome = Outcome::Fault;
     scheduler.fired(at.interaction);
@@ -237,14 +236,14 @@ Outcome Execution::fire(std::uint64_t k) {
 void Execution::on_step(std::function<void(const Step&)> callback) { impl_->callback = std::move(callback); }
 
 bool Execution::trace(const std::string& path, rt::TraceFormat format) {
+  const rt::TraceFormatRow& row = rt::row_of(format);
+  if (!row.can_embed) return false;
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return false;
   rt::RunOptions options;
-  options.format = format;
-  options.seed = impl_->seed;
   options.policy = impl_->policy;
-  impl_->trace = std::make_unique<TraceFile>(file, options);
-  impl_->trace->text.begin(impl_->trace->sink.text, impl_->core.image());
+  impl_->trace = std::make_unique<TraceFile>(file, row);
+  impl_->trace->format->begin(impl_->trace->out.text, rt::head_of(impl_->core.image(), options, impl_->seed));
   return true;
 }
 
@@ -253,7 +252,7 @@ bool Execution::end_trace() {
   const rt::End how = impl_->outcome == Outcome::Deadlock ? rt::End::Deadlock
                       : impl_->outcome == Outcome::Fault  ? rt::End::Fault
                                                           : rt::End::Interrupted;
-  impl_->trace->text.end(impl_->trace->sink.text, impl_->core, how, impl_->steps);
+  impl_->trace->format->end(impl_->trace->out.text, impl_->core, how, impl_->steps);
   const bool is_written = impl_->trace->close();
   impl_->trace.reset();
   return is_written;

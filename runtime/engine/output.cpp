@@ -1,8 +1,10 @@
 // What a run writes: see output.hpp.
 #include "runtime/engine/output.hpp"
 
+#include "bip/assert.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/engine/policies.hpp"
 
 namespace bip::rt {
 
@@ -12,52 +14,71 @@ constexpr std::size_t kPiece = 1 << 16;
 
 }  // namespace
 
-void Output::begin(const Image& image) {
-  if (bip2_format()) {
-    in_bip2([&](std::string& text) { bip2_.begin(text, seed_, options_.policy); });
-    if (options_.silent) steps_.begin(out_.text, seed_, options_.policy);
+TraceHead head_of(const Image& image, const RunOptions& options, std::uint64_t seed) {
+  const PolicyRow& policy = row_of(options.policy);
+  return {.image = &image,
+          .seed = seed,
+          .policy = policy.name,
+          .is_uniform = policy.is_uniform(),
+          .engine = options.engine,
+          .maximal_progress = options.maximal_progress,
+          .is_interactive = options.interactive};
+}
+
+Output::Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, std::FILE* trace, const Image& image)
+    : options_(options),
+      format_(row_of(options.format)),
+      head_(head_of(image, options, seed)),
+      out_(out),
+      trace_(trace),
+      to_trace_(trace != nullptr),
+      image_calls_cpp_(image.ffi != nullptr),
+      sink_(format_.make()),
+      console_sink_(format_.console == Console::Steps ? format_.make() : nullptr) {}
+
+void Output::begin() {
+  if (is_everything()) {
+    write_both([&](std::string& text) { sink_->begin(text, head_); });
+    if (options_.silent) step_lines_.begin(out_.text, head_);
   } else {
-    steps_.begin(out_.text, seed_, options_.policy);
-    if (to_trace_) told_.begin(trace_.text, image);
+    step_lines_.begin(out_.text, head_);
+    if (to_trace_) sink_->begin(trace_.text, head_);
   }
   out_.flush();
 }
 
 void Output::foresee(Core& core) {
-  if (core.is_timed() && bip2_format() && !options_.interactive && writes_steps()) bip2_.foresee(core);
+  if (core.is_timed() && !options_.interactive && writes_steps()) sink_->foresee(core);
 }
 
 void Output::list(Core& core, std::uint64_t number) {
-  if (bip2_format()) {
-    in_bip2([&](std::string& text) { bip2_.state(text, core, number); });
-    if (options_.silent) bip2_.state(out_.text, core, number);
+  if (is_everything()) {
+    write_both([&](std::string& text) { sink_->state(text, core, number); });
+    if (options_.silent) sink_->state(out_.text, core, number);
   } else {
     out_.text += "state ";
     append_number(out_.text, number);
     out_.text += ":\n";
-    steps_.state(out_.text, core);
+    step_lines_.state(out_.text, core);
   }
   out_.flush();
 }
 
 void Output::append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at,
                          std::uint64_t number, std::uint64_t k) {
-  const Candidate candidate = core.candidate(at);
-  if (bip2_format()) {
-    in_bip2([&](std::string& text) {
-      if (core.is_timed() && !options_.interactive) return bip2_.foreseen(text, core, number, candidate);
-      if (!options_.interactive) bip2_.state(text, core, number);
-      bip2_.choice(text, core, k);
-    });
-    return;
+  switch (format_.console) {
+    case Console::Everything:
+      if (!options_.silent) sink_->step(out, core, at, number, k);
+      break;
+    case Console::Steps:
+      if (!options_.silent) console_sink_->step(out, core, at, number, k);
+      break;
+    case Console::StepLines:
+      if (options_.debug && !options_.interactive) step_lines_.state(out, core);
+      if (!options_.silent) step_lines_.step(out, core, core.candidate(at), number);
+      break;
   }
-  if (options_.format == TraceFormat::Json) {
-    if (!options_.silent) json_.step(out, core, candidate, number, k);
-  } else {
-    if (options_.debug && !options_.interactive) steps_.state(out, core);
-    if (!options_.silent) steps_.step(out, core, candidate, number);
-  }
-  if (to_trace_) told_.step(trace, core, at, number, k);
+  if (to_trace_) sink_->step(trace, core, at, number, k);
 }
 
 void Output::drain(bool is_timed) {
@@ -83,29 +104,24 @@ void Output::put(const StepText& text) {
 }
 
 void Output::record(const std::vector<u32>& interactions) {
-  for (const u32 interaction : interactions) append_recorded_step(trace_.text, {interaction, 0});
+  BIP_ASSERT(records_only(), "interactions alone are not enough for the format `{}`", format_.name);
+  sink_->steps(trace_.text, interactions);
   trace_.drain(kPiece);
 }
 
 void Output::end(const Core& core, End how, std::uint64_t number) {
-  if (bip2_format()) {
-    in_bip2([&](std::string& text) {
-      if (how == End::Fault) bip2_.fault(text, core);
-      bip2_.end(text, core, how, number);
-    });
-  } else if (to_trace_) {
-    told_.end(trace_.text, core, how, number);
-  }
-  if (!bip2_format() || options_.silent) tell_end(core, how, number);
+  if (is_everything()) write_both([&](std::string& text) { sink_->end(text, core, how, number); });
+  else if (to_trace_) sink_->end(trace_.text, core, how, number);
+  if (!is_everything() || options_.silent) append_end(core, how, number);
   out_.flush();
   if (to_trace_) trace_.flush();
 }
 
-void Output::tell_end(const Core& core, End how, std::uint64_t number) {
+void Output::append_end(const Core& core, End how, std::uint64_t number) {
   switch (how) {
     case End::Limit: out_.text += "limit: "; break;
     case End::Interrupted: out_.text += "interrupted: "; break;
-    case End::Deadlock: out_.text += deadlock_story(core, number, seed_); return;
+    case End::Deadlock: out_.text += deadlock_story(core, number, head_.seed); return;
     case End::Fault: return;
   }
   append_number(out_.text, number);

@@ -4,10 +4,13 @@
 // another order than they write them ask for the text of a step (`describe`) and hand it in later (`put`).
 #pragma once
 #include <cstdio>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "bip/run.hpp"
-#include "runtime/engine/trace_text.hpp"
+#include "runtime/trace/trace.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip::rt {
 
@@ -39,59 +42,56 @@ struct StepText {
 
 class Output {
  public:
-  /// trace: null if none is written.
-  Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, std::FILE* trace, const Image& image)
-      : options_(options),
-        seed_(seed),
-        out_(out),
-        trace_(trace),
-        to_trace_(trace != nullptr),
-        image_calls_cpp_(image.ffi != nullptr),
-        told_(options, seed) {}
+  /// trace: null if none is written. `options` and the files must outlive the output.
+  Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, std::FILE* trace, const Image& image);
 
   [[nodiscard]] bool writes_steps() const { return !options_.silent || options_.debug || to_trace_; }
-  [[nodiscard]] bool bip2_format() const { return options_.format == TraceFormat::Bip2; }
-  /// The only thing written about steps is the binary trace: interactions are all it needs.
-  [[nodiscard]] bool records_only() const { return options_.silent && !options_.debug && records(); }
-  void begin(const Image& image);
-  /// What can be chosen now or later, before time passes.
+  /// The only thing written about steps is a trace to which interactions are enough.
+  [[nodiscard]] bool records_only() const {
+    return options_.silent && !options_.debug && to_trace_ && format_.needs_only_interactions;
+  }
+  void begin();
+  /// Looks at what can be chosen now or later, before time passes, for formats that show it.
   void foresee(Core& core);
-  /// What can be chosen, for a person who is asked next.
+  /// Writes what can be chosen, for a person who chooses next.
   void list(Core& core, std::uint64_t number);
   /// k: the candidate's number; kNoChoice: this engine does not know.
   void step(Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k);
   /// The same as text, without writing it.
   void describe(StepText& text, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k);
   void put(const StepText& text);
-  /// records_only(): the last `count` interactions that the core fired.
+  /// Writes interactions that the core fired. Requires records_only().
   void record(const std::vector<u32>& interactions);
   void end(const Core& core, End how, std::uint64_t number);
   /// Without an end.
   void flush() { out_.flush(); }
 
  private:
-  [[nodiscard]] bool records() const { return to_trace_ && options_.format == TraceFormat::Binary; }
-  // Calls write(text) for standard output and for the trace, where both have the bip2 format.
+  // Calls write(text) for standard output and for the trace, where both have the same text.
   template <class Write>
-  void in_bip2(const Write& write) {
+  void write_both(const Write& write) {
     if (!options_.silent) write(out_.text);
     if (to_trace_) write(trace_.text);
   }
+  [[nodiscard]] bool is_everything() const { return format_.console == Console::Everything; }
   void append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number,
                    std::uint64_t k);
-  void tell_end(const Core& core, End how, std::uint64_t number);
+  void append_end(const Core& core, End how, std::uint64_t number);
   void drain(bool is_timed);
 
   const RunOptions& options_;
-  std::uint64_t seed_;
+  const TraceFormatRow& format_;
+  TraceHead head_;
   Sink out_;
   Sink trace_;
   bool to_trace_;
   bool image_calls_cpp_;
-  StepWriter steps_{};
-  Bip2Writer bip2_{};
-  JsonWriter json_{};
-  TraceText told_;
+  StepWriter step_lines_{};
+  std::unique_ptr<TraceSink> sink_;          // of the trace; if everything is in the format, of both
+  std::unique_ptr<TraceSink> console_sink_;  // Console::Steps: of standard output
 };
+
+/// Returns what a trace says of a run before its first step.
+[[nodiscard]] TraceHead head_of(const Image& image, const RunOptions& options, std::uint64_t seed);
 
 }  // namespace bip::rt

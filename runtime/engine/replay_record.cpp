@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "runtime/engine/output.hpp"
+#include "runtime/engine/policies.hpp"
 
 namespace bip::rt {
 
@@ -30,9 +31,14 @@ std::string compare_ends(const Core& core, bool sound, const RecordedEnd& end, s
 Followed follow(const Image& image, std::string_view bytes, RunOptions options, std::FILE* out) {
   Followed result;
   RecordedReader reader;
-  if (!reader.open(bytes, result.begin)) {
+  if (result.problem = reader.open(bytes, result.begin); !result.problem.empty()) {
     result.is_trace = false;
-    result.problem = "it does not begin like a binary trace";
+    return result;
+  }
+  const PolicyRow* const policy = find_policy(result.begin.policy);
+  if (policy == nullptr) {
+    result.is_trace = false;
+    result.problem = "its policy is none of this bipc's";
     return result;
   }
   if (result.begin.name != image.name) {
@@ -45,9 +51,9 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
     result.problem = "models with time have no such traces";
     return result;
   }
-  options.policy = result.begin.policy;
+  options.policy = policy->policy;
   Output output(options, result.begin.seed, out, nullptr, image);
-  output.begin(image);
+  output.begin();
   Core core(image, {.progress = result.begin.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   if (image.ffi != nullptr) std::srand(static_cast<unsigned>(result.begin.seed));
   bool sound = core.initialize();

@@ -32,25 +32,30 @@ bool begin_replay(const Image& image, RunOptions& options, Record& record, std::
   return true;
 }
 
-// Why such a run cannot be; null: it can.
-const char* refusal(const Image& image, const RunOptions& options) {
+// Why the trace format does not fit the run; empty: it does.
+std::string format_refusal(const Image& image, const RunOptions& options) {
+  const TraceFormatRow& format = row_of(options.format);
+  const std::string option = std::string("--trace-format=") + format.name;
+  if (options.engine == Engine::Threads && format.engines == TracedEngines::OneByOne)
+    return option + " needs the sequential engine: it lists what each state offers";
+  if (!format.has_time && has_time(image)) return option + " does not record models with time";
+  if (format.needs_file && options.trace_path.empty())
+    return option + " needs --trace: it is no text for standard output";
+  if (options.engine != Engine::Sequential && format.engines == TracedEngines::Sequential)
+    return option + " needs the sequential engine";
+  return {};
+}
+
+// Why such a run cannot be; empty: it can.
+std::string refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
     if (has_time(image)) return "an engine with several threads does not run models with time";
     if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
     if (options.profile != nullptr) return "--profile needs the sequential engine";
     if (!options.record_path.empty() || !options.replay_path.empty())
       return "--record and --replay need the sequential engine";
-    if (options.engine == Engine::Threads && options.format == TraceFormat::Bip2)
-      return "--trace-format=bip2 needs the sequential engine: it lists what each state offers";
   }
-  if (options.format == TraceFormat::Binary && has_time(image))
-    return "--trace-format=binary does not record models with time";
-  if (options.format == TraceFormat::Mcap || options.format == TraceFormat::Perfetto) {
-    if (options.trace_path.empty())
-      return "--trace-format=mcap and perfetto need --trace: they are no text for standard output";
-    if (options.engine != Engine::Sequential) return "--trace-format=mcap and perfetto need the sequential engine";
-  }
-  return nullptr;
+  return format_refusal(image, options);
 }
 
 }  // namespace
@@ -64,8 +69,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     const ExploreResult found = explore(image, options, out, err);
     return {found.complete ? End::Deadlock : End::Limit, 0, found.exit_code};
   }
-  if (const char* why = refusal(image, options); why != nullptr) {
-    std::fprintf(err, "error: %s\n", why);
+  if (const std::string why = refusal(image, options); !why.empty()) {
+    std::fprintf(err, "error: %s\n", why.c_str());
     return kRefused;
   }
   RunFile trace_file(options.trace_path, err), record_file(options.record_path, err);
@@ -74,7 +79,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   if (trace_file.get() != nullptr) std::setvbuf(trace_file.get(), nullptr, _IONBF, 0);
   const std::uint64_t seed = options.has_seed ? options.seed : draw_seed();
   Output output(options, seed, out, trace_file.get(), image);
-  output.begin(image);
+  output.begin();
   return RunLoop(image, options, record, seed, output, {out, err, trace_file, record_file}).run();
 }
 

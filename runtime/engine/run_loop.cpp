@@ -96,7 +96,7 @@ void RunLoop::begin_record() {
 void RunLoop::initialize() {
   BIP_ASSERT(phase_ == Phase::EventsOpened, "phase {}", static_cast<int>(phase_));
   // Models that draw numbers by rand() run alike wherever they run.
-  if (image_.outside != nullptr) std::srand(static_cast<unsigned>(seed_));
+  if (image_.ffi != nullptr) std::srand(static_cast<unsigned>(seed_));
   is_sound_ = core_.initialize();
   if (is_sound_ && core_.is_timed()) timed_.start(core_);
   else if (is_sound_) scheduler_.start(core_);
@@ -269,7 +269,7 @@ void RunLoop::report_end() {
   if (result_.end == End::Fault) {
     write_text(files_.err, fault_text(core_, seed_, result_.steps));
     // Scripts made for the published engine look at its numbers.
-    result_.exit_code = output_.bip2_format() ? published_exit_code(core_.fault().code) : 1;
+    result_.exit_code = options_.format == TraceFormat::Bip2 ? published_exit_code(core_.fault().code) : 1;
   }
   // As a shell says of a program that SIGINT ended; the end of --interactive's input is none.
   if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + SIGINT;
@@ -320,7 +320,7 @@ void RunLoop::print_statistics() {
 
 // Compiled steps draw uniformly, know no time, and leave nothing behind but the numbers of their interactions.
 bool RunLoop::can_be_compiled() const {
-  return (!writes_ || output_.records_only()) && !options_.interactive && options_.policy == Policy::Uniform &&
+  return (!writes_ || output_.records_only()) && !options_.interactive && scheduler_.is_uniform() &&
          !core_.is_timed() && core_.has_steps();
 }
 

@@ -3,8 +3,12 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <span>
+#include <string>
 
 #include "bip/run.hpp"
+#include "runtime/engine/policies.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip::rt {
 
@@ -15,7 +19,7 @@ constexpr const char* kHelp =
     "runs the model %s\n\n"
     "  --seed N                    seed of the random choices (default: drawn at random and printed)\n"
     "  --limit N                   stop the run after N steps (default: no limit)\n"
-    "  --policy P                  how the next step is chosen: uniform (default), first or fair\n"
+    "  --policy P                  how the next step is chosen: %s\n"
     "  --asap                      take each step at the earliest possible instant (always so with --policy first and "
     "fair)\n"
     "  --real-time                 run in real time (default: logical time, which passes without waiting)\n"
@@ -34,7 +38,7 @@ constexpr const char* kHelp =
     "  --explore                   count all reachable states (at most --limit), deadlocks and errors\n"
     "  --first-enabled             same as --policy first\n"
     "  --trace FILE                write a trace of the run to FILE (default format: json)\n"
-    "  --trace-format F            format of the trace: steps (default), json, bip2, binary, mcap or perfetto\n"
+    "  --trace-format F            format of the trace: %s\n"
     "  --engine E                  engine: sequential (default), threads (for long actions) or batch (for large "
     "systems)\n"
     "  --threads N                 worker threads of --engine=threads and batch (default: one per processor)\n"
@@ -57,22 +61,23 @@ bool parse_speed(const char* text, double& value) {
 }
 
 bool parse_policy(const char* text, Policy& policy) {
-  if (std::strcmp(text, "uniform") == 0) policy = Policy::Uniform;
-  else if (std::strcmp(text, "first") == 0) policy = Policy::First;
-  else if (std::strcmp(text, "fair") == 0) policy = Policy::Fair;
-  else return false;
-  return true;
+  const PolicyRow* const row = find_policy(text);
+  if (row != nullptr) policy = row->policy;
+  return row != nullptr;
 }
 
 bool parse_format(const char* text, TraceFormat& format) {
-  if (std::strcmp(text, "steps") == 0) format = TraceFormat::Steps;
-  else if (std::strcmp(text, "json") == 0) format = TraceFormat::Json;
-  else if (std::strcmp(text, "bip2") == 0) format = TraceFormat::Bip2;
-  else if (std::strcmp(text, "binary") == 0) format = TraceFormat::Binary;
-  else if (std::strcmp(text, "mcap") == 0) format = TraceFormat::Mcap;
-  else if (std::strcmp(text, "perfetto") == 0) format = TraceFormat::Perfetto;
-  else return false;
-  return true;
+  const TraceFormatRow* const row = find_trace_format(text);
+  if (row != nullptr) format = row->format;
+  return row != nullptr;
+}
+
+// "uniform (default), first or fair"
+template <class Row>
+std::string choices_text(std::span<const Row> rows) {
+  std::string text = std::string(rows[0].name) + " (default)";
+  for (std::size_t k = 1; k < rows.size(); ++k) text += std::string(k + 1 < rows.size() ? ", " : " or ") + rows[k].name;
+  return text;
 }
 
 bool parse_engine(const char* text, Engine& engine) {
@@ -109,7 +114,8 @@ int run_main(const Image& image, int argc, char** argv) {
     }
     bool good = true;
     if (name == "--help" || name == "-h") {
-      std::printf(kHelp, program, image.name, program);
+      std::printf(kHelp, program, image.name, choices_text(policies()).c_str(), choices_text(trace_formats()).c_str(),
+                  program);
       return 0;
     }
     if (name == "--silent") options.silent = true;

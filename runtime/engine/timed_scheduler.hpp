@@ -20,7 +20,7 @@ enum class Due : std::uint8_t { Step, Event, Deadlock, Fault, Stopped };
 class TimedScheduler {
  public:
   TimedScheduler(Policy policy, bool asap, std::uint64_t seed)
-      : scheduler_(policy, seed), plans_(policy == Policy::Uniform && !asap), prng_(~seed) {}
+      : scheduler_(policy, seed), plans_(scheduler_.is_uniform() && !asap), prng_(~seed) {}
 
   /// Lets time pass until a step is due; choice() is it. Without time one is due at once. Deadlock: there never will be
   /// one.

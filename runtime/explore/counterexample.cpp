@@ -2,10 +2,12 @@
 #include "runtime/explore/counterexample.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip::rt {
 
@@ -126,37 +128,23 @@ std::string trace_of_counterexample(const Image& image, MaximalProgress progress
                                     const TimedPath& path, TraceFormat format) {
   std::string text;
   Core core(image, {.progress = progress});
-  Bip2Writer bip2;
-  JsonWriter json;
-  const bool is_bip2 = format == TraceFormat::Bip2;
-  if (is_bip2) bip2.begin(text, 0, Policy::First);
-  else json.begin(text, image, 0, Policy::First, Engine::Sequential);
+  const std::unique_ptr<TraceSink> sink = row_of(format).make();
+  // A replay takes the path whatever the policy was.
+  sink->begin(text, {.image = &image, .policy = "first", .maximal_progress = progress == MaximalProgress::On});
   bool is_sound = core.initialize();
   u64 taken = 0;
   for (; is_sound && taken < path.steps.size(); ++taken) {
     const u64 choice = path.steps[taken].choice;
-    if (is_bip2 && core.is_timed()) bip2.foresee(core);
+    if (core.is_timed()) sink->foresee(core);
     if (!let_time_pass(core, path.steps[taken].at) || choice >= core.candidate_count()) break;
-    if (is_bip2 && core.is_timed()) {
-      bip2.foreseen(text, core, taken, core.candidate(choice));
-    } else if (is_bip2) {
-      bip2.state(text, core, taken);
-      bip2.choice(text, core, choice);
-    } else {
-      json.step(text, core, core.candidate(choice), taken, choice);
-    }
+    sink->step(text, core, core.position(choice), taken, choice);
     is_sound = take(core, choice);
     if (!is_sound) break;
   }
   if (is_sound) (void)let_time_pass(core, path.end);
   if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
   const End ended = core.fault() ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
-  if (is_bip2) {
-    if (core.fault()) bip2.fault(text, core);
-    bip2.end(text, core, ended, taken);
-  } else {
-    json.end(text, core, ended, taken);
-  }
+  sink->end(text, core, ended, taken);
   return text;
 }
 

@@ -46,15 +46,16 @@ void append_instant(std::string& out, const Core& core) {
 
 }  // namespace
 
-void Bip2Writer::begin(std::string& out, std::uint64_t seed, Policy policy) {
+void Bip2Writer::begin(std::string& out, const TraceHead& head) {
+  is_interactive_ = head.is_interactive;
   out += kPrefix;
   out += "initialize components...\n";
   out += kPrefix;
-  if (policy == Policy::Uniform) {
+  if (head.is_uniform) {
     out += "random scheduling based on seed=";
-    append_number(out, seed);
+    append_number(out, head.seed);
   } else {
-    out += name_of(policy);
+    out += head.policy;
     out += " scheduling";
   }
   out += '\n';
@@ -121,6 +122,13 @@ void Bip2Writer::choice(std::string& out, Core& core, std::uint64_t k) {
   out += "-> choose ";
   append(out, core, k);
   out += '\n';
+}
+
+void Bip2Writer::step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+                      std::uint64_t k) {
+  if (core.is_timed() && !is_interactive_) return foreseen(out, core, number, core.candidate(position));
+  if (!is_interactive_) state(out, core, number);
+  choice(out, core, k);
 }
 
 void Bip2Writer::foresee(Core& core) {
@@ -198,6 +206,7 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
 }
 
 void Bip2Writer::end(std::string& out, const Core& core, End end, std::uint64_t number) {
+  if (end == End::Fault) fault(out, core);
   out += kPrefix;
   out += "state #";
   append_number(out, number);

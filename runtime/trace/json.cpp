@@ -74,21 +74,23 @@ i64 instant_of_step(const Core& core, std::uint64_t number) {
   return core.is_timed() ? core.now() : static_cast<i64>(std::min(number, kMost) * kStep);
 }
 
-void JsonWriter::begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy, Engine engine) {
+void JsonWriter::begin(std::string& out, const TraceHead& head) {
   out += R"({"format":"bipc-trace","version":1,"model":)";
-  append_quoted(out, image.name);
+  append_quoted(out, head.image->name);
   out += R"(,"seed":)";
-  append_number(out, seed);
+  append_number(out, head.seed);
   out += R"(,"policy":")";
-  out += name_of(policy);
-  if (engine != Engine::Sequential) {
+  out += head.policy;
+  if (head.engine != Engine::Sequential) {
     out += R"(","engine":")";
-    out += name_of(engine);
+    out += name_of(head.engine);
   }
   out += "\"}\n";
 }
 
-void JsonWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k) {
+void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+                      std::uint64_t k) {
+  const Candidate candidate = core.candidate(position);
   if (lines_.empty()) begin_lines(core);
   Line& line = lines_[candidate.interaction];
   if (line.text.empty()) begin_line(line, core, candidate);

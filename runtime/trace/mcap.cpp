@@ -126,7 +126,8 @@ u32 McapWriter::open_channel(std::string topic, Schema schema, std::string metad
   return row;
 }
 
-void McapWriter::begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy) {
+void McapWriter::begin(std::string& out, const TraceHead& trace) {
+  const Image& image = *trace.image;
   std::string head(kMagic);
   record(head, kHeader, [&] {
     add_text(head, "");
@@ -135,9 +136,9 @@ void McapWriter::begin(std::string& out, const Image& image, std::uint64_t seed,
   for (const Schema schema : {Schema::Step, Schema::Part, Schema::End}) append_schema(head, schema);
   put(out, head);
   std::string metadata, number;
-  append_number(number, seed);
+  append_number(number, trace.seed);
   const std::pair<std::string_view, std::string_view> entries[] = {
-      {"model", image.name}, {"policy", name_of(policy)}, {"seed", number}};
+      {"model", image.name}, {"policy", trace.policy}, {"seed", number}};
   for (const auto& [key, value] : entries) {
     add_text(metadata, key);
     add_text(metadata, value);
@@ -163,7 +164,9 @@ void McapWriter::message(u32 channel, i64 instant, std::string_view json) {
   });
 }
 
-void McapWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number) {
+void McapWriter::step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+                      std::uint64_t) {
+  const Candidate candidate = core.candidate(position);
   const Image& image = core.image();
   const i64 instant = instant_of_step(core, number);
   std::string head = R"({"step":)";

@@ -43,13 +43,14 @@ void append_track(std::string& out, u64 track, const char* name) {
 
 }  // namespace
 
-void PerfettoWriter::begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy) {
+void PerfettoWriter::begin(std::string& out, const TraceHead& trace) {
+  const Image& image = *trace.image;
   out += R"({"displayTimeUnit":"ns","otherData":{"model":)";
   append_quoted(out, image.name);
   out += R"(,"seed":")";
-  append_number(out, seed);
+  append_number(out, trace.seed);
   out += R"(","policy":")";
-  out += name_of(policy);
+  out += trace.policy;
   out += "\"},\"traceEvents\":[\n";
   out += R"({"ph":"M","pid":1,"name":"process_name","args":{"name":)";
   append_quoted(out, image.name);
@@ -71,7 +72,9 @@ void PerfettoWriter::stay(std::string& out, const Core& core, u32 atom, i64 unti
   since_[atom] = until;
 }
 
-void PerfettoWriter::step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number) {
+void PerfettoWriter::step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+                          std::uint64_t) {
+  const Candidate candidate = core.candidate(position);
   const i64 instant = instant_of_step(core, number);
   name_.clear();
   append_candidate(name_, core, candidate);

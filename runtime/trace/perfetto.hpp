@@ -10,14 +10,16 @@
 
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip::rt {
 
-class PerfettoWriter {
+class PerfettoWriter final : public TraceSink {
  public:
-  void begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy);
-  void step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number);
-  void end(std::string& out, const Core& core, End end, std::uint64_t steps);
+  void begin(std::string& out, const TraceHead& head) override;
+  void step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+            std::uint64_t k) override;
+  void end(std::string& out, const Core& core, End end, std::uint64_t steps) override;
 
  private:
   void stay(std::string& out, const Core& core, u32 atom, i64 until);

@@ -4,17 +4,30 @@
 #include <cmath>
 #include <cstring>
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
+#include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
 
 namespace {
 
-constexpr std::string_view kRecordMagic = "BIPTRC1\n";
+constexpr std::string_view kRecordMagic = "BIPTRC2\n", kRecordMagicOfVersion1 = "BIPTRC1\n";
 
 void append_leb(std::string& out, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) out += static_cast<char>(value | 0x80);
   out += static_cast<char>(value);
+}
+
+void append_text(std::string& out, std::string_view text) {
+  append_leb(out, text.size());
+  out += text;
+}
+
+void append_recorded_step(std::string& out, EnabledSet::Position position) {
+  BIP_ASSERT(position.interaction != kNone, "a step of no interaction");
+  append_leb(out, 1 + (u64{position.interaction} << 1 | (position.rank != 0 ? 1 : 0)));
+  if (position.rank != 0) append_leb(out, position.rank);
 }
 
 // FNV-1a over 64-bit words, mixed at the end.
@@ -36,25 +49,28 @@ class Digest {
 
 }  // namespace
 
-void append_recorded_begin(std::string& out, const RecordedBegin& begin) {
+void RecordedWriter::begin(std::string& out, const TraceHead& head) {
   out += kRecordMagic;
-  append_leb(out, (begin.maximal_progress ? 1u : 0u) | static_cast<unsigned>(begin.policy) << 1 |
-                      static_cast<unsigned>(begin.engine) << 3);
-  append_leb(out, begin.seed);
-  append_leb(out, begin.name.size());
-  out += begin.name;
+  append_leb(out, head.maximal_progress ? 1 : 0);
+  append_text(out, head.policy);
+  append_text(out, name_of(head.engine));
+  append_leb(out, head.seed);
+  append_text(out, head.image->name);
 }
 
-void append_recorded_step(std::string& out, EnabledSet::Position at) {
-  append_leb(out, 1 + (u64{at.interaction} << 1 | (at.rank != 0 ? 1 : 0)));
-  if (at.rank != 0) append_leb(out, at.rank);
+void RecordedWriter::step(std::string& out, Core&, EnabledSet::Position position, std::uint64_t, std::uint64_t) {
+  append_recorded_step(out, position);
 }
 
-void append_recorded_end(std::string& out, const Core& core, End how, std::uint64_t steps) {
+void RecordedWriter::steps(std::string& out, const std::vector<u32>& interactions) {
+  for (const u32 interaction : interactions) append_recorded_step(out, {interaction, 0});
+}
+
+void RecordedWriter::end(std::string& out, const Core& core, End end, std::uint64_t steps) {
   append_leb(out, 0);
-  append_leb(out, static_cast<u64>(how));
+  append_leb(out, static_cast<u64>(end));
   append_leb(out, steps);
-  std::uint64_t digest = how == End::Fault ? 0 : digest_of(core);
+  std::uint64_t digest = end == End::Fault ? 0 : digest_of(core);
   for (int i = 0; i < 8; ++i, digest >>= 8) out += static_cast<char>(digest & 0xff);
 }
 
@@ -89,32 +105,47 @@ bool RecordedReader::number(std::uint64_t& value) {
   return false;
 }
 
-bool RecordedReader::open(std::string_view bytes, RecordedBegin& begin) {
-  bytes_ = bytes;
-  at_ = kRecordMagic.size();
-  std::uint64_t flags = 0, size = 0;
-  if (!bytes.starts_with(kRecordMagic) || !number(flags) || !number(begin.seed) || !number(size)) return false;
-  if (flags >= 1u << 5 || (flags >> 1 & 3) > static_cast<unsigned>(Policy::Fair) ||
-      flags >> 3 > static_cast<unsigned>(Engine::Batch))
-    return false;
-  begin.maximal_progress = (flags & 1) != 0;
-  begin.policy = static_cast<Policy>(flags >> 1 & 3);
-  begin.engine = static_cast<Engine>(flags >> 3);
-  if (size > bytes_.size() - at_) return false;
-  begin.name = std::string(bytes_.substr(at_, size));
+bool RecordedReader::text(std::string& value) {
+  std::uint64_t size = 0;
+  if (!number(size) || size > bytes_.size() - at_) return false;
+  value = bytes_.substr(at_, size);
   at_ += size;
   return true;
 }
 
-RecordedReader::Next RecordedReader::next(EnabledSet::Position& at, RecordedEnd& end) {
+bool RecordedReader::engine(Engine& value) {
+  std::string name;
+  if (!text(name)) return false;
+  for (const Engine known : {Engine::Sequential, Engine::Threads, Engine::Batch}) {
+    if (name != name_of(known)) continue;
+    value = known;
+    return true;
+  }
+  return false;
+}
+
+std::string RecordedReader::open(std::string_view bytes, RecordedBegin& begin) {
+  if (bytes.starts_with(kRecordMagicOfVersion1))
+    return "a binary trace of version 1, written by bipc 0.1; this bipc reads version 2: record the run again";
+  bytes_ = bytes;
+  at_ = kRecordMagic.size();
+  std::uint64_t flags = 0;
+  if (!bytes.starts_with(kRecordMagic) || !number(flags) || flags > 1 || !text(begin.policy) || !engine(begin.engine) ||
+      !number(begin.seed) || !text(begin.name))
+    return "it does not begin like a binary trace";
+  begin.maximal_progress = flags == 1;
+  return {};
+}
+
+RecordedReader::Next RecordedReader::next(EnabledSet::Position& position, RecordedEnd& end) {
   std::uint64_t word = 0, rank = 0;
   if (!number(word)) return Next::Cut;
   if (word != 0) {
     --word;
     if ((word & 1) != 0 && !number(rank)) return Next::Cut;
     // What is no interaction of any core stays none.
-    at.interaction = word >> 1 > kNone ? kNone : static_cast<u32>(word >> 1);
-    at.rank = rank > kNone ? kNone : static_cast<u32>(rank);
+    position.interaction = word >> 1 > kNone ? kNone : static_cast<u32>(word >> 1);
+    position.rank = rank > kNone ? kNone : static_cast<u32>(rank);
     return Next::Step;
   }
   if (!number(word) || word > static_cast<u64>(End::Interrupted) || !number(end.steps) || bytes_.size() - at_ < 8)

@@ -2,22 +2,25 @@
 // of the last state. Everything else follows from the model, so `bipc replay --recorded` shows such a run in any other
 // format, and checks it.
 //
-// "BIPTRC1\n", then numbers as LEB128: flags (1: maximal progress, 2: policy * 2 ..., 8: engine * 8 ...), seed, length
-// of the name and the root's name; a step is 1 + (interaction * 2 + (1 if a rank among the interaction's candidates
-// follows)); the end is 0, how it ended, the number of steps, digest (8 bytes; 0: none).
+// Version 2: "BIPTRC2\n", then numbers as LEB128 and texts as length and bytes: flags (1: maximal progress), name of
+// the policy, name of the engine, seed, the root's name; a step is 1 + (interaction * 2 + (1 if a rank among the
+// interaction's candidates follows)); the end is 0, how it ended, the number of steps, digest (8 bytes; 0: none).
+// Version 1 had the policy as a number of two bits; such files are refused by name.
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip::rt {
 
 struct RecordedBegin {
-  std::string name;
+  std::string name;    // of the root
+  std::string policy;  // its name; any text
   std::uint64_t seed = 0;
-  Policy policy = Policy::Uniform;
   Engine engine = Engine::Sequential;
   bool maximal_progress = true;
 };
@@ -26,21 +29,32 @@ struct RecordedEnd {
   std::uint64_t steps = 0, digest = 0;
 };
 
-void append_recorded_begin(std::string& out, const RecordedBegin& begin);
-void append_recorded_step(std::string& out, EnabledSet::Position at);
-void append_recorded_end(std::string& out, const Core& core, End how, std::uint64_t steps);
-/// Of markings and data; strings by their text, NaN without payload, objects of C++ types left out. Never 0.
+class RecordedWriter final : public TraceSink {
+ public:
+  void begin(std::string& out, const TraceHead& head) override;
+  void step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+            std::uint64_t k) override;
+  void steps(std::string& out, const std::vector<u32>& interactions) override;
+  void end(std::string& out, const Core& core, End end, std::uint64_t steps) override;
+};
+
+/// Returns a digest of markings and data; strings by their text, NaN without payload, objects of C++ types left out.
+/// Never 0. Linear in the state.
 [[nodiscard]] std::uint64_t digest_of(const Core& core);
 
 class RecordedReader {
  public:
-  /// The bytes must stay. False: not such a trace, or cut off in its first lines.
-  [[nodiscard]] bool open(std::string_view bytes, RecordedBegin& begin);
+  /// Reads the head of a trace. The bytes must outlive the reader. Returns an empty text, or why they are no trace that
+  /// it can read: other bytes, another version, cut off.
+  [[nodiscard]] std::string open(std::string_view bytes, RecordedBegin& begin);
   enum class Next : std::uint8_t { Step, End, Cut };
-  Next next(EnabledSet::Position& at, RecordedEnd& end);
+  /// Reads a step into `position`, or the end into `end`. Cut: the bytes end before.
+  Next next(EnabledSet::Position& position, RecordedEnd& end);
 
  private:
   bool number(std::uint64_t& value);
+  bool text(std::string& value);
+  bool engine(Engine& value);
   std::string_view bytes_;
   std::size_t at_ = 0;
 };

@@ -4,15 +4,6 @@
 
 namespace bip::rt {
 
-const char* name_of(Policy policy) {
-  switch (policy) {
-    case Policy::Uniform: return "uniform";
-    case Policy::First: return "first";
-    case Policy::Fair: return "fair";
-  }
-  return "";
-}
-
 const char* name_of(End end) {
   switch (end) {
     case End::Limit: return "limit";
@@ -42,11 +33,11 @@ void append_candidate(std::string& out, const Core& core, const Candidate& candi
   out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
 }
 
-void StepWriter::begin(std::string& out, std::uint64_t seed, Policy policy) {
+void StepWriter::begin(std::string& out, const TraceHead& head) {
   out += "bipc: seed ";
-  append_number(out, seed);
+  append_number(out, head.seed);
   out += ", policy ";
-  out += name_of(policy);
+  out += head.policy;
   out += '\n';
 }
 

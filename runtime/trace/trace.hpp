@@ -6,10 +6,10 @@
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/trace/future.hpp"
+#include "runtime/trace/trace_formats.hpp"
 
 namespace bip::rt {
 
-[[nodiscard]] const char* name_of(Policy policy);  // "uniform"
 [[nodiscard]] const char* name_of(End end);        // "deadlock"
 [[nodiscard]] const char* name_of(Engine engine);  // "threads"
 
@@ -29,7 +29,7 @@ void append_json_fault(std::string& out, const Core& core);
 class StepWriter {
  public:
   /// `bipc: seed 42, policy uniform`
-  void begin(std::string& out, std::uint64_t seed, Policy policy);
+  void begin(std::string& out, const TraceHead& head);
   /// `#3  ROOT.k  p.put(v=1) c.get(v=0)`
   void step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number);
   /// Every candidate of the state, indented.
@@ -42,38 +42,43 @@ class StepWriter {
 };
 
 /// The published engine's own lines.
-class Bip2Writer {
+class Bip2Writer final : public TraceSink {
  public:
-  void begin(std::string& out, std::uint64_t seed, Policy policy);
-  void state(std::string& out, Core& core, std::uint64_t number);
-  void choice(std::string& out, Core& core, std::uint64_t k);
-  /// Images with time: the state's candidates now and later, before time passes; then the state and the choice as they
-  /// were.
-  void foresee(Core& core);
+  void begin(std::string& out, const TraceHead& head) override;
+  /// The state's candidates.
+  void state(std::string& out, Core& core, std::uint64_t number) override;
+  /// The state and the choice; with time as they were when foresee() was called.
+  void step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+            std::uint64_t k) override;
+  /// Images with time: notes the state's candidates now and later, before time passes.
+  void foresee(Core& core) override;
   /// The state alone, with the intervals; for who only looks at it.
   void future_state(std::string& out, std::uint64_t number) const;
   [[nodiscard]] bool has_future() const { return !future_.empty(); }
-  void foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen);
-  void end(std::string& out, const Core& core, End end, std::uint64_t number);
-  /// `ERROR: invariant ROOT.a.i violated!`; nothing for faults that the published engine does not know.
-  void fault(std::string& out, const Core& core);
+  /// After a fault first `ERROR: invariant ROOT.a.i violated!`, if the published engine knows such a fault.
+  void end(std::string& out, const Core& core, End end, std::uint64_t number) override;
 
  private:
+  void choice(std::string& out, Core& core, std::uint64_t k);
+  void foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen);
+  void fault(std::string& out, const Core& core);
   void append(std::string& out, Core& core, std::uint64_t k);
   void append_body(std::string& out, Core& core, const Candidate& candidate);
   void append_foreseen(std::string& out, std::size_t k) const;
   std::vector<Participant> participants_;
   std::vector<FutureCandidate> future_;
   i64 foreseen_at_ = 0;
+  bool is_interactive_ = false;
 };
 
 /// JSON lines, version 1.
-class JsonWriter {
+class JsonWriter final : public TraceSink {
  public:
-  void begin(std::string& out, const Image& image, std::uint64_t seed, Policy policy, Engine engine);
+  void begin(std::string& out, const TraceHead& head) override;
   /// k == kNoChoice: neither it nor the number of candidates is written.
-  void step(std::string& out, Core& core, const Candidate& candidate, std::uint64_t number, std::uint64_t k);
-  void end(std::string& out, const Core& core, End end, std::uint64_t steps);
+  void step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
+            std::uint64_t k) override;
+  void end(std::string& out, const Core& core, End end, std::uint64_t steps) override;
 
  private:
   /// What a step of an interaction writes: all after the number of candidates, values left out, or, if who takes part

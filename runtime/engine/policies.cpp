@@ -1,0 +1,70 @@
+// The table of policies: see policies.hpp.
+#include "runtime/engine/policies.hpp"
+
+#include <algorithm>
+
+#include "bip/assert.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// The first candidate in canonical order.
+class FirstPolicy final : public EnginePolicy {
+ public:
+  EnabledSet::Position choose(const Core& core, Prng&) override { return core.position(0); }
+  [[nodiscard]] std::unique_ptr<EnginePolicy> clone() const override { return std::make_unique<FirstPolicy>(*this); }
+};
+
+// The first candidate after the interaction that was fired last, cyclically.
+class FairPolicy final : public EnginePolicy {
+ public:
+  EnabledSet::Position choose(const Core& core, Prng&) override {
+    return core.position(has_fired_ && core.candidate_count() > 1 ? core.next_after(last_) : 0);
+  }
+  void fired(u32 interaction) override {
+    last_ = interaction;
+    has_fired_ = true;
+  }
+  [[nodiscard]] std::unique_ptr<EnginePolicy> clone() const override { return std::make_unique<FairPolicy>(*this); }
+
+ private:
+  u32 last_ = 0;
+  bool has_fired_ = false;
+};
+
+template <class Chosen>
+std::unique_ptr<EnginePolicy> make_policy() {
+  return std::make_unique<Chosen>();
+}
+
+constexpr PolicyRow kPolicyRows[] = {
+    {Policy::Uniform, "uniform", "draws each candidate with the same probability", nullptr},
+    {Policy::First, "first", "takes the first candidate in canonical order", make_policy<FirstPolicy>},
+    {Policy::Fair, "fair", "takes the next candidate after the one taken last, cyclically", make_policy<FairPolicy>},
+};
+
+constexpr bool are_policies_in_order() {
+  for (std::size_t k = 0; k < std::size(kPolicyRows); ++k) {
+    if (static_cast<std::size_t>(kPolicyRows[k].policy) != k) return false;
+  }
+  return true;
+}
+static_assert(are_policies_in_order(), "rows are found by the number of their policy");
+
+}  // namespace
+
+std::span<const PolicyRow> policies() { return kPolicyRows; }
+
+const PolicyRow& row_of(Policy policy) {
+  BIP_ASSERT(static_cast<std::size_t>(policy) < std::size(kPolicyRows), "policy {}", policy);
+  return kPolicyRows[static_cast<std::size_t>(policy)];
+}
+
+const PolicyRow* find_policy(std::string_view name) {
+  const auto* const row = std::find_if(std::begin(kPolicyRows), std::end(kPolicyRows),
+                                       [&](const PolicyRow& candidate) { return candidate.name == name; });
+  return row == std::end(kPolicyRows) ? nullptr : row;
+}
+
+}  // namespace bip::rt
