@@ -25,11 +25,14 @@ typedef struct bip_snapshot bip_snapshot;
 /* How the next step is chosen among the candidates: at random with equal probability, the first in canonical order, or
    the first after the interaction that was fired last (cyclically). */
 enum bip_policy { BIP_UNIFORM = 0, BIP_FIRST = 1, BIP_FAIR = 2 };
+/* Returns the number of the policy that --policy calls `name`, or -1 if the name is null or none: bip_create takes all
+   policies of the command line, also those without a constant above. */
+int bip_find_policy(const char* name);
 /* How a call ended: a step was taken; there is no candidate; a run-time error, see bip_fault; the wait was ended. */
 enum bip_outcome { BIP_STEPPED = 0, BIP_DEADLOCK = 1, BIP_FAULT = 2, BIP_STOPPED = 3 };
 
 /* Creates an execution of `image` and initializes it: initial actions, then internal transitions. The image must
-   outlive the execution. Returns null if the image is null or `policy` is no bip_policy. If the initialization ends
+   outlive the execution. Returns null if the image is null or `policy` is no policy. If the initialization ends
    with a run-time error, bip_status returns BIP_FAULT. The caller owns the result: bip_destroy. Linear in the system.
  */
 bip_execution* bip_create(const bip_image* image, uint64_t seed, int policy);

@@ -7,7 +7,10 @@
 #include "bip/bip.h"
 #include "bip/bip.hpp"
 #include "runtime/include/bip/prng.hpp"
+#include "runtime/engine/policies.hpp"
 #include "runtime/engine/scheduler.hpp"
+#include "runtime/trace/recorded.hpp"
+#include "runtime/trace/trace_formats.hpp"
 #include "tests/unit/base/contents.hpp"
 #include "tests/unit/runtime/helpers.hpp"
 #include "tests/unit/runtime/models.hpp"
@@ -318,6 +321,69 @@ TEST_CASE("fair: what stays enabled has its turn in every round") {
   CHECK(core.next_after(15) == 0);
 }
 
+TEST_CASE("policies and trace formats are found by the names of their rows") {
+  for (const PolicyRow& row : policies()) {
+    REQUIRE(find_policy(row.name) != nullptr);
+    CHECK(find_policy(row.name)->policy == row.policy);
+    CHECK(&row_of(row.policy) == find_policy(row.name));
+  }
+  for (const TraceFormatRow& row : trace_formats()) {
+    REQUIRE(find_trace_format(row.name) != nullptr);
+    CHECK(&row_of(row.format) == find_trace_format(row.name));
+  }
+  CHECK(find_policy("best") == nullptr);
+  CHECK(find_trace_format("best") == nullptr);
+}
+
+TEST_CASE("a copy of a scheduler goes on as the original does") {
+  ImageBuilder b;
+  build_pairs(b, 16);
+  for (const PolicyRow& row : policies()) {
+    Core core(b.image());
+    REQUIRE(core.initialize());
+    Scheduler scheduler(row.policy, 5);
+    scheduler.start(core);
+    for (int i = 0; i < 10; ++i) {
+      const EnabledSet::Position position = scheduler.choose(core);
+      REQUIRE(core.fire(core.candidate(position)));
+      scheduler.fired(position.interaction);
+    }
+    Scheduler copy = scheduler;
+    const u32 chosen = copy.choose(core).interaction;
+    CHECK(chosen == scheduler.choose(core).interaction);
+    // The copy has a memory of its own.
+    copy.fired(15);
+    CHECK(scheduler.prng() == copy.prng());
+    if (row.policy == Policy::Fair) CHECK(scheduler.choose(core).interaction == chosen);
+  }
+}
+
+TEST_CASE("the head of a binary trace is read back; other versions are refused by name") {
+  ImageBuilder b;
+  build_pairs(b, 2);
+  RecordedWriter writer;
+  std::string bytes;
+  writer.begin(bytes, {.image = &b.image(),
+                       .seed = 300,
+                       .policy = "of another bipc",
+                       .engine = Engine::Batch,
+                       .maximal_progress = false});
+  RecordedReader reader;
+  RecordedBegin begin;
+  REQUIRE(reader.open(bytes, begin).empty());
+  CHECK(begin.name == b.image().name);
+  CHECK(begin.seed == 300);
+  CHECK(begin.policy == "of another bipc");
+  CHECK(begin.engine == Engine::Batch);
+  CHECK(!begin.maximal_progress);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    RecordedBegin cut;
+    CHECK(!RecordedReader().open(bytes.substr(0, size), cut).empty());
+  }
+  bytes[6] = '1';
+  CHECK(reader.open(bytes, begin).find("version 1") != std::string::npos);
+}
+
 TEST_CASE("a deadlock is told as a cycle") {
   ImageBuilder b;
   build_philosophers(b, 2, true);
@@ -424,6 +490,10 @@ TEST_CASE("embedding in C") {
   build_philosophers(b, 2, true);
   const auto* image = reinterpret_cast<const bip_image*>(&b.image());
   CHECK(bip_create(image, 1, 9) == nullptr);
+  CHECK(bip_create(image, 1, -1) == nullptr);
+  CHECK(bip_find_policy("fair") == BIP_FAIR);
+  CHECK(bip_find_policy("best") == -1);
+  CHECK(bip_find_policy(nullptr) == -1);
   bip_execution* system = bip_create(image, 1, BIP_FAIR);
   REQUIRE(system != nullptr);
   CHECK(bip_status(system) == BIP_STEPPED);
