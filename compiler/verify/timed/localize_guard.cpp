@@ -96,7 +96,7 @@ class Reducer {
     if (!source) return false;
     const auto at = std::find(inside_.begin(), inside_.end(), Neighbours::Leaf{source->atom, source->port});
     if (at != inside_.end()) {
-      e.index = first_bind_[static_cast<std::size_t>(at - inside_.begin())] + source->variable;
+      e.index = first_bind_[static_cast<std::size_t>(at - inside_.begin())] + source->row;
       return true;
     }
     const AbstractValue value = constant_(source->atom, source->variable);
