@@ -113,7 +113,7 @@ int command_verify(const VerifyArguments& arguments) {
   };
   ContentCache cache(KeptKind::Proof, cache_folder(arguments.compile.cache).string(),
                      arguments.compile.cache.megabytes << 20);
-  verify::ProofCache memory(cache, BIPC_VERSION);
+  verify::ProofCache proofs(cache, BIPC_VERSION);
   verify::Decision decision;
   VerdictText verdict;
   double seconds = 0;
@@ -122,20 +122,24 @@ int command_verify(const VerifyArguments& arguments) {
     const auto show = [&](const char* phase, std::uint64_t count, const char* unit) {
       progress.show(phase, count, unit);
     };
-    verify::Portfolio decider(*c.system, c.lowered->image, !calls_cpp(*c.system), prepare, show);
-    if (arguments.reuses && cache.is_on()) decider.remember_in(&memory);
+    const verify::StateAccess access =
+        calls_cpp(*c.system) ? verify::StateAccess::CallsCpp : verify::StateAccess::Searchable;
+    verify::Portfolio portfolio(*c.system, c.lowered->image, access, prepare, show);
+    if (arguments.reuses && cache.is_on()) portfolio.use_cache(&proofs);
     const verify::ProcessClock::time_point start = verify::ProcessClock::now();
-    decision = decider.decide(question, limits);
+    decision = portfolio.decide(question, limits);
     seconds = std::chrono::duration<double>(verify::ProcessClock::now() - start).count();
-    if (is_ready) verdict = verdict_text(c, question, decision, decider, arguments.why);
+    if (is_ready)
+      verdict =
+          verdict_text(c, question, decision, portfolio, arguments.why ? Explanation::Evidence : Explanation::None);
     if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Holds) {
       const Result<bool> written =
-          write_file(arguments.certificate, verify::certificate(decider, question, decision, *c.system, c.root_name));
+          write_file(arguments.certificate, verify::certificate(portfolio, question, decision, *c.system, c.root_name));
       if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
     }
   }
   if (const int code = report(c); code != 0 || !is_ready) return code;
-  const VerifyStats stats{seconds, decision.proof.candidates, arguments.reuses && cache.is_on() ? &memory : nullptr};
+  const VerifyStats stats{seconds, decision.candidates(), arguments.reuses && cache.is_on() ? &proofs : nullptr};
   const VerifyStats* shown = arguments.stats ? &stats : nullptr;
   const std::string text = arguments.json ? verdict_json(verdict, question, decision, shown)
                                           : verdict.text + (shown != nullptr ? stats_text(stats) : "");

@@ -46,10 +46,11 @@ class Judge {
     verify::PortfolioLimits limits;
     limits.cancellation = cancellation_;
     Executor executor;
-    verify::Portfolio decider(
-        *c.system, c.lowered->image, true, [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); },
+    verify::Portfolio portfolio(
+        *c.system, c.lowered->image, verify::StateAccess::Searchable,
+        [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); },
         [](const char*, std::uint64_t, const char*) {});
-    return decider.decide(question, limits).outcome == verify::Outcome::Holds;
+    return portfolio.decide(question, limits).outcome == verify::Outcome::Holds;
   }
 
   /// A subset of all rules that is enough, and of which none can go.

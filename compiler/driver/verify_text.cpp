@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
@@ -26,8 +27,9 @@ const char* name_of(verify::QuestionKind asked, bool holds) {
     case verify::QuestionKind::DeadlockFreedom: return holds ? "deadlock-free" : "deadlock";
     case verify::QuestionKind::NoErrors: return holds ? "error-free" : "error";
     case verify::QuestionKind::NoLocalDeadlock: return holds ? "free of local deadlocks" : "local deadlock";
-    default: return holds ? "holds" : "violated";
+    case verify::QuestionKind::State: return holds ? "holds" : "violated";
   }
+  BIP_UNREACHABLE("a question of no kind");
 }
 
 const char* found_by_visit(verify::QuestionKind asked) {
@@ -35,8 +37,9 @@ const char* found_by_visit(verify::QuestionKind asked) {
     case verify::QuestionKind::DeadlockFreedom: return "no deadlock among";
     case verify::QuestionKind::NoErrors: return "no error among";
     case verify::QuestionKind::NoLocalDeadlock: return "no component waits for ever in";
-    default: return "true in";
+    case verify::QuestionKind::State: return "true in";
   }
+  BIP_UNREACHABLE("a question of no kind");
 }
 
 bool has_invariants(const System& system) {
@@ -44,53 +47,74 @@ bool has_invariants(const System& system) {
                      [&](const Atom& atom) { return !system.atom_types[atom.type].invariants.empty(); });
 }
 
-std::string free_text(const Compilation& c, const verify::Question& question, const verify::Decision& d,
-                      const verify::Portfolio& decider, bool why) {
-  std::string text = name_of(question.what, true);
-  if (question.what == verify::QuestionKind::State) text += fmt::format(": `{}`", question.property.text);
+// At most kInvariantsShown lines, and how many more there are.
+template <class Rows, class Line>
+void add_lines(std::string& text, const Rows& rows, const Line& line) {
+  for (std::size_t k = 0; k < rows.size() && k < kInvariantsShown; ++k) text += "  " + line(rows[k]) + '\n';
+  if (rows.size() > kInvariantsShown) text += fmt::format("  … and {} more\n", rows.size() - kInvariantsShown);
+}
+
+// The first line's end, and notes: by what the property was proved.
+std::string method_text(const Compilation& c, const verify::Question& question, const verify::Decision& d) {
   const std::string size = fmt::format("({}, {})", count_of(c.system->atoms.size(), "component"),
                                        count_of(c.system->connectors.size(), "connector"));
-  if (d.method == verify::Method::Exhaustive) {
-    text += fmt::format(": {} all {}\n", found_by_visit(question.what), count_of(d.states, "reachable state"));
-    if (d.is_only_counted) text += "note: the certificate is their number, which only another search can check\n";
-  } else if (d.method == verify::Method::Invariants) {
-    text += fmt::format(": proved with {} {}\n", count_of(d.proof.invariants.size(), "invariant"), size);
-  } else {
-    const std::string equations =
-        d.linear.equations.empty() ? "" : ", " + count_of(d.linear.equations.size(), "equation");
-    text += fmt::format(": proved by induction with {}{} and {} {}\n", count_of(d.proof.invariants.size(), "invariant"),
-                        equations, count_of(d.lemmas.size(), "lemma"), size);
+  const std::string invariants = count_of(d.invariants().size(), "invariant");
+  const auto visited = [&] {
+    return fmt::format(": {} all {}\n", found_by_visit(question.what), count_of(d.states, "reachable state"));
+  };
+  return std::visit(
+      verify::EvidenceVisitor{
+          [&](const verify::InvariantProof&) { return fmt::format(": proved with {} {}\n", invariants, size); },
+          [&](const verify::InductiveProof& evidence) {
+            const std::size_t equations = d.facts.affine.equations.size();
+            return fmt::format(": proved by induction with {}{} and {} {}\n", invariants,
+                               equations == 0 ? "" : ", " + count_of(equations, "equation"),
+                               count_of(evidence.lemmas.size(), "lemma"), size);
+          },
+          [&](const verify::ReachedStates&) { return visited(); },
+          [&](const verify::StateCount& evidence) {
+            const bool has_failed = evidence.listing == verify::StateCount::Listing::Impossible;
+            return visited() +
+                   (has_failed ? "note: the certificate is their number, which only another search can check\n" : "");
+          },
+          [](const verify::Counterexample&) { return std::string(); },
+          [](const std::monostate&) { return std::string(); },
+      },
+      d.evidence);
+}
+
+std::string free_text(const Compilation& c, const verify::Question& question, const verify::Decision& d,
+                      const verify::Portfolio& portfolio, Explanation explanation) {
+  std::string text = name_of(question.what, true);
+  if (question.what == verify::QuestionKind::State) text += fmt::format(": `{}`", question.property.text);
+  text += method_text(c, question, d);
+  if (explanation == Explanation::None) return text;
+  const verify::Net& net = verify::net_of(d, portfolio.net());
+  add_lines(text, d.invariants(), [&](const auto& invariant) { return verify::invariant_text(net, invariant); });
+  add_lines(text, d.facts.affine.equations,
+            [&](const auto& equation) { return verify::equation_text(equation, *c.system); });
+  if (const auto* proof = std::get_if<verify::InductiveProof>(&d.evidence)) {
+    add_lines(text, proof->lemmas, [&](const verify::Cube& lemma) {
+      return "never " + verify::cube_text(*portfolio.transition_system(), *c.system, lemma);
+    });
   }
-  if (!why) return text;
-  for (std::size_t k = 0; k < d.proof.invariants.size() && k < kInvariantsShown; ++k) {
-    text += "  " + verify::invariant_text(decider.net(), d.proof.invariants[k]) + '\n';
-  }
-  if (d.proof.invariants.size() > kInvariantsShown)
-    text += fmt::format("  … and {} more\n", d.proof.invariants.size() - kInvariantsShown);
-  for (std::size_t k = 0; k < d.linear.equations.size() && k < kInvariantsShown; ++k)
-    text += "  " + verify::equation_text(d.linear.equations[k], *c.system) + '\n';
-  if (d.linear.equations.size() > kInvariantsShown)
-    text += fmt::format("  … and {} more\n", d.linear.equations.size() - kInvariantsShown);
-  for (std::size_t k = 0; k < d.lemmas.size() && k < kInvariantsShown; ++k) {
-    text += "  never " + verify::cube_text(*decider.machine(), *c.system, d.lemmas[k]) + '\n';
-  }
-  if (d.lemmas.size() > kInvariantsShown) text += fmt::format("  … and {} more\n", d.lemmas.size() - kInvariantsShown);
   return text;
 }
 
-std::string unknown_text(const Compilation& c, const verify::Decision& d, const verify::Portfolio& decider) {
+std::string unknown_text(const Compilation& c, const verify::Decision& d, const verify::Portfolio& portfolio) {
   std::string text = fmt::format("unknown: {}\n", d.reason);
-  const std::vector<verify::u32>& candidate = d.proof.candidate;
+  const std::vector<verify::u32> candidate = d.open_candidate();
   if (!candidate.empty()) {
     text += "no invariant that was found excludes this state, in which no step is sure:\n";
     for (std::size_t k = 0; k < candidate.size() && k < kComponentsShown; ++k)
-      text += "  " + decider.net().mode_name(candidate[k]) + '\n';
+      text += "  " + portfolio.net().mode_name(candidate[k]) + '\n';
     if (candidate.size() > kComponentsShown)
       text += fmt::format("  … and {} more\n", candidate.size() - kComponentsShown);
   }
-  if (decider.machine() != nullptr && !decider.machine()->imprecisions.empty()) {
+  const verify::TransitionSystem* machine = portfolio.transition_system();
+  if (machine != nullptr && !machine->imprecisions.empty()) {
     text += "what is not followed here, and may be anything:\n" +
-            verify::imprecision_text(*decider.machine(), *c.system, kPlacesShown);
+            verify::imprecision_text(*machine, *c.system, kPlacesShown);
   }
   return text;
 }
@@ -98,24 +122,24 @@ std::string unknown_text(const Compilation& c, const verify::Decision& d, const 
 }  // namespace
 
 VerdictText verdict_text(const Compilation& c, const verify::Question& question, const verify::Decision& d,
-                         const verify::Portfolio& decider, bool why) {
+                         const verify::Portfolio& portfolio, Explanation explanation) {
   VerdictText v;
   switch (d.outcome) {
     case verify::Outcome::Holds:
-      v = {kOk, name_of(question.what, true), free_text(c, question, d, decider, why)};
+      v = {kOk, name_of(question.what, true), free_text(c, question, d, portfolio, explanation)};
       break;
     case verify::Outcome::Violated:
       v = {kViolated, name_of(question.what, false),
-           verify::counterexample_text(c.lowered->image, question, d, kStepsShown)};
+           verify::counterexample_text(c.lowered->image, question, *d.counterexample(), kStepsShown)};
       break;
-    case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, decider)}; break;
+    case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, portfolio)}; break;
   }
   if (!d.fault.empty() && d.outcome != verify::Outcome::Violated)
     v.text += fmt::format("note: a run-time error can occur: {}\n", d.fault);
   // Who visited all states has seen whether they hold.
   const bool asked_else =
       question.what == verify::QuestionKind::DeadlockFreedom || question.what == verify::QuestionKind::State;
-  if (asked_else && d.outcome == verify::Outcome::Holds && d.method != verify::Method::Exhaustive &&
+  if (asked_else && d.outcome == verify::Outcome::Holds && !verify::is_exhaustive(d.evidence) &&
       has_invariants(*c.system)) {
     v.text += "note: the model's own invariants were not asked for: `--property errors` does\n";
   }
@@ -128,24 +152,32 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   if (question.what == verify::QuestionKind::State) json["property"] = question.property.text;
   if (question.what == verify::QuestionKind::NoErrors) json["property"] = "errors";
   if (question.what == verify::QuestionKind::NoLocalDeadlock) json["property"] = "partial";
-  if (d.outcome == verify::Outcome::Holds) {
-    json["method"] = d.method == verify::Method::Exhaustive  ? "exhaustive"
-                     : d.method == verify::Method::Induction ? "induction"
-                                                             : "invariants";
-    if (d.method != verify::Method::Exhaustive) json["invariants"] = d.proof.invariants.size();
-    if (d.method == verify::Method::Induction) json["lemmas"] = d.lemmas.size();
-    if (d.method == verify::Method::Induction && !d.linear.equations.empty())
-      json["equations"] = d.linear.equations.size();
-  }
+  std::visit(verify::EvidenceVisitor{
+                 [&](const verify::InvariantProof&) {
+                   json["method"] = "invariants";
+                   json["invariants"] = d.invariants().size();
+                 },
+                 [&](const verify::InductiveProof& evidence) {
+                   json["method"] = "induction";
+                   json["invariants"] = d.invariants().size();
+                   json["lemmas"] = evidence.lemmas.size();
+                   if (!d.facts.affine.equations.empty()) json["equations"] = d.facts.affine.equations.size();
+                 },
+                 [&](const verify::ReachedStates&) { json["method"] = "exhaustive"; },
+                 [&](const verify::StateCount&) { json["method"] = "exhaustive"; },
+                 [](const verify::Counterexample&) {},
+                 [](const std::monostate&) {},
+             },
+             d.evidence);
   if (d.states != 0) json["states"] = d.states;
-  if (d.outcome == verify::Outcome::Violated) json["steps"] = d.choices.size();
+  if (const verify::Counterexample* found = d.counterexample()) json["steps"] = found->choices.size();
   if (d.outcome == verify::Outcome::Unknown) json["reason"] = d.reason;
   if (stats != nullptr) {
     json["cpu_seconds"] = stats->seconds;
     json["candidates"] = stats->candidates;
-    if (const verify::ProofCache* memory = stats->memory) {
-      const verify::ReuseCounts& n = memory->counts;
-      json["reuse"] = {{"whole", n.is_whole}, {"files", n.files},           {"broken", memory->broken_files()},
+    if (const verify::ProofCache* cache = stats->cache) {
+      const verify::ReuseCounts& n = cache->counts;
+      json["reuse"] = {{"whole", n.is_whole}, {"files", n.files},           {"broken", cache->broken_files()},
                        {"known", n.recalled}, {"invariants", n.invariants}, {"equations", n.equations},
                        {"lemmas", n.lemmas},  {"way", n.has_way},           {"stored", n.stored}};
     }
@@ -157,15 +189,15 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
 std::string stats_text(const VerifyStats& stats) {
   std::string text = fmt::format("decided in {:.2f} s of the processor, after {}\n", stats.seconds,
                                  count_of(stats.candidates, "candidate"));
-  if (stats.memory == nullptr) return text + "proofs of earlier runs: not used\n";
-  const verify::ReuseCounts& n = stats.memory->counts;
+  if (stats.cache == nullptr) return text + "proofs of earlier runs: not used\n";
+  const verify::ReuseCounts& n = stats.cache->counts;
   text += fmt::format("proofs of earlier runs: {} in {}", count_of(n.recalled, "row"), count_of(n.files, "file"));
   if (n.recalled != 0) text += fmt::format(" of {}", n.is_whole ? "this system" : "parts of it");
   if (n.recalled != 0)
     text += fmt::format("; checked and used: {}, {}{}{}", count_of(n.invariants, "invariant"),
                         n.equations == 0 ? "" : count_of(n.equations, "equation") + ", ", count_of(n.lemmas, "lemma"),
                         n.has_way ? ", the way" : "");
-  if (stats.memory->broken_files() != 0) text += fmt::format("; {} broken", stats.memory->broken_files());
+  if (stats.cache->broken_files() != 0) text += fmt::format("; {} broken", stats.cache->broken_files());
   return text + fmt::format("; {} kept\n", count_of(n.stored, "file"));
 }
 

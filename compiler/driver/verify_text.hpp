@@ -1,4 +1,4 @@
-// Prints the verdict of `bipc verify`, in words and as JSON.
+// Prints what `bipc verify` answers: the verdict in words and as JSON.
 #pragma once
 #include <string>
 
@@ -12,17 +12,24 @@ struct VerdictText {
   std::string name;  // "deadlock-free", "violated", "unknown" …
   std::string text;
 };
+/// Evidence: after the verdict the invariants, equations and lemmas of the proof.
+enum class Explanation : std::uint8_t { None, Evidence };
+
+/// Says the verdict, with the counterexample's steps or the reason of an unknown. The image has its code if the
+/// decision is Violated.
 [[nodiscard]] VerdictText verdict_text(const Compilation& c, const verify::Question& question,
-                                       const verify::Decision& d, const verify::Portfolio& decider, bool why);
-/// Of a decision; `memory` null: proofs were neither used again nor kept.
+                                       const verify::Decision& d, const verify::Portfolio& portfolio,
+                                       Explanation explanation);
+/// What `--stats` adds. `cache` null: proofs were neither reused nor stored.
 struct VerifyStats {
   double seconds = 0;  // of the processor
   std::uint64_t candidates = 0;
-  const verify::ProofCache* memory = nullptr;
+  const verify::ProofCache* cache = nullptr;
 };
-/// `stats` may be null.
+/// Returns the verdict as one line of JSON; `stats` may be null.
 [[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question,
                                        const verify::Decision& d, const VerifyStats* stats);
+/// Returns two lines: time and candidates, reuse of proofs.
 [[nodiscard]] std::string stats_text(const VerifyStats& stats);
 
 }  // namespace bip::driver

@@ -110,11 +110,12 @@ class Check {
       decide.megabytes = 1000;
       decide.may_search = with_search;
       decide.wants_certificate = wants_certificate_;
-      verify::Portfolio decider(
-          *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
+      verify::Portfolio portfolio(
+          *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
+          [](const char*, std::uint64_t, const char*) {});
       // The whole prover would visit all states of those that are known, as the test did.
       if (with_search && is_known && open_ == 0) continue;
-      const verify::Decision d = decider.decide(question, decide);
+      const verify::Decision d = portfolio.decide(question, decide);
       open_ = d.outcome == verify::Outcome::Unknown ? 1 : 0;
       (with_search ? t_.unknown : t_.open_proofs) += static_cast<std::uint64_t>(open_);
       if (d.outcome == verify::Outcome::Unknown) continue;
@@ -125,9 +126,9 @@ class Check {
       if (is_known && says_violated != is_violated)
         fail(asked +
              (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
-      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices))
+      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.counterexample()->choices))
         fail(asked + ": the way cannot be taken");
-      if (!says_violated && wants_certificate_ && !o_.out.empty()) write(c, question, decider, d, file);
+      if (!says_violated && wants_certificate_ && !o_.out.empty()) write(c, question, portfolio, d, file);
     }
     open_ = 0;
     if (seed_ % 5 == 0 && !kept_.empty())
@@ -150,16 +151,17 @@ class Check {
       }
       ContentCache cache(KeptKind::Proof, kept_.string(), std::uint64_t{1} << 30);
       verify::ProofCache memory(cache, "test", verify::Keeps::All);
-      verify::Portfolio decider(
-          *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
-      decider.remember_in(&memory);
+      verify::Portfolio portfolio(
+          *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
+          [](const char*, std::uint64_t, const char*) {});
+      portfolio.use_cache(&memory);
       verify::PortfolioLimits limits;
       // What is wrong in a file may cost time, though no verdict.
       limits.cancellation = verify::within_seconds(first ? 10 * o_.seconds : o_.seconds);
       limits.megabytes = 1000;
       limits.may_search = false;
       limits.wants_certificate = wants_certificate_;
-      const verify::Decision d = decider.decide(question, limits);
+      const verify::Decision d = portfolio.decide(question, limits);
       ++t_.reused;
       t_.whole += memory.counts.is_whole ? 1 : 0;
       (is_forged ? t_.forged_rows : t_.rows) +=
@@ -176,25 +178,24 @@ class Check {
       if (is_violated && says_violated != *is_violated)
         fail(std::string("with proofs ") + state +
              (says_violated ? ": violated, but all states are fine" : ": proved, but a bad state is reachable"));
-      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.choices))
+      if (says_violated && !verify::reaches(c.lowered->image, verify::goal_of(question), d.counterexample()->choices))
         fail(std::string("with proofs ") + state + ": the way cannot be taken");
       // By its number certcheck knows it as another question.
-      if (is_forged && !says_violated && wants_certificate_ && !o_.out.empty() &&
-          d.method != verify::Method::Exhaustive) {
-        write(c, question, decider, d,
+      if (is_forged && !says_violated && wants_certificate_ && !o_.out.empty() && !verify::is_exhaustive(d.evidence)) {
+        write(c, question, portfolio, d,
               file.substr(0, file.size() - 1) + static_cast<char>(file.back() + 3 + (state[6] == 0 ? 0 : 3)));
       }
     }
   }
 
-  void write(const gen::Compiled& c, const verify::Question& question, const verify::Portfolio& decider,
+  void write(const gen::Compiled& c, const verify::Question& question, const verify::Portfolio& portfolio,
              const verify::Decision& d, const std::string& file) {
     // A run that ends before its first state has none that could be bad: there every certificate is a proof, a broken
     // one, too.
     rt::Core core(c.lowered->image);
     if (!core.initialize()) return;
     std::ofstream(o_.out + '/' + file + ".bsys") << system::print(*c.system);
-    std::ofstream(o_.out + '/' + file + ".cert") << verify::certificate(decider, question, d, *c.system, "Root()");
+    std::ofstream(o_.out + '/' + file + ".cert") << verify::certificate(portfolio, question, d, *c.system, "Root()");
     ++t_.certificates;
   }
 

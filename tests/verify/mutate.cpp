@@ -92,14 +92,15 @@ class Run {
     limits.cancellation = verify::within_seconds(2);
     limits.may_search = false;
     limits.wants_certificate = true;
-    verify::Portfolio decider(
-        *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
-    verify::Decision d = decider.decide(question, limits);
+    verify::Portfolio portfolio(
+        *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
+        [](const char*, std::uint64_t, const char*) {});
+    verify::Decision d = portfolio.decide(question, limits);
     if (d.outcome != verify::Outcome::Holds) return;
     const verify::SearchGoal goal = verify::goal_of(question);
     verify::test::Clauses clauses(*c.system, c.lowered->image);
     judge(
-        model, name, verify::certificate(decider, question, d, *c.system, "Root()"),
+        model, name, verify::certificate(portfolio, question, d, *c.system, "Root()"),
         [&](const std::string& text) { return clauses.worth(text, goal, o_.states); },
         seed * 3 + static_cast<std::uint64_t>(question.what));
 
@@ -110,14 +111,14 @@ class Run {
                                    .report = {},
                                    .visit = [&](const rt::State& state) { states.add(state); }};
     if (!states.can_tell() ||
-        verify::search(decider.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted)
+        verify::search(portfolio.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted)
       return;
-    d.method = verify::Method::Exhaustive;
-    d.reached = states.rows();
-    if (d.reached.empty()) return;
+    const std::string rows = states.rows();
+    if (rows.empty()) return;
+    d.evidence = verify::ReachedStates{rows};
     ++t_.lists;
     judge(
-        model, name + "-states", verify::certificate(decider, question, d, *c.system, "Root()"),
+        model, name + "-states", verify::certificate(portfolio, question, d, *c.system, "Root()"),
         [&](const std::string& text) {
           return verify::test::listed_worth(text, *c.system, c.lowered->image, goal, o_.states);
         },

@@ -1,5 +1,4 @@
-// See cached_proof.hpp. The text has a row a line: first the components that it speaks of, then what it says, in
-// numbers.
+// See cached_proof.hpp. The text has one row per line: first the components, then what is known about them, in numbers.
 //
 //   bipc kept proof 1                  way WAY                         steps CHOICE...
 //   atom HASH PATH                     trap|one|sum TOLD TOTAL ATOM MODE WEIGHT ...
@@ -20,7 +19,7 @@ namespace {
 constexpr std::string_view kFirstLine = "bipc kept proof 1";
 constexpr std::string_view kWays[] = {"none", "plain", "told", "induction", "steps"};
 constexpr std::string_view kKinds[] = {"trap", "one", "sum"};
-// No sum of what a file says leaves 64 bits. The finder's own numbers (place_invariants.hpp) are below these.
+// No sum of a file's numbers leaves 64 bits. The finder's own numbers (place_invariants.hpp) are below these.
 constexpr std::int64_t kMaxCoefficient = std::int64_t{1} << 25, kMaxTotal = std::int64_t{1} << 48;
 
 class Words {
@@ -78,7 +77,7 @@ class ProofCacheParser {
     }
     if (first == "way") {
       const auto way = row_of(kWays, words.word());
-      if (way) proof_.way = static_cast<ProofMethod>(*way);
+      if (way) proof_.method = static_cast<ProofMethod>(*way);
       return way.has_value();
     }
     if (first == "steps") {
@@ -122,7 +121,7 @@ class ProofCacheParser {
     if (!kind) return false;
     CachedInvariant invariant;
     invariant.kind = static_cast<InvariantKind>(*kind);
-    invariant.is_told = words.flag();
+    invariant.modes = words.flag() ? PortUseModes::Distinguished : PortUseModes::Merged;
     invariant.total = words.number(-kMaxTotal, kMaxTotal);
     while (!words.at_end() && !words.has_failed()) {
       CachedTerm term;
@@ -150,8 +149,8 @@ class ProofCacheParser {
 
 }  // namespace
 
-CachedInvariant kept(const Net& net, const TokenInvariant& invariant, bool is_told) {
-  CachedInvariant result{invariant.kind, is_told, invariant.kind == InvariantKind::Sum ? invariant.total : 1, {}};
+CachedInvariant cached_invariant(const Net& net, const TokenInvariant& invariant, PortUseModes modes) {
+  CachedInvariant result{invariant.kind, modes, invariant.kind == InvariantKind::Sum ? invariant.total : 1, {}};
   for (std::size_t k = 0; k < invariant.modes.size(); ++k) {
     const u32 atom = net.atom_of_mode[invariant.modes[k]];
     result.terms.push_back({atom, invariant.modes[k] - net.mode_base[atom], weight_of(invariant, k)});
@@ -159,7 +158,7 @@ CachedInvariant kept(const Net& net, const TokenInvariant& invariant, bool is_to
   return result;
 }
 
-CachedLemma kept(const TransitionSystem& machine, const std::vector<u32>& cube) {
+CachedLemma cached_lemma(const TransitionSystem& machine, const std::vector<u32>& cube) {
   CachedLemma result;
   for (u32 code : cube) {
     const StateBit& bit = machine.bits[code / 2];
@@ -168,10 +167,10 @@ CachedLemma kept(const TransitionSystem& machine, const std::vector<u32>& cube) 
   return result;
 }
 
-std::vector<TokenInvariant> invariants_of(const CachedProof& proof, const Net& net, bool is_told) {
+std::vector<TokenInvariant> invariants_of(const CachedProof& proof, const Net& net, PortUseModes wanted) {
   std::vector<TokenInvariant> result;
   for (const CachedInvariant& row : proof.invariants) {
-    if (row.is_told != is_told || row.terms.empty()) continue;
+    if (row.modes != wanted || row.terms.empty()) continue;
     std::vector<std::pair<u32, std::int64_t>> modes;
     bool fits = true;
     for (const CachedTerm& term : row.terms) {
@@ -228,7 +227,8 @@ std::vector<std::vector<u32>> lemmas_of(const CachedProof& proof, const Transiti
 }
 
 std::string print_cached_proof(const CachedProof& proof, const NameOfAtom& name_of) {
-  std::string out = std::string(kFirstLine) + "\nway " + std::string(kWays[static_cast<std::size_t>(proof.way)]) + '\n';
+  std::string out =
+      std::string(kFirstLine) + "\nway " + std::string(kWays[static_cast<std::size_t>(proof.method)]) + '\n';
   std::map<u32, std::size_t> rows;
   const auto add_atom = [&](u32 atom) {
     if (!rows.try_emplace(atom, rows.size()).second) return;
@@ -247,7 +247,7 @@ std::string print_cached_proof(const CachedProof& proof, const NameOfAtom& name_
   const auto number = [&](auto value) { out += ' ' + std::to_string(value); };
   for (const CachedInvariant& invariant : proof.invariants) {
     out += kKinds[static_cast<std::size_t>(invariant.kind)];
-    out += invariant.is_told ? " 1" : " 0";
+    out += invariant.modes == PortUseModes::Distinguished ? " 1" : " 0";
     number(invariant.total);
     for (const CachedTerm& term : invariant.terms) {
       number(rows[term.atom]);

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
 
-// A parameter of the compiler's own ("initial x") has a name that no row can hold; its value is told by the system.
-bool is_told(const ModeClass& mode_class, const DataVariable& variable, std::size_t k) {
+// A parameter of the compiler's own ("initial x") has a name that no row can hold; the checker knows its value from the
+// system.
+bool is_listed(const ModeClass& mode_class, const DataVariable& variable, std::size_t k) {
   return mode_class.followed[k] != 0 && variable.name.find(' ') == std::string::npos;
 }
 
@@ -50,7 +53,7 @@ void add_structure(const Net& net, const Proof& proof, std::string& out) {
       for (u32 place : mode_class.modes[m].places) out += " @" + type.places[place];
       for (std::size_t k = 0; k < type.variables.size(); ++k) {
         const AbstractValue& value = mode_class.modes[m].values[k];
-        if (value.is_known && is_told(mode_class, type.variables[k], k))
+        if (value.is_known && is_listed(mode_class, type.variables[k], k))
           out += " ." + type.variables[k].name + '=' + std::to_string(value.value);
       }
       out += '\n';
@@ -70,6 +73,7 @@ void add_structure(const Net& net, const Proof& proof, std::string& out) {
     if (is_sum) out += "sum " + std::to_string(invariant.total);
     else out += invariant.kind == InvariantKind::Trap ? "trap" : "one-token";
     for (std::size_t k = 0; k < invariant.modes.size(); ++k) {
+      BIP_ASSERT(invariant.modes[k] < net.mode_count(), "mode {} of {}", invariant.modes[k], net.mode_count());
       const u32 mode = invariant.modes[k], atom = net.atom_of_mode[mode];
       out += ' ' + system.atoms[AtomId(std::size_t{atom})].path + ':' + std::to_string(mode - net.mode_base[atom]);
       if (is_sum) out += '*' + std::to_string(invariant.weights[k]);
@@ -107,40 +111,63 @@ void add_lemmas(const TransitionSystem& machine, const std::vector<Cube>& lemmas
   }
 }
 
-}  // namespace
-
-std::string certificate(const Portfolio& decider, const Question& question, const Decision& d, const System& system,
-                        const std::string& root_name) {
-  std::string out = "bipc-certificate 1\nroot " + root_name + "\nclaim ";
-  if (question.what == QuestionKind::DeadlockFreedom) out += "deadlock-free";
-  else if (question.what == QuestionKind::NoErrors) out += "error-free";
-  else out += "never " + certificate_text(question.property, system);
-  if (d.method == Method::Exhaustive && !d.reached.empty()) return out + "\nmethod induction\n" + d.reached + "end\n";
-  if (d.method == Method::Exhaustive) {
-    return out + "\nmethod exhaustive\ncomponents " + std::to_string(system.atoms.size()) + "\nstates " +
-           std::to_string(d.states) + "\nend\n";
-  }
-  if (const Evidence* evidence = decider.evidence()) {
-    out += "\nmethod induction\n";
-    add_structure(evidence->net, evidence->proof, out);
-    for (const std::string& row : evidence->rows) out += row + '\n';
-    return out + "end\n";
-  }
-  out += d.method == Method::Invariants ? "\nmethod invariants\n" : "\nmethod induction\n";
-  if (d.has_structure) add_structure(decider.net(), d.proof, out);
-  for (const AffineEquation& equation : d.linear.equations) out += equation_row(equation, system) + '\n';
-  for (const VariableBound& bound : d.linear.bounds) {
+void add_affine(const AffineInvariants& affine, const System& system, std::string& out) {
+  for (const AffineEquation& equation : affine.equations) out += equation_row(equation, system) + '\n';
+  for (const VariableBound& bound : affine.bounds) {
     const Atom& atom = system.atoms[AtomId(std::size_t{bound.atom})];
     out += "lemma " + atom.path + '.' + system.atom_types[atom.type].variables[bound.variable].name + "=0.." +
            std::to_string(bound.high) + '\n';
   }
-  for (const PlaceValue& one : d.linear.places) {
-    const Atom& atom = system.atoms[AtomId(std::size_t{one.atom})];
+  for (const PlaceValue& value : affine.places) {
+    const Atom& atom = system.atoms[AtomId(std::size_t{value.atom})];
     const AtomType& type = system.atom_types[atom.type];
-    out += "lemma !" + atom.path + '@' + type.places[one.place] + ' ' + atom.path + '.' +
-           type.variables[one.variable].name + '=' + std::to_string(one.value) + '\n';
+    out += "lemma !" + atom.path + '@' + type.places[value.place] + ' ' + atom.path + '.' +
+           type.variables[value.variable].name + '=' + std::to_string(value.value) + '\n';
   }
-  if (d.method == Method::Induction) add_lemmas(*decider.machine(), d.lemmas, system, out);
+}
+
+}  // namespace
+
+std::string certificate(const Portfolio& portfolio, const Question& question, const Decision& decision,
+                        const System& system, const std::string& root_name) {
+  BIP_ASSERT(decision.outcome == Outcome::Holds, "a certificate for the outcome {}", decision.outcome);
+  std::string out = "bipc-certificate 1\nroot " + root_name + "\nclaim ";
+  switch (question.what) {
+    case QuestionKind::DeadlockFreedom: out += "deadlock-free"; break;
+    case QuestionKind::NoErrors: out += "error-free"; break;
+    case QuestionKind::State: out += "never " + certificate_text(question.property, system); break;
+    case QuestionKind::NoLocalDeadlock: BIP_UNREACHABLE("freedom of local deadlocks has no certificate");
+  }
+  out += '\n';
+  const auto add_facts = [&] {
+    if (decision.facts.proof) add_structure(net_of(decision, portfolio.net()), *decision.facts.proof, out);
+    add_affine(decision.facts.affine, system, out);
+  };
+  std::visit(EvidenceVisitor{
+                 [&](const InvariantProof& evidence) {
+                   if (const auto& projection = evidence.projection) {
+                     out += "method induction\n";
+                     add_structure(projection->net, projection->proof, out);
+                     for (const std::string& row : projection->rows) out += row + '\n';
+                   } else {
+                     out += "method invariants\n";
+                     add_facts();
+                   }
+                 },
+                 [&](const InductiveProof& evidence) {
+                   out += "method induction\n";
+                   add_facts();
+                   add_lemmas(*portfolio.transition_system(), evidence.lemmas, system, out);
+                 },
+                 [&](const ReachedStates& evidence) { out += "method induction\n" + evidence.rows; },
+                 [&](const StateCount&) {
+                   out += "method exhaustive\ncomponents " + std::to_string(system.atoms.size()) + "\nstates " +
+                          std::to_string(decision.states) + '\n';
+                 },
+                 [](const Counterexample&) { BIP_UNREACHABLE("a counterexample has no certificate"); },
+                 [](const std::monostate&) { BIP_UNREACHABLE("no verdict has no certificate"); },
+             },
+             decision.evidence);
   return out + "end\n";
 }
 

@@ -7,12 +7,14 @@
 
 namespace bip::verify {
 
-[[nodiscard]] std::string certificate(const Portfolio& decider, const Question& question, const Decision& decision,
+/// Writes the certificate of a decision that Holds, made by `portfolio` about `system`. Deterministic: rows in the
+/// order of the system and of finding. Cost: linear in the evidence.
+[[nodiscard]] std::string certificate(const Portfolio& portfolio, const Question& question, const Decision& decision,
                                       const System& system, const std::string& root_name);
 
-/// "exactly one of fork[0]@FREE, phil[0]@EATS"
+/// Returns "exactly one of fork[0]@FREE, phil[0]@EATS"
 [[nodiscard]] std::string invariant_text(const Net& net, const TokenInvariant& invariant);
-/// "a@P and b.x in 4..7"
+/// Returns "a@P and b.x in 4..7"
 [[nodiscard]] std::string cube_text(const TransitionSystem& machine, const System& system, const Cube& cube);
 
 }  // namespace bip::verify

@@ -67,19 +67,10 @@ std::string broken_state(const rt::Core& core, const Property& property, std::si
   return out;
 }
 
-SearchGoal goal_of(const Question& question) {
-  SearchGoal goal;
-  goal.stuck = question.what == QuestionKind::DeadlockFreedom;
-  goal.faults = question.what == QuestionKind::NoErrors;
-  if (question.what == QuestionKind::State)
-    goal.state = [&question](const rt::Core& core) { return is_broken(question.property, core); };
-  return goal;
-}
-
-std::string counterexample_text(const rt::Image& image, const Question& question, const Decision& decision,
+std::string counterexample_text(const rt::Image& image, const Question& question, const Counterexample& found,
                                 std::size_t max_lines) {
-  const std::vector<std::uint64_t>& choices = decision.choices;
-  // Who waits for ever is not to be seen in the last state alone: the decision says it.
+  const std::vector<std::uint64_t>& choices = found.choices;
+  // Which atoms wait for ever is not to be seen in the last state alone: the counterexample says it.
   if (question.what != QuestionKind::NoLocalDeadlock && !reaches(image, goal_of(question), choices)) return {};
   rt::Core core(image);
   std::string out;
@@ -91,8 +82,12 @@ std::string counterexample_text(const rt::Image& image, const Question& question
     goes_on = core.fire(choices[step]);
   }
   if (!goes_on) return out + error_text(core, choices.size());
-  if (question.what == QuestionKind::NoLocalDeadlock) return out + stuck_text(core, decision.stuck, choices.size());
-  if (question.what == QuestionKind::State) return out + broken_state(core, question.property, choices.size());
+  switch (question.what) {
+    case QuestionKind::NoLocalDeadlock: return out + stuck_text(core, found.deadlocked_atoms, choices.size());
+    case QuestionKind::State: return out + broken_state(core, question.property, choices.size());
+    case QuestionKind::DeadlockFreedom:
+    case QuestionKind::NoErrors: break;
+  }
   std::string story = rt::deadlock_story(core, choices.size(), 0);
   drop_seed(story);
   return out + story;

@@ -1,24 +1,65 @@
-// A proof whose modes tell values from outside apart (port_uses.hpp), in words that certificates have: modes without
-// these values, the invariants that hold of such modes, and of the others lemmas and equations about places and values.
-//
-// Values must tell modes of one place apart where they do not weigh the same; else there is no evidence, nor is there
-// past kMaxWords. Needs a proof that is Free; nothing is claimed that the structure or the solver has not confirmed.
+// Evidence: what an engine of the portfolio has found to confirm its verdict, in a form that others can check or
+// replay. The proof cache stores it, the certificate writes it, the explanation prints it; each visits the variant, so
+// a new kind of evidence does not compile before all three handle it.
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
-#include "compiler/verify/portfolio/prove_by_invariants.hpp"
+#include "compiler/verify/evidence/project_proof.hpp"
+#include "compiler/verify/invariants/affine_invariants.hpp"
+#include "compiler/verify/symbolic/ic3.hpp"
 
 namespace bip::verify {
 
-struct Evidence {
-  static constexpr std::size_t kMaxWords = 1'000'000;
-  Net net;                        // uses of ports are one again
-  Proof proof;                    // its reachable modes and invariants
-  std::vector<std::string> rows;  // lemmas and equations
+/// Facts that hold in every reachable state, as far as they were looked for. Engines share them and add to them;
+/// evidence refers to them.
+struct StructuralFacts {
+  std::optional<Proof> proof;  // absent: an atom has too many local states; else invariants, and the open candidate
+  AffineInvariants affine;     // equations between data and places, bounds, values by place
 };
 
-/// `plain`: the net without, `told`: with uses told apart. Nothing: a certificate has no form for it.
-[[nodiscard]] std::optional<Evidence> find_evidence(const Net& plain, const Net& told, const Proof& proof);
+/// Holds: the structural facts exclude every bad state.
+struct InvariantProof {
+  std::optional<Net> distinguishing_net;     // whose modes the facts are about, if port uses are distinguished
+  std::optional<ProjectedProof> projection;  // the same in words that certificates have
+};
+/// Holds: these lemmas are inductive with the structural facts, and together they exclude every bad state.
+struct InductiveProof {
+  std::vector<Cube> lemmas;
+};
+/// Holds: these states are closed under steps, and none is bad.
+struct ReachedStates {
+  std::string rows;  // one row of the certificate per state
+};
+/// Holds: an exhaustive search met no bad state. Only another search can check that.
+struct StateCount {
+  enum class Listing : std::uint8_t { NotRequested, Impossible };
+  Listing listing = Listing::NotRequested;  // why there are no ReachedStates
+};
+/// Violated: the numbers of the candidates taken from the initial state, which end in the bad state or in the fault.
+struct Counterexample {
+  std::vector<std::uint64_t> choices;
+  std::vector<u32> deadlocked_atoms = {};  // rows; only of a local deadlock
+};
+
+/// monostate: no verdict.
+using Evidence =
+    std::variant<std::monostate, InvariantProof, InductiveProof, ReachedStates, StateCount, Counterexample>;
+
+/// Makes one visitor of several lambdas, one per kind of evidence.
+template <class... Visitors>
+struct EvidenceVisitor : Visitors... {
+  using Visitors::operator()...;
+};
+template <class... Visitors>
+EvidenceVisitor(Visitors...) -> EvidenceVisitor<Visitors...>;
+
+/// Was every reachable state visited?
+[[nodiscard]] inline bool is_exhaustive(const Evidence& evidence) {
+  return std::holds_alternative<ReachedStates>(evidence) || std::holds_alternative<StateCount>(evidence);
+}
 
 }  // namespace bip::verify

@@ -86,7 +86,7 @@ void ProofCache::recall_below(const Net& net, CompoundId compound, const std::st
   std::optional<CachedProof> proof = parse_cached_proof(text, atom_of);
   if (!proof) return;
   ++counts.files;
-  if (into.way == ProofMethod::None) into.way = proof->way;
+  if (into.method == ProofMethod::None) into.method = proof->method;
   into.invariants.insert(into.invariants.end(), proof->invariants.begin(), proof->invariants.end());
   into.lemmas.insert(into.lemmas.end(), proof->lemmas.begin(), proof->lemmas.end());
   into.equations.insert(into.equations.end(), proof->equations.begin(), proof->equations.end());
@@ -120,10 +120,10 @@ CachedProof ProofCache::recall(const Net& net, const std::string& question) {
     for (CompoundId part : parts(net)) {
       const auto text = cache_.load(name_of(net, part, question));
       if (!text) continue;
-      CachedProof ignored_way;
-      for (CompoundId same : equal[content_.of_compound[part.value]]) recall_below(net, same, *text, ignored_way);
-      result.invariants.insert(result.invariants.end(), ignored_way.invariants.begin(), ignored_way.invariants.end());
-      result.lemmas.insert(result.lemmas.end(), ignored_way.lemmas.begin(), ignored_way.lemmas.end());
+      CachedProof part_proof;
+      for (CompoundId same : equal[content_.of_compound[part.value]]) recall_below(net, same, *text, part_proof);
+      result.invariants.insert(result.invariants.end(), part_proof.invariants.begin(), part_proof.invariants.end());
+      result.lemmas.insert(result.lemmas.end(), part_proof.lemmas.begin(), part_proof.lemmas.end());
     }
     // The same may come from several files: the first one stays where it is.
     const auto keep_first = [](auto& rows) {
@@ -150,7 +150,7 @@ void ProofCache::keep(const Net& net, const std::string& question, const CachedP
   const std::string name = name_of(net, root, question), text = print_cached_proof(proof, name_below(root));
   if (text.size() > kMostBytes || !cache_.store(name, text)) return;
   counts.stored = 1;
-  if (proof.way == ProofMethod::Steps) return;
+  if (proof.method == ProofMethod::Steps) return;
   counts.stored += cache_.store(name_of_last(net, question), name) ? 1 : 0;
 
   std::map<CompoundId, CachedProof> below;

@@ -128,12 +128,15 @@ const char* const kDoor = R"(package door
 end
 )";
 
-struct QuestionKind {
+struct Answered {
   verify::Decision decision;
   verify::ReuseCounts counts;
 };
-QuestionKind ask(const std::string& text, const std::string& folder, const std::string& property = "",
-                 Keeps keeps = Keeps::All) {
+const std::vector<verify::Cube>& lemmas_of(const Answered& answered) {
+  return std::get<verify::InductiveProof>(answered.decision.evidence).lemmas;
+}
+Answered ask(const std::string& text, const std::string& folder, const std::string& property = "",
+             Keeps keeps = Keeps::All) {
   const gen::Compiled c = gen::compile_texts({text});
   REQUIRE(c.problem.empty());
   const interp::Interpreter interpreter(*c.lowered);
@@ -146,13 +149,14 @@ QuestionKind ask(const std::string& text, const std::string& folder, const std::
   }
   ContentCache cache(KeptKind::Proof, folder, std::uint64_t{1} << 30);
   verify::ProofCache memory(cache, "unit", keeps);
-  verify::Portfolio decider(
-      *c.system, c.lowered->image, true, [] { return true; }, [](const char*, std::uint64_t, const char*) {});
-  decider.remember_in(&memory);
+  verify::Portfolio portfolio(
+      *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
+      [](const char*, std::uint64_t, const char*) {});
+  portfolio.use_cache(&memory);
   verify::PortfolioLimits limits;
   limits.cancellation = verify::within_seconds(20);
   limits.may_search = false;
-  QuestionKind result{decider.decide(question, limits), {}};
+  Answered result{portfolio.decide(question, limits), {}};
   result.counts = memory.counts;
   return result;
 }
@@ -162,18 +166,18 @@ QuestionKind ask(const std::string& text, const std::string& folder, const std::
 TEST_CASE("the same system finds all of its proof again, once") {
   const testing::ScratchFolder folder;
   const std::string text = dinner(kRoot, "DARK, LIT", kMoves);
-  const QuestionKind first = ask(text, folder.path());
+  const Answered first = ask(text, folder.path());
   CHECK(first.decision.outcome == Outcome::Holds);
-  CHECK(first.decision.proof.invariants.size() >= 8);
+  CHECK(first.decision.invariants().size() >= 8);
   CHECK(first.counts.recalled == 0);
   // The system, where its root's last proof is, and one table: both are the same.
   CHECK(first.counts.stored == 3);
-  const QuestionKind second = ask(text, folder.path());
+  const Answered second = ask(text, folder.path());
   CHECK(second.decision.outcome == Outcome::Holds);
   CHECK(second.counts.is_whole);
-  CHECK(second.counts.invariants == first.decision.proof.invariants.size());
-  CHECK(second.decision.proof.invariants == first.decision.proof.invariants);
-  CHECK(second.decision.proof.candidates == 0);
+  CHECK(second.counts.invariants == first.decision.invariants().size());
+  CHECK(second.decision.invariants() == first.decision.invariants());
+  CHECK(second.decision.candidates() == 0);
   CHECK(second.counts.stored == 0);
 }
 
@@ -185,28 +189,28 @@ TEST_CASE("what is found at once is not kept, unless all is wanted") {
 
 TEST_CASE("one component has changed: the rest is used again") {
   const testing::ScratchFolder folder;
-  const QuestionKind first = ask(dinner(kRoot, "DARK, LIT", kMoves), folder.path());
-  const QuestionKind second =
+  const Answered first = ask(dinner(kRoot, "DARK, LIT", kMoves), folder.path());
+  const Answered second =
       ask(dinner(kRoot, "DARK, DIM, LIT",
                  "    on light from DARK to DIM\n    on dark from DIM to LIT\n    on dark from LIT to DARK\n"),
           folder.path());
   CHECK(second.decision.outcome == Outcome::Holds);
   CHECK_FALSE(second.counts.is_whole);
-  CHECK(second.counts.invariants == first.decision.proof.invariants.size());
-  CHECK(second.decision.proof.candidates == 0);
+  CHECK(second.counts.invariants == first.decision.invariants().size());
+  CHECK(second.decision.candidates() == 0);
   // And both are known now.
   CHECK(ask(dinner(kRoot, "DARK, LIT", kMoves), folder.path()).counts.is_whole);
 }
 
 TEST_CASE("a compound is known wherever it stands") {
   const testing::ScratchFolder folder;
-  const QuestionKind first = ask(dinner(kRoot, "DARK, LIT", kMoves), folder.path());
-  const QuestionKind second = ask(dinner(kOther, "DARK, LIT", kMoves), folder.path());
+  const Answered first = ask(dinner(kRoot, "DARK, LIT", kMoves), folder.path());
+  const Answered second = ask(dinner(kOther, "DARK, LIT", kMoves), folder.path());
   CHECK_FALSE(second.counts.is_whole);
   // Where the last root of that name is, which has no corner, and the table.
   CHECK(second.counts.files == 2);
-  CHECK(2 * second.counts.invariants == first.decision.proof.invariants.size());
-  CHECK(second.decision.proof.candidates == 0);
+  CHECK(2 * second.counts.invariants == first.decision.invariants().size());
+  CHECK(second.decision.candidates() == 0);
   CHECK(second.decision.outcome == Outcome::Holds);
 }
 
@@ -222,45 +226,45 @@ TEST_CASE("what held and does not any more is left out") {
 TEST_CASE("lemmas come back, are checked, and those of another model go") {
   const testing::ScratchFolder folder;
   const std::string property = "never c.n == 7";
-  const QuestionKind first = ask(kEven, folder.path(), property);
+  const Answered first = ask(kEven, folder.path(), property);
   REQUIRE(first.decision.outcome == Outcome::Holds);
-  REQUIRE(first.decision.method == verify::Method::Induction);
-  REQUIRE(!first.decision.lemmas.empty());
-  const QuestionKind second = ask(kEven, folder.path(), property);
+  REQUIRE(std::holds_alternative<verify::InductiveProof>(first.decision.evidence));
+  REQUIRE(!lemmas_of(first).empty());
+  const Answered second = ask(kEven, folder.path(), property);
   CHECK(second.counts.is_whole);
-  CHECK(second.counts.lemmas == first.decision.lemmas.size());
-  CHECK(second.decision.lemmas == first.decision.lemmas);
+  CHECK(second.counts.lemmas == lemmas_of(first).size());
+  CHECK(lemmas_of(second) == lemmas_of(first));
   CHECK(second.decision.frames == 0);
   // n grows by one: the network is the same, the lemmas are none.
   std::string odd = kEven;
   odd.replace(odd.find("n = n + 2"), 9, "n = n + 1");
-  const QuestionKind third = ask(odd, folder.path(), property);
+  const Answered third = ask(odd, folder.path(), property);
   CHECK(third.counts.is_whole);
-  CHECK(third.counts.lemmas < first.decision.lemmas.size());
+  CHECK(third.counts.lemmas < lemmas_of(first).size());
   CHECK(third.decision.outcome == Outcome::Violated);
   // And the way to it is taken again.
-  const QuestionKind fourth = ask(odd, folder.path(), property);
+  const Answered fourth = ask(odd, folder.path(), property);
   CHECK(fourth.counts.has_way);
-  CHECK(fourth.decision.choices == third.decision.choices);
+  CHECK(fourth.decision.counterexample()->choices == third.decision.counterexample()->choices);
   CHECK(ask(kEven, folder.path(), property).decision.outcome == Outcome::Holds);
 }
 
 TEST_CASE("equations come back, are checked, and those of another model go") {
   const testing::ScratchFolder folder;
   const std::string property = "never u[0]@IN && d.n == 0";
-  const QuestionKind first = ask(kDoor, folder.path(), property);
+  const Answered first = ask(kDoor, folder.path(), property);
   REQUIRE(first.decision.outcome == Outcome::Holds);
-  REQUIRE(first.decision.linear.equations.size() == 1);
-  const QuestionKind second = ask(kDoor, folder.path(), property);
+  REQUIRE(first.decision.facts.affine.equations.size() == 1);
+  const Answered second = ask(kDoor, folder.path(), property);
   CHECK(second.counts.is_whole);
   CHECK(second.counts.equations == 1);
   CHECK(second.decision.outcome == Outcome::Holds);
-  CHECK(second.decision.linear.equations[0].terms == first.decision.linear.equations[0].terms);
-  CHECK(second.decision.linear.equations[0].total == first.decision.linear.equations[0].total);
+  CHECK(second.decision.facts.affine.equations[0].terms == first.decision.facts.affine.equations[0].terms);
+  CHECK(second.decision.facts.affine.equations[0].total == first.decision.facts.affine.equations[0].total);
   // Who leaves counts twice: the network is the same, the equation is none.
   std::string twice = kDoor;
   twice.replace(twice.find("n = n - 1"), 9, "n = n - 2");
-  const QuestionKind third = ask(twice, folder.path(), property);
+  const Answered third = ask(twice, folder.path(), property);
   CHECK(third.counts.is_whole);
   CHECK(third.counts.equations == 0);
   CHECK(third.decision.outcome == Outcome::Violated);
@@ -288,10 +292,10 @@ TEST_CASE("forged equations are not believed") {
     const std::string question = "state " + property;
     (void)memory.recall(net, question);
     verify::CachedProof proof;
-    proof.way = verify::ProofMethod::Induction;
+    proof.method = verify::ProofMethod::Induction;
     proof.equations = {terms};
     memory.keep(net, question, proof);
-    const QuestionKind asked = ask(kDoor, folder.path(), property);
+    const Answered asked = ask(kDoor, folder.path(), property);
     CHECK(asked.counts.is_whole);
     CHECK(asked.counts.equations == 0);
     CHECK(asked.decision.outcome == Outcome::Violated);
@@ -333,7 +337,7 @@ TEST_CASE("files that are damaged or forged change no verdict") {
     (void)ask(free, folder.path());
     if (seed % 3 == 0) verify::test::damage(folder.path(), seed);
     else foreign = verify::test::forge(folder.path(), foreign, seed);
-    const QuestionKind again = ask(free, folder.path());
+    const Answered again = ask(free, folder.path());
     CHECK(again.decision.outcome == Outcome::Holds);
     used += again.counts.invariants;
     CHECK(ask(dead, folder.path()).decision.outcome != Outcome::Holds);
@@ -354,12 +358,12 @@ TEST_CASE("a forged proof that would exclude the deadlock is not believed") {
     CHECK(memory.recall(net, "deadlock").invariants.empty());
     // Each component is always as it was at first; so no philosopher ever holds one fork.
     verify::CachedProof forged;
-    forged.way = verify::ProofMethod::Plain;
+    forged.method = verify::ProofMethod::Invariants;
     for (verify::u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom)
-      forged.invariants.push_back({kind, false, 1, {{atom, net.class_at(atom).initial[0], 1}}});
+      forged.invariants.push_back({kind, verify::PortUseModes::Merged, 1, {{atom, net.class_at(atom).initial[0], 1}}});
     memory.keep(net, "deadlock", forged);
     CHECK(memory.counts.stored >= 2);
-    const QuestionKind asked = ask(dead, folder.path());
+    const Answered asked = ask(dead, folder.path());
     CHECK(asked.counts.is_whole);
     CHECK(asked.counts.recalled == forged.invariants.size());
     CHECK(asked.counts.invariants == 0);
@@ -402,13 +406,14 @@ TEST_CASE("several processes share a folder") {
       for (int round = 0; round < 5; ++round) {
         ContentCache cache(KeptKind::Proof, folder.path(), 20000);
         verify::ProofCache memory(cache, "unit", Keeps::All);
-        verify::Portfolio decider(
-            *c.system, c.lowered->image, false, [] { return false; }, [](const char*, std::uint64_t, const char*) {});
-        decider.remember_in(&memory);
+        verify::Portfolio portfolio(
+            *c.system, c.lowered->image, verify::StateAccess::CallsCpp, [] { return false; },
+            [](const char*, std::uint64_t, const char*) {});
+        portfolio.use_cache(&memory);
         verify::PortfolioLimits limits;
         limits.cancellation = verify::within_seconds(100);
         limits.may_search = false;
-        if (decider.decide({}, limits).outcome != Outcome::Holds || memory.broken_files() != 0) ++wrong;
+        if (portfolio.decide({}, limits).outcome != Outcome::Holds || memory.broken_files() != 0) ++wrong;
       }
     });
   }

@@ -1,5 +1,5 @@
-// See evidence.hpp.
-#include "compiler/verify/evidence/evidence.hpp"
+// See project_proof.hpp.
+#include "compiler/verify/evidence/project_proof.hpp"
 
 #include <algorithm>
 #include <map>
@@ -16,38 +16,38 @@ constexpr std::int64_t kMaxWeight = 1'000'000;
 // Modes at one place, and what they count for.
 using Weighted = std::vector<std::pair<const Mode*, std::int64_t>>;
 
-class EvidenceCollector {
+class ProofProjection {
  public:
-  EvidenceCollector(const Net& plain, const Net& told, const Proof& proof) : told_(told), proof_(proof) {
-    evidence_.net = build_net(plain, told.uses, UsesAs::Hidden);
+  ProofProjection(const Net& plain, const Net& distinguishing, const Proof& proof) : distinguishing_(distinguishing), proof_(proof) {
+    projected_.net = build_net(plain, distinguishing.uses, UsesAs::Hidden);
   }
 
-  std::optional<Evidence> run() {
-    const Net& net = evidence_.net;
+  std::optional<ProjectedProof> run() {
+    const Net& net = projected_.net;
     if (net.too_large_atom != kNoRow) return std::nullopt;
     ModeReachability reachable(net, Direction::Forward, nullptr);
-    spread_from_initial(net, reachable, evidence_.proof);
+    spread_from_initial(net, reachable, projected_.proof);
     if (!match_modes()) return std::nullopt;
     TrapFinder checker(net, reachable);
     for (const TokenInvariant& invariant : proof_.invariants) {
       if (std::optional<TokenInvariant> same = projected(invariant, checker))
-        evidence_.proof.invariants.push_back(std::move(*same));
-      else if (!counterexample_text(invariant) || words_ > Evidence::kMaxWords) return std::nullopt;
+        projected_.proof.invariants.push_back(std::move(*same));
+      else if (!add_row(invariant) || words_ > ProjectedProof::kMaxWords) return std::nullopt;
     }
-    for (u32 atom = 0; atom + 1 < told_.mode_base.size(); ++atom) add_values(atom);
-    return std::move(evidence_);
+    for (u32 atom = 0; atom + 1 < distinguishing_.mode_base.size(); ++atom) add_values(atom);
+    return std::move(projected_);
   }
 
  private:
   // To each mode the one that it is without the hidden values.
   bool match_modes() {
-    const Net& net = evidence_.net;
-    same_.assign(told_.mode_count(), kNoRow);
-    for (u32 atom = 0; atom + 1 < told_.mode_base.size(); ++atom) {
-      const ModeClass& row = told_.class_at(atom);
+    const Net& net = projected_.net;
+    same_.assign(distinguishing_.mode_count(), kNoRow);
+    for (u32 atom = 0; atom + 1 < distinguishing_.mode_base.size(); ++atom) {
+      const ModeClass& row = distinguishing_.class_at(atom);
       const ModeClass& other = net.class_at(atom);
       for (u32 mode = 0; mode < row.modes.size(); ++mode) {
-        if (proof_.reachable[told_.mode_base[atom] + mode] == 0) continue;
+        if (proof_.reachable[distinguishing_.mode_base[atom] + mode] == 0) continue;
         u32 found = kNoRow;
         if (row.uses == nullptr) found = mode;
         for (u32 k = 0; k < other.modes.size() && found == kNoRow; ++k) {
@@ -57,7 +57,7 @@ class EvidenceCollector {
           if (fits) found = k;
         }
         if (found == kNoRow) return false;
-        same_[told_.mode_base[atom] + mode] = net.mode_base[atom] + found;
+        same_[distinguishing_.mode_base[atom] + mode] = net.mode_base[atom] + found;
       }
     }
     return true;
@@ -67,8 +67,8 @@ class EvidenceCollector {
   std::optional<TokenInvariant> projected(const TokenInvariant& invariant, TrapFinder& checker) const {
     std::map<u32, std::int64_t> weights;
     for (std::size_t k = 0; k < invariant.modes.size();) {
-      const u32 atom = told_.atom_of_mode[invariant.modes[k]];
-      for (u32 mode = told_.mode_base[atom]; mode < told_.mode_base[atom + 1]; ++mode) {
+      const u32 atom = distinguishing_.atom_of_mode[invariant.modes[k]];
+      for (u32 mode = distinguishing_.mode_base[atom]; mode < distinguishing_.mode_base[atom + 1]; ++mode) {
         const bool is_in = k < invariant.modes.size() && invariant.modes[k] == mode;
         const std::int64_t weight = is_in ? weight_of(invariant, k) : 0;
         if (is_in) ++k;
@@ -88,20 +88,20 @@ class EvidenceCollector {
   }
 
   // The invariant as one row about places and values: a lemma for a trap, an equation for a sum.
-  bool counterexample_text(const TokenInvariant& invariant) {
+  bool add_row(const TokenInvariant& invariant) {
     const bool is_trap = invariant.kind == InvariantKind::Trap;
     std::int64_t total = invariant.total;
     std::string row;
     for (std::size_t k = 0; k < invariant.modes.size();) {
-      const u32 atom = told_.atom_of_mode[invariant.modes[k]];
+      const u32 atom = distinguishing_.atom_of_mode[invariant.modes[k]];
       std::map<u32, Weighted> by_place;
       std::map<std::int64_t, std::size_t> counts;
-      for (u32 mode = told_.mode_base[atom]; mode < told_.mode_base[atom + 1]; ++mode) {
+      for (u32 mode = distinguishing_.mode_base[atom]; mode < distinguishing_.mode_base[atom + 1]; ++mode) {
         const bool is_in = k < invariant.modes.size() && invariant.modes[k] == mode;
         const std::int64_t weight = !is_in ? 0 : is_trap ? 1 : weight_of(invariant, k);
         if (is_in) ++k;
         if (proof_.reachable[mode] == 0) continue;
-        const Mode& of = told_.class_at(atom).modes[mode - told_.mode_base[atom]];
+        const Mode& of = distinguishing_.class_at(atom).modes[mode - distinguishing_.mode_base[atom]];
         if (of.places.size() != 1 || std::abs(weight) > kMaxWeight) return false;
         by_place[of.places[0]].emplace_back(&of, weight);
       }
@@ -112,10 +112,10 @@ class EvidenceCollector {
       total -= always;
       for (auto& [place, modes] : by_place) {
         for (auto& [mode, weight] : modes) weight -= always;
-        if (!counterexample_text(atom, place, modes, is_trap, row)) return false;
+        if (!add_row(atom, place, modes, is_trap, row)) return false;
       }
     }
-    evidence_.rows.push_back((is_trap ? "lemma" : "equation " + std::to_string(total)) + row);
+    projected_.rows.push_back((is_trap ? "lemma" : "equation " + std::to_string(total)) + row);
     return true;
   }
   [[nodiscard]] static std::int64_t most_common(const Weighted& modes) {
@@ -127,11 +127,11 @@ class EvidenceCollector {
   }
   // What most modes of a place weigh is said of the place, and of the others what they weigh more: values must tell
   // them apart.
-  bool counterexample_text(u32 atom, u32 place, const Weighted& modes, bool is_trap, std::string& row) {
+  bool add_row(u32 atom, u32 place, const Weighted& modes, bool is_trap, std::string& row) {
     const std::int64_t base = most_common(modes);
     const auto others = std::count_if(modes.begin(), modes.end(), [&](const auto& one) { return one.second != base; });
-    const Atom& instance = told_.system->atoms[AtomId(std::size_t{atom})];
-    const AtomType& type = told_.system->atom_types[told_.class_at(atom).type];
+    const Atom& instance = distinguishing_.system->atoms[AtomId(std::size_t{atom})];
+    const AtomType& type = distinguishing_.system->atom_types[distinguishing_.class_at(atom).type];
     const std::string at = instance.path + '@' + type.places[place];
     const auto add = [&](const std::string& what, std::int64_t weight) {
       ++words_;
@@ -142,7 +142,7 @@ class EvidenceCollector {
       if (weight == base) continue;
       std::vector<std::string> values;
       for (std::size_t k = 0; k < type.variables.size(); ++k) {
-        if (is_told(atom, *mode, k))
+        if (is_listed(atom, *mode, k))
           values.push_back(instance.path + '.' + type.variables[k].name + '=' + std::to_string(mode->values[k].value));
       }
       for (const auto& [other, its] : modes) {
@@ -160,41 +160,41 @@ class EvidenceCollector {
     }
     return true;
   }
-  [[nodiscard]] bool is_told(u32 atom, const Mode& mode, std::size_t variable) const {
-    const ModeClass& row = told_.class_at(atom);
+  [[nodiscard]] bool is_listed(u32 atom, const Mode& mode, std::size_t variable) const {
+    const ModeClass& row = distinguishing_.class_at(atom);
     return row.followed[variable] != 0 && mode.values[variable].is_known &&
-           !told_.system->atom_types[row.type].variables[variable].is_param;
+           !distinguishing_.system->atom_types[row.type].variables[variable].is_param;
   }
   [[nodiscard]] bool differ(u32 atom, const Mode& a, const Mode& b) const {
     for (std::size_t k = 0; k < a.values.size(); ++k) {
-      if (is_told(atom, a, k) && is_told(atom, b, k) && a.values[k] != b.values[k]) return true;
+      if (is_listed(atom, a, k) && is_listed(atom, b, k) && a.values[k] != b.values[k]) return true;
     }
     return false;
   }
 
   // What the modes know and the evidence's do not: where the atom never is, and which values a variable has at a place.
   void add_values(u32 atom) {
-    const Net& net = evidence_.net;
-    const ModeClass& row = told_.class_at(atom);
+    const Net& net = projected_.net;
+    const ModeClass& row = distinguishing_.class_at(atom);
     const ModeClass& other = net.class_at(atom);
-    const Atom& instance = told_.system->atoms[AtomId(std::size_t{atom})];
-    const AtomType& type = told_.system->atom_types[row.type];
+    const Atom& instance = distinguishing_.system->atoms[AtomId(std::size_t{atom})];
+    const AtomType& type = distinguishing_.system->atom_types[row.type];
     std::set<u32> left, places;  // modes of the evidence, places of all
     for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
-      if (evidence_.proof.reachable[mode] == 0) continue;
+      if (projected_.proof.reachable[mode] == 0) continue;
       left.insert(mode);
       const std::vector<u32>& at = other.modes[mode - net.mode_base[atom]].places;
       if (at.size() == 1) places.insert(at[0]);
     }
     std::map<u32, std::vector<const Mode*>> by_place;
     for (u32 mode = 0; mode < row.modes.size(); ++mode) {
-      const u32 number = told_.mode_base[atom] + mode;
+      const u32 number = distinguishing_.mode_base[atom] + mode;
       if (same_[number] == kNoRow) continue;
       left.erase(same_[number]);
       if (row.modes[mode].places.size() == 1) by_place[row.modes[mode].places[0]].push_back(&row.modes[mode]);
     }
     for (u32 place : places) {
-      if (!by_place.contains(place)) evidence_.rows.push_back("lemma !" + instance.path + '@' + type.places[place]);
+      if (!by_place.contains(place)) projected_.rows.push_back("lemma !" + instance.path + '@' + type.places[place]);
     }
     for (std::size_t variable = 0; variable < row.followed.size(); ++variable) {
       const bool is_hidden = other.followed[variable] == 0;
@@ -218,7 +218,7 @@ class EvidenceCollector {
       }
       if (wants_range && is_range(type, variable, all))
         lemmas = {"lemma " + name + '=' + std::to_string(*all.begin()) + ".." + std::to_string(*all.rbegin())};
-      evidence_.rows.insert(evidence_.rows.end(), lemmas.begin(), lemmas.end());
+      projected_.rows.insert(projected_.rows.end(), lemmas.begin(), lemmas.end());
     }
   }
   // All ints between two, and the first value is one of them.
@@ -227,21 +227,21 @@ class EvidenceCollector {
     if (std::int64_t{*values.rbegin()} - *values.begin() + 1 != static_cast<std::int64_t>(values.size())) return false;
     std::vector<AbstractValue> first(type.variables.size());
     first[variable] = known(0);
-    execute(told_.system->code, type.initial_action, first);
+    execute(distinguishing_.system->code, type.initial_action, first);
     return first[variable].is_known && values.contains(first[variable].value);
   }
 
-  const Net& told_;
+  const Net& distinguishing_;
   const Proof& proof_;
-  std::vector<u32> same_;  // by mode of told_: of the evidence's net
+  std::vector<u32> same_;  // by mode of distinguishing_: of the evidence's net
   std::size_t words_ = 0;
-  Evidence evidence_;
+  ProjectedProof projected_;
 };
 
 }  // namespace
 
-std::optional<Evidence> find_evidence(const Net& plain, const Net& told, const Proof& proof) {
-  return EvidenceCollector(plain, told, proof).run();
+std::optional<ProjectedProof> project_proof(const Net& plain, const Net& distinguishing, const Proof& proof) {
+  return ProofProjection(plain, distinguishing, proof).run();
 }
 
 }  // namespace bip::verify

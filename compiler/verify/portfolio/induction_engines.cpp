@@ -1,0 +1,218 @@
+// See induction_engines.hpp.
+#include "compiler/verify/portfolio/induction_engines.hpp"
+
+#include "compiler/base/assert.hpp"
+#include "compiler/verify/invariants/houdini.hpp"
+#include "compiler/verify/invariants/refine_invariants.hpp"
+#include "compiler/verify/symbolic/mode_signals.hpp"
+#include "compiler/verify/symbolic/replay_steps.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+/// FactsOnly: stop before lemmas are looked for.
+enum class Effort : std::uint8_t { FactsOnly, Lemmas };
+
+// One attempt of either engine. `share` ends the attempt, `whole_` the question.
+class Induction {
+ public:
+  Induction(ProofContext& context, const CancellationToken& share, const CancellationToken& whole)
+      : context_(context), whole_(whole), machine_(context.parts.transition_system()), image_(context.parts.image()) {
+    problem_.machine = &machine_;
+    problem_.cancellation = share;
+    problem_.report = [this](u32 frame, std::size_t lemmas) {
+      result_.frames = frame;
+      context_.report("induction", lemmas, "lemmas");
+    };
+  }
+
+  EngineResult run(Effort effort) {
+    if (!is_usable()) return std::move(result_);
+    problem_.bad = machine_.circuit.make_or(bad_states(), machine_.lost);
+    if (!confirm_ranges()) return std::move(result_);
+    InductiveLemmas cached;
+    if (context_.facts.proof && context_.induction != InductionStage::InvariantsRefined && refine(cached))
+      return std::move(result_);
+    if (effort == Effort::FactsOnly && !cached.is_enough) return std::move(result_);
+    find_lemmas(std::move(cached));
+    return std::move(result_);
+  }
+
+ private:
+  void give_up(const std::string& reason) {
+    context_.induction = InductionStage::Unusable;
+    result_.retry = Retry::Pointless;
+    result_.reason = reason;
+  }
+  bool is_usable() {
+    if (!machine_.unsupported.empty()) give_up(machine_.unsupported);
+    else if (machine_.starts_with_fault) give_up({});
+    return context_.induction != InductionStage::Unusable;
+  }
+  Signal bad_states() {
+    switch (context_.question.what) {
+      case QuestionKind::DeadlockFreedom: return machine_.stuck;
+      case QuestionKind::NoErrors: return machine_.error;
+      case QuestionKind::State: return broken_signal(context_.question.property, machine_, image_);
+      case QuestionKind::NoLocalDeadlock: break;
+    }
+    BIP_UNREACHABLE("no set of states is a local deadlock");
+  }
+  // The intervals of data, which the circuit's widths rest on, are invariants: one question to the solver.
+  bool confirm_ranges() {
+    if (context_.induction != InductionStage::Untried) return true;
+    if (ranges_hold(machine_, problem_.cancellation)) context_.induction = InductionStage::RangesConfirmed;
+    else give_up("the ranges of data could not be confirmed");
+    return context_.induction != InductionStage::Unusable;
+  }
+
+  [[nodiscard]] std::vector<std::vector<Signal>> affine_clauses() {
+    std::vector<std::vector<Signal>> clauses;
+    const AffineInvariants& affine = context_.facts.affine;
+    for (const AffineEquation& equation : affine.equations)
+      clauses.push_back({equation_signal(equation, machine_, image_)});
+    for (const VariableBound& bound : affine.bounds) clauses.push_back({bound_signal(bound, machine_, image_)});
+    for (const PlaceValue& value : affine.places) clauses.push_back(place_clause(value, machine_, image_));
+    return clauses;
+  }
+  [[nodiscard]] std::vector<std::vector<Signal>> structural_clauses() {
+    if (!context_.facts.proof) return {};
+    std::vector<std::vector<Signal>> clauses =
+        mode_clauses(context_.parts.net(), *context_.facts.proof, machine_, image_);
+    for (std::vector<Signal>& clause : affine_clauses()) clauses.push_back(std::move(clause));
+    return clauses;
+  }
+
+  // Invariants for these bad states: with cached equations first, with their lemmas these mostly suffice. True: proved.
+  bool refine(InductiveLemmas& cached) {
+    context_.report("invariants", context_.facts.proof->invariants.size(), "found");
+    context_.induction = InductionStage::InvariantsRefined;
+    if (std::optional<AffineInvariants> affine = cached_affine()) {
+      if (is_proved_with(std::move(*affine), context_.cached.uses_bounds)) return true;
+      problem_.invariants = structural_clauses();
+      cached = houdini(problem_, lemmas_of(context_.cached, machine_));
+    }
+    if (cached.is_enough) return false;
+    context_.facts.affine = {};
+    return is_proved_with(
+        find_affine_invariants(context_.parts.net(), machine_, image_, structural_clauses(), problem_.cancellation),
+        false);
+  }
+  // The cached equations of this very system, as far as they hold. Nothing: all are to be found anew.
+  std::optional<AffineInvariants> cached_affine() {
+    if (!context_.is_cached_system() || context_.cached.equations.empty()) return std::nullopt;
+    const Net& net = context_.parts.net();
+    AffineInvariants affine =
+        equations_that_hold(net, machine_, image_, equations_of(context_.cached), problem_.cancellation);
+    context_.cache->counts.equations = affine.equations.size();
+    if (!context_.cached.uses_bounds) return with_totals(machine_, image_, std::move(affine));
+    return with_bounds(net, machine_, image_, structural_clauses(), problem_.cancellation, std::move(affine));
+  }
+  // First without the bounds, since a certificate is easier to check without; unless they are known to be necessary.
+  bool is_proved_with(AffineInvariants affine, bool needs_bounds) {
+    const Net& net = context_.parts.net();
+    Proof& proof = *context_.facts.proof;
+    for (const bool with_bounds : {false, true}) {
+      if (with_bounds ? affine.bounds.empty() : needs_bounds && !affine.bounds.empty()) continue;
+      context_.facts.affine = with_bounds ? affine : AffineInvariants{affine.equations, {}, affine.places};
+      const std::vector<std::vector<Signal>> clauses = affine_clauses();
+      if (!refine_invariants(net, machine_, image_, problem_.bad, clauses, problem_.cancellation, proof)) continue;
+      if (context_.wants_minimal(ProofMethod::Induction, proof))
+        minimize_invariants(net, machine_, image_, problem_.bad, clauses, whole_, proof);
+      prove({});
+      return true;
+    }
+    return false;
+  }
+  void prove(std::vector<Cube> lemmas) {
+    context_.count_reused(context_.facts.proof ? *context_.facts.proof : Proof());
+    result_.outcome = Outcome::Holds;
+    result_.evidence = InductiveProof{std::move(lemmas)};
+  }
+
+  void find_lemmas(InductiveLemmas cached) {
+    problem_.invariants = structural_clauses();
+    if (!cached.is_enough && context_.cached_lemmas == CachedLemmaUse::Try)
+      cached = houdini(problem_, lemmas_of(context_.cached, machine_));
+    if (context_.cache != nullptr) context_.cache->counts.lemmas = cached.lemmas.size();
+    for (const Cube& cube : cached.lemmas) problem_.invariants.push_back(clause_of(cube, machine_));
+    Ic3Answer answer;
+    if (cached.is_enough) answer.end = Ic3End::Safe;
+    else answer = run_ic3(problem_);
+    result_.frames = answer.frames;
+    switch (answer.end) {
+      case Ic3End::Safe: {
+        std::vector<Cube> lemmas = std::move(cached.lemmas);
+        lemmas.insert(lemmas.end(), answer.lemmas.begin(), answer.lemmas.end());
+        return prove(std::move(lemmas));
+      }
+      case Ic3End::Stopped:
+        context_.cached_lemmas = cached.lemmas.empty() ? CachedLemmaUse::Try : CachedLemmaUse::Skip;
+        return;
+      case Ic3End::Reached: return confirm_counterexample(answer);
+    }
+  }
+
+  // The circuit over-approximates what floats and C++ do: only what the engine can take is a counterexample.
+  void confirm_counterexample(const Ic3Answer& answer) {
+    if (!context_.parts.has_code()) {
+      return give_up(context_.parts.is_searchable()
+                         ? "a way to it exists, but no code to replay it"
+                         : "a way to such a state exists if C++ gives the right values: it cannot be replayed");
+    }
+    const SearchGoal goal = goal_of(context_.question);
+    const bool asks_errors = context_.question.what == QuestionKind::NoErrors;
+    std::optional<std::vector<std::uint64_t>> choices = replay_steps(image_, machine_, answer.steps);
+    if (choices && asks_errors && answer.bad_step != kNoRow && !reaches(image_, goal, *choices)) {
+      // The last step is the one that ends in the error.
+      rt::Core core(image_);
+      bool is_there = core.initialize();
+      for (std::uint64_t k : *choices) is_there = is_there && core.fire(k);
+      if (is_there) {
+        if (const std::optional<std::uint64_t> last = candidate_of(core, machine_.steps[answer.bad_step]))
+          choices->push_back(*last);
+      }
+    }
+    // A step that ends in an error in the state that it leads to.
+    if (choices && !reaches(image_, goal, *choices)) choices.reset();
+    if (!choices && asks_errors) choices = replay_to_fault(image_, machine_, answer.steps);
+    if (!choices || !reaches(image_, goal, *choices))
+      return give_up("a way that the abstraction allows does not exist in the engine");
+    result_.retry = Retry::Pointless;
+    result_.outcome = Outcome::Violated;
+    result_.evidence = Counterexample{std::move(*choices)};
+  }
+
+  ProofContext& context_;
+  const CancellationToken& whole_;
+  TransitionSystem& machine_;
+  const rt::Image& image_;
+  Ic3Problem problem_;
+  EngineResult result_;
+};
+
+bool is_inductive(const ProofContext& context) {
+  return context.question.what != QuestionKind::NoLocalDeadlock && context.induction != InductionStage::Unusable;
+}
+
+EngineResult attempt_induction(ProofContext& context, const Budget& budget, const CancellationToken& cancellation,
+                               Effort effort) {
+  if (cancellation.is_over() || !is_inductive(context)) return {};
+  // The circuit is not part of the attempt's share: it is built once for all attempts.
+  (void)context.parts.transition_system();
+  return Induction(context, cancellation.within(budget.seconds), cancellation).run(effort);
+}
+
+}  // namespace
+
+const Engine kAffineEngine{"affine invariants", is_inductive,
+                           [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+                             return attempt_induction(context, budget, cancellation, Effort::FactsOnly);
+                           }};
+const Engine kIc3Engine{"IC3", is_inductive,
+                        [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+                          return attempt_induction(context, budget, cancellation, Effort::Lemmas);
+                        }};
+
+}  // namespace bip::verify

@@ -1,0 +1,33 @@
+// See proof_context.hpp.
+#include "compiler/verify/portfolio/proof_context.hpp"
+
+#include "compiler/base/assert.hpp"
+
+namespace bip::verify {
+
+SystemParts::SystemParts(const System& system, const rt::Image& image, StateAccess access,
+                         std::function<bool()> prepare_code)
+    : system_(system), image_(image), access_(access), prepare_code_(std::move(prepare_code)), net_(build_net(system)) {
+  BIP_ASSERT(system.atoms.size() == image.atoms.size, "{} atoms in the system, {} in the image", system.atoms.size(),
+             image.atoms.size);
+}
+
+bool SystemParts::has_code() {
+  if (!is_searchable()) return false;
+  if (code_ == Code::NotPrepared) code_ = prepare_code_() ? Code::Ready : Code::Unavailable;
+  return code_ == Code::Ready;
+}
+
+TransitionSystem& SystemParts::transition_system() {
+  if (!transition_system_) transition_system_ = build_transition_system(system_, image_);
+  return *transition_system_;
+}
+
+bool ProofContext::wants_minimal(ProofMethod method, const Proof& proof) const {
+  if (cache == nullptr) return limits.wants_few;
+  if (cache->counts.is_whole && proof.candidates == 0) return false;
+  return limits.wants_few || method == ProofMethod::Induction || proof.candidates > kCheapCandidates ||
+         cache->keeps() == Keeps::All;
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,161 @@
+// See search_engines.hpp.
+#include "compiler/verify/portfolio/search_engines.hpp"
+
+#include <atomic>
+
+#include "compiler/base/assert.hpp"
+#include "compiler/verify/evidence/reached_states.hpp"
+#include "compiler/verify/portfolio/local_deadlock_search.hpp"
+#include "runtime/explore/explore.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// The first search is at most a second of work: states times the values of one.
+constexpr std::uint64_t kFirstStates = 20000, kFirstValues = 4000000;
+
+std::string limit_reason(const std::string& limit, std::uint64_t states) {
+  return "the search met its limit of " + limit + " after " + std::to_string(states) +
+         (states == 1 ? " state" : " states");
+}
+
+bool may_search(const ProofContext& context) {
+  return context.limits.may_search && context.parts.is_searchable() &&
+         context.question.what != QuestionKind::NoLocalDeadlock;
+}
+
+SearchLimits search_limits(const ProofContext& context, const CancellationToken& cancellation) {
+  return {.cancellation = cancellation,
+          .megabytes = context.limits.megabytes,
+          .report = [&context](std::uint64_t count) { context.report("search", count, "states"); }};
+}
+
+// Empty if the steps end in no fault.
+std::string fault_at(const rt::Image& image, const std::vector<std::uint64_t>& choices) {
+  rt::Core core(image);
+  bool goes_on = core.initialize();
+  for (std::size_t k = 0; k < choices.size() && goes_on; ++k)
+    goes_on = choices[k] < core.candidate_count() && core.fire(choices[k]);
+  return goes_on ? std::string() : std::string(core.fault().what);
+}
+
+EngineResult search_first(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+  EngineResult result;
+  if (!context.parts.has_code()) return result;
+  const rt::Image& image = context.parts.image();
+  SearchLimits limits = search_limits(context, cancellation.within(budget.seconds));
+  limits.states = std::min(kFirstStates, kFirstValues / (image.atoms.size + image.cell_count + 1) + 1);
+  const std::vector<u32> candidate = context.facts.proof ? context.facts.proof->candidate : std::vector<u32>();
+  SearchResult found = search(context.parts.net(), image, goal_of(context.question), candidate, limits);
+  result.states = found.states;
+  if (context.question.what != QuestionKind::NoErrors) result.fault = std::move(found.fault);
+  switch (found.end) {
+    case SearchEnd::Found:
+      result.outcome = Outcome::Violated;
+      result.evidence = Counterexample{std::move(found.choices)};
+      break;
+    case SearchEnd::Exhausted:
+      result.outcome = Outcome::Holds;
+      result.evidence = StateCount{};
+      break;
+    // The exhaustive search goes on: no reason to report.
+    case SearchEnd::Limit: break;
+  }
+  return result;
+}
+
+EngineResult search_all(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+  EngineResult result;
+  if (!context.parts.has_code()) return result;
+  const rt::Image& image = context.parts.image();
+  const Question& question = context.question;
+  const bool asks_errors = question.what == QuestionKind::NoErrors, asks_state = question.what == QuestionKind::State;
+  std::atomic<bool> is_found{false};
+  const CancellationToken share = cancellation.within(budget.seconds);
+  rt::ExploreOptions options;
+  options.threads = context.limits.threads;
+  // 0 would be no limit.
+  options.bytes = std::max<std::size_t>(context.limits.megabytes * 1000000, 1);
+  options.on_progress = [&](const rt::ExploreProgress& so_far) {
+    context.report("search", so_far.states, "states");
+    if ((asks_errors ? so_far.errors : asks_state ? so_far.matches : so_far.deadlocks) != 0) is_found = true;
+  };
+  if (asks_state) {
+    options.predicate = goal_of(question).state;
+    options.predicate_reads = atoms_of(question.property);
+    options.predicate_connectors = connectors_of(question.property);
+  }
+  options.is_stopped = [&] { return is_found || share.is_over(); };
+  rt::ExploreReport all = rt::explore_states(image, options);
+  result.states = all.states;
+  if (!asks_errors && all.has_error) result.fault = fault_at(image, all.error);
+  const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_match : all.has_deadlock;
+  if (has_bad && all.are_paths_known) {
+    std::vector<std::uint64_t> choices = std::move(asks_errors ? all.error : asks_state ? all.match : all.deadlock);
+    if (!reaches(image, goal_of(question), choices)) {
+      result.reason = "a way that was found could not be replayed";
+      return result;
+    }
+    result.outcome = Outcome::Violated;
+    result.evidence = Counterexample{std::move(choices)};
+    return result;
+  }
+  if (all.end == rt::ExploreEnd::Complete && !has_bad) {
+    result.outcome = Outcome::Holds;
+    result.evidence = StateCount{};
+    return result;
+  }
+  const bool is_memory_over = all.end == rt::ExploreEnd::Memory;
+  // A longer attempt would fill the memory with the same states.
+  if (is_memory_over) result.retry = Retry::Pointless;
+  if (is_memory_over || cancellation.is_over())
+    result.reason = limit_reason(is_memory_over ? "memory" : "time", all.states);
+  return result;
+}
+
+EngineResult search_local_deadlock(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+  EngineResult result;
+  if (!context.parts.has_code()) return result;
+  LocalDeadlockResult found = find_local_deadlock(context.parts.net(), context.parts.image(),
+                                                  search_limits(context, cancellation.within(budget.seconds)));
+  result.states = found.search.states;
+  result.fault = std::move(found.search.fault);
+  switch (found.search.end) {
+    case SearchEnd::Exhausted:
+      result.outcome = Outcome::Holds;
+      result.evidence = StateCount{};
+      break;
+    case SearchEnd::Found:
+      BIP_ASSERT(!found.stuck.empty(), "a local deadlock of no atom after {} steps", found.search.choices.size());
+      result.outcome = Outcome::Violated;
+      result.evidence = Counterexample{std::move(found.search.choices), std::move(found.stuck)};
+      break;
+    case SearchEnd::Limit: result.reason = limit_reason(found.search.limit, found.search.states); break;
+  }
+  return result;
+}
+
+}  // namespace
+
+const Engine kFirstSearchEngine{"first search", may_search, search_first};
+const Engine kExhaustiveEngine{"exhaustive search", may_search, search_all};
+const Engine kLocalDeadlockEngine{"local deadlock search",
+                                  [](const ProofContext& context) {
+                                    return context.question.what == QuestionKind::NoLocalDeadlock &&
+                                           context.parts.is_searchable();
+                                  },
+                                  search_local_deadlock};
+
+std::string list_reached_states(ProofContext& context, const CancellationToken& cancellation) {
+  StateCollector states(context.parts.system(), context.parts.image());
+  if (!states.can_tell()) return {};
+  const SearchLimits limits{.cancellation = cancellation,
+                            .megabytes = context.limits.megabytes,
+                            .report = {},
+                            .visit = [&](const rt::State& state) { states.add(state); }};
+  const SearchResult all = search(context.parts.net(), context.parts.image(), {}, {}, limits);
+  return all.end == SearchEnd::Exhausted ? states.rows() : std::string();
+}
+
+}  // namespace bip::verify
