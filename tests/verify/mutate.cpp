@@ -110,7 +110,7 @@ class Run {
                                    .states = kFewStates,
                                    .report = {},
                                    .visit = [&](const rt::State& state) { states.add(state); }};
-    if (!states.can_tell() ||
+    if (!states.is_listable() ||
         verify::search(portfolio.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted)
       return;
     const std::string rows = states.rows();

@@ -12,6 +12,8 @@
 #include <map>
 #include <tuple>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -152,6 +154,7 @@ class ProofCacheParser {
 CachedInvariant cached_invariant(const Net& net, const TokenInvariant& invariant, PortUseModes modes) {
   CachedInvariant result{invariant.kind, modes, invariant.kind == InvariantKind::Sum ? invariant.total : 1, {}};
   for (std::size_t k = 0; k < invariant.modes.size(); ++k) {
+    BIP_ASSERT(invariant.modes[k] < net.mode_count(), "mode {} of {}", invariant.modes[k], net.mode_count());
     const u32 atom = net.atom_of_mode[invariant.modes[k]];
     result.terms.push_back({atom, invariant.modes[k] - net.mode_base[atom], weight_of(invariant, k)});
   }
@@ -161,6 +164,7 @@ CachedInvariant cached_invariant(const Net& net, const TokenInvariant& invariant
 CachedLemma cached_lemma(const TransitionSystem& machine, const std::vector<u32>& cube) {
   CachedLemma result;
   for (u32 code : cube) {
+    BIP_ASSERT(code / 2 < machine.bits.size(), "bit {} of {}", code / 2, machine.bits.size());
     const StateBit& bit = machine.bits[code / 2];
     result.push_back({bit.atom, bit.is_place, (code & 1) != 0, bit.row, bit.position});
   }
@@ -227,6 +231,7 @@ std::vector<std::vector<u32>> lemmas_of(const CachedProof& proof, const Transiti
 }
 
 std::string print_cached_proof(const CachedProof& proof, const NameOfAtom& name_of) {
+  BIP_ASSERT(proof.choices.empty() || proof.method == ProofMethod::Steps, "steps in a proof");
   std::string out =
       std::string(kFirstLine) + "\nway " + std::string(kWays[static_cast<std::size_t>(proof.method)]) + '\n';
   std::map<u32, std::size_t> rows;

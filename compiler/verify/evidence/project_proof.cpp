@@ -5,10 +5,12 @@
 #include <map>
 #include <set>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
-// More values of a variable at a place are told as a range, if they are one.
+// More values of a variable at a place are written as a range, if they are one.
 constexpr std::size_t kMaxListed = 64;
 // Of one row, so that sums of a few are none of other numbers.
 constexpr std::int64_t kMaxWeight = 1'000'000;
@@ -241,6 +243,9 @@ class ProofProjection {
 }  // namespace
 
 std::optional<ProjectedProof> project_proof(const Net& plain, const Net& distinguishing, const Proof& proof) {
+  BIP_ASSERT(proof.end == ProofEnd::Free, "only a proof is projected");
+  BIP_ASSERT(proof.reachable.size() == distinguishing.mode_count(), "a proof about {} modes for a net of {}",
+             proof.reachable.size(), distinguishing.mode_count());
   return ProofProjection(plain, distinguishing, proof).run();
 }
 

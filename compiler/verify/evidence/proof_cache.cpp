@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/base/content_hash.hpp"
 
 namespace bip::verify {
@@ -140,6 +141,8 @@ CachedProof ProofCache::recall(const Net& net, const std::string& question) {
 
 void ProofCache::keep(const Net& net, const std::string& question, const CachedProof& proof) {
   const System& system = *net.system;
+  BIP_ASSERT(content_.of_compound.size() == system.compounds.size(), "the system was not recalled before");
+  BIP_ASSERT(proof.method != ProofMethod::None, "a proof without method is not stored");
   const auto name_below = [&](CompoundId compound) {
     return [&, compound](u32 atom) {
       return AtomName{path_below(system.compounds[compound].path, system.atoms[AtomId(std::size_t{atom})].path),

@@ -1,10 +1,10 @@
-// Proofs kept from run to run: what was found of a whole system, and of each compound in it, named by the content of
-// its network (net_content.hpp) and by the question. A compound that has not changed finds what is known of it again,
-// whatever it stands in.
+// The proof cache: stores proofs from run to run, of a whole system and of each compound in it, named by the content of
+// the network (net_content.hpp) and by the question. So the proof of a compound that has not changed is found again in
+// any system.
 //
-// Recalled is, if the very system is known, all of its proof; else what the last proof of a system with a root of that
-// name said of components that are still the same, and what is known of the compounds. All of it is for whoever asks to
-// check: a file may be old, of another system, or forged. Cost: hashing the network, and at most kMostParts files.
+// If the very system is cached, all of its proof is recalled; else the rows about unchanged components in the last proof
+// of a system with a root of that name, and those of equal compounds. The caller checks all of it: a file may be old, of
+// another system, or forged. Cost: hashing the network, and at most kMostParts files.
 #pragma once
 #include <unordered_map>
 
@@ -15,27 +15,28 @@
 namespace bip::verify {
 
 struct ReuseCounts {
-  bool is_whole = false;     // the very system was known
+  bool is_whole = false;     // the very system is in the cache
   std::size_t files = 0;     // that were read and could be used
-  std::size_t recalled = 0;  // invariants, lemmas and ways in them
-  // Of these what was checked and holds here.
+  std::size_t recalled = 0;  // rows in them: invariants, equations, lemmas, counterexamples
+  // Those rows that were checked and hold.
   std::size_t invariants = 0, equations = 0, lemmas = 0;
   bool has_way = false;
   std::size_t stored = 0;  // files
 };
 
-/// WhatCosts: not what is found at once.
+/// Which proofs are stored. WhatCosts: only those that take longer to find than to read.
 enum class Keeps : std::uint8_t { WhatCosts, All };
 
 class ProofCache {
  public:
-  /// `origin`: whose proofs they are; others' are not looked for.
+  /// Refers to `cache`, which must outlive it. `origin` names whose proofs they are: others are not read.
   ProofCache(ContentCache& cache, std::string origin, Keeps keeps = Keeps::WhatCosts)
       : cache_(cache), origin_(std::move(origin)), keeps_(keeps) {}
 
-  /// `question`: proofs of other questions are others.
+  /// Returns what is cached about the question, unchecked, and resets `counts`. Unreadable files count as absent.
   [[nodiscard]] CachedProof recall(const Net& net, const std::string& question);
-  /// Of the system last recalled.
+  /// Stores a proof about the system last recalled, and its rows by compound. A file that cannot be written is no
+  /// error; `counts.stored` says how many were.
   void keep(const Net& net, const std::string& question, const CachedProof& proof);
 
   [[nodiscard]] Keeps keeps() const { return keeps_; }
@@ -44,10 +45,10 @@ class ProofCache {
 
  private:
   static constexpr std::size_t kMostParts = 256;
-  // Of texts that are read for one system: so nobody's file makes us large.
+  // Of texts that are read for one system: bounds the memory that an untrusted cache file can claim.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
 
-  /// Those whose networks differ, the first of each.
+  /// Returns the compounds below the root whose networks differ, the first of each kind.
   [[nodiscard]] std::vector<CompoundId> parts(const Net& net) const;
   [[nodiscard]] std::string name_of(const Net& net, CompoundId compound, const std::string& question) const;
   [[nodiscard]] std::string name_of_last(const Net& net, const std::string& question) const;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -29,7 +31,7 @@ StateCollector::StateCollector(const System& system, const rt::Image& image) {
     for (std::size_t k = 0; k < type.variables.size(); ++k) {
       const Type of = type.variables[k].type;
       if (type.variables[k].is_param) continue;
-      can_tell_ = can_tell_ && (of == Type::Int || of == Type::Bool || of == Type::String);
+      is_listable_ = is_listable_ && (of == Type::Int || of == Type::Bool || of == Type::String);
       columns_.push_back({About::Value, image.atoms[atom].first_cell + static_cast<u32>(k),
                           instance.path + '.' + type.variables[k].name + '='});
     }
@@ -37,7 +39,8 @@ StateCollector::StateCollector(const System& system, const rt::Image& image) {
 }
 
 void StateCollector::add(const rt::State& state) {
-  if (!can_tell_ || values_.size() > kMaxValues) return;
+  if (!is_listable_ || values_.size() > kMaxValues) return;
+  BIP_ASSERT(columns_.empty() || values_.size() % columns_.size() == 0, "a state with values missing");
   for (const StateColumn& q : columns_) {
     const u32 at = q.position;
     if (q.about == About::Automaton) values_.push_back(static_cast<std::int32_t>(state.places[at]));
@@ -49,7 +52,7 @@ void StateCollector::add(const rt::State& state) {
 
 std::string StateCollector::rows() const {
   const std::size_t width = columns_.size(), count = width == 0 ? 0 : values_.size() / width;
-  if (!can_tell_ || values_.size() > kMaxValues) return {};
+  if (!is_listable_ || values_.size() > kMaxValues) return {};
   std::vector<const std::int32_t*> states(count);
   for (std::size_t s = 0; s < count; ++s) states[s] = values_.data() + s * width;
   std::sort(states.begin(), states.end(), [&](const std::int32_t* a, const std::int32_t* b) {

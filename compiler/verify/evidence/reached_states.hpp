@@ -1,7 +1,6 @@
-// The states that a search reaches, as rows of a certificate: what was reached is itself an invariant that every step
-// keeps.
+// Lists the states that a search reaches as rows of a certificate: the set of them is an inductive invariant.
 //
-// States are sorted, and a row tells only what differs from the row before. Cost: the states, sorted, once.
+// States are sorted, and a row has only what differs from the row before. Cost: 4 bytes per value of a state, a sort.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -14,16 +13,16 @@ namespace bip::verify {
 
 class StateCollector {
  public:
-  /// `system` and `image` are of one compilation and must outlive it.
+  /// Refers to `system` and `image`, of one compilation, which must outlive it.
   StateCollector(const System& system, const rt::Image& image);
-  /// False: some of the data has no values that a certificate can name (float, extern), or there is too much of it.
-  [[nodiscard]] bool can_tell() const { return can_tell_; }
+  /// Does all data have values that a certificate can name? Floats and FFI objects have none.
+  [[nodiscard]] bool is_listable() const { return is_listable_; }
   void add(const rt::State& state);
-  /// "state ROOT.a@S ROOT.a.n=3", a row a state. Empty if that would be too long.
+  /// Returns "state ROOT.a@S ROOT.a.n=3", one row per state; an empty text if that would be too long.
   [[nodiscard]] std::string rows() const;
 
  private:
-  /// What is told of a state: the place of an automaton, whether a place of a Petri net atom is marked, a value.
+  /// What a column is about: the place of an automaton, whether a place of a Petri net atom is marked, a value.
   enum class About : std::uint8_t { Automaton, Place, Value };
   struct StateColumn {
     About about = About::Automaton;
@@ -32,7 +31,7 @@ class StateCollector {
     const std::vector<std::string>* places = nullptr;  // Automaton
   };
 
-  bool can_tell_ = true;
+  bool is_listable_ = true;
   std::vector<StateColumn> columns_;
   std::vector<std::int32_t> values_;  // a row of all questions a state
 };

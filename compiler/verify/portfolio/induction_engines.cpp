@@ -125,7 +125,17 @@ class Induction {
     }
     return false;
   }
+  // Contract of a proof, for small systems: the lemmas are inductive and leave no bad state.
+  [[nodiscard]] bool suffice(const std::vector<Cube>& lemmas) const {
+    constexpr std::size_t kMaxBits = 200;
+    if (lemmas.empty() || machine_.bits.size() > kMaxBits) return true;
+    Ic3Problem problem = problem_;
+    problem.cancellation = {};
+    const InductiveLemmas checked = houdini(problem, lemmas);
+    return checked.is_enough && checked.lemmas.size() == lemmas.size();
+  }
   void prove(std::vector<Cube> lemmas) {
+    BIP_ASSERT(suffice(lemmas), "{} lemmas are not inductive, or leave a bad state", lemmas.size());
     context_.count_reused(context_.facts.proof ? *context_.facts.proof : Proof());
     result_.outcome = Outcome::Holds;
     result_.evidence = InductiveProof{std::move(lemmas)};
@@ -143,6 +153,8 @@ class Induction {
     result_.frames = answer.frames;
     switch (answer.end) {
       case Ic3End::Safe: {
+        // What was assumed of cached lemmas is shown with the others.
+        problem_.invariants.resize(problem_.invariants.size() - cached.lemmas.size());
         std::vector<Cube> lemmas = std::move(cached.lemmas);
         lemmas.insert(lemmas.end(), answer.lemmas.begin(), answer.lemmas.end());
         return prove(std::move(lemmas));

@@ -1,6 +1,8 @@
 // See local_deadlock.hpp.
 #include "compiler/verify/portfolio/local_deadlock.hpp"
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 bool wants_to_move(const rt::Core& core, u32 atom) {
@@ -12,6 +14,8 @@ bool wants_to_move(const rt::Core& core, u32 atom) {
 }
 
 std::vector<u32> locally_deadlocked_atoms(const Net& net, const rt::Core& core) {
+  BIP_ASSERT(net.too_large_atom == kNoRow, "atom {} has too many local states", net.too_large_atom);
+  BIP_ASSERT(net.system->atoms.size() == core.image().atoms.size, "net and image of different systems");
   const std::size_t count = net.nodes.size();
   const u32 ports = net.port_count();
   std::vector<std::uint8_t> is_on(ports, 0), is_stuck(net.mode_base.size() - 1, 1), ready(count, 0),

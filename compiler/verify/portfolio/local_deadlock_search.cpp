@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/verify/portfolio/local_deadlock.hpp"
 
 namespace bip::verify {
@@ -24,17 +25,24 @@ class Graph {
   }
   // Of the states in their order: the state whose steps come now.
   void begin_steps() { first_.push_back(static_cast<u32>(next_.size())); }
-  void add_step(u32 to) { next_.push_back(to); }
+  void add_step(u32 to) {
+    BIP_ASSERT(!first_.empty(), "a step before its state");
+    next_.push_back(to);
+  }
   void set_moves(u32 state, u32 atom) { moves_[state * words_ + atom / 64] |= BitWord{1} << atom % 64; }
   void set_wants(u32 state, u32 atom) { wants_[state * words_ + atom / 64] |= BitWord{1} << atom % 64; }
   [[nodiscard]] std::size_t bytes() const {
     return (moves_.size() + wants_.size()) * sizeof(BitWord) + (next_.size() + first_.size()) * sizeof(u32);
   }
 
-  // All steps are there. The first state with an atom that wants to move and never will; kNoRow: none.
+  // All steps are there. Returns the first state with an atom that wants to move and never will; kNoRow: none.
   u32 find(std::vector<u32>& atoms) {
     first_.push_back(static_cast<u32>(next_.size()));
+    BIP_ASSERT((first_.size() - 1) * words_ == moves_.size(), "{} states with steps, {} words of moves", first_.size() - 1,
+               moves_.size());
     find_components();
+    BIP_ASSERT(std::find(component_.begin(), component_.end(), kNoRow) == component_.end(),
+               "a state in no strong component: it was not reachable");
     const u32 states = static_cast<u32>(first_.size() - 1);
     for (u32 state = 0; state < states; ++state) {
       for (std::size_t w = 0; w < words_; ++w) {

@@ -16,7 +16,8 @@ struct LocalDeadlockResult {
   std::vector<u32> stuck;  // Found: rows of atoms
 };
 
-/// `limits.only_walk` does not matter. The image must have its code.
+/// Visits all states within the limits (`only_walk` is ignored) and returns a shortest path to a state with a local
+/// deadlock. A path that is returned has been replayed. The image must have its code.
 [[nodiscard]] LocalDeadlockResult find_local_deadlock(const Net& net, const rt::Image& image,
                                                       const SearchLimits& limits);
 

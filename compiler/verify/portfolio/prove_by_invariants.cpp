@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/verify/net/net_encoding.hpp"
 #include "compiler/verify/invariants/place_invariants.hpp"
 #include "compiler/verify/invariants/state_machine_components.hpp"
@@ -82,6 +83,8 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
       for (u32 mode = 0; mode < net.mode_count(); ++mode) {
         if (marked[mode] != 0) proof.candidate.push_back(mode);
       }
+      BIP_ASSERT(proof.candidate.size() + 1 == net.mode_base.size(), "a candidate of {} modes for {} atoms",
+                 proof.candidate.size(), net.mode_base.size() - 1);
       if (stop_at && questions++ < kQuestions && stop_at(proof.candidate)) {
         proof.end = ProofEnd::Stopped;
         return proof;
@@ -99,6 +102,7 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
 }
 
 void minimize_invariants(const Net& net, const CancellationToken& cancellation, Proof& proof) {
+  BIP_ASSERT(proof.end == ProofEnd::Free, "only a proof can be reduced");
   Proof again;
   ModeReachability reachable(net, Direction::Forward, nullptr);
   spread_from_initial(net, reachable, again);

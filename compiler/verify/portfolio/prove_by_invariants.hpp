@@ -1,8 +1,8 @@
 // Deadlock-freedom by invariants: candidates from SAT, invariants from candidates, until there is no candidate or no
 // invariant that excludes it.
 //
-// Free is a proof: every reachable stable state has a candidate step. Candidate is not a deadlock, only what the
-// invariants leave open. Run-time errors end a run without being deadlocks; they are not looked at here.
+// Free is a proof: every reachable stable state has an enabled interaction. Candidate is not a deadlock, only a state
+// that the invariants do not exclude. Run-time errors end a run without being deadlocks and are not considered here.
 #pragma once
 #include <functional>
 
@@ -15,7 +15,7 @@ namespace bip::verify {
 enum class ProofEnd : std::uint8_t {
   Free,       // proved
   Candidate,  // a state that no invariant excludes
-  Stopped,    // the caller wants no more: it found out about the candidate
+  Stopped,    // StopAt said so
   TooLarge,   // an atom has too many local states
   Timeout
 };
@@ -24,21 +24,27 @@ struct Proof {
   std::vector<TokenInvariant> invariants;
   std::vector<std::uint8_t> reachable;  // by mode, as far as the abstraction sees
   std::vector<u32> candidate;           // by atom: the mode
-  std::uint64_t candidates = 0;         // models of the formula looked at
-  std::size_t known = 0;                // of the invariants the first ones: those that came from elsewhere
+  std::uint64_t candidates = 0;         // models of the formula that were excluded or left open
+  std::size_t known = 0;                // how many of the invariants, the first ones, came from elsewhere
 };
 
-/// QuestionKind about a candidate (by atom: the mode) that neither a trap nor a linear invariant excludes: true stops.
+/// Is called with a candidate (by atom: its mode) that neither a trap nor a place invariant excludes; true ends the
+/// proof.
 using StopAt = std::function<bool(const std::vector<u32>& candidate)>;
 
-/// Which modes are reachable by structure, into `reachable` (fresh, forward) and the proof's.
+/// Computes the modes that structure lets be reached, into `reachable` (fresh, forward) and into the proof. Cost: linear
+/// in the net.
 void spread_from_initial(const Net& net, ModeReachability& reachable, Proof& proof);
-/// Nothing but that, and of the invariants that are said to be `known` those that hold.
+/// Computes only the reachable modes, and which of the invariants `known` from elsewhere hold. Cost: linear in the net,
+/// a pass for each invariant.
 [[nodiscard]] Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& known = {});
-/// Begins with those that are said to be `known` and hold.
+/// Proves deadlock-freedom, or returns a candidate that no invariant excludes. Begins with those invariants that are
+/// `known` from elsewhere and hold. Sound but incomplete: failure implies nothing. Cost: a call of the solver and
+/// linear passes over the net for each candidate, until `cancellation` is over.
 [[nodiscard]] Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellation,
                                            const StopAt& stop_at = {}, const std::vector<TokenInvariant>& known = {});
-/// Leaves of a proof that is Free the invariants that it needs.
+/// Reduces the traps of a proof that is Free to those in the core of the contradiction. Leaves all of them if the solver
+/// has no answer before `cancellation` is over. Cost: one call of the solver.
 void minimize_invariants(const Net& net, const CancellationToken& cancellation, Proof& proof);
 
 }  // namespace bip::verify

@@ -7,13 +7,15 @@
 #include <queue>
 #include <unordered_map>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
 
 constexpr u32 kUnreachable = 1u << 12;
 constexpr std::uint64_t kMaxRank = 4096;     // candidates of a state that are weighed on the walk
-constexpr std::uint64_t kStepsPerLook = 16;  // at the clock
+constexpr std::uint64_t kStepsPerPoll = 16;  // at the clock
 
 // By (class, target mode): distance of each place set to the target's, over the class's moves.
 class Distances {
@@ -22,6 +24,8 @@ class Distances {
     if (candidate.size() + 1 != net.mode_base.size()) return;
     std::map<std::pair<u32, u32>, u32> rows;
     for (u32 atom = 0; atom < candidate.size(); ++atom) {
+      BIP_ASSERT(candidate[atom] >= net.mode_base[atom] && candidate[atom] < net.mode_base[atom + 1],
+                 "mode {} is not of atom {}", candidate[atom], atom);
       const u32 target = candidate[atom] - net.mode_base[atom];
       const auto [found, is_new] = rows.try_emplace({net.class_of[atom], target}, static_cast<u32>(tables_.size()));
       if (is_new) tables_.push_back(table(net.class_at(atom), target));
@@ -244,7 +248,7 @@ class Search {
           return;
         }
         if (visited.size() % 4096 == 0 && limits_.report) limits_.report(visited.size());
-        if (visited.size() >= limits_.states || (k % kStepsPerLook == 0 && limits_.cancellation.is_over()) ||
+        if (visited.size() >= limits_.states || (k % kStepsPerPoll == 0 && limits_.cancellation.is_over()) ||
             bytes > limits_.megabytes * 1000000) {
           result_.states = visited.size();
           result_.limit = bytes > limits_.megabytes * 1000000 ? "memory"
@@ -264,6 +268,7 @@ class Search {
   // From the initial state, by a core of its own.
   bool confirmed() {
     if (!reaches(image_, goal_, result_.choices)) return false;
+    BIP_ASSERT(goal_.faults || !result_.choices.empty() || is_goal(), "a bad initial state that is none");
     result_.end = SearchEnd::Found;
     return true;
   }

@@ -149,7 +149,7 @@ const Engine kLocalDeadlockEngine{"local deadlock search",
 
 std::string list_reached_states(ProofContext& context, const CancellationToken& cancellation) {
   StateCollector states(context.parts.system(), context.parts.image());
-  if (!states.can_tell()) return {};
+  if (!states.is_listable()) return {};
   const SearchLimits limits{.cancellation = cancellation,
                             .megabytes = context.limits.megabytes,
                             .report = {},

@@ -5,6 +5,8 @@
 
 #include <cadical.hpp>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -23,6 +25,7 @@ class TokenTerminator : public CaDiCaL::Terminator {
 struct Solver::Impl {
   CaDiCaL::Solver solver;
   int variables = 0;
+  Answer answer = Answer::Unknown;  // of the last solve, while models and cores are valid
 };
 
 Solver::Solver(SolverStyle style) : impl_(std::make_unique<Impl>()) {
@@ -34,29 +37,43 @@ Solver::~Solver() = default;
 Lit Solver::new_variable() { return ++impl_->variables; }
 
 void Solver::add(std::span<const Lit> clause) {
-  for (Lit literal : clause) impl_->solver.add(literal);
+  for (Lit literal : clause) {
+    BIP_ASSERT(literal != 0 && std::abs(literal) <= impl_->variables, "literal {} of {} variables", literal,
+               impl_->variables);
+    impl_->solver.add(literal);
+  }
   impl_->solver.add(0);
 }
 
-void Solver::assume(Lit literal) { impl_->solver.assume(literal); }
+void Solver::assume(Lit literal) {
+  BIP_ASSERT(literal != 0 && std::abs(literal) <= impl_->variables, "literal {} of {} variables", literal,
+             impl_->variables);
+  impl_->solver.assume(literal);
+}
 void Solver::prefer(Lit literal) { impl_->solver.phase(literal); }
 
 Answer Solver::solve(const CancellationToken& cancellation) {
+  impl_->answer = Answer::Unknown;
   if (cancellation.is_over()) return Answer::Unknown;
   TokenTerminator terminator(cancellation);
   impl_->solver.connect_terminator(&terminator);
   const int status = impl_->solver.solve();
   impl_->solver.disconnect_terminator();
-  return status == 10 ? Answer::Satisfiable : status == 20 ? Answer::Unsatisfiable : Answer::Unknown;
+  impl_->answer = status == 10 ? Answer::Satisfiable : status == 20 ? Answer::Unsatisfiable : Answer::Unknown;
+  return impl_->answer;
 }
 
 bool Solver::is_true(Lit literal) const {
+  BIP_ASSERT(impl_->answer == Answer::Satisfiable, "there is no model");
   // Of a negative literal the library's releases give different signs.
   const bool value = impl_->solver.val(std::abs(literal)) > 0;
   return literal > 0 ? value : !value;
 }
 
-bool Solver::is_needed(Lit assumption) const { return impl_->solver.failed(assumption); }
+bool Solver::is_needed(Lit assumption) const {
+  BIP_ASSERT(impl_->answer == Answer::Unsatisfiable, "there is no core");
+  return impl_->solver.failed(assumption);
+}
 
 void add_at_most_one(Solver& solver, std::span<const Lit> literals) {
   if (literals.size() <= 6) {

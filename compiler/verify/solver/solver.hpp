@@ -1,4 +1,5 @@
-// An incremental SAT solver: clauses in, a model or "no" out. The only door to the solver's library.
+// An incremental SAT solver behind an interface of our own: clauses go in, a model or an unsat core comes out. The
+// library's headers (CaDiCaL) are included by solver.cpp alone.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -13,7 +14,7 @@ using Lit = int;
 
 enum class Answer : std::uint8_t { Satisfiable, Unsatisfiable, Unknown };
 
-/// Plain: no simplification between calls, for very many small questions.
+/// Usual: with the simplifications of the library. Plain: without, for very many small calls.
 enum class SolverStyle : std::uint8_t { Usual, Plain };
 
 class Solver {
@@ -23,19 +24,21 @@ class Solver {
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
+  /// Returns the positive literal of a new variable. Clauses and assumptions use only literals of such variables.
   [[nodiscard]] Lit new_variable();
+  /// Adds a clause for good; an empty one makes every answer Unsatisfiable.
   void add(std::span<const Lit> clause);
   void add(std::initializer_list<Lit> clause) { add(std::span<const Lit>(clause.begin(), clause.size())); }
-  /// Holds for the next solve only.
+  /// Assumes the literal for the next solve only.
   void assume(Lit literal);
-  /// Decisions try this value first.
+  /// Makes decisions try this value of the variable first. Speed only; answers are unaffected.
   void prefer(Lit literal);
   /// Searches for a model of all clauses under the assumptions, which it consumes. Unknown: the token is over, which
   /// the solver polls at each conflict.
   [[nodiscard]] Answer solve(const CancellationToken& cancellation);
-  /// After Unsatisfiable: did the answer need this assumption?
+  /// Is the assumption in the unsat core of the last answer? Requires that it was Unsatisfiable.
   [[nodiscard]] bool is_needed(Lit assumption) const;
-  /// In the model of the last solve.
+  /// Returns the literal's value in the model. Requires that the last answer was Satisfiable.
   [[nodiscard]] bool is_true(Lit literal) const;
 
  private:
@@ -43,7 +46,8 @@ class Solver {
   std::unique_ptr<Impl> impl_;
 };
 
-/// At most one of the literals: pairs up to six, else a sequential counter (Sinz 2005).
+/// Adds clauses that make at most one of the literals true: pairwise up to six, else a sequential counter (Sinz 2005)
+/// with one new variable per literal.
 void add_at_most_one(Solver& solver, std::span<const Lit> literals);
 
 }  // namespace bip::verify

@@ -37,7 +37,7 @@ TEST_CASE("the rows of what a search has reached") {
   const interp::Interpreter interpreter(*c.lowered);
   const verify::Net net = verify::build_net(*c.system);
   verify::StateCollector states(*c.system, c.lowered->image);
-  REQUIRE(states.can_tell());
+  REQUIRE(states.is_listable());
   const verify::SearchLimits limits{.cancellation = verify::within_seconds(20),
                                     .report = {},
                                     .visit = [&](const rt::State& state) { states.add(state); }};
