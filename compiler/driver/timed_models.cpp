@@ -31,7 +31,7 @@ constexpr const char* kNotReplayed = "the core could not take the way to what wa
 // Of what was found: the error before the deadlock before the time lock, as exit codes have it.
 struct Found {
   rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
-  const rt::TimedPath* way = nullptr;  // null: nothing was
+  const rt::TimedPath* path = nullptr;  // null: no violation was found
 };
 Found first_of(const rt::ZoneReport& found) {
   if (found.has_deadlock) return {rt::CounterexampleEnd::Deadlock, &found.deadlock};
@@ -42,17 +42,17 @@ Found first_of(const rt::ZoneReport& found) {
 
 const char* end_of(const rt::ZoneReport& found) { return found.inexact.empty() ? name_of(found.end) : "inexact"; }
 
-nlohmann::ordered_json way_json(const rt::TimedPath& way, const rt::CounterexampleText& told) {
+nlohmann::ordered_json path_json(const rt::TimedPath& path, const rt::CounterexampleText& described) {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
-  for (const rt::TimedStep& step : way.steps) steps.push_back({{"time", step.at}, {"choice", step.choice}});
-  return {{"steps", steps}, {"end", way.end}, {"text", told.steps + told.error}};
+  for (const rt::TimedStep& step : path.steps) steps.push_back({{"time", step.at}, {"choice", step.choice}});
+  return {{"steps", steps}, {"end", path.end}, {"text", described.steps + described.error}};
 }
 
-struct Told {
+struct PathTexts {
   rt::CounterexampleText deadlock, time_lock, error;
 };
 
-void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const Told& told) {
+void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const PathTexts& texts) {
   nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1},
                               {"end", end_of(found)},         {"zones", found.zones},
                               {"locations", found.locations}, {"steps", found.steps},
@@ -64,9 +64,9 @@ void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const To
     json["bytes"] = found.bytes;
   }
   if (found.are_paths_known) {
-    if (found.has_deadlock) json["deadlock"] = way_json(found.deadlock, told.deadlock);
-    if (found.has_time_lock) json["time_lock"] = way_json(found.time_lock, told.time_lock);
-    if (found.has_error) json["error"] = way_json(found.error, told.error);
+    if (found.has_deadlock) json["deadlock"] = path_json(found.deadlock, texts.deadlock);
+    if (found.has_time_lock) json["time_lock"] = path_json(found.time_lock, texts.time_lock);
+    if (found.has_error) json["error"] = path_json(found.error, texts.error);
   }
   write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
@@ -107,16 +107,16 @@ void ask(const verify::Property& property, rt::ExploreOptions& options) {
   }
 }
 
-// What is there at the end of the way.
-std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& way) {
+// Describes the state at the end of the path.
+std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
   rt::Core core(image);
   bool is_sound = core.initialize();
-  for (const rt::TimedStep& step : way.steps) {
+  for (const rt::TimedStep& step : path.steps) {
     is_sound = is_sound && rt::let_time_pass(core, step.at) && step.choice < core.candidate_count() &&
                core.take_timed(core.position(step.choice));
   }
-  return is_sound && rt::let_time_pass(core, way.end) ? verify::broken_state(core, property, way.steps.size())
-                                                      : std::string();
+  return is_sound && rt::let_time_pass(core, path.end) ? verify::broken_state(core, property, path.steps.size())
+                                                       : std::string();
 }
 
 // Parts are small and seen once: the interpreter, whatever back end the model has.
@@ -177,40 +177,40 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
     found = rt::explore_zones(image, options);
   }
   const rt::MaximalProgress maximal = arguments.explore.progress;
-  Told told;
+  PathTexts texts;
   if (found.are_paths_known) {
     if (found.has_deadlock)
-      told.deadlock =
+      texts.deadlock =
           rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Deadlock, found.deadlock, kStepsShown);
     if (found.has_time_lock)
-      told.time_lock =
+      texts.time_lock =
           rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::TimeLock, found.time_lock, kStepsShown);
     if (found.has_error)
-      told.error = rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Error, found.error, kStepsShown);
+      texts.error = rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Error, found.error, kStepsShown);
   }
   if (const Found first = first_of(found);
-      !arguments.trace_path.empty() && first.way != nullptr && found.are_paths_known) {
-    const std::string trace = rt::trace_of_counterexample(image, maximal, first.end, *first.way, arguments.format);
+      !arguments.trace_path.empty() && first.path != nullptr && found.are_paths_known) {
+    const std::string trace = rt::trace_of_counterexample(image, maximal, first.end, *first.path, arguments.format);
     if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
       c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
       return report(c);
     }
   }
   if (arguments.json) {
-    print_json(arguments, found, told);
+    print_json(arguments, found, texts);
     return exit_code_of(found);
   }
   std::string text;
   if (!arguments.silent) {
-    text = told.deadlock.steps + told.time_lock.steps;
+    text = texts.deadlock.steps + texts.time_lock.steps;
     write_now(stdout, text);
-    write_now(stderr, told.time_lock.error);
-    write_now(stdout, told.error.steps);
+    write_now(stderr, texts.time_lock.error);
+    write_now(stdout, texts.error.steps);
     text = found.are_paths_known ? "" : kNotReplayed;
     if (!found.inexact.empty()) text += found.inexact + ", which zones cannot follow\n";
   }
   write_now(stdout, text + rt::summary_line(found));
-  write_now(stderr, told.error.error);
+  write_now(stderr, texts.error.error);
   if (arguments.stats) {
     write_now(stderr, fmt::format("zones/s {:.0f}, bytes/zone {:.1f}, depth {}, seconds {:.3f}\n",
                                   static_cast<double>(found.zones) / std::max(found.seconds, 1e-9),
@@ -272,15 +272,15 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     const Found first = asks_errors  ? Found{rt::CounterexampleEnd::Error, &found.error}
                         : asks_state ? Found{rt::CounterexampleEnd::State, &found.match}
                                      : first_of(found);
-    rt::CounterexampleText told =
-        rt::describe_counterexample(image, rt::MaximalProgress::On, first.end, *first.way, kStepsShown);
-    if (asks_state) told.steps += broken_text(image, question.property, *first.way);
+    rt::CounterexampleText described =
+        rt::describe_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, kStepsShown);
+    if (asks_state) described.steps += broken_text(image, question.property, *first.path);
     json["verdict"] = asks_state                                     ? "violated"
                       : first.end == rt::CounterexampleEnd::Error    ? "error"
                       : first.end == rt::CounterexampleEnd::TimeLock ? "time lock"
                                                                      : "deadlock";
-    json["steps"] = first.way->steps.size();
-    text = told.steps + told.error;
+    json["steps"] = first.path->steps.size();
+    text = described.steps + described.error;
     exit_code = kViolated;
   } else if (is_complete && !is_violated) {
     const std::string name = asks_errors ? "error-free" : asks_state ? "holds" : "deadlock-free";

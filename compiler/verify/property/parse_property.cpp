@@ -1,8 +1,10 @@
-// Reads a property: a small precedence climber over a system's names. Depth is limited.
+// Parses a property by precedence climbing (Richards, Whitby-Strevens 1979), with the names of a system
+// resolved on the way. Nesting is limited to kMaxPropertyDepth. The first problem ends the parse.
 #include <array>
 #include <charconv>
 #include <cstdlib>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/verify/property/property.hpp"
 
 namespace bip::verify {
@@ -11,26 +13,26 @@ namespace {
 
 constexpr int kMaxPropertyDepth = 200;
 
-struct Binary {
+struct BinaryOperator {
   std::string_view sign;
   Op op;
   int level;
 };
 // Longer signs first.
-constexpr std::array<Binary, 14> kBinaries{{{"||", Op::Or, 1},
-                                            {"&&", Op::And, 2},
-                                            {"==", Op::Eq, 6},
-                                            {"!=", Op::Ne, 6},
-                                            {"<=", Op::Le, 7},
-                                            {">=", Op::Ge, 7},
-                                            {"<", Op::Lt, 7},
-                                            {">", Op::Gt, 7},
-                                            {"|", Op::BitOr, 3},
-                                            {"^", Op::BitXor, 4},
-                                            {"&", Op::BitAnd, 5},
-                                            {"+", Op::Add, 8},
-                                            {"-", Op::Sub, 8},
-                                            {"*", Op::Mul, 9}}};
+constexpr std::array<BinaryOperator, 14> kBinaryOperators{{{"||", Op::Or, 1},
+                                                           {"&&", Op::And, 2},
+                                                           {"==", Op::Eq, 6},
+                                                           {"!=", Op::Ne, 6},
+                                                           {"<=", Op::Le, 7},
+                                                           {">=", Op::Ge, 7},
+                                                           {"<", Op::Lt, 7},
+                                                           {">", Op::Gt, 7},
+                                                           {"|", Op::BitOr, 3},
+                                                           {"^", Op::BitXor, 4},
+                                                           {"&", Op::BitAnd, 5},
+                                                           {"+", Op::Add, 8},
+                                                           {"-", Op::Sub, 8},
+                                                           {"*", Op::Mul, 9}}};
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -42,14 +44,14 @@ class PropertyParser {
   }
 
   Result<Property> run() {
-    const std::string word = path();
+    const std::string word = parse_path();
     if (word != "never" && word != "always") {
       at_ = 0;
       return fail("a property starts with `never` or `always`");
     }
     property_.is_never = word == "never";
-    property_.root = expr(1, 0);
-    skip();
+    property_.root = parse_expression(1, 0);
+    skip_blanks();
     if (problem_.empty() && at_ != text_.size()) set_problem("this does not belong to the property");
     if (problem_.empty() && type(property_.root) != Type::Bool)
       set_problem("a property is true or false, this is " + std::string(name_of(type(property_.root))));
@@ -65,18 +67,18 @@ class PropertyParser {
   void set_problem(const std::string& why) {
     if (problem_.empty()) problem_ = "column " + std::to_string(at_ + 1) + ": " + why;
   }
-  void skip() {
+  void skip_blanks() {
     while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) ++at_;
   }
-  bool take(std::string_view sign) {
-    skip();
+  bool take_sign(std::string_view sign) {
+    skip_blanks();
     if (text_.compare(at_, sign.size(), sign) != 0) return false;
     at_ += sign.size();
     return true;
   }
   // "a", "a[3].b"; empty: no name here.
-  std::string path() {
-    skip();
+  std::string parse_path() {
+    skip_blanks();
     const std::size_t first = at_;
     while (at_ < text_.size() && is_letter(text_[at_])) {
       while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
@@ -95,38 +97,44 @@ class PropertyParser {
     return row < property_.nodes.size() ? property_.nodes[row].type : Type::Bool;
   }
   std::uint32_t add(PropertyNode node) {
+    // After a problem rows are placeholders.
+    BIP_ASSERT(!problem_.empty() || node.kind != PropertyKind::Operator ||
+                   (node.a < property_.nodes.size() && node.b < property_.nodes.size()),
+               "an operator before its operands");
     property_.nodes.push_back(node);
     return static_cast<std::uint32_t>(property_.nodes.size() - 1);
   }
 
-  static std::string whole(const std::string& path) { return path.starts_with("ROOT.") ? path : "ROOT." + path; }
-  [[nodiscard]] std::uint32_t atom_row(const std::string& path) const {
+  static std::string absolute_path(const std::string& path) {
+    return path.starts_with("ROOT.") ? path : "ROOT." + path;
+  }
+  [[nodiscard]] std::uint32_t find_atom(const std::string& path) const {
     for (std::size_t k = 0; k < system_.atoms.size(); ++k) {
-      if (system_.atoms[AtomId(k)].path == whole(path)) return static_cast<std::uint32_t>(k);
+      if (system_.atoms[AtomId(k)].path == absolute_path(path)) return static_cast<std::uint32_t>(k);
     }
-    return kNoAtom;
+    return kNotFound;
   }
   template <class Rows>
-  static std::uint32_t row_of(const Rows& rows, const std::string& name) {
+  static std::uint32_t find_row(const Rows& rows, const std::string& name) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       if (rows[k].name == name) return static_cast<std::uint32_t>(k);
     }
-    return kNoAtom;
+    return kNotFound;
   }
   const AtomType& type_of(std::uint32_t atom) const {
     return system_.atom_types[system_.atoms[AtomId(std::size_t{atom})].type];
   }
 
-  std::uint32_t named(const std::string& name, std::size_t start) {
+  std::uint32_t parse_reference(const std::string& name, std::size_t start) {
     const auto wrong = [&](const std::string& why) {
       at_ = start;
       set_problem(why);
       return 0u;
     };
-    if (take("@")) {
-      const std::uint32_t atom = atom_row(name);
-      if (atom == kNoAtom) return wrong("there is no component `" + name + "`");
-      const std::string place = path();
+    if (take_sign("@")) {
+      const std::uint32_t atom = find_atom(name);
+      if (atom == kNotFound) return wrong("there is no component `" + name + "`");
+      const std::string place = parse_path();
       const std::vector<std::string>& places = type_of(atom).places;
       for (std::size_t k = 0; k < places.size(); ++k) {
         if (places[k] == place)
@@ -135,19 +143,19 @@ class PropertyParser {
       return wrong("there is no place `" + place + "` in `" + name + "`");
     }
     const std::size_t dot = name.rfind('.');
-    const std::uint32_t atom = dot == std::string::npos ? kNoAtom : atom_row(name.substr(0, dot));
-    if (atom == kNoAtom) return wrong("`" + name + "` is no data: COMPONENT.DATA, or COMPONENT@PLACE");
-    const std::uint32_t variable = row_of(type_of(atom).variables, name.substr(dot + 1));
-    if (variable == kNoAtom)
+    const std::uint32_t atom = dot == std::string::npos ? kNotFound : find_atom(name.substr(0, dot));
+    if (atom == kNotFound) return wrong("`" + name + "` is no data: COMPONENT.DATA, or COMPONENT@PLACE");
+    const std::uint32_t variable = find_row(type_of(atom).variables, name.substr(dot + 1));
+    if (variable == kNotFound)
       return wrong("there is no data `" + name.substr(dot + 1) + "` in `" + name.substr(0, dot) + "`");
     const Type cell_type = type_of(atom).variables[variable].type;
     if (is_ffi(cell_type)) return wrong("`" + name + "` is a C++ object");
     return add({.kind = PropertyKind::Data, .type = cell_type, .owner = atom, .row = variable});
   }
-  std::uint32_t can(std::size_t start) {
-    const std::string name = path();
+  std::uint32_t parse_can(std::size_t start) {
+    const std::string name = parse_path();
     for (std::size_t k = 0; k < system_.connectors.size(); ++k) {
-      if (system_.connectors[ConnectorId(k)].path != whole(name)) continue;
+      if (system_.connectors[ConnectorId(k)].path != absolute_path(name)) continue;
       if (system_.is_top(ConnectorId(k)))
         return add({.kind = PropertyKind::CanConnector, .owner = static_cast<std::uint32_t>(k)});
       at_ = start;
@@ -155,18 +163,18 @@ class PropertyParser {
       return 0;
     }
     const std::size_t dot = name.rfind('.');
-    const std::uint32_t atom = dot == std::string::npos ? kNoAtom : atom_row(name.substr(0, dot));
-    const std::uint32_t port = atom == kNoAtom ? kNoAtom : row_of(type_of(atom).ports, name.substr(dot + 1));
-    if (port != kNoAtom) return add({.kind = PropertyKind::CanPort, .owner = atom, .row = port});
+    const std::uint32_t atom = dot == std::string::npos ? kNotFound : find_atom(name.substr(0, dot));
+    const std::uint32_t port = atom == kNotFound ? kNotFound : find_row(type_of(atom).ports, name.substr(dot + 1));
+    if (port != kNotFound) return add({.kind = PropertyKind::CanPort, .owner = atom, .row = port});
     at_ = start;
     set_problem("there is no connector and no port `" + name + "`");
     return 0;
   }
 
-  std::uint32_t string_constant() {
+  std::uint32_t parse_string() {
     std::string value;
     while (at_ < text_.size() && text_[at_] != '"') value += text_[at_++];
-    if (!take("\"")) set_problem("this string has no end");
+    if (!take_sign("\"")) set_problem("this string has no end");
     PropertyNode node{.type = Type::String, .int_value = -1};
     for (std::size_t k = 0; k < system_.code.strings.size(); ++k) {
       if (system_.code.strings[k] == value) node.int_value = static_cast<std::int32_t>(k);
@@ -174,7 +182,7 @@ class PropertyParser {
     if (value.empty()) node.int_value = 0;
     return add(node);
   }
-  std::uint32_t number() {
+  std::uint32_t parse_number() {
     std::size_t end = at_;
     bool is_float = false;
     while (end < text_.size() && (is_digit(text_[end]) || text_[end] == '.'))
@@ -189,32 +197,32 @@ class PropertyParser {
     return add(node);
   }
 
-  std::uint32_t operand(int depth) {
+  std::uint32_t parse_operand(int depth) {
     if (depth > kMaxPropertyDepth) {
       set_problem("nested too deeply");
       return 0;
     }
-    skip();
+    skip_blanks();
     const std::size_t start = at_;
-    if (take("(")) {
-      const std::uint32_t inside = expr(1, depth + 1);
-      if (!take(")")) set_problem("a `)` is missing");
+    if (take_sign("(")) {
+      const std::uint32_t inside = parse_expression(1, depth + 1);
+      if (!take_sign(")")) set_problem("a `)` is missing");
       return inside;
     }
-    if (take("!")) return unary(Op::Not, operand(depth + 1), start);
-    if (take("-")) return unary(Op::Neg, operand(depth + 1), start);
-    if (take("\"")) return string_constant();
-    if (at_ < text_.size() && is_digit(text_[at_])) return number();
-    const std::string name = path();
+    if (take_sign("!")) return make_unary(Op::Not, parse_operand(depth + 1), start);
+    if (take_sign("-")) return make_unary(Op::Neg, parse_operand(depth + 1), start);
+    if (take_sign("\"")) return parse_string();
+    if (at_ < text_.size() && is_digit(text_[at_])) return parse_number();
+    const std::string name = parse_path();
     if (name == "true" || name == "false") return add({.int_value = name == "true" ? 1 : 0});
-    if (name == "can") return can(start);
+    if (name == "can") return parse_can(start);
     if (name.empty()) {
       set_problem(at_ == text_.size() ? "the property ends too early" : "a value was expected here");
       return 0;
     }
-    return named(name, start);
+    return parse_reference(name, start);
   }
-  std::uint32_t unary(Op op, std::uint32_t a, std::size_t start) {
+  std::uint32_t make_unary(Op op, std::uint32_t a, std::size_t start) {
     const bool fits = op == Op::Not ? type(a) == Type::Bool : type(a) == Type::Int || type(a) == Type::Float;
     if (!fits && problem_.empty()) {
       at_ = start;
@@ -222,29 +230,29 @@ class PropertyParser {
     }
     return add({.kind = PropertyKind::Operator, .type = type(a), .op = op, .a = a, .b = a});
   }
-  std::uint32_t expr(int level, int depth) {
-    std::uint32_t left = operand(depth);
+  std::uint32_t parse_expression(int level, int depth) {
+    std::uint32_t left = parse_operand(depth);
     while (problem_.empty()) {
-      skip();
+      skip_blanks();
       const std::size_t start = at_;
-      const Binary* found = nullptr;
-      for (const Binary& binary : kBinaries) {
+      const BinaryOperator* found = nullptr;
+      for (const BinaryOperator& binary : kBinaryOperators) {
         if (found == nullptr && text_.compare(at_, binary.sign.size(), binary.sign) == 0) found = &binary;
       }
       if (found == nullptr || found->level < level) return left;
       at_ += found->sign.size();
-      const std::uint32_t right = expr(found->level + 1, depth + 1);
+      const std::uint32_t right = parse_expression(found->level + 1, depth + 1);
       if (!problem_.empty()) return left;
-      left = join(*found, left, right, start);
+      left = make_binary(*found, left, right, start);
     }
     return left;
   }
-  std::uint32_t join(const Binary& sign, std::uint32_t a, std::uint32_t b, std::size_t start) {
+  std::uint32_t make_binary(const BinaryOperator& binary, std::uint32_t a, std::uint32_t b, std::size_t start) {
     const auto is_number = [&](std::uint32_t row) { return type(row) == Type::Int || type(row) == Type::Float; };
     const bool numbers = is_number(a) && is_number(b), ints = type(a) == Type::Int && type(b) == Type::Int;
     bool fits = false;
     Type result = Type::Bool;
-    switch (sign.op) {
+    switch (binary.op) {
       case Op::And:
       case Op::Or: fits = type(a) == Type::Bool && type(b) == Type::Bool; break;
       case Op::Eq:
@@ -266,12 +274,12 @@ class PropertyParser {
     }
     if (!fits) {
       at_ = start;
-      set_problem("`" + std::string(sign.sign) + "` does not take " + name_of(type(a)) + " and " + name_of(type(b)));
+      set_problem("`" + std::string(binary.sign) + "` does not take " + name_of(type(a)) + " and " + name_of(type(b)));
     }
-    return add({.kind = PropertyKind::Operator, .type = result, .op = sign.op, .a = a, .b = b});
+    return add({.kind = PropertyKind::Operator, .type = result, .op = binary.op, .a = a, .b = b});
   }
 
-  static constexpr std::uint32_t kNoAtom = 0xffffffffu;
+  static constexpr std::uint32_t kNotFound = 0xffffffffu;
   const std::string& text_;
   const System& system_;
   Property property_;

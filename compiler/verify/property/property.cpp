@@ -1,7 +1,9 @@
-// What a property says, of a state of the core, of the machine's circuit, and as a certificate has it.
+// Evaluates a property in a state of the core, encodes it as a circuit, and prints it for certificates.
 #include "compiler/verify/property/property.hpp"
 
 #include <algorithm>
+
+#include "compiler/base/assert.hpp"
 
 namespace bip::verify {
 
@@ -131,6 +133,8 @@ Signal broken_signal(const Property& property, TransitionSystem& machine, const 
     port_base.push_back(next);
     next += image.atom_types[atom.type].ports.size;
   }
+  BIP_ASSERT(property.nodes[property.root].type == Type::Bool, "a property of type {}",
+             property.nodes[property.root].type);
   const Signal holds = signal_of(property, property.root, machine, image, port_base)[0];
   // A state in which the run ends with a fault is none.
   return machine.circuit.make_and(negated(machine.state_fault), property.is_never ? holds : negated(holds));

@@ -1,11 +1,11 @@
-// What may be asked about states: `never phil[0]@EATS && phil[1]@EATS`, `always pump.level <= 10`, `never !can refill`.
+// Properties of stable states: `never phil[0]@EATS && phil[1]@EATS`, `always pump.level <= 10`, `never !can refill`.
 //
 //   property = ('never' | 'always') expr
 //   expr     = C's operators over: COMPONENT@PLACE, COMPONENT.DATA, can CONNECTOR, can COMPONENT.PORT, ints, floats,
-//   strings, true, false
+//              strings, true, false
 //
-// It speaks of stable states. `can c`: connector c has an interaction that may be taken; `can a.p`: port p of a is
-// enabled. Paths are those of traces, without ROOT. Division is left out: a property must not fail itself.
+// `can c` is true if connector c has an enabled interaction that nothing hides, `can a.p` if port p of a is enabled.
+// Paths are those of traces, without ROOT. There is no division: a property must not fail itself.
 #pragma once
 #include <string>
 #include <vector>
@@ -31,22 +31,25 @@ struct PropertyNode {
 struct Property {
   std::vector<PropertyNode> nodes;  // operands before operators
   std::uint32_t root = 0;
-  bool is_never = false;  // the states that break it: where the expression is true
+  bool is_never = false;  // states where the expression is true violate it; else those where it is false
   std::string text;
 };
 
-/// The error is what was wrong, with its column.
+/// Parses a property and resolves its names in `system`. The error says the first problem and its column. Cost: each
+/// name is a linear search.
 [[nodiscard]] Result<Property> parse_property(const std::string& text, const System& system);
 
-/// Does the core's state break the property?
+/// Does the core's stable state violate the property? Cost: linear in the expression, `can CONNECTOR` in the
+/// candidates.
 [[nodiscard]] bool is_broken(const Property& property, const rt::Core& core);
-/// The same as a circuit.
+/// Adds the states that violate the property to the circuit and returns their signal. Floats are not followed: a
+/// comparison of them is a free input, so the signal over-approximates.
 [[nodiscard]] Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
-/// The components that it speaks of, each once, in the order of the system.
+/// Returns the rows of the atoms that the property is about, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const Property& property);
-/// The connectors that it asks for, each once.
+/// Returns the rows of the connectors in `can CONNECTOR`, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> connectors_of(const Property& property);
-/// For certificates: "(and (at ROOT.a EATS) (lt (data ROOT.a n) 3))".
+/// Returns the expression of violating states as certificates have it: "(and (at ROOT.a EATS) (lt (data ROOT.a n) 3))".
 [[nodiscard]] std::string certificate_text(const Property& property, const System& system);
 
 }  // namespace bip::verify
