@@ -104,7 +104,7 @@ int command_verify(const VerifyArguments& arguments) {
   limits.threads = processors();
   limits.megabytes = static_cast<std::size_t>(arguments.megabytes);
   limits.wants_certificate = !arguments.certificate.empty();
-  limits.wants_few = limits.wants_certificate || arguments.why;
+  limits.wants_minimal_proof = limits.wants_certificate || arguments.why;
   Executor executor;
   bool is_ready = true;
   const auto prepare = [&] {

@@ -177,9 +177,15 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
     json["candidates"] = stats->candidates;
     if (const verify::ProofCache* cache = stats->cache) {
       const verify::ReuseCounts& n = cache->counts;
-      json["reuse"] = {{"whole", n.is_whole}, {"files", n.files},           {"broken", cache->broken_files()},
-                       {"known", n.recalled}, {"invariants", n.invariants}, {"equations", n.equations},
-                       {"lemmas", n.lemmas},  {"way", n.has_way},           {"stored", n.stored}};
+      json["reuse"] = {{"whole", n.is_whole},
+                       {"files", n.files},
+                       {"broken", cache->broken_files()},
+                       {"known", n.recalled},
+                       {"invariants", n.invariants},
+                       {"equations", n.equations},
+                       {"lemmas", n.lemmas},
+                       {"way", n.has_counterexample},
+                       {"stored", n.stored}};
     }
   }
   json["text"] = v.text;
@@ -196,7 +202,7 @@ std::string stats_text(const VerifyStats& stats) {
   if (n.recalled != 0)
     text += fmt::format("; checked and used: {}, {}{}{}", count_of(n.invariants, "invariant"),
                         n.equations == 0 ? "" : count_of(n.equations, "equation") + ", ", count_of(n.lemmas, "lemma"),
-                        n.has_way ? ", the way" : "");
+                        n.has_counterexample ? ", the way" : "");
   if (stats.cache->broken_files() != 0) text += fmt::format("; {} broken", stats.cache->broken_files());
   return text + fmt::format("; {} kept\n", count_of(n.stored, "file"));
 }

@@ -150,7 +150,7 @@ class Check {
         if (!last.empty()) foreign_ = std::move(last);
       }
       ContentCache cache(KeptKind::Proof, kept_.string(), std::uint64_t{1} << 30);
-      verify::ProofCache memory(cache, "test", verify::Keeps::All);
+      verify::ProofCache memory(cache, "test", verify::StorePolicy::All);
       verify::Portfolio portfolio(
           *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
           [](const char*, std::uint64_t, const char*) {});
@@ -165,7 +165,7 @@ class Check {
       ++t_.reused;
       t_.whole += memory.counts.is_whole ? 1 : 0;
       (is_forged ? t_.forged_rows : t_.rows) +=
-          memory.counts.invariants + memory.counts.lemmas + (memory.counts.has_way ? 1 : 0);
+          memory.counts.invariants + memory.counts.lemmas + (memory.counts.has_counterexample ? 1 : 0);
       const bool says_violated = d.outcome == verify::Outcome::Violated;
       if (!first) first = d.outcome;
       else if (d.outcome != *first && *first != verify::Outcome::Unknown)

@@ -19,7 +19,7 @@ namespace bip::verify {
 namespace {
 
 constexpr std::string_view kFirstLine = "bipc kept proof 1";
-constexpr std::string_view kWays[] = {"none", "plain", "told", "induction", "steps"};
+constexpr std::string_view kMethods[] = {"none", "plain", "told", "induction", "steps"};
 constexpr std::string_view kKinds[] = {"trap", "one", "sum"};
 // No sum of a file's numbers leaves 64 bits. The finder's own numbers (place_invariants.hpp) are below these.
 constexpr std::int64_t kMaxCoefficient = std::int64_t{1} << 25, kMaxTotal = std::int64_t{1} << 48;
@@ -78,7 +78,7 @@ class ProofCacheParser {
       return true;
     }
     if (first == "way") {
-      const auto way = row_of(kWays, words.word());
+      const auto way = row_of(kMethods, words.word());
       if (way) proof_.method = static_cast<ProofMethod>(*way);
       return way.has_value();
     }
@@ -233,7 +233,7 @@ std::vector<std::vector<u32>> lemmas_of(const CachedProof& proof, const Transiti
 std::string print_cached_proof(const CachedProof& proof, const NameOfAtom& name_of) {
   BIP_ASSERT(proof.choices.empty() || proof.method == ProofMethod::Steps, "steps in a proof");
   std::string out =
-      std::string(kFirstLine) + "\nway " + std::string(kWays[static_cast<std::size_t>(proof.method)]) + '\n';
+      std::string(kFirstLine) + "\nway " + std::string(kMethods[static_cast<std::size_t>(proof.method)]) + '\n';
   std::map<u32, std::size_t> rows;
   const auto add_atom = [&](u32 atom) {
     if (!rows.try_emplace(atom, rows.size()).second) return;

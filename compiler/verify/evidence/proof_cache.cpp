@@ -54,7 +54,7 @@ std::vector<CompoundId> ProofCache::parts(const Net& net) const {
   std::vector<CompoundId> result;
   std::set<std::string_view> seen;
   // The root is no part.
-  for (std::size_t row = 1; row < net.system->compounds.size() && result.size() < kMostParts; ++row) {
+  for (std::size_t row = 1; row < net.system->compounds.size() && result.size() < kMaxParts; ++row) {
     if (seen.insert(content_.of_compound[row]).second) result.emplace_back(row);
   }
   return result;
@@ -71,7 +71,7 @@ std::string ProofCache::name_of_last(const Net& net, const std::string& question
 
 void ProofCache::recall_below(const Net& net, CompoundId compound, const std::string& text, CachedProof& into) {
   bytes_ += text.size();
-  if (bytes_ > kMostBytes) return;
+  if (bytes_ > kMaxBytes) return;
   const System& system = *net.system;
   if (atom_at_.empty()) {
     for (std::size_t row = 0; row < system.atoms.size(); ++row)
@@ -139,7 +139,7 @@ CachedProof ProofCache::recall(const Net& net, const std::string& question) {
   return result;
 }
 
-void ProofCache::keep(const Net& net, const std::string& question, const CachedProof& proof) {
+void ProofCache::store(const Net& net, const std::string& question, const CachedProof& proof) {
   const System& system = *net.system;
   BIP_ASSERT(content_.of_compound.size() == system.compounds.size(), "the system was not recalled before");
   BIP_ASSERT(proof.method != ProofMethod::None, "a proof without method is not stored");
@@ -151,7 +151,7 @@ void ProofCache::keep(const Net& net, const std::string& question, const CachedP
   };
   const CompoundId root(std::size_t{0});
   const std::string name = name_of(net, root, question), text = print_cached_proof(proof, name_below(root));
-  if (text.size() > kMostBytes || !cache_.store(name, text)) return;
+  if (text.size() > kMaxBytes || !cache_.store(name, text)) return;
   counts.stored = 1;
   if (proof.method == ProofMethod::Steps) return;
   counts.stored += cache_.store(name_of_last(net, question), name) ? 1 : 0;

@@ -28,7 +28,7 @@ EngineResult replay_cached_steps(ProofContext& context) {
   if (choices.empty() || !context.parts.has_code() ||
       !reaches(context.parts.image(), goal_of(context.question), choices))
     return {};
-  context.cache->counts.has_way = true;
+  context.cache->counts.has_counterexample = true;
   EngineResult result;
   result.outcome = Outcome::Violated;
   result.evidence = Counterexample{choices};
@@ -85,7 +85,7 @@ void load_cached_proof(ProofContext& context) {
 
 void store_proof(const ProofContext& context, const Decision& decision) {
   if (context.cache == nullptr || !context.parts.has_usable_net()) return;
-  const bool stores_all = context.cache->keeps() == Keeps::All;
+  const bool stores_all = context.cache->policy() == StorePolicy::All;
   const CachedProof proof =
       std::visit(EvidenceVisitor{
                      [](const std::monostate&) { return CachedProof(); },
@@ -113,7 +113,7 @@ void store_proof(const ProofContext& context, const Decision& decision) {
                  },
                  decision.evidence);
   if (proof.method == ProofMethod::None || (context.is_cached_system() && proof == context.cached)) return;
-  context.cache->keep(context.parts.net(), cache_key(context), proof);
+  context.cache->store(context.parts.net(), cache_key(context), proof);
 }
 
 }  // namespace bip::verify

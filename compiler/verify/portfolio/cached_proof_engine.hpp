@@ -15,7 +15,7 @@ extern const Engine kCachedProofEngine;
 /// states, nothing. Cost: ProofCache::recall.
 void load_cached_proof(ProofContext& context);
 
-/// Stores the decision's evidence if it was expensive and is not what the cache has already. Cost: ProofCache::keep.
+/// Stores the decision's evidence if it was expensive and is not what the cache has already. Cost: ProofCache::store.
 void store_proof(const ProofContext& context, const Decision& decision);
 
 }  // namespace bip::verify

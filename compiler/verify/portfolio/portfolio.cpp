@@ -128,7 +128,7 @@ class PortfolioRun {
   }
   // All states are fine: lemmas of a proof, or, for a certificate, the states themselves.
   void improve_exhaustive_evidence() {
-    if (!context_.limits.wants_few) return;
+    if (!context_.limits.wants_minimal_proof) return;
     if (kIc3Engine.applies_to(context_)) {
       const bool is_proved = attempt(kIc3Engine, {std::min(cancellation_.seconds_left() / 2, kLemmaSeconds)});
       decision_.reason.clear();

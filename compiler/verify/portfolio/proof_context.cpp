@@ -24,10 +24,10 @@ TransitionSystem& SystemParts::transition_system() {
 }
 
 bool ProofContext::wants_minimal(ProofMethod method, const Proof& proof) const {
-  if (cache == nullptr) return limits.wants_few;
+  if (cache == nullptr) return limits.wants_minimal_proof;
   if (cache->counts.is_whole && proof.candidates == 0) return false;
-  return limits.wants_few || method == ProofMethod::Induction || proof.candidates > kCheapCandidates ||
-         cache->keeps() == Keeps::All;
+  return limits.wants_minimal_proof || method == ProofMethod::Induction || proof.candidates > kCheapCandidates ||
+         cache->policy() == StorePolicy::All;
 }
 
 }  // namespace bip::verify

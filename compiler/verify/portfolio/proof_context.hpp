@@ -77,7 +77,7 @@ struct ProofContext {
   [[nodiscard]] bool wants_minimal(ProofMethod method, const Proof& proof) const;
   /// Notes how many invariants of the proof come from the cache.
   void count_reused(const Proof& proof) const {
-    if (cache != nullptr) cache->counts.invariants = proof.known;
+    if (cache != nullptr) cache->counts.invariants = proof.reused;
   }
 };
 

@@ -23,17 +23,17 @@ void spread_from_initial(const Net& net, ModeReachability& reachable, Proof& pro
   for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
 }
 
-Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& known) {
+Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& given) {
   Proof proof;
   ModeReachability reachable(net, Direction::Forward, nullptr);
   spread_from_initial(net, reachable, proof);
-  if (!known.empty()) proof.invariants = TrapFinder(net, reachable).those_that_hold(known);
-  proof.known = proof.invariants.size();
+  if (!given.empty()) proof.invariants = TrapFinder(net, reachable).those_that_hold(given);
+  proof.reused = proof.invariants.size();
   return proof;
 }
 
 Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellation, const StopAt& stop_at,
-                             const std::vector<TokenInvariant>& known) {
+                             const std::vector<TokenInvariant>& given) {
   Proof proof;
   if (net.too_large_atom != kNoRow) {
     proof.end = ProofEnd::TooLarge;
@@ -56,7 +56,7 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
     }
     return added;
   };
-  if (!known.empty()) proof.known = add_all(traps.those_that_hold(known));
+  if (!given.empty()) proof.reused = add_all(traps.those_that_hold(given));
   // Values that are told apart come and go by sums of their own: one by one they would need a candidate each.
   bool wants_small = !net.uses.of_atom.empty();
   const auto add_small = [&] {
@@ -66,7 +66,7 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
     std::erase_if(small, [&](const TokenInvariant& one) { return there.contains(one); });
     return add_all(std::move(small));
   };
-  if (wants_small && proof.known == 0) (void)add_small();
+  if (wants_small && proof.reused == 0) (void)add_small();
   while (true) {
     const Answer answer = encoding.solve(cancellation);
     if (answer != Answer::Satisfiable) {

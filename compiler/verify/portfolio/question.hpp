@@ -22,10 +22,10 @@ enum class Outcome : std::uint8_t { Holds, Violated, Unknown };
 struct PortfolioLimits {
   CancellationToken cancellation;  // ends everything: cancelled by whoever asks, or the time is over
   std::size_t megabytes = 2048;
-  bool wants_few = false;          // reduce a proof's invariants to those that it needs
-  bool wants_certificate = false;  // follow an exhaustive search by a proof, or list the states that it reached
-  std::uint32_t threads = 1;       // of the exhaustive search
-  bool may_search = true;          // states may be visited; a counterexample of IC3 is replayed in any case
+  bool wants_minimal_proof = false;  // reduce a proof's invariants to those that it needs
+  bool wants_certificate = false;    // follow an exhaustive search by a proof, or list the states that it reached
+  std::uint32_t threads = 1;         // of the exhaustive search
+  bool may_search = true;            // states may be visited; a counterexample of IC3 is replayed in any case
 };
 
 /// Reports progress to a terminal: a phase and how far it is.

@@ -18,8 +18,8 @@
 namespace {
 
 using namespace bip;
-using verify::Keeps;
 using verify::Outcome;
+using verify::StorePolicy;
 
 // Philosophers at tables, the last one of each right-handed, and a lamp beside them.
 std::string dinner(const std::string& root, const std::string& lamp_places, const std::string& lamp_moves) {
@@ -136,7 +136,7 @@ const std::vector<verify::Cube>& lemmas_of(const Answered& answered) {
   return std::get<verify::InductiveProof>(answered.decision.evidence).lemmas;
 }
 Answered ask(const std::string& text, const std::string& folder, const std::string& property = "",
-             Keeps keeps = Keeps::All) {
+             StorePolicy policy = StorePolicy::All) {
   const gen::Compiled c = gen::compile_texts({text});
   REQUIRE(c.problem.empty());
   const interp::Interpreter interpreter(*c.lowered);
@@ -148,7 +148,7 @@ Answered ask(const std::string& text, const std::string& folder, const std::stri
     question.property = std::move(*parsed);
   }
   ContentCache cache(KeptKind::Proof, folder, std::uint64_t{1} << 30);
-  verify::ProofCache memory(cache, "unit", keeps);
+  verify::ProofCache memory(cache, "unit", policy);
   verify::Portfolio portfolio(
       *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
       [](const char*, std::uint64_t, const char*) {});
@@ -183,7 +183,7 @@ TEST_CASE("the same system finds all of its proof again, once") {
 
 TEST_CASE("what is found at once is not kept, unless all is wanted") {
   const testing::ScratchFolder folder;
-  CHECK(ask(dinner(kRoot, "DARK, LIT", kMoves), folder.path(), "", Keeps::WhatCosts).counts.stored == 0);
+  CHECK(ask(dinner(kRoot, "DARK, LIT", kMoves), folder.path(), "", StorePolicy::Expensive).counts.stored == 0);
   CHECK(folder.files().empty());
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("lemmas come back, are checked, and those of another model go") {
   CHECK(third.decision.outcome == Outcome::Violated);
   // And the way to it is taken again.
   const Answered fourth = ask(odd, folder.path(), property);
-  CHECK(fourth.counts.has_way);
+  CHECK(fourth.counts.has_counterexample);
   CHECK(fourth.decision.counterexample()->choices == third.decision.counterexample()->choices);
   CHECK(ask(kEven, folder.path(), property).decision.outcome == Outcome::Holds);
 }
@@ -287,14 +287,14 @@ TEST_CASE("forged equations are not believed") {
   for (const Terms& terms : forged) {
     const testing::ScratchFolder folder;
     ContentCache cache(KeptKind::Proof, folder.path(), std::uint64_t{1} << 30);
-    verify::ProofCache memory(cache, "unit", Keeps::All);
+    verify::ProofCache memory(cache, "unit", StorePolicy::All);
     const std::string property = "never u[0]@IN";
     const std::string question = "state " + property;
     (void)memory.recall(net, question);
     verify::CachedProof proof;
     proof.method = verify::ProofMethod::Induction;
     proof.equations = {terms};
-    memory.keep(net, question, proof);
+    memory.store(net, question, proof);
     const Answered asked = ask(kDoor, folder.path(), property);
     CHECK(asked.counts.is_whole);
     CHECK(asked.counts.equations == 0);
@@ -354,14 +354,14 @@ TEST_CASE("a forged proof that would exclude the deadlock is not believed") {
   for (const auto kind : {verify::InvariantKind::Trap, verify::InvariantKind::OneToken, verify::InvariantKind::Sum}) {
     const testing::ScratchFolder folder;
     ContentCache cache(KeptKind::Proof, folder.path(), std::uint64_t{1} << 30);
-    verify::ProofCache memory(cache, "unit", Keeps::All);
+    verify::ProofCache memory(cache, "unit", StorePolicy::All);
     CHECK(memory.recall(net, "deadlock").invariants.empty());
     // Each component is always as it was at first; so no philosopher ever holds one fork.
     verify::CachedProof forged;
     forged.method = verify::ProofMethod::Invariants;
     for (verify::u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom)
       forged.invariants.push_back({kind, verify::PortUseModes::Merged, 1, {{atom, net.class_at(atom).initial[0], 1}}});
-    memory.keep(net, "deadlock", forged);
+    memory.store(net, "deadlock", forged);
     CHECK(memory.counts.stored >= 2);
     const Answered asked = ask(dead, folder.path());
     CHECK(asked.counts.is_whole);
@@ -405,7 +405,7 @@ TEST_CASE("several processes share a folder") {
     threads.emplace_back([&] {
       for (int round = 0; round < 5; ++round) {
         ContentCache cache(KeptKind::Proof, folder.path(), 20000);
-        verify::ProofCache memory(cache, "unit", Keeps::All);
+        verify::ProofCache memory(cache, "unit", StorePolicy::All);
         verify::Portfolio portfolio(
             *c.system, c.lowered->image, verify::StateAccess::CallsCpp, [] { return false; },
             [](const char*, std::uint64_t, const char*) {});
