@@ -38,8 +38,8 @@ class Graph {
   // All steps are there. Returns the first state with an atom that wants to move and never will; kNoRow: none.
   u32 find(std::vector<u32>& atoms) {
     first_.push_back(static_cast<u32>(next_.size()));
-    BIP_ASSERT((first_.size() - 1) * words_ == moves_.size(), "{} states with steps, {} words of moves", first_.size() - 1,
-               moves_.size());
+    BIP_ASSERT((first_.size() - 1) * words_ == moves_.size(), "{} states with steps, {} words of moves",
+               first_.size() - 1, moves_.size());
     find_components();
     BIP_ASSERT(std::find(component_.begin(), component_.end(), kNoRow) == component_.end(),
                "a state in no strong component: it was not reachable");

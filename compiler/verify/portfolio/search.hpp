@@ -1,4 +1,5 @@
-// Searches for a bad state with the engine's own core: first a walk towards the candidate, then every state, best first.
+// Searches for a bad state with the engine's own core: first a walk towards the candidate, then every state, best
+// first.
 //
 // A result that is Found has been replayed from the initial state. Exhausted: every reachable state was visited (the
 // core defines which these are), so there is no bad one. States are stored up to a bound of memory.
