@@ -60,30 +60,30 @@ struct Diagnostic {
 /// Builder over the diagnostic that `report` just added. Use at once, do not keep.
 class DiagnosticBuilder {
  public:
-  explicit DiagnosticBuilder(Diagnostic& d) : d_(&d) {}
+  explicit DiagnosticBuilder(Diagnostic& d) : diagnostic_(&d) {}
   DiagnosticBuilder& label(std::string text) {
-    d_->label = std::move(text);
+    diagnostic_->label = std::move(text);
     return *this;
   }
   DiagnosticBuilder& label(SourceRange at, std::string text) {
-    d_->labels.push_back({at, std::move(text)});
+    diagnostic_->labels.push_back({at, std::move(text)});
     return *this;
   }
   DiagnosticBuilder& note(std::string text) {
-    d_->notes.push_back(std::move(text));
+    diagnostic_->notes.push_back(std::move(text));
     return *this;
   }
   DiagnosticBuilder& help(std::string text) {
-    d_->helps.push_back({std::move(text), {}, {}});
+    diagnostic_->helps.push_back({std::move(text), {}, {}});
     return *this;
   }
   DiagnosticBuilder& help(std::string text, SourceRange replace, std::string with) {
-    d_->helps.push_back({std::move(text), replace, std::move(with)});
+    diagnostic_->helps.push_back({std::move(text), replace, std::move(with)});
     return *this;
   }
 
  private:
-  Diagnostic* d_;
+  Diagnostic* diagnostic_;
 };
 
 class Diagnostics {
@@ -106,10 +106,11 @@ class Diagnostics {
   std::size_t warning_count_ = 0;
 };
 
+enum class Color : std::uint8_t { Off, On };
 enum class DiagnosticFormat : std::uint8_t { Frame, Short, Json, Sarif };
 struct RenderOptions {
   DiagnosticFormat format = DiagnosticFormat::Frame;
-  bool color = false;
+  Color color = Color::Off;
   std::size_t max_errors = 20;
 };
 /// The text of all diagnostics, closing line included ("2 errors, 1 warning"); empty if there are none.

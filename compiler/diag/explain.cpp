@@ -12,7 +12,7 @@ const ExplainPage* find_page(std::string_view code) {
   return nullptr;
 }
 
-std::string render_page(const ExplainPage& page, bool color) {
+std::string render_page(const ExplainPage& page, Color color) {
   const diag::Palette colors = diag::palette(color);
   std::string out;
   bool in_fence = false;

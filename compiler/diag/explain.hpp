@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "compiler/diag/diagnostics.hpp"
+
 namespace bip {
 
 struct ExplainPage {
@@ -15,6 +17,6 @@ struct ExplainPage {
 /// The page of a code, or nullptr.
 [[nodiscard]] const ExplainPage* find_page(std::string_view code);
 /// A page for a terminal: fences become indented blocks, the heading a plain line.
-[[nodiscard]] std::string render_page(const ExplainPage& page, bool color);
+[[nodiscard]] std::string render_page(const ExplainPage& page, Color color);
 
 }  // namespace bip

@@ -25,8 +25,8 @@ namespace diag {
 
 const char* severity_name(Severity severity) { return severity == Severity::Error ? "error" : "warning"; }
 
-Palette palette(bool color) {
-  if (!color) return {};
+Palette palette(Color color) {
+  if (color == Color::Off) return {};
   return {.error = "\x1b[1;31m",
           .warning = "\x1b[1;33m",
           .note = "\x1b[1;36m",

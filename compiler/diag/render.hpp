@@ -15,7 +15,7 @@ struct Palette {
   std::string_view error, warning, note, gutter, bold, reset;
   [[nodiscard]] std::string_view of(Severity severity) const { return severity == Severity::Error ? error : warning; }
 };
-[[nodiscard]] Palette palette(bool color);
+[[nodiscard]] Palette palette(Color color);
 
 /// `text` on one line: control characters (which could drive the reader's terminal) are shown as U+FFFD.
 [[nodiscard]] std::string printable(std::string_view text);

@@ -30,17 +30,17 @@ void each_word(std::string_view text, F f) {
 
 class SoundPart {
  public:
-  explicit SoundPart(Compilation& c) : c_(c), decls_(c.syntax->package->decls), dropped_(decls_.size()) {
+  explicit SoundPart(Compilation& c) : compilation_(c), decls_(c.syntax->package->decls), dropped_(decls_.size()) {
     for (const syntax::Decl* decl : decls_) declared_.insert(decl->name.text);
   }
 
   /// The declarations that can be judged, in their order; empty if some error is outside of all of them.
   std::vector<const syntax::Decl*> find() {
-    for (const Diagnostic* d : c_.diags.sorted())
+    for (const Diagnostic* d : compilation_.diags.sorted())
       if (d->severity == Severity::Error && !drop_at(d->range)) return {};
     for (std::size_t k = 0; k < decls_.size(); ++k) {
       if (dropped_[k]) continue;
-      each_word(c_.sources.text(decls_[k]->range), [&](std::string_view word) { users_[word].push_back(k); });
+      each_word(compilation_.sources.text(decls_[k]->range), [&](std::string_view word) { users_[word].push_back(k); });
     }
     while (!open_.empty()) {
       const std::string_view name = open_.back();
@@ -59,7 +59,8 @@ class SoundPart {
  private:
   // What stands between two declarations belongs to the one before: recovery skips it.
   bool drop_at(SourceRange range) {
-    if (!range.is_valid() || range.file != c_.file || decls_.empty() || range.begin < decls_.front()->range.begin)
+    if (!range.is_valid() || range.file != compilation_.file || decls_.empty() ||
+        range.begin < decls_.front()->range.begin)
       return false;
     const auto behind =
         std::upper_bound(decls_.begin(), decls_.end(), range.begin,
@@ -67,16 +68,18 @@ class SoundPart {
     const auto k = static_cast<std::size_t>(behind - decls_.begin()) - 1;
     if (dropped_[k]) return true;
     drop(k);
-    const std::uint32_t end = k + 1 < decls_.size() ? decls_[k + 1]->range.begin
-                                                    : static_cast<std::uint32_t>(c_.sources.text(c_.file).size());
+    const std::uint32_t end = k + 1 < decls_.size()
+                                  ? decls_[k + 1]->range.begin
+                                  : static_cast<std::uint32_t>(compilation_.sources.text(compilation_.file).size());
     // Declarations that recovery skipped: `atom type A`, `component A`, `function int f`. Components of a compound are
     // written alike, but their types are declared elsewhere.
     std::string_view before, earlier;
-    each_word(c_.sources.text(SourceRange{c_.file, decls_[k]->range.begin, end}), [&](std::string_view word) {
-      if ((before == "type" || before == "component" || earlier == "function") && !declared_.contains(word))
-        poison(word);
-      earlier = std::exchange(before, word);
-    });
+    each_word(compilation_.sources.text(SourceRange{compilation_.file, decls_[k]->range.begin, end}),
+              [&](std::string_view word) {
+                if ((before == "type" || before == "component" || earlier == "function") && !declared_.contains(word))
+                  poison(word);
+                earlier = std::exchange(before, word);
+              });
     return true;
   }
   void drop(std::size_t k) {
@@ -90,7 +93,7 @@ class SoundPart {
     if (seen_.insert(name).second) open_.push_back(name);
   }
 
-  Compilation& c_;
+  Compilation& compilation_;
   std::span<const syntax::Decl* const> decls_;
   std::vector<bool> dropped_;
   std::unordered_map<std::string_view, std::vector<std::size_t>> users_;

@@ -77,6 +77,66 @@ CLI::Validator is_number() {
       "");
 }
 
+// ---- machine code and who runs it: how it is made, kept and watched, and its priority
+
+void add_cache_options(CLI::App& command, CacheOptions& cache) {
+  CLI::Option* off = command.add_flag("--no-cache", cache.is_off, "neither read nor write the cache");
+  command
+      .add_option("--cache", cache.folder, "folder of the cache (default: $XDG_CACHE_HOME/bipc, else ~/.cache/bipc)")
+      ->type_name("DIR")
+      ->excludes(off);
+  command
+      .add_option("--cache-size", cache.megabytes,
+                  "size limit of the cache; the least recently used entries are removed (default: 256)")
+      ->check(CLI::Range(1, 1 << 20))
+      ->type_name("MB");
+}
+
+// -O; -O1 is for the C++ compiler only.
+enum class CompilerLevels : std::uint8_t { O0O2, O0O1O2 };
+void add_optimisation(CLI::App& app, Optimisation& level, CompilerLevels levels, const std::string& help) {
+  const bool with_o1 = levels == CompilerLevels::O0O1O2;
+  const std::string shown = with_o1 ? "0|1|2" : "0|2";
+  app.add_option_function<std::string>(
+         "-O",
+         [&level](const std::string& text) {
+           level = text == "0" ? Optimisation::O0 : text == "1" ? Optimisation::O1 : Optimisation::O2;
+         },
+         help)
+      ->check(CLI::Validator(
+          [shown, with_o1](std::string& text) {
+            return text == "0" || text == "2" || (with_o1 && text == "1")
+                       ? ""
+                       : fmt::format("`{}` is not one of {}", text, shown);
+          },
+          ""))
+      ->type_name(shown);
+}
+
+// Of `run`: options about the code that it makes and how it is watched. After --explore.
+void add_code_options(CLI::App& command, RunArguments& a) {
+  command
+      .add_flag(
+          "-g", a.for_debuggers,
+          "generate debug information that maps machine code to lines of the model, for gdb and perf (--backend=jit)")
+      ->excludes("--explore");
+  CLI::Option* explores = command.get_option("--explore");
+  command.add_flag("--profile", a.profile, "print a profile at the end: time per interaction, type, guard and action")
+      ->excludes(explores);
+  command.add_option("--profile-json", a.profile_path, "write the profile as JSON to PATH")
+      ->type_name("PATH")
+      ->excludes(explores);
+}
+
+void add_real_time_priority(CLI::App& command, int& priority) {
+  command
+      .add_option("--real-time-priority", priority,
+                  "in real time, run with scheduling priority N (SCHED_FIFO, 1 to 99) and locked memory; a refusal is "
+                  "a warning")
+      ->check(CLI::Range(1, 99))
+      ->type_name("N");
+}
+
 // An option with a closed set of values; `shown` is how the help writes them.
 template <class T>
 void add_choice(CLI::App& app, const std::string& name, T& value, const Names<T>& names, const std::string& shown,
@@ -165,7 +225,7 @@ void add_run(CLI::App& app, RunArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: jit if it is built in)");
   add_cache_options(*command, a.compile.cache);
-  add_optimisation(*command, a.optimisation, false,
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
                    "compile with this optimisation level before the first step (default: begin interpreted and change "
                    "to -O2 code during the run)");
   command->add_option("--trace", a.run.trace_path, "write a trace of the run to PATH (default format: json)")
@@ -297,7 +357,7 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: jit if it is built in)");
   add_cache_options(*command, a.compile.cache);
-  add_optimisation(*command, a.optimisation, false,
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
                    "optimisation level of the JIT (default: 2 for at most 32 functions, else 0)");
   command->add_flag_callback(
       "--disable-maximal-progress", [&a] { a.explore.progress = rt::MaximalProgress::Off; },
@@ -357,7 +417,8 @@ void add_build(CLI::App& app, BuildArguments& a) {
   CLI::App* command = app.add_subcommand("build", "build a stand-alone program with the host's C++ compiler");
   command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
   command->add_option("-o,--output", a.output, "program to write")->required()->type_name("EXE");
-  add_optimisation(*command, a.optimisation, true, "optimisation level of the C++ compiler (default: 3)");
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O1O2,
+                   "optimisation level of the C++ compiler (default: 3)");
   add_compile(*command, a.compile);
   command->footer(
       "The compiler is $CXX, else c++, g++ or clang++.\nExample:\n  bipc build model.bip -o model && ./model --seed "
@@ -370,7 +431,8 @@ void add_emit(CLI::App& app, EmitArguments& a) {
   command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
   command->add_option("-o,--output", a.directory, "write model.cpp, CMakeLists.txt and the runtime's sources to DIR")
       ->type_name("DIR");
-  add_optimisation(*command, a.optimisation, false, "optimisation level for --emit=llvm and --emit=asm (default: 2)");
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
+                   "optimisation level for --emit=llvm and --emit=asm (default: 2)");
   add_compile(*command, a.compile);
   command->footer(
       "Without -o the C++ code (or the stage that --emit names) is written to standard output.\nExample:\n  bipc emit "

@@ -29,16 +29,4 @@ struct Arguments {
 /// Adds all commands to `app`, in the order of the help.
 void add_commands(CLI::App& app, Arguments& arguments);
 
-/// -O.
-void add_optimisation(CLI::App& command, Optimisation& level, bool with_o1, const std::string& help);
-
-/// Of commands that run code.
-void add_cache_options(CLI::App& command, CacheOptions& cache);
-
-/// Of commands that run in real time.
-void add_real_time_priority(CLI::App& command, int& priority);
-
-/// Of `run`: options about the code that it makes and how it is watched. After --explore.
-void add_code_options(CLI::App& command, RunArguments& arguments);
-
 }  // namespace bip::driver

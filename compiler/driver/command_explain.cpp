@@ -31,7 +31,7 @@ int command_explain(const std::string& code, ColorChoice color) {
   std::string wanted = code;
   for (char& c : wanted) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   if (const ExplainPage* page = find_page(wanted)) {
-    print(render_page(*page, wants_color(color, STDOUT_FILENO)));
+    print(render_page(*page, wants_color(color, STDOUT_FILENO) ? Color::On : Color::Off));
     return kOk;
   }
   std::vector<std::string> known;

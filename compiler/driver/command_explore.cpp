@@ -18,7 +18,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/timed_models.hpp"
-#include "compiler/system/timed.hpp"
+#include "compiler/system/uses_time.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/explore/counterexample.hpp"
 

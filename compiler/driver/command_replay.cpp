@@ -17,7 +17,7 @@
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/driver/report.hpp"
-#include "compiler/system/timed.hpp"
+#include "compiler/system/uses_time.hpp"
 #include "runtime/engine/event_file.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/trace.hpp"
@@ -78,7 +78,7 @@ std::string set_text(const std::vector<Shown>& candidates) {
 class Replay {
  public:
   Replay(Compilation& c, const std::string& trace_path, bool maximal_progress)
-      : c_(c),
+      : compilation_(c),
         trace_path_(trace_path),
         core_(c.lowered->image, {.progress = maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}) {}
 
@@ -117,7 +117,7 @@ class Replay {
 
  private:
   bool fail(std::string what) {
-    c_.diags.add(Diag::kB5021, {}, std::move(what));
+    compilation_.diags.add(Diag::kB5021, {}, std::move(what));
     return false;
   }
   // To the instant of the choice, over those at which something changes.
@@ -141,7 +141,7 @@ class Replay {
     return true;
   }
   bool differ(const TraceState& state, const std::vector<Shown>& theirs, const std::vector<Shown>& ours) {
-    auto d = c_.diags.report(
+    auto d = compilation_.diags.report(
         Diag::kB5021, {}, fmt::format("state #{} differs from `{}`, line {}", state.number, trace_path_, state.line));
     for (const std::string& text : missing_in(theirs, ours)) d.note("only in the trace: " + text);
     for (const std::string& text : missing_in(ours, theirs)) d.note("only in the model: " + text);
@@ -149,7 +149,7 @@ class Replay {
     return false;
   }
   bool fault(const TraceState& state, std::uint64_t step) {
-    c_.diags
+    compilation_.diags
         .report(Diag::kB5021, {},
                 fmt::format("a run-time error ends the model at state #{} of `{}`: {}", state.number, trace_path_,
                             core_.fault().what))
@@ -157,7 +157,7 @@ class Replay {
     return false;
   }
 
-  Compilation& c_;
+  Compilation& compilation_;
   const std::string& trace_path_;
   rt::Core core_;
   rt::Bip2Writer writer_;

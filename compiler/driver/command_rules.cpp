@@ -9,8 +9,8 @@
 #include "compiler/driver/genom_files.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/genom/names.hpp"
-#include "compiler/rules/check.hpp"
-#include "compiler/rules/parse.hpp"
+#include "compiler/rules/check_rules.hpp"
+#include "compiler/rules/parse_rules.hpp"
 
 namespace bip::driver {
 namespace {

@@ -5,7 +5,7 @@
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/report.hpp"
-#include "compiler/serve/server.hpp"
+#include "compiler/serve/model_server.hpp"
 
 namespace bip::driver {
 
@@ -20,7 +20,7 @@ int command_serve(const ServeArguments& arguments) {
   options.policy = arguments.policy;
   options.asap = arguments.asap;
   options.speed = arguments.speed;
-  serve::Controller controller(c.lowered->image, options, arguments.paused);
+  serve::Controller controller(c.lowered->image, options, arguments.paused ? serve::Controller::Begin::Paused : serve::Controller::Begin::Running);
   controller.real_time_priority = arguments.real_time_priority;
   controller.on_problem = [](const std::string& problem) { std::fprintf(stderr, "warning: %s\n", problem.c_str()); };
   if (!arguments.trace_path.empty() && !controller.trace(arguments.trace_path, arguments.trace_format)) {

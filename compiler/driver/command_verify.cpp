@@ -23,7 +23,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/timed_models.hpp"
 #include "compiler/driver/verify_text.hpp"
-#include "compiler/system/timed.hpp"
+#include "compiler/system/uses_time.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/proof_cache.hpp"
 

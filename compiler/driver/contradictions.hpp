@@ -6,7 +6,7 @@
 // the time limit is reached, nothing is reported.
 #pragma once
 #include "compiler/driver/pipeline.hpp"
-#include "compiler/rules/check.hpp"
+#include "compiler/rules/check_rules.hpp"
 
 namespace bip::driver {
 

@@ -29,7 +29,7 @@ std::string package_of_file(std::string relative) {
 // One load: the folders, what was met so far, and the chain of `use` lines to where we are.
 class Loader {
  public:
-  explicit Loader(Compilation& c) : c_(c) {
+  explicit Loader(Compilation& c) : compilation_(c) {
     for (const std::string& folder : c.options.folders) add_folder(folder);
     add_folder(own_folder());
     if (const std::string standard = find_stdlib(); !standard.empty()) {
@@ -39,13 +39,13 @@ class Loader {
   }
 
   void load_all() {
-    enter(*c_.syntax, text_of(c_.syntax->package->name), {});
+    enter(*compilation_.syntax, text_of(compilation_.syntax->package->name), {});
     while (!stack_.empty()) {
       Visit& top = stack_.back();
       const auto uses = top.syntax->package->uses;
       if (top.next == uses.size()) {
         states_[top.name] = State::Done;
-        c_.packages.push_back(top.syntax);
+        compilation_.packages.push_back(top.syntax);
         stack_.pop_back();
       } else {
         use(uses[top.next++]);
@@ -69,8 +69,8 @@ class Loader {
 
   // Of the compiled file: what is left of its path without a/b/C.bip, if it ends so.
   [[nodiscard]] std::string own_folder() const {
-    const fs::path path(c_.path);
-    fs::path expected(file_of_package(text_of(c_.syntax->package->name)));
+    const fs::path path(compilation_.path);
+    fs::path expected(file_of_package(text_of(compilation_.syntax->package->name)));
     fs::path folder = path;
     for (; !expected.empty(); expected = expected.parent_path(), folder = folder.parent_path()) {
       if (expected.filename() != folder.filename()) return path.parent_path().string();
@@ -99,13 +99,13 @@ class Loader {
 
   void report_circle(const syntax::Path& path, const std::string& name) {
     if (stack_.back().name == name) {
-      c_.diags.report(Diag::kB1065, path.range, name).help("remove this line");
+      compilation_.diags.report(Diag::kB1065, path.range, name).help("remove this line");
       return;
     }
     const auto first = std::find_if(stack_.begin(), stack_.end(), [&](const Visit& v) { return v.name == name; });
     std::string chain;
     for (auto it = first; it != stack_.end(); ++it) chain += "`" + it->name + "` -> ";
-    auto d = c_.diags.report(Diag::kB1061, path.range, chain + "`" + name + "`");
+    auto d = compilation_.diags.report(Diag::kB1061, path.range, chain + "`" + name + "`");
     for (auto it = std::next(first); it != stack_.end(); ++it)
       d.label(it->from, fmt::format("`{}` uses `{}`", std::prev(it)->name, it->name));
     d.help("put what both need into a third package");
@@ -126,31 +126,31 @@ class Loader {
 
   const syntax::Syntax* parse(const std::string& location, const std::string& file_name, const syntax::Path& path,
                               const std::string& name) {
-    const Result<FileId> file = load_text(c_, location, file_name);
+    const Result<FileId> file = load_text(compilation_, location, file_name);
     if (!file) {
-      c_.diags.report(Diag::kB0090, path.range, file_name, file.error());
+      compilation_.diags.report(Diag::kB0090, path.range, file_name, file.error());
       return nullptr;
     }
-    std::optional<syntax::Syntax> syntax = parse::parse_file(c_.sources, *file, c_.diags);
+    std::optional<syntax::Syntax> syntax = parse::parse_file(compilation_.sources, *file, compilation_.diags);
     if (!syntax || syntax->package == nullptr) return nullptr;
     const syntax::Path& found = syntax->package->name;
     if (found.parts.empty()) {
-      c_.diags.report(Diag::kB1063, path.range, file_name, name)
+      compilation_.diags.report(Diag::kB1063, path.range, file_name, name)
           .help(fmt::format("begin the file with `package {}`", name));
       return nullptr;
     }
     if (const std::string written = text_of(found); written != name) {
-      c_.diags.report(Diag::kB1062, found.range, written, name)
+      compilation_.diags.report(Diag::kB1062, found.range, written, name)
           .label(path.range, "read for this `use`")
           .help(fmt::format("name it `{}`", name), found.range, name);
       return nullptr;
     }
-    c_.used.push_back(std::move(*syntax));
-    return &c_.used.back();
+    compilation_.used.push_back(std::move(*syntax));
+    return &compilation_.used.back();
   }
 
   void report_missing(const syntax::Path& path, const std::string& name) {
-    auto d = c_.diags.report(Diag::kB1060, path.range, name);
+    auto d = compilation_.diags.report(Diag::kB1060, path.range, name);
     std::string tried;
     // The library's place is no one's choice, so it is not listed as one.
     for (const fs::path& folder : folders_) {
@@ -186,7 +186,7 @@ class Loader {
     return names;
   }
 
-  Compilation& c_;
+  Compilation& compilation_;
   std::vector<fs::path> folders_;
   fs::path library_;
   std::map<std::string, State> states_;

@@ -13,7 +13,7 @@
 #include "compiler/driver/roots.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/instantiate.hpp"
-#include "compiler/system/timed.hpp"
+#include "compiler/system/uses_time.hpp"
 
 namespace bip::driver {
 namespace {

@@ -28,7 +28,7 @@ std::string time_table(const std::vector<PassTime>& times) {
 }
 
 // The page of the first error, else of the first warning.
-std::string explained(const Compilation& c, bool color) {
+std::string explained(const Compilation& c, Color color) {
   const Diagnostic* first = nullptr;
   for (const Diagnostic* d : c.diags.sorted()) {
     if (first == nullptr || d->severity < first->severity) first = d;
@@ -64,7 +64,7 @@ bool wants_color(ColorChoice choice, int file_descriptor) {
 
 int report(const Compilation& c) {
   RenderOptions options = c.options.render;
-  options.color = wants_color(c.options.color, STDERR_FILENO);
+  options.color = wants_color(c.options.color, STDERR_FILENO) ? Color::On : Color::Off;
   print(render(c.diags, c.sources, options));
   if (c.options.time_passes) print(time_table(c.times));
   const bool is_for_people = options.format == DiagnosticFormat::Frame || options.format == DiagnosticFormat::Short;

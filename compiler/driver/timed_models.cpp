@@ -15,7 +15,7 @@
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
-#include "compiler/system/timed.hpp"
+#include "compiler/system/uses_time.hpp"
 #include "compiler/verify/timed/prove_time.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "runtime/explore/counterexample.hpp"

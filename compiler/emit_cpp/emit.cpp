@@ -6,7 +6,7 @@
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/emit_cpp/emit_steps.hpp"
-#include "compiler/emit_cpp/tables.hpp"
+#include "compiler/emit_cpp/image_tables.hpp"
 
 namespace bip::emit_cpp {
 

@@ -4,7 +4,7 @@
 // One row per line; rows without a path name their owner in a comment.
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
-#include "compiler/emit_cpp/tables.hpp"
+#include "compiler/emit_cpp/image_tables.hpp"
 
 namespace bip::emit_cpp {
 

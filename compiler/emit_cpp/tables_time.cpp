@@ -1,6 +1,6 @@
-// Emits the tables of timed types; see tables.hpp.
+// Emits the tables of timed types; see image_tables.hpp.
 #include "compiler/emit_cpp/table_text.hpp"
-#include "compiler/emit_cpp/tables.hpp"
+#include "compiler/emit_cpp/image_tables.hpp"
 
 namespace bip::emit_cpp {
 

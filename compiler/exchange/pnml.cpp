@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "compiler/exchange/connector_tree.hpp"
-#include "compiler/system/timed.hpp"
+#include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 
 namespace bip::exchange {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "compiler/system/timed.hpp"
+#include "compiler/system/uses_time.hpp"
 
 namespace bip::exchange {
 

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "compiler/genom/generate.hpp"
+#include "compiler/genom/generate_package.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 

@@ -1,5 +1,5 @@
-// The C++ functions of the execution flavour; generate.hpp declares the functions that return their header and source.
-// Internal to compiler/genom.
+// The C++ functions of the execution flavour; generate_package.hpp declares the functions that return their header and
+// source. Internal to compiler/genom.
 #pragma once
 #include <string>
 #include <vector>

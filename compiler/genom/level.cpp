@@ -21,7 +21,7 @@ class LevelWriter {
   LevelWriter(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options, std::int64_t tick_us)
       : out_(out),
         plans_(plans),
-        c_(options.constraints),
+        constraints_(options.constraints),
         options_(options),
         tick_us_(tick_us),
         names_(level_scope()),
@@ -82,7 +82,7 @@ class LevelWriter {
   void parts() {
     // Parameters come with requests although no rule asks for them; what is remembered stays where a rule is left out
     // (--prove).
-    if (!c_.has_parts()) return;
+    if (!constraints_.has_parts()) return;
     out_ += "\n    // What the rules remember.\n";
     const auto component = [&](const std::string& wanted, const std::string& type, const std::string& arguments) {
       const std::string name = names_.claim(wanted, "part");
@@ -90,24 +90,24 @@ class LevelWriter {
           fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n", type, name, arguments);
       return name;
     };
-    for (const ParameterRow& p : c_.parameters) {
+    for (const ParameterRow& p : constraints_.parameters) {
       parts_.parameters.push_back(component(name_of(p.service) + "_" + bip_name(p.name),
                                             p.is_text ? "TextParameter" : "NumberParameter", p.values[0]));
     }
-    for (const StopwatchRow& w : c_.stopwatches) {
+    for (const StopwatchRow& w : constraints_.stopwatches) {
       const std::int64_t limit = conditions_.ticks(w.limit);
       parts_.stopwatches.push_back(
           component(name_of(w.service) + (w.counts_active ? "_takes" : "_since"), "Stopwatch",
                     fmt::format("{}, {}, {}", limit, w.counts_active, w.counts_active ? 0 : limit)));
     }
-    for (const SuccessRow& s : c_.successes) {
+    for (const SuccessRow& s : constraints_.successes) {
       const std::int64_t limit = s.within ? conditions_.ticks(*s.within) : 0;
       parts_.successes.push_back(component(name_of(s.service) + "_succeeded", "Success", std::to_string(limit)));
     }
-    for (const PairRow& p : c_.pairs)
+    for (const PairRow& p : constraints_.pairs)
       parts_.pairs.push_back(component(fmt::format("{}_then_{}", name_of(p.first), name_of(p.second)), "Pair", ""));
     std::map<std::string, std::string> known;
-    for (const Constraint& row : c_.rows) {
+    for (const Constraint& row : constraints_.rows) {
       if (row.recovery && !known.contains(row.name)) known[row.name] = component("after_" + row.name, "Recovery", "");
       parts_.recoveries.push_back(row.recovery ? known[row.name] : "");
     }
@@ -156,23 +156,24 @@ class LevelWriter {
     requests(s, port + "read_" + id, reads);
     decide(s, port);
     std::vector<std::string> trig{port + "trig_" + id};
-    for (std::size_t i = 0; i < c_.parameters.size(); ++i) {
-      if (c_.parameters[i].service == s) trig.push_back(parts_.parameters[i] + ".accept");
+    for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
+      if (constraints_.parameters[i].service == s) trig.push_back(parts_.parameters[i] + ".accept");
     }
-    for (std::size_t i = 0; i < c_.stopwatches.size(); ++i) {
-      if (c_.stopwatches[i].service == s) trig.push_back(parts_.stopwatches[i] + ".restart");
+    for (std::size_t i = 0; i < constraints_.stopwatches.size(); ++i) {
+      if (constraints_.stopwatches[i].service == s) trig.push_back(parts_.stopwatches[i] + ".restart");
     }
-    for (std::size_t i = 0; i < c_.pairs.size(); ++i) {
-      if (c_.pairs[i].first == s) trig.push_back(parts_.pairs[i] + ".first");
-      if (c_.pairs[i].second == s && c_.pairs[i].first != s) trig.push_back(parts_.pairs[i] + ".second");
+    for (std::size_t i = 0; i < constraints_.pairs.size(); ++i) {
+      if (constraints_.pairs[i].first == s) trig.push_back(parts_.pairs[i] + ".first");
+      if (constraints_.pairs[i].second == s && constraints_.pairs[i].first != s)
+        trig.push_back(parts_.pairs[i] + ".second");
     }
-    for (std::size_t i = 0; i < c_.successes.size(); ++i) {
-      if (c_.successes[i].since == s) trig.push_back(parts_.successes[i] + ".forget");
+    for (std::size_t i = 0; i < constraints_.successes.size(); ++i) {
+      if (constraints_.successes[i].since == s) trig.push_back(parts_.successes[i] + ".forget");
     }
     wire({.name = plan(s).component + "_trig_" + id, .ports = trig});
     if (plan(s).services[s.service].is_heard) successes(s);
-    for (std::size_t row = 0; row < c_.rows.size(); ++row) {
-      if (c_.rows[row].kind == ConstraintKind::Keep && c_.rows[row].subject == s) stop(row);
+    for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
+      if (constraints_.rows[row].kind == ConstraintKind::Keep && constraints_.rows[row].subject == s) stop(row);
     }
   }
 
@@ -183,8 +184,8 @@ class LevelWriter {
       return;
     for (const std::string& fin : of_activities(s, "fin")) {
       std::vector<std::string> ports{fin};
-      for (std::size_t i = 0; i < c_.successes.size(); ++i) {
-        if (c_.successes[i].service == s) ports.push_back(parts_.successes[i] + ".ended");
+      for (std::size_t i = 0; i < constraints_.successes.size(); ++i) {
+        if (constraints_.successes[i].service == s) ports.push_back(parts_.successes[i] + ".ended");
       }
       std::string name = fin;
       name.replace(name.find(".fin_"), 5, "_fin_");
@@ -198,8 +199,8 @@ class LevelWriter {
     std::vector<std::string> texts{asked};
     std::vector<Wire> wires{
         {.name = plan(s).component + "_read_" + plan(s).services[s.service].id, .ports = {read, "semaphore.take"}}};
-    for (std::size_t i = 0; i < c_.parameters.size(); ++i) {
-      const ParameterRow& p = c_.parameters[i];
+    for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
+      const ParameterRow& p = constraints_.parameters[i];
       if (p.service != s) continue;
       std::vector<Wire> more;
       std::vector<std::string> more_texts;
@@ -236,8 +237,8 @@ class LevelWriter {
     const std::string& id = plan(s).services[s.service].id;
     std::vector<std::string> ports{port + "allow_" + id};
     std::string guard;
-    for (std::size_t row = 0; row < c_.rows.size(); ++row) {
-      const Constraint& c = c_.rows[row];
+    for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
+      const Constraint& c = constraints_.rows[row];
       if (c.subject != s || c.kind != ConstraintKind::Admit) continue;
       reject(row);
       std::string condition = conditions_.text(c.condition, ports);
@@ -246,14 +247,14 @@ class LevelWriter {
     }
     if (!guard.empty()) wire({.name = plan(s).component + "_allow_" + id, .ports = ports, .guard = guard});
     ports = {port + "abtInc_" + id};
-    for (const Constraint& c : c_.rows) {
+    for (const Constraint& c : constraints_.rows) {
       if (c.subject == s && c.kind == ConstraintKind::Interrupt && !waits_already(c)) tell(c, ports);
     }
     wire({.name = plan(s).component + "_abtInc_" + id, .ports = ports, .triggers = ports.size() > 1 ? 1u : 0u});
   }
 
   void reject(std::size_t row) {
-    const Constraint& c = c_.rows[row];
+    const Constraint& c = constraints_.rows[row];
     out_ += fmt::format("\n    // {}", c.text);
     const std::string rejected =
         fmt::format("{}.rej_{}", plan(c.subject).component, plan(c.subject).services[c.subject.service].id);
@@ -292,7 +293,7 @@ class LevelWriter {
   }
 
   void stop(std::size_t row) {
-    const Constraint& c = c_.rows[row];
+    const Constraint& c = constraints_.rows[row];
     for (const std::string& halt : of_activities(c.subject, "halt")) {
       out_ += fmt::format("\n    // {}", c.text);
       std::vector<std::string> ports{halt};
@@ -311,8 +312,8 @@ class LevelWriter {
   // What is to be done after a violation comes before any other request to its module.
   void recoveries(std::size_t m, const std::vector<std::string>& reads) {
     std::vector<std::string> done;
-    for (std::size_t row = 0; row < c_.rows.size(); ++row) {
-      const Constraint& c = c_.rows[row];
+    for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
+      const Constraint& c = constraints_.rows[row];
       if (!c.recovery || c.recovery->module != m ||
           std::find(done.begin(), done.end(), parts_.recoveries[row]) != done.end())
         continue;
@@ -333,7 +334,7 @@ class LevelWriter {
     for (std::size_t k = 0; k < p.activities.size(); ++k) {
       if (p.service_of(k).kind != ServiceKind::Execution) continue;
       std::vector<std::string> ports{fmt::format("{}.launch_{}", p.component, p.activities[k].component)};
-      for (const Constraint& c : c_.rows) {
+      for (const Constraint& c : constraints_.rows) {
         if (c.kind != ConstraintKind::Wait || c.subject != ServiceRef{m, p.activities[k].service} || waits_already(c))
           continue;
         for (const std::string& idle : of_activities(c.other, "idle")) add_port(ports, idle);
@@ -357,25 +358,25 @@ class LevelWriter {
     std::string action;
     for (const Plan& p : plans_) ports.push_back(p.component + ".moduleTick");
     if (!executive_.empty()) ports.push_back(executive_ + ".tick");
-    for (std::size_t i = 0; i < c_.stopwatches.size(); ++i) {
+    for (std::size_t i = 0; i < constraints_.stopwatches.size(); ++i) {
       const std::string tick = parts_.stopwatches[i] + ".tick";
       ports.push_back(tick);
       std::string active;
-      for (const std::string& stat : conditions_.stats(c_.stopwatches[i].service)) {
+      for (const std::string& stat : conditions_.stats(constraints_.stopwatches[i].service)) {
         add_port(ports, stat);
         active += (active.empty() ? "" : " || ") + stat + ".active";
       }
       action += fmt::format("{}{}.running <- {}", action.empty() ? "" : "; ", tick, active);
     }
-    for (std::size_t i = 0; i < c_.successes.size(); ++i) {
-      if (c_.successes[i].within) ports.push_back(parts_.successes[i] + ".tick");
+    for (std::size_t i = 0; i < constraints_.successes.size(); ++i) {
+      if (constraints_.successes[i].within) ports.push_back(parts_.successes[i] + ".tick");
     }
     write_wire(out_, {.name = sync_, .ports = ports, .action = action});
   }
 
   std::string& out_;
   const std::vector<Plan>& plans_;
-  const Constraints& c_;
+  const Constraints& constraints_;
   const GenerateOptions& options_;
   std::int64_t tick_us_;
   LevelParts parts_;

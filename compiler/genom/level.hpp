@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/genom/generate.hpp"
+#include "compiler/genom/generate_package.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 

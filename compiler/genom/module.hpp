@@ -1,8 +1,8 @@
 // The description of one robot module, for both generations of GenoM: the input of the generator, without the rest of a
 // .gen file.
 //
-// The two front ends fill it with names; `resolve` (resolve.hpp) checks the names and fills the indices. Rows keep the
-// order of the file, which is the order of request numbers and of activities.
+// The two front ends fill it with names; `resolve` (resolve_module.hpp) checks the names and fills the indices. Rows
+// keep the order of the file, which is the order of request numbers and of activities.
 #pragma once
 #include <cstdint>
 #include <optional>

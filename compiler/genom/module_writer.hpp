@@ -17,12 +17,12 @@ class ModuleWriter {
   void run(const GenerateOptions& options);
 
  private:
-  [[nodiscard]] std::string control(const std::string& port) const { return p_.control + "." + port; }
+  [[nodiscard]] std::string control(const std::string& port) const { return plan_.control + "." + port; }
   [[nodiscard]] std::string of_activity(std::size_t activity, const std::string& port) const {
-    return p_.activities[activity].component + "." + port;
+    return plan_.activities[activity].component + "." + port;
   }
   [[nodiscard]] std::string of_task(std::size_t task, const std::string& port) const {
-    return p_.tasks[task].component + "." + port;
+    return plan_.tasks[task].component + "." + port;
   }
   /// Writes it under a name that the module does not have yet.
   void wire(Wire w);
@@ -36,7 +36,7 @@ class ModuleWriter {
   [[nodiscard]] std::string answered(const std::string& answer, std::size_t k, std::size_t reports) const;
   void add_module_lock(std::vector<std::string>& ports, const char* what) const;
   [[nodiscard]] bool waits(const Service& s) const {
-    return s.waits && !p_.by_codel && s.kind == ServiceKind::Execution;
+    return s.waits && !plan_.by_codel && s.kind == ServiceKind::Execution;
   }
 
   void parts(const GenerateOptions& options);
@@ -61,8 +61,8 @@ class ModuleWriter {
   void exports();
 
   std::string& out_;
-  const Plan& p_;
-  const Module& m_;
+  const Plan& plan_;
+  const Module& module_;
   bool is_3_;
   Scope scope_;
   std::map<std::string, std::string> names_;

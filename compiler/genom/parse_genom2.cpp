@@ -5,7 +5,7 @@
 #include <set>
 
 #include "compiler/genom/cursor.hpp"
-#include "compiler/genom/parse.hpp"
+#include "compiler/genom/parse_genom.hpp"
 
 namespace bip::genom {
 namespace {
@@ -48,9 +48,9 @@ Yield yield_of(std::string_view word) {
 
 class Genom2Parser {
  public:
-  Genom2Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags)
+  Genom2Parser(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags)
       : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
-    module_.is_open = header_missing;
+    module_.is_open = headers == Headers::Missing;
   }
 
   Module run() {
@@ -352,8 +352,8 @@ class Genom2Parser {
 
 }  // namespace
 
-Module parse_genom2(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) {
-  return Genom2Parser(tokens, header_missing, diags).run();
+Module parse_genom2(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags) {
+  return Genom2Parser(tokens, headers, diags).run();
 }
 
 }  // namespace bip::genom

@@ -5,7 +5,7 @@
 #include <deque>
 
 #include "compiler/genom/condition.hpp"
-#include "compiler/genom/parse.hpp"
+#include "compiler/genom/parse_genom.hpp"
 
 namespace bip::genom {
 namespace {
@@ -21,9 +21,9 @@ bool is_one_of(const Token& token, std::initializer_list<std::string_view> words
 
 class Genom3Parser {
  public:
-  Genom3Parser(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags)
+  Genom3Parser(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags)
       : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
-    module_.is_open = header_missing;
+    module_.is_open = headers == Headers::Missing;
     module_.generation = 3;
   }
 
@@ -246,7 +246,9 @@ class Genom3Parser {
     s.kind = kind == "activity" ? ServiceKind::Execution : ServiceKind::Control;
     std::set<std::string> locals;
     std::vector<DataUse> uses;
-    if (!v3::parse_parameters(in_, kind == "attribute", locals, uses)) return false;
+    if (!v3::parse_parameters(in_, kind == "attribute" ? v3::ParametersOf::Attribute : v3::ParametersOf::Codel, locals,
+                              uses))
+      return false;
     if (kind == "attribute") s.body.push_back({{}, std::move(uses)});
     std::vector<ParsedCodel> codels;
     if (in_.accept("{")) {
@@ -322,8 +324,8 @@ class Genom3Parser {
 
 }  // namespace
 
-Module parse_genom3(const std::vector<Token>& tokens, bool header_missing, Diagnostics& diags) {
-  return Genom3Parser(tokens, header_missing, diags).run();
+Module parse_genom3(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags) {
+  return Genom3Parser(tokens, headers, diags).run();
 }
 
 bool is_genom3(const std::vector<Token>& tokens) {

@@ -36,7 +36,8 @@ struct ParsedCodel {
 /// `id(params)`.
 [[nodiscard]] bool parse_call(Cursor& in, Codel& into);
 /// The parameters of a service, from `(` to `)`. Of an attribute the paths are ids members: they become `uses`.
-[[nodiscard]] bool parse_parameters(Cursor& in, bool is_attribute, std::set<std::string>& locals,
+enum class ParametersOf : std::uint8_t { Attribute, Codel };
+[[nodiscard]] bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& locals,
                                     std::vector<DataUse>& uses);
 /// Names that are declared by `type declarator{,declarator}`, up to and without the `;`.
 [[nodiscard]] bool parse_declared_names(Cursor& in, std::set<std::string>& names);

@@ -131,7 +131,7 @@ bool parse_codel(Cursor& in, ParsedCodel& into) {
   return !in.accept("wcet") || parse_wcet(in, into.codel);
 }
 
-bool parse_parameters(Cursor& in, bool is_attribute, std::set<std::string>& locals, std::vector<DataUse>& uses) {
+bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& locals, std::vector<DataUse>& uses) {
   if (!in.at("(")) return in.expect("(");
   in.take();
   while (!in.at(")") && !in.at_end()) {
@@ -158,7 +158,7 @@ bool parse_parameters(Cursor& in, bool is_attribute, std::set<std::string>& loca
       return false;
     }
     locals.insert(last);
-    if (is_attribute) uses.push_back({"ids:" + first, writes});
+    if (owner == ParametersOf::Attribute) uses.push_back({"ids:" + first, writes});
     if (!in.accept(",") && !in.at(")")) return in.expect(")");
   }
   return in.expect(")");

@@ -70,65 +70,66 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
 
 class Planner {
  public:
-  Planner(const Module& module, const GenerateOptions& options, Scope& types) : m_(module), types_(types) {
-    p_.module = &module;
-    p_.by_codel = options.lock == LockGranularity::Codel ||
-                  (options.lock == LockGranularity::ByGeneration && module.generation == 3);
-    p_.calls = options.flavour == Flavour::Execution;
-    p_.executive = options.executive;
-    p_.type = types_.claim(type_name(module.name.text), "Module");
-    p_.component = bip_name(module.name.text);
+  Planner(const Module& module, const GenerateOptions& options, Scope& types) : module_(module), types_(types) {
+    plan_.module = &module;
+    plan_.by_codel = options.lock == LockGranularity::Codel ||
+                     (options.lock == LockGranularity::ByGeneration && module.generation == 3);
+    plan_.calls = options.flavour == Flavour::Execution;
+    plan_.executive = options.executive;
+    plan_.type = types_.claim(type_name(module.name.text), "Module");
+    plan_.component = bip_name(module.name.text);
   }
 
   Plan run() {
-    p_.control_type = types_.claim(p_.type + "Control", "Task");
-    p_.box_type = types_.claim(p_.type + "MessageBox", "Atom");
-    p_.control = scope_.claim("control", "task");
-    p_.ids = scope_.claim("ids", "control");
-    if (!p_.by_codel) p_.lock = scope_.claim("lock", "ids");
-    if (!m_.posters.empty()) p_.poster_timer = scope_.claim("poster_timer", "module");
-    for (std::size_t i = 0; i < m_.services.size(); ++i) service(i);
-    for (std::size_t i = 0; i < m_.tasks.size(); ++i) task(i);
-    for (const Poster& poster : m_.posters) p_.posters.push_back(scope_.claim(bip_name(poster.name.text), "poster"));
-    p_.poster_types.resize(p_.posters.size());
-    if (p_.by_codel) locks();
-    return std::move(p_);
+    plan_.control_type = types_.claim(plan_.type + "Control", "Task");
+    plan_.box_type = types_.claim(plan_.type + "MessageBox", "Atom");
+    plan_.control = scope_.claim("control", "task");
+    plan_.ids = scope_.claim("ids", "control");
+    if (!plan_.by_codel) plan_.lock = scope_.claim("lock", "ids");
+    if (!module_.posters.empty()) plan_.poster_timer = scope_.claim("poster_timer", "module");
+    for (std::size_t i = 0; i < module_.services.size(); ++i) service(i);
+    for (std::size_t i = 0; i < module_.tasks.size(); ++i) task(i);
+    for (const Poster& poster : module_.posters)
+      plan_.posters.push_back(scope_.claim(bip_name(poster.name.text), "poster"));
+    plan_.poster_types.resize(plan_.posters.size());
+    if (plan_.by_codel) locks();
+    return std::move(plan_);
   }
 
  private:
   void service(std::size_t i) {
-    const Service& s = m_.services[i];
+    const Service& s = module_.services[i];
     ServicePlan plan;
     plan.id = ids_.claim(bip_name(s.name.text), "service");
     const bool is_execution = s.kind == ServiceKind::Execution;
     plan.type = "ControlService";
     if (is_execution) {
-      plan.type = types_.claim(p_.type + type_name(s.name.text), "Service");
-      plan.activity = plan_activity(s.activity, true, s.reports, m_.generation);
+      plan.type = types_.claim(plan_.type + type_name(s.name.text), "Service");
+      plan.activity = plan_activity(s.activity, true, s.reports, module_.generation);
       plan.activity.type = types_.claim(plan.type + "Activity", "Atom");
       if (plan.activity.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     }
     for (std::size_t k = 0; k < s.instances; ++k) {
-      plan.activities.push_back(p_.activities.size());
-      p_.activities.push_back({i, scope_.claim(k == 0 ? plan.id : fmt::format("{}_{}", plan.id, k + 1), "service")});
+      plan.activities.push_back(plan_.activities.size());
+      plan_.activities.push_back({i, scope_.claim(k == 0 ? plan.id : fmt::format("{}_{}", plan.id, k + 1), "service")});
     }
-    if (is_execution) p_.execution_activities += s.instances;
-    p_.services.push_back(std::move(plan));
+    if (is_execution) plan_.execution_activities += s.instances;
+    plan_.services.push_back(std::move(plan));
   }
 
   void task(std::size_t i) {
-    const Task& t = m_.tasks[i];
+    const Task& t = module_.tasks[i];
     TaskPlan plan;
     plan.component = scope_.claim(bip_name(t.name.text), "task");
-    plan.type = types_.claim(p_.type + type_name(t.name.text), "Task");
+    plan.type = types_.claim(plan_.type + type_name(t.name.text), "Task");
     plan.scheduler = types_.claim(plan.type + "Scheduler", "Atom");
-    if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, {}, m_.generation);
+    if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, {}, module_.generation);
     plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
-    for (std::size_t k = 0; k < p_.activities.size(); ++k) {
-      const Service& s = p_.service_of(k);
+    for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+      const Service& s = plan_.service_of(k);
       if (s.kind == ServiceKind::Execution && s.task_index == i) plan.activities.push_back(k);
     }
-    p_.tasks.push_back(std::move(plan));
+    plan_.tasks.push_back(std::move(plan));
   }
 
   // Data that codels of two threads use, one of them writing. A thread is the control task (0) or a task (1 + its
@@ -142,32 +143,32 @@ class Planner {
     std::map<std::string, Users> all;
     std::vector<std::string> order;
     const auto add = [&](const Codel& codel, std::size_t thread) {
-      for (const DataUse& use : uses_of(m_, codel)) {
+      for (const DataUse& use : uses_of(module_, codel)) {
         Users& users = all[use.data];
         if (users.codels++ == 0) order.push_back(use.data);
         users.threads.insert(thread);
         users.written = users.written || use.writes;
       }
     };
-    for (const Service& s : m_.services) {
+    for (const Service& s : module_.services) {
       add(s.validate, 0);
       for (const Codel& c : s.body) add(c, 0);
       for (const State& state : s.activity.states) add(state.codel, 1 + s.task_index);
     }
-    for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
-      if (m_.tasks[i].permanent.is_set()) add({m_.tasks[i].permanent, {}}, 1 + i);
-      for (const State& state : m_.tasks[i].activity.states) add(state.codel, 1 + i);
+    for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
+      if (module_.tasks[i].permanent.is_set()) add({module_.tasks[i].permanent, {}}, 1 + i);
+      for (const State& state : module_.tasks[i].activity.states) add(state.codel, 1 + i);
     }
     for (const std::string& data : order) {
       const Users& users = all[data];
       if (users.threads.size() > 1 && users.written)
-        p_.locks.push_back(
+        plan_.locks.push_back(
             {data, scope_.claim("lock_" + bip_name(data), "data"), {users.threads.begin(), users.threads.end()}});
     }
   }
 
-  const Module& m_;
-  Plan p_;
+  const Module& module_;
+  Plan plan_;
   Scope scope_;
   Scope& types_;
   Scope ids_;  // of services, in names of ports
@@ -206,7 +207,7 @@ bool Plan::may_suspend(std::size_t task) const {
 }
 
 std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {
-  // It has no data but its own (resolve.cpp, B6024).
+  // It has no data but its own (resolve_module.cpp, B6024).
   if (codel.is_async) return {};
   if (module.generation == 3) return codel.uses;
   return codel.name.is_set() ? std::vector<DataUse>{{"ids", true}} : std::vector<DataUse>{};

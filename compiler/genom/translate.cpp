@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "compiler/genom/names.hpp"
-#include "compiler/genom/parse.hpp"
+#include "compiler/genom/parse_genom.hpp"
 
 namespace bip::genom {
 namespace {
@@ -43,8 +43,8 @@ void check_reads(const std::vector<Module>& modules, Diagnostics& diags) {
 Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options,
                    Diagnostics& diags) {
   const Preprocessed text = preprocess(sources, description.path, description.file, options, diags);
-  return is_genom3(text.tokens) ? parse_genom3(text.tokens, text.header_missing, diags)
-                                : parse_genom2(text.tokens, text.header_missing, diags);
+  const Headers headers = text.header_missing ? Headers::Missing : Headers::Found;
+  return is_genom3(text.tokens) ? parse_genom3(text.tokens, headers, diags) : parse_genom2(text.tokens, headers, diags);
 }
 
 std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files,

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "compiler/diag/diagnostics.hpp"
-#include "compiler/genom/generate.hpp"
+#include "compiler/genom/generate_package.hpp"
 #include "compiler/genom/preprocess.hpp"
-#include "compiler/genom/resolve.hpp"
+#include "compiler/genom/resolve_module.hpp"
 
 namespace bip::genom {
 

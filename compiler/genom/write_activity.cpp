@@ -24,13 +24,13 @@ class ActivityWriter {
       : out_(out),
         plan_(plan),
         activity_(activity),
-        a_(a),
+        activity_plan_(a),
         service_(service),
         is_3_(plan.module->generation == 3),
         places_(a.places) {}
 
   void run(const std::string& comment) {
-    out_ += fmt::format("\n  // {}\n  atom type {}()\n", comment, a_.type);
+    out_ += fmt::format("\n  // {}\n  atom type {}()\n", comment, activity_plan_.type);
     data();
     ports();
     place_line();
@@ -50,11 +50,11 @@ class ActivityWriter {
   [[nodiscard]] bool stoppable() const { return service_ != nullptr; }
   [[nodiscard]] std::string ended(std::size_t i) const { return places_[i] + (leaves(i) ? "_ENDS" : "_RUNS"); }
   // Is what happens between its turn and its answer seen by others?
-  [[nodiscard]] bool leaves(std::size_t i) const { return plan_.by_codel || a_.async[i]; }
-  [[nodiscard]] bool remembers() const { return stoppable() && (plan_.by_codel || a_.has_async); }
+  [[nodiscard]] bool leaves(std::size_t i) const { return plan_.by_codel || activity_plan_.async[i]; }
+  [[nodiscard]] bool remembers() const { return stoppable() && (plan_.by_codel || activity_plan_.has_async); }
 
   void data() {
-    if (a_.ends_not_ok) {
+    if (activity_plan_.ends_not_ok) {
       for (const Name& r : service_->reports)
         out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r.text), r.text);
     }
@@ -77,7 +77,7 @@ class ActivityWriter {
 
   [[nodiscard]] bool yields(std::size_t to, Next next) const {
     for (std::size_t i = 0; i < activity_.states.size(); ++i) {
-      if (!a_.used[i]) continue;
+      if (!activity_plan_.used[i]) continue;
       for (const Yield& y : activity_.states[i].yields) {
         if (y.next == next && y.state == to) return true;
       }
@@ -91,41 +91,41 @@ class ActivityWriter {
       port("abt");
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (!a_.used[i]) continue;
+      if (!activity_plan_.used[i]) continue;
       port("run_" + places_[i]);
-      if (a_.async[i])
+      if (activity_plan_.async[i])
         out_ += fmt::format("    export port {} back_{}({})\n", plan_.calls ? "Outcome" : "Signal", places_[i],
                             plan_.calls ? "next, report" : "");
       else if (plan_.by_codel) port("done_" + places_[i]);
     }
-    if (a_.has_async) {
+    if (activity_plan_.has_async) {
       for (const char* name : {"wait", "lost", "found"}) port(name);
     }
-    if (is_3_ && (stoppable() || a_.pauses)) port("resume");
-    merged(a_.to, "Signal", a_.went_on());
-    merged(a_.pause, "Signal", a_.paused());
-    if (a_.ends) port("ok");
-    if (a_.ends_not_ok) merged(a_.report, "Report", a_.not_ok(), true);
-    if (a_.ends_stopped) port("intr");
-    if (a_.has_zombie) {
+    if (is_3_ && (stoppable() || activity_plan_.pauses)) port("resume");
+    merged(activity_plan_.to, "Signal", activity_plan_.went_on());
+    merged(activity_plan_.pause, "Signal", activity_plan_.paused());
+    if (activity_plan_.ends) port("ok");
+    if (activity_plan_.ends_not_ok) merged(activity_plan_.report, "Report", activity_plan_.not_ok(), true);
+    if (activity_plan_.ends_stopped) port("intr");
+    if (activity_plan_.has_zombie) {
       port("zombie");
       port("bury");
     }
-    if (a_.has_bad) port("bad");
-    if (a_.rests) port("rest");
+    if (activity_plan_.has_bad) port("bad");
+    if (activity_plan_.rests) port("rest");
   }
 
   void place_line() {
-    std::string list = service_ != nullptr || a_.ends ? "ETHER" : "";
+    std::string list = service_ != nullptr || activity_plan_.ends ? "ETHER" : "";
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (!a_.used[i]) continue;
+      if (!activity_plan_.used[i]) continue;
       list += (list.empty() ? "" : ", ") + places_[i] + ", " + places_[i] + "_RUNS";
       if (leaves(i)) list += ", " + places_[i] + "_ENDS";
       if (has_paused(i)) list += ", " + places_[i] + "_PAUSED";
     }
-    if (a_.has_sleep) list += ", SLEEP";
-    if (a_.has_zombie) list += ", ZOMBIE";
-    if (a_.has_async) list += ", LOST";
+    if (activity_plan_.has_sleep) list += ", SLEEP";
+    if (activity_plan_.has_zombie) list += ", ZOMBIE";
+    if (activity_plan_.has_async) list += ", LOST";
     out_ += "\n    place " + list + "\n";
   }
 
@@ -147,7 +147,7 @@ class ActivityWriter {
     const std::string stop = places_[activity_.stop];
     out_ += "\n    // Told to stop.\n";
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (!a_.used[i]) continue;
+      if (!activity_plan_.used[i]) continue;
       on("abt", places_[i], stop);
       if (has_paused(i)) on("abt", places_[i] + "_PAUSED", stop + "_PAUSED");
       if (!leaves(i)) continue;
@@ -155,10 +155,10 @@ class ActivityWriter {
       on("abt", places_[i] + "_RUNS", places_[i] + "_RUNS", remember);
       on("abt", places_[i] + "_ENDS", places_[i] + "_ENDS", remember);
     }
-    if (a_.has_sleep) on("abt", "SLEEP", stop);
+    if (activity_plan_.has_sleep) on("abt", "SLEEP", stop);
     if (!remembers()) return;
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (!a_.used[i] || i == activity_.stop) continue;
+      if (!activity_plan_.used[i] || i == activity_.stop) continue;
       if (may_follow(i, Next::State))
         out_ += fmt::format("    internal from {} to {} provided (stopping) do {{ stopping = false; }}\n", places_[i],
                             stop);
@@ -166,14 +166,14 @@ class ActivityWriter {
         out_ += fmt::format("    internal from {}_PAUSED to {}_PAUSED provided (stopping) do {{ stopping = false; }}\n",
                             places_[i], stop);
     }
-    if (a_.has_sleep)
+    if (activity_plan_.has_sleep)
       out_ += fmt::format("    internal from SLEEP to {} provided (stopping) do {{ stopping = false; }}\n", stop);
   }
 
   // Can a codel of a state that is not `stop` answer with it?
   [[nodiscard]] bool may_follow(std::size_t to, Next next) const {
     for (std::size_t i = 0; i < activity_.states.size(); ++i) {
-      if (!a_.used[i] || i == activity_.stop) continue;
+      if (!activity_plan_.used[i] || i == activity_.stop) continue;
       for (const Yield& y : activity_.states[i].yields) {
         if (y.next == next && y.state == to) return true;
       }
@@ -184,18 +184,19 @@ class ActivityWriter {
   void turns() {
     out_ += "\n    // Its turn.\n";
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (!a_.used[i]) continue;
+      if (!activity_plan_.used[i]) continue;
       const Codel& codel = activity_.states[i].codel;
-      const bool calls = plan_.calls && codel.name.is_set() && !a_.async[i];
+      const bool calls = plan_.calls && codel.name.is_set() && !activity_plan_.async[i];
       on("run_" + places_[i], places_[i], places_[i] + "_RUNS",
          calls ? fmt::format("report = 0; next = {}(report)", bip_name(codel.name.text)) : "");
-      if (leaves(i)) on((a_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
-      if (!a_.async[i]) continue;
+      if (leaves(i))
+        on((activity_plan_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
+      if (!activity_plan_.async[i]) continue;
       on("wait", places_[i] + "_RUNS", places_[i] + "_RUNS");
       on("lost", places_[i] + "_RUNS", "LOST", "stopping = false");
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (a_.used[i] && has_paused(i)) on("resume", places_[i] + "_PAUSED", places_[i]);
+      if (activity_plan_.used[i] && has_paused(i)) on("resume", places_[i] + "_PAUSED", places_[i]);
     }
   }
 
@@ -203,7 +204,7 @@ class ActivityWriter {
     // An end makes up for an abort that came while the last codel ran.
     const std::string forget = remembers() ? "stopping = false" : "";
     for (std::size_t i = 0; i < activity_.states.size(); ++i) {
-      if (!a_.used[i]) continue;
+      if (!activity_plan_.used[i]) continue;
       const State& s = activity_.states[i];
       const std::string from = ended(i);
       const bool is_stop = stoppable() && i == activity_.stop;
@@ -249,18 +250,18 @@ class ActivityWriter {
 
   // Nothing to do for it in this turn.
   void rests() {
-    if (!a_.rests) return;
+    if (!activity_plan_.rests) return;
     out_ += "\n    // Nothing to run.\n";
-    if (service_ != nullptr || a_.ends) on("rest", "ETHER", "ETHER");
+    if (service_ != nullptr || activity_plan_.ends) on("rest", "ETHER", "ETHER");
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (a_.used[i] && has_paused(i)) on("rest", places_[i] + "_PAUSED", places_[i] + "_PAUSED");
+      if (activity_plan_.used[i] && has_paused(i)) on("rest", places_[i] + "_PAUSED", places_[i] + "_PAUSED");
     }
-    if (a_.has_sleep) on("rest", "SLEEP", "SLEEP");
-    if (a_.has_async) {
+    if (activity_plan_.has_sleep) on("rest", "SLEEP", "SLEEP");
+    if (activity_plan_.has_async) {
       on("rest", "LOST", "LOST");
       on("found", "LOST", "ETHER");
     }
-    if (a_.has_zombie) {
+    if (activity_plan_.has_zombie) {
       on("rest", "ZOMBIE", "ZOMBIE");
       on("bury", "ZOMBIE", "ETHER");
     }
@@ -269,7 +270,7 @@ class ActivityWriter {
   std::string& out_;
   const Plan& plan_;
   const Activity& activity_;
-  const ActivityPlan& a_;
+  const ActivityPlan& activity_plan_;
   const Service* service_;
   bool is_3_;
   const std::vector<std::string>& places_;

@@ -30,12 +30,12 @@ bool has_checked(const Plan& p) {
 }  // namespace
 
 ModuleWriter::ModuleWriter(std::string& out, const Plan& plan)
-    : out_(out), p_(plan), m_(*plan.module), is_3_(plan.module->generation == 3) {
-  for (const std::string& own : {p_.control, p_.ids, p_.lock, p_.poster_timer}) scope_.claim(own, "");
-  for (const ServiceInstance& activity : p_.activities) scope_.claim(activity.component, "");
-  for (const TaskPlan& t : p_.tasks) scope_.claim(t.component, "");
-  for (const std::string& poster : p_.posters) scope_.claim(poster, "");
-  for (const LockPlan& lock : p_.locks) scope_.claim(lock.component, "");
+    : out_(out), plan_(plan), module_(*plan.module), is_3_(plan.module->generation == 3) {
+  for (const std::string& own : {plan_.control, plan_.ids, plan_.lock, plan_.poster_timer}) scope_.claim(own, "");
+  for (const ServiceInstance& activity : plan_.activities) scope_.claim(activity.component, "");
+  for (const TaskPlan& t : plan_.tasks) scope_.claim(t.component, "");
+  for (const std::string& poster : plan_.posters) scope_.claim(poster, "");
+  for (const LockPlan& lock : plan_.locks) scope_.claim(lock.component, "");
 }
 
 void ModuleWriter::wire(Wire w) {
@@ -46,26 +46,26 @@ void ModuleWriter::wire(Wire w) {
 }
 
 void ModuleWriter::run(const GenerateOptions& options) {
-  out_ += fmt::format("\n  // Module {}.\n  compound type {}()\n", m_.name.text, p_.type);
+  out_ += fmt::format("\n  // Module {}.\n  compound type {}()\n", module_.name.text, plan_.type);
   parts(options);
   control_cycle();
-  for (std::size_t i = 0; i < m_.services.size(); ++i) request(i);
-  if (p_.execution_activities > 0) {
+  for (std::size_t i = 0; i < module_.services.size(); ++i) request(i);
+  if (plan_.execution_activities > 0) {
     aborts();
     launches();
   }
   std::vector<std::string> done{control("done")};
-  for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
-    if (m_.tasks[i].period_us == 0) done.push_back(of_task(i, "wake"));
+  for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
+    if (module_.tasks[i].period_us == 0) done.push_back(of_task(i, "wake"));
   }
-  wire({.name = "done", .ports = done, .exported = p_.is_launched_by_rules});
+  wire({.name = "done", .ports = done, .exported = plan_.is_launched_by_rules});
   std::vector<std::string> rest{control("rest")};
   std::vector<std::string> give{control("give")};
   add_module_lock(rest, "give");
   add_module_lock(give, "give");
   wire({.name = "rest", .ports = rest});
   wire({.name = "give", .ports = give, .exported = true});
-  for (std::size_t i = 0; i < m_.tasks.size(); ++i) task(i);
+  for (std::size_t i = 0; i < module_.tasks.size(); ++i) task(i);
   time();
   priorities();
   exports();
@@ -73,18 +73,18 @@ void ModuleWriter::run(const GenerateOptions& options) {
 }
 
 void ModuleWriter::add_module_lock(std::vector<std::string>& ports, const char* what) const {
-  if (!p_.by_codel) ports.push_back(p_.lock + "." + what);
+  if (!plan_.by_codel) ports.push_back(plan_.lock + "." + what);
 }
 
 // Adds the locks of what a codel uses.
 void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<const Codel*>& codels,
                              std::size_t thread, const char* what) const {
-  if (!p_.by_codel) return;
-  for (const LockPlan& lock : p_.locks) {
+  if (!plan_.by_codel) return;
+  for (const LockPlan& lock : plan_.locks) {
     bool used = false;
     bool written = false;
     for (const Codel* codel : codels) {
-      for (const DataUse& use : uses_of(m_, *codel)) {
+      for (const DataUse& use : uses_of(module_, *codel)) {
         used = used || use.data == lock.data;
         written = written || (use.data == lock.data && use.writes);
       }
@@ -95,32 +95,32 @@ void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<
 }
 
 void ModuleWriter::parts(const GenerateOptions& options) {
-  out_ += fmt::format("    component {} {}({})\n", p_.control_type, p_.control, options.control_period);
-  if (p_.has_checks()) {
-    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", p_.ids,
-                        m_.has_init() ? "true" : "false", p_.execution_activities);
+  out_ += fmt::format("    component {} {}({})\n", plan_.control_type, plan_.control, options.control_period);
+  if (plan_.has_checks()) {
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", plan_.ids,
+                        module_.has_init() ? "true" : "false", plan_.execution_activities);
   }
-  if (!p_.by_codel) out_ += fmt::format("    component IdsLock {}()\n", p_.lock);
-  for (const LockPlan& lock : p_.locks)
+  if (!plan_.by_codel) out_ += fmt::format("    component IdsLock {}()\n", plan_.lock);
+  for (const LockPlan& lock : plan_.locks)
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component DataLock{} {}()\n",
                         lock.threads.size(), lock.component);
-  for (const TaskPlan& t : p_.tasks) out_ += fmt::format("    component {} {}()\n", t.type, t.component);
-  for (const ServiceInstance& activity : p_.activities) {
+  for (const TaskPlan& t : plan_.tasks) out_ += fmt::format("    component {} {}()\n", t.type, t.component);
+  for (const ServiceInstance& activity : plan_.activities) {
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n",
-                        p_.services[activity.service].type, activity.component);
+                        plan_.services[activity.service].type, activity.component);
   }
-  if (!p_.poster_timer.empty())
-    out_ += fmt::format("    component Timer {}({}, 0)\n", p_.poster_timer, options.poster_period);
-  for (std::size_t k = 0; k < p_.posters.size(); ++k)
+  if (!plan_.poster_timer.empty())
+    out_ += fmt::format("    component Timer {}({}, 0)\n", plan_.poster_timer, options.poster_period);
+  for (std::size_t k = 0; k < plan_.posters.size(); ++k)
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n",
-                        p_.poster_types[k].type, p_.posters[k], options.oldest);
+                        plan_.poster_types[k].type, plan_.posters[k], options.oldest);
 }
 
 // Execution flavour: the codels one after the other, until one does not answer OK.
 std::string ModuleWriter::called(const std::vector<Codel>& codels, const std::string& answer) const {
   std::string action;
   for (const Codel& c : codels) {
-    if (!p_.calls || !c.name.is_set()) continue;
+    if (!plan_.calls || !c.name.is_set()) continue;
     const std::string call = fmt::format("{} <- {}()", answer, bip_name(c.name.text));
     action += action.empty()
                   ? call
@@ -131,7 +131,7 @@ std::string ModuleWriter::called(const std::vector<Codel>& codels, const std::st
 
 // The k-th of so many reports; the last one stands for whatever else a codel returns.
 std::string ModuleWriter::answered(const std::string& answer, std::size_t k, std::size_t reports) const {
-  if (!p_.calls) return {};
+  if (!plan_.calls) return {};
   if (k + 1 < reports) return fmt::format("{} == {}", answer, k + 1);
   std::string guard = answer + " != 0";
   for (std::size_t i = 0; i < k; ++i) guard += fmt::format(" && {} != {}", answer, i + 1);
@@ -143,13 +143,13 @@ void ModuleWriter::control_cycle() {
   add_module_lock(chck, "take");
   wire({.name = "chck", .ports = chck});
   std::vector<std::string> replies{control("collect")};
-  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
-    if (p_.service_of(k).kind == ServiceKind::Execution) replies.push_back(of_activity(k, "reply"));
+  for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+    if (plan_.service_of(k).kind == ServiceKind::Execution) replies.push_back(of_activity(k, "reply"));
   }
   wire({.name = "collect", .ports = replies, .triggers = replies.size() > 1 ? 1u : 0u});
-  wire({.name = "none", .ports = {control("none")}, .exported = p_.executive != Executive::Anybody});
-  if (!has_checked(p_)) return;
-  const std::string state = p_.ids + ".state";
+  wire({.name = "none", .ports = {control("none")}, .exported = plan_.executive != Executive::Anybody});
+  if (!has_checked(plan_)) return;
+  const std::string state = plan_.ids + ".state";
   const auto refuse = [&](const char* report, const std::string& guard) {
     wire({.name = fmt::format("refuse_{}", report),
           .ports = {control("refuse"), state},
@@ -168,7 +168,7 @@ void ModuleWriter::control_cycle() {
 void ModuleWriter::order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const {
   const auto add = [&](std::size_t other, bool must_be_done) {
     std::string done;
-    for (const std::size_t activity : p_.services[other].activities) {
+    for (const std::size_t activity : plan_.services[other].activities) {
       const std::string stat = of_activity(activity, "stat");
       if (std::find(ports.begin(), ports.end(), stat) == ports.end()) ports.push_back(stat);
       done += (done.empty() ? "" : " || ") + stat + ".done";
@@ -180,14 +180,14 @@ void ModuleWriter::order_guards(const Service& s, std::vector<std::string>& port
 }
 
 void ModuleWriter::request(std::size_t i) {
-  const Service& s = m_.services[i];
-  const ServicePlan& p = p_.services[i];
+  const Service& s = module_.services[i];
+  const ServicePlan& p = plan_.services[i];
   const bool is_execution = s.kind == ServiceKind::Execution;
   out_ += fmt::format("\n    // Request {}.\n", s.name.text);
   admissions(i);
   interruptions(s, p);
   for (const std::size_t activity : p.activities) {
-    const std::string& name = p_.activities[activity].component;
+    const std::string& name = plan_.activities[activity].component;
     std::vector<std::string> trig{control("trig_" + p.id), of_activity(activity, "trig")};
     if (!is_execution) add_locks(trig, bodies(s), 0, "take");
     wire({.name = "trig_" + name,
@@ -206,8 +206,8 @@ void ModuleWriter::request(std::size_t i) {
 
 // To the first free instance, if the order of services allows it.
 void ModuleWriter::admissions(std::size_t i) {
-  const Service& s = m_.services[i];
-  const ServicePlan& p = p_.services[i];
+  const Service& s = module_.services[i];
+  const ServicePlan& p = plan_.services[i];
   std::vector<std::string> stats;
   std::string guard;
   order_guards(s, stats, guard);
@@ -218,7 +218,7 @@ void ModuleWriter::admissions(std::size_t i) {
     admit.insert(admit.end(), busy.begin(), busy.end());
     admit.insert(admit.end(), stats.begin(), stats.end());
     add_locks(admit, {&s.validate}, 0, "take");
-    wire({.name = "admit_" + p_.activities[activity].component,
+    wire({.name = "admit_" + plan_.activities[activity].component,
           .ports = admit,
           .guard = guard,
           .action = called({s.validate}, of_activity(activity, "ctrl.answer"))});
@@ -238,7 +238,7 @@ void ModuleWriter::admissions(std::size_t i) {
     std::vector<std::string> ports{full};
     if (s.kind == ServiceKind::Execution) ports.push_back(of_activity(p.activities[k], "free"));
     ports.insert(ports.end(), stats.begin(), stats.end());
-    wire({.name = "disallow_" + p_.activities[p.activities[k]].component,
+    wire({.name = "disallow_" + plan_.activities[p.activities[k]].component,
           .ports = ports,
           .guard = fmt::format("!({})", guard),
           .action = full + ".rep <- \"disallowed\""});
@@ -246,10 +246,12 @@ void ModuleWriter::admissions(std::size_t i) {
 }
 
 void ModuleWriter::validated(const Service& s, std::size_t activity) {
-  const std::string& name = p_.activities[activity].component;
+  const std::string& name = plan_.activities[activity].component;
   std::vector<std::string> valid{control("valid"), of_activity(activity, "valid")};
   add_locks(valid, {&s.validate}, 0, "give");
-  wire({.name = "valid_" + name, .ports = valid, .guard = p_.calls ? of_activity(activity, "valid.answer == 0") : ""});
+  wire({.name = "valid_" + name,
+        .ports = valid,
+        .guard = plan_.calls ? of_activity(activity, "valid.answer == 0") : ""});
   if (!s.validate_fails) return;
   const std::vector<std::string> reports = reports_of(s);
   for (std::size_t k = 0; k < reports.size(); ++k) {
@@ -267,11 +269,11 @@ void ModuleWriter::interruptions(const Service& s, const ServicePlan& p) {
   std::vector<std::string> ports{control("abtInc_" + p.id)};
   std::size_t triggers = 1;
   if (waits(s)) {
-    ports.push_back(p_.lock + ".give");
+    ports.push_back(plan_.lock + ".give");
     triggers = 2;
   }
   for (const std::size_t other : s.interrupted) {
-    for (const std::size_t activity : p_.services[other].activities) ports.push_back(of_activity(activity, "abt"));
+    for (const std::size_t activity : plan_.services[other].activities) ports.push_back(of_activity(activity, "abt"));
   }
   wire(
       {.name = "abtInc_" + p.id, .ports = ports, .triggers = ports.size() > triggers ? triggers : 0, .exported = true});
@@ -281,11 +283,11 @@ void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
   const std::size_t activity = p.activities[0];
   std::vector<std::string> fin{control("final"), of_activity(activity, "fin")};
   add_locks(fin, bodies(s), 0, "give");
-  if (s.is_init) fin.push_back(p_.ids + ".initialise");
+  if (s.is_init) fin.push_back(plan_.ids + ".initialise");
   const bool has_codel = std::any_of(s.body.begin(), s.body.end(), [](const Codel& c) { return c.name.is_set(); });
-  wire({.name = "final_" + p_.activities[activity].component,
+  wire({.name = "final_" + plan_.activities[activity].component,
         .ports = fin,
-        .guard = p_.calls && has_codel ? of_activity(activity, "fin.answer == 0") : "",
+        .guard = plan_.calls && has_codel ? of_activity(activity, "fin.answer == 0") : "",
         .action = control("final") + ".rep <- \"OK\"",
         .exported = p.is_heard});
   if (!has_codel || !s.body_fails) return;
@@ -294,7 +296,7 @@ void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
     const std::string& report = reports[k];
     std::vector<std::string> bad{control("final"), of_activity(activity, "nofin")};
     add_locks(bad, bodies(s), 0, "give");
-    wire({.name = fmt::format("final_{}_{}", p_.activities[activity].component, bip_name(report)),
+    wire({.name = fmt::format("final_{}_{}", plan_.activities[activity].component, bip_name(report)),
           .ports = bad,
           .guard = answered(of_activity(activity, "nofin.answer"), k, reports.size()),
           .action = fmt::format("{}.rep <- \"{}\"", control("final"), report)});

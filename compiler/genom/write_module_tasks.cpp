@@ -9,13 +9,13 @@ namespace bip::genom {
 
 void ModuleWriter::aborts() {
   out_ += "\n    // Request Abort.\n";
-  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
-    if (p_.service_of(k).kind != ServiceKind::Execution) continue;
-    const std::string& name = p_.activities[k].component;
+  for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+    if (plan_.service_of(k).kind != ServiceKind::Execution) continue;
+    const std::string& name = plan_.activities[k].component;
     wire({.name = "abort_" + name, .ports = {control("abort"), of_activity(k, "abt")}});
-    if (!p_.services[p_.activities[k].service].activity.has_zombie) continue;
+    if (!plan_.services[plan_.activities[k].service].activity.has_zombie) continue;
     std::vector<std::string> bury{control("abort"), of_activity(k, "bury")};
-    if (p_.has_checks()) bury.push_back(p_.ids + ".remove_zombie");
+    if (plan_.has_checks()) bury.push_back(plan_.ids + ".remove_zombie");
     wire({.name = "bury_" + name, .ports = bury});
   }
   wire({.name = "unknown_activity", .ports = {control("unknown")}});
@@ -24,25 +24,25 @@ void ModuleWriter::aborts() {
 // An activity begins when nothing that it interrupts runs any more.
 void ModuleWriter::launches() {
   out_ += "\n    // Start what is ready.\n";
-  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
-    const Service& s = p_.service_of(k);
+  for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+    const Service& s = plan_.service_of(k);
     if (s.kind != ServiceKind::Execution) continue;
     std::vector<std::string> ports{control("launch"), of_activity(k, "start"), of_task(s.task_index, "add")};
     for (const std::size_t other : s.interrupted) {
-      for (const std::size_t activity : p_.services[other].activities) {
+      for (const std::size_t activity : plan_.services[other].activities) {
         if (activity != k) ports.push_back(of_activity(activity, "idle"));
       }
     }
-    wire({.name = "launch_" + p_.activities[k].component, .ports = ports, .exported = p_.is_launched_by_rules});
+    wire({.name = "launch_" + plan_.activities[k].component, .ports = ports, .exported = plan_.is_launched_by_rules});
   }
-  if (std::any_of(m_.services.begin(), m_.services.end(), [&](const Service& s) { return waits(s); })) {
-    wire({.name = "retake", .ports = {control("retake"), p_.lock + ".take"}});
+  if (std::any_of(module_.services.begin(), module_.services.end(), [&](const Service& s) { return waits(s); })) {
+    wire({.name = "retake", .ports = {control("retake"), plan_.lock + ".take"}});
   }
 }
 
 void ModuleWriter::task(std::size_t i) {
-  const Task& t = m_.tasks[i];
-  const TaskPlan& p = p_.tasks[i];
+  const Task& t = module_.tasks[i];
+  const TaskPlan& p = plan_.tasks[i];
   out_ += fmt::format("\n    // Task {}.\n", t.name.text);
   std::vector<std::string> begin{of_task(i, "begin")};
   add_module_lock(begin, "take");
@@ -66,13 +66,13 @@ void ModuleWriter::task(std::size_t i) {
   }
   std::vector<std::string> give{of_task(i, "give")};
   add_module_lock(give, "give");
-  for (std::size_t k = 0; k < m_.posters.size(); ++k) {
-    const Poster& poster = m_.posters[k];
+  for (std::size_t k = 0; k < module_.posters.size(); ++k) {
+    const Poster& poster = module_.posters[k];
     if (is_3_ || poster.task_index != i) continue;
     if (poster.is_auto) {
-      give.push_back(p_.posters[k] + ".write");
+      give.push_back(plan_.posters[k] + ".write");
     } else {
-      wire({.name = "update_" + p_.posters[k], .ports = {of_task(i, "update"), p_.posters[k] + ".write"}});
+      wire({.name = "update_" + plan_.posters[k], .ports = {of_task(i, "update"), plan_.posters[k] + ".write"}});
     }
   }
   wire({.name = "give_" + p.component, .ports = give});
@@ -80,22 +80,22 @@ void ModuleWriter::task(std::size_t i) {
 
 // GenoM 2: one codel a cycle; only where locks go by codel is there something to give back.
 void ModuleWriter::permanent(std::size_t i) {
-  const Codel codel{m_.tasks[i].permanent, {}};
-  if (p_.by_codel) {
+  const Codel codel{module_.tasks[i].permanent, {}};
+  if (plan_.by_codel) {
     std::vector<std::string> done{of_task(i, "permanent_done")};
     add_locks(done, {&codel}, 1 + i, "give");
-    wire({.name = "permanent_done_" + p_.tasks[i].component, .ports = done});
+    wire({.name = "permanent_done_" + plan_.tasks[i].component, .ports = done});
   }
-  if (!m_.tasks[i].permanent_fails) return;
-  std::vector<std::string> fails{of_task(i, "permanent_fails"), p_.ids + ".suspend"};
+  if (!module_.tasks[i].permanent_fails) return;
+  std::vector<std::string> fails{of_task(i, "permanent_fails"), plan_.ids + ".suspend"};
   add_module_lock(fails, "give");
   add_locks(fails, {&codel}, 1 + i, "give");
-  wire({.name = "permanent_fails_" + p_.tasks[i].component, .ports = fails});
+  wire({.name = "permanent_fails_" + plan_.tasks[i].component, .ports = fails});
 }
 
 void ModuleWriter::turns_of_permanent(std::size_t i) {
-  const Activity& activity = m_.tasks[i].activity;
-  const ActivityPlan& a = p_.tasks[i].permanent;
+  const Activity& activity = module_.tasks[i].activity;
+  const ActivityPlan& a = plan_.tasks[i].permanent;
   for (std::size_t s = 0; s < activity.states.size(); ++s) {
     if (!a.used[s]) continue;
     const State& state = activity.states[s];
@@ -103,12 +103,12 @@ void ModuleWriter::turns_of_permanent(std::size_t i) {
     add_locks(run, {&state.codel}, 1 + i, "take");
     add_ports(run, state.codel);
     wire({.name = codel_label(state), .ports = run});
-    if (!p_.by_codel) continue;
+    if (!plan_.by_codel) continue;
     std::vector<std::string> done{of_task(i, "done_permanent"), of_task(i, "permanent_done_" + a.places[s])};
     add_locks(done, {&state.codel}, 1 + i, "give");
     wire({.name = "done_" + codel_label(state), .ports = done});
   }
-  const std::string& name = p_.tasks[i].component;
+  const std::string& name = plan_.tasks[i].component;
   if (a.rests)
     wire({.name = "skip_permanent_" + name, .ports = {of_task(i, "skip_permanent"), of_task(i, "permanent_rest")}});
   if (a.goes_on)
@@ -125,9 +125,9 @@ void ModuleWriter::turns_of_permanent(std::size_t i) {
 }
 
 void ModuleWriter::turns(std::size_t i, std::size_t instance) {
-  const std::string& name = p_.activities[instance].component;
-  const Activity& activity = p_.service_of(instance).activity;
-  const ActivityPlan& a = p_.services[p_.activities[instance].service].activity;
+  const std::string& name = plan_.activities[instance].component;
+  const Activity& activity = plan_.service_of(instance).activity;
+  const ActivityPlan& a = plan_.services[plan_.activities[instance].service].activity;
   for (std::size_t s = 0; s < activity.states.size(); ++s) {
     if (!a.used[s]) continue;
     const State& state = activity.states[s];
@@ -144,7 +144,7 @@ void ModuleWriter::turns(std::size_t i, std::size_t instance) {
     add_locks(run, {&state.codel}, 1 + i, "take");
     add_ports(run, state.codel);
     wire({.name = label, .ports = run});
-    if (!p_.by_codel) continue;
+    if (!plan_.by_codel) continue;
     std::vector<std::string> done{of_task(i, "done_" + name), of_activity(instance, "done_" + a.places[s])};
     add_locks(done, {&state.codel}, 1 + i, "give");
     wire({.name = "done_" + label, .ports = done});
@@ -156,15 +156,15 @@ void ModuleWriter::turns(std::size_t i, std::size_t instance) {
 // A codel runs beside the task: it is waited for; it comes back, which wakes a task without a period; or it is given
 // up, and comes back too late.
 void ModuleWriter::beside(std::size_t i, std::size_t activity) {
-  const std::string& name = p_.activities[activity].component;
+  const std::string& name = plan_.activities[activity].component;
   wire({.name = "wait_" + name, .ports = {of_task(i, "skip_" + name), of_activity(activity, "wait")}});
   std::vector<std::string> returned{of_activity(activity, "returned")};
-  if (m_.tasks[i].period_us == 0) returned.push_back(of_task(i, "wake"));
+  if (module_.tasks[i].period_us == 0) returned.push_back(of_task(i, "wake"));
   std::vector<std::string> lost{of_activity(activity, "lost"), of_task(i, "remove")};
   std::vector<std::string> found{of_activity(activity, "found")};
-  if (p_.has_checks()) {
-    lost.push_back(p_.ids + ".add_zombie");
-    found.push_back(p_.ids + ".remove_zombie");
+  if (plan_.has_checks()) {
+    lost.push_back(plan_.ids + ".add_zombie");
+    found.push_back(plan_.ids + ".remove_zombie");
   }
   wire({.name = "returned_" + name, .ports = returned});
   wire({.name = "lost_" + name, .ports = lost});
@@ -174,18 +174,18 @@ void ModuleWriter::beside(std::size_t i, std::size_t activity) {
 // GenoM 3: a codel writes the ports out that it names.
 void ModuleWriter::add_ports(std::vector<std::string>& ports, const Codel& codel) const {
   for (const DataUse& use : codel.uses) {
-    for (std::size_t k = 0; k < m_.posters.size(); ++k) {
-      if (is_3_ && use.writes && use.data == "port_" + m_.posters[k].name.text)
-        ports.push_back(p_.posters[k] + ".write");
+    for (std::size_t k = 0; k < module_.posters.size(); ++k) {
+      if (is_3_ && use.writes && use.data == "port_" + module_.posters[k].name.text)
+        ports.push_back(plan_.posters[k] + ".write");
     }
   }
 }
 
 // What a codel's answer means: the next activity's turn, and perhaps the end of the activity.
 void ModuleWriter::ends(std::size_t i, std::size_t activity) {
-  const std::string& name = p_.activities[activity].component;
-  const Service& s = p_.service_of(activity);
-  const ActivityPlan& a = p_.services[p_.activities[activity].service].activity;
+  const std::string& name = plan_.activities[activity].component;
+  const Service& s = plan_.service_of(activity);
+  const ActivityPlan& a = plan_.services[plan_.activities[activity].service].activity;
   const std::string ran = of_task(i, "ran_" + name);
   const std::string remove = of_task(i, "remove");
   if (a.goes_on)
@@ -194,19 +194,20 @@ void ModuleWriter::ends(std::size_t i, std::size_t activity) {
   if (a.pauses) wire({.name = "paused_" + name, .ports = {ran, of_activity(activity, "paused")}});
   if (a.ends) {
     std::vector<std::string> fin{ran, of_activity(activity, "fin"), remove};
-    if (s.is_init) fin.push_back(p_.ids + ".initialise");
-    wire({.name = "fin_" + name, .ports = fin, .exported = p_.services[p_.activities[activity].service].is_heard});
+    if (s.is_init) fin.push_back(plan_.ids + ".initialise");
+    wire(
+        {.name = "fin_" + name, .ports = fin, .exported = plan_.services[plan_.activities[activity].service].is_heard});
   }
   if (a.ends_not_ok) wire({.name = "nofin_" + name, .ports = {ran, of_activity(activity, "nofin"), remove}});
   if (a.ends_stopped) wire({.name = "intr_" + name, .ports = {ran, of_activity(activity, "intr"), remove}});
   if (a.has_zombie) {
     std::vector<std::string> fail{ran, of_activity(activity, "fail"), remove};
-    if (p_.has_checks()) fail.push_back(p_.ids + ".add_zombie");
+    if (plan_.has_checks()) fail.push_back(plan_.ids + ".add_zombie");
     wire({.name = "fail_" + name, .ports = fail});
   }
   if (a.has_bad) {
     std::vector<std::string> bad{of_task(i, "suspend"), of_activity(activity, "bad")};
-    if (p_.has_checks()) bad.push_back(p_.ids + ".suspend");
+    if (plan_.has_checks()) bad.push_back(plan_.ids + ".suspend");
     add_module_lock(bad, "give");
     wire({.name = "bad_" + name, .ports = bad});
   }
@@ -215,30 +216,31 @@ void ModuleWriter::ends(std::size_t i, std::size_t activity) {
 void ModuleWriter::time() {
   out_ += "\n    // Time. The control task's timer need not keep up: the message box may have to wait.\n";
   std::vector<std::string> ticks;
-  for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
-    if (m_.tasks[i].period_us > 0) ticks.push_back(of_task(i, "tick"));
+  for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
+    if (module_.tasks[i].period_us > 0) ticks.push_back(of_task(i, "tick"));
   }
-  if (!p_.poster_timer.empty()) ticks.push_back(p_.poster_timer + ".tick");
-  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
-    if (p_.services[p_.activities[k].service].activity.has_async) ticks.push_back(of_activity(k, "watch_tick"));
+  if (!plan_.poster_timer.empty()) ticks.push_back(plan_.poster_timer + ".tick");
+  for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+    if (plan_.services[plan_.activities[k].service].activity.has_async) ticks.push_back(of_activity(k, "watch_tick"));
   }
   const std::size_t triggers = ticks.size();
   ticks.push_back(control("tick"));
   wire({.name = "ModuleSync", .ports = ticks, .triggers = triggers, .exported = true});
-  if (p_.poster_timer.empty()) return;
-  std::vector<std::string> age{p_.poster_timer + ".trigger"};
-  for (const std::string& poster : p_.posters) age.push_back(poster + ".grow");
+  if (plan_.poster_timer.empty()) return;
+  std::vector<std::string> age{plan_.poster_timer + ".trigger"};
+  for (const std::string& poster : plan_.posters) age.push_back(poster + ".grow");
   wire({.name = "grow_older", .ports = age});
 }
 
 // Everything that is ready is started before the control cycle ends, in the order of the activities.
 void ModuleWriter::priorities() {
   std::vector<std::string> launches;
-  for (std::size_t k = 0; k < p_.activities.size(); ++k) {
-    if (p_.service_of(k).kind == ServiceKind::Execution) launches.push_back("launch_" + p_.activities[k].component);
+  for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+    if (plan_.service_of(k).kind == ServiceKind::Execution)
+      launches.push_back("launch_" + plan_.activities[k].component);
   }
   // Where rules say when activities begin, the functional level does this.
-  if (launches.empty() || p_.is_launched_by_rules) return;
+  if (launches.empty() || plan_.is_launched_by_rules) return;
   out_ += "\n";
   for (std::size_t k = 0; k < launches.size(); ++k) {
     const std::string& low = names_.at(k + 1 < launches.size() ? launches[k + 1] : "done");
@@ -249,45 +251,45 @@ void ModuleWriter::priorities() {
 
 void ModuleWriter::exports() {
   out_ += "\n    // For constraints and clients: see the connectors of FunctionalLevel.\n";
-  for (std::size_t i = 0; i < m_.services.size(); ++i) {
-    const ServicePlan& p = p_.services[i];
+  for (std::size_t i = 0; i < module_.services.size(); ++i) {
+    const ServicePlan& p = plan_.services[i];
     write_export(out_, control("read_" + p.id), "read_" + p.id);
     std::string trig;
     std::string rej;
     std::string abt;
     for (const std::size_t activity : p.activities) {
       const char* comma = activity == p.activities[0] ? "" : ", ";
-      trig += comma + out_of("trig_" + p_.activities[activity].component);
-      rej += comma + out_of("rej_" + p_.activities[activity].component);
+      trig += comma + out_of("trig_" + plan_.activities[activity].component);
+      rej += comma + out_of("rej_" + plan_.activities[activity].component);
       abt += comma + of_activity(activity, "abt");
     }
     if (p.is_decided) write_export(out_, control("allow_" + p.id), "allow_" + p.id);
     write_export(out_, out_of("abtInc_" + p.id), "abtInc_" + p.id);
     write_export(out_, trig, "trig_" + p.id);
     write_export(out_, rej, "rej_" + p.id);
-    if (m_.services[i].kind == ServiceKind::Execution) write_export(out_, abt, "abt_" + p.id);
+    if (module_.services[i].kind == ServiceKind::Execution) write_export(out_, abt, "abt_" + p.id);
     for (const std::size_t activity : p.activities) {
-      const std::string& name = p_.activities[activity].component;
+      const std::string& name = plan_.activities[activity].component;
       write_export(out_, of_activity(activity, "stat"), "stat_" + name);
       if (p.is_stopped) write_export(out_, of_activity(activity, "halt"), "halt_" + name);
-      if (p.is_heard && m_.services[i].kind == ServiceKind::Control)
+      if (p.is_heard && module_.services[i].kind == ServiceKind::Control)
         write_export(out_, out_of("final_" + name), "fin_" + name);
       else if (p.is_heard && p.activity.ends) write_export(out_, out_of("fin_" + name), "fin_" + name);
       if (p.is_waited_for) write_export(out_, of_activity(activity, "idle"), "idle_" + name);
-      if (p_.is_launched_by_rules && m_.services[i].kind == ServiceKind::Execution)
+      if (plan_.is_launched_by_rules && module_.services[i].kind == ServiceKind::Execution)
         write_export(out_, out_of("launch_" + name), "launch_" + name);
     }
   }
-  if (p_.execution_activities > 0) write_export(out_, control("read_Abort"), "read_Abort");
+  if (plan_.execution_activities > 0) write_export(out_, control("read_Abort"), "read_Abort");
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
-  if (p_.is_launched_by_rules) write_export(out_, out_of("done"), "done");
-  if (p_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
+  if (plan_.is_launched_by_rules) write_export(out_, out_of("done"), "done");
+  if (plan_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
   write_export(out_, out_of("give"), "give");
-  for (std::size_t i = 0; i < m_.tasks.size(); ++i) {
-    if (m_.tasks[i].has_permanent() || !m_.tasks[i].reads.empty())
-      write_export(out_, out_of("begin_" + p_.tasks[i].component), "begin_" + p_.tasks[i].component);
+  for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
+    if (module_.tasks[i].has_permanent() || !module_.tasks[i].reads.empty())
+      write_export(out_, out_of("begin_" + plan_.tasks[i].component), "begin_" + plan_.tasks[i].component);
   }
-  for (const std::string& poster : p_.posters) write_export(out_, poster + ".read", "read_" + poster);
+  for (const std::string& poster : plan_.posters) write_export(out_, poster + ".read", "read_" + poster);
   write_export(out_, out_of("ModuleSync"), "moduleTick");
 }
 

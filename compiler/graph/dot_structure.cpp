@@ -17,20 +17,21 @@ struct Content {
 
 class Structure {
  public:
-  Structure(std::string& out, const System& system) : out_(out), s_(system), contents_(system.compounds.size()) {
-    for (std::size_t k = 0; k < s_.compounds.size(); ++k)
-      if (const CompoundId in = s_.compounds[CompoundId(k)].parent; in.is_valid())
+  Structure(std::string& out, const System& system) : out_(out), system_(system), contents_(system.compounds.size()) {
+    for (std::size_t k = 0; k < system_.compounds.size(); ++k)
+      if (const CompoundId in = system_.compounds[CompoundId(k)].parent; in.is_valid())
         contents_[in.value].compounds.push_back(k);
-    for (std::size_t k = 0; k < s_.atoms.size(); ++k) contents_[s_.atoms[AtomId(k)].parent.value].atoms.push_back(k);
-    for (std::size_t k = 0; k < s_.connectors.size(); ++k)
-      contents_[s_.connectors[ConnectorId(k)].parent.value].connectors.push_back(k);
+    for (std::size_t k = 0; k < system_.atoms.size(); ++k)
+      contents_[system_.atoms[AtomId(k)].parent.value].atoms.push_back(k);
+    for (std::size_t k = 0; k < system_.connectors.size(); ++k)
+      contents_[system_.connectors[ConnectorId(k)].parent.value].connectors.push_back(k);
   }
 
   void run() {
     clusters();
-    for (std::size_t k = 0; k < s_.choices.size(); ++k) choice(k);
-    for (std::size_t k = 0; k < s_.connectors.size(); ++k) bindings(k);
-    for (std::size_t k = 0; k < s_.priorities.size(); ++k) priority(k);
+    for (std::size_t k = 0; k < system_.choices.size(); ++k) choice(k);
+    for (std::size_t k = 0; k < system_.connectors.size(); ++k) bindings(k);
+    for (std::size_t k = 0; k < system_.priorities.size(); ++k) priority(k);
   }
 
  private:
@@ -41,7 +42,7 @@ class Structure {
 
   /// "lamp" of ROOT.room.lamp in ROOT.room.
   [[nodiscard]] std::string own_name(const std::string& path, CompoundId parent) const {
-    const std::string outer = parent.is_valid() ? s_.compounds[parent].path + "." : "";
+    const std::string outer = parent.is_valid() ? system_.compounds[parent].path + "." : "";
     return path.starts_with(outer) ? path.substr(outer.size()) : path;
   }
 
@@ -65,7 +66,7 @@ class Structure {
   }
 
   void begin_cluster(std::size_t k, std::size_t depth) {
-    const Compound& row = s_.compounds[CompoundId(k)];
+    const Compound& row = system_.compounds[CompoundId(k)];
     const std::string indent(2 * depth, ' ');
     put("{}subgraph cluster_c{} {{\n", indent, k);
     put("{}  label={};\n", indent, dot_string(own_name(row.path, row.parent) + " : " + row.type));
@@ -74,10 +75,10 @@ class Structure {
   }
 
   std::string atom_node(std::size_t k) const {
-    const Atom& row = s_.atoms[AtomId(k)];
-    const AtomType& type = s_.atom_types[row.type];
+    const Atom& row = system_.atoms[AtomId(k)];
+    const AtomType& type = system_.atom_types[row.type];
     std::string args;
-    for (std::size_t a = 0; a < row.args.size(); ++a) args += (a == 0 ? "" : ", ") + text_of(s_.code, row.args[a]);
+    for (std::size_t a = 0; a < row.args.size(); ++a) args += (a == 0 ? "" : ", ") + text_of(system_.code, row.args[a]);
     std::string ports;
     for (std::size_t p = 0; p < type.ports.size(); ++p) {
       if (!type.ports[p].exported) continue;
@@ -89,12 +90,12 @@ class Structure {
   }
 
   std::string connector_node(std::size_t k) const {
-    const Connector& row = s_.connectors[ConnectorId(k)];
-    const ConnectorType& type = s_.connector_types[row.type];
+    const Connector& row = system_.connectors[ConnectorId(k)];
+    const ConnectorType& type = system_.connector_types[row.type];
     std::vector<std::string> lines{own_name(row.path, row.parent), shortened(define_of(type))};
-    const CodeNames names = names_of(s_, type);
+    const CodeNames names = names_of(system_, type);
     for (const Clause& clause : type.clauses)
-      if (const std::string guard = text_of(s_.code, clause.guard, names); !guard.empty())
+      if (const std::string guard = text_of(system_.code, clause.guard, names); !guard.empty())
         lines.push_back(shortened("[" + guard + "]"));
     return fmt::format("k{} [shape=box, style=rounded, label={}];\n", k, dot_string(lines_of(lines)));
   }
@@ -109,13 +110,13 @@ class Structure {
   }
 
   void choice(std::size_t k) {
-    put("  m{} [shape=diamond, label={}];\n", k, dot_string(s_.choices[k].name));
-    for (const PortRef& port : s_.choices[k].ports) put("  {} -> m{} [dir=none];\n", end_of(port), k);
+    put("  m{} [shape=diamond, label={}];\n", k, dot_string(system_.choices[k].name));
+    for (const PortRef& port : system_.choices[k].ports) put("  {} -> m{} [dir=none];\n", end_of(port), k);
   }
 
   void bindings(std::size_t k) {
-    const Connector& row = s_.connectors[ConnectorId(k)];
-    const ConnectorType& type = s_.connector_types[row.type];
+    const Connector& row = system_.connectors[ConnectorId(k)];
+    const ConnectorType& type = system_.connector_types[row.type];
     std::vector<bool> triggers(type.params.size());
     for (const DefineNode& node : type.define)
       if (node.is_leaf) triggers[node.param] = node.trigger;
@@ -125,7 +126,7 @@ class Structure {
           maximal);
     }
     for (const DataRef& data : row.data) {
-      const std::string& name = s_.atom_types[s_.atoms[data.atom].type].variables[data.variable].name;
+      const std::string& name = system_.atom_types[system_.atoms[data.atom].type].variables[data.variable].name;
       put("  a{} -> k{} [style=dotted, arrowhead=vee, label={}];\n", data.atom.value, k, dot_string(name));
     }
   }
@@ -139,26 +140,26 @@ class Structure {
   [[nodiscard]] std::string pattern_text(const Pattern& pattern) const {
     if (pattern.any_connector) return "*:*";
     if (pattern.any_interaction) return "*";
-    const ConnectorType& type = s_.connector_types[s_.connectors[pattern.connector].type];
+    const ConnectorType& type = system_.connector_types[system_.connectors[pattern.connector].type];
     std::string out;
     for (const std::uint32_t p : pattern.params) out += (out.empty() ? "" : " ") + type.params[p].name;
     return out;
   }
   void priority(std::size_t k) {
-    const Priority& row = s_.priorities[PriorityId(k)];
+    const Priority& row = system_.priorities[PriorityId(k)];
     const std::string low = side(k, row.low, "low");
     const std::string high = side(k, row.high, "high");
     const bool whole = row.low.any_connector || row.low.any_interaction;
     const bool is_plain = whole && (row.high.any_connector || row.high.any_interaction);
     const std::string sides = is_plain ? "" : pattern_text(row.low) + " < " + pattern_text(row.high);
-    std::string guard = text_of(s_.code, row.guard, names_of(s_, row));
+    std::string guard = text_of(system_.code, row.guard, names_of(system_, row));
     if (!guard.empty()) guard = "[" + guard + "]";
     put("  {} -> {} [style=dashed, arrowhead=empty, constraint=false, label={}];\n", low, high,
         dot_string(lines_of({row.name, shortened(sides), shortened(guard)})));
   }
 
   std::string& out_;
-  const System& s_;
+  const System& system_;
   std::vector<Content> contents_;
 };
 

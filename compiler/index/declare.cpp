@@ -4,7 +4,7 @@
 // symbol with several declarations.
 #include <algorithm>
 
-#include "compiler/index/builder.hpp"
+#include "compiler/index/index_builder.hpp"
 
 namespace bip::index {
 
@@ -94,7 +94,7 @@ void IndexBuilder::declare_file(std::size_t row) {
 
 void IndexBuilder::declare(const Decl& d, std::size_t file) {
   if (d.kind == DeclKind::ConstData) {
-    for (const DataDecl& data : d.data) declare_data(data, {}, SymbolKind::Constant, true);
+    for (const DataDecl& data : d.data) declare_data(data, {}, SymbolKind::Constant, Visibility::Visible);
     decls_.push_back({&d, {}, file});
     return;
   }
@@ -104,11 +104,11 @@ void IndexBuilder::declare(const Decl& d, std::size_t file) {
   decls_.push_back({&d, id, file});
   if (!id.is_valid()) return;
   if (out_.symbols[id].name_range.begin == d.name.range.begin) out_.symbols[id].detail = header(d);
-  declare_params(d.params, id, d.kind == DeclKind::PortType);
+  declare_params(d.params, id, d.kind == DeclKind::PortType ? Visibility::Visible : Visibility::Hidden);
   if (d.kind == DeclKind::ConnectorType && d.connector != nullptr) declare_connector(*d.connector, id);
   if (d.kind == DeclKind::AtomType) declare_atom(d, id);
   if (d.kind != DeclKind::CompoundType) return;
-  for (const DataDecl& data : d.data) declare_data(data, id, SymbolKind::Data, true);
+  for (const DataDecl& data : d.data) declare_data(data, id, SymbolKind::Data, Visibility::Visible);
   declare_items(d.items, id, {});
   for (const CompoundPriority& p : d.priorities) add(SymbolKind::Priority, p.name, p.range, id, p.annotations);
   for (const CompoundExport& e : d.exports) {
@@ -118,22 +118,22 @@ void IndexBuilder::declare(const Decl& d, std::size_t file) {
   }
 }
 
-void IndexBuilder::declare_params(std::span<const Param> params, SymbolId owner, bool are_visible) {
+void IndexBuilder::declare_params(std::span<const Param> params, SymbolId owner, Visibility visibility) {
   for (const Param& p : params) {
     SourceRange range = p.name.range;
     if (p.type.is_written()) range.begin = std::min(range.begin, p.type.name.range.begin);
     const SymbolId id = add(SymbolKind::Parameter, p.name, range, owner);
-    if (id.is_valid()) out_.symbols[id].is_visible = are_visible;
+    if (id.is_valid()) out_.symbols[id].is_visible = visibility == Visibility::Visible;
     if (id.is_valid() && p.type.is_written()) out_.symbols[id].type_text = sources_.text(p.type.name.range);
   }
 }
 
-void IndexBuilder::declare_data(const DataDecl& d, SymbolId owner, SymbolKind kind, bool is_visible) {
+void IndexBuilder::declare_data(const DataDecl& d, SymbolId owner, SymbolKind kind, Visibility visibility) {
   for (const Var& v : d.vars) {
     const SymbolId id = add(kind, v.name, d.range, owner, d.annotations);
     if (!id.is_valid()) continue;
     Symbol& symbol = out_.symbols[id];
-    symbol.is_visible = is_visible;
+    symbol.is_visible = visibility == Visibility::Visible;
     if (d.type.is_written()) symbol.type_text = sources_.text(d.type.name.range);
     symbol.detail = (kind == SymbolKind::Constant ? "const data " : "data ") + std::string(symbol.type_text) + " " +
                     std::string(v.name.text);
@@ -163,7 +163,8 @@ void IndexBuilder::declare_ports(const PortDecl& p, SymbolId owner) {
 
 void IndexBuilder::declare_atom(const Decl& d, SymbolId owner) {
   for (const DataDecl& data : d.data)
-    declare_data(data, owner, SymbolKind::Data, data.exported || d.notation == Notation::Paper);
+    declare_data(data, owner, SymbolKind::Data,
+                 data.exported || d.notation == Notation::Paper ? Visibility::Visible : Visibility::Hidden);
   for (const PortDecl& p : d.ports) declare_ports(p, owner);
   for (const ClockDecl& c : d.clocks) {
     for (const Name& n : c.names) add(SymbolKind::Clock, n, c.range, owner, c.annotations);
@@ -178,7 +179,7 @@ void IndexBuilder::declare_atom(const Decl& d, SymbolId owner) {
 }
 
 void IndexBuilder::declare_connector(const ConnectorBody& body, SymbolId owner) {
-  for (const DataDecl& data : body.data) declare_data(data, owner, SymbolKind::Data, false);
+  for (const DataDecl& data : body.data) declare_data(data, owner, SymbolKind::Data, Visibility::Hidden);
   if (!body.exported.present) return;
   const SymbolId id =
       add(SymbolKind::ExportedPort, body.exported.name, body.exported.range, owner, body.exported.annotations);

@@ -1,7 +1,7 @@
 // The text that a hover shows for a declaration: its line, and the comment directly above it.
 #include <algorithm>
 
-#include "compiler/index/builder.hpp"
+#include "compiler/index/index_builder.hpp"
 
 namespace bip::index {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "compiler/index/builder.hpp"
+#include "compiler/index/index_builder.hpp"
 
 namespace bip::index {
 

@@ -1,5 +1,5 @@
 // Uses in expressions, actions and paths. Depth is that of the tree, which the parser limits.
-#include "compiler/index/builder.hpp"
+#include "compiler/index/index_builder.hpp"
 
 namespace bip::index {
 

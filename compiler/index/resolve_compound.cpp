@@ -1,5 +1,5 @@
 // Uses in connectors (types and inline ones), in the items of compounds and in their priorities.
-#include "compiler/index/builder.hpp"
+#include "compiler/index/index_builder.hpp"
 
 namespace bip::index {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "compiler/model/build_time.hpp"
-#include "compiler/model/ffi.hpp"
+#include "compiler/model/ffi_declarations.hpp"
 
 namespace bip::model {
 

@@ -4,7 +4,7 @@
 
 #include "compiler/model/compound_builder.hpp"
 #include "compiler/model/packages.hpp"
-#include "compiler/model/ffi.hpp"
+#include "compiler/model/ffi_declarations.hpp"
 
 namespace bip::model {
 
@@ -60,7 +60,7 @@ void CompoundBuilder::build() {
     out.params.push_back({std::string(p.name.text), type, true, false, b.loc(p.name.range)});
   }
   for (const syntax::DataDecl& d : decl.data) b.not_yet(d.range, "data of a compound");
-  declare_families(decl.items, names, false);
+  declare_families(decl.items, names, ItemPlace::Body);
   connector_states.assign(out.connectors.size(), BuildState::Untouched);
   for (const syntax::CompoundItem* i : decl.items) out.items.push_back(item(*i));
   for (const syntax::CompoundPriority& p : decl.priorities) {
@@ -140,7 +140,7 @@ void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {
         const bool of_package = !self.components.contains(std::string(e->path.parts[0].name.text)) &&
                                 !visible_keys(self.b.model, self.b.model.constants, name, e->path.range.file).empty();
         if (of_package) return;
-        if (!self.data_path(e->path, ref, true)) {
+        if (!self.data_path(e->path, ref, CompoundBuilder::Lookup::Reported)) {
           data.names[name] = {.read_only = "unknown", .value = {}, .declared = {}};
           return;
         }
@@ -167,7 +167,7 @@ void CompoundBuilder::build_exports() {
     names.declare(e.name, e.is_data ? "data" : "port");
     if (e.is_data) {
       DataExport row{.name = std::string(e.name.text), .target = {}, .range = e.range};
-      if (data_path(e.targets[0], row.target, true)) out.data_exports.push_back(std::move(row));
+      if (data_path(e.targets[0], row.target, Lookup::Reported)) out.data_exports.push_back(std::move(row));
       continue;
     }
     PortExport row{.name = std::string(e.name.text), .targets = {}, .type = {}, .range = e.range};

@@ -1,7 +1,7 @@
 // Connector bodies, typed and inline: own data, exported port, `define`, and one clause an interaction with its code.
 #include <algorithm>
 
-#include "compiler/model/ffi.hpp"
+#include "compiler/model/ffi_declarations.hpp"
 
 namespace bip::model {
 
@@ -11,7 +11,7 @@ struct BodyBuilder {
   ModelBuilder& b;
   const syntax::ConnectorBody& body;
   const ConnectorPorts& ports;
-  bool is_inline;
+  ConnectorForm form;
   ConnectorType& out;
   Scope down_scope{}, up_scope{};
   std::unordered_map<std::string, std::uint32_t> variables{};
@@ -79,7 +79,8 @@ struct BodyBuilder {
       shown.push_back({out.variables[variable->second].name, out.variables[variable->second].type, {}});
     }
     if (shown.size() != e.vars.size()) return;
-    if (!e.type.is_written() || (is_inline && b.text(e.type.name) == "Port" && b.find_type(e.type.name) == nullptr)) {
+    if (!e.type.is_written() ||
+        (form == ConnectorForm::Inline && b.text(e.type.name) == "Port" && b.find_type(e.type.name) == nullptr)) {
       out.export_type = b.anonymous_port_type(shown);
       return;
     }
@@ -235,8 +236,8 @@ struct BodyBuilder {
   }
 
   void build(SourceRange range, syntax::Annotations annotations) {
-    down_scope.owner =
-        is_inline ? fmt::format("connector `{}`", out.name) : fmt::format("connector type `{}`", out.name);
+    down_scope.owner = form == ConnectorForm::Inline ? fmt::format("connector `{}`", out.name)
+                                                     : fmt::format("connector type `{}`", out.name);
     const std::size_t errors_at_start = b.diags.error_count();
     const auto is_silent = [&](const char* warning) {
       return is_suppressed(annotations, warning) || is_suppressed(body.exported.annotations, warning);
@@ -268,10 +269,10 @@ struct BodyBuilder {
 }  // namespace
 
 void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports,
-                          bool is_inline, SourceRange range, syntax::Annotations annotations, ConnectorType& out) {
+                          ConnectorForm form, SourceRange range, syntax::Annotations annotations, ConnectorType& out) {
   out.params = ports.params;
   out.data_reads = ports.data_reads;
-  BodyBuilder{b, body, ports, is_inline, out}.build(range, annotations);
+  BodyBuilder{b, body, ports, form, out}.build(range, annotations);
 }
 
 void build_connector_types(ModelBuilder& b) {
@@ -298,7 +299,7 @@ void build_connector_types(ModelBuilder& b) {
       if (type.is_valid()) bind += static_cast<std::uint32_t>(b.model.port_types[type].variables.size());
     }
     if (decl->connector != nullptr)
-      build_connector_body(b, *decl->connector, ports, false, decl->name.range, decl->annotations, out);
+      build_connector_body(b, *decl->connector, ports, ConnectorForm::Type, decl->name.range, decl->annotations, out);
     b.model.connector_types.push(std::move(out));
   }
 }

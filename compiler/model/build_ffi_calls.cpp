@@ -1,8 +1,8 @@
 // Calls of C++ functions and operators as typed code. Part of CodeBuilder (code_builder.hpp).
 //
-// The prototype is chosen by the arguments' types (ffi.hpp). A row of CodeTable::functions says how C++ is called
-// with exactly these types, so conversions along `refine` are left to C++, which knows the classes.
-#include "compiler/model/ffi.hpp"
+// The prototype is chosen by the arguments' types (ffi_declarations.hpp). A row of CodeTable::functions says how C++ is
+// called with exactly these types, so conversions along `refine` are left to C++, which knows the classes.
+#include "compiler/model/ffi_declarations.hpp"
 
 namespace bip::model {
 
@@ -24,14 +24,14 @@ std::optional<Argument> CodeBuilder::argument(const syntax::Expr* e) {
   if (!typed) return std::nullopt;
   bool is_variable = false;
   if (in_block_ && e->kind == syntax::ExprKind::Path) {
-    const Binding* b = find(e->path, false);
+    const Binding* b = find(e->path, Lookup::Silent);
     is_variable = b != nullptr && b->read_only.empty() && !b->value.is_valid() && !b->poison;
   }
   return Argument{*typed, is_variable, e->range};
 }
 
 std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
-                                           std::vector<Argument> args, SourceRange at, bool needs_value) {
+                                           std::vector<Argument> args, SourceRange at, CallUse use) {
   CodeTable& code = model_.code;
   const std::vector<const syntax::Decl*> best = best_prototypes(model_, prototypes, args);
   if (best.size() != 1) {
@@ -61,7 +61,7 @@ std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::v
       .result = prototype.result.is_written() ? data_type(model_, prototype.result, quiet) : Type::Int,
       .params = {},
       .loc = loc(prototype.range)};
-  if (needs_value && !row.has_result) {
+  if (use == CallUse::Value && !row.has_result) {
     diags_.report(Diag::kB1043, at, row.name).label(prototype.range, "declared here without a type");
     return std::nullopt;
   }
@@ -87,7 +87,7 @@ std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::v
 
 std::optional<Typed> CodeBuilder::ffi_function(const syntax::Expr* e, const std::string& name,
                                                const std::vector<const syntax::Decl*>& prototypes) {
-  const bool needs_value = !is_statement_;
+  const CallUse use = is_statement_ ? CallUse::Statement : CallUse::Value;
   is_statement_ = false;
   std::vector<Argument> args;
   bool sound = true;
@@ -97,7 +97,7 @@ std::optional<Typed> CodeBuilder::ffi_function(const syntax::Expr* e, const std:
     if (arg) args.push_back(*arg);
   }
   if (!sound) return std::nullopt;
-  return ffi_call(name, prototypes, std::move(args), e->range, needs_value);
+  return ffi_call(name, prototypes, std::move(args), e->range, use);
 }
 
 std::optional<Typed> CodeBuilder::ffi_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args,
@@ -120,7 +120,7 @@ std::optional<Typed> CodeBuilder::ffi_operator(const syntax::Expr* e, std::strin
       !(has_string && sign != "==" && sign != "!=" && !best_prototypes(model_, found->second, args).empty()))
     return std::nullopt;
   handled = true;
-  return ffi_call(std::string(sign), found->second, std::move(args), e->op_range, true);
+  return ffi_call(std::string(sign), found->second, std::move(args), e->op_range, CallUse::Value);
 }
 
 Typed CodeBuilder::cast(Typed v, Type to) {

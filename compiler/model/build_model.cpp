@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "compiler/model/ffi.hpp"
+#include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/packages.hpp"
 
 namespace bip::model {

@@ -1,5 +1,5 @@
 // Typed statements: assignments and `if`, chained by `next`. Part of CodeBuilder (code_builder.hpp).
-#include "compiler/model/ffi.hpp"
+#include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/packages.hpp"
 
 namespace bip::model {
@@ -59,12 +59,12 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
     case syntax::StmtKind::Assign: break;
   }
   const std::string name = path_key(s->target, *model_.sources);
-  if (find(s->target, false) == nullptr &&
+  if (find(s->target, Lookup::Silent) == nullptr &&
       !visible_keys(model_, model_.constants, name, s->target.range.file).empty()) {
     diags_.report(Diag::kB1018, s->target.range, name, "a constant keeps its value");
     return next;
   }
-  const Binding* target = find(s->target, true);
+  const Binding* target = find(s->target, Lookup::Reported);
   if (target == nullptr || target->poison) {
     expr(s->value);
     return next;
@@ -87,7 +87,7 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
                               .loc = loc(s->target.range)});
     const std::vector<Argument> args{{{load, target->type}, true, s->target.range}, *given};
     if (!best_prototypes(model_, assign->second, args).empty()) {
-      const std::optional<Typed> call = ffi_call("=", assign->second, args, s->range, false);
+      const std::optional<Typed> call = ffi_call("=", assign->second, args, s->range, CallUse::Statement);
       if (!call) return next;
       return model_.code.stmts.push({.op = StmtOp::Call,
                                      .type = call->type,

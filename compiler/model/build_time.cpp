@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "compiler/model/evaluate.hpp"
-#include "compiler/model/ffi.hpp"
+#include "compiler/model/ffi_declarations.hpp"
 
 namespace bip::model {
 
@@ -82,7 +82,7 @@ bool are_disjoint(const TimeGuard& a, const TimeGuard& b) {
 void TimeBuilder::add_clock(const syntax::Name& name, const syntax::Name& unit) {
   Clock clock{.name = std::string(name.text),
               .variable = static_cast<std::uint32_t>(atom_.variables.size()),
-              .loc = b_.loc(name.range)};
+              .loc = builder_.loc(name.range)};
   for (const auto& [word, length] : kUnits) {
     if (unit.text == word) clock.unit = length;
   }
@@ -101,7 +101,7 @@ void TimeBuilder::add_clock(const syntax::Name& name, const syntax::Name& unit) 
 const syntax::Expr* TimeBuilder::clock_in(const syntax::Expr* e) const {
   if (e == nullptr || atom_.clocks.empty()) return nullptr;
   if (e->kind == ExprKind::Path && !e->clock_speed) {
-    const auto found = scope_.names.find(path_key(e->path, b_.sources));
+    const auto found = scope_.names.find(path_key(e->path, builder_.sources));
     return found != scope_.names.end() && found->second.is_clock ? e : nullptr;
   }
   for (const syntax::Expr* operand : e->operands) {
@@ -111,7 +111,7 @@ const syntax::Expr* TimeBuilder::clock_in(const syntax::Expr* e) const {
 }
 
 ExprId TimeBuilder::make(Op op, Type type, ExprId left, ExprId right, SourceRange at) {
-  return b_.model.code.exprs.push({.op = op, .type = type, .a = left, .b = right, .loc = b_.loc(at)});
+  return builder_.model.code.exprs.push({.op = op, .type = type, .a = left, .b = right, .loc = builder_.loc(at)});
 }
 
 TimedCondition TimeBuilder::condition(const syntax::Expr* e, const std::string& what) {
@@ -125,14 +125,16 @@ TimedCondition TimeBuilder::condition(const syntax::Expr* e, const std::string& 
 Resume TimeBuilder::resume(bool present, const syntax::Expr* e, SourceRange at) {
   if (!present) return {};
   TimedCondition parts = condition(e, "what `resume` waits for");
-  return {
-      .present = true, .guard = parts.data, .when = std::move(parts.when), .loc = b_.loc(e != nullptr ? e->range : at)};
+  return {.present = true,
+          .guard = parts.data,
+          .when = std::move(parts.when),
+          .loc = builder_.loc(e != nullptr ? e->range : at)};
 }
 
 void TimeBuilder::conjunct(const syntax::Expr* e, const std::string& what, TimedCondition& out) {
   const syntax::Expr* clock = clock_in(e);
   if (clock == nullptr) {
-    CodeBuilder code(b_.model, b_.diags, scope_);
+    CodeBuilder code(builder_.model, builder_.diags, scope_);
     code.set_const_calls();
     const ExprId data = code.expr_as(e, Type::Bool, what);
     out.data = out.data.is_valid() ? make(Op::And, Type::Bool, out.data, data, e->range) : data;
@@ -147,34 +149,35 @@ void TimeBuilder::conjunct(const syntax::Expr* e, const std::string& what, Timed
   const bool is_operator = e->kind == ExprKind::Binary || e->kind == ExprKind::Unary;
   if (is_operator && (e->kind == ExprKind::Unary ? e->unary == UnaryOp::Not
                                                  : e->binary == BinaryOp::Or || e->binary == BinaryOp::Ne)) {
-    auto d = b_.diags.report(Diag::kB1602, e->op_range, clock->path.parts[0].name.text, b_.sources.text(e->op_range))
+    auto d = builder_.diags
+                 .report(Diag::kB1602, e->op_range, clock->path.parts[0].name.text, builder_.sources.text(e->op_range))
                  .label(clock->range, "this is a clock");
     if (e->kind == ExprKind::Binary && e->binary == BinaryOp::Or) d.help("write two transitions, one a case");
     else d.help("write the comparison the other way round: `x > 5` for `!(x <= 5)`");
     return;
   }
-  b_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text)
+  builder_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text)
       .help("compare a clock, or the difference of two, with data: `x <= 5`, `x - y >= n`");
 }
 
-bool TimeBuilder::collect(const syntax::Expr* e, bool is_negative, Linear& out) {
+bool TimeBuilder::collect(const syntax::Expr* e, Sign sign, Linear& out) {
   const syntax::Expr* clock = clock_in(e);
   if (clock == nullptr) {
-    out.data.emplace_back(e, is_negative);
+    out.data.emplace_back(e, sign == Sign::Minus);
     return true;
   }
   if (clock == e) {
-    out.clocks.emplace_back(e, is_negative);
+    out.clocks.emplace_back(e, sign == Sign::Minus);
     return true;
   }
   const bool is_sum = e->kind == ExprKind::Binary && (e->binary == BinaryOp::Add || e->binary == BinaryOp::Sub);
   if (is_sum)
-    return collect(e->operands[0], is_negative, out) &&
-           collect(e->operands[1], is_negative != (e->binary == BinaryOp::Sub), out);
+    return collect(e->operands[0], sign, out) &&
+           collect(e->operands[1], e->binary == BinaryOp::Sub ? opposite(sign) : sign, out);
   if (e->kind == ExprKind::Unary && (e->unary == UnaryOp::Neg || e->unary == UnaryOp::Plus)) {
-    return collect(e->operands[0], is_negative != (e->unary == UnaryOp::Neg), out);
+    return collect(e->operands[0], e->unary == UnaryOp::Neg ? opposite(sign) : sign, out);
   }
-  b_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text)
+  builder_.diags.report(Diag::kB1603, e->range, clock->path.parts[0].name.text)
       .help("compare a clock, or the difference of two, with data: `x <= 5`, `x - y >= n`");
   return false;
 }
@@ -182,14 +185,14 @@ bool TimeBuilder::collect(const syntax::Expr* e, bool is_negative, Linear& out) 
 // left op right as clock - minus op limit.
 void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
   Linear sum;
-  if (!collect(e->operands[0], false, sum) || !collect(e->operands[1], true, sum)) return;
+  if (!collect(e->operands[0], Sign::Plus, sum) || !collect(e->operands[1], Sign::Minus, sum)) return;
   const std::size_t negative = static_cast<std::size_t>(
       std::count_if(sum.clocks.begin(), sum.clocks.end(), [](const auto& c) { return c.second; }));
   const std::size_t positive = sum.clocks.size() - negative;
   const auto name = [](const syntax::Expr* clock) { return clock->path.parts[0].name.text; };
   const auto same = [&] { return name(sum.clocks[0].first) == name(sum.clocks[1].first); };
   if (positive > 1 || negative > 1 || (sum.clocks.size() == 2 && same())) {
-    b_.diags.report(Diag::kB1604, e->range)
+    builder_.diags.report(Diag::kB1604, e->range)
         .label(sum.clocks[0].first->range, "a clock")
         .label(sum.clocks[1].first->range, "and another one")
         .help("what is bounded is one clock, or the difference of two");
@@ -203,18 +206,18 @@ void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
       if (atom_.clocks[row].variable == first) rows[is_negative != is_flipped ? 1 : 0] = row;
     }
   }
-  Bound row{.clock = rows[0], .minus = rows[1], .op = bound_op(e->binary, is_flipped), .loc = b_.loc(e->range)};
+  Bound row{.clock = rows[0], .minus = rows[1], .op = bound_op(e->binary, is_flipped), .loc = builder_.loc(e->range)};
   const std::int64_t unit = atom_.clocks[row.clock].unit;
   if (row.minus != Bound::kNone && atom_.clocks[row.minus].unit != unit) {
     const Clock& other = atom_.clocks[row.minus];
-    b_.diags
+    builder_.diags
         .report(Diag::kB1605, e->range, atom_.clocks[row.clock].name, unit_name(unit), other.name,
                 unit_name(other.unit))
         .help("give them the same unit");
     return;
   }
   // The limit is what remains, on the other side.
-  CodeBuilder code(b_.model, b_.diags, scope_);
+  CodeBuilder code(builder_.model, builder_.diags, scope_);
   code.set_const_calls();
   ExprId limit;
   for (const auto& [term, is_negative] : sum.data) {
@@ -225,7 +228,7 @@ void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
     else limit = is_minus ? make(Op::Neg, Type::Float, value, {}, term->range) : value;
   }
   if (!limit.is_valid())
-    limit = b_.model.code.exprs.push(
+    limit = builder_.model.code.exprs.push(
         {.op = Op::ConstFloat, .type = Type::Float, .float_value = 0, .a = {}, .b = {}, .loc = row.loc});
   set_limit(e, limit, unit, row, out.when);
 }
@@ -233,7 +236,7 @@ void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
 bool TimeBuilder::is_constant(ExprId id) const {
   std::vector<ExprId> todo{id};
   while (!todo.empty()) {
-    const Expr& e = b_.model.code.exprs[todo.back()];
+    const Expr& e = builder_.model.code.exprs[todo.back()];
     todo.pop_back();
     if (e.op == Op::LoadSelf || e.op == Op::LoadBind || e.op == Op::Call) return false;
     for (const ExprId part : {e.a, e.b}) {
@@ -245,10 +248,10 @@ bool TimeBuilder::is_constant(ExprId id) const {
 
 void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t unit, Bound& bound, TimeGuard& out) {
   if (is_constant(limit)) {
-    const Evaluated value = evaluate(b_.model.code, limit, {});
+    const Evaluated value = evaluate(builder_.model.code, limit, {});
     if (value.fault == Fault::None) {
       if (!to_ticks(value.value.float_value, unit, bound.ticks)) {
-        b_.diags.report(Diag::kB1606, e->range, value.value.float_value, unit_name(unit))
+        builder_.diags.report(Diag::kB1606, e->range, value.value.float_value, unit_name(unit))
             .note("time is counted in nanoseconds, up to 146 years");
         return;
       }
@@ -260,14 +263,15 @@ void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t un
   for (const Bound& other : out.bounds) used += other.variable != Bound::kNone ? 1 : 0;
   if (used == limit_variables_.size()) {
     limit_variables_.push_back(static_cast<std::uint32_t>(atom_.variables.size()));
-    atom_.variables.push_back({fmt::format("limit {}", used), Type::Float, false, false, b_.loc(e->range)});
+    atom_.variables.push_back({fmt::format("limit {}", used), Type::Float, false, false, builder_.loc(e->range)});
   }
   bound.variable = limit_variables_[used];
-  CodeBuilder code(b_.model, b_.diags, scope_);
+  CodeBuilder code(builder_.model, builder_.diags, scope_);
   const StmtId store = code.store_self(bound.variable, Type::Float, limit, bound.loc, {});
   StmtId last = out.measure;
-  while (last.is_valid() && b_.model.code.stmts[last].next.is_valid()) last = b_.model.code.stmts[last].next;
-  if (last.is_valid()) b_.model.code.stmts[last].next = store;
+  while (last.is_valid() && builder_.model.code.stmts[last].next.is_valid())
+    last = builder_.model.code.stmts[last].next;
+  if (last.is_valid()) builder_.model.code.stmts[last].next = store;
   else out.measure = store;
   out.bounds.push_back(bound);
 }
@@ -275,14 +279,14 @@ void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t un
 void TimeBuilder::check_satisfiable(const TimeGuard& when, const syntax::Expr* e) {
   std::vector<const Bound*> bounds;
   for (const Bound& bound : when.bounds) bounds.push_back(&bound);
-  if (has_empty_range(bounds)) b_.diags.report(Diag::kB1607, e->range);
+  if (has_empty_range(bounds)) builder_.diags.report(Diag::kB1607, e->range);
 }
 
 // ---- clocks in code
 // --------------------------------------------------------------------------------------------------
 
 std::optional<Typed> CodeBuilder::clock_path(const syntax::Expr* e) {
-  const Binding* b = find(e->path, true);
+  const Binding* b = find(e->path, Lookup::Reported);
   if (b == nullptr || b->poison) return std::nullopt;
   const std::string name = path_key(e->path, *model_.sources);
   if (!b->is_clock) {

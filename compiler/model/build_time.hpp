@@ -2,7 +2,7 @@
 #pragma once
 #include <optional>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
 
@@ -15,7 +15,7 @@ struct TimedCondition {
 /// Builds an atom type's clocks and conditions. The scope must know the clocks; hidden variables are added to `atom`.
 class TimeBuilder {
  public:
-  TimeBuilder(ModelBuilder& b, AtomType& atom, Scope& scope) : b_(b), atom_(atom), scope_(scope) {}
+  TimeBuilder(ModelBuilder& b, AtomType& atom, Scope& scope) : builder_(b), atom_(atom), scope_(scope) {}
 
   /// A clock and its hidden variables. All variables of data must be there.
   void add_clock(const syntax::Name& name, const syntax::Name& unit);
@@ -29,13 +29,15 @@ class TimeBuilder {
   struct Linear;
   void conjunct(const syntax::Expr* e, const std::string& what, TimedCondition& out);
   void bound(const syntax::Expr* e, TimedCondition& out);
-  bool collect(const syntax::Expr* e, bool is_negative, Linear& out);
+  enum class Sign : std::uint8_t { Plus, Minus };
+  [[nodiscard]] static Sign opposite(Sign sign) { return sign == Sign::Plus ? Sign::Minus : Sign::Plus; }
+  bool collect(const syntax::Expr* e, Sign sign, Linear& out);
   void set_limit(const syntax::Expr* e, ExprId limit, std::int64_t unit, Bound& bound, TimeGuard& out);
   void check_satisfiable(const TimeGuard& when, const syntax::Expr* e);
   [[nodiscard]] bool is_constant(ExprId e) const;
   ExprId make(Op op, Type type, ExprId left, ExprId right, SourceRange at);
 
-  ModelBuilder& b_;
+  ModelBuilder& builder_;
   AtomType& atom_;
   Scope& scope_;
   std::vector<std::uint32_t> limit_variables_;  // hidden variables for limits, shared by all conditions

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
 

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "compiler/model/build_time.hpp"
-#include "compiler/model/builder.hpp"
+#include "compiler/model/model_builder.hpp"
 #include "compiler/model/code_uses.hpp"
 
 namespace bip::model {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "compiler/model/build_time.hpp"
-#include "compiler/model/builder.hpp"
+#include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
 

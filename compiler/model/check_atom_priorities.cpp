@@ -4,7 +4,7 @@
 // Depth first over the ports, each rule an edge, a wildcard one for every port: linear in these edges.
 #include <algorithm>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
 

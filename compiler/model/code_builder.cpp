@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "compiler/model/ffi.hpp"
+#include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/packages.hpp"
 
 namespace bip::model {
@@ -150,10 +150,10 @@ std::optional<Typed> CodeBuilder::literal(const syntax::Expr* e) {
   return Typed{make(out), type};
 }
 
-const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
+const Binding* CodeBuilder::find(const syntax::Path& p, Lookup lookup) {
   const std::string key = path_key(p, *model_.sources);
   if (const auto it = scope_.names.find(key); it != scope_.names.end()) return &it->second;
-  if (!report) return nullptr;
+  if (lookup == Lookup::Silent) return nullptr;
   if (diags_.error_count() > kHelpedErrors) {
     diags_.report(Diag::kB1001, p.range, key, scope_.owner);
     return nullptr;
@@ -174,13 +174,13 @@ const Binding* CodeBuilder::find(const syntax::Path& p, bool report) {
 }
 
 std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
-  const Binding* b = find(e->path, false);
+  const Binding* b = find(e->path, Lookup::Silent);
   if (e->clock_speed || (b != nullptr && b->is_clock)) return clock_path(e);
   if (b == nullptr) {
     const auto* constant =
         find_visible(model_, model_.constants, path_key(e->path, *model_.sources), e->path.range, diags_);
     if (constant != nullptr) return Typed{copy(constant->first), constant->second};
-    find(e->path, true);
+    find(e->path, Lookup::Reported);
     return std::nullopt;
   }
   if (b->poison) return std::nullopt;

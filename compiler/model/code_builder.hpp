@@ -41,7 +41,7 @@ struct Typed {
   Type type = Type::Int;
 };
 
-struct Argument;  // ffi.hpp
+struct Argument;  // ffi_declarations.hpp
 
 class CodeBuilder {
  public:
@@ -86,6 +86,9 @@ class CodeBuilder {
   Typed convert(Typed v, Type to);
 
  private:
+  enum class CallUse : std::uint8_t { Statement, Value };
+  /// Reported: an unknown name is an error.
+  enum class Lookup : std::uint8_t { Silent, Reported };
   std::optional<Typed> path(const syntax::Expr* e);
   std::optional<Typed> clock_path(const syntax::Expr* e);
   StmtId clock_statement(const syntax::Stmt* s, const Binding& target, StmtId next);
@@ -95,7 +98,7 @@ class CodeBuilder {
   std::optional<Typed> call(const syntax::Expr* e);
   std::optional<Argument> argument(const syntax::Expr* e);
   std::optional<Typed> ffi_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
-                                std::vector<Argument> args, SourceRange at, bool needs_value);
+                                std::vector<Argument> args, SourceRange at, CallUse use);
   std::optional<Typed> ffi_function(const syntax::Expr* e, const std::string& name,
                                     const std::vector<const syntax::Decl*>& prototypes);
   /// handled: the operator is C++'s, and nothing is left to say.
@@ -105,7 +108,7 @@ class CodeBuilder {
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
   StmtId statement(const syntax::Stmt* s, StmtId next);
   void warn_zero_divisor(const syntax::Expr* e, Typed divisor);
-  const Binding* find(const syntax::Path& p, bool report);
+  const Binding* find(const syntax::Path& p, Lookup lookup);
   /// Code is a tree: what stands for a name is copied to each place where the name does.
   ExprId copy(ExprId from);
   bool may_inline(const syntax::Expr* e, const syntax::Decl& function);

@@ -3,7 +3,7 @@
 #include <array>
 #include <set>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
 
@@ -45,13 +45,16 @@ struct CompoundBuilder {
 
   void build();
   // families.cpp
-  void declare_families(std::span<const syntax::CompoundItem* const> items, NameSpace& names, bool in_loop);
+  enum class ItemPlace : std::uint8_t { Body, Loop };
+  void declare_families(std::span<const syntax::CompoundItem* const> items, NameSpace& names, ItemPlace place);
   // paths.cpp
   bool element(const syntax::PathPart& part, bool is_array, ElementRef& ref, const std::string& what);
   bool port_path(const syntax::Path& path, PortPath& ref);
   bool component_port(const syntax::Path& path, std::uint32_t family, PortPath& ref);
   bool connector_port(const syntax::Path& path, std::uint32_t family, PortPath& ref);
-  bool data_path(const syntax::Path& path, DataPath& ref, bool report);
+  /// Reported: a path that means no data is an error.
+  enum class Lookup : std::uint8_t { Silent, Reported };
+  bool data_path(const syntax::Path& path, DataPath& ref, Lookup lookup);
   // deep_paths.cpp
   bool deep_port_path(const syntax::Path& path, PortPath& ref);
   std::optional<std::pair<std::uint32_t, Type>> deep_data(const ComponentFamily& family,

@@ -1,7 +1,7 @@
 // Questions about a `define` tree, answered without listing interactions: linear in the tree.
 #include <algorithm>
 
-#include "compiler/model/builder.hpp"
+#include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
 

@@ -6,10 +6,10 @@
 namespace bip::model {
 
 void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* const> items, NameSpace& names,
-                                       bool in_loop) {
+                                       ItemPlace place) {
   for (const syntax::CompoundItem* i : items) {
     if (i->kind == syntax::ItemKind::For) {
-      declare_families(i->items, names, true);
+      declare_families(i->items, names, ItemPlace::Loop);
       continue;
     }
     const std::string name(i->name.text);
@@ -25,7 +25,8 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
     auto& rows = is_component ? components : connectors;
     // Elements of one array may be declared by several items: of loops, and connectors, whose index is never a size,
     // anywhere.
-    if (const auto known = rows.find(name); known != rows.end() && i->index != nullptr && (in_loop || !is_component)) {
+    if (const auto known = rows.find(name);
+        known != rows.end() && i->index != nullptr && (place == ItemPlace::Loop || !is_component)) {
       if (is_component && out.components[known->second].is_array) continue;
       if (!is_component && out.connectors[known->second].is_array) {
         // Its exported port is compared with that of the first item when both are built.
@@ -33,7 +34,7 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
         continue;
       }
     }
-    if (in_loop && i->index == nullptr)
+    if (place == ItemPlace::Loop && i->index == nullptr)
       b.diags.report(Diag::kB4010, i->name.range, name)
           .help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range, fmt::format("{}[i]", name));
     if (!names.declare(i->name, is_component ? "component" : "connector")) continue;

@@ -52,7 +52,7 @@ std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i,
     }
     const auto is_of = [&key = key, this](const PortPath& port) { return key.starts_with(b.text(*port.path) + "."); };
     DataPath ref;
-    if (std::any_of(row.ports.begin(), row.ports.end(), is_of) || !data_path(*path, ref, false)) continue;
+    if (std::any_of(row.ports.begin(), row.ports.end(), is_of) || !data_path(*path, ref, Lookup::Silent)) continue;
     reads.push_back({key, ref.type});
     row.data.push_back(ref);
   }
@@ -92,7 +92,7 @@ void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, c
                              .declared = {}};
   }
   ports.data_reads = reads;
-  build_connector_body(b, *item.inline_body, ports, true, item.name.range, item.annotations, out);
+  build_connector_body(b, *item.inline_body, ports, ConnectorForm::Inline, item.name.range, item.annotations, out);
 }
 
 ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const CompoundItem& item,

@@ -166,7 +166,7 @@ std::optional<std::pair<std::uint32_t, Type>> exported_data(const Model& model, 
   return std::nullopt;
 }
 
-bool CompoundBuilder::data_path(const syntax::Path& path, DataPath& ref, bool report) {
+bool CompoundBuilder::data_path(const syntax::Path& path, DataPath& ref, Lookup lookup) {
   ref.range = path.range;
   ref.path = &path;
   const auto c = components.find(std::string(path.parts[0].name.text));
@@ -178,7 +178,7 @@ bool CompoundBuilder::data_path(const syntax::Path& path, DataPath& ref, bool re
       return element(path.parts[0], family.is_array, ref.element, fmt::format("component `{}`", family.name));
     }
   }
-  if (report)
+  if (lookup == Lookup::Reported)
     b.diags.report(Diag::kB1031, path.range, b.text(path), out.name)
         .help("only data declared with `export data` are seen from outside");
   return false;

@@ -90,7 +90,11 @@ class Converter {
   syntax::Path path(BipParser::PortPathContext* ctx);
   syntax::Path path(BipParser::FamilyContext* ctx);
   syntax::PathPart part(BipParser::PathPartContext* ctx);
-  syntax::TypeRef type_ref(BipParser::TypeNameContext* ctx, bool is_const);
+  enum class Constness : std::uint8_t { Mutable, Const };
+  static Constness constness(const antlr4::tree::TerminalNode* keyword) {
+    return keyword != nullptr ? Constness::Const : Constness::Mutable;
+  }
+  syntax::TypeRef type_ref(BipParser::TypeNameContext* ctx, Constness constness);
   std::string_view string(antlr4::tree::TerminalNode* node);
   syntax::Annotations annotations(const std::vector<BipParser::AnnotationContext*>& list);
   std::span<const syntax::Param> params(BipParser::ParamsContext* ctx);

@@ -113,7 +113,7 @@ PortDecl Converter::port(BipParser::PortDeclContext* ctx, Annotations marks) {
   PortDecl made{.annotations = marks, .range = range(ctx)};
   made.role = ctx->EXPORT() != nullptr || owner_.notation == Notation::Paper ? PortRole::Exported : PortRole::Internal;
   if (ctx->EXTERN() != nullptr) made.role = PortRole::External;
-  made.type = type_ref(ctx->typeName(), false);
+  made.type = type_ref(ctx->typeName(), Constness::Mutable);
   std::vector<PortItem> items;
   for (BipParser::PortItemContext* item : ctx->portItem()) {
     items.push_back({.name = name(item->id()), .vars = names(item->idList()), .has_vars = item->LPAREN() != nullptr});

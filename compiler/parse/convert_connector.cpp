@@ -22,7 +22,7 @@ const ConnectorBody* Converter::connector_body(const std::vector<BipParser::Conn
       if (body.exported.present) repeated("exported port", owner_.phrase, range(e));
       body.exported = {.present = true,
                        .annotations = marks,
-                       .type = type_ref(e->typeName(), false),
+                       .type = type_ref(e->typeName(), Constness::Mutable),
                        .name = name(e->id()),
                        .vars = names(e->idList()),
                        .range = range(e)};

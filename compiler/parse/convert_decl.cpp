@@ -53,7 +53,7 @@ const Package* Converter::file(BipParser::FileContext* ctx) {
 std::span<const Param> Converter::proto_params(const std::vector<BipParser::ProtoParamContext*>& list) {
   std::vector<Param> out;
   for (BipParser::ProtoParamContext* p : list) {
-    Param param{.type = type_ref(p->typeName(), p->CONST() != nullptr), .name = {}};
+    Param param{.type = type_ref(p->typeName(), constness(p->CONST())), .name = {}};
     if (p->id() != nullptr) param.name = name(p->id());
     out.push_back(param);
   }
@@ -68,14 +68,17 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
   if (BipParser::ConstDataContext* c = ctx->constData()) {
     if (failed(c)) return nullptr;
     d.kind = DeclKind::ConstData;
-    DataDecl data{.annotations = {}, .type = type_ref(c->typeName(), true), .vars = vars(c->var()), .range = range(c)};
+    DataDecl data{.annotations = {},
+                  .type = type_ref(c->typeName(), Constness::Const),
+                  .vars = vars(c->var()),
+                  .range = range(c)};
     d.name = data.vars.empty() ? Name{} : data.vars.front().name;
     d.data = arena_.list(std::vector<DataDecl>{data});
   } else if (BipParser::FunctionDeclContext* f = ctx->functionDecl()) {
     if (failed(f)) return nullptr;
     d.kind = DeclKind::Function;
     d.name = name(f->id());
-    d.result = type_ref(f->typeName(), false);
+    d.result = type_ref(f->typeName(), Constness::Mutable);
     d.params = params(f->params());
     d.body = value(f->expr());
     if (d.body == nullptr) return nullptr;
@@ -134,19 +137,19 @@ Decl Converter::extern_decl(BipParser::DeclContext* ctx) {
     d.kind = DeclKind::ExternType;
     d.name = name(t->id());
     std::vector<Path> refines;
-    for (BipParser::TypeNameContext* r : t->typeName()) refines.push_back(type_ref(r, false).name);
+    for (BipParser::TypeNameContext* r : t->typeName()) refines.push_back(type_ref(r, Constness::Mutable).name);
     d.refines = arena_.list(refines);
     if (t->STRING() != nullptr) d.cpp_name = string(t->STRING());
   } else if (BipParser::ExternFunctionContext* f = ctx->externFunction(); f != nullptr && !failed(f)) {
     d.kind = DeclKind::ExternFunction;
     d.name = name(f->id());
-    d.result = type_ref(f->typeName(), f->CONST() != nullptr);
+    d.result = type_ref(f->typeName(), constness(f->CONST()));
     d.params = proto_params(f->protoParam());
   } else if (BipParser::ExternOperatorContext* o = ctx->externOperator(); o != nullptr && !failed(o)) {
     d.kind = DeclKind::ExternOperator;
     d.op = name(o->operatorSign()->start);
     d.name = d.op;
-    d.result = type_ref(o->typeName(), o->CONST() != nullptr);
+    d.result = type_ref(o->typeName(), constness(o->CONST()));
     d.params = proto_params(o->protoParam());
   }
   return d;

@@ -78,9 +78,9 @@ Path Converter::path(BipParser::FamilyContext* ctx) {
   return {arena_.list(std::vector<PathPart>{{.name = first, .star = true}}), range(ctx)};
 }
 
-TypeRef Converter::type_ref(BipParser::TypeNameContext* ctx, bool is_const) {
+TypeRef Converter::type_ref(BipParser::TypeNameContext* ctx, Constness constness) {
   TypeRef type;
-  type.is_const = is_const;
+  type.is_const = constness == Constness::Const;
   if (ctx == nullptr) return type;
   if (ctx->path() != nullptr) {
     type.name = path(ctx->path());
@@ -128,7 +128,7 @@ std::span<const Param> Converter::params(BipParser::ParamsContext* ctx) {
   std::vector<Param> list;
   if (ctx == nullptr) return {};
   for (BipParser::ParamContext* p : ctx->param()) {
-    list.push_back({.type = type_ref(p->typeName(), p->CONST() != nullptr), .name = name(p->id())});
+    list.push_back({.type = type_ref(p->typeName(), constness(p->CONST())), .name = name(p->id())});
   }
   return arena_.list(list);
 }
@@ -143,7 +143,7 @@ std::span<const Var> Converter::vars(const std::vector<BipParser::VarContext*>& 
 
 DataDecl Converter::data(BipParser::DataDeclContext* ctx, Annotations annotations) {
   return {.annotations = annotations,
-          .type = type_ref(ctx->typeName(), ctx->CONST() != nullptr),
+          .type = type_ref(ctx->typeName(), constness(ctx->CONST())),
           .exported = ctx->EXPORT() != nullptr,
           .vars = vars(ctx->var()),
           .range = range(ctx)};

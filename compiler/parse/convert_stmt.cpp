@@ -1,6 +1,6 @@
 // Converts actions. An `else if` chain with one `fi` becomes nested ifs, as in the longer spelling.
 #include "compiler/parse/convert.hpp"
-#include "compiler/parse/describe.hpp"
+#include "compiler/parse/describe_tokens.hpp"
 
 namespace bip::parse {
 

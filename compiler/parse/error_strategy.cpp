@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "BipParser.h"
-#include "compiler/parse/describe.hpp"
+#include "compiler/parse/describe_tokens.hpp"
 
 namespace bip::parse {
 namespace {

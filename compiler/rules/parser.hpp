@@ -1,4 +1,4 @@
-// The parser of rules (parse.cpp) and of their conditions (parse_condition.cpp). Internal to compiler/rules.
+// The parser of rules (parse_rules.cpp) and of their conditions (parse_condition.cpp). Internal to compiler/rules.
 #pragma once
 #include "compiler/genom/cursor.hpp"
 #include "compiler/rules/rules.hpp"

@@ -151,8 +151,8 @@ Type NameScope::value_of(const Expr& e, Condition& into) {
   return type == genom::ValueType::Int ? Type::Int : type == genom::ValueType::Float ? Type::Float : Type::Text;
 }
 
-bool NameScope::condition(const Expr& e, genom::ServiceRef subject, bool is_kept, Condition& into) {
-  const Type type = convert(e, subject, is_kept, into);
+bool NameScope::condition(const Expr& e, genom::ServiceRef subject, Moment moment, Condition& into) {
+  const Type type = convert(e, subject, moment, into);
   if (type == Type::Bool || type == Type::None) return type == Type::Bool;
   diags_.report(Diag::kB6106, e.range, "a rule", name_of(Type::Bool), name_of(type));
   return false;
@@ -179,12 +179,12 @@ bool NameScope::is_poster(const Expr& e) {
   return false;
 }
 
-Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, bool is_asked, Condition& into) {
+Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, Moment moment, Condition& into) {
   if (!s) return Type::None;
   for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
     const genom::ParameterRow& p = constraints_.parameters[i];
     if (p.service != *s || p.name != e.name.text) continue;
-    into.kind = is_asked ? ConditionKind::Asked : ConditionKind::Value;
+    into.kind = moment == Moment::Request ? ConditionKind::Asked : ConditionKind::Value;
     into.row = i;
     return p.is_text ? Type::Text : Type::Int;
   }
@@ -193,7 +193,7 @@ Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, 
   return Type::None;
 }
 
-Type NameScope::convert(const Expr& e, genom::ServiceRef subject, bool is_kept, Condition& into) {
+Type NameScope::convert(const Expr& e, genom::ServiceRef subject, Moment moment, Condition& into) {
   switch (e.kind) {
     case ExprKind::Number:
       into.number = e.number;
@@ -222,9 +222,9 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, bool is_kept, 
       const std::size_t errors = diags_.error_count();
       if (const Type held = value_of(e, into); held != Type::None || diags_.error_count() > errors) return held;
       if (is_poster(e)) return Type::None;
-      return parameter_of(e, service(e.path), false, into);
+      return parameter_of(e, service(e.path), Moment::Run, into);
     }
-    case ExprKind::Request: return parameter_of(e, subject, !is_kept, into);
+    case ExprKind::Request: return parameter_of(e, subject, moment, into);
     case ExprKind::Total: {
       into.kind = ConditionKind::Total;
       for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
@@ -257,7 +257,7 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, bool is_kept, 
     case ExprKind::Not:
     case ExprKind::Operator: break;
   }
-  return combine(e, subject, is_kept, into);
+  return combine(e, subject, moment, into);
 }
 
 namespace {
@@ -268,12 +268,12 @@ bool is_constant(const Condition& c) {
 }
 }  // namespace
 
-Type NameScope::combine(const Expr& e, genom::ServiceRef subject, bool is_kept, Condition& into) {
+Type NameScope::combine(const Expr& e, genom::ServiceRef subject, Moment moment, Condition& into) {
   into.kind = e.kind == ExprKind::Not ? ConditionKind::Not : ConditionKind::Operator;
   into.text = e.text;
   Type types[2] = {Type::None, Type::None};
   for (std::size_t i = 0; i < e.operands.size(); ++i) {
-    types[i] = convert(e.operands[i], subject, is_kept, into.operands.emplace_back());
+    types[i] = convert(e.operands[i], subject, moment, into.operands.emplace_back());
     if (types[i] == Type::None) return Type::None;
   }
   const bool is_logic = e.kind == ExprKind::Not || e.text == "&&" || e.text == "||";

@@ -20,14 +20,15 @@ class NameScope {
   }
   void parameter(const ParameterDecl& decl);
   void value(const ValueDecl& decl);
-  /// A condition of a rule about `subject`; false if it was reported. `is_kept`: it is looked at while the subject
-  /// runs.
-  [[nodiscard]] bool condition(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
+  /// Request: as the request comes. Run: while the subject runs.
+  enum class Moment : std::uint8_t { Request, Run };
+  /// A condition of a rule about `subject`; false if it was reported. `moment`: when it is evaluated.
+  [[nodiscard]] bool condition(const Expr& e, genom::ServiceRef subject, Moment moment, genom::Condition& into);
 
  private:
-  [[nodiscard]] Type convert(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
-  [[nodiscard]] Type combine(const Expr& e, genom::ServiceRef subject, bool is_kept, genom::Condition& into);
-  [[nodiscard]] Type parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, bool is_asked,
+  [[nodiscard]] Type convert(const Expr& e, genom::ServiceRef subject, Moment moment, genom::Condition& into);
+  [[nodiscard]] Type combine(const Expr& e, genom::ServiceRef subject, Moment moment, genom::Condition& into);
+  [[nodiscard]] Type parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, Moment moment,
                                   genom::Condition& into);
   /// A value of a poster, with or without poster and module before it; None if there is none, and nothing is reported.
   [[nodiscard]] Type value_of(const Expr& e, genom::Condition& into);

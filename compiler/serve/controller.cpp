@@ -5,8 +5,8 @@
 
 namespace bip::serve {
 
-Controller::Controller(const rt::Image& image, const ExecutionOptions& options, bool begins_paused)
-    : image_(image), system_(image, options), is_paused_(begins_paused) {}
+Controller::Controller(const rt::Image& image, const ExecutionOptions& options, Begin begin)
+    : image_(image), system_(image, options), is_paused_(begin == Begin::Paused) {}
 
 Controller::~Controller() { halt(); }
 

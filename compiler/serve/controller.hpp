@@ -20,7 +20,8 @@ class Controller {
   using Command = std::function<void(Controller&)>;
   static constexpr std::size_t kMaxSnapshots = 16;
 
-  Controller(const rt::Image& image, const ExecutionOptions& options, bool begins_paused);
+  enum class Begin : std::uint8_t { Running, Paused };
+  Controller(const rt::Image& image, const ExecutionOptions& options, Begin begin);
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
   ~Controller();

@@ -1,6 +1,6 @@
 // Details on the line of a node: expressions with every operator in parentheses and in one spelling, paths, names.
 #include "compiler/base/quote.hpp"
-#include "compiler/syntax/dump.hpp"
+#include "compiler/syntax/dump_syntax.hpp"
 
 namespace bip::syntax {
 namespace {

@@ -52,7 +52,7 @@ void SyntaxPrinter::if_chain(const Stmt& s) {
   const Stmt* at = &s;
   std::string ends = "fi";
   while (true) {
-    put("if (" + text(at->value, true) + ") then");
+    put("if (" + text(at->value, Parentheses::Dropped) + ") then");
     header_line(at->value->range.end);
     stmts(at->then_body);
     --indent_;

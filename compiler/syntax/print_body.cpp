@@ -28,10 +28,11 @@ void SyntaxPrinter::ports(const PortDecl& p) {
 void SyntaxPrinter::initial_parts(const Initial& i) {
   put("initial to " + text(i.to));
   block("do", i.action);
-  if (i.resumes) put(i.resume == nullptr ? " resume" : " resume (" + text(i.resume, true) + ")");
+  if (i.resumes) put(i.resume == nullptr ? " resume" : " resume (" + text(i.resume, Parentheses::Dropped) + ")");
 }
 
-void SyntaxPrinter::transition(const Transition& t, bool in_state) {
+void SyntaxPrinter::transition(const Transition& t, TransitionForm form) {
+  const bool in_state = form == TransitionForm::InState;
   annotations(t.annotations, t.range.begin);
   lead_in(t.range.begin, t.action.present ? t.action.range.begin : t.range.end);
   begin_line();
@@ -47,7 +48,7 @@ void SyntaxPrinter::transition(const Transition& t, bool in_state) {
     block("do", t.action);
   }
   if (in_state) put(" to " + text(t.to));
-  if (t.resumes) put(t.resume == nullptr ? " resume" : " resume (" + text(t.resume, true) + ")");
+  if (t.resumes) put(t.resume == nullptr ? " resume" : " resume (" + text(t.resume, Parentheses::Dropped) + ")");
   end_line(t.range.end);
 }
 
@@ -100,7 +101,7 @@ void SyntaxPrinter::behavior(const Decl& d) {
     end_line(place.range.end);
     ++indent_;
     while (next < d.transitions.size() && d.transitions[next].from[0].text == place.text) {
-      transition(d.transitions[next], true);
+      transition(d.transitions[next], TransitionForm::InState);
       end = std::max(end, d.transitions[next++].range.end);
     }
     --indent_;
@@ -143,7 +144,8 @@ void SyntaxPrinter::atom(const Decl& d) {
                           end_line(i.range.end);
                         }});
     }
-    for (const Transition& t : d.transitions) pieces.push_back({t.range.begin, [this, &t] { transition(t, false); }});
+    for (const Transition& t : d.transitions)
+      pieces.push_back({t.range.begin, [this, &t] { transition(t, TransitionForm::Alone); }});
   }
   for (const AtomPriority& p : d.atom_priorities) {
     pieces.push_back({p.range.begin, [this, &p] {

@@ -3,10 +3,10 @@
 
 namespace bip::syntax {
 
-void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, bool in_line) {
+void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, Layout layout) {
   const CompoundItem& first = *group.front();
   const std::uint32_t end = group.back()->range.end;
-  if (!in_line) {
+  if (layout == Layout::OwnLine) {
     annotations(first.annotations, first.range.begin);
     const bool one_line = first.inline_body == nullptr && first.kind != ItemKind::For;
     lead_in(first.range.begin, one_line ? end : first.range.begin);
@@ -24,7 +24,7 @@ void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, bool 
     const bool alone = pieces.size() == 1 && first.items.front()->annotations.empty();
     if (alone) {
       put(" ");
-      return item_group(first.items, true);
+      return item_group(first.items, Layout::SameLine);
     }
     put(" {");
     header_line(first.high->range.end);
@@ -76,7 +76,7 @@ void SyntaxPrinter::items(std::span<const CompoundItem* const> list, std::vector
     }
     const auto group = list.subspan(i, n);
     pieces.push_back({first.type.is_written() ? first.type.name.range.begin : first.range.begin,
-                      [this, group] { item_group(group, false); }});
+                      [this, group] { item_group(group, Layout::OwnLine); }});
     i += n;
   }
 }

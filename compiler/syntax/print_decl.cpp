@@ -75,7 +75,7 @@ void SyntaxPrinter::one_line_decl(const Decl& d) {
     case DeclKind::Function:
       put("function " + text(d.result) + " ");
       put(d.name.text);
-      put(params + " = " + text(d.body, true));
+      put(params + " = " + text(d.body, Parentheses::Dropped));
       break;
     case DeclKind::ExternOperator:
       put("extern operator " + text(d.result) + " ");
@@ -148,7 +148,7 @@ void SyntaxPrinter::connector_parts(const ConnectorBody& body) {
     pieces.push_back({body.define->range.begin, [this, &body] {
                         lead_in(body.define->range.begin, body.define->range.end);
                         begin_line();
-                        put("define " + text(*body.define, true));
+                        put("define " + text(*body.define, Level::Root));
                         std::uint32_t end = body.define->range.end;
                         if (!body.resume.text.empty()) {
                           put(" resume ");

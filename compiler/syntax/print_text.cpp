@@ -82,7 +82,7 @@ std::string SyntaxPrinter::text(const Annotation& a) const {
   return out;
 }
 
-std::string SyntaxPrinter::text(const Expr* e, bool without_parentheses) const {
+std::string SyntaxPrinter::text(const Expr* e, Parentheses parentheses) const {
   if (e == nullptr) return {};
   std::string out;
   switch (e->kind) {
@@ -124,12 +124,12 @@ std::string SyntaxPrinter::text(const Expr* e, bool without_parentheses) const {
       break;
     }
   }
-  return e->parenthesised && !without_parentheses ? "(" + out + ")" : out;
+  return e->parenthesised && parentheses == Parentheses::Kept ? "(" + out + ")" : out;
 }
 
 std::string SyntaxPrinter::guard(const Expr* e) const {
-  if (notation_ == Notation::Paper) return " provided " + text(e, true);
-  return " provided (" + text(e, true) + ")";
+  if (notation_ == Notation::Paper) return " provided " + text(e, Parentheses::Dropped);
+  return " provided (" + text(e, Parentheses::Dropped) + ")";
 }
 
 std::string SyntaxPrinter::simple(const Stmt& s) const {
@@ -137,17 +137,17 @@ std::string SyntaxPrinter::simple(const Stmt& s) const {
   return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") + text(s.value);
 }
 
-std::string SyntaxPrinter::text(const PortExpr& e, bool is_root) const {
+std::string SyntaxPrinter::text(const PortExpr& e, Level level) const {
   const std::string prime = e.trigger ? "'" : "";
   if (e.kind == PortExprKind::Port) return text(e.port) + prime;
   const bool paper = notation_ == Notation::Paper;
   std::string out;
   for (const PortExpr* child : e.children) {
     if (!out.empty()) out += paper ? ", " : " ";
-    out += text(*child, false);
+    out += text(*child, Level::Inner);
   }
   if (paper) return "[" + out + "]" + prime;
-  return is_root ? out : "(" + out + ")" + prime;
+  return level == Level::Root ? out : "(" + out + ")" + prime;
 }
 
 std::string SyntaxPrinter::text(const InteractionPattern& p) const {

@@ -16,6 +16,12 @@ class SyntaxPrinter {
   std::string run();
 
  private:
+  /// Of an expression as a whole; inner ones always stay.
+  enum class Parentheses : std::uint8_t { Kept, Dropped };
+  enum class Level : std::uint8_t { Root, Inner };
+  /// InState: below `state S`, which says where it begins.
+  enum class TransitionForm : std::uint8_t { Alone, InState };
+  enum class Layout : std::uint8_t { OwnLine, SameLine };
   /// Something with a place among its siblings: printed in source order, whatever list of the tree it is in.
   struct Piece {
     std::uint32_t begin = 0;
@@ -39,7 +45,7 @@ class SyntaxPrinter {
   [[nodiscard]] std::string_view source(SourceRange r) const { return source_.substr(r.begin, r.end - r.begin); }
 
   // print_text.cpp: pieces of lines
-  [[nodiscard]] std::string text(const Expr* e, bool without_parentheses = false) const;
+  [[nodiscard]] std::string text(const Expr* e, Parentheses parentheses = Parentheses::Kept) const;
   [[nodiscard]] std::string text(const Path& p) const;
   [[nodiscard]] std::string text(const TypeRef& t) const;
   [[nodiscard]] std::string text(std::span<const Name> names) const;
@@ -47,7 +53,7 @@ class SyntaxPrinter {
   [[nodiscard]] std::string text(std::span<const Param> params) const;
   [[nodiscard]] std::string text(std::span<const Var> vars) const;
   [[nodiscard]] std::string text(std::span<const NamedArg> args) const;
-  [[nodiscard]] std::string text(const PortExpr& e, bool is_root) const;
+  [[nodiscard]] std::string text(const PortExpr& e, Level level) const;
   [[nodiscard]] std::string text(const InteractionPattern& p) const;
   [[nodiscard]] std::string text(const Annotation& a) const;
   [[nodiscard]] std::string simple(const Stmt& s) const;
@@ -71,7 +77,7 @@ class SyntaxPrinter {
   void atom(const Decl& d);
   void ports(const PortDecl& p);
   void initial_parts(const Initial& i);
-  void transition(const Transition& t, bool in_state);
+  void transition(const Transition& t, TransitionForm form);
   void behavior(const Decl& d);
   [[nodiscard]] std::uint32_t end_of_word(std::string_view word, std::uint32_t from) const;
   [[nodiscard]] static bool has_state_form(const Decl& d);
@@ -80,7 +86,7 @@ class SyntaxPrinter {
   void compound(const Decl& d);
   void items(std::span<const CompoundItem* const> list, std::vector<Piece>& pieces);
   void priority(const CompoundPriority& p);
-  void item_group(std::span<const CompoundItem* const> group, bool in_line);
+  void item_group(std::span<const CompoundItem* const> group, Layout layout);
 
   const Syntax& syntax_;
   const SourceMap& sources_;

@@ -19,7 +19,8 @@ std::optional<std::vector<std::uint32_t>> Instantiator::pattern_connectors(std::
     std::erase(rows, Element::kHole);
     return rows;
   }
-  const std::optional<std::uint32_t> row = find(instances[instance], path.connector, true, self, path.range);
+  const std::optional<std::uint32_t> row =
+      find(instances[instance], path.connector, ElementKind::Connector, self, path.range);
   if (!row) return std::nullopt;
   return std::vector<std::uint32_t>{*row};
 }
@@ -115,12 +116,12 @@ void Instantiator::priorities(std::uint32_t instance) {
     }
   }
   check_priorities(first, rules);
-  if (diags.has_errors() || check_cycle(instances[instance].row, first, rules, false)) return;
+  if (diags.has_errors() || check_cycle(instances[instance].row, first, rules, GuardedRules::Ignored)) return;
   // One word a type: its instances have the same rules.
   const syntax::Decl& decl = *model.compound_types[instances[instance].type].decl;
   if (!model::is_suppressed(decl.annotations, "compoundprioritycycle") &&
       warned_cycles.insert(instances[instance].type.value).second) {
-    check_cycle(instances[instance].row, first, rules, true);
+    check_cycle(instances[instance].row, first, rules, GuardedRules::Followed);
   }
 }
 
@@ -203,7 +204,8 @@ void Instantiator::check_priorities(std::size_t first_rule, const std::vector<co
 
 // True if there is one. Without guards it is an error, with them it closes only if they hold: a warning.
 bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules,
-                               bool with_guards) {
+                               GuardedRules guarded) {
+  const bool with_guards = guarded == GuardedRules::Followed;
   const Chains chains{out, model.connector_types};
   const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
   // Depth first through the rules; a rule that is met on its own path closes a cycle. A rule can be followed

@@ -67,8 +67,9 @@ struct Instantiator {
   void declare_priority(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   bool too_many(std::size_t count, const char* what, SourceRange at);
 
-  // resolve.cpp
-  std::optional<std::uint32_t> find(const Instance& in, const ElementRef& ref, bool is_connector,
+  // resolve_bindings.cpp
+  enum class ElementKind : std::uint8_t { Component, Connector };
+  std::optional<std::uint32_t> find(const Instance& in, const ElementRef& ref, ElementKind kind,
                                     const std::vector<Value>& self, SourceRange at);
   ConnectorId resolve_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
   ConnectorId bind_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
@@ -87,8 +88,9 @@ struct Instantiator {
   bool pattern(std::uint32_t instance, const PatternPath& path, std::uint32_t pending, const std::vector<Value>& self,
                Pattern& to);
   void check_priorities(std::size_t first_rule, const std::vector<const PriorityRule*>& rules);
+  enum class GuardedRules : std::uint8_t { Ignored, Followed };
   bool check_cycle(CompoundId parent, std::size_t first_rule, const std::vector<const PriorityRule*>& rules,
-                   bool with_guards);
+                   GuardedRules guarded);
 
   // check_alternatives.cpp
   void check_alternatives(ConnectorId id, SourceRange at);

@@ -7,7 +7,7 @@
 #include <array>
 
 #include "compiler/system/bsys.hpp"
-#include "compiler/system/parse_bsys_rows.hpp"
+#include "compiler/system/bsys_row_parser.hpp"
 #include "compiler/system/validate_problems.hpp"
 
 namespace bip::system {
@@ -15,17 +15,17 @@ namespace {
 
 using namespace text;
 
-class BsysParser : RowParser {
+class BsysParser : BsysRowParser {
  public:
-  using RowParser::RowParser;
+  using BsysRowParser::BsysRowParser;
 
   Result<System> run() {
-    List all = r_.open_bare(0);
+    List all = reader_.open_bare(0);
     header(all);
-    while (r_.more(all)) row(r_.next(all, "a row"));
-    if (r_.failed()) return r_.failure();
-    const std::vector<Problem> problems = find_problems(s_);
-    if (problems.empty()) return std::move(s_);
+    while (reader_.more(all)) row(reader_.next(all, "a row"));
+    if (reader_.failed()) return reader_.failure();
+    const std::vector<Problem> problems = find_problems(system_);
+    if (problems.empty()) return std::move(system_);
     const Problem& problem = problems.front();
     const std::vector<std::uint32_t>& rows = rows_[static_cast<std::size_t>(problem.table)];
     const std::size_t offset = problem.row < rows.size() ? tree_.nodes[rows[problem.row]].begin : 0;
@@ -34,89 +34,91 @@ class BsysParser : RowParser {
 
  private:
   void header(List& all) {
-    if (!r_.more(all)) return r_.fail(kNoNode, "expected `(bsys 1)`");
-    const std::uint32_t node = r_.next(all, "`(bsys 1)`");
+    if (!reader_.more(all)) return reader_.fail(kNoNode, "expected `(bsys 1)`");
+    const std::uint32_t node = reader_.next(all, "`(bsys 1)`");
     std::string_view head;
-    List list = r_.open(node, head);
-    if (r_.failed() || head != "bsys" || !r_.flag(list, "1")) return r_.fail(node, "the first row is `(bsys 1)`");
-    r_.close(list);
+    List list = reader_.open(node, head);
+    if (reader_.failed() || head != "bsys" || !reader_.flag(list, "1"))
+      return reader_.fail(node, "the first row is `(bsys 1)`");
+    reader_.close(list);
   }
 
   void row(std::uint32_t node) {
     std::string_view head;
-    List list = r_.open(node, head);
-    if (r_.failed()) return;
+    List list = reader_.open(node, head);
+    if (reader_.failed()) return;
     if (head == "file") {
-      r_.row(list, s_.files.size());
-      s_.files.push_back(r_.quoted(list));
+      reader_.row(list, system_.files.size());
+      system_.files.push_back(reader_.quoted(list));
     } else if (head == "string") {
-      r_.row(list, s_.code.strings.size());
-      if (!r_.add_string(r_.quoted(list)) && !r_.failed()) r_.fail(node, "this string has a row already");
+      reader_.row(list, system_.code.strings.size());
+      if (!reader_.add_string(reader_.quoted(list)) && !reader_.failed())
+        reader_.fail(node, "this string has a row already");
     } else if (head == "cpp") {
       cpp_file(node, list);
     } else if (head == "extern-type") {
-      r_.row(list, s_.code.ffi_types.size());
+      reader_.row(list, system_.code.ffi_types.size());
       FfiType row;
-      row.name = r_.name(list);
-      row.cpp = r_.quoted(list);
-      r_.close(list);
+      row.name = reader_.name(list);
+      row.cpp = reader_.quoted(list);
+      reader_.close(list);
       row.loc = list.loc;
-      s_.code.ffi_types.push_back(std::move(row));
+      system_.code.ffi_types.push_back(std::move(row));
     } else if (head == "function") {
-      r_.row(list, s_.code.functions.size());
-      s_.code.functions.push_back(function(list));
+      reader_.row(list, system_.code.functions.size());
+      system_.code.functions.push_back(function(list));
     } else if (head == "port-type") {
-      push(Table::PortTypes, node, s_.port_types, port_type(list));
+      push(Table::PortTypes, node, system_.port_types, port_type(list));
     } else if (head == "atom-type") {
-      push(Table::AtomTypes, node, s_.atom_types, atom_type(list));
+      push(Table::AtomTypes, node, system_.atom_types, atom_type(list));
     } else if (head == "connector-type") {
-      push(Table::ConnectorTypes, node, s_.connector_types, connector_type(list));
+      push(Table::ConnectorTypes, node, system_.connector_types, connector_type(list));
     } else if (head == "compound") {
-      push(Table::Compounds, node, s_.compounds, compound(list));
+      push(Table::Compounds, node, system_.compounds, compound(list));
     } else if (head == "atom") {
-      push(Table::Atoms, node, s_.atoms, atom(list));
+      push(Table::Atoms, node, system_.atoms, atom(list));
     } else if (head == "choice") {
       rows_[static_cast<std::size_t>(Table::Choices)].push_back(node);
-      s_.choices.push_back(choice(list));
+      system_.choices.push_back(choice(list));
     } else if (head == "connector") {
-      push(Table::Connectors, node, s_.connectors, connector(list));
+      push(Table::Connectors, node, system_.connectors, connector(list));
     } else if (head == "priority") {
-      push(Table::Priorities, node, s_.priorities, priority(list));
+      push(Table::Priorities, node, system_.priorities, priority(list));
     } else {
-      r_.fail(node, "no row begins with this word");
+      reader_.fail(node, "no row begins with this word");
     }
-    r_.close(list);
+    reader_.close(list);
   }
   void cpp_file(std::uint32_t node, List& list) {
-    FfiFiles& cpp = s_.code.cpp;
+    FfiFiles& cpp = system_.code.cpp;
     std::vector<CppFile>* files = nullptr;
-    if (r_.flag(list, "include")) files = &cpp.includes;
-    else if (r_.flag(list, "source")) files = &cpp.sources;
-    else if (r_.flag(list, "object")) files = &cpp.objects;
-    if (files == nullptr) return r_.fail(node, "a file of C++ is an include, a source or an object");
+    if (reader_.flag(list, "include")) files = &cpp.includes;
+    else if (reader_.flag(list, "source")) files = &cpp.sources;
+    else if (reader_.flag(list, "object")) files = &cpp.objects;
+    if (files == nullptr) return reader_.fail(node, "a file of C++ is an include, a source or an object");
     CppFile file;
-    file.folder = r_.quoted(list);
-    file.name = r_.quoted(list);
+    file.folder = reader_.quoted(list);
+    file.name = reader_.quoted(list);
     files->push_back(std::move(file));
   }
   Function function(List& list) {
     Function row;
-    row.name = r_.name(list);
-    if (r_.flag(list, "cast")) row.kind = FunctionKind::Cast;
-    else if (r_.flag(list, "operator")) row.kind = FunctionKind::Operator;
-    row.is_const = r_.flag(list, "const");
+    row.name = reader_.name(list);
+    if (reader_.flag(list, "cast")) row.kind = FunctionKind::Cast;
+    else if (reader_.flag(list, "operator")) row.kind = FunctionKind::Operator;
+    row.is_const = reader_.flag(list, "const");
     row.has_result = false;
-    if (std::optional<List> result = r_.sub(list, "result")) {
+    if (std::optional<List> result = reader_.sub(list, "result")) {
       row.has_result = true;
-      row.result = r_.type(*result);
-      r_.close(*result);
+      row.result = reader_.type(*result);
+      reader_.close(*result);
     }
-    while (r_.more(list)) {
-      std::optional<List> param = r_.sub(list, "value");
+    while (reader_.more(list)) {
+      std::optional<List> param = reader_.sub(list, "value");
       const bool by_reference = !param;
-      if (by_reference) param = r_.need(list, "ref");
-      row.params.push_back({r_.type(*param), by_reference});
-      r_.close(*param);
+      if (by_reference) param = reader_.need(list, "ref");
+      row.params.push_back({reader_.type(*param), by_reference});
+      reader_.close(*param);
     }
     row.loc = list.loc;
     return row;

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "tests/fuzz/targets.hpp"
-#include "tools/lsp/server.hpp"
+#include "tools/lsp/language_server.hpp"
 
 namespace bip::fuzz {
 namespace {

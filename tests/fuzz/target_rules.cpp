@@ -1,8 +1,8 @@
 // Rules over fixed modules: errors that can be read, or a functional level that is BIP without a single warning.
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/genom/translate.hpp"
-#include "compiler/rules/check.hpp"
-#include "compiler/rules/parse.hpp"
+#include "compiler/rules/check_rules.hpp"
+#include "compiler/rules/parse_rules.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace bip::fuzz {

@@ -1,7 +1,7 @@
 // A monitor that counts its clients by an int: proofs need equations between data and places.
 #include "tests/verify/small_net.hpp"
 
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::verify::test {
 

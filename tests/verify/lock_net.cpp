@@ -1,7 +1,7 @@
 // Users and locks: what small_net makes by luck needs an invariant once in a hundred proofs, this nearly always.
 #include "tests/verify/small_net.hpp"
 
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::verify::test {
 

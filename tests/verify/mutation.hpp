@@ -3,7 +3,7 @@
 #pragma once
 #include <string>
 
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::verify::test {
 

@@ -1,7 +1,7 @@
 // See random_property.hpp.
 #include "tests/verify/random_property.hpp"
 
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::verify::test {
 

@@ -1,7 +1,7 @@
 // See small_net.hpp.
 #include "tests/verify/small_net.hpp"
 
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::verify::test {
 

@@ -2,7 +2,7 @@
 // come from outside.
 #include "tests/verify/small_net.hpp"
 
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::verify::test {
 

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tools/gen/check.hpp"
+#include "tools/gen/check_model.hpp"
 #include "tools/gen/traced_run.hpp"
 
 namespace bip::gen {

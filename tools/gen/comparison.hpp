@@ -8,9 +8,9 @@
 
 #include "bip/ffi.hpp"
 #include "runtime/core/core.hpp"
-#include "tools/gen/check.hpp"
+#include "tools/gen/check_model.hpp"
 #include "tools/gen/naive.hpp"
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::gen {
 

@@ -58,9 +58,9 @@ Description generate(std::uint64_t seed, Features features) {
   }
   std::map<std::string, Interface> interfaces;
   for (int k = 0, n = style.deep ? random.between(1, 4) : random.percent(40) ? random.between(1, 3) : 0; k < n; ++k) {
-    make_compound(random, style, model, interfaces, "C" + std::to_string(k), false);
+    make_compound(random, style, model, interfaces, "C" + std::to_string(k), CompoundLevel::Inner);
   }
-  make_compound(random, style, model, interfaces, "Root", true);
+  make_compound(random, style, model, interfaces, "Root", CompoundLevel::Root);
   // As for `regular`.
   Prng of_time(seed ^ 0x74696d65u);
   if (features == Features::Timed && of_time.percent(30)) make_time(of_time, model);

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "tools/gen/description.hpp"
-#include "tools/gen/prng.hpp"
+#include "tools/gen/random.hpp"
 
 namespace bip::gen {
 
@@ -104,8 +104,9 @@ struct Interface {
   int atoms = 0;  // within one element, arrays of `n` counted at their largest
 };
 /// Adds a compound type (and the connector types it needs) to the model.
+enum class CompoundLevel : std::uint8_t { Inner, Root };
 void make_compound(Prng& random, const Style& style, Description& model, std::map<std::string, Interface>& interfaces,
-                   const std::string& name, bool is_root);
+                   const std::string& name, CompoundLevel level);
 /// Gives a finished model time: clocks, bounds, urgency, invariants, `resume`, `@async`, ports for events.
 void make_time(Prng& random, Description& model);
 /// Adds priority rules without cycles.

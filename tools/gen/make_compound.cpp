@@ -24,7 +24,8 @@ class CompoundMaker {
   CompoundMaker(Prng& random, const Style& style, Description& model, std::map<std::string, Interface>& interfaces)
       : random_(random), style_(style), model_(model), interfaces_(interfaces), code_(random, style) {}
 
-  CompoundType make(const std::string& name, bool is_root) {
+  CompoundType make(const std::string& name, CompoundLevel level) {
+    const bool is_root = level == CompoundLevel::Root;
     compound_.name = name;
     if (!is_root && random_.percent(25)) compound_.params.push_back({"n", Ty::Int, false, {}});
     make_components(is_root);
@@ -280,8 +281,8 @@ class CompoundMaker {
 }  // namespace
 
 void make_compound(Prng& random, const Style& style, Description& model, std::map<std::string, Interface>& interfaces,
-                   const std::string& name, bool is_root) {
-  model.compound_types.push_back(CompoundMaker(random, style, model, interfaces).make(name, is_root));
+                   const std::string& name, CompoundLevel level) {
+  model.compound_types.push_back(CompoundMaker(random, style, model, interfaces).make(name, level));
 }
 
 }  // namespace bip::gen

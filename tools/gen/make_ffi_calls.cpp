@@ -1,6 +1,6 @@
 // The declarations of a model beside its types: constants, functions of its own, and the C++ functions that its code
 // calls.
-#include "tools/gen/functions.hpp"
+#include "tools/gen/ffi_prototypes.hpp"
 #include "tools/gen/make.hpp"
 
 namespace bip::gen {

@@ -93,7 +93,8 @@ class NaiveEngine {
   void complete(Choice choice, std::vector<Choice>& result);
   [[nodiscard]] Lookup lookup_in(Choice& choice);
   void fire_part(Choice& choice);
-  [[nodiscard]] bool matches(const WorldRule& rule, bool high, const Node& node) const;
+  enum class RuleSide : std::uint8_t { Low, High };
+  [[nodiscard]] bool matches(const WorldRule& rule, RuleSide side, const Node& node) const;
   [[nodiscard]] std::vector<bool> active_rules();
   void trouble(Trouble t) { trouble_ = std::max(trouble_, t); }
 

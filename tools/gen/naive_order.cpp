@@ -17,11 +17,12 @@ bool is_below(const Node& a, const Node& b) {
 
 }  // namespace
 
-bool NaiveEngine::matches(const WorldRule& rule, bool high, const Node& node) const {
+bool NaiveEngine::matches(const WorldRule& rule, RuleSide side, const Node& node) const {
+  const bool high = side == RuleSide::High;
   const WorldPattern& mine = high ? rule.high : rule.low;
   if (mine.connector < 0) {
     bool same_compound = world_.connectors[static_cast<std::size_t>(node.connector)].compound == rule.compound;
-    return same_compound && !matches(rule, !high, node);
+    return same_compound && !matches(rule, high ? RuleSide::Low : RuleSide::High, node);
   }
   if (mine.connector != node.connector) return false;
   if (mine.any_interaction) return true;
@@ -73,14 +74,14 @@ std::vector<Choice> NaiveEngine::candidates() {
       work.pop_back();
       std::vector<bool> rules(active.size(), false);
       for (std::size_t r = 0; r < active.size(); ++r) {
-        rules[r] = active[r] && !used[r] && matches(world_.rules[r], false, at);
+        rules[r] = active[r] && !used[r] && matches(world_.rules[r], RuleSide::Low, at);
         if (rules[r]) used[r] = true;
       }
       for (std::size_t n = 0; n < nodes_.size() && !hidden; ++n) {
         if (above[n]) continue;
         bool reached = is_below(at, nodes_[n]);
         for (std::size_t r = 0; r < active.size() && !reached; ++r)
-          reached = rules[r] && matches(world_.rules[r], true, nodes_[n]);
+          reached = rules[r] && matches(world_.rules[r], RuleSide::High, nodes_[n]);
         if (!reached) continue;
         above[n] = true;
         work.push_back(n);

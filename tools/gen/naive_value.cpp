@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "tools/gen/functions.hpp"
+#include "tools/gen/ffi_prototypes.hpp"
 
 namespace bip::gen {
 namespace {

@@ -2,8 +2,8 @@
 // package of each declaration, and how a package spells the names of another one.
 #include <map>
 
-#include "tools/gen/functions.hpp"
-#include "tools/gen/print_code.hpp"
+#include "tools/gen/ffi_prototypes.hpp"
+#include "tools/gen/print_description_code.hpp"
 
 namespace bip::gen {
 namespace {

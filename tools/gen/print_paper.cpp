@@ -2,7 +2,7 @@
 // inline, their ports named by what they connect.
 #include <map>
 
-#include "tools/gen/print_code.hpp"
+#include "tools/gen/print_description_code.hpp"
 
 namespace bip::gen {
 namespace {

@@ -1,6 +1,6 @@
 // Checks many seeds in several processes. A worker that crashes or hangs fails its seed and does not end the session.
 #pragma once
-#include "tools/gen/check.hpp"
+#include "tools/gen/check_model.hpp"
 
 namespace bip::gen {
 

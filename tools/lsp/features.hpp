@@ -6,7 +6,8 @@ namespace bip::lsp {
 
 // navigate.cpp
 [[nodiscard]] Reply definition(Workspace& w, const Document& d, std::uint32_t offset);
-[[nodiscard]] Reply references(Workspace& w, const Document& d, std::uint32_t offset, bool with_declarations);
+enum class Declarations : std::uint8_t { Excluded, Included };
+[[nodiscard]] Reply references(Workspace& w, const Document& d, std::uint32_t offset, Declarations declarations);
 [[nodiscard]] Reply prepare_rename(Workspace& w, const Document& d, std::uint32_t offset);
 [[nodiscard]] Reply rename(Workspace& w, const Document& d, std::uint32_t offset, const std::string& name);
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/lsp/server.hpp"
+#include "tools/lsp/language_server.hpp"
 
 namespace {
 

@@ -93,12 +93,12 @@ Reply definition(Workspace& w, const Document& d, std::uint32_t offset) {
   return places;
 }
 
-Reply references(Workspace& w, const Document& d, std::uint32_t offset, bool with_declarations) {
+Reply references(Workspace& w, const Document& d, std::uint32_t offset, Declarations declarations) {
   const Use* at = use_at(d, offset);
   if (at == nullptr) return Json(nullptr);
   Json places = Json::array();
   for (const Found& f : all_uses(w, d, d.analysis.index.symbols[at->symbol], false)) {
-    if (f.use.kind == UseKind::Declaration && !with_declarations) continue;
+    if (f.use.kind == UseKind::Declaration && declarations == Declarations::Excluded) continue;
     places.push_back(w.location(f.document->analysis, f.use.range));
   }
   return places;

@@ -1,5 +1,5 @@
 // Documents as the client has them: open, change, close, save.
-#include "tools/lsp/server.hpp"
+#include "tools/lsp/language_server.hpp"
 #include "tools/lsp/uri.hpp"
 
 namespace bip::lsp {

@@ -10,7 +10,7 @@
 
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/index/index.hpp"
-#include "tools/lsp/protocol.hpp"
+#include "tools/lsp/json_rpc.hpp"
 
 namespace bip::lsp {
 

@@ -21,7 +21,7 @@ struct Fixture {
     return {file, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(at + part.size())};
   }
   [[nodiscard]] std::string frame(std::size_t cap = 20) const {
-    return render(diags, sources, {.format = DiagnosticFormat::Frame, .color = false, .max_errors = cap});
+    return render(diags, sources, {.format = DiagnosticFormat::Frame, .color = Color::Off, .max_errors = cap});
   }
 };
 
@@ -114,7 +114,7 @@ TEST_CASE("order is by place, exact duplicates are dropped, errors are capped") 
   f.diags.add(Diag::kB0090, f.range("a"), "first");
   f.diags.add(Diag::kB0090, {}, "a file is not there");
   REQUIRE(f.diags.error_count() == 5);
-  REQUIRE(render(f.diags, f.sources, {.format = DiagnosticFormat::Short, .color = false, .max_errors = 3}) ==
+  REQUIRE(render(f.diags, f.sources, {.format = DiagnosticFormat::Short, .color = Color::Off, .max_errors = 3}) ==
           "error[B0090]: a file is not there\n"
           "m.bip:1:1: error[B0090]: first\n"
           "m.bip:1:3: error[B0090]: second\n"
@@ -125,7 +125,7 @@ TEST_CASE("JSON is one object a line, with edits, and survives text that is not 
   Fixture f("a b\n");
   f.diags.add(Diag::kB0090, f.range("b"), "bad \xFF").label("l").help("write `c`", f.range("b"), "c");
   const std::string json =
-      render(f.diags, f.sources, {.format = DiagnosticFormat::Json, .color = false, .max_errors = 0});
+      render(f.diags, f.sources, {.format = DiagnosticFormat::Json, .color = Color::Off, .max_errors = 0});
   REQUIRE(
       json ==
       "{\"severity\":\"error\",\"code\":\"B0090\",\"name\":\"unreadable-file\",\"message\":\"bad \xEF\xBF\xBD\","
@@ -144,6 +144,6 @@ TEST_CASE("nothing is rendered for nothing") {
 TEST_CASE("explain pages are embedded and rendered without fences") {
   REQUIRE(find_page("R0005") != nullptr);
   REQUIRE(find_page("R9999") == nullptr);
-  const std::string text = render_page({"X0001", "# X0001: title\n\nText.\n\n```bip wrong\nline\n\n```\n"}, false);
+  const std::string text = render_page({"X0001", "# X0001: title\n\nText.\n\n```bip wrong\nline\n\n```\n"}, Color::Off);
   REQUIRE(text == "X0001: title\n\nText.\n\n    line\n\n");
 }

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tools/lsp/framing.hpp"
-#include "tools/lsp/text.hpp"
+#include "tools/lsp/document_text.hpp"
 #include "tools/lsp/uri.hpp"
 
 using namespace bip::lsp;

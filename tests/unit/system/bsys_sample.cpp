@@ -9,7 +9,7 @@ namespace {
 /// Appends code rows.
 class Code {
  public:
-  explicit Code(CodeTable& table) : t_(table) {}
+  explicit Code(CodeTable& table) : table_(table) {}
 
   ExprId constant(Op op, Type type, std::int32_t i, double f = 0) {
     Expr e;
@@ -17,7 +17,7 @@ class Code {
     e.type = type;
     e.int_value = i;
     e.float_value = f;
-    return t_.exprs.push(e);
+    return table_.exprs.push(e);
   }
   ExprId i(std::int32_t value) { return constant(Op::ConstInt, Type::Int, value); }
   ExprId b(bool value) { return constant(Op::ConstBool, Type::Bool, value ? 1 : 0); }
@@ -28,7 +28,7 @@ class Code {
     e.op = op;
     e.type = type;
     e.index = index;
-    return t_.exprs.push(e);
+    return table_.exprs.push(e);
   }
   ExprId self(Type type, std::uint32_t index) { return load(Op::LoadSelf, type, index); }
   ExprId bind(Type type, std::uint32_t index) { return load(Op::LoadBind, type, index); }
@@ -39,7 +39,7 @@ class Code {
     e.a = a;
     e.b = b_;
     e.loc = loc;
-    return t_.exprs.push(e);
+    return table_.exprs.push(e);
   }
   StmtId store(StmtOp o, Type type, std::uint32_t index, ExprId value, StmtId next = {}, Loc loc = {}) {
     Stmt s;
@@ -49,7 +49,7 @@ class Code {
     s.value = value;
     s.next = next;
     s.loc = loc;
-    return t_.stmts.push(s);
+    return table_.stmts.push(s);
   }
   StmtId branch(ExprId condition, StmtId then_body, StmtId else_body, StmtId next = {}, Loc loc = {}) {
     Stmt s;
@@ -59,11 +59,11 @@ class Code {
     s.else_body = else_body;
     s.next = next;
     s.loc = loc;
-    return t_.stmts.push(s);
+    return table_.stmts.push(s);
   }
 
  private:
-  CodeTable& t_;
+  CodeTable& table_;
 };
 
 DefineNode leaf(std::uint32_t param, bool trigger) {

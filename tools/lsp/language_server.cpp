@@ -1,0 +1,197 @@
+// The protocol: which messages are valid in which state, and which function answers them.
+#include "tools/lsp/language_server.hpp"
+
+#include <filesystem>
+
+#include "tools/lsp/features.hpp"
+#include "tools/lsp/uri.hpp"
+
+namespace bip::lsp {
+namespace {
+
+const std::string* uri_in(const Json& params) {
+  const Json* document = member(params, "textDocument");
+  return document == nullptr ? nullptr : string_member(*document, "uri");
+}
+
+Json capabilities(Encoding encoding) {
+  return {{"positionEncoding", encoding == Encoding::Utf8 ? "utf-8" : "utf-16"},
+          {"textDocumentSync", {{"openClose", true}, {"change", 2}, {"save", {{"includeText", false}}}}},
+          {"definitionProvider", true},
+          {"referencesProvider", true},
+          {"hoverProvider", true},
+          {"documentSymbolProvider", true},
+          {"renameProvider", {{"prepareProvider", true}}},
+          {"completionProvider", {{"triggerCharacters", {".", "@"}}}},
+          {"documentFormattingProvider", true},
+          {"codeActionProvider", {{"codeActionKinds", {"quickfix"}}}},
+          {"semanticTokensProvider", {{"legend", semantic_legend()}, {"full", true}}}};
+}
+
+}  // namespace
+
+void Server::send(const Json& message) { send_(message.dump(-1, ' ', false, Json::error_handler_t::replace)); }
+void Server::notify(const char* method, Json params) {
+  send({{"jsonrpc", "2.0"}, {"method", method}, {"params", std::move(params)}});
+}
+void Server::log(const std::string& text) {
+  notify("window/logMessage", {{"type", 2}, {"message", "bipc-lsp: " + text}});
+}
+void Server::fail(const Json& id, ErrorCode code, const std::string& message) {
+  send({{"jsonrpc", "2.0"}, {"id", id}, {"error", {{"code", static_cast<int>(code)}, {"message", message}}}});
+}
+
+void Server::handle(const Framing::Frame& frame) {
+  switch (frame.kind) {
+    case Framing::Kind::Message: return handle(frame.body);
+    case Framing::Kind::BadHeader:
+      return fail(nullptr, ErrorCode::ParseError, "a message begins with `Content-Length: N` and an empty line");
+    case Framing::Kind::TooLong:
+      return fail(nullptr, ErrorCode::InvalidRequest, "the message is longer than this server takes");
+  }
+}
+
+void Server::handle(std::string_view body) {
+  if (is_finished()) return;
+  const Json message = Json::parse(body, nullptr, /*allow_exceptions=*/false);
+  if (message.is_discarded()) return fail(nullptr, ErrorCode::ParseError, "the message is not JSON");
+  dispatch(message);
+}
+
+void Server::dispatch(const Json& message) {
+  const Json* id = member(message, "id");
+  // An id is echoed, so nothing else than the protocol's kinds is taken.
+  const bool is_good_id = id == nullptr || id->is_string() || id->is_number() || id->is_null();
+  const Json echoed = id != nullptr && is_good_id ? *id : Json(nullptr);
+  const std::string* method = string_member(message, "method");
+  const std::string* version = string_member(message, "jsonrpc");
+  if (method == nullptr && id != nullptr &&
+      (member(message, "result") != nullptr || member(message, "error") != nullptr))
+    return;
+  if (!is_good_id || method == nullptr || version == nullptr || *version != "2.0") {
+    return fail(echoed, ErrorCode::InvalidRequest,
+                "a message is an object with `jsonrpc`: \"2.0\", a `method` and, for a request, an `id`");
+  }
+  static const Json kNone;
+  const Json* params = member(message, "params");
+  try {
+    if (id != nullptr) {
+      request(echoed, *method, params == nullptr ? kNone : *params);
+    } else {
+      notification(*method, params == nullptr ? kNone : *params);
+    }
+  } catch (const std::exception& e) {
+    // A bug of ours or no memory: the session goes on.
+    if (id != nullptr) return fail(echoed, ErrorCode::InternalError, e.what());
+    log(std::string("`") + *method + "` failed: " + e.what());
+  }
+}
+
+void Server::request(const Json& id, const std::string& method, const Json& params) {
+  if (state_ == State::Fresh && method != "initialize")
+    return fail(id, ErrorCode::NotInitialized, "`initialize` comes first");
+  if (state_ == State::ShutDown) return fail(id, ErrorCode::InvalidRequest, "after `shutdown` comes `exit`");
+  Reply reply = answer(method, params);
+  if (const RpcError* error = std::get_if<RpcError>(&reply)) return fail(id, error->code, error->message);
+  send({{"jsonrpc", "2.0"}, {"id", id}, {"result", std::move(std::get<Json>(reply))}});
+}
+
+Reply Server::answer(const std::string& method, const Json& params) {
+  if (method == "initialize") return initialize(params);
+  if (method == "shutdown") {
+    state_ = State::ShutDown;
+    return Json(nullptr);
+  }
+  constexpr std::string_view kOfDocuments = "textDocument/";
+  if (!method.starts_with(kOfDocuments)) return RpcError{ErrorCode::MethodNotFound, "no method `" + method + "`"};
+  const std::string name = method.substr(kOfDocuments.size());
+  const bool is_whole =
+      name == "documentSymbol" || name == "formatting" || name == "semanticTokens/full" || name == "codeAction";
+  const bool is_at = name == "definition" || name == "references" || name == "hover" || name == "rename" ||
+                     name == "prepareRename" || name == "completion";
+  if (!is_whole && !is_at) return RpcError{ErrorCode::MethodNotFound, "no method `" + method + "`"};
+  if (is_at) return at_position(name, params);
+  const std::string* uri = uri_in(params);
+  if (uri == nullptr) return bad_params("`textDocument.uri` is missing");
+  const Document* d = workspace_.find(*uri);
+  if (d == nullptr) return bad_params("the document is not open");
+  if (name == "documentSymbol") return document_symbols(workspace_, *d);
+  if (name == "formatting") return formatting(workspace_, *d);
+  if (name == "semanticTokens/full") return semantic_tokens(workspace_, *d);
+  const Json* range = member(params, "range");
+  const auto begin = range == nullptr ? std::nullopt : position_of(member(*range, "start"));
+  const auto end = range == nullptr ? std::nullopt : position_of(member(*range, "end"));
+  if (!begin || !end) return bad_params("`range` is two positions");
+  return code_actions(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding),
+                      d->text.clamped_offset(*end, workspace_.encoding));
+}
+
+Reply Server::at_position(const std::string& method, const Json& params) {
+  const std::string* uri = uri_in(params);
+  if (uri == nullptr) return bad_params("`textDocument.uri` is missing");
+  const Document* d = workspace_.find(*uri);
+  if (d == nullptr) return bad_params("the document is not open");
+  const auto at = position_of(member(params, "position"));
+  if (!at) return bad_params("`position` is a line and a character, from 0 to 2147483647");
+  const auto offset = d->text.offset(*at, workspace_.encoding);
+  if (!offset)
+    return bad_params("the document has " + std::to_string(d->text.line_count()) + " lines, there is no line " +
+                      std::to_string(at->line));
+  if (method == "definition") return definition(workspace_, *d, *offset);
+  if (method == "hover") return hover(workspace_, *d, *offset);
+  if (method == "completion") return completion(workspace_, *d, *offset);
+  if (method == "prepareRename") return prepare_rename(workspace_, *d, *offset);
+  if (method == "rename") {
+    const std::string* name = string_member(params, "newName");
+    return name == nullptr ? Reply(bad_params("`newName` is missing")) : rename(workspace_, *d, *offset, *name);
+  }
+  const Json* context = member(params, "context");
+  const Json* with = context == nullptr ? nullptr : member(*context, "includeDeclaration");
+  const bool is_asked = with != nullptr && with->is_boolean() && with->get<bool>();
+  return references(workspace_, *d, *offset, is_asked ? Declarations::Included : Declarations::Excluded);
+}
+
+Reply Server::initialize(const Json& params) {
+  if (state_ != State::Fresh) return RpcError{ErrorCode::InvalidRequest, "`initialize` comes once"};
+  const Json* client = member(params, "capabilities");
+  const Json* general = client == nullptr ? nullptr : member(*client, "general");
+  const Json* encodings = general == nullptr ? nullptr : member(*general, "positionEncodings");
+  if (encodings != nullptr && encodings->is_array()) {
+    for (const Json& e : *encodings) {
+      if (e.is_string() && e.get_ref<const std::string&>() == "utf-8") workspace_.encoding = Encoding::Utf8;
+    }
+  }
+  const Json* options = member(params, "initializationOptions");
+  const Json* folders = options == nullptr ? nullptr : member(*options, "packageFolders");
+  const std::string* root = string_member(params, "rootUri");
+  if (folders != nullptr && folders->is_array()) {
+    for (const Json& f : *folders) {
+      if (!f.is_string()) continue;
+      std::filesystem::path folder(f.get_ref<const std::string&>());
+      if (folder.is_relative() && root != nullptr) folder = std::filesystem::path(path_of(*root)) / folder;
+      workspace_.folders.push_back(folder.lexically_normal().string());
+    }
+  }
+  state_ = State::Running;
+  return Json{{"capabilities", capabilities(workspace_.encoding)}, {"serverInfo", {{"name", "bipc-lsp"}}}};
+}
+
+void Server::notification(const std::string& method, const Json& params) {
+  if (method == "exit") {
+    exit_code_ = state_ == State::ShutDown ? 0 : 1;
+    state_ = State::Finished;
+    return;
+  }
+  // Notifications have no answer: out of order they are dropped, as the protocol says.
+  if (state_ != State::Running) return;
+  if (method == "textDocument/didOpen") return did_open(params);
+  if (method == "textDocument/didChange") return did_change(params);
+  if (method == "textDocument/didClose") return did_close(params);
+  if (method == "textDocument/didSave") return did_save(params);
+}
+
+void Server::check(const std::string& path) {
+  for (Json& params : workspace_.check(path)) notify("textDocument/publishDiagnostics", std::move(params));
+}
+
+}  // namespace bip::lsp
