@@ -20,7 +20,8 @@ int command_serve(const ServeArguments& arguments) {
   options.policy = arguments.policy;
   options.asap = arguments.asap;
   options.speed = arguments.speed;
-  serve::Controller controller(c.lowered->image, options, arguments.paused ? serve::Controller::Begin::Paused : serve::Controller::Begin::Running);
+  serve::Controller controller(c.lowered->image, options,
+                               arguments.paused ? serve::Controller::Begin::Paused : serve::Controller::Begin::Running);
   controller.real_time_priority = arguments.real_time_priority;
   controller.on_problem = [](const std::string& problem) { std::fprintf(stderr, "warning: %s\n", problem.c_str()); };
   if (!arguments.trace_path.empty() && !controller.trace(arguments.trace_path, arguments.trace_format)) {

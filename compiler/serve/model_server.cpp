@@ -1,5 +1,5 @@
-// See model_server.hpp. Clients are rows of a table. Handlers hold the row's number, not a pointer, so that a handler of a
-// closed connection does nothing. A client is removed when no operation on its buffers is pending.
+// See model_server.hpp. Clients are rows of a table. Handlers hold the row's number, not a pointer, so that a handler
+// of a closed connection does nothing. A client is removed when no operation on its buffers is pending.
 #include "compiler/serve/model_server.hpp"
 
 #include <unistd.h>
