@@ -86,6 +86,7 @@ class RunLoop {
   [[nodiscard]] Due wait();
   void take_steps();
   void take_compiled_steps();
+  void take_quiet_steps();
   void take_one_step();
   [[nodiscard]] Choice choose(EnabledSet::Position& at);
   [[nodiscard]] bool is_in_time(EnabledSet::Position at);
@@ -100,6 +101,8 @@ class RunLoop {
   void print_statistics();
 
   [[nodiscard]] bool can_be_compiled() const;
+  [[nodiscard]] bool can_be_quiet() const;
+  [[nodiscard]] bool is_new_code_ready() const;
   [[nodiscard]] bool is_replay() const { return !options_.replay_path.empty(); }
 
   const Image& image_;
@@ -124,6 +127,7 @@ class RunLoop {
   bool sleeps_ = false;       // until the instants of steps come on the wall clock
   bool is_sound_ = false;     // false: the core has a fault
   bool is_compiled_ = false;  // steps are taken in bulk
+  bool is_quiet_ = false;     // steps are taken without a look at anything but the core and the limit
   RunResult result_;
   EnabledSizes enabled_sizes_;
   std::chrono::steady_clock::time_point started_;
