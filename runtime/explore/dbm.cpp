@@ -2,17 +2,37 @@
 #include "runtime/explore/dbm.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+
+#include "bip/assert.hpp"
 
 namespace bip::rt {
 
 namespace {
 
+// Bounds stay below it, so that sums of a path do not overflow.
+constexpr std::int64_t kLargest = std::int64_t{1} << 61;
+
 std::int64_t sum(std::int64_t a, std::int64_t b) { return a == Zone::kInf || b == Zone::kInf ? Zone::kInf : a + b; }
 
 }  // namespace
 
+bool Zone::is_canonical() const {
+  for (u32 k = 0; k < size_; ++k) {
+    if (at(k, k) != 0) return false;
+    for (u32 i = 0; i < size_; ++i) {
+      for (u32 j = 0; j < size_; ++j) {
+        if (at(i, j) > sum(at(i, k), at(k, j))) return false;
+      }
+    }
+  }
+  return true;
+}
+
 // Only paths through the new bound can be shorter than before.
 bool Zone::meet(const ZoneBound& add) {
+  BIP_ASSERT(add.i != add.j && add.i < size_ && add.j < size_, "a bound on clocks {} and {}", add.i, add.j);
+  BIP_ASSERT(std::abs(add.limit) < kLargest, "limit {}", add.limit);
   if (implies(add)) return true;
   if (sum(at(add.j, add.i), add.limit) < 0) return false;
   bound(add.i, add.j) = add.limit;
@@ -21,11 +41,13 @@ bool Zone::meet(const ZoneBound& add) {
     if (to == kInf) continue;
     for (u32 j = 0; j < size_; ++j) bound(i, j) = std::min(at(i, j), sum(to, at(add.j, j)));
   }
+  BIP_ASSERT(is_canonical(), "after x{} - x{} <= {}", add.i, add.j, add.limit);
   return true;
 }
 
 void Zone::let_time_pass() {
   for (u32 i = 1; i < size_; ++i) bound(i, 0) = kInf;
+  BIP_ASSERT(is_canonical(), "after time passed");
 }
 
 void Zone::shift(i64 ticks) {
@@ -33,17 +55,21 @@ void Zone::shift(i64 ticks) {
     bound(i, 0) = sum(at(i, 0), ticks);
     bound(0, i) -= ticks;
   }
+  BIP_ASSERT(is_canonical(), "after {} ticks", ticks);
 }
 
 void Zone::set_clock(u32 clock, i64 value) {
+  BIP_ASSERT(clock != 0 && clock < size_, "clock {} of {}", clock, size_);
   for (u32 k = 0; k < size_; ++k) {
     if (k == clock) continue;
     bound(clock, k) = sum(value, at(0, k));
     bound(k, clock) = sum(at(k, 0), -value);
   }
+  BIP_ASSERT(is_canonical(), "after clock {} became {}", clock, value);
 }
 
 bool Zone::includes(const Zone& other) const {
+  BIP_ASSERT(size_ == other.size_, "zones of {} and {} clocks", size_, other.size_);
   return std::equal(bounds_.begin(), bounds_.end(), other.bounds_.begin(),
                     [](i64 mine, i64 its) { return its <= mine; });
 }
@@ -72,6 +98,10 @@ void Zone::close() {
 }
 
 void Zone::extrapolate(const std::vector<i64>& max, const std::vector<i64>& min) {
+  BIP_ASSERT(max.size() == size_ && min.size() == size_, "{} and {} constants", max.size(), min.size());
+#ifdef BIP_CHECKED
+  const Zone before = *this;
+#endif
   bool is_changed = false;
   const std::vector<i64> least = least_point();
   const auto widen = [&](u32 i, u32 j, i64 limit) {
@@ -87,9 +117,14 @@ void Zone::extrapolate(const std::vector<i64>& max, const std::vector<i64>& min)
     if (least[i] > max[i]) widen(0, i, -(max[i] + 1));
   }
   if (is_changed) close();
+  BIP_ASSERT(is_canonical(), "after extrapolation");
+#ifdef BIP_CHECKED
+  BIP_ASSERT(includes(before), "extrapolation lost points");
+#endif
 }
 
 void subtract(const Zone& zone, const Zone& hole, std::vector<Zone>& out) {
+  BIP_ASSERT(zone.size() == hole.size(), "zones of {} and {} clocks", zone.size(), hole.size());
   Zone rest = zone;
   Zone common = zone;
   for (Zone::u32 i = 0; i < zone.size(); ++i) {
@@ -105,7 +140,10 @@ void subtract(const Zone& zone, const Zone& hole, std::vector<Zone>& out) {
       if (i == j || hole.at(i, j) == Zone::kInf || rest.implies({i, j, hole.at(i, j)})) continue;
       const ZoneBound inside{i, j, hole.at(i, j)};
       Zone part = rest;
-      if (part.meet(inside.opposite())) out.push_back(std::move(part));
+      if (part.meet(inside.opposite())) {
+        BIP_ASSERT(zone.includes(part) && !part.implies(inside), "a piece that meets the hole");
+        out.push_back(std::move(part));
+      }
       if (!rest.meet(inside)) return;
     }
   }

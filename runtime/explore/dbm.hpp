@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 /// x_i - x_j <= limit
@@ -33,7 +35,10 @@ class Zone {
 
   [[nodiscard]] u32 size() const { return size_; }
   /// x_i - x_j <= at(i, j)
-  [[nodiscard]] i64 at(u32 i, u32 j) const { return bounds_[std::size_t{i} * size_ + j]; }
+  [[nodiscard]] i64 at(u32 i, u32 j) const {
+    BIP_ASSERT(i < size_ && j < size_, "clocks {} and {} of {}", i, j, size_);
+    return bounds_[std::size_t{i} * size_ + j];
+  }
   [[nodiscard]] std::size_t bytes() const { return bounds_.capacity() * sizeof(i64); }
 
   /// Only the points of which the bound holds. False: there are none, and the zone is no longer one. O(clocks^2).
@@ -58,6 +63,9 @@ class Zone {
   /// Forgets what no comparison can see (Behrmann, Bouyer, Larsen, Pelanek 2006: Extra_M+): each clock is compared with
   /// nothing above max and never set below min. Exact for models without differences of clocks in conditions. [0] is 0.
   void extrapolate(const std::vector<i64>& max, const std::vector<i64>& min);
+
+  /// Is the matrix closed under shortest paths, with 0 on its diagonal? O(clocks^3); for assertions.
+  [[nodiscard]] bool is_canonical() const;
 
   friend bool operator==(const Zone&, const Zone&) = default;
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 namespace {
@@ -26,6 +28,7 @@ StateStore::StateStore(u32 words, std::size_t limit) : words_(words), limit_(lim
     if (level.size() % 2 != 0) above.push_back(level.back());
     level = std::move(above);
   }
+  BIP_ASSERT(words >= 1 && nodes_.size() + 1 == words, "{} nodes join {} words", nodes_.size(), words);
   sets_.resize(words == 1 ? 1 : next);
 }
 
@@ -79,6 +82,7 @@ bool StateStore::add(const u64* states, std::size_t count, std::uint8_t* is_new)
       if (i + kAheadWord < size) root.prefetch_word(hashes[i + kAheadWord]);
       const WordSet::Found found = root.add(roots_[i], hashes[i]);
       if (found.row == WordSet::kFull) return false;
+      BIP_ASSERT(is_row(found.row, states + (first + i) * words_), "row {} is another state", found.row);
       if (is_new != nullptr) is_new[first + i] = found.is_new ? 1 : 0;
     }
   }
@@ -98,7 +102,14 @@ bool StateStore::contains(const u64* state) const {
   return true;
 }
 
+bool StateStore::is_row(u32 row, const u64* state) const {
+  std::vector<u64> stored(words_), rows;
+  read(row, stored.data(), rows);
+  return std::equal(stored.begin(), stored.end(), state) && contains(state);
+}
+
 void StateStore::read(u32 row, u64* out, std::vector<u64>& rows) const {
+  BIP_ASSERT(row < size(), "state {} of {}", row, size());
   if (words_ == 1) {
     out[0] = sets_[0][row];
     return;

@@ -7,6 +7,8 @@
 #pragma once
 #include "runtime/explore/word_set.hpp"
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 class StateStore {
@@ -34,6 +36,8 @@ class StateStore {
     u32 left, right;
   };
   bool fold(const u64* state, u64& root);
+  // Is the state stored in this row? For assertions.
+  [[nodiscard]] bool is_row(u32 row, const u64* state) const;
 
   u32 words_;
   std::size_t limit_;

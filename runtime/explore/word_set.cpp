@@ -10,6 +10,8 @@
 #endif
 #if defined(__linux__)
 #include <sys/mman.h>
+
+#include "bip/assert.hpp"
 #endif
 
 namespace bip::rt {
@@ -69,10 +71,19 @@ bool WordSet::grow() {
     const u64 hash = hash_of((*this)[row]);
     insert(hash, bucket_of(hash), row);
   }
+  BIP_ASSERT(is_index_complete(), "{} words in {} buckets", size_, bucket_count_);
   return is_made;
 }
 
+bool WordSet::is_index_complete() const {
+  for (u32 row = 0; row < size_; ++row) {
+    if (find((*this)[row]) != row) return false;
+  }
+  return true;
+}
+
 inline void WordSet::insert(u64 hash, u64 at, u32 row) {
+  BIP_ASSERT(row < grow_at_ && at < bucket_count_, "row {} into bucket {}", row, at);
   while (buckets_[at].count == kRows) at = at + 1 == bucket_count_ ? 0 : at + 1;
   Bucket& bucket = buckets_[at];
   bucket.tags[bucket.count] = static_cast<std::uint8_t>(hash);
@@ -146,6 +157,7 @@ WordSet::Found WordSet::add(u64 word, u64 hash) {
   // A page of words at a time.
   if (limit_ != 0 && (size_ & 511) == 0 && bytes() + 4096 > limit_) return {kFull, false};
   if (size_ == room_ && !add_room()) return {kFull, false};
+  BIP_ASSERT(size_ < room_ && size_ < kFull - 1, "{} words, room for {}", size_, room_);
   chunks_.back()[size_ & kChunkMask] = word;
   insert(hash, at, size_);
   return {size_++, true};

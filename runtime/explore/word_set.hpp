@@ -11,6 +11,8 @@
 #include <memory>
 #include <vector>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 class WordSet {
@@ -29,7 +31,10 @@ class WordSet {
   Found add(u64 word, u64 hash);
   /// kFull: not there.
   [[nodiscard]] u32 find(u64 word) const;
-  [[nodiscard]] u64 operator[](u32 row) const { return chunks_[row >> kChunkBits][row & kChunkMask]; }
+  [[nodiscard]] u64 operator[](u32 row) const {
+    BIP_ASSERT(row < size_, "row {} of {}", row, size_);
+    return chunks_[row >> kChunkBits][row & kChunkMask];
+  }
   [[nodiscard]] u32 size() const { return size_; }
   /// What it holds, and what it would hold after the next growth of the index.
   [[nodiscard]] std::size_t bytes() const;
@@ -76,6 +81,8 @@ class WordSet {
   bool add_room();
   bool make_index(u64 buckets);
   void insert(u64 hash, u64 bucket, u32 row);
+  // Is each word found in its row? For assertions.
+  [[nodiscard]] bool is_index_complete() const;
 
   std::vector<std::unique_ptr<u64[]>> chunks_;
   std::unique_ptr<Bucket[], Free> buckets_;
