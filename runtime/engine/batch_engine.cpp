@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "bip/assert.hpp"
 #include "runtime/engine/interrupt.hpp"
 
 namespace bip::rt {
@@ -34,16 +35,19 @@ void BatchEngine::tell(const std::vector<u32>& interactions) {
   if (!follower_) return output_.record(interactions);
   for (const u32 interaction : interactions) {
     const EnabledSet::Position at{interaction, 0};
+    BIP_ASSERT(follower_->has(at), "interaction {} of step {} is no candidate", interaction, told_);
     output_.step(*follower_, at, told_++, follower_->number(at));
     (void)follower_->take(at);
   }
 }
 
 u64 BatchEngine::advance(u64 number, u64 limit, bool& sound) {
+  BIP_ASSERT(is_on(), "the batch engine is off");
   told_ = number;
   std::function<void(const std::vector<u32>&)> record;
   if (output_.writes_steps()) record = [this](const std::vector<u32>& interactions) { tell(interactions); };
   const u64 done = core_.run_batch(plan_, *team_, scheduler_.prng(), limit, is_interrupted, record);
+  BIP_ASSERT(done <= limit, "{} steps of {}", done, limit);
   beside_ += done;
   // What is left of the limit, or what came to little beside each other; and the core's books are kept again.
   const u64 alone = core_.run_steps(scheduler_.prng(),

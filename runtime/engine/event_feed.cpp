@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/engine/overrun.hpp"
 
 namespace bip::rt {
@@ -112,6 +113,7 @@ bool EventFeed::collect(Core& core, i64 until) {
   }
   // Threads' events are; sorting thousands that wait for each that comes is not for free.
   if (!is_sorted) std::stable_sort(arrived_.begin(), arrived_.end(), is_earlier);
+  BIP_ASSERT(std::is_sorted(arrived_.begin(), arrived_.end(), is_earlier), "events out of order");
   return true;
 }
 
@@ -119,6 +121,7 @@ bool EventFeed::collect(Core& core, i64 until) {
 void EventFeed::release(const Core& core) {
   for (std::size_t k = 0; k < active_.size();) {
     const u32 row = active_[k];
+    BIP_ASSERT(row < held_.size(), "port {} of {}", row, held_.size());
     const u32 waiting = core.waiting_events(row);
     // Not for each one: that is a lock that those who post want, too.
     if (waiting != 0 && held_[row] - waiting < inbox_.capacity() / kReleases) {
@@ -137,6 +140,7 @@ void EventFeed::release(const Core& core) {
 }
 
 i64 EventFeed::wait_for_outside(Core& core, i64 target) {
+  BIP_ASSERT(target >= core.now(), "waits at {} for {}", core.now(), target);
   ++looks_;
   gave_up_ = false;
   release(core);
@@ -189,6 +193,8 @@ bool EventFeed::deliver(Core& core) {
   while (!arrived_.empty() && (arrived_.front().time <= core.now() || stalls_ > kMaxStalls)) {
     const Event event = std::move(arrived_.front());
     arrived_.pop_front();
+    BIP_ASSERT(arrived_.empty() || event.time <= arrived_.front().time, "an event at {} before one at {}", event.time,
+               arrived_.front().time);
     if (!deliver(core, event)) return false;
     if (event.kind != EventKind::Port) continue;
     if (is_open_ && held_[event.row]++ == 0) active_.push_back(event.row);

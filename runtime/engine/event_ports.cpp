@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/text.hpp"
 
@@ -38,6 +39,7 @@ EventPorts::EventPorts(const Core& core) : image_(core.image()), rows_(core.even
 }
 
 std::string EventPorts::path(u32 row) const {
+  BIP_ASSERT(row < rows_.size(), "port {} of {}", row, rows_.size());
   const Atom& atom = image_.atoms[rows_[row].atom];
   return atom.path() + '.' + image_.atom_types[atom.type].ports[rows_[row].port].name;
 }
@@ -87,6 +89,7 @@ std::string EventPorts::check(u32 row, std::vector<EventValue>& values) const {
 
 void EventPorts::to_cells(u32 row, const std::vector<EventValue>& values, std::vector<Cell>& out) const {
   const Span<Var>& wanted = vars(row);
+  BIP_ASSERT(values.size() == wanted.size, "{} values for {} variables", values.size(), wanted.size);
   out.clear();
   for (u32 i = 0; i < wanted.size; ++i) {
     Cell cell{0};

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "bip/assert.hpp"
 #include "bip/bip.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
@@ -87,6 +88,7 @@ struct Execution::Impl {
     return text;
   }
   Outcome take(rt::EnabledSet::Position at) {
+    BIP_ASSERT(core.has(at) && outcome != Outcome::Fault, "interaction {} is no candidate", at.interaction);
     Step step;
     if (callback) {
       const rt::Candidate candidate = core.candidate(at);
@@ -123,6 +125,7 @@ struct Execution::Impl {
     bool sound = true;
     const std::uint64_t done = core.run_steps(
         scheduler.prng(), n, [] { return false; }, sound);
+    BIP_ASSERT(done <= n, "{} steps of {}", done, n);
     steps += done;
     outcome = !sound ? Outcome::Fault : done < n ? Outcome::Deadlock : Outcome::Stepped;
     return done;

@@ -1,6 +1,8 @@
 // See inbox.hpp.
 #include "runtime/engine/inbox.hpp"
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 // Under the lock: events are in the order of their instants.
@@ -13,6 +15,7 @@ void Inbox::add(Event event) {
 bool Inbox::post(u32 row, std::vector<EventValue> values, const RealTime* wall) {
   {
     const std::lock_guard<std::mutex> hold(lock_);
+    BIP_ASSERT(row < waiting_.size(), "port {} of {}", row, waiting_.size());
     if (waiting_[row] >= capacity_) return false;
     ++waiting_[row];
     add({wall == nullptr ? 0 : wall->now(), row, kAnyLook, std::move(values), EventKind::Port, 0});

@@ -3,12 +3,14 @@
 
 #include <bit>
 
+#include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/waker.hpp"
 
 namespace bip::rt {
 
 void RealTime::start(i64 first) {
+  BIP_ASSERT(speed_ > 0, "time stands still");
   first_ = first;
   origin_ = wall_clock();
 }

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "runtime/engine/interrupt.hpp"
 
 namespace bip::rt {
@@ -60,6 +61,8 @@ class ThreadedRun {
     result.handed_over = handed_over_;
     result.steps = steps_;
     const u64 fault_step = partial.fault_step;
+    BIP_ASSERT(partial.busy == 0 && ready_.empty(), "{} atoms at work after the end", partial.busy);
+    BIP_ASSERT(steps_ <= options_.limit, "{} steps of {}", steps_, options_.limit);
     if (!core_.end_partial()) {
       result.end = End::Fault;
       result.steps = fault_step;
@@ -81,6 +84,8 @@ class ThreadedRun {
   }
   void landed(u64 step) {
     if (!writes_) return;
+    BIP_ASSERT(step >= flushed_ && step - flushed_ < flights_.size(), "step {}", step);
+    BIP_ASSERT(flights_[step - flushed_].open != 0, "step {} has landed", step);
     --flights_[step - flushed_].open;
     // Nothing is known to be a step of the run before all earlier ones have ended well.
     while (!flights_.empty() && flights_.front().open == 0 && !stopping_) put_first();
@@ -91,6 +96,7 @@ class ThreadedRun {
     const u64 count = core_.candidate_count();
     if (count == 0) return false;
     at = scheduler_.choose(core_);
+    BIP_ASSERT(core_.has(at), "interaction {} is no candidate", at.interaction);
     if (core_.is_decided(at.interaction)) return true;
     u64 k = core_.number(at);
     for (u64 tried = 1; tried < count; ++tried) {

@@ -2,6 +2,8 @@
 // candidates and their participants.
 #include "runtime/engine/timed_scheduler.hpp"
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 // Uniform in [first, last]; past `first` exponential with the mean if there is no last. The exponential is von
@@ -9,6 +11,7 @@ namespace bip::rt {
 // ("Various techniques used in connection with random digits", 1951): comparisons of uniform numbers, no logarithm, so
 // that every machine draws the same.
 i64 TimedScheduler::draw(i64 first, i64 last, i64 mean) {
+  BIP_ASSERT(first <= last && mean > 0, "an instant from {} to {}", first, last);
   if (first == last) return first;
   if (last != kForever) return first + static_cast<i64>(prng_.below(static_cast<std::uint64_t>(last - first) + 1));
   for (i64 whole = 0;; ++whole) {
@@ -43,6 +46,7 @@ bool TimedScheduler::plan(Core& core, i64 last) {
 
 i64 TimedScheduler::latest(Core& core) {
   const i64 last = core.wait_limit(ends_);
+  BIP_ASSERT(core.number(choice_) < ends_.size(), "candidate {}", core.number(choice_));
   return std::min(ends_[core.number(choice_)], last);
 }
 
@@ -70,6 +74,8 @@ Due TimedScheduler::wait(Core& core, EventFeed& feed) {
   }
   while (true) {
     const Next next = look(core);
+    BIP_ASSERT(at_ >= core.now(), "from {} back to {}", core.now(), at_);
+    BIP_ASSERT(next != Next::Step || core.has(choice_) || at_ != core.now(), "a choice that is no candidate");
     if (const i64 event = feed.wait(core, at_); event != kForever) {
       if (event > core.now() && !core.advance(event)) return Due::Fault;
       return feed.deliver(core) ? Due::Event : Due::Fault;

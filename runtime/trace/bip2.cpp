@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "runtime/core/text.hpp"
+#include "bip/assert.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
@@ -170,6 +171,7 @@ void Bip2Writer::future_state(std::string& out, std::uint64_t number) const {
 }
 
 void Bip2Writer::foreseen(std::string& out, Core& core, std::uint64_t number, const Candidate& chosen) {
+  BIP_ASSERT(foreseen_at_ <= core.now(), "foresee() looked at {}, the step is at {}", foreseen_at_, core.now());
   future_state(out, number);
   std::string text;
   append_body(text, core, chosen);

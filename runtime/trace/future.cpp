@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 namespace {
@@ -35,6 +37,7 @@ bool has_just_ended(const std::vector<FutureCandidate>& all, i64 now) {
 
 std::vector<FutureCandidate> future_candidates(Core& core,
                                                const std::function<void(std::string&, Core&, const Candidate&)>& tell) {
+  BIP_ASSERT(core.is_timed(), "a model without time has no later candidates");
   const State state = core.snapshot();
   const std::vector<u32> order = core.list_order();
   std::vector<FutureCandidate> all;
@@ -63,6 +66,7 @@ std::vector<FutureCandidate> future_candidates(Core& core,
       here.low_open = instants > 0 && (here.low_open || ended);
       here.low = now;
       if (here.high > end) here.high = end, here.high_open = end < until.at || until.is_open;
+      BIP_ASSERT(known->intervals.empty() || known->intervals.back().low <= here.low, "an interval before the last");
       if (goes_on) known->intervals.back().high = here.high, known->intervals.back().high_open = here.high_open;
       else known->intervals.push_back(here);
     }
@@ -70,6 +74,7 @@ std::vector<FutureCandidate> future_candidates(Core& core,
   }
   (void)core.restore(state);
   core.set_list_order(order);
+  BIP_ASSERT(core.list_order() == order, "the list that uniform draws from is another one");
   std::stable_sort(all.begin(), all.end(),
                    [](const FutureCandidate& a, const FutureCandidate& b) { return a.interaction < b.interaction; });
   return all;

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "runtime/core/text.hpp"
+#include "bip/assert.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
@@ -92,6 +93,8 @@ void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position positio
                       std::uint64_t k) {
   const Candidate candidate = core.candidate(position);
   if (lines_.empty()) begin_lines(core);
+  BIP_ASSERT(candidate.interaction < lines_.size(), "a writer of another image");
+  BIP_ASSERT(k == kNoChoice || k < core.candidate_count(), "candidate {}", k);
   Line& line = lines_[candidate.interaction];
   if (line.text.empty()) begin_line(line, core, candidate);
   char room[kRoom + kNumberRoom + Pen::kBlock];
@@ -122,6 +125,7 @@ void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position positio
   std::size_t from = 0;
   for (u32 row = line.first_value; row < line.first_value + line.values; ++row) {
     const Value& value = values_[row];
+    BIP_ASSERT(value.at >= from, "value {} of a line before the one before it", row);
     pen.put_blocks(text + from, value.at - from);
     from = value.at;
     const Cell& cell = core.is_timed() ? core.shown(value.atom, value.port, value.variable) : core.cell(value.cell);

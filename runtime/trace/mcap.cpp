@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -153,6 +154,7 @@ void McapWriter::message(u32 channel, i64 instant, std::string_view json) {
   first_ = messages_ == 0 ? time : std::min(first_, time);
   last_ = messages_ == 0 ? time : std::max(last_, time);
   ++messages_;
+  BIP_ASSERT(channel < channels_.size() && channels_.size() <= kMostChannels, "channel {}", channel);
   Channel& row = channels_[channel];
   row.index.emplace_back(time, open_.size());
   record(open_, kMessage, [&] {

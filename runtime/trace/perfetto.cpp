@@ -1,6 +1,8 @@
 // See perfetto.hpp. Thread 0 is the track of interactions, thread k + 1 that of atom k.
 #include "runtime/trace/perfetto.hpp"
 
+#include "bip/assert.hpp"
+
 #include "runtime/core/text.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -74,6 +76,7 @@ void PerfettoWriter::stay(std::string& out, const Core& core, u32 atom, i64 unti
 
 void PerfettoWriter::step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
                           std::uint64_t) {
+  BIP_ASSERT(since_.size() == core.image().atoms.size, "begin() came before");
   const Candidate candidate = core.candidate(position);
   const i64 instant = instant_of_step(core, number);
   name_.clear();

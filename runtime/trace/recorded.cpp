@@ -138,6 +138,7 @@ std::string RecordedReader::open(std::string_view bytes, RecordedBegin& begin) {
 }
 
 RecordedReader::Next RecordedReader::next(EnabledSet::Position& position, RecordedEnd& end) {
+  BIP_ASSERT(at_ >= kRecordMagic.size() && at_ <= bytes_.size(), "byte {} of {}", at_, bytes_.size());
   std::uint64_t word = 0, rank = 0;
   if (!number(word)) return Next::Cut;
   if (word != 0) {

@@ -1,5 +1,7 @@
 // The default format: one readable line a step. See trace.hpp.
 #include "runtime/core/text.hpp"
+
+#include "bip/assert.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
