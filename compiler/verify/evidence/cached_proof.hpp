@@ -15,7 +15,7 @@
 #include "compiler/verify/invariants/affine_invariants.hpp"
 #include "compiler/verify/symbolic/transition_system.hpp"
 #include "compiler/verify/net/net.hpp"
-#include "compiler/verify/invariants/traps.hpp"
+#include "compiler/verify/invariants/token_invariant.hpp"
 
 namespace bip::verify {
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "compiler/base/assert.hpp"
+#include "compiler/verify/invariants/token_invariant_checker.hpp"
 
 namespace bip::verify {
 
@@ -20,7 +21,8 @@ using Weighted = std::vector<std::pair<const Mode*, std::int64_t>>;
 
 class ProofProjection {
  public:
-  ProofProjection(const Net& plain, const Net& distinguishing, const Proof& proof) : distinguishing_(distinguishing), proof_(proof) {
+  ProofProjection(const Net& plain, const Net& distinguishing, const Proof& proof)
+      : distinguishing_(distinguishing), proof_(proof) {
     projected_.net = build_net(plain, distinguishing.uses, UsesAs::Hidden);
   }
 
@@ -30,7 +32,7 @@ class ProofProjection {
     ModeReachability reachable(net, Direction::Forward, nullptr);
     spread_from_initial(net, reachable, projected_.proof);
     if (!match_modes()) return std::nullopt;
-    TrapFinder checker(net, reachable);
+    TokenInvariantChecker checker(net, reachable);
     for (const TokenInvariant& invariant : proof_.invariants) {
       if (std::optional<TokenInvariant> same = projected(invariant, checker))
         projected_.proof.invariants.push_back(std::move(*same));
@@ -66,7 +68,7 @@ class ProofProjection {
   }
 
   // The same invariant without the values, if it says nothing of them and holds without them.
-  std::optional<TokenInvariant> projected(const TokenInvariant& invariant, TrapFinder& checker) const {
+  std::optional<TokenInvariant> projected(const TokenInvariant& invariant, TokenInvariantChecker& checker) const {
     std::map<u32, std::int64_t> weights;
     for (std::size_t k = 0; k < invariant.modes.size();) {
       const u32 atom = distinguishing_.atom_of_mode[invariant.modes[k]];
@@ -84,9 +86,7 @@ class ProofProjection {
       result.modes.push_back(mode);
       if (invariant.kind == InvariantKind::Sum) result.weights.push_back(weight);
     }
-    const bool holds =
-        invariant.kind == InvariantKind::Trap ? checker.holds_trap(result.modes) : checker.keeps_sum(result);
-    return holds ? std::optional(std::move(result)) : std::nullopt;
+    return checker.holds(result) ? std::optional(std::move(result)) : std::nullopt;
   }
 
   // The invariant as one row about places and values: a lemma for a trap, an equation for a sum.

@@ -1,11 +1,13 @@
-// See affine_invariants.hpp. Unknowns: what each port changes the sum by; the weights of places; those of ints, which
-// are given by others last, so that each free one of them gives an equation.
+// See affine_invariants.hpp. Unknowns: by how much each port changes the sum; the weights of places; the weights of
+// ints. The latter are reluctant pivots, so that each one that stays free gives an equation.
 #include "compiler/verify/invariants/affine_invariants.hpp"
 
 #include <algorithm>
 #include <set>
 #include <span>
 
+#include "compiler/base/assert.hpp"
+#include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/invariants/affine_code.hpp"
 #include "compiler/verify/invariants/step_equations.hpp"
 
@@ -14,18 +16,18 @@ namespace bip::verify {
 namespace {
 
 constexpr std::size_t kMaxTerms = 20000;
-// Of equations that come from elsewhere: no sum of theirs leaves 64 bits.
-constexpr std::int64_t kMaxKeptWeight = 1 << 16;
+// Of candidate equations: sums stay within 64 bits.
+constexpr std::int64_t kMaxCandidateWeight = 1 << 16;
 
 using Term = SparseSystem::Term;
 using Row = SparseSystem::Row;
-/// By how much code changes a variable, or nothing known.
+/// What code stores into variables, as affine forms; nothing: not known.
 using Stored = std::vector<std::pair<u32, std::optional<AffineForm>>>;
 
 class AffineAnalysis {
  public:
-  AffineAnalysis(const Net& net, const TransitionSystem& machine, const rt::Image& image)
-      : net_(net), system_(*net.system), machine_(machine), image_(image), code_(system_.code) {
+  AffineAnalysis(const Net& net, const TransitionSystem& transition_system, const rt::Image& image)
+      : net_(net), system_(*net.system), transition_system_(transition_system), image_(image), code_(system_.code) {
     first_place_ = net.port_count();
     first_variable_ = first_place_;
     for (const Atom& atom : system_.atoms) {
@@ -46,6 +48,8 @@ class AffineAnalysis {
       const u32 unknown = first_variable_ + variable;
       if (is_counter_[variable] == 0 || !system.is_free(unknown) || system.uses(unknown) == 0) continue;
       const std::vector<Term> solution = system.solution(unknown);
+      BIP_ASSERT(solution.empty() || solution[0].unknown == unknown, "the solution of unknown {} has another first",
+                 unknown);
       if (!solves(solution)) continue;
       AffineEquation equation = equation_of(solution);
       if (!equation.terms.empty() && equation.terms.size() <= kMaxTerms) found.push_back(std::move(equation));
@@ -54,7 +58,7 @@ class AffineAnalysis {
     return facts;
   }
 
-  // Those that no step changes the sum of: what a port changes follows from what its transitions do.
+  // Checks candidates: what a port changes follows from what its transitions do, so no elimination is needed.
   AffineInvariants those_that_hold(const std::vector<AffineEquation>& candidates,
                                    const CancellationToken& cancellation) {
     SparseSystem system(first_variable_ + image_.cell_count, first_variable_, cancellation);
@@ -70,13 +74,13 @@ class AffineAnalysis {
   }
 
  private:
-  // What all steps and transitions change. False: nothing is to be found.
+  // Collects the equations of all transitions and steps. False: there is nothing to find.
   bool collect(SparseSystem& system) {
     if (std::find(is_counter_.begin(), is_counter_.end(), 1) == is_counter_.end()) return false;
     ModeReachability reachable(net_, Direction::Forward, nullptr);
     Proof proof;
     spread_from_initial(net_, reachable, proof);
-    places_ = find_place_values(net_, machine_.is_automaton);
+    places_ = find_place_values(net_, transition_system_.is_automaton);
     std::erase_if(places_.rows, [&](const PlaceValue& one) {
       return is_counter_[image_.atoms[one.atom].first_cell + one.variable] == 0 ||
              std::abs(std::int64_t{one.value}) > AffineForm::kMaxNumber;
@@ -98,10 +102,11 @@ class AffineAnalysis {
     return system_.atom_types[system_.atoms[AtomId(std::size_t{atom})].type];
   }
   [[nodiscard]] u32 unknown_of(u32 atom, u32 variable) const {
+    BIP_ASSERT(variable < type_of(atom).variables.size(), "variable {} of atom {}", variable, atom);
     return first_variable_ + image_.atoms[atom].first_cell + variable;
   }
 
-  // Its ints: constants, variables of the forms, or unknown.
+  // The atom's ints as affine forms: constants, unknowns of their own, or nothing.
   AffineValues values_of(u32 atom) {
     const AtomType& type = type_of(atom);
     const DataAccess& access = net_.access[net_.class_at(atom).type.value];
@@ -130,8 +135,8 @@ class AffineAnalysis {
     return values;
   }
 
-  // The sum changes by `constant`, whatever the variables are: their factors are 0. What forms that are 0 give is put
-  // in first.
+  // Requires that the sum changes by a constant, whatever the variables are: the factor of each variable is 0. Returns
+  // that constant as a row. Forms that are 0 (from guards and places) are substituted first.
   Row changed(std::vector<Term> constant, const Stored& stored, const std::vector<AffineForm>& zeros) {
     std::map<u32, std::vector<Term>> rows;
     for (const auto& [unknown, form] : stored) {
@@ -183,7 +188,7 @@ class AffineAnalysis {
   void assume_place(u32 atom, u32 place, AffinePath& path) const {
     for (const PlaceValue& one : values_at(atom, place)) path.zeros.push_back(zero_of(one));
   }
-  // What is so at each place where the port may be enabled.
+  // Assumes what holds at every place in which the port may be enabled.
   void assume_port(u32 atom, u32 port, AffinePath& path) const {
     if (places_.is_reached[atom].empty()) return;
     std::map<u32, std::int32_t> values;
@@ -211,7 +216,8 @@ class AffineAnalysis {
       // An automaton's first place weighs nothing: one more of all its places would change nothing.
       const auto put = [&](const std::vector<u32>& places, std::int64_t sign) {
         for (u32 place : places) {
-          if (machine_.is_automaton[atom] == 0 || place != 0) constant.push_back({place_base_[atom] + place, sign});
+          if (transition_system_.is_automaton[atom] == 0 || place != 0)
+            constant.push_back({place_base_[atom] + place, sign});
         }
       };
       put(t.from, -1);
@@ -241,7 +247,7 @@ class AffineAnalysis {
     }
   }
 
-  // What its transfers may write has no weight.
+  // Gives weight 0 to what the connector's transfers may write.
   void leave_out(const Connector& connector) {
     for (const PortRef& ref : connector.ports) leave_out(ref);
   }
@@ -254,7 +260,7 @@ class AffineAnalysis {
     }
   }
 
-  // What the transfer of a rendezvous changes the sum by, on each way through its code.
+  // Returns by how much the transfer of a rendezvous changes the sum, one row per path through its code.
   std::vector<Row> transfers(u32 node) {
     if (net_.nodes[node].connector == kNoRow) return {};
     const Connector& connector = system_.connectors[ConnectorId(std::size_t{net_.nodes[node].connector})];
@@ -294,7 +300,7 @@ class AffineAnalysis {
     return alternatives;
   }
 
-  // Once more, by itself: all equations hold. Those in which everything is 0 do.
+  // Re-checks a solution: all equations hold. Equations whose unknowns are all 0 do.
   [[nodiscard]] bool solves(const std::vector<Term>& solution) const {
     std::map<u32, std::int64_t> values;
     std::vector<u32> rows;
@@ -316,18 +322,19 @@ class AffineAnalysis {
     return sum;
   }
 
-  // The weights of an equation that may come from anywhere, and by how much each port changes its sum. Nothing: it
-  // speaks of what is not there.
+  // Returns the weights of a candidate equation and by how much each port changes its sum. Nothing: it speaks of what
+  // the system does not have.
   [[nodiscard]] std::optional<std::vector<Term>> values_in(const AffineEquation& candidate) const {
     std::map<u32, std::int64_t> values;
     for (const AffineEquation::Term& term : candidate.terms) {
-      if (term.atom >= system_.atoms.size() || term.weight == 0 || std::abs(std::int64_t{term.weight}) > kMaxKeptWeight)
+      if (term.atom >= system_.atoms.size() || term.weight == 0 ||
+          std::abs(std::int64_t{term.weight}) > kMaxCandidateWeight)
         return std::nullopt;
       const AtomType& type = type_of(term.atom);
       if (term.row >= (term.is_place ? type.places.size() : type.variables.size())) return std::nullopt;
       const u32 unknown = term.is_place ? place_base_[term.atom] + term.row : unknown_of(term.atom, term.row);
       // An automaton's first place has no unknown; what is no counter has none either.
-      if (term.is_place ? machine_.is_automaton[term.atom] != 0 && term.row == 0
+      if (term.is_place ? transition_system_.is_automaton[term.atom] != 0 && term.row == 0
                         : is_counter_[unknown - first_variable_] == 0)
         return std::nullopt;
       if (!values.emplace(unknown, term.weight).second) return std::nullopt;
@@ -344,7 +351,7 @@ class AffineAnalysis {
     for (const auto& [port, change] : changes) result.push_back({port, change});
     return result;
   }
-  // A transition's row: what it does to places and ints, less what its port changes the sum by.
+  // Returns the port of a transition's row (what the transition does, less what its port changes the sum by).
   [[nodiscard]] u32 port_given_by(const Row& row) const {
     u32 port = kNoRow;
     for (const Term& term : row) {
@@ -382,7 +389,7 @@ class AffineAnalysis {
 
   const Net& net_;
   const System& system_;
-  const TransitionSystem& machine_;
+  const TransitionSystem& transition_system_;
   const rt::Image& image_;
   AffineCode code_;
   u32 first_place_ = 0, first_variable_ = 0;
@@ -397,17 +404,47 @@ class AffineAnalysis {
 
 }  // namespace
 
-AffineInvariants equations_that_hold(const Net& net, const TransitionSystem& machine, const rt::Image& image,
+AffineInvariants equations_that_hold(const Net& net, const TransitionSystem& transition_system, const rt::Image& image,
                                      const std::vector<AffineEquation>& candidates,
                                      const CancellationToken& cancellation) {
   if (candidates.empty()) return {};
-  return AffineAnalysis(net, machine, image).those_that_hold(candidates, cancellation);
+  return AffineAnalysis(net, transition_system, image).those_that_hold(candidates, cancellation);
 }
 
-AffineInvariants find_affine_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image,
-                                        const std::vector<std::vector<Signal>>& known,
+AffineInvariants find_affine_invariants(const Net& net, TransitionSystem& transition_system, const rt::Image& image,
+                                        const std::vector<std::vector<Signal>>& assumed,
                                         const CancellationToken& cancellation) {
-  return with_bounds(net, machine, image, known, cancellation, AffineAnalysis(net, machine, image).run(cancellation));
+  return with_bounds(net, transition_system, image, assumed, cancellation,
+                     AffineAnalysis(net, transition_system, image).run(cancellation));
+}
+
+namespace {
+std::string term_text(const AffineEquation::Term& term, const System& system) {
+  const Atom& atom = system.atoms[AtomId(std::size_t{term.atom})];
+  const AtomType& type = system.atom_types[atom.type];
+  return atom.path + (term.is_place ? '@' + type.places[term.row] : '.' + type.variables[term.row].name);
+}
+}  // namespace
+
+std::string equation_row(const AffineEquation& equation, const System& system) {
+  std::string out = "equation " + std::to_string(equation.total);
+  for (const AffineEquation::Term& term : equation.terms)
+    out += ' ' + term_text(term, system) + '*' + std::to_string(term.weight);
+  return out;
+}
+
+std::string equation_text(const AffineEquation& equation, const System& system) {
+  constexpr std::size_t kShown = 12;
+  std::string out = "always " + std::to_string(equation.total) + " =";
+  for (std::size_t k = 0; k < equation.terms.size() && k < kShown; ++k) {
+    const std::int32_t weight = equation.terms[k].weight;
+    const std::string name = term_text(equation.terms[k], system);
+    out += weight < 0 ? " - " : k == 0 ? " " : " + ";
+    if (weight != 1 && weight != -1) out += std::to_string(std::abs(weight)) + ' ';
+    out += name.starts_with("ROOT.") ? name.substr(5) : name;
+  }
+  if (equation.terms.size() > kShown) out += " … (" + std::to_string(equation.terms.size()) + " in all)";
+  return out;
 }
 
 }  // namespace bip::verify

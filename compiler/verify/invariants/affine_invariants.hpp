@@ -1,11 +1,15 @@
-// Linear equations between data and places: "requests - 2 * at(clerk.BUSY) = the sum of at(user[i].WAITS)". They hold
-// in every stable state, modulo 2^32, as the language's ints do.
+// Affine invariants: linear equations between ints and places, as "requests - 2 * at(clerk.BUSY) = the sum of
+// at(user[i].WAITS)". They hold in every stable state, modulo 2^32, as the language's ints do.
 //
-// A transition, a transfer and an interaction change such a sum by what their code adds (affine_code.hpp) and where
-// tokens go; asked that all interactions change it by nothing, one system of homogeneous equations gives all sums
-// (sparse_system.hpp). Guards with == are used: "if n == 4 then n is 0" takes 4 away. With them come bounds: an int
-// that is a sum of places is as small as that. Cost: linear in the system's code, and what the equations fill. After M.
-// Karr (1976); S. Sankaranarayanan, H. Sipma, Z. Manna: Petri Net Analysis Using Invariant Generation (2003).
+// A transition, a transfer and an interaction change such a sum by what their code adds (affine_code.hpp) and by where
+// tokens go. Requiring that every interaction changes it by nothing gives one system of homogeneous linear equations
+// for the weights; each solution is an invariant (sparse_system.hpp). A guard with == adds what it fixes: "if n == 4
+// then n becomes 0" subtracts 4. Cost: linear in the system's code, plus the fill of the equations.
+//
+// M. Karr: Affine Relationships Among Variables of a Program (1976). M. Müller-Olm, H. Seidl: Analysis of Modular
+// Arithmetic (2005), for rings as Z/2^32. S. Sankaranarayanan, H. Sipma, Z. Manna: Petri Net Analysis Using Invariant
+// Generation (2003). Departure from Karr: no control-flow join is computed; one weight vector for all places, as in a
+// place invariant, found by elimination instead of a fixpoint.
 #pragma once
 #include <string>
 
@@ -26,40 +30,32 @@ struct AffineEquation {
   std::int32_t total = 0;
 };
 
-/// An int is never less than 0 and never more than this.
+/// 0 <= variable <= high.
 struct VariableBound {
   u32 atom = 0, variable = 0;
   std::int32_t high = 0;
 };
 struct AffineInvariants {
   std::vector<AffineEquation> equations;
-  std::vector<VariableBound> bounds = {};  // true together, with the equations
+  std::vector<VariableBound> bounds = {};  // inductive together and with the equations
   std::vector<PlaceValue> places = {};     // none if the equations were found without
 };
 
-/// `known`: clauses that hold in every reachable state. The net must be usable.
-[[nodiscard]] AffineInvariants find_affine_invariants(const Net& net, TransitionSystem& machine, const rt::Image& image,
-                                                      const std::vector<std::vector<Signal>>& known,
+/// Computes equations and the bounds that they imply (affine_bounds.hpp). `assumed`: clauses that hold in every
+/// reachable state. The net must be usable.
+[[nodiscard]] AffineInvariants find_affine_invariants(const Net& net, TransitionSystem& transition_system,
+                                                      const rt::Image& image,
+                                                      const std::vector<std::vector<Signal>>& assumed,
                                                       const CancellationToken& cancellation);
-/// Those of the candidates, which may come from anywhere, whose sum no step changes; their totals are still to be
-/// found.
-[[nodiscard]] AffineInvariants equations_that_hold(const Net& net, const TransitionSystem& machine,
+/// Returns the candidates, which may come from anywhere, whose sum no step changes. Their totals are not computed.
+[[nodiscard]] AffineInvariants equations_that_hold(const Net& net, const TransitionSystem& transition_system,
                                                    const rt::Image& image,
                                                    const std::vector<AffineEquation>& candidates,
                                                    const CancellationToken& cancellation);
-/// Their totals; equations whose first value is not known are left out. And the bounds that the solver shows.
-[[nodiscard]] AffineInvariants with_totals(TransitionSystem& machine, const rt::Image& image, AffineInvariants facts);
-[[nodiscard]] AffineInvariants with_bounds(const Net& net, TransitionSystem& machine, const rt::Image& image,
-                                           const std::vector<std::vector<Signal>>& known,
-                                           const CancellationToken& cancellation, AffineInvariants facts);
-[[nodiscard]] Signal equation_signal(const AffineEquation& equation, TransitionSystem& machine, const rt::Image& image);
-[[nodiscard]] std::vector<Signal> place_clause(const PlaceValue& fact, TransitionSystem& machine,
-                                               const rt::Image& image);
-[[nodiscard]] Signal bound_signal(const VariableBound& bound, TransitionSystem& machine, const rt::Image& image);
 
-/// "equation 0 ROOT.m.n*1 ROOT.c@BUSY*-1"
+/// Returns a row of a certificate: "equation 0 ROOT.m.n*1 ROOT.c@BUSY*-1"
 [[nodiscard]] std::string equation_row(const AffineEquation& equation, const System& system);
-/// "always 0 = m.n - c@BUSY"
+/// Returns a line for people: "always 0 = m.n - c@BUSY"
 [[nodiscard]] std::string equation_text(const AffineEquation& equation, const System& system);
 
 }  // namespace bip::verify

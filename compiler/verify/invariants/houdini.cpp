@@ -1,112 +1,127 @@
-// See houdini.hpp.
+// See houdini.hpp. Departure from the paper: one query asks for a counterexample to any of the candidates, so each
+// query refutes at least one of them and the last one proves all.
 #include "compiler/verify/invariants/houdini.hpp"
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
+#include "compiler/base/log.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
 
 namespace bip::verify {
 
 namespace {
 
-class Checker {
+class Houdini {
  public:
-  Checker(const Ic3Problem& problem, std::vector<Cube> cubes)
-      : p_(problem), m_(*problem.machine), cubes_(std::move(cubes)), cnf_(m_.circuit, solver_) {}
+  Houdini(const Ic3Problem& problem, std::vector<Cube> candidates)
+      : problem_(problem), system_(*problem.system), candidates_(std::move(candidates)), cnf_(system_.aig, solver_) {}
 
   InductiveLemmas run() {
-    std::erase_if(cubes_, [&](const Cube& cube) { return cube.empty() || meets_initial(cube, m_); });
-    if (cubes_.empty()) return {};
-    add_machine();
-    add_cubes();
-    std::vector<std::uint8_t> holds(cubes_.size(), 1);
+    // Base case: a lemma holds in all initial states.
+    std::erase_if(candidates_, [&](const Cube& cube) { return cube.empty() || meets_initial(cube, system_); });
+    if (candidates_.empty()) return {};
+    encode_transition_relation();
+    encode_candidates();
+    std::vector<std::uint8_t> holds(candidates_.size(), 1);
+    // Induction step: from all remaining candidates into a state that breaks one of them.
     while (true) {
-      solver_.assume(going_);
-      assume(holds);
-      const Answer answer = solver_.solve(p_.cancellation);
+      solver_.assume(transition_activation_);
+      assume_candidates(holds);
+      const Answer answer = solver_.solve(problem_.cancellation);
       if (answer == Answer::Unknown) return {};
       if (answer == Answer::Unsatisfiable) break;
-      for (std::size_t k = 0; k < cubes_.size(); ++k) {
-        if (std::all_of(cubes_[k].begin(), cubes_[k].end(),
-                        [&](u32 code) { return solver_.is_true(literal(code, true)); }))
-          holds[k] = 0;
-      }
+      refute_candidates(holds);
     }
     InductiveLemmas result;
-    // A bad state may have no step at all.
-    solver_.assume(-going_);
-    solver_.assume(cnf_.literal(p_.bad));
-    for (std::size_t k = 0; k < cubes_.size(); ++k) {
-      if (holds[k] != 0) solver_.assume(outside_[k]);
+    // A bad state may have no step at all: the transition relation is off.
+    solver_.assume(-transition_activation_);
+    solver_.assume(cnf_.literal(problem_.bad));
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      if (holds[k] != 0) solver_.assume(holds_now_[k]);
     }
-    result.is_enough = solver_.solve(p_.cancellation) == Answer::Unsatisfiable;
-    for (std::size_t k = 0; k < cubes_.size(); ++k) {
-      if (holds[k] != 0) result.lemmas.push_back(std::move(cubes_[k]));
+    result.is_enough = solver_.solve(problem_.cancellation) == Answer::Unsatisfiable;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      if (holds[k] != 0) result.lemmas.push_back(std::move(candidates_[k]));
     }
+    BIP_LOG(Houdini, 1, "{} of {} lemmas are inductive{}", result.lemmas.size(), holds.size(),
+            result.is_enough ? " and exclude all bad states" : "");
     return result;
   }
 
  private:
-  [[nodiscard]] Lit literal(u32 code, bool is_next) {
-    const StateBit& bit = m_.bits[code / 2];
-    const Lit positive = cnf_.literal(is_next ? bit.next : bit.now);
-    return (code & 1) != 0 ? positive : -positive;
+  [[nodiscard]] Lit now(u32 cube_literal) { return literal(system_.bits[cube_bit(cube_literal)].now, cube_literal); }
+  [[nodiscard]] Lit next(u32 cube_literal) { return literal(system_.bits[cube_bit(cube_literal)].next, cube_literal); }
+  [[nodiscard]] Lit literal(Signal signal, u32 cube_literal) {
+    const Lit positive = cnf_.literal(signal);
+    return cube_value(cube_literal) ? positive : -positive;
   }
 
-  // A step that is fine, switched on by going_, from a state in which all is true that always is.
-  void add_machine() {
-    going_ = solver_.new_variable();
+  // Exactly one step, which ends in no fault, from a state that satisfies the invariants.
+  void encode_transition_relation() {
+    transition_activation_ = solver_.new_variable();
     std::vector<Lit> chosen;
-    for (const SystemStep& step : m_.steps) {
+    for (const SystemStep& step : system_.steps) {
       chosen.push_back(cnf_.literal(step.chosen));
-      solver_.add({-going_, -chosen.back(), cnf_.literal(step.fine)});
+      solver_.add({-transition_activation_, -chosen.back(), cnf_.literal(step.fine)});
     }
     add_at_most_one(solver_, chosen);
-    chosen.push_back(-going_);
+    chosen.push_back(-transition_activation_);
     solver_.add(chosen);
-    cnf_.add_state(m_);
-    for (const std::vector<Signal>& clause : p_.invariants) cnf_.add(clause);
+    cnf_.add_state(system_);
+    for (const std::vector<Signal>& clause : problem_.invariants) cnf_.add(clause);
   }
-  void add_cubes() {
-    std::vector<Lit> some{-going_};
-    for (const Cube& cube : cubes_) {
-      outside_.push_back(solver_.new_variable());
+  // Two activation literals per candidate: it holds now; its cube is entered. With a step, some cube is entered.
+  void encode_candidates() {
+    std::vector<Lit> some{-transition_activation_};
+    for (const Cube& cube : candidates_) {
+      holds_now_.push_back(solver_.new_variable());
       entered_.push_back(solver_.new_variable());
       some.push_back(entered_.back());
-      std::vector<Lit> clause{-outside_.back()};
-      for (u32 code : cube) {
-        clause.push_back(-literal(code, false));
-        solver_.add({-entered_.back(), literal(code, true)});
+      std::vector<Lit> clause{-holds_now_.back()};
+      for (u32 cube_literal : cube) {
+        clause.push_back(-now(cube_literal));
+        solver_.add({-entered_.back(), next(cube_literal)});
       }
       solver_.add(clause);
     }
     solver_.add(some);
   }
-  // From outside of all that are left, into one of them.
-  void assume(const std::vector<std::uint8_t>& holds) {
-    for (std::size_t k = 0; k < cubes_.size(); ++k) solver_.assume(holds[k] != 0 ? outside_[k] : -entered_[k]);
+  void assume_candidates(const std::vector<std::uint8_t>& holds) {
+    for (std::size_t k = 0; k < candidates_.size(); ++k) solver_.assume(holds[k] != 0 ? holds_now_[k] : -entered_[k]);
+  }
+  // The model's step enters the cubes of these candidates.
+  void refute_candidates(std::vector<std::uint8_t>& holds) {
+    const std::ptrdiff_t before = std::count(holds.begin(), holds.end(), 1);
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      if (std::all_of(candidates_[k].begin(), candidates_[k].end(),
+                      [&](u32 cube_literal) { return solver_.is_true(next(cube_literal)); }))
+        holds[k] = 0;
+    }
+    BIP_ASSERT(std::count(holds.begin(), holds.end(), 1) < before, "a counterexample refutes none of {} candidates",
+               before);
   }
 
-  const Ic3Problem& p_;
-  const TransitionSystem& m_;
-  std::vector<Cube> cubes_;
+  const Ic3Problem& problem_;
+  const TransitionSystem& system_;
+  std::vector<Cube> candidates_;
   Solver solver_;
   Cnf cnf_;
-  Lit going_ = 0;
-  std::vector<Lit> outside_, entered_;  // by cube
+  Lit transition_activation_ = 0;
+  std::vector<Lit> holds_now_, entered_;  // by candidate
 };
 
 }  // namespace
 
 InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates) {
-  return Checker(problem, std::move(candidates)).run();
+  return Houdini(problem, std::move(candidates)).run();
 }
 
-std::vector<Signal> clause_of(const Cube& cube, const TransitionSystem& machine) {
+std::vector<Signal> clause_of(const Cube& cube, const TransitionSystem& system) {
   std::vector<Signal> clause;
-  for (u32 code : cube) {
-    const Signal now = machine.bits[code / 2].now;
-    clause.push_back((code & 1) != 0 ? negated(now) : now);
+  for (u32 cube_literal : cube) {
+    const Signal now = system.bits[cube_bit(cube_literal)].now;
+    clause.push_back(cube_value(cube_literal) ? negated(now) : now);
   }
   return clause;
 }

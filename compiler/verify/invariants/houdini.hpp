@@ -1,8 +1,10 @@
-// Lemmas that somebody else found, checked: the largest part of them that no step leaves, together and with what is
-// known anyway.
+// Houdini: filters candidate lemmas down to the largest subset that is inductive together with what is known.
 //
-// All at once, and again without those that a step enters, until there is none: mostly one question to the solver,
-// where finding them took thousands. Nothing rests on where they come from.
+// All candidates are assumed at once; a counterexample to induction refutes each candidate that it leaves; repeat until
+// the rest is inductive. The greatest fixpoint, so the result does not depend on the order of counterexamples. Mostly
+// one SAT query, where finding the lemmas took thousands. Sound whatever the candidates are.
+//
+// C. Flanagan, R. Leino: Houdini, an Annotation Assistant for ESC/Java (FME 2001), section 3.
 #pragma once
 #include "compiler/verify/symbolic/ic3.hpp"
 
@@ -10,12 +12,12 @@ namespace bip::verify {
 
 struct InductiveLemmas {
   std::vector<Cube> lemmas;  // in the order of the candidates; inductive with the problem's invariants
-  bool is_enough = false;    // no bad state is left
+  bool is_enough = false;    // together they exclude all bad states
 };
-/// `candidates`: cubes of bits that the machine has, sorted.
+/// Consumes the candidates: cubes of bits of the problem's system, sorted. Nothing if the time is over.
 [[nodiscard]] InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates);
 
-/// The same for the solvers: never all of it at once.
-[[nodiscard]] std::vector<Signal> clause_of(const Cube& cube, const TransitionSystem& machine);
+/// Returns the clause of a lemma: the negation of its cube.
+[[nodiscard]] std::vector<Signal> clause_of(const Cube& cube, const TransitionSystem& system);
 
 }  // namespace bip::verify

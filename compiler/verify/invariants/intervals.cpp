@@ -5,14 +5,16 @@
 #include <functional>
 #include <set>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
 
 using u32 = std::uint32_t;
 constexpr Range kBool{0, 1};
-constexpr int kPatience = 4;  // growths of a range before it jumps
-constexpr int kMaxJumps = 16;
+constexpr int kGrowthsBeforeWidening = 4;
+constexpr int kMaxWidenings = 16;
 
 Range joined(const Range& a, const Range& b) {
   if (a.is_empty()) return b;
@@ -23,7 +25,7 @@ Range common(const Range& a, const Range& b) { return {std::max(a.low, b.low), s
 Range fitted(const Range& r) { return r.low < kAnyInt.low || r.high > kAnyInt.high ? kAnyInt : r; }
 Range of(bool may_be_false, bool may_be_true) { return {may_be_false ? 0 : 1, may_be_true ? 1 : 0}; }
 
-// What a piece of code runs over: the ranges of its variables, as copies that guards narrow.
+// The abstract state of a piece of code: copies of its variables' ranges, which guards refine.
 struct Local {
   std::vector<Range> self, bind;
 };
@@ -61,7 +63,7 @@ class Code {
     return apply(e.op, a, b, whole);
   }
 
-  // Narrows the variables to where the condition is `truth`; false: nowhere.
+  // Refines the variables to the states in which the condition is `truth`; false: there is none.
   bool assume(ExprId id, bool truth, Local& local) const {
     if (!id.is_valid()) return truth;
     const Expr& e = code_.exprs[id];
@@ -209,7 +211,7 @@ class IntervalAnalysis {
     growths_.assign(image.cell_count, 0);
     for (const Expr& e : system.code.exprs) {
       if (e.op != Op::ConstInt) continue;
-      for (std::int64_t k = -1; k <= 1; ++k) landmarks_.insert(std::int64_t{e.int_value} + k);
+      for (std::int64_t k = -1; k <= 1; ++k) thresholds_.insert(std::int64_t{e.int_value} + k);
     }
   }
 
@@ -224,6 +226,7 @@ class IntervalAnalysis {
   }
 
  private:
+  // Joins a range into a variable; widens it if it has grown often.
   void grow(u32 row, Range to) {
     if (to.is_empty()) return;
     Range& range = ranges_[row];
@@ -233,17 +236,18 @@ class IntervalAnalysis {
     const int times = ++growths_[row];
     const Range before = range;
     range = next;
-    if (times <= kPatience) return;
-    // The next constant, then the end.
+    if (times <= kGrowthsBeforeWidening) return;
+    // Widening: the next threshold, then the end of int.
     if (next.low < before.low) {
-      const auto at = landmarks_.upper_bound(next.low);
-      range.low = times > kMaxJumps || at == landmarks_.begin() ? kAnyInt.low : *std::prev(at);
+      const auto above = thresholds_.upper_bound(next.low);
+      range.low = times > kMaxWidenings || above == thresholds_.begin() ? kAnyInt.low : *std::prev(above);
     }
     if (next.high > before.high) {
-      const auto at = landmarks_.lower_bound(next.high);
-      range.high = times > kMaxJumps || at == landmarks_.end() ? kAnyInt.high : *at;
+      const auto next_threshold = thresholds_.lower_bound(next.high);
+      range.high = times > kMaxWidenings || next_threshold == thresholds_.end() ? kAnyInt.high : *next_threshold;
     }
     range = fitted(range);
+    BIP_ASSERT(range.low <= before.low && range.high >= before.high, "the range of variable {} shrinks", row);
   }
 
   Local of_atom(std::size_t a) const {
@@ -263,11 +267,11 @@ class IntervalAnalysis {
     for (std::size_t k = 0; k < type.variables.size() && k < atom.args.size(); ++k) {
       const Value& value = atom.args[k];
       ranges_[base + k] = {value.int_value, value.int_value};
-      for (std::int64_t d = -1; d <= 1; ++d) landmarks_.insert(std::int64_t{value.int_value} + d);
+      for (std::int64_t d = -1; d <= 1; ++d) thresholds_.insert(std::int64_t{value.int_value} + d);
     }
     Local local = of_atom(a);
     code_.execute(type.initial_action, local);
-    // Nobody sees the data before that.
+    // Data are read only after the initial action.
     for (std::size_t k = 0; k < local.self.size(); ++k) {
       if (!local.self[k].is_empty()) ranges_[base + k] = fitted(local.self[k]);
     }
@@ -289,7 +293,7 @@ class IntervalAnalysis {
     }
   }
 
-  // The rows that variable `variable` of a binding may be.
+  // Collects the rows that a variable of a binding may refer to.
   void rows_of(const PortRef& ref, std::size_t variable, std::vector<u32>& rows) const {
     if (ref.kind == PortRef::Kind::Choice) {
       for (const PortRef& port : system_.choices[ref.choice].ports) rows_of(port, variable, rows);
@@ -351,7 +355,7 @@ class IntervalAnalysis {
   Code code_;
   std::vector<Range> ranges_;
   std::vector<int> growths_;
-  std::set<std::int64_t> landmarks_;
+  std::set<std::int64_t> thresholds_;
   bool changed_ = true;
 };
 

@@ -1,9 +1,9 @@
-// Between which numbers each variable of the system stays, whatever is done: intervals over all atoms and connectors at
-// once, not by place. Guards narrow what actions and transfers see. Bools count as 0 and 1, strings as their rows.
+// Interval analysis: bounds each variable of the system in all reachable states, over all atoms and connectors at once
+// and not by place. Guards refine what actions and transfers read. Bools count as 0 and 1, strings as their rows.
 //
-// A fixpoint from the initial values up; what goes on growing jumps to the next constant of the code, then to the end
-// of int. Cost: a few passes over the code of all instances. P. Cousot, R. Cousot: Static Determination of Dynamic
-// Properties of Programs (1976).
+// P. Cousot, R. Cousot: Static Determination of Dynamic Properties of Programs (1976). A least fixpoint from the
+// initial values with widening to thresholds: a bound that goes on growing jumps to the next constant of the code, then
+// to the end of int. No narrowing. Cost: a few passes over the code of all instances.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -21,7 +21,8 @@ struct Range {
 };
 inline constexpr Range kAnyInt{std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()};
 
-/// By row among all variables of the image (atoms', then connectors' own). Of floats and FFI values: meaningless.
+/// Returns the range of each variable, by row among all variables of the image (atoms', then connectors' own). Ranges
+/// of floats and FFI values have no meaning.
 [[nodiscard]] std::vector<Range> find_ranges(const System& system, const rt::Image& image);
 
 }  // namespace bip::verify

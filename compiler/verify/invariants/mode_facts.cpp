@@ -6,7 +6,7 @@
 namespace bip::verify {
 
 namespace {
-constexpr double kOneTokenSeconds = 2;
+constexpr double kComponentSeconds = 2;
 }  // namespace
 
 ModeFacts::ModeFacts(const Net& net, Encoded what, const CancellationToken& cancellation)
@@ -15,8 +15,8 @@ ModeFacts::ModeFacts(const Net& net, Encoded what, const CancellationToken& canc
   spread_from_initial(net, reachable_, ignored);
   encoding_ = std::make_unique<Encoding>(net, reachable_, what);
   traps_ = std::make_unique<TrapFinder>(net, reachable_);
-  sums_ = std::make_unique<PlaceInvariantFinder>(net, reachable_, cancellation);
-  one_tokens_ = std::make_unique<StateMachineComponentFinder>(net, reachable_);
+  place_invariants_ = std::make_unique<PlaceInvariantFinder>(net, reachable_, cancellation);
+  components_ = std::make_unique<StateMachineComponentFinder>(net, reachable_);
 }
 
 void ModeFacts::exclude(u32 mode) {
@@ -29,17 +29,17 @@ bool ModeFacts::add_all(std::vector<TokenInvariant> found) {
   return invariants_ != before;
 }
 
-// True only if one of the modes is marked. A mode that is not reachable has no literal.
+// Returns a literal that implies that one of the modes is marked. A mode that is not reachable has no literal.
 Lit ModeFacts::one_of(const std::vector<u32>& modes) {
-  const auto [at, is_new] = literals_.try_emplace(modes, 0);
-  if (!is_new) return at->second;
-  at->second = encoding_->new_switch();
-  std::vector<Lit> clause{-at->second};
+  const auto [entry, is_new] = literals_.try_emplace(modes, 0);
+  if (!is_new) return entry->second;
+  entry->second = encoding_->new_switch();
+  std::vector<Lit> clause{-entry->second};
   for (const u32 mode : modes) {
     if (const Lit literal = encoding_->literal(mode); literal != 0) clause.push_back(literal);
   }
   encoding_->add_clause(clause);
-  return at->second;
+  return entry->second;
 }
 
 bool ModeFacts::may_be(const std::vector<std::vector<u32>>& sets, u32 rounds) {
@@ -51,10 +51,9 @@ bool ModeFacts::may_be(const std::vector<std::vector<u32>>& sets, u32 rounds) {
     if (answer != Answer::Satisfiable) return answer != Answer::Unsatisfiable;
     if (round == rounds || cancellation_.is_over()) return true;
     const std::vector<std::uint8_t> marked = encoding_->marked();
-    if (add_all(traps_->find(marked)) || add_all(sums_->find(*traps_, marked))) continue;
-    if (sums_->satisfies_all()) return true;
-    if (!add_all(one_tokens_->find(*traps_, marked, kComponentBatch, cancellation_.within(kOneTokenSeconds))))
-      return true;
+    if (add_all(traps_->find(marked)) || add_all(place_invariants_->find(marked))) continue;
+    if (place_invariants_->satisfies_all()) return true;
+    if (!add_all(components_->find(marked, kComponentBatch, cancellation_.within(kComponentSeconds)))) return true;
   }
 }
 

@@ -1,8 +1,9 @@
-// What structure says of sets of modes: can there be a reachable state in which these atoms are in these modes?
-// Invariants are found when a question needs them (traps, linear, one-token: as in prove_by_invariants.hpp), and stay
-// for the next question.
+// Answers by structural invariants whether a reachable state may have given atoms in given modes. Invariants (traps,
+// place invariants, state-machine components, as in prove_by_invariants.hpp) are found when a question needs them and
+// stay for the next question.
 //
-// "No" is a proof, "yes" is only what is left open. Cost: a SAT call a question, and one more an invariant.
+// Sound but incomplete: "no" is a proof, "yes" is what the invariants leave open. Cost: one SAT call per question and
+// per round of invariants.
 #pragma once
 #include <map>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "compiler/verify/net/net_encoding.hpp"
 #include "compiler/verify/invariants/place_invariants.hpp"
 #include "compiler/verify/invariants/state_machine_components.hpp"
+#include "compiler/verify/invariants/traps.hpp"
 
 namespace bip::verify {
 
@@ -19,10 +21,10 @@ class ModeFacts {
   /// The net is usable and outlives this. NoStep: states without a sure step are asked about, else all.
   ModeFacts(const Net& net, Encoded what, const CancellationToken& cancellation);
 
-  /// Not in this mode, from now on.
+  /// Excludes a mode from all later questions.
   void exclude(u32 mode);
-  /// Of each set (sorted) one mode is marked; no set: any state. `rounds`: at most so many times invariants are looked
-  /// for.
+  /// Is there a state in which one mode of each set (sorted) is marked? No set: any state. Looks for invariants at most
+  /// `rounds` times.
   [[nodiscard]] bool may_be(const std::vector<std::vector<u32>>& sets, u32 rounds);
   [[nodiscard]] std::size_t invariants() const { return invariants_; }
 
@@ -35,8 +37,8 @@ class ModeFacts {
   ModeReachability reachable_;
   std::unique_ptr<Encoding> encoding_;
   std::unique_ptr<TrapFinder> traps_;
-  std::unique_ptr<PlaceInvariantFinder> sums_;
-  std::unique_ptr<StateMachineComponentFinder> one_tokens_;
+  std::unique_ptr<PlaceInvariantFinder> place_invariants_;
+  std::unique_ptr<StateMachineComponentFinder> components_;
   std::map<std::vector<u32>, Lit> literals_;
   std::size_t invariants_ = 0;
 };

@@ -1,5 +1,5 @@
-// Ints that have one value wherever their atom is at a place: "machine.sum is 0 at CARD_IN, 20 at CHOSEN". What an
-// assignment takes away is then known (affine_invariants.hpp), though no guard says so.
+// Ints that have one value wherever their atom is at a place: "machine.sum is 0 at CARD_IN, 20 at CHOSEN".
+// What an assignment takes away is then known (affine_invariants.hpp), though no guard says so.
 //
 // A fixpoint over all atoms and connectors from the initial places on; guards of the form `n == 4` and transfers of
 // plain rendezvous are followed, what else may be written is unknown. Only automata are looked at, one place at a time.

@@ -5,11 +5,13 @@
 #include <numeric>
 #include <tuple>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
-// The clock is read once in so much work.
-constexpr std::uint64_t kLook = 1'000'000;
+// Units of work between two readings of the clock.
+constexpr std::uint64_t kWorkPerReading = 1'000'000;
 }  // namespace
 
 SparseSystem::Row SparseSystem::row_of_terms(std::vector<Term> terms) {
@@ -26,8 +28,8 @@ SparseSystem::Row SparseSystem::row_of_terms(std::vector<Term> terms) {
 bool SparseSystem::spend(std::uint64_t work) {
   work_ += work;
   if (work_ > kMaxWork) is_given_up_ = true;
-  if (work_ >= next_look_) {
-    next_look_ = work_ + kLook;
+  if (work_ >= next_clock_reading_) {
+    next_clock_reading_ = work_ + kWorkPerReading;
     if (cancellation_.is_over()) is_given_up_ = true;
   }
   return !is_given_up_;
@@ -39,7 +41,17 @@ std::int64_t SparseSystem::factor_of(const Row& row, std::uint32_t unknown) {
   return found != row.end() && found->unknown == unknown ? found->factor : 0;
 }
 
+// Sorted, each unknown once, no factor 0.
+bool SparseSystem::is_normal(const Row& row) {
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    if (row[k].factor == 0 || (k > 0 && row[k - 1].unknown >= row[k].unknown)) return false;
+  }
+  return true;
+}
+
+// A merge of two sorted rows, divided by the common divisor of its factors.
 SparseSystem::Row SparseSystem::combined(const Row& a, std::int64_t factor_a, const Row& b, std::int64_t factor_b) {
+  BIP_ASSERT(is_normal(a) && is_normal(b), "rows of {} and {} terms", a.size(), b.size());
   Row sum;
   sum.reserve(a.size() + b.size());
   std::int64_t divisor = 0;
@@ -57,22 +69,35 @@ SparseSystem::Row SparseSystem::combined(const Row& a, std::int64_t factor_a, co
   for (Term& term : sum) {
     term.factor /= divisor;
     if (term.factor <= kMaxNumber && term.factor >= -kMaxNumber) continue;
-    // Nobody looks at the numbers any more.
+    // From here on the numbers mean nothing; 1 only keeps the rows well formed.
     is_given_up_ = true;
     term.factor = 1;
   }
   return sum;
 }
 
-// `by` gives the unknown: it goes out of the row.
+// Removes the unknown from the row by a multiple of `by`, whose pivot it is.
 void SparseSystem::eliminate(Row& row, std::uint32_t unknown, const Row& by) {
-  const std::int64_t here = factor_of(row, unknown), there = factor_of(by, unknown);
-  if (here == 0) return;
-  const std::int64_t common = std::gcd(here, there);
-  row = combined(row, there / common, by, -(here / common));
+  const std::int64_t factor = factor_of(row, unknown), pivot_factor = factor_of(by, unknown);
+  if (factor == 0) return;
+  BIP_ASSERT(pivot_factor != 0, "the row does not contain unknown {}", unknown);
+  const std::int64_t common = std::gcd(factor, pivot_factor);
+  row = combined(row, pivot_factor / common, by, -(factor / common));
+  BIP_ASSERT(is_given_up_ || factor_of(row, unknown) == 0, "unknown {} is still there", unknown);
+}
+
+// Few other rows contain the pivot, and it has no fraction.
+std::uint32_t SparseSystem::choose_pivot(const Row& row) const {
+  const auto cost = [&](const Term& t) {
+    return std::tuple(t.unknown >= first_reluctant_, t.factor != 1 && t.factor != -1, rows_with_[t.unknown].size());
+  };
+  return std::min_element(row.begin(), row.end(), [&](const Term& a, const Term& b) { return cost(a) < cost(b); })
+      ->unknown;
 }
 
 void SparseSystem::add_equation(Row row) {
+  BIP_ASSERT(is_normal(row), "an equation of {} terms", row.size());
+  // Forward: eliminate the pivots of earlier rows.
   for (bool changed = true; changed && !is_given_up_;) {
     changed = false;
     for (const Term& term : row) {
@@ -84,29 +109,24 @@ void SparseSystem::add_equation(Row row) {
     }
   }
   if (row.empty() || is_given_up_) return;
-  // What it gives: an unknown that stands in few other rows, best without a fraction.
-  const auto cost = [&](const Term& t) {
-    return std::tuple(t.unknown >= first_reluctant_, t.factor != 1 && t.factor != -1, rows_with_[t.unknown].size());
-  };
-  const std::uint32_t given = std::min_element(row.begin(), row.end(), [&](const Term& a, const Term& b) {
-                                return cost(a) < cost(b);
-                              })->unknown;
-  const std::vector<std::uint32_t> others = std::move(rows_with_[given]);
-  rows_with_[given].clear();
+  const std::uint32_t pivot = choose_pivot(row);
+  // Backward: eliminate the new pivot from all earlier rows.
+  const std::vector<std::uint32_t> others = std::move(rows_with_[pivot]);
+  rows_with_[pivot].clear();
   const auto number = static_cast<std::uint32_t>(rows_.size());
   for (std::uint32_t other : others) {
-    eliminate(rows_[other], given, row);
+    eliminate(rows_[other], pivot, row);
     for (const Term& term : row) {
       std::vector<std::uint32_t>& with = rows_with_[term.unknown];
-      if (term.unknown != given && std::find(with.begin(), with.end(), other) == with.end()) with.push_back(other);
+      if (term.unknown != pivot && std::find(with.begin(), with.end(), other) == with.end()) with.push_back(other);
       (void)spend(with.size());
     }
     if (is_given_up_) return;
   }
   for (const Term& term : row) {
-    if (term.unknown != given) rows_with_[term.unknown].push_back(number);
+    if (term.unknown != pivot) rows_with_[term.unknown].push_back(number);
   }
-  row_of_[given] = number;
+  row_of_[pivot] = number;
   rows_.push_back(std::move(row));
 }
 
@@ -119,24 +139,26 @@ void SparseSystem::solve(std::vector<Row> equations) {
 }
 
 std::vector<SparseSystem::Term> SparseSystem::solution(std::uint32_t free) const {
+  BIP_ASSERT(is_free(free), "unknown {} is a pivot", free);
+  // The pivot of each row with the free unknown: pivot_factor * pivot + free_factor * free = 0, scaled to integers.
   std::int64_t scale = 1;
-  std::vector<Term> given;  // unknown, its factor; the free one's comes after
-  std::vector<std::int64_t> of_free;
+  std::vector<Term> pivots;
+  std::vector<std::int64_t> free_factors;
   for (std::uint32_t number : rows_with_[free]) {
     const Row& row = rows_[number];
-    const std::int64_t here = factor_of(row, free);
-    if (here == 0) continue;
+    const std::int64_t free_factor = factor_of(row, free);
+    if (free_factor == 0) continue;
     for (const Term& term : row) {
       if (row_of_[term.unknown] != number) continue;
-      given.push_back(term);
-      of_free.push_back(here);
+      pivots.push_back(term);
+      free_factors.push_back(free_factor);
       scale = std::lcm(scale, std::abs(term.factor));
     }
     if (scale > kMaxNumber) return {};
   }
   std::vector<Term> values{{free, scale}};
-  for (std::size_t k = 0; k < given.size(); ++k)
-    values.push_back({given[k].unknown, -scale / given[k].factor * of_free[k]});
+  for (std::size_t k = 0; k < pivots.size(); ++k)
+    values.push_back({pivots[k].unknown, -scale / pivots[k].factor * free_factors[k]});
   return values;
 }
 

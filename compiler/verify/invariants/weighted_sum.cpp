@@ -96,7 +96,7 @@ void add_weighted_sum(const WeightedSum& sum, const std::vector<Lit>& literals, 
 }
 
 // From the end: a node is good if the mode that is marked leads to a good one.
-Signal weighted_sum_signal(const WeightedSum& sum, const std::vector<Signal>& signals, Aig& circuit) {
+Signal weighted_sum_signal(const WeightedSum& sum, const std::vector<Signal>& signals, Aig& aig) {
   std::vector<Signal> good(sum.nodes, kFalse);
   good.back() = kTrue;
   for (std::size_t k = sum.edges.size(); k-- > 0;) {
@@ -104,8 +104,8 @@ Signal weighted_sum_signal(const WeightedSum& sum, const std::vector<Signal>& si
     if (edge.next == kNoRow) continue;
     Signal here = edge.mode == kNoRow ? kTrue : signals[edge.mode];
     for (u32 j = 0; edge.mode == kNoRow && j < edge.but; ++j)
-      here = circuit.make_and(here, negated(signals[sum.buts[edge.first_but + j]]));
-    good[edge.node] = circuit.make_or(good[edge.node], circuit.make_and(here, good[edge.next]));
+      here = aig.make_and(here, negated(signals[sum.buts[edge.first_but + j]]));
+    good[edge.node] = aig.make_or(good[edge.node], aig.make_and(here, good[edge.next]));
   }
   return good[0];
 }

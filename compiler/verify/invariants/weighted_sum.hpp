@@ -29,6 +29,6 @@ struct WeightedSum {
                                       const std::vector<std::uint8_t>& is_reachable, WeightedSum& sum);
 /// `literals` and `signals` by mode; `on`: the clauses count only where it is true, 0: everywhere.
 void add_weighted_sum(const WeightedSum& sum, const std::vector<Lit>& literals, Solver& solver, Lit on = 0);
-[[nodiscard]] Signal weighted_sum_signal(const WeightedSum& sum, const std::vector<Signal>& signals, Aig& circuit);
+[[nodiscard]] Signal weighted_sum_signal(const WeightedSum& sum, const std::vector<Signal>& signals, Aig& aig);
 
 }  // namespace bip::verify

@@ -7,9 +7,10 @@
 // of the clauses, and models may be spurious.
 #pragma once
 #include "compiler/verify/net/guard_literals.hpp"
+#include "compiler/verify/net/mode_reachability.hpp"
 #include "compiler/verify/invariants/unsat_core.hpp"
 #include "compiler/verify/solver/solver.hpp"
-#include "compiler/verify/invariants/traps.hpp"
+#include "compiler/verify/invariants/token_invariant.hpp"
 
 namespace bip::verify {
 

@@ -1,7 +1,7 @@
 // See check_evidence.hpp.
 #include "compiler/verify/portfolio/check_evidence.hpp"
 
-#include "compiler/verify/invariants/traps.hpp"
+#include "compiler/verify/invariants/token_invariant_checker.hpp"
 
 namespace bip::verify {
 
@@ -12,7 +12,7 @@ bool do_invariants_hold(const Net& net, const std::vector<TokenInvariant>& invar
   Proof modes;
   ModeReachability reachable(net, Direction::Forward, nullptr);
   spread_from_initial(net, reachable, modes);
-  return TrapFinder(net, reachable).those_that_hold(invariants).size() == invariants.size();
+  return TokenInvariantChecker(net, reachable).those_that_hold(invariants).size() == invariants.size();
 }
 
 }  // namespace

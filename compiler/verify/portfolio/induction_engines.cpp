@@ -2,6 +2,7 @@
 #include "compiler/verify/portfolio/induction_engines.hpp"
 
 #include "compiler/base/assert.hpp"
+#include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/invariants/houdini.hpp"
 #include "compiler/verify/invariants/refine_invariants.hpp"
 #include "compiler/verify/symbolic/mode_signals.hpp"
@@ -19,7 +20,7 @@ class Induction {
  public:
   Induction(ProofContext& context, const CancellationToken& share, const CancellationToken& whole)
       : context_(context), whole_(whole), machine_(context.parts.transition_system()), image_(context.parts.image()) {
-    problem_.machine = &machine_;
+    problem_.system = &machine_;
     problem_.cancellation = share;
     problem_.report = [this](u32 frame, std::size_t lemmas) {
       result_.frames = frame;
@@ -29,7 +30,7 @@ class Induction {
 
   EngineResult run(Effort effort) {
     if (!is_usable()) return std::move(result_);
-    problem_.bad = machine_.circuit.make_or(bad_states(), machine_.lost);
+    problem_.bad = machine_.aig.make_or(bad_states(), machine_.lost);
     if (!confirm_ranges()) return std::move(result_);
     InductiveLemmas cached;
     if (context_.facts.proof && context_.induction != InductionStage::InvariantsRefined && refine(cached))

@@ -7,6 +7,8 @@
 #include "compiler/verify/net/net_encoding.hpp"
 #include "compiler/verify/invariants/place_invariants.hpp"
 #include "compiler/verify/invariants/state_machine_components.hpp"
+#include "compiler/verify/invariants/token_invariant_checker.hpp"
+#include "compiler/verify/invariants/traps.hpp"
 
 namespace bip::verify {
 
@@ -27,7 +29,7 @@ Proof find_reachable_modes(const Net& net, const std::vector<TokenInvariant>& gi
   Proof proof;
   ModeReachability reachable(net, Direction::Forward, nullptr);
   spread_from_initial(net, reachable, proof);
-  if (!given.empty()) proof.invariants = TrapFinder(net, reachable).those_that_hold(given);
+  if (!given.empty()) proof.invariants = TokenInvariantChecker(net, reachable).those_that_hold(given);
   proof.reused = proof.invariants.size();
   return proof;
 }
@@ -56,12 +58,12 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
     }
     return added;
   };
-  if (!given.empty()) proof.reused = add_all(traps.those_that_hold(given));
+  if (!given.empty()) proof.reused = add_all(TokenInvariantChecker(net, reachable).those_that_hold(given));
   // Values that are told apart come and go by sums of their own: one by one they would need a candidate each.
   bool wants_small = !net.uses.of_atom.empty();
   const auto add_small = [&] {
     wants_small = false;
-    std::vector<TokenInvariant> small = sums.find_small(traps);
+    std::vector<TokenInvariant> small = sums.find_small();
     const std::set<TokenInvariant> there(proof.invariants.begin(), proof.invariants.end());
     std::erase_if(small, [&](const TokenInvariant& one) { return there.contains(one); });
     return add_all(std::move(small));
@@ -77,7 +79,7 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
     if (wants_small && add_small() != 0) continue;
     const std::vector<std::uint8_t> marked = encoding.marked();
     std::size_t added = add_all(traps.find(marked));
-    if (added == 0) added = add_all(sums.find(traps, marked));
+    if (added == 0) added = add_all(sums.find(marked));
     if (added == 0) {
       proof.candidate.clear();
       for (u32 mode = 0; mode < net.mode_count(); ++mode) {
@@ -91,8 +93,7 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
       }
       // Half of what is left: where this does not help other engines are asked.
       if (!sums.satisfies_all())
-        added = add_all(
-            one_tokens.find(traps, marked, kComponentBatch, cancellation.within(cancellation.seconds_left() / 2)));
+        added = add_all(one_tokens.find(marked, kComponentBatch, cancellation.within(cancellation.seconds_left() / 2)));
     }
     if (added == 0) {
       proof.end = !cancellation.is_over() ? ProofEnd::Candidate : ProofEnd::Timeout;

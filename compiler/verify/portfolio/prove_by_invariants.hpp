@@ -8,7 +8,8 @@
 
 #include "compiler/verify/solver/cancellation.hpp"
 #include "compiler/verify/net/net.hpp"
-#include "compiler/verify/invariants/traps.hpp"
+#include "compiler/verify/invariants/token_invariant.hpp"
+#include "compiler/verify/net/mode_reachability.hpp"
 
 namespace bip::verify {
 

@@ -64,7 +64,7 @@ Number evaluate(const Property& property, std::uint32_t row, const rt::Core& cor
 Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m, const rt::Image& image,
                const std::vector<std::uint32_t>& port_base) {
   const PropertyNode& node = property.nodes[row];
-  Aig& c = m.circuit;
+  Aig& c = m.aig;
   switch (node.kind) {
     case PropertyKind::Constant: return node.type == Type::Float ? Word{} : word_of(node.int_value);
     case PropertyKind::At: return word_of_bool(m.marks[node.owner][node.row]);
@@ -137,7 +137,7 @@ Signal broken_signal(const Property& property, TransitionSystem& machine, const 
              property.nodes[property.root].type);
   const Signal holds = signal_of(property, property.root, machine, image, port_base)[0];
   // A state in which the run ends with a fault is none.
-  return machine.circuit.make_and(negated(machine.state_fault), property.is_never ? holds : negated(holds));
+  return machine.aig.make_and(negated(machine.state_fault), property.is_never ? holds : negated(holds));
 }
 
 namespace {

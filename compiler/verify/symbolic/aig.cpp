@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -15,13 +17,18 @@ Signal Aig::make_input() {
 }
 
 Signal Aig::make_and(Signal a, Signal b) {
+  BIP_ASSERT(node_of(a) < nodes_.size() && node_of(b) < nodes_.size(), "operands {} and {} of {} nodes", node_of(a),
+             node_of(b), nodes_.size());
+  // One order of the operands, then the one-level simplifications: constant, complement, idempotence.
   if (a > b) std::swap(a, b);
   if (a == kFalse || a == negated(b)) return kFalse;
   if (a == kTrue || a == b) return b;
   if (is_full()) return kFalse;
   const std::uint64_t key = std::uint64_t{a} << 32 | b;
-  const auto [found, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(nodes_.size()));
+  const auto [found, is_new] = node_of_operands_.try_emplace(key, static_cast<std::uint32_t>(nodes_.size()));
   if (is_new) nodes_.push_back({a, b});
+  BIP_ASSERT(nodes_[found->second].a == a && nodes_[found->second].b == b, "node {} is hashed by other operands",
+             found->second);
   return found->second << 1;
 }
 
@@ -46,7 +53,7 @@ Signal Aig::make_or_of(const std::vector<Signal>& signals) {
   return result;
 }
 
-std::vector<Signal> with_fixed(Aig& c, const std::vector<Signal>& roots, const std::vector<Signal>& fixed) {
+std::vector<Signal> with_fixed(Aig& aig, const std::vector<Signal>& roots, const std::vector<Signal>& fixed) {
   std::unordered_map<std::uint32_t, Signal> made{{0, kFalse}};
   const auto is_fixed = [&](std::uint32_t row) { return row < fixed.size() && fixed[row] != kFree; };
   const auto of = [&](Signal s) { return made.at(node_of(s)) ^ (s & 1); };
@@ -58,11 +65,11 @@ std::vector<Signal> with_fixed(Aig& c, const std::vector<Signal>& roots, const s
       todo.pop_back();
       continue;
     }
-    if (is_fixed(row) || c.is_input(row)) {
+    if (is_fixed(row) || aig.is_input(row)) {
       made.emplace(row, is_fixed(row) ? fixed[row] : Signal{row << 1});
       continue;
     }
-    const Aig::Node node = c.node(row);
+    const Aig::Node node = aig.node(row);
     // What one side decides needs no other: most of what a step that is not chosen would do is never looked at.
     const auto is_false = [&](Signal side) {
       const std::uint32_t below = node_of(side);
@@ -82,7 +89,7 @@ std::vector<Signal> with_fixed(Aig& c, const std::vector<Signal>& roots, const s
       todo.push_back(node_of(node.b));
       continue;
     }
-    const Signal both = c.make_and(of(node.a), of(node.b));
+    const Signal both = aig.make_and(of(node.a), of(node.b));
     made.emplace(row, both);
   }
   std::vector<Signal> result;
@@ -103,23 +110,23 @@ Word word_of(std::int32_t value) {
   return trimmed(w);
 }
 
-Word make_ite(Aig& c, Signal condition, const Word& yes, const Word& no) {
+Word make_ite(Aig& aig, Signal condition, const Word& yes, const Word& no) {
   if (condition == kTrue) return yes;
   if (condition == kFalse) return no;
   Word w;
   for (std::size_t k = 0; k < std::max(yes.size(), no.size()); ++k)
-    w.push_back(c.make_ite(condition, bit(yes, k), bit(no, k)));
+    w.push_back(aig.make_ite(condition, bit(yes, k), bit(no, k)));
   return trimmed(w);
 }
 
-Word add(Aig& c, const Word& a, const Word& b, Signal carry) {
+Word add(Aig& aig, const Word& a, const Word& b, Signal carry) {
   Word w;
   const std::size_t width = std::min(kWidth, std::max(a.size(), b.size()) + 1);
   for (std::size_t k = 0; k < width; ++k) {
     const Signal x = bit(a, k), y = bit(b, k);
-    const Signal sum = c.make_xor(x, y);
-    w.push_back(c.make_xor(sum, carry));
-    carry = c.make_or(c.make_and(x, y), c.make_and(sum, carry));
+    const Signal sum = aig.make_xor(x, y);
+    w.push_back(aig.make_xor(sum, carry));
+    carry = aig.make_or(aig.make_and(x, y), aig.make_and(sum, carry));
   }
   return trimmed(w);
 }
@@ -129,10 +136,10 @@ Word complement(const Word& a) {
   for (Signal s : a) w.push_back(negated(s));
   return w;
 }
-Word subtract(Aig& c, const Word& a, const Word& b) { return add(c, a, complement(b), kTrue); }
-Word negate(Aig& c, const Word& a) { return subtract(c, word_of(0), a); }
+Word subtract(Aig& aig, const Word& a, const Word& b) { return add(aig, a, complement(b), kTrue); }
+Word negate(Aig& aig, const Word& a) { return subtract(aig, word_of(0), a); }
 
-Word multiply(Aig& c, const Word& a, const Word& b) {
+Word multiply(Aig& aig, const Word& a, const Word& b) {
   // Modulo 2^width the sign bit of b counts like any other once b is extended.
   const std::size_t width = std::min(kWidth, a.size() + b.size());
   Word sum(width, kFalse);
@@ -141,25 +148,25 @@ Word multiply(Aig& c, const Word& a, const Word& b) {
     if (digit == kFalse) continue;
     Signal carry = kFalse;
     for (std::size_t i = k; i < width; ++i) {
-      const Signal x = sum[i], y = c.make_and(digit, bit(a, i - k));
-      const Signal half = c.make_xor(x, y);
-      sum[i] = c.make_xor(half, carry);
-      carry = c.make_or(c.make_and(x, y), c.make_and(half, carry));
+      const Signal x = sum[i], y = aig.make_and(digit, bit(a, i - k));
+      const Signal half = aig.make_xor(x, y);
+      sum[i] = aig.make_xor(half, carry);
+      carry = aig.make_or(aig.make_and(x, y), aig.make_and(half, carry));
     }
   }
   return trimmed(sum);
 }
 
-Division divide(Aig& c, const Word& a, const Word& b) {
+Division divide(Aig& aig, const Word& a, const Word& b) {
   // Magnitudes, schoolbook, then signs. One bit more than the words have: the magnitude of the least number.
   const std::size_t width = std::max(a.size(), b.size()) + 1;
   const auto magnitude = [&](const Word& w) {
     Word m;
     Signal carry = w.back();
     for (std::size_t k = 0; k < width; ++k) {
-      const Signal x = c.make_xor(bit(w, k), w.back());
-      m.push_back(c.make_xor(x, carry));
-      carry = c.make_and(x, carry);
+      const Signal x = aig.make_xor(bit(w, k), w.back());
+      m.push_back(aig.make_xor(x, carry));
+      carry = aig.make_and(x, carry);
     }
     return m;
   };
@@ -171,18 +178,18 @@ Division divide(Aig& c, const Word& a, const Word& b) {
     Signal borrow = kFalse;
     Word difference;
     for (std::size_t i = 0; i < width; ++i) {
-      const Signal d = c.make_xor(rest[i], y[i]);
-      difference.push_back(c.make_xor(d, borrow));
-      borrow = c.make_ite(d, y[i], borrow);
+      const Signal d = aig.make_xor(rest[i], y[i]);
+      difference.push_back(aig.make_xor(d, borrow));
+      borrow = aig.make_ite(d, y[i], borrow);
     }
     quotient[k] = negated(borrow);
-    for (std::size_t i = 0; i < width; ++i) rest[i] = c.make_ite(borrow, rest[i], difference[i]);
+    for (std::size_t i = 0; i < width; ++i) rest[i] = aig.make_ite(borrow, rest[i], difference[i]);
   }
   const auto with_sign = [&](Word magnitude_bits, Signal is_negative) {
     magnitude_bits.push_back(kFalse);
-    return make_ite(c, is_negative, negate(c, magnitude_bits), trimmed(magnitude_bits));
+    return make_ite(aig, is_negative, negate(aig, magnitude_bits), trimmed(magnitude_bits));
   };
-  return {with_sign(quotient, c.make_xor(a.back(), b.back())), with_sign(rest, a.back())};
+  return {with_sign(quotient, aig.make_xor(a.back(), b.back())), with_sign(rest, a.back())};
 }
 
 namespace {
@@ -194,30 +201,30 @@ Word bitwise(const Word& a, const Word& b, const Each& each) {
 }
 }  // namespace
 
-Word bitwise_and(Aig& c, const Word& a, const Word& b) {
-  return bitwise(a, b, [&](Signal x, Signal y) { return c.make_and(x, y); });
+Word bitwise_and(Aig& aig, const Word& a, const Word& b) {
+  return bitwise(a, b, [&](Signal x, Signal y) { return aig.make_and(x, y); });
 }
-Word bitwise_or(Aig& c, const Word& a, const Word& b) {
-  return bitwise(a, b, [&](Signal x, Signal y) { return c.make_or(x, y); });
+Word bitwise_or(Aig& aig, const Word& a, const Word& b) {
+  return bitwise(a, b, [&](Signal x, Signal y) { return aig.make_or(x, y); });
 }
-Word bitwise_xor(Aig& c, const Word& a, const Word& b) {
-  return bitwise(a, b, [&](Signal x, Signal y) { return c.make_xor(x, y); });
+Word bitwise_xor(Aig& aig, const Word& a, const Word& b) {
+  return bitwise(a, b, [&](Signal x, Signal y) { return aig.make_xor(x, y); });
 }
 
-Signal equal(Aig& c, const Word& a, const Word& b) {
+Signal equal(Aig& aig, const Word& a, const Word& b) {
   Signal result = kTrue;
   for (std::size_t k = 0; k < std::max(a.size(), b.size()); ++k)
-    result = c.make_and(result, negated(c.make_xor(bit(a, k), bit(b, k))));
+    result = aig.make_and(result, negated(aig.make_xor(bit(a, k), bit(b, k))));
   return result;
 }
 
-Signal less(Aig& c, const Word& a, const Word& b) {
+Signal less(Aig& aig, const Word& a, const Word& b) {
   // From the least bit on: the highest difference decides; at the sign the other way round.
   Signal result = kFalse;
   const std::size_t width = std::max(a.size(), b.size());
   for (std::size_t k = 0; k < width; ++k) {
     const Signal x = bit(a, k), y = bit(b, k);
-    result = c.make_ite(c.make_xor(x, y), k + 1 == width ? x : y, result);
+    result = aig.make_ite(aig.make_xor(x, y), k + 1 == width ? x : y, result);
   }
   return result;
 }

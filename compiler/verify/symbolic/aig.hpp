@@ -1,9 +1,12 @@
-// Boolean functions as a circuit: and-nodes with negated edges, each once (structural hashing), inputs as leaves.
+// And-inverter graphs (AIG): boolean functions as and-nodes over inputs, with negated edges. Each node exists once
+// (structural hashing); operands stand before the nodes that use them.
 //
-// Numbers of int's are words of signals in two's complement, as wide as they need to be: arithmetic widens its result
-// up to 32 bits and wraps there, as the language does. Constants fold, so code over known values costs no nodes. Cost:
-// amortised constant time a node. After kMaxNodes the circuit is full and gives constants; `is_full` tells. After A.
-// Kuehlmann, V. Paruthi, F. Krohm, M. Ganai: Robust Boolean Reasoning for Equivalence Checking (2002).
+// An int is a word of signals in two's complement, as wide as it needs to be: arithmetic widens its result up to 32
+// bits and wraps there, as the language does. Constants fold, so code over known values costs no nodes. Cost: amortised
+// constant time per node. After kMaxNodes the graph is full and returns constants; test `is_full` before use.
+//
+// A. Kuehlmann, V. Paruthi, F. Krohm, M. Ganai: Robust Boolean Reasoning for Equivalence Checking and Functional
+// Property Verification (2002), section III.
 #pragma once
 #include <cstdint>
 #include <unordered_map>
@@ -17,7 +20,7 @@ inline constexpr Signal kFalse = 0, kTrue = 1;
 [[nodiscard]] constexpr Signal negated(Signal s) { return s ^ 1u; }
 [[nodiscard]] constexpr std::uint32_t node_of(Signal s) { return s >> 1; }
 
-/// Least bit first, the last one is the sign. Empty: nothing is known of the value.
+/// Least significant bit first, the last one is the sign. Empty: the value is not followed.
 using Word = std::vector<Signal>;
 
 class Aig {
@@ -45,36 +48,36 @@ class Aig {
 
  private:
   std::vector<Node> nodes_;
-  std::unordered_map<std::uint64_t, std::uint32_t> known_;
+  std::unordered_map<std::uint64_t, std::uint32_t> node_of_operands_;  // structural hashing
 };
 
-/// The same functions where inputs are fixed (by node; kFree: it is not): what that decides is gone. Cost: linear in
-/// what is below the roots.
+/// Returns the cofactors of functions where inputs are fixed (by node; kFree: it is not). Cost: linear in the nodes
+/// below the roots.
 inline constexpr Signal kFree = 0xffffffffu;
-[[nodiscard]] std::vector<Signal> with_fixed(Aig& c, const std::vector<Signal>& roots,
+[[nodiscard]] std::vector<Signal> with_fixed(Aig& aig, const std::vector<Signal>& roots,
                                              const std::vector<Signal>& fixed);
 
-// ---- words; none of the arguments may be empty
+// ---- Words. No argument may be empty.
 [[nodiscard]] Word word_of(std::int32_t value);
 [[nodiscard]] inline Word word_of_bool(Signal s) { return {s, kFalse}; }
-/// Bit k, the sign beyond the width.
+/// Returns bit k; beyond the width the sign.
 [[nodiscard]] inline Signal bit(const Word& w, std::size_t k) { return k < w.size() ? w[k] : w.back(); }
 [[nodiscard]] Word trimmed(Word w);
-[[nodiscard]] Word make_ite(Aig& c, Signal condition, const Word& yes, const Word& no);
-[[nodiscard]] Word add(Aig& c, const Word& a, const Word& b, Signal carry = kFalse);
+[[nodiscard]] Word make_ite(Aig& aig, Signal condition, const Word& yes, const Word& no);
+[[nodiscard]] Word add(Aig& aig, const Word& a, const Word& b, Signal carry = kFalse);
 [[nodiscard]] Word complement(const Word& a);
-[[nodiscard]] Word subtract(Aig& c, const Word& a, const Word& b);
-[[nodiscard]] Word negate(Aig& c, const Word& a);
-[[nodiscard]] Word multiply(Aig& c, const Word& a, const Word& b);
-/// As C: truncated; what it gives for a zero divisor is of no use.
+[[nodiscard]] Word subtract(Aig& aig, const Word& a, const Word& b);
+[[nodiscard]] Word negate(Aig& aig, const Word& a);
+[[nodiscard]] Word multiply(Aig& aig, const Word& a, const Word& b);
+/// Truncates, as C does. The result for divisor 0 has no meaning.
 struct Division {
   Word quotient, remainder;
 };
-[[nodiscard]] Division divide(Aig& c, const Word& a, const Word& b);
-[[nodiscard]] Word bitwise_and(Aig& c, const Word& a, const Word& b);
-[[nodiscard]] Word bitwise_or(Aig& c, const Word& a, const Word& b);
-[[nodiscard]] Word bitwise_xor(Aig& c, const Word& a, const Word& b);
-[[nodiscard]] Signal equal(Aig& c, const Word& a, const Word& b);
-[[nodiscard]] Signal less(Aig& c, const Word& a, const Word& b);
+[[nodiscard]] Division divide(Aig& aig, const Word& a, const Word& b);
+[[nodiscard]] Word bitwise_and(Aig& aig, const Word& a, const Word& b);
+[[nodiscard]] Word bitwise_or(Aig& aig, const Word& a, const Word& b);
+[[nodiscard]] Word bitwise_xor(Aig& aig, const Word& a, const Word& b);
+[[nodiscard]] Signal equal(Aig& aig, const Word& a, const Word& b);
+[[nodiscard]] Signal less(Aig& aig, const Word& a, const Word& b);
 
 }  // namespace bip::verify

@@ -1,125 +1,130 @@
 // See cnf.hpp.
 #include "compiler/verify/symbolic/cnf.hpp"
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
-Cnf::Cnf(const Aig& circuit, Solver& solver) : circuit_(circuit), solver_(solver), literals_(circuit.size(), 0) {
+Cnf::Cnf(const Aig& aig, Solver& solver) : aig_(aig), solver_(solver), literals_(aig.size(), 0) {
   literals_[0] = solver_.new_variable();
   solver_.add({-literals_[0]});
 }
 
 Lit Cnf::literal(Signal signal) {
-  if (literals_.size() < circuit_.size()) literals_.resize(circuit_.size(), 0);
+  BIP_ASSERT(node_of(signal) < aig_.size(), "node {} of {}", node_of(signal), aig_.size());
+  if (literals_.size() < aig_.size()) literals_.resize(aig_.size(), 0);
   std::vector<u32> todo{node_of(signal)};
   while (!todo.empty()) {
-    const u32 row = todo.back();
-    if (literals_[row] != 0) {
+    const u32 node = todo.back();
+    if (literals_[node] != 0) {
       todo.pop_back();
       continue;
     }
-    if (circuit_.is_input(row)) {
-      literals_[row] = solver_.new_variable();
+    if (aig_.is_input(node)) {
+      literals_[node] = solver_.new_variable();
       continue;
     }
-    const auto [a, b] = circuit_.node(row);
-    const Lit x = literals_[node_of(a)], y = literals_[node_of(b)];
-    if (x == 0 || y == 0) {
-      if (x == 0) todo.push_back(node_of(a));
-      if (y == 0) todo.push_back(node_of(b));
+    const auto [a, b] = aig_.node(node);
+    const Lit a_variable = literals_[node_of(a)], b_variable = literals_[node_of(b)];
+    if (a_variable == 0 || b_variable == 0) {
+      if (a_variable == 0) todo.push_back(node_of(a));
+      if (b_variable == 0) todo.push_back(node_of(b));
       continue;
     }
-    const Lit la = (a & 1) != 0 ? -x : x, lb = (b & 1) != 0 ? -y : y;
-    const Lit here = solver_.new_variable();
-    literals_[row] = here;
-    solver_.add({-here, la});
-    solver_.add({-here, lb});
-    solver_.add({here, -la, -lb});
+    // out <-> a and b.
+    const Lit a_literal = (a & 1) != 0 ? -a_variable : a_variable, b_literal = (b & 1) != 0 ? -b_variable : b_variable;
+    const Lit out = solver_.new_variable();
+    literals_[node] = out;
+    solver_.add({-out, a_literal});
+    solver_.add({-out, b_literal});
+    solver_.add({out, -a_literal, -b_literal});
   }
-  return known(signal);
+  return encoded(signal);
 }
 
 namespace {
 
-// Nodes below, each once over all calls.
-class Below {
+/// Depth-first search over the nodes below signals; visits each input once over all calls.
+class InputVisitor {
  public:
-  explicit Below(const Aig& circuit) : circuit_(circuit), seen_(circuit.size(), 0) {}
-  template <class See>
-  void look(Signal signal, const See& see) {
+  explicit InputVisitor(const Aig& aig) : aig_(aig), is_visited_(aig.size(), 0) {}
+  template <class Visit>
+  void visit_inputs(Signal signal, const Visit& visit) {
     std::vector<u32> todo{node_of(signal)};
     while (!todo.empty()) {
-      const u32 row = todo.back();
+      const u32 node = todo.back();
       todo.pop_back();
-      if (row == 0 || seen_[row] != 0) continue;
-      seen_[row] = 1;
-      if (circuit_.is_input(row)) {
-        see(row);
+      if (node == 0 || is_visited_[node] != 0) continue;
+      is_visited_[node] = 1;
+      if (aig_.is_input(node)) {
+        visit(node);
         continue;
       }
-      todo.push_back(node_of(circuit_.node(row).a));
-      todo.push_back(node_of(circuit_.node(row).b));
+      todo.push_back(node_of(aig_.node(node).a));
+      todo.push_back(node_of(aig_.node(node).b));
     }
   }
 
  private:
-  const Aig& circuit_;
-  std::vector<std::uint8_t> seen_;
+  const Aig& aig_;
+  std::vector<std::uint8_t> is_visited_;
 };
 
 }  // namespace
 
-ConeOfInfluence cone_of_influence(const TransitionSystem& machine, const std::vector<Signal>& signals) {
-  ConeOfInfluence relevant;
-  relevant.bits.assign(machine.bits.size(), 0);
-  relevant.steps.assign(machine.steps.size(), 0);
-  std::vector<u32> bit_of(machine.circuit.size(), kNoRow), step_of(machine.circuit.size(), kNoRow);
-  for (u32 row = 0; row < machine.bits.size(); ++row) bit_of[node_of(machine.bits[row].now)] = row;
-  for (u32 row = 0; row < machine.steps.size(); ++row) step_of[node_of(machine.steps[row].chosen)] = row;
+ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vector<Signal>& signals) {
+  ConeOfInfluence cone;
+  cone.bits.assign(system.bits.size(), 0);
+  cone.steps.assign(system.steps.size(), 0);
+  std::vector<u32> bit_of(system.aig.size(), kNoRow), step_of(system.aig.size(), kNoRow);
+  for (u32 bit = 0; bit < system.bits.size(); ++bit) bit_of[node_of(system.bits[bit].now)] = bit;
+  for (u32 step = 0; step < system.steps.size(); ++step) step_of[node_of(system.steps[step].chosen)] = step;
   // Places of one automaton come together: "exactly one" ties them.
-  std::vector<u32> group_of(machine.bits.size(), kNoRow);
-  for (u32 g = 0; g < machine.exactly_one.size(); ++g) {
-    for (u32 row : machine.exactly_one[g]) group_of[row] = g;
+  std::vector<u32> group_of(system.bits.size(), kNoRow);
+  for (u32 g = 0; g < system.exactly_one.size(); ++g) {
+    for (u32 bit : system.exactly_one[g]) group_of[bit] = g;
   }
-  Below below(machine.circuit);
+  InputVisitor visitor(system.aig);
   std::vector<Signal> todo = signals;
   while (!todo.empty()) {
     const Signal signal = todo.back();
     todo.pop_back();
-    const auto add_bit = [&](u32 row) {
-      if (relevant.bits[row] != 0) return;
-      relevant.bits[row] = 1;
-      todo.push_back(machine.bits[row].next);
+    const auto add_bit = [&](u32 bit) {
+      if (cone.bits[bit] != 0) return;
+      cone.bits[bit] = 1;
+      todo.push_back(system.bits[bit].next);
     };
-    below.look(signal, [&](u32 node) {
-      if (const u32 row = bit_of[node]; row != kNoRow) {
-        if (group_of[row] == kNoRow) add_bit(row);
+    visitor.visit_inputs(signal, [&](u32 node) {
+      if (const u32 bit = bit_of[node]; bit != kNoRow) {
+        if (group_of[bit] == kNoRow) add_bit(bit);
         else
-          for (u32 other : machine.exactly_one[group_of[row]]) add_bit(other);
-      } else if (const u32 step = step_of[node]; step != kNoRow && relevant.steps[step] == 0) {
-        relevant.steps[step] = 1;
-        todo.push_back(machine.steps[step].fine);
+          for (u32 other : system.exactly_one[group_of[bit]]) add_bit(other);
+      } else if (const u32 step = step_of[node]; step != kNoRow && cone.steps[step] == 0) {
+        cone.steps[step] = 1;
+        todo.push_back(system.steps[step].fine);
       }
     });
   }
-  return relevant;
+  return cone;
 }
 
-std::vector<std::uint8_t> nodes_in_cone(const TransitionSystem& machine, const ConeOfInfluence& relevant) {
-  const Aig& circuit = machine.circuit;
-  std::vector<std::uint8_t> covered(circuit.size(), 0);
+std::vector<std::uint8_t> nodes_in_cone(const TransitionSystem& system, const ConeOfInfluence& cone) {
+  const Aig& aig = system.aig;
+  std::vector<std::uint8_t> covered(aig.size(), 0), is_bit(aig.size(), 0);
   covered[0] = 1;
-  for (std::size_t k = 0; k < machine.bits.size(); ++k) {
-    if (relevant.bits[k] != 0) covered[node_of(machine.bits[k].now)] = 1;
+  for (std::size_t k = 0; k < system.bits.size(); ++k) {
+    is_bit[node_of(system.bits[k].now)] = 1;
+    if (cone.bits[k] != 0) covered[node_of(system.bits[k].now)] = 1;
   }
-  // Nodes come after those below them.
-  std::vector<std::uint8_t> is_bit(circuit.size(), 0);
-  for (const StateBit& bit : machine.bits) is_bit[node_of(bit.now)] = 1;
-  for (u32 row = 1; row < circuit.size(); ++row) {
-    if (circuit.is_input(row)) {
-      if (is_bit[row] == 0) covered[row] = 1;
+  // One pass suffices: operands stand before the nodes that use them.
+  for (u32 node = 1; node < aig.size(); ++node) {
+    if (aig.is_input(node)) {
+      if (is_bit[node] == 0) covered[node] = 1;
       continue;
     }
-    covered[row] = covered[node_of(circuit.node(row).a)] & covered[node_of(circuit.node(row).b)];
+    const auto [a, b] = aig.node(node);
+    BIP_ASSERT(node_of(a) < node && node_of(b) < node, "node {} has operands {} and {}", node, node_of(a), node_of(b));
+    covered[node] = covered[node_of(a)] & covered[node_of(b)];
   }
   return covered;
 }
@@ -130,11 +135,11 @@ void Cnf::add(const std::vector<Signal>& clause) {
   solver_.add(literals);
 }
 
-void Cnf::add_state(const TransitionSystem& machine) {
-  for (Signal inside : machine.in_range) add({inside});
-  for (const std::vector<u32>& group : machine.exactly_one) {
+void Cnf::add_state(const TransitionSystem& system) {
+  for (Signal inside : system.in_range) add({inside});
+  for (const std::vector<u32>& group : system.exactly_one) {
     std::vector<Lit> places;
-    for (u32 row : group) places.push_back(literal(machine.bits[row].now));
+    for (u32 bit : group) places.push_back(literal(system.bits[bit].now));
     solver_.add(places);
     add_at_most_one(solver_, places);
   }

@@ -1,4 +1,6 @@
-// The part of a machine that a question depends on, as clauses: a variable a node of the circuit (Tseitin).
+// CNF of the part of an AIG that a question depends on: one variable per node (G. Tseitin: On the Complexity of
+// Derivation in Propositional Calculus, 1968). And the cone of influence of signals (E. Clarke, O. Grumberg, D. Peled:
+// Model Checking, 1999, section 13.1).
 #pragma once
 #include "compiler/verify/symbolic/transition_system.hpp"
 #include "compiler/verify/net/net.hpp"
@@ -6,34 +8,37 @@
 
 namespace bip::verify {
 
-/// Which bits and steps decide about some signals: everything below them, and below the next values of what is found.
+/// Which state bits and steps can influence some signals.
 struct ConeOfInfluence {
   std::vector<std::uint8_t> bits, steps;
 };
-[[nodiscard]] ConeOfInfluence cone_of_influence(const TransitionSystem& machine, const std::vector<Signal>& signals);
-/// By node: does it depend on no bit that is not relevant?
-[[nodiscard]] std::vector<std::uint8_t> nodes_in_cone(const TransitionSystem& machine, const ConeOfInfluence& relevant);
+/// Computes the least set that contains the support of the signals and the support of next(bit) for each of its bits.
+/// Places of one automaton are in the cone together. Linear in the AIG.
+[[nodiscard]] ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vector<Signal>& signals);
+/// By node: does its support lie in the cone?
+[[nodiscard]] std::vector<std::uint8_t> nodes_in_cone(const TransitionSystem& system, const ConeOfInfluence& cone);
 
+/// Adds to a solver the clauses of the nodes that it is asked for. Keeps references to both; the AIG may grow.
 class Cnf {
  public:
-  Cnf(const Aig& circuit, Solver& solver);
-  /// The literal of a signal; clauses for what is below are added when first asked for. The circuit may have grown.
+  Cnf(const Aig& aig, Solver& solver);
+  /// Returns the literal of a signal; encodes the nodes below it on first use.
   [[nodiscard]] Lit literal(Signal signal);
-  /// One of these is true.
+  /// Adds a clause.
   void add(const std::vector<Signal>& clause);
-  /// What is so in every state of the machine: each atom is in one place, data are in their ranges.
-  void add_state(const TransitionSystem& machine);
-  /// 0 if the node has no literal yet.
-  [[nodiscard]] Lit known(Signal signal) const {
+  /// Adds what holds in every state: each automaton is in exactly one place, data are in their ranges.
+  void add_state(const TransitionSystem& system);
+  /// Returns the literal of a signal that is encoded already, else 0.
+  [[nodiscard]] Lit encoded(Signal signal) const {
     if (node_of(signal) >= literals_.size()) return 0;
-    const Lit here = literals_[node_of(signal)];
-    return (signal & 1) != 0 ? -here : here;
+    const Lit variable = literals_[node_of(signal)];
+    return (signal & 1) != 0 ? -variable : variable;
   }
 
  private:
-  const Aig& circuit_;
+  const Aig& aig_;
   Solver& solver_;
-  std::vector<Lit> literals_;  // by node
+  std::vector<Lit> literals_;  // by node; 0: not encoded
 };
 
 }  // namespace bip::verify

@@ -179,12 +179,12 @@ std::vector<Signal> TransitionSystemBuilder::fixed_choice(const Tree& tree, cons
 void TransitionSystemBuilder::choose_one(const std::vector<u32>& rows, const std::vector<Signal>& available,
                                          Signal when, std::vector<Signal>& chosen) {
   std::vector<Signal> later(rows.size() + 1, kFalse);
-  for (std::size_t k = rows.size(); k-- > 0;) later[k] = c_.make_or(later[k + 1], available[rows[k]]);
+  for (std::size_t k = rows.size(); k-- > 0;) later[k] = aig_.make_or(later[k + 1], available[rows[k]]);
   Signal rest = when;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Signal wanted = later[k + 1] == kFalse ? kTrue : c_.make_or(c_.make_input(), negated(later[k + 1]));
-    chosen[rows[k]] = c_.make_and(c_.make_and(rest, available[rows[k]]), wanted);
-    rest = c_.make_and(rest, negated(chosen[rows[k]]));
+    const Signal wanted = later[k + 1] == kFalse ? kTrue : aig_.make_or(aig_.make_input(), negated(later[k + 1]));
+    chosen[rows[k]] = aig_.make_and(aig_.make_and(rest, available[rows[k]]), wanted);
+    rest = aig_.make_and(rest, negated(chosen[rows[k]]));
   }
 }
 
@@ -200,15 +200,15 @@ std::vector<Signal> TransitionSystemBuilder::largest_choice(const Tree& tree) {
     const Node& node = tree.nodes[order[k]];
     Signal& here = available[order[k]];
     if (node.kind == Kind::Leaf) {
-      here = m_.port_is_on[node.port];
+      here = transition_system_.port_is_on[node.port];
       continue;
     }
     const bool needs_one = node.has_trigger || node.kind == Kind::Choice;
     here = needs_one ? kFalse : kTrue;
     for (u32 child : node.children) {
-      if (node.kind == Kind::Choice) here = c_.make_or(here, available[child]);
-      else if (!node.has_trigger) here = c_.make_and(here, available[child]);
-      else if (tree.nodes[child].is_trigger) here = c_.make_or(here, available[child]);
+      if (node.kind == Kind::Choice) here = aig_.make_or(here, available[child]);
+      else if (!node.has_trigger) here = aig_.make_and(here, available[child]);
+      else if (tree.nodes[child].is_trigger) here = aig_.make_or(here, available[child]);
     }
   }
   chosen[order[0]] = available[order[0]];
@@ -218,7 +218,7 @@ std::vector<Signal> TransitionSystemBuilder::largest_choice(const Tree& tree) {
       continue;
     }
     for (u32 child : tree.nodes[row].children) {
-      chosen[child] = tree.nodes[row].has_trigger ? c_.make_and(chosen[row], available[child]) : chosen[row];
+      chosen[child] = tree.nodes[row].has_trigger ? aig_.make_and(chosen[row], available[child]) : chosen[row];
     }
   }
   return chosen;

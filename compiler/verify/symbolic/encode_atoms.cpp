@@ -1,5 +1,5 @@
-// Atoms of the machine: state bits, enabled ports with the atom's priorities, what firing a port does, internal
-// transitions unrolled, invariants.
+// Atoms of the transition system: state bits, enabled ports with the atom's priorities, what firing a port does,
+// internal transitions unrolled, invariants.
 #include <algorithm>
 #include <bit>
 
@@ -16,31 +16,31 @@ Variables TransitionSystemBuilder::variables_of(Local& local) const {
 
 Signal TransitionSystemBuilder::marked(const Local& local, const std::vector<u32>& places) {
   Signal result = kTrue;
-  for (u32 place : places) result = c_.make_and(result, local.marks[place]);
+  for (u32 place : places) result = aig_.make_and(result, local.marks[place]);
   return result;
 }
 
 void TransitionSystemBuilder::merge(Signal when, const Local& from, Local& into) {
-  for (std::size_t p = 0; p < into.marks.size(); ++p) into.marks[p] = c_.make_ite(when, from.marks[p], into.marks[p]);
+  for (std::size_t p = 0; p < into.marks.size(); ++p) into.marks[p] = aig_.make_ite(when, from.marks[p], into.marks[p]);
   for (std::size_t k = 0; k < into.variables.size(); ++k) {
     if (from.variables[k].empty() || into.variables[k].empty()) {
       if (when == kTrue) into.variables[k] = from.variables[k];
       else if (when != kFalse) into.variables[k].clear();
       continue;
     }
-    into.variables[k] = make_ite(c_, when, from.variables[k], into.variables[k]);
+    into.variables[k] = make_ite(aig_, when, from.variables[k], into.variables[k]);
   }
 }
 
 // Inputs for places and variables, and what they are at first.
 void TransitionSystemBuilder::add_state() {
-  m_.ranges = find_ranges(system_, image_);
-  m_.words.resize(tables_.atom_cells);
+  transition_system_.ranges = find_ranges(system_, image_);
+  transition_system_.words.resize(tables_.atom_cells);
   for (u32 a = 0; a < system_.atoms.size(); ++a) {
     const AtomType& type = type_of(a);
     const u32 base = image_.atoms[a].first_cell;
     const bool alone = type.is_automaton();
-    m_.is_automaton.push_back(alone ? 1 : 0);
+    transition_system_.is_automaton.push_back(alone ? 1 : 0);
     Local now;
     std::vector<u32> group;
     for (u32 p = 0; p < type.places.size(); ++p) {
@@ -48,11 +48,12 @@ void TransitionSystemBuilder::add_state() {
         now.marks.push_back(kTrue);
         continue;
       }
-      now.marks.push_back(c_.make_input());
-      group.push_back(static_cast<u32>(m_.bits.size()));
-      m_.bits.push_back({.now = now.marks.back(), .is_place = true, .is_alone = alone, .atom = a, .row = p});
+      now.marks.push_back(aig_.make_input());
+      group.push_back(static_cast<u32>(transition_system_.bits.size()));
+      transition_system_.bits.push_back(
+          {.now = now.marks.back(), .is_place = true, .is_alone = alone, .atom = a, .row = p});
     }
-    if (alone && !group.empty()) m_.exactly_one.push_back(group);
+    if (alone && !group.empty()) transition_system_.exactly_one.push_back(group);
     for (u32 k = 0; k < type.variables.size(); ++k) {
       atom_of_cell_.resize(std::max<std::size_t>(atom_of_cell_.size(), base + k + 1), kNoRow);
       atom_of_cell_[base + k] = a;
@@ -60,7 +61,7 @@ void TransitionSystemBuilder::add_state() {
         now.variables.emplace_back();
         continue;
       }
-      const Range& range = m_.ranges[base + k];
+      const Range& range = transition_system_.ranges[base + k];
       Word word;
       if (range.low == range.high) {
         word = word_of(static_cast<std::int32_t>(range.low));
@@ -71,16 +72,16 @@ void TransitionSystemBuilder::add_state() {
         const u32 width = range.low >= 0 ? bits(range.high)
                                          : std::max(bits(-1 - range.low), range.high < 0 ? 0u : bits(range.high)) + 1;
         for (u32 b = 0; b < width; ++b) {
-          word.push_back(c_.make_input());
-          m_.bits.push_back({.now = word.back(), .atom = a, .row = k, .position = b});
+          word.push_back(aig_.make_input());
+          transition_system_.bits.push_back({.now = word.back(), .atom = a, .row = k, .position = b});
         }
         if (range.low >= 0) word.push_back(kFalse);
-        if (const Signal inside = fits(word, range); inside != kTrue) m_.in_range.push_back(inside);
+        if (const Signal inside = fits(word, range); inside != kTrue) transition_system_.in_range.push_back(inside);
       }
-      m_.words[base + k] = word;
+      transition_system_.words[base + k] = word;
       now.variables.push_back(std::move(word));
     }
-    m_.marks.push_back(now.marks);
+    transition_system_.marks.push_back(now.marks);
     now_.push_back(std::move(now));
 
     // The initial state, from constants.
@@ -97,8 +98,8 @@ void TransitionSystemBuilder::add_state() {
     code_.execute(type.initial_action, variables_of(first), kTrue, fault);
     check_invariants(a, first, kTrue, fault);
     run_internals(a, first, fault, lost);
-    if (fault == kTrue || lost != kFalse) m_.starts_with_fault = true;
-    for (StateBit& bit_row : m_.bits) {
+    if (fault == kTrue || lost != kFalse) transition_system_.starts_with_fault = true;
+    for (StateBit& bit_row : transition_system_.bits) {
       if (bit_row.atom != a) continue;
       Signal value = kNoRow;
       if (bit_row.is_place) value = first.marks[bit_row.row];
@@ -111,12 +112,12 @@ void TransitionSystemBuilder::add_state() {
 Signal TransitionSystemBuilder::fits(const Word& word, const Range& range) {
   if (word.empty() || range == kAnyInt) return kTrue;
   const Word low = word_of(static_cast<std::int32_t>(range.low)), high = word_of(static_cast<std::int32_t>(range.high));
-  return c_.make_and(negated(less(c_, word, low)), negated(less(c_, high, word)));
+  return aig_.make_and(negated(less(aig_, word, low)), negated(less(aig_, high, word)));
 }
 
 // Which ports are enabled; faults of guards, of two transitions at once and of priorities end the run in this state.
 void TransitionSystemBuilder::add_ports() {
-  m_.port_is_on.assign(tables_.port_atom.size(), kFalse);
+  transition_system_.port_is_on.assign(tables_.port_atom.size(), kFalse);
   posts_.resize(tables_.port_atom.size());
   fired_plainly_.assign(tables_.port_atom.size(), kFalse);
   moves_.resize(now_.size());
@@ -128,16 +129,16 @@ void TransitionSystemBuilder::add_ports() {
       Signal on = kFalse;
       if (t.port != Transition::kInternal) {
         const Signal there = marked(now_[a], t.from);
-        on = c_.make_and(there, code_.test(t.guard, variables, there, state_fault_));
-        Signal& port = m_.port_is_on[tables_.port_base(a) + t.port];
-        state_fault_ = c_.make_or(state_fault_, c_.make_and(port, on));
-        port = c_.make_or(port, on);
+        on = aig_.make_and(there, code_.test(t.guard, variables, there, state_fault_));
+        Signal& port = transition_system_.port_is_on[tables_.port_base(a) + t.port];
+        state_fault_ = aig_.make_or(state_fault_, aig_.make_and(port, on));
+        port = aig_.make_or(port, on);
       } else {
         // A stable state has no internal transition left.
         Signal ignored = kFalse;
         const Signal there = marked(now_[a], t.from);
-        const Signal left = c_.make_and(there, code_.test(t.guard, variables, there, ignored));
-        if (left != kTrue && left != kFalse) m_.in_range.push_back(negated(left));
+        const Signal left = aig_.make_and(there, code_.test(t.guard, variables, there, ignored));
+        if (left != kTrue && left != kFalse) transition_system_.in_range.push_back(negated(left));
       }
       enabled_[a].push_back(on);
     }
@@ -156,28 +157,28 @@ void TransitionSystemBuilder::hide_ports(u32 a) {
       for (u32 high = 0; high < ports; ++high) {
         if (rule.low != AtomPriority::kAnyPort ? rule.low != low : low == rule.high) continue;
         if (rule.high != AtomPriority::kAnyPort ? rule.high != high : high == rule.low) continue;
-        above[low][high] = c_.make_or(above[low][high], holds);
+        above[low][high] = aig_.make_or(above[low][high], holds);
       }
     }
   }
-  const Signal* on = m_.port_is_on.data() + tables_.port_base(a);
+  const Signal* on = transition_system_.port_is_on.data() + tables_.port_base(a);
   std::vector<Signal> covered(ports, kFalse), on_cycle(ports, kTrue);
   for (std::size_t round = 0; round < ports; ++round) {
     std::vector<Signal> covers(ports, kFalse), cycles(ports, kFalse);
     for (std::size_t low = 0; low < ports; ++low) {
       for (std::size_t high = 0; high < ports; ++high) {
-        covers[low] = c_.make_or(covers[low], c_.make_and(above[low][high], c_.make_or(on[high], covered[high])));
-        cycles[low] = c_.make_or(cycles[low], c_.make_and(above[low][high], on_cycle[high]));
+        covers[low] = aig_.make_or(covers[low], aig_.make_and(above[low][high], aig_.make_or(on[high], covered[high])));
+        cycles[low] = aig_.make_or(cycles[low], aig_.make_and(above[low][high], on_cycle[high]));
       }
     }
     if (covers == covered && cycles == on_cycle) break;
     covered = std::move(covers);
     on_cycle = std::move(cycles);
   }
-  state_fault_ = c_.make_or(state_fault_, c_.make_or_of(on_cycle));
+  state_fault_ = aig_.make_or(state_fault_, aig_.make_or_of(on_cycle));
   for (std::size_t p = 0; p < ports; ++p) {
-    Signal& port = m_.port_is_on[tables_.port_base(a) + p];
-    port = c_.make_and(port, negated(covered[p]));
+    Signal& port = transition_system_.port_is_on[tables_.port_base(a) + p];
+    port = aig_.make_and(port, negated(covered[p]));
   }
 }
 
@@ -185,15 +186,15 @@ void TransitionSystemBuilder::check_invariants(u32 a, Local& local, Signal when,
   const AtomType& type = type_of(a);
   for (const Invariant& invariant : type.invariants) {
     Signal here = when;
-    if (invariant.scope != InvariantScope::Always) here = c_.make_and(here, marked(local, invariant.places));
+    if (invariant.scope != InvariantScope::Always) here = aig_.make_and(here, marked(local, invariant.places));
     if (invariant.scope == InvariantScope::At) {
       for (u32 p = 0; p < type.places.size(); ++p) {
         if (std::find(invariant.places.begin(), invariant.places.end(), p) == invariant.places.end())
-          here = c_.make_and(here, negated(local.marks[p]));
+          here = aig_.make_and(here, negated(local.marks[p]));
       }
     }
     const Signal holds = code_.test(invariant.condition, variables_of(local), here, fault);
-    fault = c_.make_or(fault, c_.make_and(here, negated(holds)));
+    fault = aig_.make_or(fault, aig_.make_and(here, negated(holds)));
   }
 }
 
@@ -201,7 +202,7 @@ void TransitionSystemBuilder::check_invariants(u32 a, Local& local, Signal when,
 void TransitionSystemBuilder::move(u32 a, const Transition& t, Local& local, Signal when, Signal& fault) {
   for (u32 place : t.from) local.marks[place] = kFalse;
   for (u32 place : t.to) {
-    fault = c_.make_or(fault, c_.make_and(when, local.marks[place]));
+    fault = aig_.make_or(fault, aig_.make_and(when, local.marks[place]));
     local.marks[place] = kTrue;
   }
   code_.execute(t.action, variables_of(local), when, fault);
@@ -219,12 +220,12 @@ void TransitionSystemBuilder::run_internals(u32 a, Local& local, Signal& fault, 
     std::optional<Local> next;
     for (const Transition& t : type.transitions) {
       if (t.port != Transition::kInternal) continue;
-      const Signal there = c_.make_and(active, marked(now, t.from));
+      const Signal there = aig_.make_and(active, marked(now, t.from));
       if (there == kFalse) continue;
-      const Signal on = c_.make_and(there, code_.test(t.guard, variables_of(now), there, fault));
+      const Signal on = aig_.make_and(there, code_.test(t.guard, variables_of(now), there, fault));
       if (on == kFalse) continue;
-      fault = c_.make_or(fault, c_.make_and(any, on));
-      any = c_.make_or(any, on);
+      fault = aig_.make_or(fault, aig_.make_and(any, on));
+      any = aig_.make_or(any, on);
       Local moved = now;
       // An automaton is where the transition leads to, and nowhere else.
       if (alone) moved.marks.assign(type.places.size(), kFalse);
@@ -232,11 +233,11 @@ void TransitionSystemBuilder::run_internals(u32 a, Local& local, Signal& fault, 
       if (next) merge(on, moved, *next);
       else next = std::move(moved);
     }
-    merge(c_.make_and(active, negated(any)), now, local);
+    merge(aig_.make_and(active, negated(any)), now, local);
     active = any;
     if (active == kFalse) return;
     if (round == kMaxInternals) {
-      lost = c_.make_or(lost, active);
+      lost = aig_.make_or(lost, active);
       return;
     }
     now = std::move(*next);
@@ -260,8 +261,8 @@ TransitionSystemBuilder::Post TransitionSystemBuilder::fire(u32 port, const Loca
     Signal fault = kFalse, lost = kFalse;
     move(a, type.transitions[t], local, kTrue, fault);
     run_internals(a, local, fault, lost);
-    post.fault = c_.make_or(post.fault, c_.make_and(on, fault));
-    post.lost = c_.make_or(post.lost, c_.make_and(on, lost));
+    post.fault = aig_.make_or(post.fault, aig_.make_and(on, fault));
+    post.lost = aig_.make_or(post.lost, aig_.make_and(on, lost));
     merge(on, local, post.local);
   }
   return post;
@@ -281,11 +282,12 @@ void TransitionSystemBuilder::finish_state() {
       if (!is_followed(type.variables[k].type)) continue;
       // Something unknown was written somewhere: any value of the range.
       if (next.variables[k].empty()) next.variables[k] = code_.any(type.variables[k].type);
-      m_.next_in_range =
-          c_.make_and(m_.next_in_range, fits(next.variables[k], m_.ranges[image_.atoms[a].first_cell + k]));
+      transition_system_.next_in_range =
+          aig_.make_and(transition_system_.next_in_range,
+                        fits(next.variables[k], transition_system_.ranges[image_.atoms[a].first_cell + k]));
     }
-    for (; at < m_.bits.size() && m_.bits[at].atom == a; ++at) {
-      StateBit& row = m_.bits[at];
+    for (; at < transition_system_.bits.size() && transition_system_.bits[at].atom == a; ++at) {
+      StateBit& row = transition_system_.bits[at];
       row.next = row.is_place ? next.marks[row.row] : bit(next.variables[row.row], row.position);
     }
   }

@@ -1,5 +1,5 @@
-// Connectors of the machine: which configurations are candidates, and what firing one does: `up`s bottom up, `down`s
-// top down, ports in parameter order.
+// Connectors of the transition system: which configurations are candidates, and what firing one does: `up`s bottom up,
+// `down`s top down, ports in parameter order.
 #include <algorithm>
 
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
@@ -80,7 +80,7 @@ std::vector<Signal> TransitionSystemBuilder::clause_choice(const Tree& tree, con
     for (u32 p = 0; p < type.params.size(); ++p) {
       const bool wanted = std::binary_search(clause.params.begin(), clause.params.end(), p);
       const Signal is = use.param_nodes[p] == kNoRow ? kFalse : chosen[use.param_nodes[p]];
-      here = c_.make_and(here, wanted ? is : negated(is));
+      here = aig_.make_and(here, wanted ? is : negated(is));
     }
     result.push_back(here);
   }
@@ -106,7 +106,7 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
   Signal result = chosen[root];
   Signal there = kTrue;
   if (fixed) {
-    for (u32 leaf : leaves) there = c_.make_and(there, m_.port_is_on[tree.nodes[leaf].port]);
+    for (u32 leaf : leaves) there = aig_.make_and(there, transition_system_.port_is_on[tree.nodes[leaf].port]);
     result = there;
   }
   if (result == kFalse) return kFalse;
@@ -130,10 +130,10 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
       if (fault != kFalse) {
         // Whether the engine looks at this configuration depends on others: it may be a fault, or nothing.
         code_.note(type.clauses[k].loc, "a fault in a connector's guard or `up`");
-        guard_fault_ = c_.make_or(guard_fault_, c_.make_and(there, fault));
-        holds = c_.make_ite(fault, c_.make_input(), holds);
+        guard_fault_ = aig_.make_or(guard_fault_, aig_.make_and(there, fault));
+        holds = aig_.make_ite(fault, aig_.make_input(), holds);
       }
-      result = c_.make_and(result, c_.make_or(negated(clauses[k]), holds));
+      result = aig_.make_and(result, aig_.make_or(negated(clauses[k]), holds));
     }
   }
   if (!fixed) return result;
@@ -151,7 +151,7 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
     for (const Leaves& larger : all) {
       if (larger.size() <= own.size() || !std::includes(larger.begin(), larger.end(), own.begin(), own.end())) continue;
       Store other;
-      result = c_.make_and(result, negated(is_enabled(tree, below, larger, true, fixed_choice(tree, larger), other)));
+      result = aig_.make_and(result, negated(is_enabled(tree, below, larger, true, fixed_choice(tree, larger), other)));
     }
   }
   return result;
@@ -159,7 +159,7 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
 
 void TransitionSystemBuilder::record(Signal when, u32 port, const Local& before, const Post& post) {
   const u32 atom = tables_.port_atom[port];
-  if (before.variables == now_[atom].variables) fired_plainly_[port] = c_.make_or(fired_plainly_[port], when);
+  if (before.variables == now_[atom].variables) fired_plainly_[port] = aig_.make_or(fired_plainly_[port], when);
   else moves_[atom].push_back({when, post.local});
 }
 
@@ -190,10 +190,10 @@ void TransitionSystemBuilder::fire_use(const Tree& tree, u32 row, const std::vec
       const bool is_plain = local.variables == now_[tables_.port_atom[port]].variables;
       if (is_plain && !posts_[port]) posts_[port] = fire(port, local);
       const Post post = is_plain ? *posts_[port] : fire(port, local);
-      fault = c_.make_or(fault, c_.make_and(chosen[node], post.fault));
-      lost = c_.make_or(lost, c_.make_and(chosen[node], post.lost));
+      fault = aig_.make_or(fault, aig_.make_and(chosen[node], post.fault));
+      lost = aig_.make_or(lost, aig_.make_and(chosen[node], post.lost));
       step.parts.emplace_back(port, chosen[node]);
-      record(c_.make_and(step.chosen, chosen[node]), port, local, post);
+      record(aig_.make_and(step.chosen, chosen[node]), port, local, post);
       merge(chosen[node], post.local, local);
     }
   }
@@ -201,7 +201,7 @@ void TransitionSystemBuilder::fire_use(const Tree& tree, u32 row, const std::vec
 
 void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const std::vector<Signal>& chosen,
                                        Store store, Signal candidate) {
-  SystemStep step{.interaction = interaction, .chosen = c_.make_input(), .possible = candidate, .parts = {}};
+  SystemStep step{.interaction = interaction, .chosen = aig_.make_input(), .possible = candidate, .parts = {}};
   std::vector<std::vector<Signal>> clauses;
   for (const Use& use : tree.uses) clauses.push_back(clause_choice(tree, use, chosen));
   Signal fault = kFalse, lost = kFalse;
@@ -211,7 +211,7 @@ void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const 
   params_.push_back(std::move(params));
   step_fault_.push_back(fault);
   step_lost_.push_back(lost);
-  m_.steps.push_back(std::move(step));
+  transition_system_.steps.push_back(std::move(step));
 }
 
 void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
@@ -219,7 +219,7 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
   (void)add_use(tree, connector, 0);
   const std::string name = system_.connectors[ConnectorId(std::size_t{connector})].path;
   if (tree.is_too_large) {
-    m_.unsupported = '`' + name + "` is too large";
+    transition_system_.unsupported = '`' + name + "` is too large";
     return;
   }
   if (tree.is_plain && has_free_choices(tree)) {
@@ -231,7 +231,8 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
   }
   std::vector<Leaves> all;
   if (!configurations(tree, tree.uses[0].root, all)) {
-    m_.unsupported = '`' + name + "` has more than " + std::to_string(kMaxConfigurations) + " interactions with guards";
+    transition_system_.unsupported =
+        '`' + name + "` has more than " + std::to_string(kMaxConfigurations) + " interactions with guards";
     return;
   }
   std::vector<Signal> enabled;
@@ -245,7 +246,7 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
     Signal candidate = enabled[k];
     for (std::size_t j = 0; j < all.size() && candidate != kFalse; ++j) {
       if (all[j].size() > all[k].size() && std::includes(all[j].begin(), all[j].end(), all[k].begin(), all[k].end())) {
-        candidate = c_.make_and(candidate, negated(enabled[j]));
+        candidate = aig_.make_and(candidate, negated(enabled[j]));
       }
     }
     if (candidate != kFalse) add_step(interaction, tree, fixed_choice(tree, all[k]), stores[k], candidate);
@@ -253,7 +254,8 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
 }
 
 void TransitionSystemBuilder::add_connectors() {
-  for (u32 interaction = 0; interaction < tables_.connector_interactions && m_.unsupported.empty() && !c_.is_full();
+  for (u32 interaction = 0;
+       interaction < tables_.connector_interactions && transition_system_.unsupported.empty() && !aig_.is_full();
        ++interaction)
     add_connector(interaction, tables_.interactions[interaction].row);
 }
@@ -261,10 +263,10 @@ void TransitionSystemBuilder::add_connectors() {
 void TransitionSystemBuilder::add_internal_ports() {
   for (u32 interaction = tables_.connector_interactions; interaction < tables_.interactions.size(); ++interaction) {
     const u32 port = tables_.interactions[interaction].row;
-    if (m_.port_is_on[port] == kFalse) continue;
+    if (transition_system_.port_is_on[port] == kFalse) continue;
     SystemStep step{.interaction = interaction,
-                    .chosen = c_.make_input(),
-                    .possible = m_.port_is_on[port],
+                    .chosen = aig_.make_input(),
+                    .possible = transition_system_.port_is_on[port],
                     .parts = {{port, kTrue}}};
     const Local& now = now_[tables_.port_atom[port]];
     if (!posts_[port]) posts_[port] = fire(port, now);
@@ -272,7 +274,7 @@ void TransitionSystemBuilder::add_internal_ports() {
     params_.emplace_back();
     step_fault_.push_back(posts_[port]->fault);
     step_lost_.push_back(posts_[port]->lost);
-    m_.steps.push_back(std::move(step));
+    transition_system_.steps.push_back(std::move(step));
   }
 }
 

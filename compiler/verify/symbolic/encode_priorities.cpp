@@ -1,5 +1,5 @@
-// Priorities between interactions, as the core has them (runtime/core/link/priorities.hpp), and the machine put
-// together.
+// Priorities between interactions, as the core has them (runtime/core/link/priorities.hpp), and the transition system
+// put together.
 #include <algorithm>
 
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
@@ -21,8 +21,8 @@ Signal TransitionSystemBuilder::matches(const rt::Priority& rule, bool high, con
   Signal result = kTrue;
   for (u32 p = 0; p < params.size(); ++p) {
     const bool named = std::binary_search(pattern.params.begin(), pattern.params.end(), p);
-    if (high && named) result = c_.make_and(result, params[p]);
-    if (!high && !named) result = c_.make_and(result, negated(params[p]));
+    if (high && named) result = aig_.make_and(result, params[p]);
+    if (!high && !named) result = aig_.make_and(result, negated(params[p]));
   }
   return result;
 }
@@ -41,11 +41,12 @@ void TransitionSystemBuilder::apply_priorities() {
     };
     guard.push_back(code_.test(system_.priorities[PriorityId(std::size_t{r})].guard, variables, kTrue, state_fault_));
     Signal above = kFalse;
-    for (std::size_t s = 0; s < m_.steps.size(); ++s) {
-      if (is_connector(m_.steps[s]))
-        above = c_.make_or(above, c_.make_and(m_.steps[s].possible, matches(rule, true, m_.steps[s], params_[s])));
+    for (std::size_t s = 0; s < transition_system_.steps.size(); ++s) {
+      if (is_connector(transition_system_.steps[s]))
+        above = aig_.make_or(above, aig_.make_and(transition_system_.steps[s].possible,
+                                                  matches(rule, true, transition_system_.steps[s], params_[s])));
     }
-    hides.push_back(c_.make_and(guard[r], above));
+    hides.push_back(aig_.make_and(guard[r], above));
   }
   // Along chains of rules that hold; and cycles of them, which are faults.
   std::vector<Signal> on_cycle;
@@ -53,56 +54,56 @@ void TransitionSystemBuilder::apply_priorities() {
   for (u32 round = 0; round <= rules.count; ++round) {
     std::vector<Signal> next = hides, left(rules.count, kFalse);
     for (u32 r = 0; r < rules.count; ++r) {
-      for (u32 s : rules.next[r]) next[r] = c_.make_or(next[r], c_.make_and(guard[r], hides[s]));
-      for (u32 s : rules.previous[r]) left[r] = c_.make_or(left[r], c_.make_and(guard[r], on_cycle[s]));
-      left[r] = c_.make_and(left[r], on_cycle[r]);
+      for (u32 s : rules.next[r]) next[r] = aig_.make_or(next[r], aig_.make_and(guard[r], hides[s]));
+      for (u32 s : rules.previous[r]) left[r] = aig_.make_or(left[r], aig_.make_and(guard[r], on_cycle[s]));
+      left[r] = aig_.make_and(left[r], on_cycle[r]);
     }
     if (next == hides && left == on_cycle) break;
     hides = std::move(next);
     on_cycle = std::move(left);
   }
-  state_fault_ = c_.make_or(state_fault_, c_.make_or_of(on_cycle));
+  state_fault_ = aig_.make_or(state_fault_, aig_.make_or_of(on_cycle));
   std::vector<Signal> visible;
-  for (std::size_t s = 0; s < m_.steps.size(); ++s) {
-    Signal here = m_.steps[s].possible;
-    for (u32 r = 0; r < rules.count && is_connector(m_.steps[s]); ++r) {
-      here = c_.make_and(here,
-                         negated(c_.make_and(hides[r], matches(image_.priorities[r], false, m_.steps[s], params_[s]))));
+  for (std::size_t s = 0; s < transition_system_.steps.size(); ++s) {
+    Signal here = transition_system_.steps[s].possible;
+    for (u32 r = 0; r < rules.count && is_connector(transition_system_.steps[s]); ++r) {
+      here = aig_.make_and(here, negated(aig_.make_and(hides[r], matches(image_.priorities[r], false,
+                                                                         transition_system_.steps[s], params_[s]))));
     }
     visible.push_back(here);
   }
-  for (std::size_t s = 0; s < m_.steps.size(); ++s) m_.steps[s].possible = visible[s];
+  for (std::size_t s = 0; s < transition_system_.steps.size(); ++s) transition_system_.steps[s].possible = visible[s];
 }
 
 TransitionSystem TransitionSystemBuilder::build() {
   add_state();
   add_ports();
   add_connectors();
-  if (!m_.unsupported.empty()) return std::move(m_);
+  if (!transition_system_.unsupported.empty()) return std::move(transition_system_);
   add_internal_ports();
   apply_priorities();
-  m_.connector_can.assign(system_.connectors.size(), kFalse);
+  transition_system_.connector_can.assign(system_.connectors.size(), kFalse);
   Signal some = kFalse, fault = kFalse;
-  for (std::size_t s = 0; s < m_.steps.size(); ++s) {
-    SystemStep& step = m_.steps[s];
-    step.possible = c_.make_and(step.possible, negated(state_fault_));
-    some = c_.make_or(some, step.possible);
+  for (std::size_t s = 0; s < transition_system_.steps.size(); ++s) {
+    SystemStep& step = transition_system_.steps[s];
+    step.possible = aig_.make_and(step.possible, negated(state_fault_));
+    some = aig_.make_or(some, step.possible);
     if (step.interaction < tables_.connector_interactions) {
-      Signal& can = m_.connector_can[tables_.interactions[step.interaction].row];
-      can = c_.make_or(can, step.possible);
+      Signal& can = transition_system_.connector_can[tables_.interactions[step.interaction].row];
+      can = aig_.make_or(can, step.possible);
     }
-    const Signal taken = c_.make_and(step.chosen, step.possible);
-    fault = c_.make_or(fault, c_.make_and(taken, step_fault_[s]));
-    m_.lost = c_.make_or(m_.lost, c_.make_and(taken, step_lost_[s]));
-    step.fine = c_.make_and(step.possible, negated(c_.make_or(step_fault_[s], step_lost_[s])));
+    const Signal taken = aig_.make_and(step.chosen, step.possible);
+    fault = aig_.make_or(fault, aig_.make_and(taken, step_fault_[s]));
+    transition_system_.lost = aig_.make_or(transition_system_.lost, aig_.make_and(taken, step_lost_[s]));
+    step.fine = aig_.make_and(step.possible, negated(aig_.make_or(step_fault_[s], step_lost_[s])));
   }
-  m_.state_fault = state_fault_;
-  m_.stuck = c_.make_and(negated(some), negated(state_fault_));
-  m_.error = c_.make_or_of({state_fault_, fault, guard_fault_});
+  transition_system_.state_fault = state_fault_;
+  transition_system_.stuck = aig_.make_and(negated(some), negated(state_fault_));
+  transition_system_.error = aig_.make_or_of({state_fault_, fault, guard_fault_});
   finish_state();
-  m_.imprecisions = code_.imprecisions();
-  if (c_.is_full()) m_.unsupported = "the system is too large for a circuit";
-  return std::move(m_);
+  transition_system_.imprecisions = code_.imprecisions();
+  if (aig_.is_full()) transition_system_.unsupported = "the system is too large for a circuit";
+  return std::move(transition_system_);
 }
 
 TransitionSystem build_transition_system(const System& system, const rt::Image& image) {

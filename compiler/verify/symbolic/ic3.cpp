@@ -1,234 +1,286 @@
-// See ic3.hpp. One solver has the machine's next-state functions and all frames, switched on by a literal each; a
-// second one shrinks predecessors to what matters. Cubes name the marked place of an automaton, never its unmarked
-// ones.
+// See ic3.hpp. The procedures carry the names of Eén, Mishchenko, Brayton (2011) in their comments: pdrMain,
+// getBadCube, recBlockCube, solveRelative, generalize, propagateBlockedCubes, addBlockedCube, isBlocked, isInitial.
+//
+// Frames are delta encoded: `frames_[k]` holds the cubes whose clauses hold in F_1 … F_k and in no later frame, so F_k
+// is the conjunction of the clauses of frames_[k], frames_[k + 1], … and F_k implies F_{k+1} syntactically. One solver
+// holds the next-state functions and all frames, each clause behind its frame's activation literal.
+//
+// Departures from the paper:
+//   - Predecessors are lifted by an unsatisfiable core of a second solver (Chockler, Ivrii, Matsliah, Moran, Nevo:
+//     Incremental Formal Verification of Hardware, 2011), not by ternary simulation: guards are arithmetic.
+//   - Places of an automaton are one-hot. A cube names the marked place and never the unmarked ones, so dropping one
+//     literal drops the place.
+//   - Structural invariants (traps, place invariants, ranges) strengthen every frame, F_0 included.
+//   - There is no frame F_infinity; lemmas that hold for ever travel with propagation.
 #include "compiler/verify/symbolic/ic3.hpp"
 
 #include <algorithm>
 #include <queue>
 
+#include "compiler/base/assert.hpp"
+#include "compiler/base/log.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
 
 namespace bip::verify {
 
 namespace {
 
-class Pdr {
+class Ic3 {
  public:
-  explicit Pdr(const Ic3Problem& problem)
-      : p_(problem), m_(*problem.machine), cnf_(m_.circuit, main_), lift_cnf_(m_.circuit, lift_) {}
+  explicit Ic3(const Ic3Problem& problem)
+      : problem_(problem), system_(*problem.system), cnf_(system_.aig, solver_), lift_cnf_(system_.aig, lift_solver_) {}
 
+  /// pdrMain: block all bad states of the last frame, open a new frame, propagate; until two frames agree.
   Ic3Answer run() {
-    if (p_.bad == kFalse) {
+    if (problem_.bad == kFalse) {
       answer_.end = Ic3End::Safe;
       return std::move(answer_);
     }
-    prepare();
+    encode();
     while (true) {
-      // Bad states that the last frame allows.
+      // Blocking phase: while the last frame F_N meets a bad state, block that state (getBadCube, recBlockCube).
       while (true) {
-        const Answer found = ask_bad();
-        if (found == Answer::Unknown) return std::move(answer_);
-        if (found == Answer::Unsatisfiable) break;
-        const std::uint32_t top = static_cast<u32>(obligations_.size());
-        obligations_.push_back({bad_cube(), top_frame(), kNoRow, chosen_step()});
-        if (top_frame() == 0 || meets_initial(obligations_[top].cube, m_)) return reached(top);
-        const std::optional<u32> first = block(top);
+        const Answer bad_state = find_bad_state();
+        if (bad_state == Answer::Unknown) return std::move(answer_);
+        if (bad_state == Answer::Unsatisfiable) break;
+        const u32 obligation = static_cast<u32>(obligations_.size());
+        obligations_.push_back({lifted_bad_cube(), last_frame(), kNoRow, chosen_step()});
+        if (last_frame() == 0 || meets_initial(obligations_[obligation].cube, system_))
+          return counterexample(obligation);
+        const std::optional<u32> first = block_cube(obligation);
         if (is_stopped_) return std::move(answer_);
-        if (first) return reached(*first);
+        if (first) return counterexample(*first);
       }
+      BIP_LOG(Ic3, 1, "frame {} has no bad state: {} lemmas, {} queries, {} obligations", last_frame(), lemma_count(),
+              query_count_, obligations_.size());
+      // Propagation phase: a new frame, and every lemma as far up as it holds.
       add_frame();
-      if (!push()) return std::move(answer_);
+      if (!propagate_lemmas()) return std::move(answer_);
+      BIP_ASSERT(frames_are_well_formed(), "after propagation to frame {}", last_frame());
       if (answer_.end == Ic3End::Safe) return std::move(answer_);
     }
   }
 
  private:
-  struct Obligation {
+  /// A cube that must be shown unreachable within `frame` steps; it leads to the bad states by `step` and then `next`.
+  struct ProofObligation {
     Cube cube;
     u32 frame = 0;
-    u32 next = kNoRow;  // the obligation that its step leads to
+    u32 next = kNoRow;  // the obligation that `step` leads to
     u32 step = kNoRow;  // row of TransitionSystem::steps
   };
 
-  [[nodiscard]] u32 top_frame() const { return static_cast<u32>(frames_.size()) - 1; }
+  [[nodiscard]] u32 last_frame() const { return static_cast<u32>(frames_.size()) - 1; }
 
-  void prepare() {
-    std::vector<Signal> signals{p_.bad};
-    const ConeOfInfluence relevant = cone_of_influence(m_, signals);
-    for (u32 row = 0; row < m_.bits.size(); ++row) {
-      if (relevant.bits[row] != 0) bits_.push_back(row);
+  // Encodes the cone of influence of the bad states in both solvers, and the initial states as frame F_0.
+  void encode() {
+    const ConeOfInfluence cone = cone_of_influence(system_, {problem_.bad});
+    for (u32 bit = 0; bit < system_.bits.size(); ++bit) {
+      if (cone.bits[bit] != 0) bits_.push_back(bit);
     }
-    now_.assign(m_.bits.size(), 0);
-    next_.assign(m_.bits.size(), 0);
-    lift_now_.assign(m_.bits.size(), 0);
-    lift_next_.assign(m_.bits.size(), 0);
-    for (u32 row : bits_) {
-      now_[row] = cnf_.literal(m_.bits[row].now);
-      lift_now_[row] = lift_cnf_.literal(m_.bits[row].now);
-      next_[row] = cnf_.literal(m_.bits[row].next);
-      lift_next_[row] = lift_cnf_.literal(m_.bits[row].next);
+    now_.assign(system_.bits.size(), 0);
+    next_.assign(system_.bits.size(), 0);
+    lift_now_.assign(system_.bits.size(), 0);
+    lift_next_.assign(system_.bits.size(), 0);
+    for (u32 bit : bits_) {
+      now_[bit] = cnf_.literal(system_.bits[bit].now);
+      lift_now_[bit] = lift_cnf_.literal(system_.bits[bit].now);
+      next_[bit] = cnf_.literal(system_.bits[bit].next);
+      lift_next_[bit] = lift_cnf_.literal(system_.bits[bit].next);
     }
-    bad_ = cnf_.literal(p_.bad);
-    lift_bad_ = lift_cnf_.literal(p_.bad);
-    // What a step needs, switched on where a step is meant.
-    going_ = main_.new_variable();
+    bad_ = cnf_.literal(problem_.bad);
+    lift_bad_ = lift_cnf_.literal(problem_.bad);
+    encode_transitions(cone);
+    encode_one_hot_places(cone);
+    encode_invariants(cone);
+    // The lifting query fixes all other inputs to their values in the model.
+    for (u32 node = 1; node < system_.aig.size(); ++node) {
+      const Signal input = node << 1;
+      if (!system_.aig.is_input(node) || lift_cnf_.encoded(input) == 0 || cnf_.encoded(input) == 0) continue;
+      free_inputs_.push_back(input);
+    }
+    for (u32 bit : bits_) std::erase(free_inputs_, system_.bits[bit].now);
+    add_frame();
+    for (u32 bit : bits_) {
+      const std::int8_t initial = system_.bits[bit].initial;
+      if (initial >= 0) solver_.add({-activation_[0], initial != 0 ? now_[bit] : -now_[bit]});
+    }
+  }
+
+  // The transition relation: exactly one chosen step, which is possible and ends in no fault. Bad states are also asked
+  // for without a step, so all this stands behind an activation literal.
+  void encode_transitions(const ConeOfInfluence& cone) {
+    transition_activation_ = solver_.new_variable();
     std::vector<Lit> chosen, lift_chosen;
     bool all_relevant = true;
-    for (u32 row = 0; row < m_.steps.size(); ++row) {
-      if (relevant.steps[row] == 0) {
+    for (u32 row = 0; row < system_.steps.size(); ++row) {
+      if (cone.steps[row] == 0) {
         all_relevant = false;
         continue;
       }
       steps_.push_back(row);
-      chosen.push_back(cnf_.literal(m_.steps[row].chosen));
-      lift_chosen.push_back(lift_cnf_.literal(m_.steps[row].chosen));
-      main_.add({-going_, -chosen.back(), cnf_.literal(m_.steps[row].fine)});
-      (void)lift_cnf_.literal(m_.steps[row].fine);
+      chosen.push_back(cnf_.literal(system_.steps[row].chosen));
+      lift_chosen.push_back(lift_cnf_.literal(system_.steps[row].chosen));
+      solver_.add({-transition_activation_, -chosen.back(), cnf_.literal(system_.steps[row].fine)});
+      (void)lift_cnf_.literal(system_.steps[row].fine);
     }
-    add_at_most_one(main_, chosen);
-    add_at_most_one(lift_, lift_chosen);
+    add_at_most_one(solver_, chosen);
+    add_at_most_one(lift_solver_, lift_chosen);
+    // Steps outside of the cone stutter, so "no step of the cone" is a step unless the cone has all of them.
     if (all_relevant) {
-      chosen.push_back(-going_);
-      main_.add(chosen);
+      chosen.push_back(-transition_activation_);
+      solver_.add(chosen);
     }
-    for (const std::vector<u32>& group : m_.exactly_one) {
-      if (relevant.bits[group[0]] == 0) continue;
-      std::vector<Lit> here, there;
-      for (u32 row : group) {
-        here.push_back(now_[row]);
-        there.push_back(lift_now_[row]);
+  }
+
+  void encode_one_hot_places(const ConeOfInfluence& cone) {
+    for (const std::vector<u32>& group : system_.exactly_one) {
+      if (cone.bits[group[0]] == 0) continue;
+      std::vector<Lit> places, lift_places;
+      for (u32 bit : group) {
+        places.push_back(now_[bit]);
+        lift_places.push_back(lift_now_[bit]);
       }
-      main_.add(here);
-      add_at_most_one(main_, here);
-      lift_.add(there);
-      add_at_most_one(lift_, there);
+      solver_.add(places);
+      add_at_most_one(solver_, places);
+      lift_solver_.add(lift_places);
+      add_at_most_one(lift_solver_, lift_places);
     }
-    const std::vector<std::uint8_t> covered = nodes_in_cone(m_, relevant);
+  }
+
+  // Invariants hold in every reachable state, so every frame may assume them. One that leaves the cone is left out:
+  // that only weakens the frames.
+  void encode_invariants(const ConeOfInfluence& cone) {
+    const std::vector<std::uint8_t> covered = nodes_in_cone(system_, cone);
     const auto add_invariant = [&](const std::vector<Signal>& clause) {
       std::vector<Lit> literals;
       for (Signal s : clause) {
         if (covered[node_of(s)] == 0) return;
         literals.push_back(cnf_.literal(s));
       }
-      main_.add(literals);
+      solver_.add(literals);
     };
-    for (const std::vector<Signal>& clause : p_.invariants) add_invariant(clause);
-    for (Signal inside : m_.in_range) add_invariant({inside});
-    // Other inputs, for shrinking: all of them are held.
-    for (u32 node = 1; node < m_.circuit.size(); ++node) {
-      if (!m_.circuit.is_input(node) || lift_cnf_.known(node << 1) == 0 || cnf_.known(node << 1) == 0) continue;
-      free_.push_back(node << 1);
-    }
-    for (u32 row : bits_) std::erase(free_, m_.bits[row].now);
-    add_frame();
-    for (u32 row : bits_) {
-      if (m_.bits[row].initial >= 0) main_.add({-switches_[0], m_.bits[row].initial != 0 ? now_[row] : -now_[row]});
-    }
+    for (const std::vector<Signal>& clause : problem_.invariants) add_invariant(clause);
+    for (Signal inside : system_.in_range) add_invariant({inside});
   }
 
   void add_frame() {
     frames_.emplace_back();
-    switches_.push_back(main_.new_variable());
+    activation_.push_back(solver_.new_variable());
   }
+  // Assumes F_k: by the delta encoding the clauses of frame k and of all later frames. F_0 is the initial states.
   void assume_frame(u32 frame) {
-    if (frame != 0) main_.assume(-switches_[0]);
-    for (u32 k = frame; k < frames_.size(); ++k) main_.assume(switches_[k]);
+    if (frame != 0) solver_.assume(-activation_[0]);
+    for (u32 k = frame; k < frames_.size(); ++k) solver_.assume(activation_[k]);
   }
-  [[nodiscard]] Lit literal(const std::vector<Lit>& of, u32 code) const {
-    return (code & 1) != 0 ? of[code / 2] : -of[code / 2];
-  }
-
-  Answer ask_bad() {
-    assume_frame(top_frame());
-    main_.assume(bad_);
-    // A bad state may have no step at all; a bad step is one that is chosen.
-    main_.assume(-going_);
-    return main_.solve(p_.cancellation);
+  [[nodiscard]] static Lit literal_of(const std::vector<Lit>& variables, u32 cube_literal) {
+    const Lit variable = variables[cube_bit(cube_literal)];
+    return cube_value(cube_literal) ? variable : -variable;
   }
 
-  u32 chosen_step() const {
-    for (u32 row : steps_) {
-      if (main_.is_true(cnf_.known(m_.steps[row].chosen))) return row;
+  // Is F_N and bad satisfiable? A bad state may have no step at all, and a bad step is one that is chosen: the
+  // transition relation is off.
+  Answer find_bad_state() {
+    assume_frame(last_frame());
+    solver_.assume(bad_);
+    solver_.assume(-transition_activation_);
+    return solver_.solve(problem_.cancellation);
+  }
+
+  [[nodiscard]] u32 chosen_step() const {
+    for (u32 step : steps_) {
+      if (solver_.is_true(cnf_.encoded(system_.steps[step].chosen))) return step;
     }
     return kNoRow;
   }
 
-  Cube whole_state() const {
+  // The state of the model as a cube over the cone; unmarked places of automata follow from the marked one.
+  [[nodiscard]] Cube state_cube() const {
     Cube cube;
-    for (u32 row : bits_) {
-      const bool value = main_.is_true(now_[row]);
-      if (!value && m_.bits[row].is_alone) continue;
-      cube.push_back(2 * row + (value ? 1 : 0));
+    for (u32 bit : bits_) {
+      const bool value = solver_.is_true(now_[bit]);
+      if (!value && system_.bits[bit].is_alone) continue;
+      cube.push_back(cube_literal_of(bit, value));
     }
     return cube;
-  }
-  // The part of the state, with the inputs as they are, that already forces what the clause `open` denies.
-  Cube lifted(const std::vector<Lit>& open) {
-    const Cube whole = whole_state();
-    const Lit here = lift_.new_variable();
-    std::vector<Lit> clause = open;
-    clause.push_back(-here);
-    lift_.add(clause);
-    lift_.assume(here);
-    for (Signal s : free_) {
-      const Lit value = lift_cnf_.known(s);
-      lift_.assume(main_.is_true(cnf_.known(s)) ? value : -value);
-    }
-    for (u32 code : whole) lift_.assume(literal(lift_now_, code));
-    Cube cube;
-    if (lift_.solve(p_.cancellation) == Answer::Unsatisfiable) {
-      for (u32 code : whole) {
-        if (lift_.is_needed(literal(lift_now_, code))) cube.push_back(code);
-      }
-    } else {
-      cube = whole;
-    }
-    lift_.add({-here});
-    return cube;
-  }
-  Cube bad_cube() { return lifted({-lift_bad_}); }
-  Cube predecessor(const Cube& of, u32 step) {
-    std::vector<Lit> open;
-    for (u32 code : of) open.push_back(-literal(lift_next_, code));
-    if (step != kNoRow) open.push_back(-lift_cnf_.literal(m_.steps[step].fine));
-    return lifted(open);
   }
 
-  // Can a step lead from frame - 1, outside of the cube, into it? If not, `core` is the part of the cube that is why.
-  Answer ask_into(const Cube& cube, u32 frame, Cube* core) {
-    if (++questions_ % 64 == 0 && p_.report) p_.report(top_frame(), lemma_count());
-    const Lit here = main_.new_variable();
-    std::vector<Lit> outside{-here};
-    for (u32 code : cube) outside.push_back(-literal(now_, code));
-    main_.add(outside);
+  // Lifting (Chockler et al. 2011): with the inputs of the model, the state contradicts the clause `target_fails`; the
+  // core of that contradiction is the part of the state that forces the target whatever the other bits are.
+  Cube lift(const std::vector<Lit>& target_fails) {
+    const Cube state = state_cube();
+    const Lit activation = lift_solver_.new_variable();
+    std::vector<Lit> clause = target_fails;
+    clause.push_back(-activation);
+    lift_solver_.add(clause);
+    lift_solver_.assume(activation);
+    for (Signal input : free_inputs_) {
+      const Lit value = lift_cnf_.encoded(input);
+      lift_solver_.assume(solver_.is_true(cnf_.encoded(input)) ? value : -value);
+    }
+    for (u32 cube_literal : state) lift_solver_.assume(literal_of(lift_now_, cube_literal));
+    Cube cube;
+    if (lift_solver_.solve(problem_.cancellation) == Answer::Unsatisfiable) {
+      for (u32 cube_literal : state) {
+        if (lift_solver_.is_needed(literal_of(lift_now_, cube_literal))) cube.push_back(cube_literal);
+      }
+    } else {
+      // Out of time, or the state needs what the lifting solver does not know: the whole state is a cube, too.
+      cube = state;
+    }
+    lift_solver_.add({-activation});
+    BIP_ASSERT(is_cube(cube), "a lifted cube of {} literals", cube.size());
+    return cube;
+  }
+  Cube lifted_bad_cube() { return lift({-lift_bad_}); }
+  Cube lifted_predecessor(const Cube& successor, u32 step) {
+    std::vector<Lit> target_fails;
+    for (u32 cube_literal : successor) target_fails.push_back(-literal_of(lift_next_, cube_literal));
+    if (step != kNoRow) target_fails.push_back(-lift_cnf_.literal(system_.steps[step].fine));
+    return lift(target_fails);
+  }
+
+  // solveRelative: is F_{frame-1} ∧ ¬cube ∧ T ∧ cube' satisfiable? If not, `core` gets the literals of cube' in the
+  // solver's core, which is blocked in `frame` as well; it still excludes the initial states.
+  Answer solve_relative(const Cube& cube, u32 frame, Cube* core) {
+    BIP_ASSERT(frame >= 1 && frame <= last_frame(), "frame {} of {}", frame, last_frame());
+    BIP_ASSERT(!meets_initial(cube, system_), "a cube of {} literals meets the initial states", cube.size());
+    if (++query_count_ % 64 == 0 && problem_.report) problem_.report(last_frame(), lemma_count());
+    // ¬cube is needed for this query only.
+    const Lit activation = solver_.new_variable();
+    std::vector<Lit> not_cube{-activation};
+    for (u32 cube_literal : cube) not_cube.push_back(-literal_of(now_, cube_literal));
+    solver_.add(not_cube);
     assume_frame(frame - 1);
-    main_.assume(going_);
-    main_.assume(here);
-    for (u32 code : cube) main_.assume(literal(next_, code));
-    const Answer answer = main_.solve(p_.cancellation);
+    solver_.assume(transition_activation_);
+    solver_.assume(activation);
+    for (u32 cube_literal : cube) solver_.assume(literal_of(next_, cube_literal));
+    const Answer answer = solver_.solve(problem_.cancellation);
     if (answer == Answer::Unsatisfiable && core != nullptr) {
       core->clear();
-      for (u32 code : cube) {
-        if (main_.is_needed(literal(next_, code))) core->push_back(code);
+      for (u32 cube_literal : cube) {
+        if (solver_.is_needed(literal_of(next_, cube_literal))) core->push_back(cube_literal);
       }
-      if (meets_initial(*core, m_)) {
-        // Something must keep the initial state out.
-        for (u32 code : cube) {
-          const std::int8_t initial = m_.bits[code / 2].initial;
-          if (initial < 0 || initial == static_cast<std::int8_t>(code & 1)) continue;
-          core->push_back(code);
-          break;
-        }
-        std::sort(core->begin(), core->end());
-      }
+      if (meets_initial(*core, system_)) exclude_initial(cube, *core);
     }
-    if (answer != Answer::Satisfiable) main_.add({-here});
-    else to_drop_.push_back(here);
+    // A satisfied query's clause stays until its model has been read.
+    if (answer != Answer::Satisfiable) solver_.add({-activation});
+    else stale_activations_.push_back(activation);
     return answer;
   }
-  void drop_questions() {
-    for (Lit here : to_drop_) main_.add({-here});
-    to_drop_.clear();
+  // Restores a literal of the cube that excludes the initial states.
+  void exclude_initial(const Cube& cube, Cube& core) const {
+    for (u32 cube_literal : cube) {
+      const std::int8_t initial = system_.bits[cube_bit(cube_literal)].initial;
+      if (initial < 0 || (initial != 0) == cube_value(cube_literal)) continue;
+      core.push_back(cube_literal);
+      break;
+    }
+    std::sort(core.begin(), core.end());
+  }
+  void retire_query_clauses() {
+    for (Lit activation : stale_activations_) solver_.add({-activation});
+    stale_activations_.clear();
   }
   [[nodiscard]] std::size_t lemma_count() const {
     std::size_t count = 0;
@@ -236,147 +288,187 @@ class Pdr {
     return count;
   }
 
+  // isBlocked: does a lemma of F_frame subsume the cube's clause?
   [[nodiscard]] bool is_blocked(const Cube& cube, u32 frame) const {
     for (u32 k = frame; k < frames_.size(); ++k) {
       for (const Cube& lemma : frames_[k]) {
-        if (std::includes(cube.begin(), cube.end(), lemma.begin(), lemma.end())) return true;
+        if (subsumes(lemma, cube)) return true;
       }
     }
     return false;
   }
-  void add_lemma(const Cube& cube, u32 frame) {
-    for (u32 k = 1; k <= frame; ++k) {
-      std::erase_if(frames_[k],
-                    [&](const Cube& old) { return std::includes(old.begin(), old.end(), cube.begin(), cube.end()); });
-    }
-    frames_[frame].push_back(cube);
-    std::vector<Lit> clause{-switches_[frame]};
-    for (u32 code : cube) clause.push_back(-literal(now_, code));
-    main_.add(clause);
+  // Cubes are sorted. A smaller cube covers more states.
+  [[nodiscard]] static bool subsumes(const Cube& smaller, const Cube& larger) {
+    return std::includes(larger.begin(), larger.end(), smaller.begin(), smaller.end());
   }
 
-  // Drops literals as long as the smaller cube cannot be entered either.
+  // addBlockedCube: removes what the new lemma subsumes in F_1 … F_frame, then adds it to frame `frame`.
+  void add_blocked_cube(const Cube& cube, u32 frame) {
+    BIP_ASSERT(frame >= 1 && frame <= last_frame(), "frame {} of {}", frame, last_frame());
+    BIP_ASSERT(is_cube(cube) && !meets_initial(cube, system_), "a lemma of {} literals in frame {}", cube.size(),
+               frame);
+    for (u32 k = 1; k <= frame; ++k) std::erase_if(frames_[k], [&](const Cube& old) { return subsumes(cube, old); });
+    frames_[frame].push_back(cube);
+    std::vector<Lit> clause{-activation_[frame]};
+    for (u32 cube_literal : cube) clause.push_back(-literal_of(now_, cube_literal));
+    solver_.add(clause);
+    BIP_LOG(Ic3, 3, "lemma of {} literals in frame {}", cube.size(), frame);
+  }
+
+  // generalize: drops one literal after the other as long as the smaller cube is still inductive relative to
+  // F_{frame-1}, and takes the core each time. False: out of time.
   bool generalise(Cube& cube, u32 frame) {
     for (std::size_t k = cube.size(); k-- > 0 && cube.size() > 1;) {
       if (k >= cube.size()) continue;
       Cube smaller = cube;
       smaller.erase(smaller.begin() + static_cast<std::ptrdiff_t>(k));
-      if (meets_initial(smaller, m_)) continue;
+      if (meets_initial(smaller, system_)) continue;
       Cube core;
-      const Answer answer = ask_into(smaller, frame, &core);
-      drop_questions();
+      const Answer answer = solve_relative(smaller, frame, &core);
+      retire_query_clauses();
       if (answer == Answer::Unknown) return false;
       if (answer == Answer::Unsatisfiable) cube = std::move(core);
     }
     return true;
   }
 
-  // Shows that the obligation's cube is not reached within its frame, or finds the way there: the row of its first
-  // step.
-  std::optional<u32> block(u32 row) {
+  // recBlockCube: takes proof obligations from the queue, the lowest frame first. Nothing: the cube is blocked (or the
+  // time is over, is_stopped_). Otherwise the obligation that holds an initial state, where a counterexample begins.
+  std::optional<u32> block_cube(u32 obligation) {
     using Entry = std::pair<u32, u32>;  // frame, obligation
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> todo;
-    todo.emplace(obligations_[row].frame, row);
-    while (!todo.empty()) {
-      const auto [frame, at] = todo.top();
-      todo.pop();
-      if (is_blocked(obligations_[at].cube, frame)) {
-        if (frame < top_frame()) todo.emplace(frame + 1, at);
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    queue.emplace(obligations_[obligation].frame, obligation);
+    while (!queue.empty()) {
+      const auto [frame, current] = queue.top();
+      queue.pop();
+      // Already blocked by a lemma found meanwhile: go on in the next frame, so that long counterexamples are found.
+      if (is_blocked(obligations_[current].cube, frame)) {
+        if (frame < last_frame()) queue.emplace(frame + 1, current);
         continue;
       }
       Cube core;
-      const Answer answer = ask_into(obligations_[at].cube, frame, &core);
+      const Answer answer = solve_relative(obligations_[current].cube, frame, &core);
       if (answer == Answer::Unknown) {
         is_stopped_ = true;
         return std::nullopt;
       }
       if (answer == Answer::Satisfiable) {
+        // A predecessor in F_{frame-1}: a new obligation one frame below, and this one again after it.
         const u32 step = chosen_step();
-        Obligation before{predecessor(obligations_[at].cube, step), frame - 1, at, step};
-        drop_questions();
-        const bool is_first = frame == 1 || meets_initial(before.cube, m_);
-        obligations_.push_back(std::move(before));
+        ProofObligation predecessor{lifted_predecessor(obligations_[current].cube, step), frame - 1, current, step};
+        retire_query_clauses();
+        const bool is_first = frame == 1 || meets_initial(predecessor.cube, system_);
+        obligations_.push_back(std::move(predecessor));
         const u32 added = static_cast<u32>(obligations_.size()) - 1;
         if (is_first) return added;
-        todo.emplace(frame - 1, added);
-        todo.emplace(frame, at);
+        queue.emplace(frame - 1, added);
+        queue.emplace(frame, current);
         continue;
       }
-      u32 level = frame;
+      // Blocked: generalise, then find the last frame in which the lemma still is inductive.
+      u32 lemma_frame = frame;
       if (!generalise(core, frame)) {
         is_stopped_ = true;
         return std::nullopt;
       }
-      while (level < top_frame()) {
-        const Answer further = ask_into(core, level + 1, nullptr);
-        drop_questions();
-        if (further != Answer::Unsatisfiable) break;
-        ++level;
+      while (lemma_frame < last_frame()) {
+        const Answer in_next = solve_relative(core, lemma_frame + 1, nullptr);
+        retire_query_clauses();
+        if (in_next != Answer::Unsatisfiable) break;
+        ++lemma_frame;
       }
-      add_lemma(core, level);
-      if (level < top_frame()) todo.emplace(level + 1, at);
+      add_blocked_cube(core, lemma_frame);
+      if (lemma_frame < last_frame()) queue.emplace(lemma_frame + 1, current);
     }
     return std::nullopt;
   }
 
-  // Lemmas move up as far as they hold. False: stopped. Two equal frames: done.
-  bool push() {
-    for (u32 frame = 1; frame < top_frame(); ++frame) {
+  // propagateBlockedCubes: moves each lemma to the next frame if it is inductive there. An empty delta means
+  // F_k = F_{k+1}, an inductive invariant. False: out of time.
+  bool propagate_lemmas() {
+    for (u32 frame = 1; frame < last_frame(); ++frame) {
       const std::vector<Cube> lemmas = frames_[frame];
       for (const Cube& cube : lemmas) {
         Cube core;
-        const Answer answer = ask_into(cube, frame + 1, &core);
-        drop_questions();
+        const Answer answer = solve_relative(cube, frame + 1, &core);
+        retire_query_clauses();
         if (answer == Answer::Unknown) return false;
         if (answer == Answer::Unsatisfiable) {
           std::erase(frames_[frame], cube);
-          add_lemma(core, frame + 1);
+          add_blocked_cube(core, frame + 1);
         }
       }
       if (frames_[frame].empty()) {
         answer_.end = Ic3End::Safe;
-        answer_.frames = top_frame();
+        answer_.frames = last_frame();
         for (u32 k = frame + 1; k < frames_.size(); ++k)
           answer_.lemmas.insert(answer_.lemmas.end(), frames_[k].begin(), frames_[k].end());
+        BIP_LOG(Ic3, 1, "frames {} and {} agree: {} lemmas", frame, frame + 1, answer_.lemmas.size());
         return true;
       }
     }
     return true;
   }
 
-  Ic3Answer reached(u32 row) {
+  // Follows the obligations from an initial state to the bad one.
+  Ic3Answer counterexample(u32 first) {
     answer_.end = Ic3End::Reached;
-    answer_.frames = top_frame();
-    for (; obligations_[row].next != kNoRow; row = obligations_[row].next)
-      answer_.steps.push_back(obligations_[row].step);
-    answer_.bad_step = obligations_[row].step;
+    answer_.frames = last_frame();
+    u32 obligation = first;
+    for (; obligations_[obligation].next != kNoRow; obligation = obligations_[obligation].next)
+      answer_.steps.push_back(obligations_[obligation].step);
+    answer_.bad_step = obligations_[obligation].step;
+    BIP_LOG(Ic3, 1, "a bad state is reached in {} steps, {} frames", answer_.steps.size(), answer_.frames);
     return std::move(answer_);
   }
 
-  const Ic3Problem& p_;
-  const TransitionSystem& m_;
-  Solver main_{SolverStyle::Plain}, lift_{SolverStyle::Plain};
+  // ---- what the assertions check
+  [[nodiscard]] bool is_cube(const Cube& cube) const {
+    for (std::size_t k = 0; k < cube.size(); ++k) {
+      if (cube_bit(cube[k]) >= system_.bits.size() || now_[cube_bit(cube[k])] == 0) return false;
+      if (k > 0 && cube_bit(cube[k - 1]) >= cube_bit(cube[k])) return false;
+    }
+    return true;
+  }
+  // F_0 has no lemmas (it is the initial states, which every lemma excludes), so that F_k implies F_{k+1} for all k;
+  // no lemma of a frame stands twice, in the frame or in a later one.
+  [[nodiscard]] bool frames_are_well_formed() const {
+    if (!frames_[0].empty()) return false;
+    for (u32 frame = 1; frame < frames_.size(); ++frame) {
+      for (const Cube& cube : frames_[frame]) {
+        if (!is_cube(cube) || meets_initial(cube, system_)) return false;
+        if (std::count(frames_[frame].begin(), frames_[frame].end(), cube) != 1) return false;
+      }
+    }
+    return true;
+  }
+
+  const Ic3Problem& problem_;
+  const TransitionSystem& system_;
+  Solver solver_{SolverStyle::Plain}, lift_solver_{SolverStyle::Plain};
   Cnf cnf_, lift_cnf_;
   Ic3Answer answer_;
-  std::vector<u32> bits_, steps_;                       // relevant rows
-  std::vector<Lit> now_, next_, lift_now_, lift_next_;  // by bit
-  Lit bad_ = 0, lift_bad_ = 0, going_ = 0;
-  std::vector<Signal> free_;               // inputs that are no bits
-  std::vector<std::vector<Cube>> frames_;  // lemmas by the last frame in which they hold
-  std::vector<Lit> switches_, to_drop_;
-  std::vector<Obligation> obligations_;
-  std::uint64_t questions_ = 0;
+  std::vector<u32> bits_, steps_;                       // rows in the cone of influence
+  std::vector<Lit> now_, next_, lift_now_, lift_next_;  // by bit; 0 outside of the cone
+  Lit bad_ = 0, lift_bad_ = 0;
+  Lit transition_activation_ = 0;          // the transition relation holds
+  std::vector<Signal> free_inputs_;        // inputs that are no state bits
+  std::vector<std::vector<Cube>> frames_;  // delta encoded: a lemma stands in the last frame in which it holds
+  std::vector<Lit> activation_;            // by frame; 0: the initial states
+  std::vector<Lit> stale_activations_;     // of clauses of satisfied queries
+  std::vector<ProofObligation> obligations_;
+  std::uint64_t query_count_ = 0;
   bool is_stopped_ = false;
 };
 
 }  // namespace
 
-Ic3Answer run_ic3(const Ic3Problem& problem) { return Pdr(problem).run(); }
+Ic3Answer run_ic3(const Ic3Problem& problem) { return Ic3(problem).run(); }
 
-bool meets_initial(const Cube& cube, const TransitionSystem& machine) {
-  return std::none_of(cube.begin(), cube.end(), [&](u32 code) {
-    const std::int8_t initial = machine.bits[code / 2].initial;
-    return initial >= 0 && initial != static_cast<std::int8_t>(code & 1);
+bool meets_initial(const Cube& cube, const TransitionSystem& system) {
+  return std::none_of(cube.begin(), cube.end(), [&](u32 cube_literal) {
+    const std::int8_t initial = system.bits[cube_bit(cube_literal)].initial;
+    return initial >= 0 && (initial != 0) != cube_value(cube_literal);
   });
 }
 

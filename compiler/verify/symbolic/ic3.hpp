@@ -1,37 +1,44 @@
-// Is a bad state reachable? Property-directed reachability: frames of clauses that over-approximate what n steps reach
-// are refined from bad states backwards until two frames agree (a proof) or a bad state is led back to the initial one
-// (a way there). Complete for a finite machine, given time.
+// IC3 / PDR: decides whether a bad state of a transition system is reachable.
 //
-// A. Bradley: SAT-Based Model Checking without Unrolling (2011). N. Een, A. Mishchenko, R. Brayton: Efficient
-// Implementation of Property Directed Reachability (2011). What is known to hold always (`invariants`) is assumed in
-// every frame.
+// Frames F_0, F_1, … are sets of clauses; F_k over-approximates the states that are reachable in at most k steps. Bad
+// states of the last frame become proof obligations, which are blocked by clauses that are inductive relative to the
+// frame before, or lead back to an initial state (a counterexample). Two equal frames are an inductive invariant (a
+// proof). Complete for a finite system, given time. Invariants that are known to hold strengthen every frame.
+//
+// A. Bradley: SAT-Based Model Checking without Unrolling (VMCAI 2011). N. Eén, A. Mishchenko, R. Brayton: Efficient
+// Implementation of Property Directed Reachability (FMCAD 2011). Departures are listed in ic3.cpp.
 #pragma once
 #include "compiler/verify/symbolic/transition_system.hpp"
 #include "compiler/verify/portfolio/prove_by_invariants.hpp"
 
 namespace bip::verify {
 
-/// Bit rows with values: 2 * row + value. A cube is all of them at once, a lemma says that it never is.
+/// A conjunction of literals over state bits, sorted, each bit at most once; literal 2 * bit + value. A lemma is the
+/// negation of a cube: a clause.
 using Cube = std::vector<u32>;
-/// May the initial state be one of the cube's?
-[[nodiscard]] bool meets_initial(const Cube& cube, const TransitionSystem& machine);
+[[nodiscard]] constexpr u32 cube_bit(u32 cube_literal) { return cube_literal / 2; }
+[[nodiscard]] constexpr bool cube_value(u32 cube_literal) { return (cube_literal & 1) != 0; }
+[[nodiscard]] constexpr u32 cube_literal_of(u32 bit, bool value) { return 2 * bit + (value ? 1 : 0); }
+/// Does the cube contain an initial state? Bits without a known initial value may have either.
+[[nodiscard]] bool meets_initial(const Cube& cube, const TransitionSystem& system);
 
 enum class Ic3End : std::uint8_t { Safe, Reached, Stopped };
 struct Ic3Problem {
-  const TransitionSystem* machine = nullptr;
+  const TransitionSystem* system = nullptr;
   Signal bad = kFalse;                          // may depend on the chosen step
-  std::vector<std::vector<Signal>> invariants;  // clauses over what is now, true in every reachable state
+  std::vector<std::vector<Signal>> invariants;  // clauses over current values, true in every reachable state
   CancellationToken cancellation;
-  std::function<void(u32 frame, std::size_t lemmas)> report;  // called now and then; may be empty
+  std::function<void(u32 frame, std::size_t lemmas)> report;  // called every 64 queries; may be empty
 };
 struct Ic3Answer {
   Ic3End end = Ic3End::Stopped;
-  std::vector<Cube> lemmas;  // Safe: none of them is ever entered; inductive with the invariants
+  std::vector<Cube> lemmas;  // Safe: cubes that are never entered; inductive together with the invariants
   std::vector<u32> steps;    // Reached: rows of TransitionSystem::steps from the initial state
   u32 bad_step = kNoRow;     // Reached: the step that is bad itself, if the property is about steps
   u32 frames = 0;
 };
 
+/// Runs until an answer or the problem is cancelled. Cost: one SAT query per generalised literal and propagated lemma.
 [[nodiscard]] Ic3Answer run_ic3(const Ic3Problem& problem);
 
 }  // namespace bip::verify

@@ -11,13 +11,13 @@ namespace {
 constexpr std::size_t kMaxPairs = 12;
 
 // Its places and no others are marked, its known values hold.
-Signal mode_signal(const Net& net, u32 mode, TransitionSystem& machine, const rt::Image& image) {
+Signal mode_signal(const Net& net, u32 mode, TransitionSystem& transition_system, const rt::Image& image) {
   const u32 atom = net.atom_of_mode[mode];
   const ModeClass& row = net.class_at(atom);
   const Mode& of = row.modes[mode - net.mode_base[atom]];
   const AtomType& type = net.system->atom_types[row.type];
-  Aig& c = machine.circuit;
-  const std::vector<Signal>& marks = machine.marks[atom];
+  Aig& c = transition_system.aig;
+  const std::vector<Signal>& marks = transition_system.marks[atom];
   Signal result = kTrue;
   std::vector<std::uint8_t> is_marked(marks.size(), 0);
   for (u32 place : of.places) {
@@ -25,12 +25,12 @@ Signal mode_signal(const Net& net, u32 mode, TransitionSystem& machine, const rt
     result = c.make_and(result, marks[place]);
   }
   bool is_alone = of.places.size() == 1;
-  is_alone = is_alone && machine.is_automaton[atom] != 0;
+  is_alone = is_alone && transition_system.is_automaton[atom] != 0;
   for (std::size_t p = 0; p < marks.size() && !is_alone; ++p) {
     if (is_marked[p] == 0) result = c.make_and(result, negated(marks[p]));
   }
   for (std::size_t k = 0; k < type.variables.size(); ++k) {
-    const Word& word = machine.words[image.atoms[atom].first_cell + k];
+    const Word& word = transition_system.words[image.atoms[atom].first_cell + k];
     if (row.followed[k] == 0 || !of.values[k].is_known || word.empty()) continue;
     // A string without row is "" in a system without strings.
     const bool is_nothing = type.variables[k].type == Type::String && of.values[k].value < 0;
@@ -50,7 +50,8 @@ bool may_overlap(const ModeClass& row) {
 
 }  // namespace
 
-ModeSignals mode_signals(const Net& net, const Proof& proof, TransitionSystem& machine, const rt::Image& image) {
+ModeSignals mode_signals(const Net& net, const Proof& proof, TransitionSystem& transition_system,
+                         const rt::Image& image) {
   ModeSignals result;
   for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
     const bool overlaps = may_overlap(net.class_at(atom));
@@ -58,9 +59,9 @@ ModeSignals mode_signals(const Net& net, const Proof& proof, TransitionSystem& m
     for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
       result.modes.push_back(kFalse);
       if (proof.reachable[mode] == 0) continue;
-      Signal signal = mode_signal(net, mode, machine, image);
+      Signal signal = mode_signal(net, mode, transition_system, image);
       if (overlaps) {
-        const Signal is_it = machine.circuit.make_input();
+        const Signal is_it = transition_system.aig.make_input();
         result.clauses.push_back({negated(is_it), signal});
         for (Signal other : here) result.clauses.push_back({negated(other), negated(is_it)});
         signal = is_it;
@@ -73,16 +74,16 @@ ModeSignals mode_signals(const Net& net, const Proof& proof, TransitionSystem& m
   return result;
 }
 
-std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof, TransitionSystem& machine,
+std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof, TransitionSystem& transition_system,
                                               const rt::Image& image) {
-  ModeSignals all = mode_signals(net, proof, machine, image);
+  ModeSignals all = mode_signals(net, proof, transition_system, image);
   const std::vector<Signal>& signals = all.modes;
   std::vector<std::vector<Signal>>& clauses = all.clauses;
   for (const TokenInvariant& invariant : proof.invariants) {
     if (invariant.kind == InvariantKind::Sum) {
       WeightedSum sum;
       if (build_weighted_sum(net, invariant, proof.reachable, sum))
-        clauses.push_back({weighted_sum_signal(sum, signals, machine.circuit)});
+        clauses.push_back({weighted_sum_signal(sum, signals, transition_system.aig)});
       continue;
     }
     clauses.emplace_back();
@@ -98,19 +99,19 @@ std::vector<std::vector<Signal>> mode_clauses(const Net& net, const Proof& proof
   return std::move(all.clauses);
 }
 
-bool ranges_hold(const TransitionSystem& machine, const CancellationToken& cancellation) {
-  if (machine.next_in_range == kTrue) return true;
+bool ranges_hold(const TransitionSystem& transition_system, const CancellationToken& cancellation) {
+  if (transition_system.next_in_range == kTrue) return true;
   Solver solver;
-  Cnf cnf(machine.circuit, solver);
+  Cnf cnf(transition_system.aig, solver);
   std::vector<Lit> chosen;
-  for (const SystemStep& step : machine.steps) {
+  for (const SystemStep& step : transition_system.steps) {
     chosen.push_back(cnf.literal(step.chosen));
     solver.add({-chosen.back(), cnf.literal(step.fine)});
   }
   solver.add(chosen);
   add_at_most_one(solver, chosen);
-  cnf.add_state(machine);
-  solver.add({-cnf.literal(machine.next_in_range)});
+  cnf.add_state(transition_system);
+  solver.add({-cnf.literal(transition_system.next_in_range)});
   return solver.solve(cancellation) == Answer::Unsatisfiable;
 }
 

@@ -29,13 +29,14 @@ std::optional<std::uint64_t> candidate_of(rt::Core& core, const SystemStep& step
   return std::nullopt;
 }
 
-std::optional<std::vector<std::uint64_t>> replay_to_fault(const rt::Image& image, const TransitionSystem& machine,
+std::optional<std::vector<std::uint64_t>> replay_to_fault(const rt::Image& image,
+                                                          const TransitionSystem& transition_system,
                                                           const std::vector<std::uint32_t>& steps) {
   rt::Core core(image);
   if (!core.initialize()) return std::vector<std::uint64_t>{};
   std::vector<std::uint64_t> choices;
   for (std::uint32_t row : steps) {
-    const std::optional<std::uint64_t> k = candidate_of(core, machine.steps[row]);
+    const std::optional<std::uint64_t> k = candidate_of(core, transition_system.steps[row]);
     if (!k) return std::nullopt;
     choices.push_back(*k);
     if (!core.fire(*k)) return choices;
@@ -43,13 +44,14 @@ std::optional<std::vector<std::uint64_t>> replay_to_fault(const rt::Image& image
   return std::nullopt;
 }
 
-std::optional<std::vector<std::uint64_t>> replay_steps(const rt::Image& image, const TransitionSystem& machine,
+std::optional<std::vector<std::uint64_t>> replay_steps(const rt::Image& image,
+                                                       const TransitionSystem& transition_system,
                                                        const std::vector<std::uint32_t>& steps) {
   rt::Core core(image);
   if (!core.initialize()) return std::nullopt;
   std::vector<std::uint64_t> choices;
   for (std::uint32_t row : steps) {
-    const std::optional<std::uint64_t> k = candidate_of(core, machine.steps[row]);
+    const std::optional<std::uint64_t> k = candidate_of(core, transition_system.steps[row]);
     if (!k || !core.fire(*k)) return std::nullopt;
     choices.push_back(*k);
   }

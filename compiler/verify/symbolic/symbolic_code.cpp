@@ -7,9 +7,9 @@ namespace bip::verify {
 
 Word SymbolicCode::any(Type type) {
   if (!is_followed(type)) return {};
-  if (type == Type::Bool) return word_of_bool(c_.make_input());
+  if (type == Type::Bool) return word_of_bool(aig_.make_input());
   Word w;
-  for (int k = 0; k < 32; ++k) w.push_back(c_.make_input());
+  for (int k = 0; k < 32; ++k) w.push_back(aig_.make_input());
   return w;
 }
 
@@ -17,7 +17,7 @@ Word SymbolicCode::merged(Signal condition, const Word& yes, const Word& no, Typ
   if (condition == kTrue) return yes;
   if (condition == kFalse) return no;
   if (yes.empty() || no.empty()) return is_followed(type) ? any(type) : Word{};
-  return make_ite(c_, condition, yes, no);
+  return make_ite(aig_, condition, yes, no);
 }
 
 Word SymbolicCode::call(const Expr& e, const Variables& variables, Signal condition, Signal& fault) {
@@ -41,14 +41,14 @@ Word SymbolicCode::binary(const Expr& e, const Word& a, const Word& b, Signal co
   if (e.op == Op::Div || e.op == Op::Mod) {
     if (e.type != Type::Int) return {};
     if (a.empty() || b.empty()) {
-      fault = c_.make_or(fault, c_.make_and(condition, c_.make_input()));
+      fault = aig_.make_or(fault, aig_.make_and(condition, aig_.make_input()));
       return any(Type::Int);
     }
-    const Signal by_zero = equal(c_, b, word_of(0));
+    const Signal by_zero = equal(aig_, b, word_of(0));
     const Signal overflows =
-        c_.make_and(equal(c_, a, word_of(std::numeric_limits<std::int32_t>::min())), equal(c_, b, word_of(-1)));
-    fault = c_.make_or(fault, c_.make_and(condition, c_.make_or(by_zero, overflows)));
-    const Division d = divide(c_, a, b);
+        aig_.make_and(equal(aig_, a, word_of(std::numeric_limits<std::int32_t>::min())), equal(aig_, b, word_of(-1)));
+    fault = aig_.make_or(fault, aig_.make_and(condition, aig_.make_or(by_zero, overflows)));
+    const Division d = divide(aig_, a, b);
     return e.op == Op::Div ? d.quotient : d.remainder;
   }
   if (a.empty() || b.empty()) {
@@ -56,18 +56,18 @@ Word SymbolicCode::binary(const Expr& e, const Word& a, const Word& b, Signal co
     return any(e.type);
   }
   switch (e.op) {
-    case Op::Add: return add(c_, a, b);
-    case Op::Sub: return subtract(c_, a, b);
-    case Op::Mul: return multiply(c_, a, b);
-    case Op::BitAnd: return bitwise_and(c_, a, b);
-    case Op::BitOr: return bitwise_or(c_, a, b);
-    case Op::BitXor: return bitwise_xor(c_, a, b);
-    case Op::Eq: return word_of_bool(equal(c_, a, b));
-    case Op::Ne: return word_of_bool(negated(equal(c_, a, b)));
-    case Op::Lt: return word_of_bool(less(c_, a, b));
-    case Op::Gt: return word_of_bool(less(c_, b, a));
-    case Op::Le: return word_of_bool(negated(less(c_, b, a)));
-    case Op::Ge: return word_of_bool(negated(less(c_, a, b)));
+    case Op::Add: return add(aig_, a, b);
+    case Op::Sub: return subtract(aig_, a, b);
+    case Op::Mul: return multiply(aig_, a, b);
+    case Op::BitAnd: return bitwise_and(aig_, a, b);
+    case Op::BitOr: return bitwise_or(aig_, a, b);
+    case Op::BitXor: return bitwise_xor(aig_, a, b);
+    case Op::Eq: return word_of_bool(equal(aig_, a, b));
+    case Op::Ne: return word_of_bool(negated(equal(aig_, a, b)));
+    case Op::Lt: return word_of_bool(less(aig_, a, b));
+    case Op::Gt: return word_of_bool(less(aig_, b, a));
+    case Op::Le: return word_of_bool(negated(less(aig_, b, a)));
+    case Op::Ge: return word_of_bool(negated(less(aig_, a, b)));
     default: return any(e.type);
   }
 }
@@ -89,9 +89,9 @@ Word SymbolicCode::evaluate(ExprId id, const Variables& variables, Signal condit
       if (a.empty()) a = any(Type::Bool);
       const Signal goes_on = e.op == Op::And ? a[0] : negated(a[0]);
       if (goes_on == kFalse) return a;
-      Word b = evaluate(e.b, variables, c_.make_and(condition, goes_on), fault);
+      Word b = evaluate(e.b, variables, aig_.make_and(condition, goes_on), fault);
       if (b.empty()) b = any(Type::Bool);
-      return word_of_bool(e.op == Op::And ? c_.make_and(a[0], b[0]) : c_.make_or(a[0], b[0]));
+      return word_of_bool(e.op == Op::And ? aig_.make_and(a[0], b[0]) : aig_.make_or(a[0], b[0]));
     }
     case Op::Neg:
     case Op::Not:
@@ -99,7 +99,7 @@ Word SymbolicCode::evaluate(ExprId id, const Variables& variables, Signal condit
       const Word a = evaluate(e.a, variables, condition, fault);
       if (a.empty()) return any(e.type);
       if (e.op == Op::Not) return word_of_bool(negated(a[0]));
-      return e.op == Op::Neg ? negate(c_, a) : complement(a);
+      return e.op == Op::Neg ? negate(aig_, a) : complement(a);
     }
     default: {
       const Word a = evaluate(e.a, variables, condition, fault);
@@ -112,7 +112,7 @@ Word SymbolicCode::evaluate(ExprId id, const Variables& variables, Signal condit
 Signal SymbolicCode::test(ExprId guard, const Variables& variables, Signal condition, Signal& fault) {
   if (!guard.is_valid()) return kTrue;
   const Word w = evaluate(guard, variables, condition, fault);
-  return w.empty() ? c_.make_input() : w[0];
+  return w.empty() ? aig_.make_input() : w[0];
 }
 
 void SymbolicCode::execute(StmtId body, const Variables& variables, Signal condition, Signal& fault) {
@@ -132,8 +132,8 @@ void SymbolicCode::execute(StmtId body, const Variables& variables, Signal condi
       }
       case StmtOp::If: {
         const Signal holds = test(s.value, variables, condition, fault);
-        execute(s.then_body, variables, c_.make_and(condition, holds), fault);
-        execute(s.else_body, variables, c_.make_and(condition, negated(holds)), fault);
+        execute(s.then_body, variables, aig_.make_and(condition, holds), fault);
+        execute(s.else_body, variables, aig_.make_and(condition, negated(holds)), fault);
         break;
       }
       case StmtOp::Call: (void)evaluate(s.value, variables, condition, fault); break;

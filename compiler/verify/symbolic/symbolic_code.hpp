@@ -1,4 +1,4 @@
-// Guards, actions and transfers as circuits, bit by bit as the language defines them.
+// Guards, actions and transfers as AIGs, bit by bit as the language defines them.
 //
 // int, bool and string (row of the string table) are exact. What a float, an FFI value or a call of C++ gives is any
 // value: a comparison with it is a new input, and the place is noted, so that a verdict can name what it could not see.
@@ -16,11 +16,11 @@ struct Variables {
   std::function<Word(std::uint32_t)> self, bind;
   std::function<void(std::uint32_t, Word)> set_self, set_bind;
 };
-/// Returns whether circuits follow values of the type exactly, as words of 32 bits (a bool: two).
+/// Returns whether AIGs follow values of the type exactly, as words of 32 bits (a bool: two).
 [[nodiscard]] constexpr bool is_followed(Type type) {
   return type == Type::Int || type == Type::Bool || type == Type::String;
 }
-/// What circuits do not follow exactly.
+/// What AIGs do not follow exactly.
 struct Imprecision {
   Loc loc{};
   std::string what;  // "a float", "a call of `f`"
@@ -31,7 +31,7 @@ struct Imprecision {
 
 class SymbolicCode {
  public:
-  SymbolicCode(Aig& circuit, const CodeTable& code) : c_(circuit), code_(code) {}
+  SymbolicCode(Aig& aig, const CodeTable& code) : aig_(aig), code_(code) {}
 
   /// A new value of the type; empty for types that are not followed.
   [[nodiscard]] Word any(Type type);
@@ -49,7 +49,7 @@ class SymbolicCode {
   [[nodiscard]] Word binary(const Expr& e, const Word& a, const Word& b, Signal condition, Signal& fault);
   [[nodiscard]] Word merged(Signal condition, const Word& yes, const Word& no, Type type);
 
-  Aig& c_;
+  Aig& aig_;
   const CodeTable& code_;
   std::set<Imprecision> vague_;
 };

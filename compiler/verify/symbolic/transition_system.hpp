@@ -1,4 +1,4 @@
-// The system as a sequential circuit: bits for what stable states are made of, inputs for the choice of a step, and the
+// The system as a sequential AIG: bits for what stable states are made of, inputs for the choice of a step, and the
 // next value of each bit. Exact for places, bool, int and string; what floats and C++ do is any value (`imprecisions`).
 //
 // An atom has one bit a place (exactly one of them if it is an automaton) and, a variable, as many as its range needs.
@@ -33,7 +33,7 @@ struct SystemStep {
   std::vector<std::pair<std::uint32_t, Signal>> parts;  // port instances, and when they take part
 };
 struct TransitionSystem {
-  Aig circuit;
+  Aig aig;
   std::vector<StateBit> bits;
   std::vector<SystemStep> steps;
   std::vector<std::vector<std::uint32_t>> exactly_one;  // rows of bits
@@ -50,7 +50,7 @@ struct TransitionSystem {
   std::vector<Signal> port_is_on;          // by port instance
   std::vector<Signal> connector_can;  // by connector: it has a candidate that nothing hides (none if it exports a port)
   bool starts_with_fault = false;
-  std::string unsupported;  // not empty: why there is no machine
+  std::string unsupported;  // not empty: why there is no transition system
   std::set<Imprecision> imprecisions;
 };
 

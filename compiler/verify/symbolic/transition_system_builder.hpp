@@ -16,8 +16,8 @@ class TransitionSystemBuilder {
       : system_(system),
         image_(image),
         tables_(rt::link(image, rt::MaximalProgress::On)),
-        c_(m_.circuit),
-        code_(c_, system.code) {}
+        aig_(transition_system_.aig),
+        code_(aig_, system.code) {}
   TransitionSystem build();
 
  private:
@@ -39,7 +39,7 @@ class TransitionSystemBuilder {
     Local to;
   };
 
-  // machine_atoms.cpp
+  // encode_atoms.cpp
   void add_state();
   void add_ports();
   void hide_ports(u32 atom);
@@ -56,7 +56,7 @@ class TransitionSystemBuilder {
   void finish_state();
   [[nodiscard]] Signal fits(const Word& word, const Range& range);
 
-  // machine_tree.cpp
+  // connector_tree.cpp
   enum class Kind : std::uint8_t { Group, Leaf, Link, Choice };
   struct Node {
     Kind kind = Kind::Group;
@@ -81,7 +81,7 @@ class TransitionSystemBuilder {
     std::map<u32, Local> atoms;
     std::map<u32, Word> frames;  // by row among all variables
   };
-  // machine_connectors.cpp
+  // encode_connectors.cpp
   void add_connectors();
   void add_internal_ports();
   void add_connector(u32 variable, u32 connector);
@@ -106,7 +106,7 @@ class TransitionSystemBuilder {
   void add_step(u32 variable, const Tree& tree, const std::vector<Signal>& chosen, Store store, Signal candidate);
   void record(Signal when, u32 port, const Local& before, const Post& post);
 
-  // machine_priorities.cpp
+  // encode_priorities.cpp
   void apply_priorities();
   [[nodiscard]] Signal matches(const rt::Priority& rule, bool high, const SystemStep& step,
                                const std::vector<Signal>& params);
@@ -114,8 +114,8 @@ class TransitionSystemBuilder {
   const System& system_;
   const rt::Image& image_;
   rt::Tables tables_;
-  TransitionSystem m_;
-  Aig& c_;
+  TransitionSystem transition_system_;
+  Aig& aig_;
   SymbolicCode code_;
   std::vector<Local> now_;                      // by atom
   std::vector<std::vector<Signal>> enabled_;    // by atom, by transition

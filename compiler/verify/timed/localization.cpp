@@ -1,17 +1,19 @@
-// See localization.hpp. Cost: the types and connectors of the members, and a copy of the code.
+// See localization.hpp.
 #include "compiler/verify/timed/localization.hpp"
 
 #include <algorithm>
 #include <map>
 #include <set>
 
+#include "compiler/base/assert.hpp"
+#include "compiler/base/log.hpp"
 #include "compiler/verify/timed/localize_guard.hpp"
 
 namespace bip::verify {
 
 namespace {
 
-// Ports of a connector that is cut, where any set of them may take part.
+// Member ports of a localized connector of which any subset may take part.
 constexpr std::size_t kMaxLeaves = 5;
 
 template <class T>
@@ -20,21 +22,21 @@ void sort_unique(std::vector<T>& rows) {
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
 }
 
-class Cutter {
+class Localizer {
  public:
-  Cutter(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read,
-         const KnownVariable& constant, const std::vector<u32>& members)
+  Localizer(const System& whole, const Neighbours& neighbours, const std::vector<std::vector<std::uint8_t>>& is_read,
+            const VariableFacts& constant, const std::vector<u32>& members)
       : whole_(whole), neighbours_(neighbours), is_read_(is_read), constant_(constant) {
-    part_.members = members;
+    local_.members = members;
   }
 
-  LocalizedSystem cut() {
-    System& to = part_.system;
+  LocalizedSystem run() {
+    System& to = local_.system;
     to.files = whole_.files;
     to.code = whole_.code;
     to.port_types = whole_.port_types;
     to.compounds.push({.path = "ROOT", .type = "Part", .parent = {}});
-    for (const u32 row : part_.members) {
+    for (const u32 row : local_.members) {
       Atom atom = whole_.atoms[AtomId(std::size_t{row})];
       atom.type = to.atom_types.push(whole_.atom_types[atom.type]);
       atom.path = "ROOT.a" + std::to_string(to.atoms.size());
@@ -43,7 +45,7 @@ class Cutter {
       new_atom_[row] = to.atoms.push(std::move(atom));
     }
     std::vector<u32> tops;
-    for (const u32 row : part_.members)
+    for (const u32 row : local_.members)
       tops.insert(tops.end(), neighbours_.tops_of(row).begin(), neighbours_.tops_of(row).end());
     sort_unique(tops);
     std::vector<u32> inside, trees;
@@ -55,14 +57,14 @@ class Cutter {
         trees.insert(trees.end(), top.tree.begin(), top.tree.end());
         continue;
       }
-      cut_through(top);
-      if (!part_.problem.empty() || !part_.needed.empty()) return std::move(part_);
+      localize_connector(top);
+      if (!local_.obstacle.empty() || !local_.required.empty()) return std::move(local_);
     }
-    // A connector comes after those that it is bound to.
+    // Copies in ascending order: a connector comes after those that it is bound to.
     sort_unique(trees);
-    for (const u32 row : trees) keep(ConnectorId(std::size_t{row}));
-    for (const auto& [leaves, guards] : cuts_) {
-      for (const auto& [text, guard] : guards) add_cut(leaves, guard);
+    for (const u32 row : trees) copy_connector(ConnectorId(std::size_t{row}));
+    for (const auto& [leaves, guards] : environment_) {
+      for (const auto& [text, guard] : guards) add_environment_connector(leaves, guard);
     }
     if (!whole_.priorities.empty()) {
       for (AtomType& type : to.atom_types) {
@@ -71,11 +73,16 @@ class Cutter {
         }
       }
     }
-    return std::move(part_);
+    BIP_ASSERT(local_.is_whole.size() == to.connectors.size(), "{} marks of {} connectors", local_.is_whole.size(),
+               to.connectors.size());
+    BIP_LOG(Time, 2, "localized to {} components, {} connectors", local_.members.size(), to.connectors.size());
+    return std::move(local_);
   }
 
  private:
-  void cut_through(const Neighbours::Top& top) {
+  // Adds the steps that the member ports of a connector with other components may take; reports what cannot be
+  // localized.
+  void localize_connector(const Neighbours::Top& top) {
     std::vector<Neighbours::Leaf> inside;
     for (const Neighbours::Leaf& leaf : top.leaves) {
       if (new_atom_.count(leaf.atom) != 0) inside.push_back(leaf);
@@ -86,17 +93,17 @@ class Cutter {
     });
     if (inside.empty()) return;
     if (writes || top.is_sync) {
-      part_.needed = top.atoms;
+      local_.required = top.atoms;
       return;
     }
     if (!top.is_plain && inside.size() > kMaxLeaves) {
-      part_.problem = "`" + whole_.connectors[top.connector].path + "` has too many ports in it";
+      local_.obstacle = "`" + whole_.connectors[top.connector].path + "` has too many ports in it";
       return;
     }
     if (top.is_plain) {
-      const LocalizedGuard guard = cut_guard(whole_, top, part_.system.code, constant_, inside);
-      // One without a guard allows what others would.
-      std::map<std::vector<std::int64_t>, ExprId>& guards = cuts_[inside];
+      const LocalizedGuard guard = localize_guard(whole_, top, local_.system.code, constant_, inside);
+      // A rendezvous of the same ports without a guard subsumes those with guards.
+      std::map<std::vector<std::int64_t>, ExprId>& guards = environment_[inside];
       if (guard.text.empty()) guards.clear();
       if (guards.count({}) == 0) guards[guard.text] = guard.guard;
     }
@@ -108,50 +115,50 @@ class Cutter {
         is_twice = is_twice || (!chosen.empty() && chosen.back().atom == inside[k].atom);
         chosen.push_back(inside[k]);
       }
-      if (!is_twice) cuts_[chosen] = {{{}, ExprId()}};
+      if (!is_twice) environment_[chosen] = {{{}, ExprId()}};
     }
     for (const Neighbours::Leaf& leaf : inside) {
-      AtomType& type = part_.system.atom_types[part_.system.atoms[new_atom_[leaf.atom]].type];
+      AtomType& type = local_.system.atom_types[local_.system.atoms[new_atom_[leaf.atom]].type];
       for (Transition& t : type.transitions) {
         if (t.port == leaf.port) t.urgency = Urgency::Lazy;
       }
     }
   }
 
-  PortRef moved(PortRef ref) {
+  PortRef translated(PortRef ref) {
     if (ref.kind == PortRef::Kind::Atom) ref.atom = new_atom_.at(ref.atom.value);
     else if (ref.kind == PortRef::Kind::Connector) ref.connector = new_connector_.at(ref.connector.value);
     else ref.choice = choice(ref.choice);
     return ref;
   }
   u32 choice(u32 row) {
-    const auto [at, is_new] = new_choice_.try_emplace(row, static_cast<u32>(part_.system.choices.size()));
-    if (!is_new) return at->second;
-    const u32 number = at->second;
+    const auto [entry, is_new] = new_choice_.try_emplace(row, static_cast<u32>(local_.system.choices.size()));
+    if (!is_new) return entry->second;
+    const u32 number = entry->second;
     Choice copy = whole_.choices[row];
-    part_.system.choices.emplace_back();
-    // No choice is among them.
-    for (PortRef& port : copy.ports) port = moved(port);
-    part_.system.choices[number] = std::move(copy);
+    local_.system.choices.emplace_back();
+    // A choice contains no choices.
+    for (PortRef& port : copy.ports) port = translated(port);
+    local_.system.choices[number] = std::move(copy);
     return number;
   }
 
-  void keep(ConnectorId id) {
+  void copy_connector(ConnectorId id) {
     Connector connector = whole_.connectors[id];
-    const auto [at, is_new] = new_type_.try_emplace(connector.type.value);
-    if (is_new) at->second = part_.system.connector_types.push(whole_.connector_types[connector.type]);
-    connector.type = at->second;
-    connector.path = "ROOT.c" + std::to_string(part_.system.connectors.size());
+    const auto [entry, is_new] = new_type_.try_emplace(connector.type.value);
+    if (is_new) entry->second = local_.system.connector_types.push(whole_.connector_types[connector.type]);
+    connector.type = entry->second;
+    connector.path = "ROOT.c" + std::to_string(local_.system.connectors.size());
     connector.parent = CompoundId(std::size_t{0});
     connector.loc = {};
-    for (PortRef& port : connector.ports) port = moved(port);
+    for (PortRef& port : connector.ports) port = translated(port);
     for (DataRef& data : connector.data) data.atom = new_atom_.at(data.atom.value);
-    new_connector_[id.value] = part_.system.connectors.push(std::move(connector));
-    part_.is_whole.push_back(1);
+    new_connector_[id.value] = local_.system.connectors.push(std::move(connector));
+    local_.is_whole.push_back(1);
   }
 
-  void add_cut(const std::vector<Neighbours::Leaf>& leaves, ExprId guard) {
-    System& to = part_.system;
+  void add_environment_connector(const std::vector<Neighbours::Leaf>& leaves, ExprId guard) {
+    System& to = local_.system;
     ConnectorType type;
     type.name = "Cut" + std::to_string(to.connectors.size());
     type.define.emplace_back();
@@ -180,16 +187,16 @@ class Cutter {
     }
     connector.type = to.connector_types.push(std::move(type));
     to.connectors.push(std::move(connector));
-    part_.is_whole.push_back(0);
+    local_.is_whole.push_back(0);
   }
 
   const System& whole_;
   const Neighbours& neighbours_;
   const std::vector<std::vector<std::uint8_t>>& is_read_;
-  LocalizedSystem part_;
-  const KnownVariable& constant_;
+  LocalizedSystem local_;
+  const VariableFacts& constant_;
   std::map<std::vector<Neighbours::Leaf>, std::map<std::vector<std::int64_t>, ExprId>>
-      cuts_;  // what several would leave of themselves is there once
+      environment_;  // the environment's steps by ports, then by guard text: each once
   std::map<u32, AtomId> new_atom_;
   std::map<u32, ConnectorId> new_connector_;
   std::map<u32, ConnectorTypeId> new_type_;
@@ -273,9 +280,10 @@ void Neighbours::walk(const System& system, Top& top) {
 }
 
 LocalizedSystem localize(const System& whole, const Neighbours& neighbours,
-                         const std::vector<std::vector<std::uint8_t>>& is_read, const KnownVariable& constant,
+                         const std::vector<std::vector<std::uint8_t>>& is_read, const VariableFacts& constant,
                          const std::vector<u32>& members) {
-  return Cutter(whole, neighbours, is_read, constant, members).cut();
+  BIP_ASSERT(std::is_sorted(members.begin(), members.end()), "{} members", members.size());
+  return Localizer(whole, neighbours, is_read, constant, members).run();
 }
 
 }  // namespace bip::verify

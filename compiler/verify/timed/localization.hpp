@@ -1,13 +1,18 @@
-// A few components of a system as a system of their own, in which the others may do anything: what the whole does, seen
-// through these components, the part does, too, at the same instants.
+// Localization abstraction: a few components of a system as a system of their own, in an environment that may do
+// anything. An over-approximation: whatever the whole does, seen through these components, the local system does at the
+// same instants.
 //
-// A connector all of whose components are in the part stays what it is. Of any other only its ports in the part are
-// left, as steps that may be taken whenever these are enabled and that nobody is in a hurry to take: a rendezvous of
-// all of them, or, where triggers, merged ports or other connectors decide who takes part, each set of them. Of a
-// rendezvous' guard stays what is decided in the part and by data of others that never change. Rules between connectors
-// only hide steps and are left out, with the urgency of what they might hide. What a cut connector would write into
-// data that is read, or let resume together, cannot be cut: the components that belong to it are told instead. Names
-// and places in the source are left out: parts that are alike are equal.
+// R. Kurshan: Computer-Aided Verification of Coordinating Processes (1994), section 8.1, localization reduction. E.
+// Clarke, O. Grumberg, S. Jha, Y. Lu, H. Veith: Counterexample-Guided Abstraction Refinement (2000): prove_time.hpp
+// adds neighbours where an answer stays open.
+//
+// A connector whose components are all members is copied. Of any other one the member ports are left, as lazy
+// (non-urgent) steps that may be taken whenever these ports are enabled: a rendezvous of all of them, or, where
+// triggers, merged ports or other connectors decide who takes part, each subset. The guard of a rendezvous is weakened
+// to the conjuncts that members and constant data of others decide (localize_guard.hpp). Priorities only hide steps and
+// are left out, together with the urgency of what they might hide. A connector that writes data that is read, or lets
+// members resume together, cannot be localized: its components are reported as required members. Names and places in
+// the source are left out, so that equal local systems have equal texts.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -21,7 +26,7 @@ namespace bip::verify {
 
 using u32 = std::uint32_t;
 
-/// Who takes part in what: the connectors whose interactions are steps, with all components that are below them.
+/// The neighbour relation: the connectors whose interactions are steps, with all components below them.
 class Neighbours {
  public:
   struct Leaf {
@@ -39,7 +44,7 @@ class Neighbours {
   };
   explicit Neighbours(const System& system);
   [[nodiscard]] const std::vector<Top>& tops() const { return tops_; }
-  /// Rows of tops that an atom belongs to, ascending.
+  /// Returns the rows of tops that an atom belongs to, ascending.
   [[nodiscard]] const std::vector<u32>& tops_of(u32 atom) const { return of_atom_[atom]; }
 
  private:
@@ -49,22 +54,23 @@ class Neighbours {
 };
 
 struct LocalizedSystem {
-  std::string problem;      // not empty: it cannot be cut out
-  std::vector<u32> needed;  // not empty: only with these atoms, too
+  std::string obstacle;       // not empty: why these members cannot be localized
+  std::vector<u32> required;  // not empty: no system; these atoms have to be members, too
   System system;
-  std::vector<u32> members;            // by atom of the part: its row in the whole; ascending
-  std::vector<std::uint8_t> is_whole;  // by connector of the part
+  std::vector<u32> members;            // by atom of the local system: its row in the whole; ascending
+  std::vector<std::uint8_t> is_whole;  // by connector of the local system: it is a copy
 };
 
-/// What is known of an atom's variable.
-using KnownVariable = std::function<AbstractValue(u32 atom, u32 variable)>;
+/// Returns the value of an atom's variable where it is known.
+using VariableFacts = std::function<AbstractValue(u32 atom, u32 variable)>;
 
-/// members: ascending rows of atoms. is_read: find_read_data of the whole. constant: of what never changes.
+/// Localizes a system to some members (ascending rows of atoms). `is_read`: find_read_data of the whole. `constant`:
+/// the values that never change. Cost: the types and connectors of the members, and a copy of the code.
 [[nodiscard]] LocalizedSystem localize(const System& whole, const Neighbours& neighbours,
                                        const std::vector<std::vector<std::uint8_t>>& is_read,
-                                       const KnownVariable& constant, const std::vector<u32>& members);
+                                       const VariableFacts& constant, const std::vector<u32>& members);
 
-/// May the guard of a rendezvous be true where this is known of its atoms? Of others than rendezvous: yes.
-[[nodiscard]] bool may_hold(const System& system, const Neighbours::Top& top, const KnownVariable& value);
+/// May the guard of a rendezvous be true for these values of its atoms? Of other connectors: yes.
+[[nodiscard]] bool may_hold(const System& system, const Neighbours::Top& top, const VariableFacts& value);
 
 }  // namespace bip::verify

@@ -8,7 +8,7 @@ namespace bip::verify {
 
 namespace {
 
-// Nested as deep as the source, which the parser limits; beyond this a guard is not looked at.
+// Deeper guards count as true. The parser limits the nesting of sources.
 constexpr u32 kMaxGuardDepth = 500;
 
 // The guard of a connector of atoms' ports, if it decides the rendezvous and reads nothing but their variables. Else
@@ -31,17 +31,17 @@ std::optional<Source> source_of(const System& system, const Connector& connector
     const PortRef& ref = connector.ports[p];
     const std::vector<u32>& variables = system.atom_types[system.atoms[ref.atom].type].ports[ref.port].variables;
     const u32 variable = bind - type.params[p].first_bind;
-    // Others' data come after all variables.
+    // Data that a connector reads beside its ports stand after all port variables.
     if (variable >= variables.size()) return std::nullopt;
     return Source{ref.atom.value, ref.port, variable, variables[variable]};
   }
   return std::nullopt;
 }
 
-class Reducer {
+class GuardWeakener {
  public:
-  Reducer(const System& system, const Connector& connector, CodeTable& code, const KnownVariable& constant,
-          const std::vector<Neighbours::Leaf>& inside)
+  GuardWeakener(const System& system, const Connector& connector, CodeTable& code, const VariableFacts& constant,
+                const std::vector<Neighbours::Leaf>& inside)
       : system_(system), connector_(connector), code_(code), constant_(constant), inside_(inside) {
     u32 binds = 0;
     for (const Neighbours::Leaf& leaf : inside) {
@@ -51,7 +51,7 @@ class Reducer {
     }
   }
 
-  // Invalid: nothing is left.
+  // Returns the weakened condition and appends its text; invalid: true.
   ExprId weaker(ExprId id, std::vector<std::int64_t>& text, u32 depth) {
     const Expr e = code_.exprs[id];
     if (depth > kMaxGuardDepth) return {};
@@ -71,6 +71,7 @@ class Reducer {
   }
 
  private:
+  // Returns a copy of the expression over member data and constants; invalid: there is none.
   ExprId exact(ExprId id, std::vector<std::int64_t>& text, u32 depth) {
     Expr e = code_.exprs[id];
     if (depth > kMaxGuardDepth) return {};
@@ -94,9 +95,9 @@ class Reducer {
   bool load(Expr& e) const {
     const std::optional<Source> source = source_of(system_, connector_, e.index);
     if (!source) return false;
-    const auto at = std::find(inside_.begin(), inside_.end(), Neighbours::Leaf{source->atom, source->port});
-    if (at != inside_.end()) {
-      e.index = first_bind_[static_cast<std::size_t>(at - inside_.begin())] + source->row;
+    const auto leaf = std::find(inside_.begin(), inside_.end(), Neighbours::Leaf{source->atom, source->port});
+    if (leaf != inside_.end()) {
+      e.index = first_bind_[static_cast<std::size_t>(leaf - inside_.begin())] + source->row;
       return true;
     }
     const AbstractValue value = constant_(source->atom, source->variable);
@@ -111,24 +112,24 @@ class Reducer {
   const System& system_;
   const Connector& connector_;
   CodeTable& code_;
-  const KnownVariable& constant_;
+  const VariableFacts& constant_;
   const std::vector<Neighbours::Leaf>& inside_;
   std::vector<u32> first_bind_;
 };
 
 }  // namespace
 
-LocalizedGuard cut_guard(const System& system, const Neighbours::Top& top, CodeTable& code,
-                         const KnownVariable& constant, const std::vector<Neighbours::Leaf>& inside) {
+LocalizedGuard localize_guard(const System& system, const Neighbours::Top& top, CodeTable& code,
+                              const VariableFacts& constant, const std::vector<Neighbours::Leaf>& inside) {
   LocalizedGuard result;
   const Clause* clause = clause_of(system, top);
   if (clause == nullptr) return result;
-  result.guard =
-      Reducer(system, system.connectors[top.connector], code, constant, inside).weaker(clause->guard, result.text, 0);
+  result.guard = GuardWeakener(system, system.connectors[top.connector], code, constant, inside)
+                     .weaker(clause->guard, result.text, 0);
   return result;
 }
 
-bool may_hold(const System& system, const Neighbours::Top& top, const KnownVariable& value) {
+bool may_hold(const System& system, const Neighbours::Top& top, const VariableFacts& value) {
   const Clause* clause = clause_of(system, top);
   if (clause == nullptr) return true;
   const Connector& connector = system.connectors[top.connector];

@@ -17,19 +17,20 @@ namespace bip::verify {
 
 namespace {
 
-// Of the system without time: for a deadlock as many as it takes; for a location of a part, of which there are many.
+// Rounds of invariants of the untimed system: for a deadlock as many as it takes, fewer for a location of a local
+// system.
 constexpr u32 kRounds = 100000, kRoundsPerLocation = 200;
 
-// What local state an atom is in, as its modes have it.
+// The local state of an atom: marked places and data.
 struct LocalState {
   std::vector<u32> places;
   std::vector<std::int32_t> values;  // by variable
   friend auto operator<=>(const LocalState&, const LocalState&) = default;
 };
-// Of a component that holds time up: those that need neighbours of their own.
+// Local states of one component that may get neighbourhoods of their own.
 constexpr std::size_t kMaxLocalStates = 2000;
 
-// What was found of a part, and what it rests on: states of its members that the whole cannot have.
+// The result for a local system, and the states of its members whose impossibility it depends on.
 struct Explored {
   rt::PartReport report;
   std::vector<std::vector<LocalState>> impossible;  // by member
@@ -52,7 +53,7 @@ class TimeProver {
     for (u32 atom = 0; atom < simple_.atoms.size(); ++atom) {
       if (!bounds_time(simple_, AtomId(std::size_t{atom}))) continue;
       ++proof_.neighbourhoods;
-      if (!goes_on(atom)) return std::move(proof_);
+      if (!never_stops_time(atom)) return std::move(proof_);
     }
     proof_.invariants += facts_->invariants();
     proof_.is_proved = true;
@@ -73,22 +74,22 @@ class TimeProver {
       about.push_back(first);
     }
     proof_.neighbourhoods = 1;
-    proof_.is_proved = settles({.property = &property}, std::move(about));
+    proof_.is_proved = prove_by_refinement({.property = &property}, std::move(about));
     proof_.invariants += facts_->invariants();
     return std::move(proof_);
   }
 
  private:
-  // What is asked of a part: whether the target, in one of its states only or in all, ever stands still; or a property.
-  struct Asking {
+  // Does the target (in one of its states only, or in all) ever stop time for good? Or is a property broken?
+  struct Query {
     u32 target = 0;
     const LocalState* only = nullptr;
     const Property* property = nullptr;
   };
 
   bool prepare() {
-    far_ = time_divergent_limit(simple_);
-    net_ = build_net(far_);
+    divergent_limit_ = time_divergent_limit(simple_);
+    net_ = build_net(divergent_limit_);
     if (net_.too_large_atom != kNoRow)
       proof_.reason = "`" + path_of(net_.too_large_atom) + "` has too many local states";
     if (net_.too_large_atom != kNoRow) return false;
@@ -118,10 +119,10 @@ class TimeProver {
     return may_be;
   }
 
-  // Modes that may stand for the atom's state in a part.
+  // Returns the modes that abstract the atom's local state.
   [[nodiscard]] std::vector<u32> modes_of(u32 atom, const LocalState& state) const {
     const ModeClass& row = net_.class_at(atom);
-    const AtomType& type = far_.atom_types[row.type];
+    const AtomType& type = divergent_limit_.atom_types[row.type];
     std::vector<u32> modes;
     for (u32 mode = 0; mode < row.modes.size(); ++mode) {
       const Mode& of = row.modes[mode];
@@ -155,36 +156,36 @@ class TimeProver {
     return !facts_->may_be(sets, kRoundsPerLocation);
   }
 
-  // A part that is like one from before has the same zones, if the same states are impossible. target: its row in the
-  // part.
-  const rt::PartReport& explore(const LocalizedSystem& part, u32 target, const Asking& asking) {
-    const LocalState* only = asking.only;
+  // Explores a local system. An equal one that was explored before has the same zones if the same states are
+  // impossible. `target`: its row in the local system.
+  const rt::PartReport& explore(const LocalizedSystem& part, u32 target, const Query& query) {
+    const LocalState* only = query.only;
     std::string key = system::print(part.system) + std::to_string(target);
     if (only != nullptr) {
       for (const u32 place : only->places) key += ' ' + std::to_string(place);
       for (const std::int32_t value : only->values) key += ',' + std::to_string(value);
     }
     for (const std::uint8_t one : part.is_whole) key += one != 0 ? 'w' : 'c';
-    if (const auto known = known_.find(key); known != known_.end()) {
-      const std::vector<std::vector<LocalState>>& rests_on = known->second.impossible;
-      if (std::all_of(rests_on.begin(), rests_on.end(),
+    if (const auto earlier = explored_parts_.find(key); earlier != explored_parts_.end()) {
+      const std::vector<std::vector<LocalState>>& impossible = earlier->second.impossible;
+      if (std::all_of(impossible.begin(), impossible.end(),
                       [&](const std::vector<LocalState>& states) { return is_impossible(part.members, states); }))
-        return known->second.report;
+        return earlier->second.report;
     }
     Explored found;
     rt::PartQuestion question{.atom = target, .is_whole = part.is_whole, .is_impossible = {}, .is_asked = {}};
     const auto state_of = [&](const rt::Core& core, u32 row) {
       return local_state(core, row, part.system.atom_types[part.system.atoms[AtomId(std::size_t{row})].type]);
     };
-    if (asking.property != nullptr) {
+    if (query.property != nullptr) {
       question.asks_places = true;
-      question.is_asked = [mine = in_part(*asking.property, part.members)](const rt::Core& core) {
+      question.is_asked = [mine = in_part(*query.property, part.members)](const rt::Core& core) {
         return is_broken(mine, core);
       };
     }
     if (only != nullptr) question.is_asked = [&](const rt::Core& core) { return state_of(core, target) == *only; };
-    // One alone is in what modes it is; of properties structure may say more.
-    if (part.members.size() > 1 || asking.property != nullptr) {
+    // Of one component the modes say all; invariants may exclude more if there are several, or for a property.
+    if (part.members.size() > 1 || query.property != nullptr) {
       question.is_impossible = [&](const rt::Core& core) {
         std::vector<LocalState> states;
         for (u32 row = 0; row < part.members.size(); ++row) states.push_back(state_of(core, row));
@@ -196,20 +197,20 @@ class TimeProver {
     found.report = explore_(part.system, options(), question);
     ++proof_.explored;
     proof_.zones += found.report.zones;
-    Explored& kept = known_[key];
-    kept = std::move(found);
-    return kept.report;
+    Explored& entry = explored_parts_[key];
+    entry = std::move(found);
+    return entry.report;
   }
 
-  // Is somebody always able to go on where this component holds time up? If a few neighbours do not show it for all of
-  // its states, then each of these may have its own.
-  bool goes_on(u32 target) {
-    if (settles({.target = target}, {target})) return true;
+  // Is a step possible whenever this component stops time? First with one neighbourhood for all of its local states,
+  // then, if that becomes too large, with a neighbourhood for each of them.
+  bool never_stops_time(u32 target) {
+    if (prove_by_refinement({.target = target}, {target})) return true;
     if (!is_too_large_) return false;
     const std::string reason = proof_.reason;
     const LocalizedSystem alone = localize(simple_, neighbours_, is_read_, constant_, {target});
     const AtomType& type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{target})].type];
-    if (!alone.needed.empty()) return false;
+    if (!alone.required.empty()) return false;
     std::set<LocalState> done;
     while (done.size() < kMaxLocalStates) {
       LocalState open;
@@ -224,7 +225,7 @@ class TimeProver {
       ++proof_.explored;
       proof_.zones += found.zones;
       if (!found.is_open) return found.is_complete;
-      if (!settles({.target = target, .only = &open}, {target})) return false;
+      if (!prove_by_refinement({.target = target, .only = &open}, {target})) return false;
       done.insert(std::move(open));
     }
     proof_.reason = reason;
@@ -238,7 +239,7 @@ class TimeProver {
     return options;
   }
 
-  // The property, of a part: its components have other rows there.
+  // Translates the property to the rows of the local system.
   static Property in_part(Property property, const std::vector<u32>& members) {
     for (PropertyNode& node : property.nodes) {
       if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data)
@@ -247,24 +248,24 @@ class TimeProver {
     return property;
   }
 
-  // joined: whom it is about. Others join while it is open.
-  bool settles(const Asking& asking, std::vector<u32> joined) {
-    const std::string about = asking.property != nullptr ? "the property may be broken"
-                                                         : "time may stand still at `" + path_of(asking.target) + "`";
+  // Refinement loop: `joined` are the members; a neighbour joins while the query stays open.
+  bool prove_by_refinement(const Query& query, std::vector<u32> joined) {
+    const std::string about = query.property != nullptr ? "the property may be broken"
+                                                        : "time may stand still at `" + path_of(query.target) + "`";
     is_too_large_ = false;
     while (joined.size() <= limits_.members) {
       std::vector<u32> members = joined;
       std::sort(members.begin(), members.end());
       const LocalizedSystem part = localize(simple_, neighbours_, is_read_, constant_, members);
-      proof_.reason = part.problem;
-      if (!part.problem.empty()) return false;
-      if (!part.needed.empty()) {
-        join(part.needed, joined);
+      proof_.reason = part.obstacle;
+      if (!part.obstacle.empty()) return false;
+      if (!part.required.empty()) {
+        join(part.required, joined);
         continue;
       }
       const rt::PartReport& found = explore(
-          part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), asking.target) - members.begin()),
-          asking);
+          part, static_cast<u32>(std::lower_bound(members.begin(), members.end(), query.target) - members.begin()),
+          query);
       proof_.largest = std::max<std::uint64_t>(proof_.largest, members.size());
       if (!found.is_open) {
         is_too_large_ = !found.is_complete;
@@ -291,15 +292,15 @@ class TimeProver {
     }
   }
 
-  // Of the ports that are offered in the open state, those of the first components first, the one with the fewest
-  // connectors; of these the one with the fewest others.
+  // Chooses the connector whose components join: of the ports that are offered in the open state those of the members
+  // that joined first, then the port with the fewest connectors, then the connector with the fewest new components.
   bool add_neighbour(const LocalizedSystem& part, const rt::State& open, std::vector<u32>& joined) const {
     std::set<std::array<std::size_t, 4>> choices;   // whose port, its connectors, others in this one, its row
     std::vector<std::size_t> first_interaction{0};  // by member
     for (const u32 atom : part.members)
       first_interaction.push_back(first_interaction.back() +
                                   simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].variables.size());
-    const KnownVariable value = [&](u32 atom, u32 variable) {
+    const VariableFacts value = [&](u32 atom, u32 variable) {
       const auto at = std::lower_bound(part.members.begin(), part.members.end(), atom);
       if (at == part.members.end() || *at != atom) return constant_(atom, variable);
       const Type type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].variables[variable].type;
@@ -343,16 +344,16 @@ class TimeProver {
   }
 
   std::vector<std::vector<std::uint8_t>> is_read_;
-  System simple_, far_;
+  System simple_, divergent_limit_;
   Neighbours neighbours_;
   const ExplorePart& explore_;
   CancellationToken cancellation_;
   PartLimits limits_;
   Net net_;
-  KnownVariable constant_;
-  bool is_too_large_ = false;  // why there is no answer: not within the limits
+  VariableFacts constant_;
+  bool is_too_large_ = false;  // why there is no answer: the limits
   std::unique_ptr<ModeFacts> facts_;
-  std::map<std::string, Explored> known_;  // by what a part is
+  std::map<std::string, Explored> explored_parts_;  // by the text of the local system
   TimeProof proof_;
 };
 

@@ -1,16 +1,16 @@
-// Neither deadlock nor time lock in a system with clocks, by parts of it: no zone graph of the whole is made.
+// Proves that a system with clocks has neither deadlock nor time lock, without a zone graph of the whole.
 //
-// A deadlock, time passing for ever without a candidate, is a question about modes alone (time_divergence.hpp),
-// answered as without time. A time lock needs a component whose invariants hold time up. For each of them: the zones of
-// the component and of so many of its neighbours as are needed to see that somebody among them can go on
-// (localization.hpp); the others may do anything that does not lead where the invariants of the system without time
-// exclude it (mode_facts.hpp). A neighbour is added where the zones leave a time lock open: one that a port waits for.
-// If they become too many, each local state of the component that holds time up has neighbours of its own.
+// A deadlock (time diverges and there never is a candidate) is a question about modes (time_divergence.hpp), answered
+// as for a system without clocks. A time lock needs a component whose invariants stop time. For each such component the
+// zone graph of a localization is explored (localization.hpp): the component, and as many neighbours as it takes to see
+// that a step is possible whenever time stops. States that the invariants of the untimed system exclude are not entered
+// (mode_facts.hpp). Refinement: where a time lock stays open, a neighbour joins that one of the offered ports waits
+// for. If the neighbourhood becomes too large, each local state of the component gets a neighbourhood of its own.
 //
-// Proved is proved; a reason says no more than that this was not enough. After the idea of L. Astefanoaei, S. Ben
-// Rayana, S. Bensalem, M. Bozga, J. Combaz: Compositional Invariant Generation for Timed Systems (2014). Where they
-// relate components' clocks by history clocks, here those that must be related are looked at together. Cost: that of
-// the neighbourhoods, alike ones once.
+// Sound but incomplete: failure implies nothing. After L. Astefanoaei, S. Ben Rayana, S. Bensalem, M. Bozga, J. Combaz:
+// Compositional Invariant Generation for Timed Systems (2014). Departure: they relate clocks of components by history
+// clocks; here components whose clocks must be related are explored together. Cost: that of the neighbourhoods' zone
+// graphs, equal neighbourhoods once.
 #pragma once
 #include <functional>
 #include <string>
@@ -21,7 +21,7 @@
 
 namespace bip::verify {
 
-/// Makes a system an image with code and explores it.
+/// Lowers a system to an image with code and explores its zones.
 using ExplorePart = std::function<rt::PartReport(const System& part, const rt::ExploreOptions& options,
                                                  const rt::PartQuestion& question)>;
 
@@ -40,12 +40,12 @@ struct PartLimits {
   std::uint64_t zones = 20000;  // of its graph
 };
 
-/// Neither deadlock nor time lock.
+/// Proves that there is neither deadlock nor time lock.
 [[nodiscard]] TimeProof prove_time(const System& system, const ExplorePart& explore,
                                    const CancellationToken& cancellation, const PartLimits& limits = {});
 
-/// A property of places and data, from the components that it speaks of and neighbours. `can` is about instants: that
-/// is left to the whole.
+/// Proves a property of places and data from the components that it speaks of and their neighbours. Properties with
+/// `can` depend on the instant and are not proved.
 [[nodiscard]] TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore,
                                             const CancellationToken& cancellation, const PartLimits& limits = {});
 

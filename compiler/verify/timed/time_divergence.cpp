@@ -1,4 +1,4 @@
-// See time_divergence.hpp. Limits count where they are constants or made of parameters; what data say is not known.
+// See time_divergence.hpp. Limits are evaluated where they are constants or made of parameters.
 #include "compiler/verify/timed/time_divergence.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace bip::verify {
 namespace {
 
 constexpr u32 kMaxTreeDepth = 100;
-// Well below what the core takes for infinite, as limits are computed here in another way than there.
+// Well below what the core treats as infinite: limits are computed in another way there.
 constexpr std::int64_t kFarInstant = rt::kFarLimit / 2;
 
 std::optional<double> value_of(const CodeTable& code, ExprId id, const std::vector<Value>& args, u32 depth) {
@@ -43,7 +43,7 @@ std::optional<double> value_of(const CodeTable& code, ExprId id, const std::vect
   }
 }
 
-// In ticks; nothing: not known.
+// Returns the limit in ticks; nothing: it depends on data.
 std::optional<std::int64_t> limit_of(const System& system, const AtomType& type, const std::vector<Value>& args,
                                      const TimeGuard& when, const Bound& bound) {
   if (bound.variable == Bound::kNone) return bound.ticks;
@@ -58,9 +58,9 @@ std::optional<std::int64_t> limit_of(const System& system, const AtomType& type,
   return ticks;
 }
 
-// True from some instant on, whatever happens, of all these components.
-bool comes_true(const System& system, const AtomType& type, const std::vector<const Atom*>& atoms,
-                const TimeGuard& when) {
+// Do the bounds hold from some instant on, for all these components? Lower bounds of one clock do.
+bool holds_in_the_limit(const System& system, const AtomType& type, const std::vector<const Atom*>& atoms,
+                        const TimeGuard& when) {
   return std::all_of(when.bounds.begin(), when.bounds.end(), [&](const Bound& bound) {
     if (bound.minus != Bound::kNone || (bound.op != BoundOp::Ge && bound.op != BoundOp::Gt)) return false;
     return std::all_of(atoms.begin(), atoms.end(), [&](const Atom* atom) {
@@ -70,9 +70,9 @@ bool comes_true(const System& system, const AtomType& type, const std::vector<co
   });
 }
 
-bool comes_true(const System& system, const AtomType& type, const std::vector<const Atom*>& atoms,
-                const Resume& resume) {
-  return !resume.present || (!resume.guard.is_valid() && comes_true(system, type, atoms, resume.when));
+bool holds_in_the_limit(const System& system, const AtomType& type, const std::vector<const Atom*>& atoms,
+                        const Resume& resume) {
+  return !resume.present || (!resume.guard.is_valid() && holds_in_the_limit(system, type, atoms, resume.when));
 }
 
 std::string place_of(const System& system, const Loc& loc) {
@@ -86,7 +86,7 @@ std::string unfollowed_of(const System& system, const AtomType& type) {
                          place_of(system, port.loc));
   }
   std::string found;
-  const auto look = [&](StmtId body) {
+  const auto visit = [&](StmtId body) {
     for_each_stmt(system.code, body, [&](const Stmt& s) {
       if (s.op != StmtOp::StoreSelf) return;
       for (const Clock& clock : type.clocks) {
@@ -95,9 +95,9 @@ std::string unfollowed_of(const System& system, const AtomType& type) {
       }
     });
   };
-  look(type.initial_action);
+  visit(type.initial_action);
   for (const Transition& t : type.transitions) {
-    look(t.action);
+    visit(t.action);
     if (t.async.present)
       return fmt::format("an action of `{}`{} runs beside the others", type.name, place_of(system, t.loc));
   }
@@ -125,37 +125,37 @@ System time_divergent_limit(const System& system) {
   bool stays_some_busy = false;
   for (std::size_t k = 0; k < atoms.size(); ++k) {
     const AtomType& type = system.atom_types[AtomTypeId(k)];
-    bool comes_back = comes_true(system, type, atoms[k], type.initial_resume);
+    bool comes_back = holds_in_the_limit(system, type, atoms[k], type.initial_resume);
     for (const Transition& t : type.transitions)
-      comes_back = comes_back && comes_true(system, type, atoms[k], t.resume);
+      comes_back = comes_back && holds_in_the_limit(system, type, atoms[k], t.resume);
     if (atoms[k].empty() || comes_back) continue;
     may_stay_busy[k] = 1;
     stays_some_busy = true;
   }
-  // Those who resume together wait for each other.
+  // Components that resume together wait for each other: one that may stay busy holds the others.
   const bool is_sync = std::any_of(system.connectors.begin(), system.connectors.end(), [&](const Connector& connector) {
     return system.connector_types[connector.type].resume == ResumeMode::Sync;
   });
   for (std::size_t k = 0; k < atoms.size(); ++k) {
     AtomType& type = result.atom_types[AtomTypeId(k)];
     const bool is_lost = may_stay_busy[k] != 0 || (is_sync && stays_some_busy);
-    ExprId nobody_knows;
+    ExprId unknown_guard;
     for (Transition& t : type.transitions) {
       const bool is_internal = t.port == Transition::kInternal;
-      if (is_internal ? t.when.empty() : !is_lost && comes_true(system, type, atoms[k], t.when)) continue;
-      if (!nobody_knows.is_valid()) {
+      if (is_internal ? t.when.empty() : !is_lost && holds_in_the_limit(system, type, atoms[k], t.when)) continue;
+      if (!unknown_guard.is_valid()) {
         CodeTable& code = result.code;
         const auto variable = static_cast<u32>(type.variables.size());
         type.variables.push_back({.name = "(time)", .type = Type::Float});
         const ExprId load = code.exprs.push({.op = Op::LoadSelf, .type = Type::Float, .index = variable});
         const ExprId zero = code.exprs.push({.op = Op::ConstFloat, .type = Type::Float});
-        nobody_knows = code.exprs.push({.op = Op::Gt, .type = Type::Bool, .a = load, .b = zero});
+        unknown_guard = code.exprs.push({.op = Op::Gt, .type = Type::Bool, .a = load, .b = zero});
       }
       if (!t.guard.is_valid()) {
-        t.guard = nobody_knows;
+        t.guard = unknown_guard;
         continue;
       }
-      t.guard = result.code.exprs.push({.op = Op::And, .type = Type::Bool, .a = t.guard, .b = nobody_knows});
+      t.guard = result.code.exprs.push({.op = Op::And, .type = Type::Bool, .a = t.guard, .b = unknown_guard});
     }
   }
   return result;

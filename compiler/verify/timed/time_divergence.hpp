@@ -1,6 +1,10 @@
-// A system as it is when nothing has happened for very long: every clock that runs at speed 1 is beyond every constant.
-// So lower bounds of clocks hold, upper ones do not, and nobody can be where an invariant bounds a clock: a deadlock, a
-// state from which time passes for ever without a candidate, becomes a question about modes alone.
+// The time-divergent limit of a system: what can happen after time has passed without bound. Every clock that runs at
+// speed 1 has exceeded every constant, so all lower bounds hold, no upper bound does, and no component is in a state
+// whose invariant bounds a clock. A deadlock (time diverges and there never is a candidate) becomes a question about
+// modes alone.
+//
+// R. Alur, D. Dill: A Theory of Timed Automata (1994), section 4.3: clock values above the largest constant are
+// equivalent (the unbounded clock region). Limits that depend on data are treated as unknown.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,17 +13,18 @@
 
 namespace bip::verify {
 
-/// Empty, or what of the system has no such end, or what parts of it (localization.hpp) cannot say, with its place.
+/// Returns why the limit (or a localization of the system) is not defined, with a place in the source; empty: it is.
 /// Linear.
 [[nodiscard]] std::string obstacle_to_time_divergent_limit(const System& system);
 
-/// The same moves; a transition that time may have closed for good has a guard that nobody knows, and so is not sure.
-/// So it is with internal ones that a clock decides, and with types that may be busy for ever.
+/// Returns the untimed system of the limit. It has the same transitions; one that time may have disabled for good gets
+/// a guard of unknown value and so is not surely enabled. The same holds for internal transitions that a clock decides
+/// and for types that may stay busy for ever.
 [[nodiscard]] System time_divergent_limit(const System& system);
 
-/// Modes of the atom in which time cannot pass for ever, as numbers of its class.
+/// Returns the modes of the atom in which time cannot diverge, as numbers of its class.
 [[nodiscard]] std::vector<u32> bounded_modes(const Net& net, u32 atom);
-/// Has it invariants that speak of clocks?
+/// Has the atom invariants over clocks?
 [[nodiscard]] bool bounds_time(const System& system, AtomId atom);
 
 }  // namespace bip::verify

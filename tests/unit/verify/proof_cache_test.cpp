@@ -314,7 +314,7 @@ TEST_CASE("of candidates for lemmas the largest part is taken that no step leave
   REQUIRE(low_n);
   REQUIRE(low_m);
   verify::Ic3Problem problem;
-  problem.machine = &machine;
+  problem.system = &machine;
   problem.bad = machine.bits[*low_n].now;
   problem.cancellation = verify::within_seconds(20);
   // Never odd: true of n, not of m. Never even: not so at first.

@@ -96,15 +96,15 @@ void walk(const System& system, const rt::Image& image, u64 seed, TimedTally& ta
   const auto is_read = verify::find_read_data(system);
   const System simple = verify::without_unread_data(system, is_read);
   const verify::Neighbours neighbours(simple);
-  const verify::KnownVariable nothing_known = [](u32, u32) { return verify::AbstractValue{}; };
+  const verify::VariableFacts no_facts = [](u32, u32) { return verify::AbstractValue{}; };
   std::vector<u32> members{static_cast<u32>(random.below(image.atoms.size - 1))};
   members.push_back(members[0] + 1 + static_cast<u32>(random.below(image.atoms.size - 1 - members[0])));
-  verify::LocalizedSystem part = verify::localize(simple, neighbours, is_read, nothing_known, members);
-  if (!part.needed.empty()) {
-    members = part.needed;
-    part = verify::localize(simple, neighbours, is_read, nothing_known, members);
+  verify::LocalizedSystem part = verify::localize(simple, neighbours, is_read, no_facts, members);
+  if (!part.required.empty()) {
+    members = part.required;
+    part = verify::localize(simple, neighbours, is_read, no_facts, members);
   }
-  if (!part.problem.empty() || !part.needed.empty()) return;
+  if (!part.obstacle.empty() || !part.required.empty()) return;
   REQUIRE(system::validate(part.system).empty());
   const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(part.system, "part");
   const interp::Interpreter interpreter(*lowered);
