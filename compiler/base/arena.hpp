@@ -2,6 +2,7 @@
 //
 // Only for trivially destructible objects: destructors are not called.
 #pragma once
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <memory_resource>
@@ -10,6 +11,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip {
 
 class Arena {
@@ -17,7 +20,9 @@ class Arena {
   template <class T>
   T* make(T value) {
     static_assert(std::is_trivially_destructible_v<T>);
-    return new (pool_.allocate(sizeof(T), alignof(T))) T(std::move(value));
+    void* to = pool_.allocate(sizeof(T), alignof(T));
+    BIP_ASSERT(is_aligned(to, alignof(T)), "the arena gives aligned memory");
+    return new (to) T(std::move(value));
   }
   /// Copies `items` into the arena.
   template <class T>
@@ -25,6 +30,7 @@ class Arena {
     static_assert(std::is_trivially_destructible_v<T>);
     if (items.empty()) return {};
     T* to = static_cast<T*>(pool_.allocate(sizeof(T) * items.size(), alignof(T)));
+    BIP_ASSERT(is_aligned(to, alignof(T)), "the arena gives aligned memory");
     std::uninitialized_copy(items.begin(), items.end(), to);
     return {to, items.size()};
   }
@@ -36,6 +42,10 @@ class Arena {
   }
 
  private:
+  [[nodiscard]] static bool is_aligned(const void* at, std::size_t to) {
+    return reinterpret_cast<std::uintptr_t>(at) % to == 0;
+  }
+
   std::pmr::monotonic_buffer_resource pool_{64 * 1024};
 };
 

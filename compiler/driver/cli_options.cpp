@@ -21,6 +21,8 @@ const Names<ColorChoice> kColors{
 const Names<EmitKind> kEmits{{"tokens", EmitKind::Tokens}, {"syntax", EmitKind::Syntax}, {"model", EmitKind::Model},
                              {"system", EmitKind::System}, {"llvm", EmitKind::Llvm},     {"asm", EmitKind::Asm},
                              {"cpp", EmitKind::Cpp},       {"dot", EmitKind::Dot},       {"json", EmitKind::Json}};
+const Names<PrintAfter> kPrintAfter{
+    {"parse", PrintAfter::Parse}, {"build-model", PrintAfter::BuildModel}, {"instantiate", PrintAfter::Instantiate}};
 const Names<EmitKind> kGraphFormats{{"dot", EmitKind::Dot}, {"json", EmitKind::Json}};
 const Names<graph::Show> kShows{
     {"all", graph::Show::All}, {"structure", graph::Show::Structure}, {"automata", graph::Show::Automata}};
@@ -186,6 +188,8 @@ void add_compile(CLI::App& app, CompileOptions& options) {
       ->type_name("TYPE(ARGS)");
   add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp|dot|json",
              "print the product of this stage of the compiler and stop");
+  add_choice(app, "--print-after", options.print_after, kPrintAfter, "parse|build-model|instantiate",
+             "print the product of this pass to standard error and go on");
   app.add_flag("--time-passes", options.time_passes, "print the duration of each pass to standard error");
   app.add_flag("--verify-each", options.verify_each,
                "check the invariants of the compiler's data structures after each pass");

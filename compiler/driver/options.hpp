@@ -14,6 +14,9 @@ namespace bip::driver {
 enum class EmitKind : std::uint8_t { None, Tokens, Syntax, Model, System, Llvm, Asm, Cpp, Dot, Json };
 [[nodiscard]] const char* name_of(EmitKind kind);
 
+/// Passes whose product has a text form.
+enum class PrintAfter : std::uint8_t { None, Parse, BuildModel, Instantiate };
+
 enum class ColorChoice : std::uint8_t { Auto, Always, Never };
 enum class Backend : std::uint8_t { Auto, Jit, Interp };
 /// Auto: `run` begins interpreted and goes on at -O2 (tiers.hpp). Elsewhere -O2 for at most kMaxUnitsForO2 pieces of
@@ -37,6 +40,7 @@ struct CompileOptions {
   std::vector<std::string> fatal_warnings;  // --Werror=CODE; "true" is all of them
   bool explain = false;                     // the page of the first error follows
   EmitKind emit = EmitKind::None;
+  PrintAfter print_after = PrintAfter::None;
   bool time_passes = false;
   CacheOptions cache;
   bool verify_each = false;

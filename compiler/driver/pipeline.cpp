@@ -1,16 +1,22 @@
 // The pipeline: the table of passes below, one line per pass.
 //
 // Each pass reads the product of an earlier one and stores its own in the Compilation; it returns `false` if it
-// reported errors. With --verify-each the System is validated as soon as it is made; a violation is a bug of the
-// compiler.
+// reported errors. With --verify-each, and always in a checked build, a product is validated right after its pass; a
+// violation is a bug of the compiler. --print-after prints the product of a pass that has a text form.
 #include "compiler/driver/pipeline.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "compiler/base/assert.hpp"
 #include "compiler/driver/check_rest.hpp"
 #include "compiler/driver/load_packages.hpp"
+#include "compiler/driver/report.hpp"
 #include "compiler/driver/roots.hpp"
+#include "compiler/model/validate_model.hpp"
+#include "compiler/syntax/dump_syntax.hpp"
+#include "compiler/syntax/validate_syntax.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/instantiate.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -71,12 +77,25 @@ bool instantiate(Compilation& c) {
   return c.system.has_value() && !c.diags.has_errors();
 }
 
-bool verify_system(Compilation& c) {
-  if (!c.options.verify_each) return true;
-  const std::vector<std::string> broken = system::validate(*c.system);
-  if (!broken.empty()) BIP_UNREACHABLE(broken.front().c_str());
-  return true;
+// Broken promises of the products, none where a .bsys file has no such product.
+std::vector<std::string> validate_syntax(const Compilation& c) {
+  return c.syntax ? syntax::validate(*c.syntax, c.sources) : std::vector<std::string>();
 }
+std::vector<std::string> validate_packages(const Compilation& c) {
+  std::vector<std::string> broken;
+  for (const syntax::Syntax* package : c.packages) {
+    for (std::string& promise : syntax::validate(*package, c.sources)) broken.push_back(std::move(promise));
+  }
+  return broken;
+}
+std::vector<std::string> validate_model(const Compilation& c) {
+  return c.model ? model::validate(*c.model) : std::vector<std::string>();
+}
+std::vector<std::string> validate_system(const Compilation& c) { return system::validate(*c.system); }
+
+std::string syntax_text(const Compilation& c) { return c.syntax ? syntax::dump(*c.syntax, c.sources) : std::string(); }
+std::string model_text(const Compilation& c) { return c.model ? model::dump(*c.model) : std::string(); }
+std::string system_text(const Compilation& c) { return system::print(*c.system); }
 
 bool lower_system(Compilation& c) {
   // What comes from outside is a number, a truth value or a text.
@@ -93,17 +112,34 @@ struct Pass {
   Stage stage;
   const char* name;
   bool (*run)(Compilation&);
+  std::vector<std::string> (*validate)(const Compilation&) = nullptr;
+  PrintAfter printed_as = PrintAfter::None;
+  std::string (*text)(const Compilation&) = nullptr;  // for --print-after
 };
 constexpr Pass kPasses[] = {
     {Stage::Source, "load", load_source},
-    {Stage::Syntax, "parse", parse_source},
-    {Stage::Model, "load packages", read_packages},
+    {Stage::Syntax, "parse", parse_source, validate_syntax, PrintAfter::Parse, syntax_text},
+    {Stage::Model, "load packages", read_packages, validate_packages},
     {Stage::Model, "parse root", parse_root},
-    {Stage::Model, "build model", build_model},
-    {Stage::System, "instantiate", instantiate},
-    {Stage::System, "verify system", verify_system},
+    {Stage::Model, "build model", build_model, validate_model, PrintAfter::BuildModel, model_text},
+    {Stage::System, "instantiate", instantiate, validate_system, PrintAfter::Instantiate, system_text},
     {Stage::Image, "lower", lower_system},
 };
+
+#ifdef BIP_CHECKED
+constexpr bool kIsChecked = true;
+#else
+constexpr bool kIsChecked = false;
+#endif
+
+// What follows a pass that succeeded.
+void inspect_product(const Compilation& c, const Pass& pass) {
+  if (pass.validate != nullptr && (c.options.verify_each || kIsChecked)) {
+    const std::vector<std::string> broken = pass.validate(c);
+    BIP_ENSURE(broken.empty(), "after pass `{}`: {}", pass.name, broken.front());
+  }
+  if (pass.text != nullptr && c.options.print_after == pass.printed_as) print_error_text(pass.text(c));
+}
 
 // Runs one pass under a watch; a bug inside names it.
 template <class Run>
@@ -131,7 +167,10 @@ bool compile(Compilation& c, const std::string& path, Stage last) {
   c.path = path;
   for (const Pass& pass : kPasses) {
     if (pass.stage > last) break;
-    if (timed(c, pass.name, [&] { return pass.run(c); })) continue;
+    if (timed(c, pass.name, [&] { return pass.run(c); })) {
+      inspect_product(c, pass);
+      continue;
+    }
     if (pass.stage == Stage::Syntax && last > Stage::Syntax) check_rest(c);
     return false;
   }
@@ -141,12 +180,14 @@ bool compile(Compilation& c, const std::string& path, Stage last) {
 bool check(Compilation& c, const std::string& path) {
   if (!c.options.root.empty() || path.ends_with(".bsys")) return compile(c, path, Stage::System);
   if (!compile(c, path, Stage::Model)) return false;
-  return timed(c, "instantiate", [&c] {
+  const Pass& instantiation =
+      *std::find_if(std::begin(kPasses), std::end(kPasses), [](const Pass& pass) { return pass.run == instantiate; });
+  return timed(c, instantiation.name, [&c, &instantiation] {
     for (const std::string& root : root_candidates(*c.model)) {
       // `instantiate` may take the model's code with it, so each root gets a model of its own.
       c.model = model::build_model(c.packages, c.sources, c.diags);
       c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range);
-      if (c.system) (void)verify_system(c);
+      if (c.system) inspect_product(c, instantiation);
     }
     return !c.diags.has_errors();
   });

@@ -14,8 +14,6 @@
 namespace bip::driver {
 namespace {
 
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
-
 std::string time_table(const std::vector<PassTime>& times) {
   double total = 0;
   for (const PassTime& t : times) total += t.seconds;
@@ -53,6 +51,8 @@ std::string fatal_warning(const Compilation& c) {
 
 }  // namespace
 
+void print_error_text(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
 bool wants_color(ColorChoice choice, int file_descriptor) {
   if (choice != ColorChoice::Auto) return choice == ColorChoice::Always;
   const char* no_color = std::getenv("NO_COLOR");
@@ -65,14 +65,14 @@ bool wants_color(ColorChoice choice, int file_descriptor) {
 int report(const Compilation& c) {
   RenderOptions options = c.options.render;
   options.color = wants_color(c.options.color, STDERR_FILENO) ? Color::On : Color::Off;
-  print(render(c.diags, c.sources, options));
-  if (c.options.time_passes) print(time_table(c.times));
+  print_error_text(render(c.diags, c.sources, options));
+  if (c.options.time_passes) print_error_text(time_table(c.times));
   const bool is_for_people = options.format == DiagnosticFormat::Frame || options.format == DiagnosticFormat::Short;
-  if (c.options.explain && is_for_people) print(explained(c, options.color));
+  if (c.options.explain && is_for_people) print_error_text(explained(c, options.color));
   if (c.diags.has_errors()) return kModelErrors;
   const std::string reason = fatal_warning(c);
   if (reason.empty()) return kOk;
-  if (is_for_people) print(reason);
+  if (is_for_people) print_error_text(reason);
   return kModelErrors;
 }
 

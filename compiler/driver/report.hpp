@@ -7,6 +7,9 @@ namespace bip::driver {
 /// Decides colour from the choice, NO_COLOR and whether standard error is a terminal.
 [[nodiscard]] bool wants_color(ColorChoice choice, int file_descriptor);
 
+/// Writes to standard error.
+void print_error_text(const std::string& text);
+
 /// Writes diagnostics and, if asked for, the time table to standard error. Call once, before a run starts.
 /// 1 if there are errors (or warnings under --Werror), else 0.
 [[nodiscard]] int report(const Compilation& c);

@@ -3,6 +3,7 @@
 //
 // Constants are folded once, so a chain of them in which each is twice the one before costs nothing; arguments are
 // counted by whoever asks for the copy.
+#include "compiler/base/assert.hpp"
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
 
@@ -12,6 +13,8 @@ namespace bip::model {
 ExprId CodeBuilder::copy(ExprId from) {
   CodeTable& code = model_.code;
   Expr e = code.exprs[from];
+  BIP_ASSERT(!e.a.is_valid() || e.a < from, "operands come before their operator: {} after {}", e.a, from);
+  BIP_ASSERT(e.op != Op::Call || e.index < code.functions.size(), "function {} of {}", e.index, code.functions.size());
   if (e.a.is_valid()) e.a = copy(e.a);
   if (e.b.is_valid()) e.b = copy(e.b);
   if (e.op == Op::Call) {
@@ -26,6 +29,7 @@ ExprId CodeBuilder::copy(ExprId from) {
 
 ExprId CodeBuilder::folded(ExprId value) {
   const CodeTable& code = model_.code;
+  BIP_ASSERT(code.exprs.contains(value), "row {} of {}", value, code.exprs.size());
   const Evaluated known = evaluate(code, value, {});
   if (known.fault == Fault::Call) return value;
   const Type type = code.exprs[value].type;

@@ -1,6 +1,8 @@
 // Questions about a `define` tree, answered without listing interactions: linear in the tree.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
+
 #include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
@@ -10,6 +12,7 @@ namespace {
 // The largest choice below node `n` within `params`, appended to `out`; false if there is none.
 bool largest(const ConnectorType& type, std::uint32_t n, const std::vector<std::uint32_t>& params,
              std::vector<std::uint32_t>& out) {
+  BIP_ASSERT(n < type.define.size(), "node {} of {}", n, type.define.size());
   const DefineNode& node = type.define[n];
   if (node.is_leaf) {
     if (!std::binary_search(params.begin(), params.end(), node.param)) return false;
@@ -21,6 +24,7 @@ bool largest(const ConnectorType& type, std::uint32_t n, const std::vector<std::
   bool has_chosen_trigger = false;
   bool all = true;
   for (const std::uint32_t child : node.children) {
+    BIP_ASSERT(child > n, "`define` is in preorder: node {} below {}", child, n);
     has_triggers |= type.define[child].trigger;
     const bool chosen = largest(type, child, params, out);
     has_chosen_trigger |= chosen && type.define[child].trigger;
@@ -34,9 +38,12 @@ bool largest(const ConnectorType& type, std::uint32_t n, const std::vector<std::
 }  // namespace
 
 std::vector<std::uint32_t> largest_interaction(const ConnectorType& type, const std::vector<std::uint32_t>& params) {
+  BIP_ASSERT(std::is_sorted(params.begin(), params.end()), "parameters of an interaction are sorted");
   std::vector<std::uint32_t> out;
   if (!type.define.empty()) largest(type, 0, params, out);
   std::sort(out.begin(), out.end());
+  BIP_ASSERT(std::includes(params.begin(), params.end(), out.begin(), out.end()),
+             "an interaction is within what was asked");
   return out;
 }
 
@@ -45,6 +52,7 @@ bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>&
 }
 
 double interaction_count(const ConnectorType& type, std::uint32_t n) {
+  BIP_ASSERT(n < type.define.size(), "node {} of {}", n, type.define.size());
   const DefineNode& node = type.define[n];
   if (node.is_leaf) return 1;
   bool has_triggers = false;
@@ -62,6 +70,7 @@ double interaction_count(const ConnectorType& type, std::uint32_t n) {
 std::string interaction_text(const ConnectorType& type, const std::vector<std::uint32_t>& params) {
   std::string text;
   for (const std::uint32_t p : params) {
+    BIP_ASSERT(p < type.params.size(), "parameter {} of {}", p, type.params.size());
     if (!text.empty()) text += ' ';
     text += type.params[p].name;
   }

@@ -26,6 +26,7 @@ Value compare(Op op, T a, T b) {
 }
 
 Evaluated arithmetic(Op op, const Value& a, const Value& b) {
+  BIP_ASSERT(a.type == Type::Int || a.type == Type::Float, "arithmetic on type {}", a.type);
   if (a.type == Type::Float) {
     const double x = a.float_value, y = b.float_value;
     return {{Type::Float, 0, op == Op::Add ? x + y : op == Op::Sub ? x - y : op == Op::Mul ? x * y : x / y}};
@@ -54,7 +55,11 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
     case Op::ConstBool:
     case Op::ConstString:
     case Op::ConstFloat: return {{e.type, e.int_value, e.float_value}};
-    case Op::LoadSelf: return {self[e.index]};
+    case Op::LoadSelf:
+      BIP_ASSERT(e.index < self.size(), "variable {} of {}", e.index, self.size());
+      BIP_ASSERT(self[e.index].type == e.type, "variable {} has the type {} that the code was built for", e.index,
+                 e.type);
+      return {self[e.index]};
     case Op::LoadBind: BIP_UNREACHABLE("a constant expression reads a bound variable");
     case Op::Call: return {{e.type, 0, 0}, Fault::Call, id};
     default: break;
@@ -79,6 +84,7 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
   }
   const Evaluated b = evaluate(code, e.b, self);
   if (b.fault != Fault::None) return b;
+  BIP_ASSERT(a.value.type == b.value.type, "operands of {} have one type", e.op);
   if (e.op >= Op::Eq) {
     return {a.value.type == Type::Float ? compare(e.op, a.value.float_value, b.value.float_value)
                                         : compare(e.op, a.value.int_value, b.value.int_value)};

@@ -1,4 +1,5 @@
 // Converts ranges, names, paths, strings, annotations, parameters and data declarations.
+#include "compiler/base/assert.hpp"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/unescape.hpp"
 
@@ -7,6 +8,8 @@ namespace bip::parse {
 using namespace syntax;
 
 SourceRange Converter::range(const antlr4::Token* token) const {
+  BIP_ASSERT(token->getStopIndex() <= text_.size(), "token ends at {} of {} bytes", token->getStopIndex(),
+             text_.size());
   return {file_, static_cast<std::uint32_t>(token->getStartIndex()), static_cast<std::uint32_t>(token->getStopIndex())};
 }
 
@@ -18,6 +21,7 @@ SourceRange Converter::range(const antlr4::ParserRuleContext* ctx) const {
   } else {
     r.end = r.begin;
   }
+  BIP_ASSERT(r.begin <= r.end, "a rule ends at {} before it begins at {}", r.end, r.begin);
   return r;
 }
 

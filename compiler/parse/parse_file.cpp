@@ -3,6 +3,7 @@
 // A file without errors and warnings is parsed in pieces (read_in_pieces.cpp). Any other file is parsed whole: stage
 // one predicts without context (SLL) and gives up at the first error; it accepts every correct file. Only if it gives
 // up does stage two predict with full context and report errors. No exception of ANTLR leaves this file.
+#include "compiler/base/assert.hpp"
 #include "compiler/parse/parse.hpp"
 
 #include <algorithm>
@@ -79,6 +80,7 @@ std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, 
   syntax.arena = std::make_unique<Arena>();
   syntax.comments = std::move(list.comments);
   if (!diags.has_errors()) syntax.package = read_sound_file(list, sources, file, *syntax.arena);
+  BIP_ASSERT(list.rows.back().end <= sources.text(file).size(), "tokens lie in the file");
   if (syntax.package != nullptr) return syntax;
   syntax.arena = std::make_unique<Arena>();
   with_tree(list, sources, file, diags, &BipParser::file, [&](BipParser::FileContext* tree) {

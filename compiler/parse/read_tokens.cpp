@@ -5,6 +5,7 @@
 
 #include "BipLexer.h"
 #include "antlr4-runtime.h"
+#include "compiler/base/assert.hpp"
 #include "compiler/parse/token_list.hpp"
 
 namespace bip::parse {
@@ -96,6 +97,7 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
   text.remove_prefix(skipped);
   const std::vector<std::uint32_t> offsets = code_point_offsets(text);
   auto byte = [&](std::size_t code_point) {
+    BIP_ASSERT(offsets.empty() || code_point < offsets.size(), "code point {} of {}", code_point, offsets.size());
     return skipped + (offsets.empty() ? static_cast<std::uint32_t>(code_point) : offsets[code_point]);
   };
   ::antlr4::ANTLRInputStream input{std::string(text)};
@@ -104,6 +106,10 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
   for (auto token = lexer.nextToken(); token->getType() != ::antlr4::Token::EOF; token = lexer.nextToken()) {
     const TokenRow row{token->getType(), byte(token->getStartIndex()), byte(token->getStopIndex() + 1),
                        static_cast<std::uint32_t>(token->getLine())};
+    BIP_ASSERT(row.begin <= row.end && row.end <= skipped + text.size(), "token {}..{} of {} bytes", row.begin, row.end,
+               skipped + text.size());
+    BIP_ASSERT(list.rows.empty() || list.rows.back().end <= row.begin, "token at {} overlaps the one before",
+               row.begin);
     const SourceRange range{file, row.begin, row.end};
     switch (row.type) {
       case BipLexer::LINE_COMMENT:

@@ -75,6 +75,7 @@ FileId SourceMap::add(std::string name, std::string text) {
   file.name = std::move(name);
   file.text = std::move(text);
   file.line_starts = line_starts_of(file.text);
+  BIP_ASSERT(std::is_sorted(file.line_starts.begin(), file.line_starts.end()), "lines of {} are in order", file.name);
   files_.push_back(std::move(file));
   return FileId(files_.size() - 1);
 }
@@ -99,20 +100,30 @@ Result<FileId> SourceMap::load_text(std::string name, std::string text) {
   return add(std::move(name), std::move(text));
 }
 
-std::string_view SourceMap::text(FileId id) const { return files_[id.value].text; }
+std::string_view SourceMap::text(FileId id) const {
+  BIP_ASSERT(id.value < files_.size(), "file {} of {}", id, files_.size());
+  return files_[id.value].text;
+}
 
 std::string_view SourceMap::text(SourceRange r) const {
   const std::string_view whole = text(r.file);
+  BIP_ASSERT(r.begin <= r.end && r.end <= whole.size(), "range {}..{} of {} bytes", r.begin, r.end, whole.size());
   const std::size_t begin = std::min<std::size_t>(r.begin, whole.size());
   return whole.substr(begin, r.end > r.begin ? r.end - r.begin : 0);
 }
 
-const std::string& SourceMap::name(FileId id) const { return files_[id.value].name; }
+const std::string& SourceMap::name(FileId id) const {
+  BIP_ASSERT(id.value < files_.size(), "file {} of {}", id, files_.size());
+  return files_[id.value].name;
+}
 
 Loc SourceMap::loc(FileId id, std::uint32_t offset) const {
+  BIP_ASSERT(id.value < files_.size(), "file {} of {}", id, files_.size());
+  BIP_ASSERT(offset <= files_[id.value].text.size(), "offset {} of {} bytes", offset, files_[id.value].text.size());
   const std::vector<std::uint32_t>& starts = files_[id.value].line_starts;
   const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
   const auto line = static_cast<std::uint32_t>(after - starts.begin());
+  BIP_ASSERT(line >= 1 && line <= starts.size(), "line {} of {}", line, starts.size());
   return {.file = id.value, .line = line, .column = offset - starts[line - 1] + 1};
 }
 

@@ -2,6 +2,7 @@
 //
 // Types of operators and loads follow from their operands and from the scope. Only ids and shapes are checked here;
 // `validate` checks types. Code is read recursively; its depth is limited by kMaxParentheses.
+#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys_reader.hpp"
 
 #include <fmt/format.h>
@@ -22,6 +23,7 @@ bool to_number(std::string_view text, T& value) {
 
 void BsysReader::fail(std::uint32_t node, std::string_view message) {
   if (failed()) return;
+  BIP_ASSERT(node == kNoNode || node < tree_.nodes.size(), "node {} of {}", node, tree_.nodes.size());
   const std::size_t offset = node == kNoNode ? tree_.text.size() : tree_.nodes[node].begin;
   failure_ = failure_at(tree_.text, offset, message);
 }
@@ -53,6 +55,7 @@ bool BsysReader::more(List& list) {
 }
 
 void BsysReader::take_loc(List& list, std::uint32_t node) {
+  BIP_ASSERT(tree_.word(node).starts_with('@'), "a place begins with @");
   const std::string_view word = tree_.word(node).substr(1);
   const std::size_t first = word.find(':');
   const std::size_t second = first == std::string_view::npos ? first : word.find(':', first + 1);
@@ -72,6 +75,7 @@ std::uint32_t BsysReader::next(List& list, std::string_view wanted) {
     return kNoNode;
   }
   const std::uint32_t node = list.at;
+  BIP_ASSERT(tree_.nodes[node].next == kNoNode || tree_.nodes[node].next > node, "elements of a list are in order");
   list.at = tree_.nodes[node].next;
   return node;
 }
@@ -194,6 +198,7 @@ Value BsysReader::literal(std::uint32_t node) {
 }
 
 bool BsysReader::add_string(const std::string& text) {
+  BIP_ASSERT(strings_.size() == system_.code.strings.size(), "each string constant has one row");
   if (!strings_.emplace(text, static_cast<std::uint32_t>(system_.code.strings.size())).second) return false;
   system_.code.strings.push_back(text);
   return true;

@@ -1,4 +1,5 @@
 // S-expressions of .bsys: see bsys_tree.hpp.
+#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys_tree.hpp"
 
 #include <fmt/format.h>
@@ -53,7 +54,9 @@ Result<Tree> read_tree(std::string_view text) {
     const auto node = static_cast<std::uint32_t>(tree.nodes.size());
     tree.nodes.push_back(
         {.kind = kind, .begin = static_cast<std::uint32_t>(begin), .end = static_cast<std::uint32_t>(end)});
+    BIP_ASSERT(begin <= end && end <= text.size(), "element {}..{} of {} bytes", begin, end, text.size());
     OpenList& list = open.back();
+    BIP_ASSERT(begin >= tree.nodes[list.node].begin, "an element lies in its list");
     (list.last == kNoNode ? tree.nodes[list.node].first : tree.nodes[list.last].next) = node;
     list.last = node;
     return node;
@@ -88,10 +91,12 @@ Result<Tree> read_tree(std::string_view text) {
     }
   }
   if (open.size() > 1) return failure_at(text, tree.nodes[open.back().node].begin, "`(` is never closed");
+  BIP_ASSERT(tree.nodes.front().end == text.size(), "node 0 is the whole text");
   return tree;
 }
 
 bool unquote(std::string_view quoted, std::string& out, std::size_t& bad) {
+  BIP_ASSERT(quoted.size() >= 2 && quoted.front() == '"' && quoted.back() == '"', "`{}` is quoted", quoted);
   out.clear();
   for (std::size_t k = 1; k + 1 < quoted.size(); ++k) {
     if (quoted[k] != '\\') {

@@ -1,6 +1,7 @@
 // Takes the types of used packages that no instance needs out of a System: `use std.sync` brings a dozen connector
 // types, of which a model has one. The compiled file's own types stay, used or not. Linear in the tables; ids keep
 // their order.
+#include "compiler/base/assert.hpp"
 #include "compiler/system/instantiator.hpp"
 
 namespace bip::system {
@@ -14,15 +15,18 @@ class Renumbering {
     for (std::size_t k = 0; k < rows.size(); ++k) keep_[k] = rows[Id(k)].loc.file == own_file;
   }
   void need(Id id) {
+    BIP_ASSERT(!id.is_valid() || id.value < keep_.size(), "row {} of {}", id, keep_.size());
     if (id.is_valid()) keep_[id.value] = true;
   }
   void shrink(IndexVector<Id, Row>& rows) {
+    BIP_ASSERT(rows.size() == keep_.size(), "{} rows, {} were counted", rows.size(), keep_.size());
     IndexVector<Id, Row> kept;
     for (std::size_t k = 0; k < keep_.size(); ++k)
       if (keep_[k]) ids_[k] = kept.push(std::move(rows[Id(k)]));
     rows = std::move(kept);
   }
   void renumber(Id& id) const {
+    BIP_ASSERT(!id.is_valid() || ids_[id.value].is_valid(), "type {} was dropped but is used", id);
     if (id.is_valid()) id = ids_[id.value];
   }
 

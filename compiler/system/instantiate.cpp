@@ -1,7 +1,10 @@
 // Unfolding the root: components depth first, in declaration order; then each compound's connectors and priorities.
+#include "compiler/base/assert.hpp"
 #include "compiler/system/instantiate.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <unordered_set>
 
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/packages.hpp"
@@ -30,7 +33,11 @@ bool Instantiator::too_many(std::size_t count, const char* what, SourceRange at)
 
 void Instantiator::component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self,
                              bool in_loop, std::size_t depth) {
+  BIP_ASSERT(instance < instances.size(), "instance {} of {}", instance, instances.size());
+  BIP_ASSERT(self.size() >= instances[instance].params.size(), "loop variables follow the parameters");
   const CompoundTypeId type_id = instances[instance].type;
+  BIP_ASSERT(item.family < model.compound_types[type_id].components.size(), "component {} of {}", item.family,
+             model.compound_types[type_id].components.size());
   const ComponentFamily& family = model.compound_types[type_id].components[item.family];
   std::int64_t first = 0;
   std::int64_t last = 0;
@@ -62,6 +69,7 @@ void Instantiator::component(std::uint32_t instance, const CompoundItem& item, c
     if (!v) return;
     args.push_back(*v);
   }
+  BIP_ASSERT(args.size() == item.args.size(), "one value per argument");
   const CompoundId parent = instances[instance].row;
   const Loc loc = model.loc(item.range);
   for (std::int64_t i = first; i <= last && !stopped; ++i) {
@@ -81,12 +89,15 @@ void Instantiator::component(std::uint32_t instance, const CompoundItem& item, c
     } else {
       row = out.atoms.push({std::move(path), family.atom, parent, args, loc}).value;
     }
+    BIP_ASSERT(family.is_compound ? row < instances.size() : row < out.atoms.size(), "row {} of component {}", row,
+               family.name);
     instances[instance].components[item.family][static_cast<std::size_t>(i)].row = row;
   }
 }
 
 void Instantiator::declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self) {
   Instance& in = instances[instance];
+  BIP_ASSERT(item.family < in.connectors.size(), "connector {} of {}", item.family, in.connectors.size());
   const ConnectorFamily& family = model.compound_types[in.type].connectors[item.family];
   if (too_many(out.connectors.size() + in.pending.size(), "connectors", item.range)) return;
   std::size_t index = 0;
@@ -132,7 +143,9 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
              ++i) {
           if (too_many(rounds++, "rounds of loops", item.syntax->high->range)) break;
           self.back() = {Type::Int, i, 0};
+          const std::size_t scope = self.size();
           items(instance, item.items, self, depth);
+          BIP_ASSERT(self.size() == scope, "a round of a loop leaves {} of {} variables", self.size(), scope);
         }
         self.pop_back();
         break;
@@ -144,12 +157,15 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
 std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> params, std::string path,
                                      CompoundId parent, Loc loc, std::size_t depth) {
   const CompoundType& t = model.compound_types[type];
+  BIP_ASSERT(params.size() == t.params.size(), "{} values for {} parameters", params.size(), t.params.size());
+  BIP_ASSERT(!parent.is_valid() || parent.value < out.compounds.size(), "parents come before their parts");
   const std::uint32_t row = static_cast<std::uint32_t>(instances.size());
   Instance in{
       .type = type, .row = {}, .params = params, .components = {}, .connectors = {}, .pending = {}, .priorities = {}};
   in.row = out.compounds.push({std::move(path), t.name, parent, loc});
   in.components.resize(t.components.size());
   in.connectors.resize(t.connectors.size());
+  BIP_ASSERT(in.row.value == row, "compound {} is instance {}", in.row, row);
   instances.push_back(std::move(in));
   std::vector<Value> self = std::move(params);
   items(row, t.items, self, depth);
@@ -218,6 +234,14 @@ std::optional<CompoundTypeId> find_root(const Model& model, const std::string& n
   return std::nullopt;
 }
 
+[[maybe_unused]] bool paths_are_unique(const System& system) {
+  std::unordered_set<std::string_view> paths;
+  const auto is_new = [&paths](const auto& row) { return paths.insert(row.path).second; };
+  return std::all_of(system.compounds.begin(), system.compounds.end(), is_new) &&
+         std::all_of(system.atoms.begin(), system.atoms.end(), is_new) &&
+         std::all_of(system.connectors.begin(), system.connectors.end(), is_new);
+}
+
 }  // namespace
 
 std::optional<System> instantiate(Model& model, const std::string& root_type,
@@ -250,6 +274,7 @@ std::optional<System> instantiate(Model& model, const std::string& root_type,
   system.atom_types = model.atom_types;
   system.connector_types = model.connector_types;
   drop_unused_types(system, model.packages.back().file.value);
+  BIP_ASSERT(paths_are_unique(system), "no two instances have one path");
   return system;
 }
 

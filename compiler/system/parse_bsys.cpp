@@ -6,6 +6,7 @@
 
 #include <array>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/bsys_row_parser.hpp"
 #include "compiler/system/validate_problems.hpp"
@@ -25,6 +26,9 @@ class BsysParser : BsysRowParser {
     while (reader_.more(all)) row(reader_.next(all, "a row"));
     if (reader_.failed()) return reader_.failure();
     const std::vector<Problem> problems = find_problems(system_);
+    BIP_ASSERT(rows_[static_cast<std::size_t>(Table::Atoms)].size() == system_.atoms.size(), "each atom has its line");
+    BIP_ASSERT(rows_[static_cast<std::size_t>(Table::Connectors)].size() == system_.connectors.size(),
+               "each connector has its line");
     if (problems.empty()) return std::move(system_);
     const Problem& problem = problems.front();
     const std::vector<std::uint32_t>& rows = rows_[static_cast<std::size_t>(problem.table)];

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "compiler/system/instantiator.hpp"
@@ -23,6 +24,8 @@ std::optional<std::uint32_t> Instantiator::find(const Instance& in, const Elemen
     index = static_cast<std::size_t>(wanted);
   }
   const CompoundType& type = model.compound_types[in.type];
+  BIP_ASSERT(ref.family < (kind == ElementKind::Connector ? in.connectors.size() : in.components.size()), "family {}",
+             ref.family);
   const bool is_connector = kind == ElementKind::Connector;
   const std::size_t size = is_connector ? in.connectors[ref.family].size() : in.components[ref.family].size();
   if (wanted >= 0 && index < size) {
@@ -37,6 +40,7 @@ std::optional<std::uint32_t> Instantiator::find(const Instance& in, const Elemen
 }
 
 std::optional<PortRef> Instantiator::exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth) {
+  BIP_ASSERT(row < model.compound_types[instances[instance].type].exports.size(), "export {}", row);
   const PortExport& e = model.compound_types[instances[instance].type].exports[row];
   // A merged one has the same row for all who bind it.
   const bool merges = e.targets.size() > 1 || (!e.targets.empty() && e.targets[0].element.star);
@@ -70,9 +74,11 @@ PortRef Instantiator::choice_of(const std::string& path, const std::vector<PortR
     if (ref.kind != PortRef::Kind::Choice) {
       add(ref);
     } else {
+      BIP_ASSERT(ref.choice < out.choices.size(), "choice {} of {}", ref.choice, out.choices.size());
       for (const PortRef& inner : std::vector<PortRef>(out.choices[ref.choice].ports)) add(inner);
     }
   }
+  BIP_ASSERT(!row.ports.empty(), "`{}` has an alternative", row.name);
   if (row.ports.size() == 1) return row.ports[0];
   out.choices.push_back(std::move(row));
   PortRef ref;
@@ -87,6 +93,7 @@ PortRef Instantiator::atom_port(AtomId atom, std::uint32_t port) {
   const auto own = [&](std::uint32_t p) {
     return PortRef{.kind = PortRef::Kind::Atom, .atom = atom, .port = p, .connector = {}, .maximal_only = false};
   };
+  BIP_ASSERT(port < type.ports.size() + type.merged.size(), "port {} of atom type {}", port, type.name);
   if (port < type.ports.size()) return own(port);
   const auto [known, is_new] = merged_ports.try_emplace({atom.value, port});
   if (is_new) {
@@ -110,7 +117,8 @@ bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, co
     std::erase(rows, Element::kHole);
   } else {
     const std::optional<std::uint32_t> row =
-        find(instances[instance], path.element, path.is_connector ? ElementKind::Connector : ElementKind::Component, self, path.range);
+        find(instances[instance], path.element, path.is_connector ? ElementKind::Connector : ElementKind::Component,
+             self, path.range);
     if (!row) return false;
     rows.push_back(*row);
   }
@@ -148,6 +156,8 @@ ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_
   }
   const ConnectorId id = bind_connector(instance, pending, depth);
   PendingConnector& p = instances[instance].pending[pending];
+  BIP_ASSERT(!id.is_valid() || id.value + 1 == out.connectors.size() || diags.has_errors(),
+             "the last connector is the one that was bound");
   p.id = id;
   p.in_progress = false;
   p.failed = !id.is_valid();
@@ -157,6 +167,7 @@ ConnectorId Instantiator::resolve_connector(std::uint32_t instance, std::uint32_
 ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth) {
   const CompoundItem& item = *instances[instance].pending[pending].item;
   const std::vector<Value> self = instances[instance].pending[pending].self;
+  BIP_ASSERT(instances[instance].pending[pending].in_progress, "a connector is bound once");
   Connector row{.path = {},
                 .type = item.type,
                 .parent = instances[instance].row,
@@ -199,12 +210,16 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
       return {};
     }
   }
+  BIP_ASSERT(item.data.size() == type.data_reads.size(), "connector type {} reads {} data, {} are bound", type.name,
+             type.data_reads.size(), item.data.size());
   for (const DataPath& d : item.data) {
     const std::optional<DataRef> ref = resolve_data(instance, d, self);
     if (!ref) return {};
     row.data.push_back(*ref);
   }
   for (const PortRef& ref : row.ports) {
+    BIP_ASSERT(ref.kind != PortRef::Kind::Atom || out.atoms.contains(ref.atom), "atom {} of {}", ref.atom,
+               out.atoms.size());
     if (ref.kind == PortRef::Kind::Connector) out.connectors[ref.connector].bound = true;
     if (ref.kind != PortRef::Kind::Choice) continue;
     for (const PortRef& alternative : out.choices[ref.choice].ports) {
@@ -219,9 +234,12 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
 
 std::optional<DataRef> Instantiator::resolve_data(std::uint32_t instance, const DataPath& path,
                                                   const std::vector<Value>& self) {
-  const std::optional<std::uint32_t> row = find(instances[instance], path.element, ElementKind::Component, self, path.range);
+  const std::optional<std::uint32_t> row =
+      find(instances[instance], path.element, ElementKind::Component, self, path.range);
   if (!row) return std::nullopt;
   const ComponentFamily& family = model.compound_types[instances[instance].type].components[path.element.family];
+  BIP_ASSERT(family.is_compound || path.variable < model.atom_types[family.atom].variables.size(),
+             "variable {} of `{}`", path.variable, family.name);
   if (!family.is_compound) return DataRef{AtomId(*row), path.variable};
   const DataExport& e = model.compound_types[instances[*row].type].data_exports[path.variable];
   const std::vector<Value> inner = instances[*row].params;
