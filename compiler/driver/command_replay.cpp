@@ -107,7 +107,7 @@ class Replay {
                                                    trace_path_, state.chosen));
       }
       const auto k = static_cast<std::uint64_t>(chosen - ours.begin());
-      if (core_.is_timed() ? !core_.take_timed(core_.position(k)) : !core_.fire(k)) return fault(state, steps_);
+      if (core_.is_timed() ? !core_.time().take(core_.position(k)) : !core_.fire(k)) return fault(state, steps_);
       ++steps_;
     }
     return true;
@@ -132,11 +132,11 @@ class Replay {
       return fail(fmt::format("state #{} of `{}` is left at {}, before it is reached", state.number, trace_path_,
                               state.instant));
     while (core_.now() < to) {
-      const rt::i64 next = std::min(to, core_.next_change());
-      if (next > core_.wait_limit(ends_))
+      const rt::i64 next = std::min(to, core_.time().next_change());
+      if (next > core_.time().wait_limit(ends_))
         return fail(fmt::format("state #{} of `{}` is left at {}, to which time may not pass in the model",
                                 state.number, trace_path_, state.instant));
-      if (!core_.advance(next)) return fault(state, steps_);
+      if (!core_.time().advance(next)) return fault(state, steps_);
     }
     return true;
   }

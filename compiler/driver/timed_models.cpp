@@ -113,7 +113,7 @@ std::string broken_text(const rt::Image& image, const verify::Property& property
   bool is_sound = core.initialize();
   for (const rt::TimedStep& step : path.steps) {
     is_sound = is_sound && rt::let_time_pass(core, step.at) && step.choice < core.candidate_count() &&
-               core.take_timed(core.position(step.choice));
+               core.time().take(core.position(step.choice));
   }
   return is_sound && rt::let_time_pass(core, path.end) ? verify::broken_state(core, property, path.steps.size())
                                                        : std::string();

@@ -146,7 +146,8 @@ class Story {
       missing_.resize(base + type.define.size);
       above_.resize(base + type.define.size, kNone);
       for (u32 i = type.define.size; i-- > 0;) look_at_node(connector, type, base, i, up_port, up_connector);
-      if (available_[base] && !type.exports && core_.listed_count(connector) == 0) guards_.push_back(connector);
+      if (available_[base] && !type.exports && core_.search().listed_count(connector) == 0)
+        guards_.push_back(connector);
     }
     up_port_ = Csr::build(tables_.port_atom.size(), up_port);
     up_connector_ = Csr::build(image_.connectors.size, up_connector);
@@ -219,7 +220,7 @@ class Story {
 
   void look_at_atoms() {
     wants_.resize(image_.atoms.size);
-    last_interactions_ = core_.last_interactions();
+    last_interactions_ = core_.history().last_of_atoms(core_.tables());
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const AtomType& type = tables_.atom_type(atom);
       bool offers = false;
@@ -231,7 +232,7 @@ class Story {
       if (offers) waiting_.push_back(atom);
       prefer_holders(atom);
     }
-    for (const EventPortRow& row : core_.event_ports()) {
+    for (const EventPortRow& row : core_.events().ports()) {
       if (takes_from_here(row.atom, row.port) && (listening_.empty() || listening_.back() != row.atom))
         listening_.push_back(row.atom);
     }
@@ -254,7 +255,7 @@ class Story {
       out += "  ";
       append_atom(out, atom);
       const char* before = "   takes events at ";
-      for (const EventPortRow& row : core_.event_ports()) {
+      for (const EventPortRow& row : core_.events().ports()) {
         if (row.atom != atom || !takes_from_here(atom, row.port)) continue;
         out += before;
         out += tables_.atom_type(atom).ports[row.port].name;

@@ -87,8 +87,8 @@ void append_name(std::string& out, const char* name, u32 index) {
 
 const char* relative(const char* path) { return std::strncmp(path, "ROOT.", 5) == 0 ? path + 5 : path; }
 
-std::string places_of(const Core& core, u32 atom) {
-  const AtomType& type = core.tables().atom_type(atom);
+std::string places_of(const CoreParts& core, u32 atom) {
+  const AtomType& type = core.tables.atom_type(atom);
   std::string out;
   for (u32 place = 0; place < type.places.size; ++place) {
     if (!core.is_marked(atom, place)) continue;
@@ -98,8 +98,8 @@ std::string places_of(const Core& core, u32 atom) {
   return out;
 }
 
-std::string data_of(const Core& core, u32 atom) {
-  const AtomType& type = core.tables().atom_type(atom);
+std::string data_of(const CoreParts& core, u32 atom) {
+  const AtomType& type = core.tables.atom_type(atom);
   const u32 base = core.image().atoms[atom].first_cell;
   std::string out;
   const u32 clocks = type.time == nullptr ? 0 : type.time->clocks.size;
@@ -107,13 +107,13 @@ std::string data_of(const Core& core, u32 atom) {
     if (i != 0) out += ", ";
     out += type.variables[i].name;
     out += " = ";
-    append_value(out, core.image(), type.variables[i].type, core.cell(base + i));
+    append_value(out, core.image(), type.variables[i].type, core.memory.cells[base + i]);
   }
   for (u32 i = 0; i < clocks; ++i) {
     if (!out.empty()) out += ", ";
     out += type.time->clocks[i].name;
     out += " = ";
-    append_time(out, static_cast<i64>(core.clock_value(atom, i)));
+    append_time(out, static_cast<i64>(core.clocks.clock_value(atom, i)));
   }
   return out;
 }

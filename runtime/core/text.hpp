@@ -3,7 +3,7 @@
 #include <string>
 
 #include "runtime/core/core.hpp"
-#include "runtime/core/time/time_state.hpp"
+#include "runtime/core/time/time_text.hpp"
 
 namespace bip::rt {
 
@@ -30,8 +30,10 @@ void append_relative(std::string& out, const Row& row) {
   append_name(out, relative(row.name), row.index);
 }
 /// The marked places, "A, B".
-[[nodiscard]] std::string places_of(const Core& core, u32 atom);
+[[nodiscard]] std::string places_of(const CoreParts& core, u32 atom);
+[[nodiscard]] inline std::string places_of(const Core& core, u32 atom) { return places_of(core.parts(), atom); }
 /// `x = 1, b = true`, or empty.
-[[nodiscard]] std::string data_of(const Core& core, u32 atom);
+[[nodiscard]] std::string data_of(const CoreParts& core, u32 atom);
+[[nodiscard]] inline std::string data_of(const Core& core, u32 atom) { return data_of(core.parts(), atom); }
 
 }  // namespace bip::rt

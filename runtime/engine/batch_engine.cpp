@@ -17,7 +17,7 @@ constexpr u64 kTestedEpoch = 8;  // small enough for runs of tests to have sever
 
 BatchEngine::BatchEngine(Core& core, Scheduler& scheduler, const RunOptions& options, Output& output)
     : core_(core), scheduler_(scheduler), options_(options), output_(output) {
-  if (!core.can_batch() || !scheduler.is_uniform()) return;
+  if (!core.steps().can_batch() || !scheduler.is_uniform()) return;
   const u32 threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   plan_ = plan_batch(core.tables(), core.priorities(), std::min<u32>(threads, kMostParts), options.perturb != 0);
   if (options.perturb != 0) {
@@ -35,8 +35,8 @@ void BatchEngine::tell(const std::vector<u32>& interactions) {
   if (!follower_) return output_.record(interactions);
   for (const u32 interaction : interactions) {
     const EnabledSet::Position at{interaction, 0};
-    BIP_ASSERT(follower_->has(at), "interaction {} of step {} is no candidate", interaction, told_);
-    output_.step(*follower_, at, told_++, follower_->number(at));
+    BIP_ASSERT(follower_->enabled().has(at), "interaction {} of step {} is no candidate", interaction, told_);
+    output_.step(*follower_, at, told_++, follower_->enabled().number(at));
     (void)follower_->take(at);
   }
 }
@@ -46,14 +46,14 @@ u64 BatchEngine::advance(u64 number, u64 limit, bool& sound) {
   told_ = number;
   std::function<void(const std::vector<u32>&)> record;
   if (output_.writes_steps()) record = [this](const std::vector<u32>& interactions) { tell(interactions); };
-  const u64 done = core_.run_batch(plan_, *team_, scheduler_.prng(), limit, is_interrupted, record);
+  const u64 done = core_.steps().run_batch(plan_, *team_, scheduler_.prng(), limit, is_interrupted, record);
   BIP_ASSERT(done <= limit, "{} steps of {}", done, limit);
   beside_ += done;
   // What is left of the limit, or what came to little beside each other; and the core's books are kept again.
-  const u64 alone = core_.run_steps(scheduler_.prng(),
-                                    std::min<u64>(limit - done, options_.perturb != 0 ? kTestedEpoch : Core::kHistory),
-                                    is_interrupted, sound);
-  if (record) tell(core_.recent_interactions(alone));
+  const u64 alone = core_.steps().run(
+      scheduler_.prng(), std::min<u64>(limit - done, options_.perturb != 0 ? kTestedEpoch : Core::kHistory),
+      is_interrupted, sound);
+  if (record) tell(core_.history().recent(alone));
   return done + alone;
 }
 

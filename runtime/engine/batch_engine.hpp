@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "bip/run.hpp"
-#include "runtime/core/programs/batch.hpp"
+#include "runtime/core/programs/batch_plan.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/core/programs/team.hpp"
 #include "runtime/engine/output.hpp"

@@ -34,7 +34,7 @@ bool EventFeed::open_sources(Core& core) {
 
 bool EventFeed::fail(Core& core) {
   failed_ = true;
-  return core.fail_outside(FaultCode::SourceFailed, sources_.problem());
+  return core.events().fail_outside(FaultCode::SourceFailed, sources_.problem());
 }
 
 void EventFeed::open_inbox() {
@@ -48,10 +48,10 @@ void EventFeed::stop() {
 }
 
 void EventFeed::open_pool(Core& core) {
-  if (!core.has_async() || wall_ == nullptr) return;
+  if (!core.actions().any() || wall_ == nullptr) return;
   pool_ =
       std::make_unique<ActionPool>(kMostThreads, [this](u32 atom, u64 job) { inbox_.note_return(atom, job, *wall_); });
-  core.await_returns(pool_.get());
+  core.actions().await_returns(pool_.get());
 }
 
 bool EventFeed::read(const std::string& path, std::string& error) {
@@ -70,8 +70,8 @@ void EventFeed::forget_jobs(const Core& core, std::size_t first) {
   const auto begin = arrived_.begin() + static_cast<std::ptrdiff_t>(first);
   arrived_.erase(std::remove_if(begin, arrived_.end(),
                                 [&](const Event& e) {
-                                  return e.kind != EventKind::Port &&
-                                         !(core.is_at_work(e.row) && core.work_of(e.row).job == e.job);
+                                  return e.kind != EventKind::Port && !(core.actions().is_at_work(e.row) &&
+                                                                        core.actions().work_of(e.row).job == e.job);
                                 }),
                  arrived_.end());
 }
@@ -81,16 +81,19 @@ void EventFeed::look_at_budgets(Core& core, std::size_t first) {
   for (std::size_t k = first; k < arrived_.size(); ++k) {
     if (arrived_[k].kind != EventKind::Return) continue;
     const Event event = arrived_[k];
-    if (event.time > core.work_of(event.row).until && !core.work_of(event.row).is_overrun) {
-      arrived_.insert(arrived_.begin() + static_cast<std::ptrdiff_t>(k++),
-                      {core.work_of(event.row).until, event.row, kAnyLook, {}, EventKind::Overrun, event.job});
+    if (event.time > core.actions().work_of(event.row).until && !core.actions().work_of(event.row).is_overrun) {
+      arrived_.insert(
+          arrived_.begin() + static_cast<std::ptrdiff_t>(k++),
+          {core.actions().work_of(event.row).until, event.row, kAnyLook, {}, EventKind::Overrun, event.job});
     }
-    core.mark_overrun(event.row);
+    core.actions().mark_overrun(event.row);
   }
   const i64 now = wall_->now();
-  for (u32 atom = next_overrun(core); atom != kNone && core.work_of(atom).until <= now; atom = next_overrun(core)) {
-    arrived_.push_back({core.work_of(atom).until, atom, kAnyLook, {}, EventKind::Overrun, core.work_of(atom).job});
-    core.mark_overrun(atom);
+  for (u32 atom = next_overrun(core); atom != kNone && core.actions().work_of(atom).until <= now;
+       atom = next_overrun(core)) {
+    arrived_.push_back(
+        {core.actions().work_of(atom).until, atom, kAnyLook, {}, EventKind::Overrun, core.actions().work_of(atom).job});
+    core.actions().mark_overrun(atom);
   }
 }
 
@@ -122,7 +125,7 @@ void EventFeed::release(const Core& core) {
   for (std::size_t k = 0; k < active_.size();) {
     const u32 row = active_[k];
     BIP_ASSERT(row < held_.size(), "port {} of {}", row, held_.size());
-    const u32 waiting = core.waiting_events(row);
+    const u32 waiting = core.events().waiting(row);
     // Not for each one: that is a lock that those who post want, too.
     if (waiting != 0 && held_[row] - waiting < inbox_.capacity() / kReleases) {
       ++k;
@@ -162,12 +165,13 @@ i64 EventFeed::wait_for_outside(Core& core, i64 target) {
       const std::string what = next.kind == EventKind::Port
                                    ? "the event for port `" + ports_.path(next.row)
                                    : std::string("what ended in `") + ports_.atom_path(next.row);
-      (void)core.fail_outside(FaultCode::ReplayDiffers, "the run differs from what was recorded before " + what + '`');
+      (void)core.events().fail_outside(FaultCode::ReplayDiffers,
+                                       "the run differs from what was recorded before " + what + '`');
       return kForever;
     }
     const i64 until = event == kForever ? target : std::max(event, core.now());
     const bool comes = event != kForever;
-    const bool may_come = is_open_ || !sources_.empty() || (pool_ != nullptr && !core.working().empty());
+    const bool may_come = is_open_ || !sources_.empty() || (pool_ != nullptr && !core.actions().working().empty());
     const bool is_over = wall_ == nullptr || wall_->has_passed(until) || (until == kForever && !may_come);
     // What is due comes before what stop() wants.
     gave_up_ = is_interrupted() || (!is_over && wants_stop_.load());
@@ -182,7 +186,7 @@ i64 EventFeed::wait_for_outside(Core& core, i64 target) {
       continue;
     }
     const u32 late = pool_ != nullptr ? next_overrun(core) : kNone;
-    waker().sleep_until(wall_->due(late == kNone ? until : std::min(until, core.work_of(late).until)));
+    waker().sleep_until(wall_->due(late == kNone ? until : std::min(until, core.actions().work_of(late).until)));
   }
 }
 
@@ -205,16 +209,17 @@ bool EventFeed::deliver(Core& core) {
 
 // It is told, and an event comes to the port that wants to know.
 bool EventFeed::overrun(Core& core, u32 atom) {
-  if (!core.is_at_work(atom))
-    return core.fail_outside(FaultCode::ReplayDiffers, std::string("nothing runs in `") + ports_.atom_path(atom) + '`');
+  if (!core.actions().is_at_work(atom))
+    return core.events().fail_outside(FaultCode::ReplayDiffers,
+                                      std::string("nothing runs in `") + ports_.atom_path(atom) + '`');
   ++overruns_;
-  core.mark_overrun(atom);
+  core.actions().mark_overrun(atom);
   if (warnings_ != nullptr) {
     const std::string text = overrun_text(core, atom);
     std::fprintf(warnings_, "warning[R0045]: %s\n", text.c_str());
   }
   const u32 port = overrun_port(core, atom);
-  return port == kNone || core.deliver(port, nullptr);
+  return port == kNone || core.events().deliver(port, nullptr);
 }
 
 bool EventFeed::deliver(Core& core, const Event& event) {
@@ -225,13 +230,13 @@ bool EventFeed::deliver(Core& core, const Event& event) {
   }
   if (event.kind == EventKind::Overrun) return overrun(core, event.row);
   if (event.kind == EventKind::Return) {
-    if (!core.is_at_work(event.row))
-      return core.fail_outside(FaultCode::ReplayDiffers,
-                               std::string("nothing runs in `") + ports_.atom_path(event.row) + '`');
-    return core.return_action(event.row);
+    if (!core.actions().is_at_work(event.row))
+      return core.events().fail_outside(FaultCode::ReplayDiffers,
+                                        std::string("nothing runs in `") + ports_.atom_path(event.row) + '`');
+    return core.actions().return_action(event.row);
   }
   ports_.to_cells(event.row, event.values, cells_);
-  return core.deliver(event.row, cells_.data());
+  return core.events().deliver(event.row, cells_.data());
 }
 
 }  // namespace bip::rt

@@ -33,7 +33,7 @@ bool fits(CellType type, const EventValue& value) {
 
 }  // namespace
 
-EventPorts::EventPorts(const Core& core) : image_(core.image()), rows_(core.event_ports()) {
+EventPorts::EventPorts(const Core& core) : image_(core.image()), rows_(core.events().ports()) {
   for (u32 row = 0; row < rows_.size(); ++row) by_path_.push_back(row);
   std::sort(by_path_.begin(), by_path_.end(), [this](u32 a, u32 b) { return path(a) < path(b); });
 }

@@ -20,9 +20,9 @@ bool EventSources::fail(const Object& object, const Core& core) {
 
 bool EventSources::open(const Core& core, const EventPorts& ports, Engine& engine) {
   const Image& image = core.image();
-  object_of_.assign(core.event_ports().size(), kNone);
-  for (u32 row = 0; row < core.event_ports().size(); ++row) {
-    const EventPortRow& port = core.event_ports()[row];
+  object_of_.assign(core.events().ports().size(), kNone);
+  for (u32 row = 0; row < core.events().ports().size(); ++row) {
+    const EventPortRow& port = core.events().ports()[row];
     if (port.source == kNone) continue;
     object_of_[row] = static_cast<u32>(objects_.size());
     Object& object = objects_.emplace_back();
@@ -42,7 +42,7 @@ bool EventSources::open(const Core& core, const EventPorts& ports, Engine& engin
 
 bool EventSources::poll(const Core& core, const EventPorts& ports, i64 until, std::deque<Event>& out) {
   for (Object& object : objects_) {
-    if (object.is_on_way || core.waiting_events(object.row) != 0) continue;
+    if (object.is_on_way || core.events().waiting(object.row) != 0) continue;
     const Span<Var>& vars = ports.vars(object.row);
     cells_.assign(vars.size, Cell{0});
     Event event{0, object.row, kAnyLook, {}};
@@ -64,7 +64,7 @@ bool EventSources::delivered(const Core& core, u32 row) {
   Object& object = objects_[object_of_[row]];
   object.is_on_way = false;
   // It was dropped: so is what came with it.
-  const bool is_dropped = core.event_ports()[row].policy == EventPolicy::Ignore && core.waiting_events(row) == 0;
+  const bool is_dropped = core.events().ports()[row].policy == EventPolicy::Ignore && core.events().waiting(row) == 0;
   return !is_dropped || object.type->purge(object.address, *core.image().ffi) || fail(object, core);
 }
 

@@ -88,7 +88,7 @@ struct Execution::Impl {
     return text;
   }
   Outcome take(rt::EnabledSet::Position at) {
-    BIP_ASSERT(core.has(at) && outcome != Outcome::Fault, "interaction {} is no candidate", at.interaction);
+    BIP_ASSERT(core.enabled().has(at) && outcome != Outcome::Fault, "interaction {} is no candidate", at.interaction);
     Step step;
     if (callback) {
       const rt::Candidate candidate = core.candidate(at);
@@ -101,15 +101,15 @@ struct Execution::Impl {
         const rt::PortType& type = core.image().port_types[port.type];
         for (rt::u32 i = 0; i < port.variables.size; ++i) {
           step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name,
-                                 value_of(type.vars[i].type, core.shown(p.atom, p.port, i))});
+                                 value_of(type.vars[i].type, core.events().shown(p.atom, p.port, i))});
         }
       }
     }
     if (trace) {
-      trace->format->step(trace->out.text, core, at, steps, core.number(at));
+      trace->format->step(trace->out.text, core, at, steps, core.enabled().number(at));
       trace->out.drain(TraceFile::kPiece);
     }
-    if (!(core.is_timed() ? core.take_timed(at) : core.take(at))) return outcome = Outcome::Fault;
+    if (!(core.is_timed() ? core.time().take(at) : core.take(at))) return outcome = Outcome::Fault;
     scheduler.fired(at.interaction);
     ++steps;
     if (callback) callback(step);
@@ -119,11 +119,12 @@ struct Execution::Impl {
   // Compiled steps; the same ones as step by step. What precedes and follows them is worth it for many.
   static constexpr std::uint64_t kManySteps = 256;
   [[nodiscard]] bool can_run_compiled(std::uint64_t n) const {
-    return n >= kManySteps && !callback && !trace && outcome != Outcome::Fault && !core.is_timed() && core.has_steps();
+    return n >= kManySteps && !callback && !trace && outcome != Outcome::Fault && !core.is_timed() &&
+           core.steps().has_steps();
   }
   std::uint64_t run_compiled(std::uint64_t n) {
     bool sound = true;
-    const std::uint64_t done = core.run_steps(
+    const std::uint64_t done = core.steps().run(
         scheduler.prng(), n, [] { return false; }, sound);
     BIP_ASSERT(done <= n, "{} steps of {}", done, n);
     steps += done;
@@ -137,7 +138,7 @@ struct Execution::Impl {
     const rt::i64 actual = core.now() + wall.in_model(wall.note_late(core.now()));
     if (!wall.is_too_late(actual, scheduler.latest(core))) return true;
     ++late;
-    return !is_strict || core.fail_late(core.candidate(scheduler.choice()), scheduler.latest(core), actual);
+    return !is_strict || core.time().fail_late(core.candidate(scheduler.choice()), scheduler.latest(core), actual);
   }
 
   rt::Core core;
@@ -289,8 +290,8 @@ bool Execution::read(const std::string& path, std::string& value) const {
 
 Execution::Snapshot Execution::snapshot() const {
   Snapshot snapshot;
-  snapshot.impl_ = std::make_unique<Snapshot::Impl>(
-      Snapshot::Impl{impl_->core.snapshot(), impl_->core.list_order(), impl_->scheduler, impl_->steps, impl_->outcome});
+  snapshot.impl_ = std::make_unique<Snapshot::Impl>(Snapshot::Impl{
+      impl_->core.snapshot(), impl_->core.enabled().list_order(), impl_->scheduler, impl_->steps, impl_->outcome});
   return snapshot;
 }
 

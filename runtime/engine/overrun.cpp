@@ -8,16 +8,17 @@ namespace bip::rt {
 namespace {
 
 u32 row_of(const Core& core, u32 atom) {
-  return core.work_of(atom).transition - core.tables().types[core.image().atoms[atom].type].first_transition;
+  return core.actions().work_of(atom).transition - core.tables().types[core.image().atoms[atom].type].first_transition;
 }
 
 }  // namespace
 
 u32 next_overrun(const Core& core) {
   u32 first = kNone;
-  for (const u32 atom : core.working()) {
-    const AtWork& work = core.work_of(atom);
-    if (!work.is_overrun && work.until != kForever && (first == kNone || work.until < core.work_of(first).until))
+  for (const u32 atom : core.actions().working()) {
+    const AtWork& work = core.actions().work_of(atom);
+    if (!work.is_overrun && work.until != kForever &&
+        (first == kNone || work.until < core.actions().work_of(first).until))
       first = atom;
   }
   return first;
@@ -25,8 +26,8 @@ u32 next_overrun(const Core& core) {
 
 u32 overrun_port(const Core& core, u32 atom) {
   const u32 port = core.tables().atom_type(atom).time->transitions[row_of(core, atom)].async.overrun;
-  for (u32 row = 0; port != kNone && row < core.event_ports().size(); ++row) {
-    if (core.event_ports()[row].atom == atom && core.event_ports()[row].port == port) return row;
+  for (u32 row = 0; port != kNone && row < core.events().ports().size(); ++row) {
+    if (core.events().ports()[row].atom == atom && core.events().ports()[row].port == port) return row;
   }
   return kNone;
 }
@@ -37,7 +38,7 @@ std::string overrun_text(const Core& core, u32 atom) {
   const i64 budget = type.time->transitions[row_of(core, atom)].async.budget;
   std::string text = "the action of port `" + core.image().atoms[atom].path() + '.' + type.ports[transition.port].name +
                      "`, begun at ";
-  append_time(text, core.work_of(atom).until - budget);
+  append_time(text, core.actions().work_of(atom).until - budget);
   text += ", is beyond its budget of ";
   append_time(text, budget);
   text += " at ";

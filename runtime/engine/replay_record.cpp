@@ -67,7 +67,7 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
                          core.fault().what;
         break;
       }
-      if (!core.has(at)) {
+      if (!core.enabled().has(at)) {
         result.problem = numbered("step ", result.steps, "");
         if (at.interaction < core.tables().interactions.size()) {
           result.problem += " takes `";
@@ -81,7 +81,7 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
         }
         break;
       }
-      if (output.writes_steps()) output.step(core, at, result.steps, core.number(at));
+      if (output.writes_steps()) output.step(core, at, result.steps, core.enabled().number(at));
       sound = core.take(at);
       if (sound) ++result.steps;
       continue;

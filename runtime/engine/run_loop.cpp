@@ -88,7 +88,7 @@ void RunLoop::begin_record() {
   if (files_.record.get() == nullptr) return;
   std::string text;
   append_record_head(text, {false, image_.name, seed_, options_.policy, options_.asap, options_.maximal_progress,
-                            options_.speed > 0 && core_.has_async()});
+                            options_.speed > 0 && core_.actions().any()});
   write_text(files_.record.get(), text);
   feed_.record(files_.record.get());
 }
@@ -111,7 +111,7 @@ void RunLoop::start_real_time() {
   wall_.start(core_.now());
   if (sleeps_) feed_.follow(wall_);
   if (sleeps_) feed_.open_pool(core_);
-  if (recorded_.tells_returns) core_.await_returns(nullptr);
+  if (recorded_.tells_returns) core_.actions().await_returns(nullptr);
   feed_.warn(files_.err);
   if (is_sound_ && !is_replay() && options_.events_path.empty()) is_sound_ = feed_.open_sources(core_);
   // Threads inherit a priority: it is raised when all of them are there.
@@ -182,7 +182,7 @@ bool RunLoop::take_new_code() {
   core_.take_new_code(new_code_->install());
   new_code_ = nullptr;
   is_compiled_ = can_be_compiled();
-  if (is_compiled_) core_.drop_programs();
+  if (is_compiled_) core_.steps().drop_programs();
   return true;
 }
 
@@ -209,10 +209,10 @@ void RunLoop::take_compiled_steps() {
   }
   if (writes_) most = std::min<u64>(most, Core::kHistory);
   BIP_ASSERT(can_be_compiled(), "steps of this run are taken one by one");
-  const u64 done = core_.run_steps(scheduler_.prng(), most, is_interrupted, is_sound_, options_.profile);
+  const u64 done = core_.steps().run(scheduler_.prng(), most, is_interrupted, is_sound_, options_.profile);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   result_.steps += done;
-  if (writes_) output_.record(core_.recent_interactions(done + (is_sound_ ? 0 : 1)));
+  if (writes_) output_.record(core_.history().recent(done + (is_sound_ ? 0 : 1)));
 }
 
 // The same steps as one by one; what else a turn of the loop does would be a tenth of the work.
@@ -231,8 +231,8 @@ void RunLoop::take_one_step() {
   EnabledSet::Position at{};
   if (choose(at) == Choice::InputEnded) return end_with(End::Interrupted);
   if (sleeps_ && !is_in_time(at)) return;
-  BIP_ASSERT(core_.has(at), "interaction {} is no candidate", at.interaction);
-  if (writes_) output_.step(core_, at, result_.steps, core_.number(at));
+  BIP_ASSERT(core_.enabled().has(at), "interaction {} is no candidate", at.interaction);
+  if (writes_) output_.step(core_, at, result_.steps, core_.enabled().number(at));
   fire(at);
 }
 
@@ -253,7 +253,7 @@ RunLoop::Choice RunLoop::choose(EnabledSet::Position& at) {
 bool RunLoop::is_in_time(EnabledSet::Position at) {
   const i64 late = wall_.in_model(wall_.note_late(core_.now()));
   if (!wall_.is_too_late(core_.now() + late, timed_.latest(core_))) return true;
-  (void)core_.fail_late(core_.candidate(at), timed_.latest(core_), core_.now() + late);
+  (void)core_.time().fail_late(core_.candidate(at), timed_.latest(core_), core_.now() + late);
   if (options_.relaxed) std::fprintf(files_.err, "warning: %s\n", core_.fault().what.c_str());
   else is_sound_ = false;
   return options_.relaxed;
@@ -262,7 +262,7 @@ bool RunLoop::is_in_time(EnabledSet::Position at) {
 void RunLoop::fire(EnabledSet::Position at) {
   if (options_.profile != nullptr) options_.profile->begin_step();
   if (core_.is_timed()) {
-    is_sound_ = core_.take_timed(at);
+    is_sound_ = core_.time().take(at);
     timed_.fired(at.interaction);
   } else {
     is_sound_ = core_.take(at);
@@ -318,7 +318,7 @@ void RunLoop::print_statistics() {
   if (sleeps_) {
     std::string text;
     wall_.append_histogram(text);
-    if (core_.has_async()) text += "budgets overrun: " + std::to_string(feed_.overruns()) + '\n';
+    if (core_.actions().any()) text += "budgets overrun: " + std::to_string(feed_.overruns()) + '\n';
     write_text(files_.err, text);
   }
   print_run_statistics(files_.err, core_, enabled_sizes_, result_.steps, seconds_, cpu_seconds_);
@@ -346,7 +346,7 @@ bool RunLoop::is_new_code_ready() const {
 // Compiled steps draw uniformly, know no time, and leave nothing behind but the numbers of their interactions.
 bool RunLoop::can_be_compiled() const {
   return (!writes_ || output_.records_only()) && !options_.interactive && scheduler_.is_uniform() &&
-         !core_.is_timed() && core_.has_steps();
+         !core_.is_timed() && core_.steps().has_steps();
 }
 
 }  // namespace bip::rt

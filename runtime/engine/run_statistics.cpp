@@ -14,7 +14,7 @@ void print_run_statistics(std::FILE* err, const Core& core, const EnabledSizes& 
                  static_cast<unsigned long long>(sizes.least), static_cast<unsigned long long>(sizes.most),
                  static_cast<unsigned long long>(sizes.samples));
   }
-  if (const SearchWork& work = core.search_work(); work.searches != 0) {
+  if (const SearchWork& work = core.search().work(); work.searches != 0) {
     std::fprintf(err,
                  "searches of maximal interactions %llu, configurations looked at %llu, connectors evaluated %llu, "
                  "sets looked at as ranges %llu\n",

@@ -34,7 +34,7 @@ class Scheduler {
     const std::uint64_t count = core.candidate_count();
     BIP_ASSERT(count != 0, "a choice without candidates");
     if (!is_uniform()) return policy_->choose(core, prng_);
-    return core.drawn(count == 1 ? 0 : prng_.below(count));
+    return core.enabled().drawn(count == 1 ? 0 : prng_.below(count));
   }
   /// Every candidate is drawn with the same probability: such a run may take compiled steps.
   [[nodiscard]] bool is_uniform() const { return policy_ == nullptr; }

@@ -49,21 +49,21 @@ class ThreadedRun {
         costs_(core.tables().transitions.size()) {}
 
   ThreadedResult run() {
-    core_.allow_partial();
+    core_.partial().allow();
     ThreadedResult result;
     result.threads = options_.threads != 0 ? options_.threads : std::max(1u, std::thread::hardware_concurrency());
     std::vector<std::thread> others;
     for (u32 k = 1; k < result.threads; ++k) others.emplace_back([this, k] { work(k); });
     work(0);
     for (std::thread& thread : others) thread.join();
-    const PartialState& partial = *core_.partial();
+    const PartialState& partial = *core_.partial().state();
     result.most_busy = partial.most_busy;
     result.handed_over = handed_over_;
     result.steps = steps_;
     const u64 fault_step = partial.fault_step;
     BIP_ASSERT(partial.busy == 0 && ready_.empty(), "{} atoms at work after the end", partial.busy);
     BIP_ASSERT(steps_ <= options_.limit, "{} steps of {}", steps_, options_.limit);
-    if (!core_.end_partial()) {
+    if (!core_.partial().end()) {
       result.end = End::Fault;
       result.steps = fault_step;
       // The step that ends in a fault is told, like that of any run.
@@ -96,13 +96,13 @@ class ThreadedRun {
     const u64 count = core_.candidate_count();
     if (count == 0) return false;
     at = scheduler_.choose(core_);
-    BIP_ASSERT(core_.has(at), "interaction {} is no candidate", at.interaction);
-    if (core_.is_decided(at.interaction)) return true;
-    u64 k = core_.number(at);
+    BIP_ASSERT(core_.enabled().has(at), "interaction {} is no candidate", at.interaction);
+    if (core_.partial().is_decided(at.interaction)) return true;
+    u64 k = core_.enabled().number(at);
     for (u64 tried = 1; tried < count; ++tried) {
       k = k + 1 == count ? 0 : k + 1;
       at = core_.position(k);
-      if (core_.is_decided(at.interaction)) return true;
+      if (core_.partial().is_decided(at.interaction)) return true;
     }
     return false;
   }
@@ -116,7 +116,7 @@ class ThreadedRun {
       output_.describe(flights_.back().text, core_, at, steps_, kNoChoice);
     }
     scheduler_.fired(at.interaction);
-    if (!core_.begin(at, steps_, fresh_)) stopping_ = true;
+    if (!core_.partial().begin(at, steps_, fresh_)) stopping_ = true;
     if (writes_) {
       flights_.back().open = static_cast<u32>(fresh_.size()) + 1;
       landed(steps_);
@@ -145,17 +145,17 @@ class ThreadedRun {
       }
       if (++cost.runs % kLookAgain == 0) {
         const auto start = Clock::now();
-        status = core_.run(work);
+        status = core_.partial().run(work);
         cost.add((Clock::now() - start).count());
       } else {
-        status = core_.run(work);
+        status = core_.partial().run(work);
       }
     } while (!ended(work, status));
   }
 
   // False: the work goes on with an internal transition.
   bool ended(Work& work, std::int32_t status) {
-    const Finished how = core_.finish(work, status);
+    const Finished how = core_.partial().finish(work, status);
     if (how == Finished::More) return false;
     if (how == Finished::Fault) stopping_ = true;
     landed(work.step);
@@ -174,7 +174,7 @@ class ThreadedRun {
         run_outside(guard, next, delays);
         continue;
       }
-      if (core_.partial()->busy == 0) {
+      if (core_.partial().state()->busy == 0) {
         wake_.notify_all();
         return;
       }
@@ -191,7 +191,7 @@ class ThreadedRun {
       guard.unlock();
       perturb(delays);
       const auto start = Clock::now();
-      status = core_.run(work);
+      status = core_.partial().run(work);
       const std::int64_t ns = (Clock::now() - start).count();
       perturb(delays);
       guard.lock();

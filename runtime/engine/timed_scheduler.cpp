@@ -33,7 +33,7 @@ bool TimedScheduler::plan(Core& core, i64 last) {
   at_ = kForever;
   std::uint64_t ties = 0;
   for (std::uint64_t k = 0; k < ends_.size(); ++k) {
-    const i64 instant = draw(core.now(), std::min(ends_[k], last), core.time_unit());
+    const i64 instant = draw(core.now(), std::min(ends_[k], last), core.time().unit());
     if (instant > at_) continue;
     ties = instant == at_ ? ties + 1 : 1;
     at_ = instant;
@@ -41,13 +41,13 @@ bool TimedScheduler::plan(Core& core, i64 last) {
     if (ties != 1 && prng_.below(ties) != 0) continue;
     choice_ = core.position(k);
   }
-  return at_ < core.next_change();
+  return at_ < core.time().next_change();
 }
 
 i64 TimedScheduler::latest(Core& core) {
-  const i64 last = core.wait_limit(ends_);
-  BIP_ASSERT(core.number(choice_) < ends_.size(), "candidate {}", core.number(choice_));
-  return std::min(ends_[core.number(choice_)], last);
+  const i64 last = core.time().wait_limit(ends_);
+  BIP_ASSERT(core.enabled().number(choice_) < ends_.size(), "candidate {}", core.enabled().number(choice_));
+  return std::min(ends_[core.enabled().number(choice_)], last);
 }
 
 inline TimedScheduler::Next TimedScheduler::look(Core& core) {
@@ -58,9 +58,9 @@ inline TimedScheduler::Next TimedScheduler::look(Core& core) {
     return Next::Step;
   }
   // Without candidates invariants alone bound the time.
-  const i64 last = has_candidates ? core.wait_limit(ends_) : std::max(core.last_instant(), at_);
+  const i64 last = has_candidates ? core.time().wait_limit(ends_) : std::max(core.time().last_instant(), at_);
   if (has_candidates && plan(core, last)) return Next::Step;
-  const i64 next = core.next_change();
+  const i64 next = core.time().next_change();
   at_ = std::min(next, last);
   if (next > last) return Next::Lock;
   return next == kForever ? Next::Never : Next::Change;
@@ -75,9 +75,9 @@ Due TimedScheduler::wait(Core& core, EventFeed& feed) {
   while (true) {
     const Next next = look(core);
     BIP_ASSERT(at_ >= core.now(), "from {} back to {}", core.now(), at_);
-    BIP_ASSERT(next != Next::Step || core.has(choice_) || at_ != core.now(), "a choice that is no candidate");
+    BIP_ASSERT(next != Next::Step || core.enabled().has(choice_) || at_ != core.now(), "a choice that is no candidate");
     if (const i64 event = feed.wait(core, at_); event != kForever) {
-      if (event > core.now() && !core.advance(event)) return Due::Fault;
+      if (event > core.now() && !core.time().advance(event)) return Due::Fault;
       return feed.deliver(core) ? Due::Event : Due::Fault;
     }
     if (feed.failed()) return Due::Fault;
@@ -85,10 +85,10 @@ Due TimedScheduler::wait(Core& core, EventFeed& feed) {
     if (next == Next::Never) return Due::Deadlock;
     if (next == Next::Lock) {
       // Nobody can step, and time cannot pass to where somebody might.
-      (void)core.fail_time_lock();
+      (void)core.time().fail_time_lock();
       return Due::Fault;
     }
-    if (at_ != core.now() && !core.advance(at_)) return Due::Fault;
+    if (at_ != core.now() && !core.time().advance(at_)) return Due::Fault;
     if (next == Next::Step) return Due::Step;
   }
 }

@@ -38,7 +38,7 @@ TimedPath at_once(const Path& path) {
   return timed;
 }
 
-bool take(Core& core, u64 k) { return core.is_timed() ? core.take_timed(core.position(k)) : core.fire(k); }
+bool take(Core& core, u64 k) { return core.is_timed() ? core.time().take(core.position(k)) : core.fire(k); }
 
 // The published engine writes `0 error`.
 std::string published_count(u64 n, const char* what) { return n == 0 ? "0 " + std::string(what) : counted(n, what); }
@@ -105,7 +105,7 @@ CounterexampleText describe_counterexample(const Image& image, MaximalProgress p
   }
   const i64 last = core.now();
   if (is_sound) (void)let_time_pass(core, path.end);
-  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.time().fail_time_lock();
   if (core.fault()) {
     text.error = without_seed(fault_text(core, 0, taken));
   } else if (end == CounterexampleEnd::Deadlock && core.candidate_count() == 0) {
@@ -142,7 +142,7 @@ std::string trace_of_counterexample(const Image& image, MaximalProgress progress
     if (!is_sound) break;
   }
   if (is_sound) (void)let_time_pass(core, path.end);
-  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.fail_time_lock();
+  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.time().fail_time_lock();
   const End ended = core.fault() ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
   sink->end(text, core, ended, taken);
   return text;

@@ -206,7 +206,7 @@ bool Expander::read_effect(Core& core, u32 interaction, const u64* state) {
 
 // The interaction's candidates in the state that plain_ is in: numbers [first, end).
 std::pair<u64, u64> Expander::candidates_of(u32 interaction) const {
-  const u64 first = interaction == 0 ? 0 : plain_->next_after(interaction - 1);
+  const u64 first = interaction == 0 ? 0 : plain_->enabled().next_after(interaction - 1);
   u64 end = first;
   while (end < plain_->candidate_count() && plain_->candidate(end).interaction == interaction) ++end;
   return {first, end};

@@ -74,7 +74,8 @@ u64 number_of(const Core& core, u32 interaction, u32 config) {
 
 bool is_dead(Core& core) {
   std::vector<i64> ends;
-  return core.candidate_count() == 0 && core.next_change() == kForever && core.wait_limit(ends) == kForever;
+  return core.candidate_count() == 0 && core.time().next_change() == kForever &&
+         core.time().wait_limit(ends) == kForever;
 }
 
 }  // namespace
@@ -82,8 +83,8 @@ bool is_dead(Core& core) {
 bool let_time_pass(Core& core, i64 to) {
   std::vector<i64> ends;
   while (core.now() < to) {
-    const i64 next = std::min(to, core.next_change());
-    if (next > core.wait_limit(ends) || !core.advance(next)) return false;
+    const i64 next = std::min(to, core.time().next_change());
+    if (next > core.time().wait_limit(ends) || !core.time().advance(next)) return false;
   }
   return true;
 }
@@ -96,7 +97,8 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
   report_.are_paths_known = false;
   if (!core_.initialize()) return;
   const auto note_clocks = [&](u32 when) {
-    for (const u32 clock : core_.set_clocks()) instants.set_clock(clock + 1, when, core_.clock_state(clock).value);
+    for (const u32 clock : core_.time().set_clocks())
+      instants.set_clock(clock + 1, when, core_.time().clock_state(clock).value);
   };
   struct Taken {
     u32 when, interaction, config;
@@ -117,7 +119,7 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
       }
       if (!enter_core(before, node.origin)) return;
       const u64 choice = number_of(core_, node.interaction, node.config);
-      if (choice == core_.candidate_count() || !core_.take_timed(core_.position(choice))) return;
+      if (choice == core_.candidate_count() || !core_.time().take(core_.position(choice))) return;
       taken.push_back({left, node.interaction, node.config});
     }
     if (node.edge == ZoneEdge::Initial || node.edge == ZoneEdge::Step) note_clocks(entered);
@@ -152,12 +154,12 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
     const u64 choice = number_of(core_, step.interaction, step.config);
     if (choice == core_.candidate_count()) return;
     path.steps.push_back({core_.now(), choice});
-    is_sound = core_.take_timed(core_.position(choice));
+    is_sound = core_.time().take(core_.position(choice));
   }
   path.end = when[left];
   if (target.is_far) {
     while (is_sound && !is_dead(core_)) {
-      if (core_.next_change() == kForever || !let_time_pass(core_, core_.next_change())) return;
+      if (core_.time().next_change() == kForever || !let_time_pass(core_, core_.time().next_change())) return;
     }
     path.end = core_.now();
   } else if (!is_sound || !let_time_pass(core_, path.end)) {
@@ -166,12 +168,12 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
     const u64 choice = number_of(core_, target.interaction, target.config);
     if (choice == core_.candidate_count()) return;
     path.steps.push_back({core_.now(), choice});
-    if (core_.take_timed(core_.position(choice))) return;
+    if (core_.time().take(core_.position(choice))) return;
   } else if (target.is_state) {
     if (!options_.predicate(core_)) return;
   } else {
     std::vector<i64> ends;
-    if (core_.candidate_count() != 0 || core_.wait_limit(ends) != core_.now()) return;
+    if (core_.candidate_count() != 0 || core_.time().wait_limit(ends) != core_.now()) return;
   }
   report_.are_paths_known = true;
 }

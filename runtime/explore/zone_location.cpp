@@ -52,11 +52,11 @@ Locations::Locations(Core& core, const ExploreOptions& options)
     MeasuredGuard guard;
     Bounds bounds;
     for (const TransitionTime& transition : type.time->transitions) {
-      if (core.measure(atom, transition.when, guard)) append(atom, guard, bounds);
-      if (core.measure(atom, transition.resume.when, guard)) append(atom, guard, bounds);
+      if (core.clock_constraints().measure(atom, transition.when, guard)) append(atom, guard, bounds);
+      if (core.clock_constraints().measure(atom, transition.resume.when, guard)) append(atom, guard, bounds);
     }
     for (const TimeGuard& invariant : type.time->invariants) {
-      if (core.measure(atom, invariant, guard)) append(atom, guard, bounds);
+      if (core.clock_constraints().measure(atom, invariant, guard)) append(atom, guard, bounds);
     }
   }
   has_grown_ = false;
@@ -107,7 +107,7 @@ void Locations::note_set(u32 clock, i64 value) {
 }
 
 void Locations::append(u32 atom, const MeasuredGuard& guard, Bounds& out) {
-  const u32 first = core_.first_clock(atom) + 1;
+  const u32 first = core_.time().first_clock(atom) + 1;
   for (const ClockBound& bound : guard.bounds) {
     const u32 i = first + bound.clock;
     const u32 j = bound.minus == kNone ? 0 : first + bound.minus;
@@ -182,20 +182,22 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
   for (u32 atom = 0; atom < is_timed_.size(); ++atom) {
     transitions_[atom].clear();
     if (!is_timed_[atom]) continue;
-    if (!core_.timed_invariants(atom, guards)) return false;
+    if (!core_.clock_constraints().timed_invariants(atom, guards)) return false;
     for (const MeasuredGuard& guard : guards) {
       at.may_go_on = at.may_go_on && guard.can_hold;
       append(atom, guard, at.invariants);
     }
     if (at.waits[atom] == kNone) {
-      if (!core_.timed_transitions(atom, transitions_[atom])) return false;
+      if (!core_.clock_constraints().timed_transitions(atom, transitions_[atom])) return false;
       continue;
     }
     auto group = std::find_if(at.groups.begin(), at.groups.end(),
                               [&](const WaitGroup& other) { return other.leader == at.leaders[atom]; });
     if (group == at.groups.end()) group = at.groups.insert(group, {at.leaders[atom], true, {}});
     MeasuredGuard guard;
-    if (!core_.measured_resume(atom, at.waits[atom] == kAfterInitial ? kNone : at.waits[atom], guard)) return false;
+    if (!core_.clock_constraints().measured_resume(atom, at.waits[atom] == kAfterInitial ? kNone : at.waits[atom],
+                                                   guard))
+      return false;
     group->ends = group->ends && guard.can_hold;
     append(atom, guard, group->bounds);
   }

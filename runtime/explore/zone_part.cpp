@@ -30,7 +30,7 @@ bool ZoneSearch::is_held_up(const Location& at, const std::vector<Zone>& rest) {
   if (part_->is_asked && enter_core(at, rest[0].least_point()) && !part_->is_asked(core_)) return false;
   if (!at.may_go_on) return true;
   const AtomTime* time = image_.atom_types[image_.atoms[part_->atom].type].time;
-  const u32 first = core_.first_clock(part_->atom) + 1, end = first + (time == nullptr ? 0 : time->clocks.size);
+  const u32 first = core_.time().first_clock(part_->atom) + 1, end = first + (time == nullptr ? 0 : time->clocks.size);
   for (const ZoneBound& bound : at.invariants) {
     const u32 clock = std::max(bound.i, bound.j);
     if (clock < first || clock >= end) continue;

@@ -46,7 +46,7 @@ bool ZoneSearch::follow_clocks(Zone& zone) {
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
     const AtomTime* time = image_.atom_types[image_.atoms[atom].type].time;
     for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k, ++row) {
-      const ClockState& clock = core_.clock_state(row);
+      const ClockState& clock = core_.time().clock_state(row);
       const bool is_far = std::max(clock.value, -clock.value) > kFarLimit;
       if (clock.speed == kUnitSpeed && !is_far) continue;
       const Loc& loc = time->clocks[k].loc;
@@ -56,8 +56,8 @@ bool ZoneSearch::follow_clocks(Zone& zone) {
       return false;
     }
   }
-  for (const u32 set : core_.set_clocks()) {
-    const i64 value = core_.clock_state(set).value;
+  for (const u32 set : core_.time().set_clocks()) {
+    const i64 value = core_.time().clock_state(set).value;
     locations_.note_set(set + 1, value);
     zone.set_clock(set + 1, value);
   }
@@ -107,7 +107,7 @@ bool ZoneSearch::wakes(const Location& at, const Zone& zone) const {
 bool ZoneSearch::is_eager(const Location& at, const std::vector<i64>& point) {
   if (!at.has_urgent || !enter_core(at, point)) return false;
   for (u64 k = 0; k < core_.candidate_count(); ++k) {
-    if (core_.time_of(core_.candidate(k)).urgency == Urgency::Eager) return true;
+    if (core_.time().time_of(core_.candidate(k)).urgency == Urgency::Eager) return true;
   }
   return false;
 }
@@ -200,7 +200,7 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
     leaders[atom] = waits_now ? leader : 0;
   }
   ++report_.steps;
-  if (!core_.take_timed(position)) {
+  if (!core_.time().take(position)) {
     note_error(node, point, true, candidate.interaction, candidate.config);
     return true;
   }
@@ -263,12 +263,12 @@ Bounds ZoneSearch::deadlines(const Location& at, const std::vector<i64>& point) 
   std::vector<TimedTransition> transitions;
   for (u64 k = 0; k < core_.candidate_count(); ++k) {
     const Candidate candidate = core_.candidate(k);
-    if (core_.time_of(candidate).urgency != Urgency::Delayable) continue;
+    if (core_.time().time_of(candidate).urgency != Urgency::Delayable) continue;
     core_.participants(candidate, participants);
     for (const Participant& participant : participants) {
       if (core_.tables().atom_type(participant.atom).time == nullptr) continue;
-      if (!core_.timed_transitions(participant.atom, transitions)) return out;
-      const u32 first = core_.first_clock(participant.atom) + 1;
+      if (!core_.clock_constraints().timed_transitions(participant.atom, transitions)) return out;
+      const u32 first = core_.time().first_clock(participant.atom) + 1;
       // Of two transitions of the port that are both enabled (to take it is an error) the interval is what they share.
       const auto holds = [&](const ClockBound& bound) {
         const i64 value = point[first + bound.clock] - (bound.minus == kNone ? 0 : point[first + bound.minus]);

@@ -15,9 +15,9 @@ struct Last {
   bool is_open = false;
 };
 Last last_instant(Core& core) {
-  Last last{core.last_instant(), false};
+  Last last{core.time().last_instant(), false};
   for (std::uint64_t k = 0; k < core.candidate_count() && last.at > core.now(); ++k) {
-    const CandidateTime time = core.time_of(core.candidate(k));
+    const CandidateTime time = core.time().time_of(core.candidate(k));
     if (time.urgency == Urgency::Eager) last = {core.now(), false};
     else if (time.urgency == Urgency::Delayable && time.interval.high < last.at)
       last = {time.interval.high, time.interval.high_open};
@@ -39,13 +39,13 @@ std::vector<FutureCandidate> future_candidates(Core& core,
                                                const std::function<void(std::string&, Core&, const Candidate&)>& tell) {
   BIP_ASSERT(core.is_timed(), "a model without time has no later candidates");
   const State state = core.snapshot();
-  const std::vector<u32> order = core.list_order();
+  const std::vector<u32> order = core.enabled().list_order();
   std::vector<FutureCandidate> all;
   Last until;
   for (int instants = 0; instants < kMaxInstants; ++instants) {
     const i64 now = core.now();
     if (const Last here = last_instant(core); here.at < until.at) until = here;
-    const i64 next = core.next_change();
+    const i64 next = core.time().next_change();
     const i64 end = std::min(until.at, next == kForever ? kForever : next - 1);
     const bool ended = has_just_ended(all, now);
     for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
@@ -59,7 +59,7 @@ std::vector<FutureCandidate> future_candidates(Core& core,
         all.push_back({std::move(text), candidate.connector == kNone, candidate.interaction, {}});
         known = all.end() - 1;
       }
-      Interval here = core.time_of(candidate).interval;
+      Interval here = core.time().time_of(candidate).interval;
       // It may have been one before, or go on after the next change; a dominating one may end it there.
       const bool goes_on = !known->intervals.empty() && known->intervals.back().high == now - 1;
       // What begins because something else ended, or ends because something else begins, leaves that instant out.
@@ -70,11 +70,11 @@ std::vector<FutureCandidate> future_candidates(Core& core,
       if (goes_on) known->intervals.back().high = here.high, known->intervals.back().high_open = here.high_open;
       else known->intervals.push_back(here);
     }
-    if (next > until.at || next == kForever || !core.advance(next)) break;
+    if (next > until.at || next == kForever || !core.time().advance(next)) break;
   }
   (void)core.restore(state);
   core.set_list_order(order);
-  BIP_ASSERT(core.list_order() == order, "the list that uniform draws from is another one");
+  BIP_ASSERT(core.enabled().list_order() == order, "the list that uniform draws from is another one");
   std::stable_sort(all.begin(), all.end(),
                    [](const FutureCandidate& a, const FutureCandidate& b) { return a.interaction < b.interaction; });
   return all;

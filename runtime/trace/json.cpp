@@ -65,7 +65,7 @@ void append_json_values(std::string& out, const Core& core, u32 atom, u32 port) 
     if (i != 0) out += ',';
     append_quoted(out, type.vars[i].name);
     out += ':';
-    append_json_value(out, image, type.vars[i].type, core.shown(atom, port, i));
+    append_json_value(out, image, type.vars[i].type, core.events().shown(atom, port, i));
   }
   out += '}';
 }
@@ -128,7 +128,8 @@ void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position positio
     BIP_ASSERT(value.at >= from, "value {} of a line before the one before it", row);
     pen.put_blocks(text + from, value.at - from);
     from = value.at;
-    const Cell& cell = core.is_timed() ? core.shown(value.atom, value.port, value.variable) : core.cell(value.cell);
+    const Cell& cell =
+        core.is_timed() ? core.events().shown(value.atom, value.port, value.variable) : core.cell(value.cell);
     if (value.type == CellType::Int) {
       pen.number(cell.i);
     } else if (value.type == CellType::Bool) {
@@ -173,9 +174,10 @@ void JsonWriter::begin_line(Line& line, Core& core, const Candidate& candidate) 
     for (u32 i = 0; i < port.variables.size; ++i) {
       if (i != 0) whole += ',';
       whole += variables_[first_variable_[port.type] + i];
-      const u32 cell = core.is_timed()
-                           ? kNone
-                           : static_cast<u32>(&core.shown(participant.atom, participant.port, i) - &core.cell(0));
+      const u32 cell =
+          core.is_timed()
+              ? kNone
+              : static_cast<u32>(&core.events().shown(participant.atom, participant.port, i) - &core.cell(0));
       values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, cell,
                          core.image().port_types[port.type].vars[i].type});
     }
@@ -204,7 +206,8 @@ void JsonWriter::append_ports(std::string& out, Core& core, const Candidate& can
     for (u32 i = 0; i < port.variables.size; ++i) {
       if (i != 0) out += ',';
       out += variables_[first_variable_[port.type] + i];
-      append_json_value(out, core.image(), type.vars[i].type, core.shown(participant.atom, participant.port, i));
+      append_json_value(out, core.image(), type.vars[i].type,
+                        core.events().shown(participant.atom, participant.port, i));
     }
     out += "}}";
   }

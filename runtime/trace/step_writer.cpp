@@ -50,7 +50,7 @@ void StepWriter::append_values(std::string& out, const Core& core, u32 atom, u32
     out += i == 0 ? "(" : ", ";
     out += type.vars[i].name;
     out += '=';
-    append_value(out, core.image(), type.vars[i].type, core.shown(atom, port, i));
+    append_value(out, core.image(), type.vars[i].type, core.events().shown(atom, port, i));
   }
   if (declared.variables.size != 0) out += ')';
 }
@@ -61,7 +61,7 @@ void StepWriter::append_ports(std::string& out, Core& core, const Candidate& can
     append_relative(out, image.atoms[candidate.atom]);
     out += '.';
     out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
-    if (core.is_event_port(candidate.atom, candidate.port)) {
+    if (core.events().is_event_port(candidate.atom, candidate.port)) {
       append_values(out, core, candidate.atom, candidate.port);
       out += " (event)";
     } else {

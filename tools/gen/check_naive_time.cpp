@@ -41,7 +41,7 @@ class TimedComparison {
   // What the engine says of instants to come.
   std::string intervals() {
     std::vector<std::int64_t> ends, wanted;
-    last_ = core_.wait_limit(ends);
+    last_ = core_.time().wait_limit(ends);
     const std::int64_t limit = naive_.limit(choices_, wanted);
     if (last_ != limit) return fmt::format("time may pass to {}, the oracle says {}", last_, limit);
     for (std::uint64_t k = 0; k < ends.size(); ++k) {
@@ -52,13 +52,13 @@ class TimedComparison {
     }
     const std::vector<std::set<std::string>> before = naive_.enabled_at(naive_.now());
     for (const std::int64_t instant : naive_.turning_points()) {
-      if (instant >= core_.next_change()) break;
+      if (instant >= core_.time().next_change()) break;
       const std::vector<std::set<std::string>> then = naive_.enabled_at(instant);
       if (then != before)
-        return fmt::format("the next change is at {}, the oracle knows one at {}", core_.next_change(), instant);
+        return fmt::format("the next change is at {}, the oracle knows one at {}", core_.time().next_change(), instant);
     }
     for (std::size_t a = 0; a < naive_.states().size(); ++a) {
-      if (naive_.states()[a].at_work != nullptr && naive_.states()[a].returns < core_.next_change())
+      if (naive_.states()[a].at_work != nullptr && naive_.states()[a].returns < core_.time().next_change())
         return "an action returns before the next change";
     }
     return "";
@@ -66,17 +66,17 @@ class TimedComparison {
 
   // A step, an event, or time passes. False: nothing is possible, now or later.
   bool move(bool& sound) {
-    const std::int64_t next = core_.next_change();
+    const std::int64_t next = core_.time().next_change();
     const bool may_wait = last_ > naive_.now() && (last_ != kForever || next != kForever || !choices_.empty());
-    if (!core_.event_ports().empty() && random_.percent(20)) return deliver(sound);
+    if (!core_.events().ports().empty() && random_.percent(20)) return deliver(sound);
     if (!choices_.empty() && (!may_wait || random_.percent(60))) return fire(sound);
-    if (!may_wait) return !core_.event_ports().empty() && deliver(sound);
+    if (!may_wait) return !core_.events().ports().empty() && deliver(sound);
     std::int64_t to = std::min(next, last_);
     if (to == kForever) to = naive_.now() + 20'000'000;
     // To the very end, which is where things go wrong, or somewhere before.
     if (random_.percent(40))
       to = naive_.now() + 1 + static_cast<std::int64_t>(random_.next() % static_cast<std::uint64_t>(to - naive_.now()));
-    sound = core_.advance(to);
+    sound = core_.time().advance(to);
     naive_.advance(to);
     return true;
   }
@@ -88,13 +88,13 @@ class TimedComparison {
       naive_.fire(choice);
       break;
     }
-    sound = core_.take_timed(core_.position(k));
+    sound = core_.time().take(core_.position(k));
     return true;
   }
 
   bool deliver(bool& sound) {
-    const auto row = static_cast<std::uint32_t>(random_.below(core_.event_ports().size()));
-    const rt::EventPortRow& port = core_.event_ports()[row];
+    const auto row = static_cast<std::uint32_t>(random_.below(core_.events().ports().size()));
+    const rt::EventPortRow& port = core_.events().ports()[row];
     const rt::Atom& atom = image_.atoms[port.atom];
     const rt::Port& declared = image_.atom_types[atom.type].ports[port.port];
     std::vector<rt::Cell> cells;
@@ -112,7 +112,7 @@ class TimedComparison {
       cells.push_back(cell);
       values.push_back(std::move(value));
     }
-    sound = core_.deliver(row, cells.data());
+    sound = core_.events().deliver(row, cells.data());
     std::size_t a = 0;
     while (naive_.world().atoms[a].path != atom.path()) ++a;
     naive_.deliver(a, declared.name, std::move(values));

@@ -98,9 +98,9 @@ class Comparison {
     const rt::AtomTime* time = image_.atom_types[image_.atoms[row].type].time;
     for (std::uint32_t c = 0; time != nullptr && c < time->clocks.size; ++c) {
       const std::int64_t wanted = naive_.clock_value(atom, time->clocks[c].name);
-      if (core_.clock_value(row, c) == wanted) continue;
+      if (core_.time().clock_value(row, c) == wanted) continue;
       return fmt::format("clock {}.{} is {}, the oracle says {}", image_.atoms[row].path(), time->clocks[c].name,
-                         static_cast<std::int64_t>(core_.clock_value(row, c)), wanted);
+                         static_cast<std::int64_t>(core_.time().clock_value(row, c)), wanted);
     }
     return "";
   }

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "bip/run.hpp"
-#include "runtime/core/programs/batch.hpp"
+#include "runtime/core/programs/batch_plan.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/trace.hpp"
@@ -31,7 +31,7 @@ struct EngineCounts {
 inline bool comes_apart(const rt::Image& image) {
   rt::Core core(image);
   core.keep_list();
-  return core.can_batch() && rt::plan_batch(core.tables(), core.priorities(), 3, true).parts > 1;
+  return core.steps().can_batch() && rt::plan_batch(core.tables(), core.priorities(), 3, true).parts > 1;
 }
 
 /// One run, recorded and followed. Empty: accepted.

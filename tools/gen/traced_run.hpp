@@ -73,8 +73,8 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   if (sound) scheduler.start(core);
   // Watched ones in between: both ways keep the other's books.
   for (std::uint64_t part = 0; part < 4 && sound && core.candidate_count() != 0; ++part) {
-    if (core.has_steps()) {
-      const std::uint64_t done = core.run_steps(
+    if (core.steps().has_steps()) {
+      const std::uint64_t done = core.steps().run(
           scheduler.prng(), spec.steps, [] { return false; }, sound);
       text += std::to_string(done) + " steps\n";
     } else {
@@ -85,7 +85,8 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
     }
     for (int watched = 0; watched < 3 && sound && core.candidate_count() != 0; ++watched) {
       const rt::EnabledSet::Position at = scheduler.choose(core);
-      text += "choice " + std::to_string(core.number(at)) + " of " + std::to_string(core.candidate_count()) + "\n";
+      text += "choice " + std::to_string(core.enabled().number(at)) + " of " + std::to_string(core.candidate_count()) +
+              "\n";
       sound = core.fire(core.candidate(at));
     }
   }
@@ -94,7 +95,7 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   for (const std::uint32_t place : state.places) text += std::to_string(place) + " ";
   text += data_text(image, state.data);
   text += "\nlist";
-  for (const std::uint32_t cell : core.list_order()) text += " " + std::to_string(cell);
+  for (const std::uint32_t cell : core.enabled().list_order()) text += " " + std::to_string(cell);
   for (std::uint64_t k = 0; k < core.candidate_count() && k < 100; ++k)
     text += " " + std::to_string(core.candidate(k).interaction);
   // From the same state without a history: everything must follow from it.
@@ -131,8 +132,8 @@ inline std::string events_text(const rt::Image& image, std::uint64_t seed) {
   const auto draw = [&](std::uint64_t n) {
     return ((state = state * 6364136223846793005u + 1442695040888963407u) >> 33) % n;
   };
-  for (int k = 0; k < 12 && !core.event_ports().empty(); ++k) {
-    const rt::EventPortRow& row = core.event_ports()[draw(core.event_ports().size())];
+  for (int k = 0; k < 12 && !core.events().ports().empty(); ++k) {
+    const rt::EventPortRow& row = core.events().ports()[draw(core.events().ports().size())];
     const rt::AtomType& type = image.atom_types[image.atoms[row.atom].type];
     time += draw(3) == 0 ? 0 : draw(9) * 500'000;
     text += "{\"time\":" + std::to_string(time) + ",\"port\":\"" + image.atoms[row.atom].path() + "." +

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/core/time/time_state.hpp"
+#include "runtime/core/time/clock_constraints.hpp"
 
 namespace bip::verify {
 

@@ -17,6 +17,7 @@ ActionPool::~ActionPool() {
 
 std::uint64_t ActionPool::begin(ActionJob job) {
   const std::lock_guard<std::mutex> hold(lock_);
+  BIP_ASSERT(!is_over_, "the pool has ended");
   waiting_.push_back({++last_, std::move(job)});
   wanted_.insert(last_);
   if (waiting_.size() <= idle_) begun_.notify_one();
@@ -26,6 +27,7 @@ std::uint64_t ActionPool::begin(ActionJob job) {
 
 ActionJob ActionPool::take(std::uint64_t job) {
   std::unique_lock<std::mutex> hold(lock_);
+  BIP_ASSERT(wanted_.contains(job), "job {} was dropped or taken", job);
   done_.wait(hold, [&] { return ended_.contains(job); });
   ActionJob out = std::move(ended_.extract(job).mapped());
   wanted_.erase(job);

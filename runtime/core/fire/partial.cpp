@@ -1,5 +1,5 @@
-// Beginning and finishing steps apart: see partial.hpp. Everything here is called by one thread at a time; only the
-// actions of works run elsewhere. Cost: as a step of the core's rules, plus the groups of the atoms that take part.
+// See partial.hpp. Everything here is called by one thread at a time; only the actions of works run elsewhere. Cost: as
+// a step of the core's rules, plus the groups of the atoms that take part.
 #include "runtime/core/fire/partial.hpp"
 
 #include <algorithm>
@@ -56,13 +56,13 @@ void atoms_of_interaction(const Tables& tables, const InteractionInfo& info, std
 
 PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
   PartialState p;
-  const u32 cell_count = static_cast<u32>(tables.interactions.size());
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   std::vector<Csr::Pair> interaction_atoms, atom_groups, interaction_groups;
   std::vector<std::uint8_t> is_strict;
   std::vector<u32> atoms;
-  p.own_group.assign(cell_count, kNone);
-  p.is_exclusive.assign(cell_count, 0);
-  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+  p.own_group.assign(interaction_count, kNone);
+  p.is_exclusive.assign(interaction_count, 0);
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     const InteractionInfo& info = tables.interactions[interaction];
     atoms_of_interaction(tables, info, atoms);
     const auto end = std::unique(atoms.begin(), atoms.end());
@@ -75,7 +75,7 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
     interaction_groups.push_back({interaction, group});
     for (const u32 atom : atoms) atom_groups.push_back({atom, group});
   }
-  p.atoms_of_interaction = Csr::build(cell_count, interaction_atoms);
+  p.atoms_of_interaction = Csr::build(interaction_count, interaction_atoms);
 
   const u32 components = static_cast<u32>(rules.cyclic.size());
   for (u32 component = 0; component < components; ++component) {
@@ -93,12 +93,13 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
   }
   for (u32 atom = 0; rules.count != 0 && atom < tables.image->atoms.size; ++atom) {
     for (const u32 item : tables.atom_watch[atom]) {
-      if (item >= cell_count) atom_groups.push_back({atom, p.group_of_component[rules.component[item - cell_count]]});
+      if (item >= interaction_count)
+        atom_groups.push_back({atom, p.group_of_component[rules.component[item - interaction_count]]});
     }
   }
   sort_pairs(atom_groups);
   p.groups_of_atom = Csr::build(tables.image->atoms.size, atom_groups);
-  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     for (const u32 atom : p.atoms_of_interaction[interaction]) {
       for (const u32 group : p.groups_of_atom[atom]) {
         if (is_strict[group] != 0) interaction_groups.push_back({interaction, group});
@@ -106,26 +107,28 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
     }
   }
   sort_pairs(interaction_groups);
-  p.groups_of_interaction = Csr::build(cell_count, interaction_groups);
+  p.groups_of_interaction = Csr::build(interaction_count, interaction_groups);
   p.busy_in_group.assign(is_strict.size(), 0);
   p.last_step.assign(tables.image->atoms.size, 0);
   p.order.assign(tables.image->atoms.size, 0);
   return p;
 }
 
-void Core::allow_partial() {
-  binds_.make(*tables_.image);
-  partial_ = std::make_unique<PartialState>(link_partial(tables_, rules_));
+void PartialSteps::allow() {
+  core_.memory.binds.make(*core_.tables.image);
+  BIP_ASSERT(!core_.clocks.is_timed() && core_.is_settled(), "partial states are of settled systems without time");
+  state_ = std::make_unique<PartialState>(link_partial(core_.tables, core_.priorities.tables()));
 }
 
-bool Core::end_partial() {
-  fault_ = std::move(partial_->fault);
-  partial_.reset();
-  return !fault_;
+bool PartialSteps::end() {
+  BIP_ASSERT(state_->busy == 0, "{} atoms are at work", state_->busy);
+  core_.fault = std::move(state_->fault);
+  state_.reset();
+  return !core_.fault;
 }
 
-bool Core::is_decided(u32 interaction) const {
-  const PartialState& p = *partial_;
+bool PartialSteps::is_decided(u32 interaction) const {
+  const PartialState& p = *state_;
   if (p.busy == 0) return true;
   if (p.is_exclusive[interaction] != 0) return false;
   for (const u32 group : p.groups_of_interaction[interaction]) {
@@ -135,49 +138,50 @@ bool Core::is_decided(u32 interaction) const {
 }
 
 // Of two faults the one that a sequential run meets first.
-void Core::note_fault(u64 step, u32 order) {
-  PartialState& p = *partial_;
+void PartialSteps::note_fault(u64 step, u32 order) {
+  PartialState& p = *state_;
   p.noted = true;
   if (p.fault && (p.fault_step < step || (p.fault_step == step && p.fault_order <= order))) return;
-  p.fault = fault_;
+  p.fault = core_.fault;
   p.fault_step = step;
   p.fault_order = order;
 }
 
-bool Core::begin(EnabledSet::Position at, u64 step, std::vector<Work>& works) {
-  PartialState& p = *partial_;
+bool PartialSteps::begin(EnabledSet::Position at, u64 step, std::vector<Work>& works) {
+  PartialState& p = *state_;
+  BIP_ASSERT(core_.enabled.has(at) && is_decided(at.interaction), "interaction {} may not begin", at.interaction);
   p.step = step;
   p.begun = 0;
   p.works = &works;
   p.noted = false;
-  collects_ = p.is_exclusive[at.interaction] == 0;
-  fault_ = {};
-  if (!collects_) {
+  is_beginning_ = p.is_exclusive[at.interaction] == 0;
+  core_.fault = {};
+  if (!is_beginning_) {
     for (const u32 atom : p.atoms_of_interaction[at.interaction]) p.last_step[atom] = step;
   }
-  const bool sound = fire(candidate(at));
-  collects_ = false;
+  const bool sound = core_.firing.fire(core_.candidate(at));
+  is_beginning_ = false;
   if (!sound && !p.noted) note_fault(step, p.begun);
   return sound;
 }
 
 // Until it is finished the atom offers nothing. A simple type's ports follow its place, so it is nowhere.
-bool Core::begin_port(u32 instance) {
-  PartialState& p = *partial_;
-  const u32 atom = tables_.port_atom[instance];
-  const AtomInfo& info = atoms_[atom];
-  const LinkedType& type = tables_.types[info.type];
-  const LinkedTransition& transition = tables_.transitions[ports_[instance].transition];
+bool PartialSteps::begin_port(u32 instance) {
+  PartialState& p = *state_;
+  const u32 atom = core_.tables.port_atom[instance];
+  const AtomInfo& info = core_.atoms[atom];
+  const LinkedType& type = core_.tables.types[info.type];
+  const LinkedTransition& transition = core_.tables.transitions[core_.ports.port(instance).transition];
   if (type.simple) {
-    for (const u32 row : tables_.place_transitions[type.first_place + places_[atom]])
-      flip(info.port_base + tables_.transitions[row].port, false);
-    places_[atom] = kNone;
+    for (const u32 row : core_.tables.place_transitions[type.first_place + core_.memory.places[atom]])
+      core_.ports.flip(info.port_base + core_.tables.transitions[row].port, false);
+    core_.memory.places[atom] = kNone;
   } else {
-    for (u32 port = info.port_base; port < tables_.port_base(atom + 1); ++port) set_port(port, kNone);
+    for (u32 port = info.port_base; port < core_.tables.port_base(atom + 1); ++port) core_.ports.set_port(port, kNone);
   }
   p.last_step[atom] = p.step;
   p.order[atom] = p.begun;
-  if (!type.simple && !move_tokens(atom, transition)) return false;
+  if (!type.simple && !core_.atom_steps.move_tokens(atom, transition)) return false;
   ++p.busy;
   p.most_busy = std::max(p.most_busy, p.busy);
   for (const u32 group : p.groups_of_atom[atom]) ++p.busy_in_group[group];
@@ -186,30 +190,30 @@ bool Core::begin_port(u32 instance) {
   return true;
 }
 
-std::int32_t Core::run(const Work& work) {
+std::int32_t PartialSteps::run(const Work& work) {
   const Code& action = work.transition->action;
-  return action.fn == nullptr
-             ? 1
-             : action.fn(action.context, all_.data() + atoms_[work.atom].first_cell, all_.data(), nullptr);
+  return action.fn == nullptr ? 1
+                              : action.fn(action.context, core_.memory.cells.data() + core_.atoms[work.atom].first_cell,
+                                          core_.memory.cells.data(), nullptr);
 }
 
-Finished Core::finish(Work& work, std::int32_t status) {
-  PartialState& p = *partial_;
+Finished PartialSteps::finish(Work& work, std::int32_t status) {
+  PartialState& p = *state_;
   const u32 atom = work.atom;
-  const LinkedType& type = tables_.types[atoms_[atom].type];
-  if (type.simple) places_[atom] = work.transition->to;
-  fault_ = {};
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  if (type.simple) core_.memory.places[atom] = work.transition->to;
+  core_.fault = {};
   p.noted = false;
   p.step = work.step;
-  bool sound = status < 2 || fail_code(status, atom, kNone, work.transition->source);
+  bool sound = status < 2 || core_.faults.fail_code(status, atom, kNone, work.transition->source);
   if (sound && !type.fixed) {
     const LinkedTransition* next = nullptr;
-    sound = (!type.has_invariants || check_invariants(atom, work.transition)) &&
-            (!type.has_internal || find_internal(atom, next));
+    sound = (!type.has_invariants || core_.atom_steps.check_invariants(atom, work.transition)) &&
+            (!type.has_internal || core_.atom_steps.find_internal(atom, next));
     if (sound && next != nullptr) {
-      if (work.internals++ >= options_.internal_bound) {
-        sound = fail(FaultCode::EndlessInternals, atom, next->source, nullptr);
-      } else if (move_tokens(atom, *next)) {
+      if (work.internals++ >= core_.options.internal_bound) {
+        sound = core_.faults.fail(FaultCode::EndlessInternals, atom, next->source, nullptr);
+      } else if (core_.atom_steps.move_tokens(atom, *next)) {
         work.transition = next;
         return Finished::More;
       } else {
@@ -217,58 +221,55 @@ Finished Core::finish(Work& work, std::int32_t status) {
       }
     }
   }
-  sound = sound && update_ports(atom, kNone);
+  sound = sound && core_.atom_steps.update_ports(atom, kNone);
+  BIP_ASSERT(p.busy != 0, "atom {} is not at work", atom);
   --p.busy;
-  for (const u32 group : p.groups_of_atom[atom]) --p.busy_in_group[group];
+  for (const u32 group : p.groups_of_atom[atom]) {
+    BIP_ASSERT(p.busy_in_group[group] != 0, "no atom of group {} is at work", group);
+    --p.busy_in_group[group];
+  }
   if (!sound) {
     note_fault(p.last_step[atom], p.order[atom]);
     return Finished::Fault;
   }
-  if (atoms_[atom].watched != 0) touch(atom);
-  return settle_partial() ? Finished::Idle : Finished::Fault;
+  if (core_.atoms[atom].watched != 0) core_.ports.touch(atom);
+  return settle() ? Finished::Idle : Finished::Fault;
 }
 
 // The step that brought the interaction's atoms where they are.
-u64 Core::last_step_of(u32 interaction) const {
+u64 PartialSteps::last_step_of(u32 interaction) const {
   u64 last = 0;
-  for (const u32 atom : partial_->atoms_of_interaction[interaction]) last = std::max(last, partial_->last_step[atom]);
+  for (const u32 atom : state_->atoms_of_interaction[interaction]) last = std::max(last, state_->last_step[atom]);
   return last;
 }
 
 // As settle; what depends on atoms at work waits. A fault does not end it: an earlier step's may follow.
-bool Core::settle_partial() {
-  PartialState& p = *partial_;
-  p.held_cells.clear();
-  p.held_rules.clear();
-  p.looked_at.clear();
-  for (const u32 interaction : dirty_) {
+bool PartialSteps::settle() {
+  PartialState& p = *state_;
+  core_.ports.dirty().hold([&](u32 interaction) {
     const u32 group = p.own_group[interaction];
-    (group != kNone && p.busy_in_group[group] != 0 ? p.held_cells : p.looked_at).push_back(interaction);
-  }
-  dirty_.swap(p.looked_at);
-  p.looked_at.clear();
-  for (const u32 rule : dirty_rules_) {
-    const u32 group = p.group_of_component[rules_.component[rule]];
-    (p.busy_in_group[group] != 0 ? p.held_rules : p.looked_at).push_back(rule);
-  }
-  dirty_rules_.swap(p.looked_at);
+    return group != kNone && p.busy_in_group[group] != 0;
+  });
+  core_.priorities.dirty().hold(
+      [&](u32 rule) { return p.busy_in_group[p.group_of_component[core_.priorities.tables().component[rule]]] != 0; });
   bool sound = true;
-  for (const u32 interaction : dirty_) {
-    if (listing_of(interaction) == kNone || list(interaction)) continue;
+  for (const u32 interaction : core_.ports.dirty()) {
+    if (!core_.search.is_searched(interaction) || core_.search.list(interaction)) continue;
     note_fault(last_step_of(interaction), kAfterAll);
     sound = false;
   }
-  if (sound && rules_.count != 0) {
-    sound = settle_priorities();
+  if (sound && core_.priorities.tables().count != 0) {
+    sound = core_.priorities.settle();
     // Groups of guards are strict: their last step is the one that just ended.
     if (!sound) note_fault(p.step, kAfterAll);
   } else if (sound) {
-    for (const u32 interaction : dirty_) enabled_.set(interaction, base_count(interaction));
+    for (const u32 interaction : core_.ports.dirty())
+      core_.enabled.set(interaction, core_.search.base_count(interaction));
   }
-  for (const u32 interaction : dirty_) is_dirty_[interaction] = 0;
-  dirty_.swap(p.held_cells);
-  dirty_rules_.swap(p.held_rules);
-  enabled_.settle_list();
+  core_.ports.dirty().clear();
+  core_.ports.dirty().release();
+  core_.priorities.dirty().release();
+  core_.enabled.settle_list();
   return sound;
 }
 

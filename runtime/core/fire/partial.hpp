@@ -14,10 +14,12 @@
 // strict: whoever touches one of its atoms depends on it, so that every state of the group is looked at and its faults
 // are the sequential ones.
 #pragma once
+#include <memory>
 #include <vector>
 
 #include "runtime/core/fire/fault.hpp"
 #include "runtime/core/link/tables.hpp"
+#include "runtime/core/state/enabled_set.hpp"
 
 namespace bip::rt {
 
@@ -55,9 +57,6 @@ struct PartialState {
   Fault fault;
   u64 fault_step = 0;
   u32 fault_order = 0;
-
-  std::vector<u32> held_cells, held_rules;  // scratch
-  std::vector<u32> looked_at;
 };
 
 /// All atoms that may take part, sorted; one twice if two of its ports may.
@@ -65,5 +64,43 @@ void atoms_of_interaction(const Tables& tables, const InteractionInfo& info, std
 
 struct PriorityTables;
 [[nodiscard]] PartialState link_partial(const Tables& tables, const PriorityTables& rules);
+
+struct CoreParts;
+
+/// Steps begun and finished apart. One caller at a time; only `run` may go on elsewhere.
+class PartialSteps {
+ public:
+  explicit PartialSteps(CoreParts& core) : core_(core) {}
+  /// From now on only these take steps. Of an initialized image without time.
+  void allow();
+  [[nodiscard]] bool is_on() const { return state_ != nullptr; }
+  /// Null unless it is on.
+  [[nodiscard]] const PartialState* state() const { return state_.get(); }
+  /// May a candidate of the interaction begin, although atoms are at work?
+  [[nodiscard]] bool is_decided(u32 interaction) const;
+  /// Begins the step. Appends what must run then, also if it returns false: a fault.
+  bool begin(EnabledSet::Position at, u64 step, std::vector<Work>& works);
+  /// Runs the work's action; returns its status.
+  [[nodiscard]] std::int32_t run(const Work& work);
+  /// Lets the action take effect. More: the work must run again.
+  Finished finish(Work& work, std::int32_t status);
+  /// Ends it, nothing being at work. False: a fault was met; the core's fault is the one of the earliest step.
+  bool end();
+
+  // ---- for the other parts of the core
+  /// Does a step begin? Then its ports' actions are not run, but noted.
+  [[nodiscard]] bool is_beginning() const { return is_beginning_; }
+  bool begin_port(u32 instance);
+  /// As CoreParts::settle; what depends on atoms at work waits. A fault does not end it: an earlier step's may follow.
+  bool settle();
+
+ private:
+  void note_fault(u64 step, u32 order);
+  [[nodiscard]] u64 last_step_of(u32 interaction) const;
+
+  CoreParts& core_;
+  std::unique_ptr<PartialState> state_;  // null: steps are taken at once
+  bool is_beginning_ = false;
+};
 
 }  // namespace bip::rt

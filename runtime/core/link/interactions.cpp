@@ -11,6 +11,7 @@ bool InteractionPacker::Less::operator()(u32 a, u32 b) const {
 }
 
 void InteractionPacker::add(InteractionInfo info) {
+  BIP_ASSERT(info.count <= InteractionInfo::kMostPorts, "{} ports", u32{info.count});
   if (interactions_.size_ % Interactions::kBlock == 0)
     interactions_.blocks_.push_back({static_cast<u32>(interactions_.patterns_.size()), info.row, info.first});
   Interactions::Block& block = interactions_.blocks_.back();

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "bip/rows.hpp"
 
 namespace bip::rt {
@@ -42,6 +43,7 @@ class Interactions {
  public:
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] InteractionInfo operator[](std::size_t interaction) const {
+    BIP_ASSERT(interaction < size_, "interaction {} of {}", interaction, size_);
     const Block& block = blocks_[interaction / kBlock];
     InteractionInfo info = patterns_[block.pattern + interaction % kBlock];
     info.row += block.row;

@@ -243,15 +243,15 @@ void link_network(Tables& tables) {
   const Image& image = *tables.image;
   // A node for each group that is not the root of an interaction's connector.
   std::vector<u32> root_node(image.connectors.size);
-  const u32 cell_count = static_cast<u32>(tables.interactions.size());
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   std::vector<std::int32_t>& starts = tables.inner_start;
   std::vector<Csr::Pair> from_ports, from_nodes;
-  from_ports.reserve(cell_count - tables.connector_interactions + image.port_refs.size);
-  for (u32 interaction = tables.connector_interactions; interaction < cell_count; ++interaction)
+  from_ports.reserve(interaction_count - tables.connector_interactions + image.port_refs.size);
+  for (u32 interaction = tables.connector_interactions; interaction < interaction_count; ++interaction)
     from_ports.push_back({tables.interactions[interaction].row, interaction});
 
   // A choice is available if one of its ports is: a node that counts them.
-  const u32 first_choice = cell_count;
+  const u32 first_choice = interaction_count;
   starts.assign(image.choices.size, -1);
 
   std::vector<u32> group;  // by define node of the connector at hand
@@ -264,7 +264,7 @@ void link_network(Tables& tables) {
       if (i == 0 && tables.interaction_of(connector) != kNone) {
         group[i] = tables.interaction_of(connector);
       } else {
-        group[i] = cell_count + static_cast<u32>(starts.size());
+        group[i] = interaction_count + static_cast<u32>(starts.size());
         starts.push_back(group_start(type, i));
       }
     }

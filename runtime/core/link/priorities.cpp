@@ -170,8 +170,8 @@ PriorityTables link_priorities(const Tables& tables) {
   PriorityTables rules;
   rules.count = image.priorities.size;
   if (rules.count == 0) return rules;
-  const std::size_t cell_count = tables.interactions.size();
-  rules.is_involved.assign(cell_count, 0);
+  const std::size_t interaction_count = tables.interactions.size();
+  rules.is_involved.assign(interaction_count, 0);
   std::vector<Csr::Pair> low, low_back, chain, chain_back;
   // Rules by the connector of their low side, to find successors without looking at every pair.
   std::vector<Csr::Pair> by_low;
@@ -195,8 +195,8 @@ PriorityTables link_priorities(const Tables& tables) {
   std::vector<Csr::Pair> edges_of_interaction;
   for (u32 i = 0; i < rules.high_edges.size(); ++i)
     edges_of_interaction.push_back({rules.high_edges[i].interaction, i});
-  rules.high_of_interaction = Csr::build(cell_count, edges_of_interaction);
-  rules.low_of_interaction = Csr::build(cell_count, low);
+  rules.high_of_interaction = Csr::build(interaction_count, edges_of_interaction);
+  rules.low_of_interaction = Csr::build(interaction_count, low);
   rules.interactions_of_low = Csr::build(rules.count, low_back);
 
   const Csr starting = Csr::build(image.connectors.size, by_low);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "bip/image.hpp"
 #include "runtime/core/link/interactions.hpp"
 
@@ -19,6 +20,7 @@ struct Csr {
   std::vector<u32> items;
   [[nodiscard]] Span<u32> operator[](std::size_t i) const {
     if (items.empty()) return {};
+    BIP_ASSERT(i + 1 < first.size(), "row {} of {}", i, first.size() - 1);
     return {items.data() + first[i], first[i + 1] - first[i]};
   }
   struct Pair {
@@ -33,7 +35,7 @@ struct AtomInfo {
   u32 port_base = 0;  // number of its port 0 among all port instances
   u32 first_cell = 0;
   u32 type = 0;
-  u32 watched = 0;  // does somebody read its data?
+  u32 watched = 0;  // 1: a guard or rule reads its data
 };
 struct LinkedTransition {
   Code guard, action;            // fn null: none
@@ -110,7 +112,7 @@ struct Tables {
   std::vector<u32> port_atom;   // by port instance
   std::vector<u32> mark_base;   // by atom (Petri types): first word. Empty: there are none
   u32 mark_words = 0;
-  u32 atom_cells = 0;  // interactions [0, atom_cells) belong to atoms
+  u32 atom_cells = 0;  // cells [0, atom_cells) belong to atoms
 
   Interactions interactions;
   std::vector<u32> flat_ports;
@@ -150,6 +152,7 @@ struct Tables {
   }
   /// Of an interaction below connector_interactions.
   [[nodiscard]] u32 connector_of(u32 interaction) const {
+    BIP_ASSERT(interaction < connector_interactions, "interaction {} is an internal port", interaction);
     return interaction_of_connector.empty() ? interaction : interactions[interaction].row;
   }
   [[nodiscard]] std::size_t node_count() const { return interactions.size() + inner_start.size(); }

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "runtime/core/link/tables.hpp"
 
 namespace bip::rt {
@@ -10,6 +11,7 @@ using Bits = std::vector<u64>;
 
 /// Both have the same size.
 [[nodiscard]] inline bool contains(const Bits& big, const Bits& small) {
+  BIP_ASSERT(big.size() == small.size(), "{} and {} words", big.size(), small.size());
   for (std::size_t i = 0; i < big.size(); ++i) {
     if ((small[i] & ~big[i]) != 0) return false;
   }

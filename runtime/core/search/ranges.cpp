@@ -37,18 +37,20 @@ Range compared(RangeOpKind kind, const Range& a, const Range& b) {
 
 }  // namespace
 
-Range Range::of(CellType type, const Cell& interaction) {
-  if (type == CellType::Int || type == CellType::Bool) return of(static_cast<double>(interaction.i));
-  if (type == CellType::Float && std::isfinite(interaction.f)) return of(interaction.f);
+Range Range::of(CellType type, const Cell& cell) {
+  if (type == CellType::Int || type == CellType::Bool) return of(static_cast<double>(cell.i));
+  if (type == CellType::Float && std::isfinite(cell.f)) return of(cell.f);
   return all(type);
 }
 
 void RangeMachine::unary(const RangeOp& op) {
+  BIP_ASSERT(!stack_.empty(), "no operand");
   Range& a = stack_.back();
   a = op.kind == RangeOpKind::Not ? Range{1 - a.hi, 1 - a.lo} : fitting(op.type, {-a.hi, -a.lo});
 }
 
 void RangeMachine::binary(const RangeOp& op) {
+  BIP_ASSERT(stack_.size() >= 2, "{} operands", stack_.size());
   const Range b = stack_.back();
   stack_.pop_back();
   Range& a = stack_.back();
@@ -75,12 +77,13 @@ void RangeMachine::run(const RangeOp* op, const RangeOp* end, Range* own, std::s
       case RangeOpKind::Own: stack_.push_back(own[now.row]); break;
       case RangeOpKind::Bound: {
         const BoundRange& from = bound[now.row];
-        stack_.push_back(from.interaction != nullptr ? Range::of(now.type, *from.interaction) : from.range);
+        stack_.push_back(from.cell != nullptr ? Range::of(now.type, *from.cell) : from.range);
         break;
       }
       case RangeOpKind::Neg:
       case RangeOpKind::Not: unary(now); break;
       case RangeOpKind::Store:
+        BIP_ASSERT(!stack_.empty() && (size == 0 || now.row < size), "variable {} of {}", now.row, size);
         own[now.row] = stack_.back();
         stack_.pop_back();
         break;
@@ -109,11 +112,13 @@ void RangeMachine::run(const RangeOp* op, const RangeOp* end, Range* own, std::s
 
 void RangeMachine::run(Span<RangeOp> body, Range* own, std::size_t size, const BoundRange* bound) {
   run(body.begin(), body.end(), own, size, bound);
+  BIP_ASSERT(stack_.empty(), "a body left {} values", stack_.size());
 }
 
 Range RangeMachine::value(Span<RangeOp> guard, Range* own, const BoundRange* bound) {
   if (guard.size == 0) return Range::of(1);
   run(guard.begin(), guard.end(), own, 0, bound);
+  BIP_ASSERT(stack_.size() == 1, "a guard left {} values", stack_.size());
   const Range result = stack_.back();
   stack_.pop_back();
   return result;

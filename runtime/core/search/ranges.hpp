@@ -23,22 +23,22 @@ struct Range {
     if (type == CellType::Bool) return {0, 1};
     return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   }
-  [[nodiscard]] static Range of(CellType type, const Cell& interaction);
+  [[nodiscard]] static Range of(CellType type, const Cell& cell);
   void join(const Range& other) {
     if (other.lo < lo) lo = other.lo;
     if (other.hi > hi) hi = other.hi;
   }
 };
 
-/// A bound variable: an interaction whose value is known, or a range.
+/// A bound variable: a cell whose value is known, or a range.
 struct BoundRange {
-  const Cell* interaction = nullptr;
+  const Cell* cell = nullptr;
   Range range{};
 };
 
 class RangeMachine {
  public:
-  /// Runs a body; own: the connector's interactions, size of them, changed.
+  /// Runs a body; own: the ranges of the connector's variables, size of them, changed.
   void run(Span<RangeOp> body, Range* own, std::size_t size, const BoundRange* bound);
   /// A guard's ranges: {0, 0} if it is false, whatever the values.
   [[nodiscard]] Range value(Span<RangeOp> guard, Range* own, const BoundRange* bound);

@@ -1,11 +1,9 @@
-// Priorities between the ports of one atom, and its invariants (compiler/docs/language_meaning.md, section 2).
-//
-// Rules with true guards are edges between ports. A port is hidden iff an enabled port can be reached from it; ports on
-// the way need not be enabled. A cycle of such edges is a fault. Cost: the rules of the type (a wildcard counts as an
-// edge for each port) whenever the atom's ports are looked at; types without rules never come here.
+// See atom_priorities.hpp.
+#include "runtime/core/state/atom_priorities.hpp"
+
 #include <algorithm>
 
-#include "runtime/core/core.hpp"
+#include "runtime/core/core_parts.hpp"
 
 namespace bip::rt {
 
@@ -26,17 +24,17 @@ void each_edge(const AtomPriority& rule, u32 ports, const Visit& visit) {
 
 }  // namespace
 
-bool Core::hide_ports(u32 atom, u32* transition_of_port) {
-  const AtomType& type = tables_.atom_type(atom);
+bool AtomPriorities::hide_ports(u32 atom, u32* transition_of_port) {
+  const AtomType& type = core_.tables.atom_type(atom);
   const u32 ports = type.ports.size;
-  Cell* self = all_.data() + atoms_[atom].first_cell;
+  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
   rule_holds_.assign(type.priorities.size, 1);
   rule_in_.assign(ports, 0);
   for (u32 row = 0; row < type.priorities.size; ++row) {
     const AtomPriority& rule = type.priorities[row];
-    if (const Code guard = tables_.code(rule.guard); guard.fn != nullptr) {
-      const std::int32_t status = guard.fn(guard.context, self, all_.data(), nullptr);
-      if (status >= 2) return fail_code(status, atom, kNone, nullptr, rule.name);
+    if (const Code guard = core_.tables.code(rule.guard); guard.fn != nullptr) {
+      const std::int32_t status = guard.fn(guard.context, self, core_.memory.cells.data(), nullptr);
+      if (status >= 2) return core_.faults.fail_code(status, atom, kNone, nullptr, rule.name);
       rule_holds_[row] = static_cast<std::uint8_t>(status);
     }
     if (rule_holds_[row] != 0) each_edge(rule, ports, [&](u32, u32 high) { ++rule_in_[high]; });
@@ -63,7 +61,7 @@ bool Core::hide_ports(u32 atom, u32* transition_of_port) {
                 [&](u32 low, u32 high) { inside |= rule_in_[low] != 0 && rule_in_[high] != 0; });
       if (inside && rule_holds_[row] != 0) rules.push_back(row);
     }
-    return fail_atom_rules(atom, rules);
+    return core_.faults.fail_atom_rules(atom, rules);
   }
   // From above: is something enabled above the port?
   std::vector<u32>& covered = rule_in_;  // all zero now
@@ -77,31 +75,6 @@ bool Core::hide_ports(u32 atom, u32* transition_of_port) {
   }
   for (u32 port = 0; port < ports; ++port) {
     if (covered[port] != 0) transition_of_port[port] = kNone;
-  }
-  return true;
-}
-
-bool Core::is_in_scope(u32 atom, const Invariant& invariant) const {
-  if (invariant.scope == InvariantScope::Always) return true;
-  if (!std::all_of(invariant.places.begin(), invariant.places.end(), [&](u32 place) { return is_marked(atom, place); }))
-    return false;
-  if (invariant.scope == InvariantScope::From) return true;
-  u32 marked = 0;
-  for (u32 place = 0; place < tables_.atom_type(atom).places.size; ++place) marked += is_marked(atom, place) ? 1u : 0u;
-  return marked == invariant.places.size;
-}
-
-bool Core::check_invariants(u32 atom, const LinkedTransition* fired) {
-  const AtomType& type = tables_.atom_type(atom);
-  const Transition* transition = fired == nullptr ? nullptr : fired->source;
-  for (const Invariant& invariant : type.invariants) {
-    if (!is_in_scope(atom, invariant)) continue;
-    const Code condition = tables_.code(invariant.condition);
-    if (condition.fn == nullptr) continue;
-    const std::int32_t status =
-        condition.fn(condition.context, all_.data() + atoms_[atom].first_cell, all_.data(), nullptr);
-    if (status >= 2) return fail_code(status, atom, kNone, transition, invariant.name);
-    if (status == 0) return fail_invariant(atom, invariant, transition);
   }
   return true;
 }

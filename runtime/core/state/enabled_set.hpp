@@ -15,6 +15,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 class EnabledSet {
@@ -30,6 +32,7 @@ class EnabledSet {
       counts_.resize(counts_.size() + (entries + 7) / 8 * 8, 0);
       if (entries <= 8) break;
     }
+    size_ = interactions;
     total_ = last_in_ = 0;
     ranked_ = true;
     unlist();
@@ -37,6 +40,7 @@ class EnabledSet {
 
   [[nodiscard]] std::uint64_t total() const { return total_; }
   [[nodiscard]] std::uint32_t weight(std::uint32_t interaction) const {
+    BIP_ASSERT(interaction < size_, "interaction {} of {}", interaction, size_);
     if (!weights_.empty()) return weights_[interaction];
     if (ranked_) return static_cast<std::uint32_t>(words_[interaction >> 6] >> (interaction & 63) & 1);
     return static_cast<std::uint32_t>(position_[interaction] != kAbsent) ^ pending_[interaction];
@@ -96,25 +100,36 @@ class EnabledSet {
     if (!changed_.empty()) apply_changes();
   }
 
-  /// The list for somebody who changes it by himself, and the count, until close_list. Unweighted, without unsettled
-  /// changes.
+  /// Opens the list for a caller that changes it and the count directly, until close_list. Unweighted, without
+  /// unsettled changes.
   struct List {
     std::uint32_t *members, *position, *count;
   };
-  List open_list() { return {members_.data(), position_.data(), &listed_count_}; }
+  List open_list() {
+    BIP_ASSERT(listed_ && weights_.empty() && changed_.empty(), "{} unsettled changes", changed_.size());
+    return {members_.data(), position_.data(), &listed_count_};
+  }
   void close_list(std::uint32_t count) {
+    BIP_ASSERT(count <= size_, "{} members of {}", count, size_);
     listed_count_ = total_ = count;
     ranked_ = false;
   }
 
   // ---- changes; with a list they count from settle_list on
   /// Unweighted sets. The interaction must not be in the set.
-  void insert(std::uint32_t interaction) { toggle(interaction, 1); }
+  void insert(std::uint32_t interaction) {
+    BIP_ASSERT(weight(interaction) == 0, "interaction {} is in the set already", interaction);
+    toggle(interaction, 1);
+  }
   /// Unweighted sets. The interaction must be in the set.
-  void erase(std::uint32_t interaction) { toggle(interaction, ~0u); }
+  void erase(std::uint32_t interaction) {
+    BIP_ASSERT(weight(interaction) == 1, "interaction {} is not in the set", interaction);
+    toggle(interaction, ~0u);
+  }
   /// Unweighted sets without unsettled changes. Members of the word that holds interactions 64 * word ... come and go,
   /// `difference` more than before.
   void flip(std::uint32_t word, std::uint64_t flips, std::uint32_t difference) {
+    BIP_ASSERT(weights_.empty() && changed_.empty(), "{} unsettled changes", changed_.size());
     if (ranked_) {
       words_[word] ^= flips;
       add(word << 6, difference);
@@ -143,8 +158,30 @@ class EnabledSet {
     std::uint32_t interaction;
     std::uint32_t rank;  // among the interaction's candidates
   };
+  /// Is there such a candidate?
+  [[nodiscard]] bool has(Position at) const { return at.interaction < size_ && at.rank < weight(at.interaction); }
+  /// The number of a candidate in canonical order. O(log interactions).
+  [[nodiscard]] std::uint64_t number(Position at) const { return rank(at.interaction) + at.rank; }
+  /// The number of the first candidate in an interaction greater than `interaction`, cyclically. O(log interactions).
+  [[nodiscard]] std::uint64_t next_after(std::uint32_t interaction) const {
+    const std::uint64_t k = rank(interaction + 1);
+    return k < total_ ? k : 0;
+  }
+  /// The k-th candidate in the list's order while every interaction in it has one, else in canonical order; k <
+  /// total(). Needs the list. O(1) while every interaction has one.
+  [[nodiscard]] Position drawn(std::uint64_t k) const {
+    BIP_ASSERT(listed_ && k < total_, "candidate {} of {} in the list", k, total_);
+    if (listed_count_ == total_) return {members_[k], 0};
+    return select(k);
+  }
+  /// The interactions of the list, in its order; none without a list.
+  [[nodiscard]] std::vector<std::uint32_t> list_order() const {
+    if (!listed_) return {};
+    return {members_.begin(), members_.begin() + static_cast<std::ptrdiff_t>(listed_count_)};
+  }
   /// The k-th candidate, k < total().
   [[nodiscard]] Position select(std::uint64_t k) const {
+    BIP_ASSERT(k < total_, "candidate {} of {}", k, total_);
     ensure_ranked();
     // With clocks there often is one alone, the one that came last.
     if (total_ == 1 && weights_.empty() && (words_[last_in_ >> 6] >> (last_in_ & 63) & 1) != 0) return {last_in_, 0};
@@ -195,6 +232,13 @@ class EnabledSet {
     return sum;
   }
 
+  /// Do the ranks, the list and the total agree? O(interactions).
+  [[nodiscard]] bool is_consistent() const {
+    std::uint64_t sum = 0;
+    for (std::uint32_t i = 0; i < size_; ++i) sum += weight(i);
+    return sum == total_ && (!ranked_ || has_consistent_counts()) && (!listed_ || has_consistent_list());
+  }
+
   /// The position of the k-th one of the word, two ways to the same answer.
 #if defined(__x86_64__)
   [[gnu::target("bmi2")]] static std::uint32_t select_bit_pdep(std::uint64_t word, std::uint32_t k) {
@@ -225,6 +269,30 @@ class EnabledSet {
   }
 
  private:
+  // Is each count the sum of what is below it?
+  [[nodiscard]] bool has_consistent_counts() const {
+    for (std::uint32_t level = 0; level < levels_; ++level) {
+      const std::size_t end = level + 1 < levels_ ? offset_[level + 1] : counts_.size();
+      for (std::size_t entry = 0; entry < end - offset_[level]; ++entry) {
+        const std::size_t first = entry << (6 + 3 * level), last = (entry + 1) << (6 + 3 * level);
+        std::uint32_t below = 0;
+        for (std::size_t i = first; i < last && i < size_; ++i) below += weight(static_cast<std::uint32_t>(i));
+        if (counts_[offset_[level] + entry] != below) return false;
+      }
+    }
+    return true;
+  }
+  // Is each member where position_ says, and, with nothing pending, each interaction with candidates a member?
+  [[nodiscard]] bool has_consistent_list() const {
+    std::uint32_t members = 0;
+    for (std::uint32_t i = 0; i < size_; ++i) {
+      const bool is_member = position_[i] != kAbsent;
+      members += is_member ? 1 : 0;
+      if (is_member && (position_[i] >= listed_count_ || members_[position_[i]] != i)) return false;
+      if (changed_.empty() && is_member != (weight(i) != 0)) return false;
+    }
+    return members == listed_count_;
+  }
   // Without -mpopcnt std::popcount is a call; this is a dozen instructions.
   static std::uint32_t count_bits(std::uint64_t x) {
     x -= x >> 1 & 0x5555555555555555u;
@@ -299,13 +367,14 @@ class EnabledSet {
 
   static constexpr std::uint32_t kAbsent = 0xffffffffu;
 
-  // Ranks; made anew when somebody asks, so a question may change them.
+  // Ranks; counted anew when one is needed, also in const functions.
   mutable std::vector<std::uint64_t> words_;
   mutable std::vector<std::uint32_t> counts_;
   mutable bool ranked_ = true;
   std::vector<std::uint32_t> weights_;
   std::uint32_t offset_[12] = {};
   std::uint32_t levels_ = 0;
+  std::uint32_t size_ = 0;  // interactions
   std::uint32_t total_ = 0;
   std::uint32_t last_in_ = 0;
   bool fast_pdep_ = has_fast_pdep();

@@ -31,9 +31,9 @@ struct Participant {
 struct State {
   std::vector<u32> places;        // by atom; for Petri types unused (0)
   std::vector<u64> marks;         // bitsets of the Petri types' atoms, in atom order
-  std::vector<u64> data;          // the atoms' interactions, as bits; of FFI types 0
-  std::vector<FfiValue> objects;  // of the atoms' interactions of FFI types, in their order
-  std::vector<i64> time;          // of images with time: see Core::save_time
+  std::vector<u64> data;          // the atoms' variables, as bits; of FFI types 0
+  std::vector<FfiValue> objects;  // of the atoms' variables of FFI types, in their order
+  std::vector<i64> time;          // of images with time: Clocks::save
   friend bool operator==(const State&, const State&) = default;
 };
 

@@ -9,6 +9,7 @@
 #include <bit>
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "runtime/core/time/interval.hpp"
 
 namespace bip::rt {
@@ -33,6 +34,7 @@ class TimeHeap {
   }
 
   void set(std::uint32_t row, i64 key) {
+    BIP_ASSERT(row < leaves_, "row {} of {}", row, leaves_);
     if (keys_[row] == key) return;
     keys_[row] = key;
     for (std::uint32_t node = (leaves_ + row) / 2; node != 0; node /= 2) {
@@ -41,6 +43,15 @@ class TimeHeap {
       if (winner != row && winner == winners_[node]) return;
       winners_[node] = winner;
     }
+  }
+
+  /// Does each node hold the winner of the two below it? O(rows).
+  [[nodiscard]] bool is_consistent() const {
+    for (std::uint32_t node = leaves_ - 1; node > 0; --node) {
+      const std::uint32_t left = winners_[2 * node], right = winners_[2 * node + 1];
+      if (winners_[node] != (keys_[right] < keys_[left] ? right : left)) return false;
+    }
+    return true;
   }
 
  private:

@@ -42,12 +42,12 @@ Run run(const rt::Image& image, rt::u64 part) {
   rt::Core core(image);
   REQUIRE(core.initialize());
   core.keep_list();
-  REQUIRE(core.has_steps());
+  REQUIRE(core.steps().has_steps());
   Run result{0, {}, {}, rt::Prng(7)};
   bool sound = true;
-  for (int k = 0; k < 5; ++k) result.steps += core.run_steps(result.prng, part, never, sound);
+  for (int k = 0; k < 5; ++k) result.steps += core.steps().run(result.prng, part, never, sound);
   REQUIRE(sound);
-  result.interactions = core.recent_interactions(std::min<rt::u64>(result.steps, rt::Core::kHistory));
+  result.interactions = core.history().recent(std::min<rt::u64>(result.steps, rt::Core::kHistory));
   result.state = core.snapshot();
   return result;
 }

@@ -66,12 +66,12 @@ LoopRun run(const rt::Image& image, const rt::Prng& prng, rt::u64 limit) {
   rt::Core core(image);
   REQUIRE(core.initialize());
   core.keep_list();
-  REQUIRE(core.has_steps());
+  REQUIRE(core.steps().has_steps());
   LoopRun result{0, {}, prng};
   bool sound = true;
-  result.steps = core.run_steps(result.prng, limit, never_stopped, sound);
+  result.steps = core.steps().run(result.prng, limit, never_stopped, sound);
   REQUIRE(sound);
-  result.interactions = core.recent_interactions(std::min<rt::u64>(result.steps, rt::Core::kHistory));
+  result.interactions = core.history().recent(std::min<rt::u64>(result.steps, rt::Core::kHistory));
   return result;
 }
 

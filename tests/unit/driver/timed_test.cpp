@@ -196,7 +196,7 @@ std::string check(Plant plant, std::uint64_t seed, bool asap, Totals& totals) {
       machine.place = arc.to;
       if (arc.zeroes) machine.zero = at;
     }
-    if (!core.take_timed(scheduler.choice())) return core.fault().what;
+    if (!core.time().take(scheduler.choice())) return core.fault().what;
     now = at;
   }
   return {};
@@ -241,13 +241,13 @@ TEST_CASE("a snapshot holds the time") {
     for (int k = 0; k < steps; ++k) {
       REQUIRE(scheduler.wait(core, feed) == rt::Due::Step);
       told += fmt::format("{}:{} ", core.now(), core.candidate(scheduler.choice()).connector);
-      REQUIRE(core.take_timed(scheduler.choice()));
+      REQUIRE(core.time().take(scheduler.choice()));
     }
     return told;
   };
   (void)run(7);
   const rt::State state = core.snapshot();
-  const std::vector<rt::u32> order = core.list_order();
+  const std::vector<rt::u32> order = core.enabled().list_order();
   const rt::TimedScheduler then = scheduler;
   const std::string first = run(12);
   REQUIRE(core.restore(state));

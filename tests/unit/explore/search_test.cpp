@@ -184,7 +184,7 @@ void compare(const std::string& text, unsigned seed, Compared& compared) {
     REQUIRE(by_ranges.restore(by_descent.snapshot()));
     REQUIRE(all.restore(by_descent.snapshot()));
   }
-  compared.looks += by_ranges.search_work().range_looks;
+  compared.looks += by_ranges.search().work().range_looks;
 }
 
 // n lamps in a binary tree of triggers whose `up` adds, a guard at the root; watts are 1, 2, 3, 4, 1, …
@@ -220,7 +220,7 @@ Searched search_lamps(const std::string& sign, int limit) {
   const interp::Interpreter interpreter(*c.lowered);
   rt::Core core(c.lowered->image);
   REQUIRE(core.initialize());
-  return {core.candidate_count(), core.search_work()};
+  return {core.candidate_count(), core.search().work()};
 }
 
 }  // namespace

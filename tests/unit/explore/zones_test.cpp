@@ -97,10 +97,10 @@ Ticks explore_ticks(const rt::Image& image) {
       continue;
     }
     const u64 count = core.candidate_count();
-    const bool may_wait = core.wait_limit(ends) > core.now();
+    const bool may_wait = core.time().wait_limit(ends) > core.now();
     if (count == 0 && !may_wait) found.has_lock = true;
     if (may_wait) {
-      if (!core.advance(core.now() + 1)) {
+      if (!core.time().advance(core.now() + 1)) {
         found.has_error = true;
       } else {
         rt::State next = core.snapshot();
@@ -111,7 +111,7 @@ Ticks explore_ticks(const rt::Image& image) {
     }
     for (u64 k = 0; k < count; ++k) {
       REQUIRE(core.restore(here));
-      if (core.take_timed(core.position(k))) add();
+      if (core.time().take(core.position(k))) add();
       else found.has_error = true;
     }
   }
@@ -159,10 +159,11 @@ void walk(rt::ZoneSearch& search, const rt::Image& image, u64 seed, ZoneTally& t
     REQUIRE(has_point(search, image, core.snapshot()));
     ++tally.walked;
     const u64 count = core.candidate_count();
-    const i64 limit = std::min({core.wait_limit(ends), core.next_change(), core.now() + 3});
+    const i64 limit = std::min({core.time().wait_limit(ends), core.time().next_change(), core.now() + 3});
     if (limit > core.now() && (count == 0 || random.below(2) == 0)) {
-      if (!core.advance(core.now() + 1 + static_cast<i64>(random.below(static_cast<u64>(limit - core.now()))))) return;
-    } else if (count == 0 || !core.take_timed(core.position(random.below(count)))) {
+      if (!core.time().advance(core.now() + 1 + static_cast<i64>(random.below(static_cast<u64>(limit - core.now())))))
+        return;
+    } else if (count == 0 || !core.time().take(core.position(random.below(count)))) {
       return;
     }
   }

@@ -318,7 +318,7 @@ TEST_CASE("fair: what stays enabled has its turn in every round") {
   }
   for (int count : fired) CHECK((count >= 99 && count <= 101));
   // Cyclic: after the last interaction comes the first again.
-  CHECK(core.next_after(15) == 0);
+  CHECK(core.enabled().next_after(15) == 0);
 }
 
 TEST_CASE("policies and trace formats are found by the names of their rows") {

@@ -5,7 +5,7 @@
 
 #include "runtime/include/bip/prng.hpp"
 #include "runtime/core/time/time_heap.hpp"
-#include "runtime/core/time/time_state.hpp"
+#include "runtime/core/time/time_text.hpp"
 
 using namespace bip::rt;
 

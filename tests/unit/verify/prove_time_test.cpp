@@ -38,7 +38,7 @@ bool has_point(rt::ZoneSearch& search, const std::vector<u32>& members, const rt
   for (const u32 atom : members) {
     const rt::AtomTime* time = core.image().atom_types[core.image().atoms[atom].type].time;
     for (u32 k = 0; time != nullptr && k < time->clocks.size; ++k)
-      point.push_back(static_cast<rt::i64>(core.clock_value(atom, k)));
+      point.push_back(static_cast<rt::i64>(core.time().clock_value(atom, k)));
   }
   const rt::State whole = core.snapshot();
   for (const rt::ZoneNode& node : search.nodes()) {
@@ -122,11 +122,12 @@ void walk(const System& system, const rt::Image& image, u64 seed, TimedTally& ta
     REQUIRE(has_point(search, members, core));
     ++tally.walks;
     const u64 count = core.candidate_count();
-    const rt::i64 limit = std::min({core.wait_limit(ends), core.next_change(), core.now() + 3});
+    const rt::i64 limit = std::min({core.time().wait_limit(ends), core.time().next_change(), core.now() + 3});
     if (limit > core.now() && (count == 0 || random.below(2) == 0)) {
-      if (!core.advance(core.now() + 1 + static_cast<rt::i64>(random.below(static_cast<u64>(limit - core.now())))))
+      if (!core.time().advance(core.now() + 1 +
+                               static_cast<rt::i64>(random.below(static_cast<u64>(limit - core.now())))))
         return;
-    } else if (count == 0 || !core.take_timed(core.position(random.below(count)))) {
+    } else if (count == 0 || !core.time().take(core.position(random.below(count)))) {
       return;
     }
   }

@@ -1,7 +1,8 @@
-// Cutting a system into parts: see batch_engine.hpp.
+// See batch_plan.hpp.
+#include "runtime/core/programs/batch_plan.hpp"
+
 #include <algorithm>
 
-#include "runtime/core/programs/batch.hpp"
 #include "runtime/core/fire/partial.hpp"
 
 namespace bip::rt {
@@ -50,17 +51,17 @@ std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const 
 
 BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 parts, bool any_share) {
   BatchPlan plan;
-  const u32 cell_count = static_cast<u32>(tables.interactions.size());
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const u32 atom_count = tables.image->atoms.size;
   // What an interaction's being enabled depends on: who takes part; if rules may hide it, who takes part in what they
   // prefer.
   std::vector<Csr::Pair> own, all;
   std::vector<u32> atoms;
-  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     atoms_of_interaction(tables, tables.interactions[interaction], atoms);
     for (const u32 atom : atoms) own.push_back({interaction, atom});
   }
-  const Csr takes = Csr::build(cell_count, own);
+  const Csr takes = Csr::build(interaction_count, own);
   all = own;
   std::vector<std::vector<u32>> preferred(rules.cyclic.size());  // by component
   for (const HighEdge& edge : rules.high_edges) {
@@ -77,15 +78,15 @@ BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 part
       if (all.size() > kMostPairs) return plan;
     }
   }
-  const Csr depends = Csr::build(cell_count, all);
+  const Csr depends = Csr::build(interaction_count, all);
   const Csr watchers = turned(depends, atom_count);
   const std::vector<std::uint8_t> part_of_atom = parts_of_atoms(depends, watchers, atom_count, parts);
 
-  std::vector<std::uint8_t> spans(cell_count, 0);
-  plan.part.assign(cell_count, 0);
-  plan.is_shared.assign(cell_count, 0);
+  std::vector<std::uint8_t> spans(interaction_count, 0);
+  plan.part.assign(interaction_count, 0);
+  plan.is_shared.assign(interaction_count, 0);
   plan.size.assign(parts, 0);
-  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     const Span<u32> on = depends[interaction];
     plan.part[interaction] = on.size == 0 ? 0 : part_of_atom[on[0]];
     ++plan.size[plan.part[interaction]];
@@ -95,18 +96,18 @@ BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 part
   }
   // An atom is at the border if something that watches it spans; what moves such an atom is shared.
   std::vector<std::uint8_t> is_border(atom_count, 0);
-  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     for (const u32 atom : depends[interaction]) {
       if (spans[interaction] != 0) is_border[atom] = 1;
     }
   }
-  for (u32 interaction = 0; interaction < cell_count; ++interaction) {
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     const Span<u32> moved = takes[interaction];
     if (std::none_of(moved.begin(), moved.end(), [&](u32 atom) { return is_border[atom] != 0; })) continue;
     plan.is_shared[interaction] = 1;
     plan.shared.push_back(interaction);
   }
-  if (any_share || plan.shared.size() * 4 <= cell_count) plan.parts = parts;
+  if (any_share || plan.shared.size() * 4 <= interaction_count) plan.parts = parts;
   return plan;
 }
 

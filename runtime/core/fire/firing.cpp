@@ -1,0 +1,196 @@
+// See firing.hpp.
+#include "runtime/core/fire/firing.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "runtime/core/core_parts.hpp"
+
+namespace bip::rt {
+
+bool Firing::fire(const Candidate& candidate) {
+  if (!core_.partial.is_on()) {
+    const u32* program = core_.programs.program_of(candidate.interaction);
+    if (*program != kNone) return core_.programs.run(program, candidate.interaction);
+  }
+  return fire_parts(candidate);
+}
+
+bool Firing::fire_parts(const Candidate& candidate) {
+  BIP_ASSERT(core_.enabled.weight(candidate.interaction) != 0, "interaction {} has no candidate",
+             candidate.interaction);
+  const InteractionInfo info = core_.tables.interactions[candidate.interaction];
+  core_.history.remember(candidate.interaction);
+  bool done = false;
+  switch (info.kind) {
+    case InteractionKind::Flat: done = fire_flat(info); break;
+    case InteractionKind::Star: done = fire_star(info); break;
+    case InteractionKind::Planned: done = fire_planned(candidate, info); break;
+    case InteractionKind::Port: done = core_.atom_steps.fire_port(info.row); break;
+  }
+  return done && (!core_.partial.is_on() ? core_.settle() : core_.partial.settle());
+}
+
+void Firing::zero_frame(u32 connector) {
+  const u32 size = core_.tables.connector_type(connector).variables.size;
+  Cell* frame = core_.memory.cells.data() + core_.tables.image->connectors[connector].first_cell;
+  for (u32 i = 0; i < size; ++i) frame[i] = Cell{0};
+  if (!core_.memory.ffi_data.empty())
+    core_.memory.ffi_data.reset(core_.tables.connector_type(connector).variables, core_.memory.cells.data(),
+                                core_.tables.image->connectors[connector].first_cell);
+}
+
+bool Firing::run_code(Code code, u32 connector) {
+  if (code.fn == nullptr) return true;
+  const Connector& row = core_.tables.image->connectors[connector];
+  const std::int32_t status = code.fn(code.context, core_.memory.cells.data() + row.first_cell,
+                                      core_.memory.cells.data(), core_.memory.binds.rows + row.binds);
+  return status < 2 || core_.faults.fail_code(status, kNone, connector, nullptr);
+}
+
+// The transfer of a connector of atom ports: own data start at zero.
+bool Firing::run_transfer(const InteractionInfo& info, u32 row) {
+  const Clause& clause = core_.tables.connector_type(info.row).clauses[row];
+  zero_frame(info.row);
+  return run_code(core_.tables.code(clause.up), info.row) && run_code(core_.tables.code(clause.down), info.row);
+}
+
+bool Firing::fire_flat(const InteractionInfo& info) {
+  if (info.clause() != kNone && !run_transfer(info, info.clause())) return false;
+  const u32* ports = core_.tables.flat_ports.data() + info.first;
+  for (u32 i = 0; i < info.count; ++i) {
+    if (!core_.atom_steps.fire_port(ports[i])) return false;
+  }
+  return true;
+}
+
+// Whoever is ready takes part; that a port fires changes no other atom's readiness, so one pass finds and fires.
+bool Firing::fire_star(const InteractionInfo& info) {
+  const u32* ports = core_.tables.flat_ports.data() + info.first;
+  const u32 type_row = core_.tables.image->connectors[info.row].type;
+  if (!core_.tables.clause_order[type_row].empty()) {
+    params_.clear();
+    for (u32 i = 0; i < info.count; ++i) {
+      if (core_.ports.enabled_row(ports[i]) != kNone) params_.push_back(i);
+    }
+    const u32 row = core_.tables.clause_of(type_row, {params_.data(), static_cast<u32>(params_.size())});
+    if (row != kNone && !run_transfer(info, row)) return false;
+  }
+  // 64 at a time: who is ready nobody can predict, so it is asked without branches, and only the answers are walked.
+  for (u32 first = 0; first < info.count; first += 64) {
+    const u32 count = std::min(info.count - first, 64u);
+    u64 ready = 0;
+    for (u32 i = 0; i < count; ++i) {
+      const PortState& port = core_.ports.port(ports[first + i]);
+      const bool is_there =
+          (port.place == kNone) | (core_.memory.places[core_.tables.port_atom[ports[first + i]]] == port.place);
+      ready |= static_cast<u64>(is_there & (port.transition != kNone)) << i;
+    }
+    for (; ready != 0; ready &= ready - 1) {
+      if (!core_.atom_steps.fire_port(ports[first + static_cast<u32>(std::countr_zero(ready))])) return false;
+    }
+  }
+  return true;
+}
+
+bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& info) {
+  const Plan& plan = core_.tables.plans[info.plan()];
+  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+  core_.search.choose(candidate, plan);
+  if (!core_.search.run_ups(plan)) return false;
+  // Depth first over (use, next parameter); a stack, for the hierarchy may be deep.
+  use_stack_.clear();
+  use_stack_.emplace_back(0, 0);
+  while (!use_stack_.empty()) {
+    const u32 at = use_stack_.back().first;
+    const u32 param = use_stack_.back().second++;
+    const PlanUse& use = core_.tables.plan_uses[plan.first_use + at];
+    const ConnectorType& type = core_.tables.connector_type(use.connector);
+    if (param == 0 && core_.search.clause_of_use(at) != kNone) {
+      if (!run_code(core_.tables.code(type.clauses[core_.search.clause_of_use(at)].down), use.connector)) return false;
+    }
+    if (param == type.params.size) {
+      use_stack_.pop_back();
+      continue;
+    }
+    u32 node = core_.tables.plan_params[use.first_param + param];
+    if (node == kNone || !core_.search.is_chosen(node)) continue;
+    if (nodes[node].kind == NodeKind::Choice) node = core_.search.chosen_alternative(plan, node);
+    if (nodes[node].kind == NodeKind::Link) {
+      use_stack_.emplace_back(nodes[node].use, 0);
+    } else if (!core_.atom_steps.fire_port(nodes[node].ref)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void Firing::participants(const Candidate& candidate, std::vector<Participant>& out) {
+  out.clear();
+  const InteractionInfo info = core_.tables.interactions[candidate.interaction];
+  const auto add = [&](u32 param, u32 instance) {
+    const u32 atom = core_.tables.port_atom[instance];
+    out.push_back({param, atom, instance - core_.tables.port_base(atom), kNone});
+  };
+  if (info.kind == InteractionKind::Port) {
+    add(0, info.row);
+    return;
+  }
+  if (info.kind != InteractionKind::Planned) {
+    for (u32 i = 0; i < info.count; ++i) {
+      const u32 instance = core_.tables.flat_ports[info.first + i];
+      if (core_.ports.enabled_row(instance) != kNone) add(i, instance);
+    }
+    return;
+  }
+  const Plan& plan = core_.tables.plans[info.plan()];
+  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+  core_.search.choose(candidate, plan);
+  use_stack_.clear();
+  use_stack_.emplace_back(0, 0);
+  while (!use_stack_.empty()) {
+    const PlanUse& use = core_.tables.plan_uses[plan.first_use + use_stack_.back().first];
+    const u32 param = use_stack_.back().second++;
+    if (param == core_.tables.connector_type(use.connector).params.size) {
+      use_stack_.pop_back();
+      continue;
+    }
+    u32 node = core_.tables.plan_params[use.first_param + param];
+    if (node == kNone || !core_.search.is_chosen(node)) continue;
+    if (nodes[node].kind == NodeKind::Choice) node = core_.search.chosen_alternative(plan, node);
+    if (nodes[node].kind == NodeKind::Link) use_stack_.emplace_back(nodes[node].use, 0);
+    else add(param, nodes[node].ref);
+  }
+}
+
+void Firing::direct_participants(const Candidate& candidate, std::vector<Participant>& out) {
+  const InteractionInfo info = core_.tables.interactions[candidate.interaction];
+  if (info.kind != InteractionKind::Planned) {
+    participants(candidate, out);
+    return;
+  }
+  out.clear();
+  const Plan& plan = core_.tables.plans[info.plan()];
+  core_.search.choose(candidate, plan);
+  // The same `up`s ran when the candidate was listed or will when it fires; a fault shows there.
+  const Fault before = core_.fault;
+  core_.memory.binds.make(*core_.tables.image);
+  (void)core_.search.run_ups(plan);
+  core_.fault = before;
+  const PlanUse& use = core_.tables.plan_uses[plan.first_use];
+  const ConnectorType& type = core_.tables.connector_type(use.connector);
+  for (u32 param = 0; param < type.params.size; ++param) {
+    u32 node = core_.tables.plan_params[use.first_param + param];
+    const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+    if (node == kNone || !core_.search.is_chosen(node)) continue;
+    if (nodes[node].kind == NodeKind::Choice) node = core_.search.chosen_alternative(plan, node);
+    if (nodes[node].kind == NodeKind::Link) {
+      out.push_back({param, kNone, kNone, nodes[node].ref});
+    } else {
+      const u32 atom = core_.tables.port_atom[nodes[node].ref];
+      out.push_back({param, atom, nodes[node].ref - core_.tables.port_base(atom), kNone});
+    }
+  }
+}
+
+}  // namespace bip::rt

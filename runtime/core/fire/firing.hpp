@@ -1,0 +1,53 @@
+// Firing an interaction port by port: `up` again for the chosen configuration (frames may be stale), then from the top
+// connector `down` and the ports in parameter order, depth first; an atom's port takes its recorded transition, its
+// guard is not evaluated again.
+//
+// Cost: what takes part. A flat rendezvous is a loop over port instances. Steps whose effect is always the same have a
+// shorter way: programs/step_programs.hpp.
+#pragma once
+#include <utility>
+#include <vector>
+
+#include "runtime/core/link/tables.hpp"
+#include "runtime/core/state/enabled_set.hpp"
+#include "runtime/core/state/state.hpp"
+
+namespace bip::rt {
+
+struct CoreParts;
+
+class Firing {
+ public:
+  explicit Firing(CoreParts& core) : core_(core) {}
+
+  /// Takes the step, by its program if it has one; the core is settled then. False: a fault.
+  bool fire(const Candidate& candidate);
+  /// fire(candidate(at)) by the shortest way, while no steps are in progress.
+  bool take(EnabledSet::Position at);
+  /// Takes the step port by port.
+  bool fire_parts(const Candidate& candidate);
+  /// Fires all ports of a flat rendezvous, without settling.
+  bool fire_flat(const InteractionInfo& info);
+
+  /// Finds the atom ports that take part, in the order in which they fire.
+  void participants(const Candidate& candidate, std::vector<Participant>& out);
+  /// Finds the ports of the connector itself; exported ports of connectors below as such, with this candidate's values:
+  /// runs `up`.
+  void direct_participants(const Candidate& candidate, std::vector<Participant>& out);
+
+  /// Runs code of a connector over its frame. False: a fault.
+  bool run_code(Code code, u32 connector);
+  /// Makes the connector's own data zero.
+  void zero_frame(u32 connector);
+
+ private:
+  bool fire_star(const InteractionInfo& info);
+  bool fire_planned(const Candidate& candidate, const InteractionInfo& info);
+  bool run_transfer(const InteractionInfo& info, u32 clause);
+
+  CoreParts& core_;
+  std::vector<u32> params_;                     // scratch
+  std::vector<std::pair<u32, u32>> use_stack_;  // scratch
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,39 @@
+// The interactions fired last, a ring: for explanations and for traces of compiled steps. No part of the state.
+#pragma once
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "bip/steps.hpp"
+#include "runtime/core/link/tables.hpp"
+
+namespace bip::rt {
+
+class FiringHistory {
+ public:
+  static constexpr u32 kSize = StepHistory::kSize;
+
+  void reset() {
+    ring_.assign(kSize, kNone);
+    at_ = 0;
+  }
+  void remember(u32 interaction) { ring_[std::exchange(at_, (at_ + 1) % kSize)] = interaction; }
+  /// Returns the last `count` interactions, at most kSize of them, in the order of their firing.
+  [[nodiscard]] std::vector<u32> recent(u64 count) const;
+  /// Returns by atom the interaction of the last step in which it may have taken part; kNone: not known.
+  [[nodiscard]] std::vector<u32> last_of_atoms(const Tables& tables) const;
+
+  // ---- for loops that keep the ring in registers (compiled_steps.cpp)
+  [[nodiscard]] u32* ring() { return ring_.data(); }
+  [[nodiscard]] u32 next() const { return at_; }
+  void set_next(u32 at) { at_ = at; }
+  /// Forgets what was fired.
+  void clear() { std::fill(ring_.begin(), ring_.end(), kNone); }
+  [[nodiscard]] std::size_t bytes() const { return ring_.size() * sizeof(u32); }
+
+ private:
+  std::vector<u32> ring_;
+  u32 at_ = 0;  // where the next one goes
+};
+
+}  // namespace bip::rt

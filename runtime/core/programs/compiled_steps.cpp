@@ -1,0 +1,310 @@
+// See compiled_steps.hpp.
+#include "runtime/core/programs/compiled_steps.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <map>
+#include <thread>
+#include <type_traits>
+
+#include "runtime/core/core_parts.hpp"
+#include "runtime/core/profile.hpp"
+#include "runtime/core/programs/batch_plan.hpp"
+#include "runtime/core/programs/team.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+struct Unwatched {
+  void begin_step() const {}
+  void end_step(u32) const {}
+};
+
+void fill_cells(const Image& image, const Cell* all, std::vector<ColumnCell>& cells) {
+  cells.resize(image.step_cells);
+  for (const StepColumn& column : image.step_columns) {
+    const Cell* const from = all + column.cell;
+    ColumnCell* const to = cells.data() + column.column_cell;
+    for (std::size_t k = 0; k < column.count; ++k) to[k].bits = static_cast<u32>(from[k * column.distance].bits);
+  }
+}
+
+void empty_cells(const Image& image, const std::vector<ColumnCell>& cells, Cell* all) {
+  for (const StepColumn& column : image.step_columns) {
+    const ColumnCell* const from = cells.data() + column.column_cell;
+    Cell* const to = all + column.cell;
+    for (std::size_t k = 0; k < column.count; ++k) to[k * column.distance].bits = from[k].bits;
+  }
+}
+
+}  // namespace
+
+namespace {
+
+constexpr u64 kMostEpoch = 1u << 22;
+constexpr u32 kTriesPerStep = 16;  // draws among the shared interactions until one is enabled
+
+void wait_a_little(u64 seed) {
+  const u64 how = Prng(seed).below(8);
+  if (how == 0) std::this_thread::sleep_for(std::chrono::microseconds(20));
+  else if (how < 4) std::this_thread::yield();
+}
+
+}  // namespace
+
+// Finds the runs. An interaction without one is fired by the core; if somebody might look at rules then, all
+// interactions that can fire have one (derive_steps).
+void CompiledSteps::link() {
+  const Image& image = *core_.tables.image;
+  runs_.clear();
+  run_of_ = {};
+  if (image.step_fns.size == 0 || core_.options.progress == MaximalProgress::Off || core_.search.is_weighted()) return;
+  std::vector<u32> rows(core_.tables.interactions.size(), kNone);
+  u32 most = 0;
+  for (u32 row = 0; row < image.step_runs.size; ++row) {
+    const StepRun& run = image.step_runs[row];
+    // Division by the distance as a multiplication, which is exact for offsets up to 2^32 / distance.
+    const u64 inverse = ((u64{1} << 32) + run.distance - 1) / run.distance;
+    if (u64{run.count} * run.distance * run.distance > std::numeric_limits<u32>::max()) return;
+    runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, inverse});
+    for (u32 i = 0; i < run.count; ++i) rows[run.first + i * run.distance] = row;
+  }
+  std::map<std::vector<u32>, u32> known;  // connectors that take turns are alike in block after block
+  for (std::size_t first = 0; first < rows.size(); first += 64) {
+    const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = rows.begin() + static_cast<std::ptrdiff_t>(std::min(first + 64, rows.size()));
+    if (std::all_of(begin, end, [&](u32 row) { return row == *begin; })) {
+      run_of_.blocks.push_back(*begin);
+      continue;
+    }
+    const auto [at, is_new] = known.try_emplace(std::vector<u32>(begin, end), static_cast<u32>(run_of_.rows.size()));
+    run_of_.blocks.push_back(RunRows::kInteractionsDiffer + at->second);
+    if (is_new) run_of_.rows.insert(run_of_.rows.end(), begin, end);
+  }
+  for (const ConnectorType& type : image.connector_types) most = std::max(most, type.params.size);
+  step_scratch_.assign(std::size_t{most} + 1, 0);
+}
+
+template <class Watch>
+u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch) {
+  constexpr u64 kBetweenLooks = 4096;
+  EnabledSet::List list = core_.enabled.open_list();
+  StepState s{core_.memory.cells.data(),
+              core_.memory.places.data(),
+              core_.ports.values(),
+              list.members,
+              list.position,
+              step_scratch_.data(),
+              *list.count};
+  // Copies that nobody else can change.
+  Prng numbers = prng;
+  u32* const history = core_.history.ring();
+  u32 history_at = core_.history.next();
+  const u32* const blocks = run_of_.blocks.data();
+  const u32* const rows = run_of_.rows.data();
+  const CompiledRun* const runs = runs_.data();
+  u64 done = 0;
+  u64 look = 0;
+  sound = true;
+  const Image& image = *core_.tables.image;
+  const bool has_cells = image.step_cells != 0;
+  const StepsFn takes_many =
+      std::is_same_v<Watch, Unwatched> && (!has_cells || limit >= image.step_cells_pay) ? image.steps_fn : nullptr;
+  std::vector<ColumnCell> cells;
+  bool in_cells = false;  // are data there, and not in core_.memory.cells?
+  while (done < limit && s.count != 0) {
+    if (done >= look) {
+      if (is_stopped()) break;
+      look = done + kBetweenLooks;
+    }
+    u32 interaction = kAbsentInteraction;
+    if (takes_many != nullptr) {
+      if (has_cells && !in_cells) {
+        fill_cells(image, core_.memory.cells.data(), cells);
+        s.cells = cells.data();
+        in_cells = true;
+      }
+      StepHistory recent{history, history_at};
+      const StepsTaken taken = takes_many(s, numbers, recent, std::min(limit, look) - done);
+      history_at = recent.at;
+      done += taken.count;
+      interaction = taken.interaction;
+      if (interaction == kAbsentInteraction) continue;
+      if (in_cells) empty_cells(image, cells, core_.memory.cells.data());
+      in_cells = false;
+    } else {
+      interaction = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    }
+    const u32 row = RunRows::find(blocks, rows, interaction);
+    watch.begin_step();
+    if (row != kNone) {
+      const CompiledRun& run = runs[row];
+      history[history_at] = interaction;
+      history_at = (history_at + 1) % FiringHistory::kSize;
+      run.fn(s, run.operands, static_cast<u32>((interaction - run.first) * run.inverse >> 32));
+    } else {
+      core_.enabled.close_list(s.count);
+      core_.history.set_next(history_at);
+      sound = core_.firing.take({interaction, 0});
+      history_at = core_.history.next();
+      if (!sound) break;
+      s.count = *list.count;
+    }
+    watch.end_step(interaction);
+    ++done;
+  }
+  if (in_cells) empty_cells(image, cells, core_.memory.cells.data());
+  prng = numbers;
+  core_.history.set_next(history_at);
+  if (!sound) return done;
+  core_.enabled.close_list(s.count);
+  for (u32 interaction = core_.ports.direct().below;
+       interaction < core_.ports.direct().is_direct.size() && core_.priorities.tables().count != 0; ++interaction) {
+    if (core_.ports.direct().is_direct[interaction] == 0) core_.ports.mark_dirty(interaction);
+  }
+  sound = core_.settle();
+  return done;
+}
+
+u64 CompiledSteps::run(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile) {
+  Unwatched nobody;
+  return profile == nullptr ? run_watched(prng, limit, is_stopped, sound, nobody)
+                            : run_watched(prng, limit, is_stopped, sound, *profile);
+}
+
+void CompiledSteps::drop_programs() {
+  if (!can_batch()) return;
+  core_.programs.drop();
+  if (!core_.looks_at_binds()) core_.memory.binds = {};
+}
+
+bool CompiledSteps::has_steps() const { return !run_of_.blocks.empty() && core_.keeps_list; }
+
+bool CompiledSteps::can_batch() const {
+  if (!has_steps()) return false;
+  for (u32 interaction = 0; interaction < core_.tables.interactions.size(); ++interaction) {
+    if (run_of_[interaction] == kNone) return false;
+  }
+  return true;
+}
+
+// The part's share: whom it draws among the shared ones is left to the end of the epoch.
+void CompiledSteps::run_part(const BatchPlan& plan, BatchPart& part, bool records) {
+  StepState s{core_.memory.cells.data(),
+              core_.memory.places.data(),
+              core_.ports.values(),
+              part.members.data(),
+              core_.enabled.open_list().position,
+              part.scratch.data(),
+              part.count};
+  const std::uint8_t* const is_shared = plan.is_shared.data();
+  Prng numbers = part.prng;
+  u64 steps = 0;
+  for (u64 draw = 0; draw < part.draws && s.count != 0; ++draw) {
+    const u32 interaction = s.members[numbers.below(s.count)];
+    if (is_shared[interaction] != 0) continue;
+    const CompiledRun& run = runs_[run_of_[interaction]];
+    run.fn(s, run.operands, static_cast<u32>((interaction - run.first) * run.inverse >> 32));
+    if (records) part.fired.push_back(interaction);
+    ++steps;
+  }
+  part.prng = numbers;
+  part.count = s.count;
+  part.steps = steps;
+}
+
+void CompiledSteps::cut_list(const BatchPlan& plan, std::vector<BatchPart>& parts, u64 draws) {
+  const EnabledSet::List list = core_.enabled.open_list();
+  for (BatchPart& part : parts) part.count = 0;
+  for (u32 i = 0; i < *list.count; ++i) {
+    const u32 interaction = list.members[i];
+    BatchPart& part = parts[plan.part[interaction]];
+    list.position[interaction] = part.count;
+    part.members[part.count++] = interaction;
+  }
+  for (BatchPart& part : parts) {
+    part.draws = draws * part.count / *list.count;
+    part.fired.clear();
+  }
+}
+
+void CompiledSteps::join_list(const std::vector<BatchPart>& parts) {
+  const EnabledSet::List list = core_.enabled.open_list();
+  u32 count = 0;
+  for (const BatchPart& part : parts) {
+    for (u32 i = 0; i < part.count; ++i) {
+      const u32 interaction = part.members[i];
+      list.position[interaction] = count;
+      list.members[count++] = interaction;
+    }
+  }
+  BIP_ASSERT(count <= core_.tables.interactions.size(), "{} members", count);
+  core_.enabled.close_list(count);
+}
+
+// Up to `draws` steps among the shared interactions.
+u64 CompiledSteps::run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u32>& fired) {
+  const EnabledSet::List list = core_.enabled.open_list();
+  StepState s{core_.memory.cells.data(),
+              core_.memory.places.data(),
+              core_.ports.values(),
+              list.members,
+              list.position,
+              step_scratch_.data(),
+              *list.count};
+  u64 steps = 0;
+  for (u64 tries = draws * kTriesPerStep; steps < draws && tries > 0 && !plan.shared.empty(); --tries) {
+    const u32 interaction = plan.shared[prng.below(plan.shared.size())];
+    if (s.position[interaction] == kAbsentInteraction) continue;
+    const CompiledRun& run = runs_[run_of_[interaction]];
+    run.fn(s, run.operands, static_cast<u32>((interaction - run.first) * run.inverse >> 32));
+    fired.push_back(interaction);
+    ++steps;
+  }
+  core_.enabled.close_list(s.count);
+  return steps;
+}
+
+u64 CompiledSteps::run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(),
+                             const std::function<void(const std::vector<u32>&)>& record) {
+  BIP_ASSERT(can_batch() && plan.parts <= team.size(), "{} parts for {} threads", plan.parts, team.size());
+  const u64 epoch = std::min(std::max<u64>(core_.tables.interactions.size() * 2, plan.least_epoch), kMostEpoch);
+  std::vector<BatchPart> parts(plan.parts);
+  for (u32 k = 0; k < plan.parts; ++k) {
+    parts[k].prng = Prng(prng.next());
+    parts[k].members.assign(std::size_t{plan.size[k]} + 1, 0);
+    parts[k].scratch = step_scratch_;
+  }
+  std::vector<u32> fired;
+  u64 done = 0;
+  while (core_.enabled.listed_count() != 0 && limit - done >= plan.least_epoch && !is_stopped()) {
+    const u64 draws = std::min(epoch, limit - done);
+    cut_list(plan, parts, draws);
+    team.run([&](u32 k) {
+      if (k >= plan.parts) return;
+      if (plan.perturb != 0) wait_a_little(plan.perturb + done * kMostParts + k);
+      run_part(plan, parts[k], record != nullptr);
+    });
+    join_list(parts);
+    u64 steps = 0, left = draws;
+    for (const BatchPart& part : parts) {
+      steps += part.steps;
+      left -= std::min(left, part.draws);
+      left += part.draws - part.steps;
+      if (record) record(part.fired);
+    }
+    fired.clear();
+    steps += run_shared(plan, prng, std::min(left, draws - steps), fired);
+    if (record) record(fired);
+    done += steps;
+    // Too little to do beside each other: the short way takes over.
+    if (steps * 2 < draws) break;
+  }
+  // The ring of interactions fired last knows nothing of these.
+  if (done != 0) core_.history.clear();
+  return done;
+}
+
+}  // namespace bip::rt

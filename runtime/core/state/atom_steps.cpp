@@ -1,0 +1,243 @@
+// See atom_steps.hpp.
+#include "runtime/core/state/atom_steps.hpp"
+
+#include <algorithm>
+
+#include "runtime/core/state/flip.hpp"
+
+namespace bip::rt {
+
+void AtomSteps::link() {
+  u32 ports = 0;
+  for (const AtomType& type : core_.image().atom_types) ports = std::max(ports, type.ports.size);
+  port_scratch_.assign(ports, kNone);
+}
+
+bool AtomSteps::is_enabled_from(u32 atom, const LinkedTransition& transition, bool& enabled) {
+  const AtomInfo& state = core_.atoms[atom];
+  enabled = true;
+  if (transition.from == kNone) {
+    for (u32 place : transition.source->from) {
+      if (!core_.is_marked(atom, place)) {
+        enabled = false;
+        return true;
+      }
+    }
+  }
+  if (transition.guard.fn == nullptr) return true;
+  const std::int32_t status = transition.guard.fn(
+      transition.guard.context, core_.memory.cells.data() + state.first_cell, core_.memory.cells.data(), nullptr);
+  if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);
+  enabled = status != 0;
+  return true;
+}
+
+bool AtomSteps::move_tokens(u32 atom, const LinkedTransition& transition) {
+  BIP_ASSERT(
+      transition.from == kNone || core_.memory.places[atom] == transition.from || core_.memory.places[atom] == kNone,
+      "atom {} is at place {}", atom, core_.memory.places[atom]);
+  if (transition.to != kNone) {
+    core_.memory.places[atom] = transition.to;
+  } else {
+    u64* marks = core_.memory.marks.data() + core_.tables.first_mark(atom);
+    for (u32 place : transition.source->from) marks[place >> 6] &= ~(u64{1} << (place & 63));
+    for (u32 place : transition.source->to) {
+      const u64 bit = u64{1} << (place & 63);
+      if ((marks[place >> 6] & bit) != 0)
+        return core_.faults.fail(FaultCode::NotOneSafe, atom, transition.source, nullptr);
+      marks[place >> 6] |= bit;
+    }
+  }
+  return true;
+}
+
+// Tokens, then the action.
+inline bool AtomSteps::move(u32 atom, const LinkedTransition& transition) {
+  const AtomInfo& state = core_.atoms[atom];
+  if (transition.to != kNone) core_.memory.places[atom] = transition.to;
+  else if (!move_tokens(atom, transition)) return false;
+  if (transition.action.fn != nullptr) {
+    const std::int32_t status = transition.action.fn(
+        transition.action.context, core_.memory.cells.data() + state.first_cell, core_.memory.cells.data(), nullptr);
+    if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);
+    if (core_.clocks.is_timed() && !core_.clocks.read_clocks(atom, transition.source)) return false;
+  }
+  return true;
+}
+
+// The internal transition that is enabled, null if none is.
+bool AtomSteps::find_internal(u32 atom, const LinkedTransition*& found) {
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  found = nullptr;
+  const auto look = [&](const LinkedTransition& transition) {
+    bool enabled = false;
+    if (!is_enabled_from(atom, transition, enabled)) return false;
+    if (!enabled) return true;
+    if (found != nullptr) return core_.faults.fail(FaultCode::TwoInternals, atom, found->source, transition.source);
+    found = &transition;
+    return true;
+  };
+  if (type.mark_words == 0) {
+    for (u32 row : core_.tables.place_internals[type.first_place + core_.memory.places[atom]]) {
+      if (!look(core_.tables.transitions[row])) return false;
+    }
+    return true;
+  }
+  for (u32 i = 0; i < type.transition_count; ++i) {
+    const LinkedTransition& transition = core_.tables.transitions[type.first_transition + i];
+    if (transition.port == kNone && !look(transition)) return false;
+  }
+  return true;
+}
+
+bool AtomSteps::run_internals(u32 atom) {
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  for (std::uint32_t run = 0;; ++run) {
+    const LinkedTransition* found = nullptr;
+    if (!find_internal(atom, found)) return false;
+    if (found == nullptr) return true;
+    if (run >= core_.options.internal_bound)
+      return core_.faults.fail(FaultCode::EndlessInternals, atom, found->source, nullptr);
+    if (!move(atom, *found)) return false;
+    if (type.has_invariants && !check_invariants(atom, found)) return false;
+  }
+}
+
+bool AtomSteps::update_ports(u32 atom, u32 place_before) {
+  const AtomInfo& state = core_.atoms[atom];
+  const LinkedType& type = core_.tables.types[state.type];
+  const u32 place_now = core_.memory.places[atom];
+  if (type.simple) {
+    if (place_before == place_now) return true;
+    if (place_before != kNone) {
+      for (u32 row : core_.tables.place_transitions[type.first_place + place_before]) {
+        core_.ports.flip(state.port_base + core_.tables.transitions[row].port, false);
+      }
+    }
+    for (u32 row : core_.tables.place_transitions[type.first_place + place_now]) {
+      core_.ports.flip(state.port_base + core_.tables.transitions[row].port, true);
+    }
+    return true;
+  }
+  if (type.is_timed) return core_.clocks.look_at_time(atom);
+  u32* now = port_scratch_.data();
+  const auto look = [&](u32 row) {
+    const LinkedTransition& transition = core_.tables.transitions[row];
+    bool enabled = false;
+    if (!is_enabled_from(atom, transition, enabled)) return false;
+    if (!enabled) return true;
+    u32& enabled_row = now[transition.port];
+    if (enabled_row != kNone) {
+      return core_.faults.fail(FaultCode::TwoTransitions, atom, core_.tables.transitions[enabled_row].source,
+                               transition.source);
+    }
+    enabled_row = row;
+    return true;
+  };
+  if (type.mark_words == 0 && place_before != kNone && !type.has_priorities) {
+    // Only ports that the two places offer can change.
+    const Span<u32> old_rows = core_.tables.place_transitions[type.first_place + place_before];
+    const Span<u32> rows = core_.tables.place_transitions[type.first_place + place_now];
+    for (u32 row : rows) now[core_.tables.transitions[row].port] = kNone;
+    if (place_before != place_now) {
+      for (u32 row : old_rows) now[core_.tables.transitions[row].port] = kNone;
+    }
+    for (u32 row : rows) {
+      if (!look(row)) return false;
+    }
+    if (place_before != place_now) {
+      for (u32 row : old_rows) {
+        const u32 port = core_.tables.transitions[row].port;
+        core_.ports.set_port(state.port_base + port, now[port]);
+      }
+    }
+    for (u32 row : rows) {
+      const u32 port = core_.tables.transitions[row].port;
+      core_.ports.set_port(state.port_base + port, now[port]);
+    }
+    return true;
+  }
+  const u32 ports = core_.tables.port_base(atom + 1) - state.port_base;
+  for (u32 port = 0; port < ports; ++port) now[port] = kNone;
+  if (type.mark_words == 0) {
+    for (u32 row : core_.tables.place_transitions[type.first_place + place_now]) {
+      if (!look(row)) return false;
+    }
+  } else {
+    for (u32 i = 0; i < type.transition_count; ++i) {
+      if (core_.tables.transitions[type.first_transition + i].port == kNone) continue;
+      if (!look(type.first_transition + i)) return false;
+    }
+  }
+  if (type.has_priorities && !core_.atom_priorities.hide_ports(atom, now)) return false;
+  for (u32 port = 0; port < ports; ++port) core_.ports.set_port(state.port_base + port, now[port]);
+  return true;
+}
+
+// fired: null for `initial`.
+bool AtomSteps::settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired) {
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  if (type.has_internal && !run_internals(atom)) return false;
+  if (type.is_timed) return core_.clocks.begin_resume(atom, fired) && core_.clocks.look_at_time(atom);
+  return update_ports(atom, place_before);
+}
+
+bool AtomSteps::fire_port(u32 instance) {
+  BIP_ASSERT(core_.ports.port(instance).transition != kNone, "port {} is disabled", instance);
+  if (core_.partial.is_beginning()) return core_.partial.begin_port(instance);
+  const PortState& port = core_.ports.port(instance);
+  const u32 atom = core_.tables.port_atom[instance];
+  const AtomInfo& info = core_.atoms[atom];
+  const LinkedType& type = core_.tables.types[info.type];
+  const LinkedTransition& transition = core_.tables.transitions[port.transition];
+  const u32 before = core_.memory.places[atom];
+  if (type.is_timed && core_.actions.any()) {
+    if (const Async* async = core_.actions.async_of(atom, transition))
+      return core_.actions.begin_action(atom, transition, *async);
+  }
+  if (!move(atom, transition)) return false;
+  if (type.fixed) {
+    const PortDelta* delta = core_.tables.deltas.data() + transition.delta_first;
+    if (type.simple) {
+      for (u32 i = 0; i < transition.delta_count; ++i)
+        core_.ports.flip(info.port_base + delta[i].port, delta[i].transition != kNone);
+    } else {
+      for (u32 i = 0; i < transition.delta_count; ++i)
+        core_.ports.set_port(info.port_base + delta[i].port, delta[i].transition);
+    }
+  } else if ((type.has_invariants && !check_invariants(atom, &transition)) || !settle_atom(atom, before, &transition)) {
+    return false;
+  }
+  if (info.watched != 0) core_.ports.touch(atom);
+  return true;
+}
+
+bool AtomSteps::is_in_scope(u32 atom, const Invariant& invariant) const {
+  if (invariant.scope == InvariantScope::Always) return true;
+  if (!std::all_of(invariant.places.begin(), invariant.places.end(),
+                   [&](u32 place) { return core_.is_marked(atom, place); }))
+    return false;
+  if (invariant.scope == InvariantScope::From) return true;
+  u32 marked = 0;
+  for (u32 place = 0; place < core_.tables.atom_type(atom).places.size; ++place)
+    marked += core_.is_marked(atom, place) ? 1u : 0u;
+  return marked == invariant.places.size;
+}
+
+bool AtomSteps::check_invariants(u32 atom, const LinkedTransition* fired) {
+  const AtomType& type = core_.tables.atom_type(atom);
+  const Transition* transition = fired == nullptr ? nullptr : fired->source;
+  for (const Invariant& invariant : type.invariants) {
+    if (!is_in_scope(atom, invariant)) continue;
+    const Code condition = core_.tables.code(invariant.condition);
+    if (condition.fn == nullptr) continue;
+    const std::int32_t status =
+        condition.fn(condition.context, core_.memory.cells.data() + core_.atoms[atom].first_cell,
+                     core_.memory.cells.data(), nullptr);
+    if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition, invariant.name);
+    if (status == 0) return core_.faults.fail_invariant(atom, invariant, transition);
+  }
+  return true;
+}
+
+}  // namespace bip::rt

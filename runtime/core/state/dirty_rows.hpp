@@ -1,0 +1,57 @@
+// A set of rows that must be looked at again, each listed once, in the order in which they were marked.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "bip/assert.hpp"
+
+namespace bip::rt {
+
+class DirtyRows {
+ public:
+  /// Empties the set; rows below `size` may be marked from now on.
+  void reset(std::size_t size) {
+    rows_.clear();
+    held_.clear();
+    is_in_.assign(size, 0);
+  }
+  [[nodiscard]] bool empty() const { return rows_.empty(); }
+  // The marked rows, in the order in which they were marked.
+  [[nodiscard]] auto begin() const { return rows_.begin(); }
+  [[nodiscard]] auto end() const { return rows_.end(); }
+  [[nodiscard]] bool has(std::uint32_t row) const { return is_in_[row] != 0; }
+  /// Adds the row unless it is in. O(1).
+  void mark(std::uint32_t row) {
+    BIP_ASSERT(row < is_in_.size(), "row {} of {}", row, is_in_.size());
+    if (is_in_[row] != 0) return;
+    is_in_[row] = 1;
+    rows_.push_back(row);
+  }
+  void clear() {
+    for (const std::uint32_t row : rows_) is_in_[row] = 0;
+    rows_.clear();
+  }
+  /// Takes the rows for which `is_held` out of the range; they stay in the set. O(rows).
+  template <class Predicate>
+  void hold(const Predicate& is_held) {
+    BIP_ASSERT(held_.empty(), "{} rows are held already", held_.size());
+    const auto end =
+        std::stable_partition(rows_.begin(), rows_.end(), [&](std::uint32_t row) { return !is_held(row); });
+    held_.assign(end, rows_.end());
+    rows_.erase(end, rows_.end());
+  }
+  /// Lets the held rows take the place of those that were looked at.
+  void release() {
+    rows_.swap(held_);
+    held_.clear();
+  }
+  [[nodiscard]] std::size_t bytes() const { return is_in_.size(); }
+
+ private:
+  std::vector<std::uint32_t> rows_;
+  std::vector<std::uint32_t> held_;
+  std::vector<std::uint8_t> is_in_;  // by row
+};
+
+}  // namespace bip::rt

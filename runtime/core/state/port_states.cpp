@@ -1,0 +1,107 @@
+// See port_states.hpp.
+#include "runtime/core/state/port_states.hpp"
+
+#include "runtime/core/state/flip.hpp"
+
+namespace bip::rt {
+
+void PortStates::link() {
+  const Tables& tables = core_.tables;
+  const PriorityTables& rules = core_.priorities.tables();
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
+  ports_.resize(tables.port_atom.size());
+  const auto is_direct = [&](u32 interaction) {
+    return !tables.interactions[interaction].searched && (rules.count == 0 || rules.is_involved[interaction] == 0);
+  };
+  while (direct_.below < interaction_count && is_direct(direct_.below)) ++direct_.below;
+  if (direct_.below == interaction_count) return;
+  for (u32 i = 0; i < interaction_count; ++i) direct_.is_direct.push_back(is_direct(i) ? 1 : 0);
+}
+
+void PortStates::reset() {
+  const Tables& tables = core_.tables;
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
+  for (u32 i = 0; i < ports_.size(); ++i) {
+    const u32 atom = tables.port_atom[i];
+    const LinkedType& type = tables.types[tables.atoms[atom].type];
+    ports_[i].transition = ports_[i].place = kNone;
+    if (!type.simple) continue;
+    for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
+      if (tables.transitions[row].port != i - tables.port_base(atom)) continue;
+      ports_[i].transition = row;
+      ports_[i].place = tables.transitions[row].from;
+    }
+  }
+  values_.resize(tables.node_count());
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction)
+    values_[interaction] = tables.start_of(interaction);
+  std::copy(tables.inner_start.begin(), tables.inner_start.end(), values_.begin() + interaction_count);
+  dirty_.reset(direct_.is_direct.size());
+  crossings_.clear();
+}
+
+bool PortStates::is_consistent() const {
+  const Tables& tables = core_.tables;
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
+  std::vector<std::int32_t> values(tables.node_count());
+  for (u32 i = 0; i < interaction_count; ++i) values[i] = tables.start_of(i);
+  std::copy(tables.inner_start.begin(), tables.inner_start.end(), values.begin() + interaction_count);
+  std::vector<u32> todo;  // nodes that became available
+  const auto raise = [&](u32 node) {
+    if (++values[node] == 0) todo.push_back(node);
+  };
+  for (u32 i = 0; i < ports_.size(); ++i) {
+    if (enabled_row(i) == kNone) continue;
+    for (const u32 node : tables.port_out[i]) raise(node);
+  }
+  while (!todo.empty()) {
+    const u32 node = todo.back();
+    todo.pop_back();
+    for (const u32 above : tables.node_out[node]) raise(above);
+  }
+  return values == values_;
+}
+
+void PortStates::crossed(u32 node, bool on) {
+  const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
+  if (node < interaction_count) {
+    if (!direct_.has(node)) {
+      mark_dirty(node);
+    } else if (core_.tables.any_searched) {
+      core_.enabled.set(node, on ? 1 : 0);
+    } else if (on) {
+      core_.enabled.insert(node);
+    } else {
+      core_.enabled.erase(node);
+    }
+    return;
+  }
+  // Inner groups: iterative, for the hierarchy may be deep. Each crossing moves every counter above by one, so the
+  // order in which crossings are worked off does not matter.
+  crossings_.emplace_back(node, on);
+  const std::size_t bottom = crossings_.size() - 1;
+  while (crossings_.size() > bottom) {
+    const auto [from, now] = crossings_.back();
+    crossings_.pop_back();
+    for (u32 above : core_.tables.node_out[from]) {
+      const bool crosses = now ? ++values_[above] == 0 : values_[above]-- == 0;
+      if (!crosses) continue;
+      if (above < interaction_count) crossed(above, now);
+      else crossings_.emplace_back(above, now);
+    }
+  }
+}
+
+void PortStates::touch(u32 atom) {
+  const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
+  for (u32 item : core_.tables.atom_watch[atom]) {
+    if (item < interaction_count) {
+      // What is not available has nothing to evaluate; becoming available marks it.
+      if (values_[item] >= 0) mark_dirty(item);
+    } else {
+      core_.priorities.dirty().mark(item - interaction_count);
+    }
+  }
+}
+
+}  // namespace bip::rt

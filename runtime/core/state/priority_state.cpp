@@ -1,0 +1,156 @@
+// See priority_state.hpp.
+#include "runtime/core/state/priority_state.hpp"
+
+#include "runtime/core/core_parts.hpp"
+
+namespace bip::rt {
+
+void PriorityState::reset() {
+  rule_states_.assign(tables_.count, {});
+  contributions_.assign(tables_.high_edges.size(), 0);
+  dirty_rules_.reset(tables_.count);
+  for (u32 i = 0; i < tables_.count; ++i) dirty_rules_.mark(i);
+  changed_components_.reset(tables_.cyclic.size());
+  reweigh_.reset(tables_.is_involved.size());
+}
+
+std::size_t PriorityState::bytes() const {
+  return dirty_rules_.bytes() + rule_states_.size() * sizeof(RuleState) + contributions_.size() * sizeof(u32) +
+         changed_components_.bytes() + reweigh_.bytes();
+}
+
+// How many candidates of the interaction match the high sides of its rules.
+void PriorityState::recount(u32 interaction) {
+  const Image& image = *core_.tables.image;
+  const u32 connector = core_.tables.connector_of(interaction);
+  for (u32 edge : tables_.high_of_interaction[interaction]) {
+    const u32 rule = tables_.high_edges[edge].rule;
+    u32 count = 0;
+    for (u32 config = 0; config < core_.search.base_count(interaction); ++config) {
+      core_.search.direct_params(interaction, config, params_);
+      count += matches_high(core_.tables, image.priorities[rule], connector, params_) ? 1u : 0u;
+    }
+    RuleState& state = rule_states_[rule];
+    const u32 before = state.high_count;
+    state.high_count = before - contributions_[edge] + count;
+    contributions_[edge] = count;
+    const u32 component = tables_.component[rule];
+    if ((before == 0) != (state.high_count == 0)) changed_components_.mark(component);
+  }
+}
+
+bool PriorityState::evaluate_rule_guards() {
+  const Image& image = *core_.tables.image;
+  for (u32 rule : dirty_rules_) {
+    const Priority& row = image.priorities[rule];
+    bool holds = true;
+    if (row.guard != kNone) {
+      const Code guard = image.codes[row.guard];
+      const std::int32_t status =
+          guard.fn(guard.context, nullptr, core_.memory.cells.data(), core_.memory.binds.rows + row.binds);
+      if (status >= 2) return core_.faults.fail_code(status, kNone, kNone, nullptr);
+      holds = status != 0;
+    }
+    const u32 component = tables_.component[rule];
+    if (holds != rule_states_[rule].guard) changed_components_.mark(component);
+    rule_states_[rule].guard = holds;
+  }
+  dirty_rules_.clear();
+  return true;
+}
+
+// Which rules of the component hide: those from which a chain of true guards reaches an enabled high side.
+bool PriorityState::recompute_component(u32 component) {
+  const Span<u32> members = tables_.members[component];
+  std::vector<u32>& todo = rule_todo_;
+  todo.clear();
+  if (tables_.cyclic[component] != 0) {
+    // Take away true rules that no other true rule leads to; what stays is a closed cycle, or behind one.
+    std::vector<u32> missing(tables_.count, 0);
+    u32 left = 0;
+    for (u32 rule : members) {
+      if (!rule_states_[rule].guard) continue;
+      ++left;
+      for (u32 before : tables_.previous[rule]) missing[rule] += rule_states_[before].guard ? 1u : 0u;
+      if (missing[rule] == 0) todo.push_back(rule);
+    }
+    while (!todo.empty()) {
+      const u32 rule = todo.back();
+      todo.pop_back();
+      --left;
+      for (u32 next : tables_.next[rule]) {
+        if (rule_states_[next].guard && --missing[next] == 0) todo.push_back(next);
+      }
+    }
+    if (left != 0) {
+      for (u32 rule : members) {
+        if (rule_states_[rule].guard && missing[rule] != 0) todo.push_back(rule);
+      }
+      return core_.faults.fail_rules(std::vector<u32>(todo));
+    }
+  }
+  for (u32 rule : members) {
+    RuleState& state = rule_states_[rule];
+    state.was_active = state.active;
+    state.active = state.guard && state.high_count != 0;
+    if (state.active) todo.push_back(rule);
+  }
+  while (!todo.empty()) {
+    const u32 rule = todo.back();
+    todo.pop_back();
+    for (u32 before : tables_.previous[rule]) {
+      RuleState& state = rule_states_[before];
+      if (!state.guard || state.active) continue;
+      state.active = true;
+      todo.push_back(before);
+    }
+  }
+  for (u32 rule : members) {
+    if (rule_states_[rule].active == rule_states_[rule].was_active) continue;
+    for (u32 interaction : tables_.interactions_of_low[rule]) {
+      reweigh_.mark(interaction);
+    }
+  }
+  return true;
+}
+
+// Hides what active rules match and puts the rest into the enabled set.
+void PriorityState::weigh(u32 interaction) {
+  const Image& image = *core_.tables.image;
+  const u32 count = core_.search.base_count(interaction);
+  Listing* listing = core_.search.is_searched(interaction) ? &core_.search.listing(interaction) : nullptr;
+  if (listing != nullptr) listing->hidden.clear();
+  bool any_active = false;
+  for (u32 rule : tables_.low_of_interaction[interaction]) any_active |= rule_states_[rule].active;
+  if (!any_active || count == 0) {
+    core_.enabled.set(interaction, count);
+    return;
+  }
+  const u32 connector = core_.tables.connector_of(interaction);
+  u32 visible = 0;
+  for (u32 config = 0; config < count; ++config) {
+    core_.search.direct_params(interaction, config, params_);
+    bool hidden = false;
+    for (u32 rule : tables_.low_of_interaction[interaction]) {
+      hidden |= rule_states_[rule].active && matches_low(core_.tables, image.priorities[rule], connector, params_);
+    }
+    visible += hidden ? 0u : 1u;
+    if (listing != nullptr) listing->hidden.push_back(hidden ? 1 : 0);
+  }
+  core_.enabled.set(interaction, visible);
+}
+
+bool PriorityState::settle() {
+  for (u32 interaction : core_.ports.dirty()) recount(interaction);
+  if (!evaluate_rule_guards()) return false;
+  for (u32 component : changed_components_) {
+    if (!recompute_component(component)) return false;
+  }
+  changed_components_.clear();
+  for (u32 interaction : core_.ports.dirty()) weigh(interaction);
+  for (u32 interaction : reweigh_) weigh(interaction);
+  reweigh_.clear();
+  return true;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,159 @@
+// Time in the core: clocks, conditions on them as intervals of instants, invariants that bound the time spent,
+// `resume`, and what timed atoms offer at an instant.
+//
+// What is enabled is still a matter of one instant. A timed atom's ports are found for `now`, and with them the next
+// instant at which they may change and the last one that its invariants allow; `advance` goes to an instant and looks
+// at those atoms again whose ports may have changed. Everything between atoms (connectors, priorities, maximal
+// progress) is as without time, so a dominated interaction is hidden at exactly those instants at which a dominating
+// one is enabled.
+//
+// An atom is looked at when it has moved and when its ports may change by themselves. A periodic atom's only change is
+// that the port it waits for becomes enabled: a look foresees that, interval and all, so that to let time pass
+// evaluates nothing. Cost of a step: one look at each atom that took part, O(log atoms) for each instant that is kept.
+// A core of an image without time has one of these, empty.
+#pragma once
+#include <vector>
+
+#include "runtime/core/link/tables.hpp"
+#include "runtime/core/state/enabled_set.hpp"
+#include "runtime/core/state/state.hpp"
+#include "runtime/core/time/interval.hpp"
+#include "runtime/core/time/time_heap.hpp"
+
+namespace bip::rt {
+
+struct CoreParts;
+
+/// Has an atom to do with time?
+[[nodiscard]] bool has_time(const Image& image);
+
+struct ClockState {
+  i64 value = 0;  // at `since`
+  i64 since = 0;
+  i64 speed = kUnitSpeed;  // in 2^-32
+};
+/// Of a port that is enabled now.
+struct PortTime {
+  Interval interval{};  // of its transition, around now
+  Urgency urgency = Urgency::Lazy;
+  u32 other = kNone;  // a second enabled transition: to fire the port is a fault
+};
+
+/// What is known of a type of atoms before the first step.
+struct TypeTime {
+  const AtomTime* time = nullptr;  // null: it has nothing to do with time
+  bool has_resume = false;
+  bool has_limits = false;  // invariants that bound clocks
+  // While clocks run at speed 1, what an atom offers later follows from what it was when it last moved.
+  bool is_foreseeable = false;
+};
+/// The next change of an atom's ports, if it is no more than that one port, the only one then, becomes enabled.
+struct Coming {
+  u32 transition = kNone;  // row of Tables::transitions; kNone: it is something else
+  Urgency urgency = Urgency::Lazy;
+  Interval interval{};
+};
+
+/// A step that may be taken now: around now the instants at which it may be, and how long time may wait for it.
+struct CandidateTime {
+  Interval interval{};
+  Urgency urgency = Urgency::Lazy;
+};
+
+class Clocks {
+ public:
+  explicit Clocks(CoreParts& core) : core_(core) {}
+  /// Sizes the tables, if the image has time. Once.
+  void link();
+  /// To instant 0, with all clocks at 0.
+  void reset();
+
+  [[nodiscard]] bool is_timed() const { return is_timed_; }
+  /// 0 in images without time.
+  [[nodiscard]] i64 now() const { return now_; }
+  /// The shortest unit of all clocks, in ticks; a second without clocks.
+  [[nodiscard]] i64 unit() const { return unit_; }
+
+  // ---- letting time pass
+  /// Lets time pass to an instant, no later than next_change() unless last_instant() comes first. False: a fault.
+  bool advance(i64 to);
+  /// The next instant at which a port may change by itself; kForever: none will.
+  [[nodiscard]] i64 next_change() const { return changes_.first_key(); }
+  /// The last instant that the invariants allow.
+  [[nodiscard]] i64 last_instant() const { return ends_.first_key(); }
+  /// Returns the last instant to which time may pass in this state, candidates' urgency and invariants considered; of
+  /// each candidate the last instant of its interval. O(candidates).
+  i64 wait_limit(std::vector<i64>& ends);
+  /// Of a candidate of this instant.
+  CandidateTime time_of(const Candidate& candidate);
+  /// Takes the step at this instant. False: a fault.
+  bool take(EnabledSet::Position at);
+  /// Makes a fault of a state in which neither a step nor time can go on. Always false.
+  bool fail_time_lock();
+  /// Real time: the step was planned for now, could start until `last`, and starts at `actual`. Always false.
+  bool fail_late(const Candidate& candidate, i64 last, i64 actual);
+
+  // ---- clocks
+  /// Rows of all clocks that were set since the last restore or timed step began.
+  [[nodiscard]] const std::vector<u32>& set_clocks() const { return set_clocks_; }
+  [[nodiscard]] u32 first_clock(u32 atom) const { return clock_base_[atom]; }
+  [[nodiscard]] const ClockState& clock_state(u32 row) const { return clocks_[row]; }
+  /// A clock's value in ticks; clock: a row of the atom's type.
+  [[nodiscard]] Int128 clock_value(u32 atom, u32 clock) const;
+
+  // ---- for the other parts of the core
+  /// Before `initial`: clocks run at speed 1.
+  void start_clocks(u32 atom);
+  /// Takes what an action said of the clocks out of the hidden variables. False: a fault.
+  bool read_clocks(u32 atom, const Transition* fired);
+  /// Evaluates the limits that are no constants into their hidden variables. False: a fault.
+  bool measure_limits(u32 atom, const TimeGuard& when);
+  /// Takes a measured limit out of its variable. False: it is no number, and compares with nothing.
+  bool take_limit(u32 atom, const Bound& bound, i64& limit);
+  /// After a step of the atom, internal transitions included: how long is it busy? fired: null for `initial`. False: a
+  /// fault.
+  bool begin_resume(u32 atom, const LinkedTransition* fired);
+  /// Finds a timed atom's ports at this instant, and what is next. False: a fault.
+  bool look_at_time(u32 atom);
+  [[nodiscard]] i64 busy_until(u32 atom) const { return busy_until_[atom]; }
+  void set_busy_until(u32 atom, i64 instant) { busy_until_[atom] = instant; }
+  /// Appends now; of each clock its value and speed; of each atom the instant until which it is busy; then what actions
+  /// and events add. Reads the same.
+  void save(std::vector<i64>& out) const;
+  void load(const std::vector<i64>& in);
+  /// Are the tournaments in order, and is no atom's next change in the past? O(atoms).
+  [[nodiscard]] bool is_consistent() const {
+    return changes_.is_consistent() && ends_.is_consistent() && changes_.first_key() > now_;
+  }
+  /// Of all rows.
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  bool interval_of(u32 atom, const TimeGuard& when, Interval& out);
+  bool resume_interval(u32 atom, const Resume& resume, Interval& out);
+  bool resume_together(std::vector<u32>& rows);
+  bool look_at_invariants(u32 atom);
+  void enable_coming(u32 atom);
+  bool begin_timed(u32 instance);
+  bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);
+
+  CoreParts& core_;
+  bool is_timed_ = false;
+  bool has_sync_ = false;  // of some connector the ports resume together
+  i64 now_ = 0;
+  i64 unit_ = 0;
+  std::vector<u32> clock_base_;  // by atom, and the total
+  std::vector<ClockState> clocks_;
+  std::vector<i64> busy_until_;        // by atom; > now: no port is enabled before then
+  std::vector<i64> may_resume_until_;  // by atom: the last instant of what its `resume` waited for
+  std::vector<TypeTime> types_;        // by type of atoms
+  std::vector<PortTime> ports_;        // by port instance
+  std::vector<Coming> coming_;         // by atom, at the instant that `changes_` says
+  std::vector<u32> set_clocks_;
+  // Functions of the rest, brought up to date when an atom is looked at.
+  TimeHeap changes_;  // by atom: the next instant at which its ports may change
+  TimeHeap ends_;     // by atom: the last instant that its invariants allow
+  std::vector<Participant> participant_scratch_;
+};
+
+}  // namespace bip::rt
