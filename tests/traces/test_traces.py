@@ -140,7 +140,7 @@ def main():
             most_chunks = max(most_chunks, chunks)
             print(f"traces: {run[0]}: {len(lines) - 2} steps, {chunks} chunks, {channels} channels, {tracks} tracks")
             refused = subprocess.run([BIPC, "run", "--trace-format", "mcap", str(ROOT / run[0]), *run[1:]], capture_output=True, text=True)
-            assert refused.returncode == 2 and "need --trace" in refused.stderr
+            assert refused.returncode == 2 and "--trace-format=mcap needs --trace" in refused.stderr
     assert most_chunks > 1, "no file had two chunks"
     for model in SERVED:
         with tempfile.TemporaryDirectory() as folder:
