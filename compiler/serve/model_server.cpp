@@ -281,10 +281,12 @@ class Server {
     subscriptions_.erase(number);
   }
 
-  // Answers that wait are written first, if their clients read them at once.
+  // Answers on their way are written first, if their clients read them at once. The answer to `shutdown` itself may
+  // still be queued when another client's end comes here.
   void try_stop() {
     for (const auto& [number, client] : clients_) {
-      if (client->writes && client->waiting_bytes < options_.max_waiting && ++patience_ < 1000) {
+      const bool is_answered = client->asked == 0 && !client->writes;
+      if (!is_answered && client->waiting_bytes < options_.max_waiting && ++patience_ < 1000) {
         net::post(io_, [this] { try_stop(); });
         return;
       }

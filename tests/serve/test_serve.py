@@ -221,12 +221,7 @@ other = socket.create_connection(("127.0.0.1", port), 20)
 other.sendall(b'{"do":"post","port":"c.add","values":[1]')
 other.close()
 assert ask(do="post", port="c.add", values=[1])["ok"]
-good.sendall(b'{"do":"shutdown"}\n')
-# The server may close the connection before its answer is out (known: answers before `shutdown` are not always sent).
-line = reader.readline()
-while line and "note" in json.loads(line):
-    line = reader.readline()
-assert not line or json.loads(line)["ok"]
+assert ask(do="shutdown")["ok"]
 assert server.wait(10) == 0, server.returncode
 server = subprocess.Popen([BIPC, "serve", "--backend", "interp", str(HERE / "counter.bip")], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
 server.stdin.write(b'{"do":"hello"}\n')
@@ -235,6 +230,25 @@ assert json.loads(server.stdout.readline())["ok"]
 assert listening(server) == [], listening(server)
 server.stdin.close()
 assert server.wait(10) == 0, server.returncode
+# Other clients end while the answer to `shutdown` is on its way: it comes all the same. It was lost in 4 of 100 rounds.
+for _ in range(60):
+    os.path.exists(path) and os.unlink(path)
+    server = subprocess.Popen([BIPC, "serve", "--backend", "interp", "--socket", path, str(HERE / "counter.bip")], stderr=subprocess.DEVNULL)
+    while not os.path.exists(path):
+        assert server.poll() is None, "it does not begin"
+        time.sleep(0.005)
+    good = connect(); reader = good.makefile("rb")
+    others = [connect() for _ in range(6)]
+    for other in others:
+        other.sendall(b'{"do":"post","port":"c.add","values":[1]')
+    time.sleep(0.01)
+    for other in others[:3]:
+        other.close()
+    good.sendall(b'{"do":"shutdown"}\n')
+    for other in others[3:]:
+        other.close()
+    assert json.loads(reader.readline())["ok"]
+    assert server.wait(10) == 0, server.returncode
 print("serve: 1 passed, 0 failed")
 print(f"{sent} lines in {time.time() - started:.1f} s, {settled} kB after a quarter of them, {rss} kB and {fds} files at the end, clean exit; "
       f"{asked} questions beside them, the slowest answer took {slowest * 1000:.0f} ms")
