@@ -80,7 +80,7 @@ def needs(binary, *jobs):
 def unit_jobs():
     """Each folder of tests/unit is a program; jit only where the build has LLVM. One that is missing is a failure."""
     folders = sorted(p.name for p in (ROOT / "tests/unit").iterdir() if any(p.glob("*.cpp")))
-    if not (BUILD / "libbipc_jit.so").exists():
+    if re.search(r"^BIPC_JIT:BOOL=(OFF|0|FALSE|NO)$", (BUILD / "CMakeCache.txt").read_text(), re.M):
         print("unit_jit and all runs by machine code are left out: the build has no LLVM (BIPC_JIT=OFF)", flush=True)
         folders.remove("jit")
     weights = {"runtime": 40, "verify": 60, "explore": 50, "driver": 30, "jit": 30}
@@ -110,7 +110,7 @@ def groups(options):
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
-        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", weight=60),
+        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", weight=300),
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20))),
         ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), "1", *(["--without-emitted"] if options.without_emitted else []), weight=150),
                                script("engines", "tests/differential/test_engines.sh", "100", weight=40))),
