@@ -2,12 +2,12 @@
 #include <cctype>
 
 #include "compiler/genom/tokens.hpp"
+#include "compiler/base/ascii.hpp"
 
 namespace bip::genom {
 namespace {
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 class Lexer {
  public:

@@ -1,6 +1,7 @@
 // Folds tables, see fold.hpp. A range of rows is a series if, from period to period, each number grows by the same
 // difference, and one index in each name by one.
 #include "compiler/lower/fold.hpp"
+#include "compiler/base/ascii.hpp"
 
 #include <charconv>
 #include <cstring>
@@ -11,8 +12,6 @@
 namespace bip::lower {
 
 namespace {
-
-bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
 
 using u32 = std::uint32_t;
 constexpr u32 kMostPeriod = 64;
@@ -60,7 +59,7 @@ struct IndexedName {
 std::optional<IndexedName> indexed(std::string_view a, std::string_view b) {
   std::size_t at = 0;
   while (at < a.size() && at < b.size() && a[at] == b[at]) ++at;
-  while (at > 0 && is_decimal_digit(a[at - 1])) --at;
+  while (at > 0 && is_digit(a[at - 1])) --at;
   if (at == 0 || a[at - 1] != '[' || a.find('#') != std::string_view::npos) return std::nullopt;
   IndexedName name{.before = a.substr(0, at), .after = {}};
   const auto [end, error] = std::from_chars(a.data() + at, a.data() + a.size(), name.index);

@@ -1,5 +1,6 @@
 // See unit_names.hpp.
 #include "compiler/lower/unit_names.hpp"
+#include "compiler/base/ascii.hpp"
 
 namespace bip::lower {
 
@@ -7,9 +8,6 @@ namespace {
 
 // Longer stems say nothing more to a reader, and a clause may name a thousand ports.
 constexpr std::size_t kMaxStem = 96;
-
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 std::string identifier(std::string_view text) {
   std::string out;

@@ -6,6 +6,7 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/verify/property/property.hpp"
+#include "compiler/base/ascii.hpp"
 
 namespace bip::verify {
 
@@ -34,8 +35,7 @@ constexpr std::array<BinaryOperator, 14> kBinaryOperators{{{"||", Op::Or, 1},
                                                            {"-", Op::Sub, 8},
                                                            {"*", Op::Mul, 9}}};
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool begins_name(char c) { return is_letter(c) || c == '_'; }
 
 class PropertyParser {
  public:
@@ -80,15 +80,15 @@ class PropertyParser {
   std::string parse_path() {
     skip_blanks();
     const std::size_t first = at_;
-    while (at_ < text_.size() && is_letter(text_[at_])) {
-      while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
+    while (at_ < text_.size() && begins_name(text_[at_])) {
+      while (at_ < text_.size() && (begins_name(text_[at_]) || is_digit(text_[at_]))) ++at_;
       while (at_ < text_.size() && text_[at_] == '[') {
         std::size_t end = at_ + 1;
         while (end < text_.size() && is_digit(text_[end])) ++end;
         if (end == at_ + 1 || end >= text_.size() || text_[end] != ']') break;
         at_ = end + 1;
       }
-      if (at_ + 1 >= text_.size() || text_[at_] != '.' || !is_letter(text_[at_ + 1])) break;
+      if (at_ + 1 >= text_.size() || text_[at_] != '.' || !begins_name(text_[at_ + 1])) break;
       ++at_;
     }
     return text_.substr(first, at_ - first);
