@@ -18,18 +18,23 @@ class [[nodiscard]] Result {
   Result(T value) : v_(std::move(value)) {}
   Result(Failure f) : v_(std::move(f)) {}
   [[nodiscard]] explicit operator bool() const { return v_.index() == 0; }
-  [[nodiscard]] T& operator*() { return value(); }
-  [[nodiscard]] const T& operator*() const { return const_cast<Result*>(this)->value(); }
-  [[nodiscard]] T* operator->() { return &value(); }
+  [[nodiscard]] T& operator*() {
+    require_value();
+    return std::get<0>(v_);
+  }
+  [[nodiscard]] const T& operator*() const {
+    require_value();
+    return std::get<0>(v_);
+  }
+  [[nodiscard]] T* operator->() { return &**this; }
   [[nodiscard]] const std::string& error() const {
     BIP_ENSURE(!*this, "asked a value for its error");
     return std::get<1>(v_).message;
   }
 
  private:
-  T& value() {
+  void require_value() const {
     BIP_ENSURE(v_.index() == 0, "asked a failure for its value: {}", std::get<1>(v_).message);
-    return std::get<0>(v_);
   }
 
   std::variant<T, Failure> v_;

@@ -278,16 +278,7 @@ void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, co
 void build_connector_types(ModelBuilder& b) {
   for (const syntax::Decl* decl : b.model.decls) {
     if (decl->kind != syntax::DeclKind::ConnectorType) continue;
-    ConnectorType out{.name = b.key(*decl),
-                      .params = {},
-                      .data_reads = {},
-                      .variables = {},
-                      .define = {},
-                      .clauses = {},
-                      .export_name = {},
-                      .export_type = {},
-                      .export_variables = {},
-                      .loc = b.loc(decl->name.range)};
+    ConnectorType out{.name = b.key(*decl), .loc = b.loc(decl->name.range)};
     ConnectorPorts ports;
     NameSpace names(b.diags, fmt::format("connector type `{}`", decl->name.text));
     std::uint32_t bind = 0;

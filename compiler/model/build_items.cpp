@@ -176,16 +176,7 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
     row.has_star |= port.element.star;
   }
   if (i.inline_body != nullptr) {
-    ConnectorType type{.name = out.name + "." + std::string(i.name.text),
-                       .params = {},
-                       .data_reads = {},
-                       .variables = {},
-                       .define = {},
-                       .clauses = {},
-                       .export_name = {},
-                       .export_type = {},
-                       .export_variables = {},
-                       .loc = b.loc(i.name.range)};
+    ConnectorType type{.name = out.name + "." + std::string(i.name.text), .loc = b.loc(i.name.range)};
     const std::vector<DataRead> reads = data_reads(i, row);
     if (sound)
       build_inline_connector(b, i, row.ports, std::vector<std::uint32_t>(row.ports.size(), 1), reads,

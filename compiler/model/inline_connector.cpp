@@ -99,16 +99,7 @@ ConnectorTypeId expand_inline_connector(Model& model, Diagnostics& diags, const 
                                         const std::vector<std::uint32_t>& counts, const std::vector<Value>& self) {
   ModelBuilder b{model, diags, *model.sources, {}};
   const std::vector<DataRead> reads = model.connector_types[item.type].data_reads;
-  ConnectorType type{.name = model.connector_types[item.type].name,
-                     .params = {},
-                     .data_reads = {},
-                     .variables = {},
-                     .define = {},
-                     .clauses = {},
-                     .export_name = {},
-                     .export_type = {},
-                     .export_variables = {},
-                     .loc = model.connector_types[item.type].loc};
+  ConnectorType type{.name = model.connector_types[item.type].name, .loc = model.connector_types[item.type].loc};
   build_inline_connector(b, *item.syntax, item.ports, counts, reads, outer_bindings(model.code, item.values, &self),
                          type);
   return model.connector_types.push(std::move(type));

@@ -146,15 +146,15 @@ struct Clause {
 };
 struct ConnectorType {
   std::string name;
-  std::vector<ConnectorParam> params;
-  std::vector<DataRead> data_reads;     // Bind numbers after the port variables
-  std::vector<DataVariable> variables;  // its own data
-  std::vector<DefineNode> define;
-  std::vector<Clause> clauses;  // at most one an interaction
+  std::vector<ConnectorParam> params{};
+  std::vector<DataRead> data_reads{};     // Bind numbers after the port variables
+  std::vector<DataVariable> variables{};  // its own data
+  std::vector<DefineNode> define{};
+  std::vector<Clause> clauses{};  // at most one an interaction
   bool exports = false;
-  std::string export_name;
-  PortTypeId export_type;
-  std::vector<std::uint32_t> export_variables;  // one a variable of export_type
+  std::string export_name{};
+  PortTypeId export_type{};
+  std::vector<std::uint32_t> export_variables{};  // one a variable of export_type
   Loc loc{};
   ResumeMode resume = ResumeMode::Async;
 

@@ -87,17 +87,21 @@ void CompiledSteps::link() {
   step_scratch_.assign(std::size_t{most} + 1, 0);
 }
 
+StepState CompiledSteps::state_of(const EnabledSet::List& list) {
+  return {core_.memory.cells.data(),
+          core_.memory.places.data(),
+          core_.ports.values(),
+          list.members,
+          list.position,
+          step_scratch_.data(),
+          *list.count};
+}
+
 template <class Watch>
 u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch) {
   constexpr u64 kBetweenLooks = 4096;
   EnabledSet::List list = core_.enabled.open_list();
-  StepState s{core_.memory.cells.data(),
-              core_.memory.places.data(),
-              core_.ports.values(),
-              list.members,
-              list.position,
-              step_scratch_.data(),
-              *list.count};
+  StepState s = state_of(list);
   // Copies that nobody else can change.
   Prng numbers = prng;
   u32* const history = core_.history.ring();
@@ -247,13 +251,7 @@ void CompiledSteps::join_list(const std::vector<BatchPart>& parts) {
 // Up to `draws` steps among the shared interactions.
 u64 CompiledSteps::run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u32>& fired) {
   const EnabledSet::List list = core_.enabled.open_list();
-  StepState s{core_.memory.cells.data(),
-              core_.memory.places.data(),
-              core_.ports.values(),
-              list.members,
-              list.position,
-              step_scratch_.data(),
-              *list.count};
+  StepState s = state_of(list);
   u64 steps = 0;
   for (u64 tries = draws * kTriesPerStep; steps < draws && tries > 0 && !plan.shared.empty(); --tries) {
     const u32 interaction = plan.shared[prng.below(plan.shared.size())];

@@ -72,6 +72,8 @@ class CompiledSteps {
   }
 
  private:
+  /// The core's arrays as compiled steps change them, with the list of the enabled set.
+  [[nodiscard]] StepState state_of(const EnabledSet::List& list);
   template <class Watch>
   u64 run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
   void run_part(const BatchPlan& plan, BatchPart& part, bool records);
