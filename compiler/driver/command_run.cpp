@@ -73,8 +73,9 @@ int run_profiled(Compilation& c, const RunArguments& arguments) {
   return result.exit_code;
 }
 
-// Unless somebody wants a certain kind of code, or a second thread would disturb: an engine that has several, the clock
-// on the wall, the model's C++ (which may call rand() or end the process).
+// Returns whether the run may start interpreted while another thread compiles. It may not if the user chose the code,
+// or if a second thread interferes: an engine with several threads, real time, the model's C++ (which may call rand()
+// or end the process).
 bool begins_interpreted(const Compilation& c, const RunArguments& a) {
   return a.backend == Backend::Auto && a.optimisation == Optimisation::Auto && !a.for_debuggers &&
          a.run.engine == rt::Engine::Sequential && !(a.run.speed > 0) && !a.run.explore && !a.run.interactive &&

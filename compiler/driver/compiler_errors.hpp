@@ -13,8 +13,9 @@ namespace bip::driver {
 /// that the compiler said.
 void report_cpp_failure(Compilation& c, const std::string& said);
 
-/// The same of `bipc build`. What cannot be told by a prototype is told by the line of the model, if the compiler names
-/// one. Its own text follows, without the path of the folder `work`. `how`: "exit code 1".
+/// Reports that the program of `bipc build` does not compile or link: the missing prototype if there is one, else the
+/// line of the model that the compiler names. Appends the compiler's text without the path of the folder `work`. `how`:
+/// how the compiler ended, "exit code 1".
 void report_build_failure(Compilation& c, const std::string& compiler, const std::string& how, std::string said,
                           const std::string& work);
 

@@ -31,7 +31,7 @@ struct CacheOptions {
 };
 /// Of every command that compiles.
 struct CompileOptions {
-  std::string root;                  // "Ring(10)"; empty: the one parameterless compound nobody instantiates
+  std::string root;                  // "Ring(10)"; empty: the parameterless compound that no other one instantiates
   std::vector<std::string> folders;  // -I: where packages are, before the file's own folder and the standard library
   std::string package;               // -p: what the file must be; empty: anything
   RenderOptions render;

@@ -9,8 +9,8 @@ namespace bip::driver {
 /// The image has its code. Returns the exit code.
 [[nodiscard]] int explore_timed(const ExploreArguments& arguments, Compilation& c);
 
-/// Deadlock and time lock, run-time errors, or a property of places and data, decided by all zones, and told. Returns
-/// the exit code.
+/// Decides by the zone graph whether a model with time has a deadlock or time lock, a run-time error, or violates a
+/// property of places and data, and prints the verdict. Returns the exit code.
 [[nodiscard]] int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question);
 
 }  // namespace bip::driver

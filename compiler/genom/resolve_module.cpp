@@ -242,8 +242,8 @@ class Resolver {
     std::size_t owner;  // a service, then the tasks, then the control task
   };
 
-  // GenoM 3: what an `async` codel touches nobody else touches, for it holds no lock. (Of GenoM 2 nothing is known
-  // about data.)
+  // Reports data that an `async` codel shares with another codel: it holds no lock (GenoM 3). GenoM 2 descriptions do
+  // not say which data a codel accesses.
   void check_async() {
     std::vector<Use> uses;
     const auto add = [&](const Codel& codel, std::size_t owner) {

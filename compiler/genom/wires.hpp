@@ -14,7 +14,7 @@ struct Wire {
   std::string action{};     // one assignment, "a.b <- c"
   bool exported = false;    // as port `out`
   std::string report_to{};  // the port whose `rep` the one above may set, then `out` carries a report
-  std::string report{};     // what it is if nobody does
+  std::string report{};     // the report if that port does not set it
 };
 void write_wire(std::string& out, const Wire& wire);
 /// `export port INNER as NAME`.

@@ -6,7 +6,8 @@
 //   LOST         given up while its codel ran beside the task; until that comes back
 //
 // A codel that runs beside the task does so in another atom (write_work.cpp); this one waits in STATE_RUNS and can be
-// told to stop. What a codel answers is free: one port an answer, merged by what the rest of the module makes of it.
+// told to stop. A codel may return any of its answers: there is one port per answer, and the ports that the rest of the
+// module treats alike are merged.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -29,8 +29,8 @@ struct MadeCode {
   std::size_t modules = 0, from_cache = 0;
   std::vector<std::string> broken_files;  // of the cache; made anew
 };
-/// From now on the image runs this code, which must live as long. Between steps only; a Core that is linked already
-/// must be told.
+/// Makes the image run this code, which must outlive the image. Requires that no step is under way. A Core that is
+/// already linked keeps the old code until its take_new_code is called.
 inline void install(lower::LoweredSystem& lowered, const MadeCode& made) {
   for (std::size_t k = 0; k < made.codes.size(); ++k) lowered.codes[k] = made.codes[k];
   lowered.step_fns = made.step_fns;

@@ -8,8 +8,8 @@
 
 namespace bip::jit {
 
-/// From now on gdb is told of every object, and /tmp/perf-PID.map gets a line for each function. `labels`: how perf
-/// shows a symbol, by its name.
+/// Registers every object that the engine links with gdb, and writes a line for each function to /tmp/perf-PID.map.
+/// `labels`: the name under which perf shows a symbol, by symbol.
 [[nodiscard]] llvm::Error let_watch(llvm::orc::LLJIT& engine, std::map<std::string, std::string> labels);
 
 }  // namespace bip::jit
