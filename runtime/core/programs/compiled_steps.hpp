@@ -16,6 +16,7 @@
 #include "bip/prng.hpp"
 #include "bip/steps.hpp"
 #include "runtime/core/link/tables.hpp"
+#include "runtime/core/state/enabled_set.hpp"
 
 namespace bip::rt {
 
