@@ -15,7 +15,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/roots.hpp"
 #include "compiler/model/validate_model.hpp"
-#include "compiler/syntax/dump_syntax.hpp"
+#include "compiler/syntax/print.hpp"
 #include "compiler/syntax/validate_syntax.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/instantiate.hpp"
