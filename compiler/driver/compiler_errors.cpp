@@ -61,10 +61,21 @@ std::string first_error(const std::string& said) {
   return error.substr(0, error.find("; did you mean"));
 }
 
-// What a prototype or an FFI type is to blame for: B5011, and null if none is.
+DiagnosticBuilder missing_file(Compilation& c, const std::string& name) {
+  auto problem = c.diags.report(Diag::kB5010, c.is_bsys() ? SourceRange{} : c.root_range, name);
+  problem.help("names are relative to the folder of the package's file, to its `ext-cpp`, or to a folder of -I");
+  return problem;
+}
+
+// What a header, a prototype or an FFI type is to blame for: B5010 or B5011, and null if none is.
 std::optional<DiagnosticBuilder> report_prototype(Compilation& c, const std::string& said) {
   const CodeTable& code = c.system->code;
   const std::string error = first_error(said);
+  for (const CppFile& file : code.cpp.includes) {
+    // GCC writes the name plainly, clang in quotes.
+    if (!error.starts_with(file.name + ": ") && !error.starts_with("'" + file.name + "' file not found")) continue;
+    return missing_file(c, file.name).help("no folder of the C++ compiler has it either");
+  }
   constexpr std::string_view kTypeMark = "bip-type-";
   if (const std::string place = place_of_error(said); place.starts_with(kTypeMark)) {
     const std::size_t row = std::strtoul(place.c_str() + kTypeMark.size(), nullptr, 10);
@@ -151,6 +162,8 @@ void add_lines(DiagnosticBuilder problem, const std::string& said) {
 }
 
 }  // namespace
+
+void report_missing_file(Compilation& c, const std::string& name) { missing_file(c, name); }
 
 void report_cpp_failure(Compilation& c, const std::string& said) {
   if (report_prototype(c, said)) return;

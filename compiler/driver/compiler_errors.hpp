@@ -9,6 +9,9 @@ namespace bip::driver {
 /// True if `word` stands in `text` by itself, not in a longer name.
 [[nodiscard]] bool has_word(const std::string& text, const std::string& word);
 
+/// A file that `@cpp` names is in none of the folders: B5010.
+void report_missing_file(Compilation& c, const std::string& name);
+
 /// The shared object of `bipc run` could not be made: the prototype or type that C++ does not have, or the first thing
 /// that the compiler said.
 void report_cpp_failure(Compilation& c, const std::string& said);

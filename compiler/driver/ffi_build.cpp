@@ -40,8 +40,8 @@ std::vector<fs::path> folders_of(const Compilation& c, const CppFile& file) {
   return all;
 }
 
-// The file's path, and in `folder` the one under which it was found; empty after a report.
-std::string find_file(Compilation& c, const CppFile& file, std::string& folder) {
+// The file's path, and in `folder` the one under which it was found; empty if no folder has it.
+std::string find_file(const Compilation& c, const CppFile& file, std::string& folder) {
   std::error_code error;
   for (const fs::path& candidate : folders_of(c, file)) {
     const fs::path path = fs::path(file.name).is_absolute() ? fs::path(file.name) : candidate / file.name;
@@ -49,8 +49,6 @@ std::string find_file(Compilation& c, const CppFile& file, std::string& folder) 
     folder = fs::absolute(candidate, error).lexically_normal().string();
     return fs::absolute(path, error).lexically_normal().string();
   }
-  auto d = c.diags.report(Diag::kB5010, c.is_bsys() ? SourceRange{} : c.root_range, file.name);
-  d.help("names are relative to the folder of the package's file, to its `ext-cpp`, or to a folder of -I");
   return {};
 }
 
@@ -103,8 +101,8 @@ std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp, const T
   add_headers(texts, fs::path(runtime.directory) / "include/bip");
   for (const CppFile& file : c.system->code.cpp.includes) {
     std::string folder;
-    const std::string path = find_file(c, file, folder);
-    add_headers(texts, fs::path(path).parent_path());
+    if (const std::string path = find_file(c, file, folder); !path.empty())
+      add_headers(texts, fs::path(path).parent_path());
   }
   for (const auto* files : {&cpp.sources, &cpp.objects}) {
     for (const std::string& file : *files) {
@@ -161,7 +159,8 @@ bool find_ffi_files(Compilation& c, emit_cpp::CppBuild& out) {
   std::string folder;
   for (const CppFile& file : code.cpp.includes) {
     const std::string path = find_file(c, file, folder);
-    if (path.empty()) return false;
+    // A header of the system or of a library: the C++ compiler finds it, or reports it (compiler_errors.hpp).
+    if (path.empty()) continue;
     add_once(out.include_dirs, folder);
     add_once(out.headers, path);
     texts.push_back(text_of(path));
@@ -169,7 +168,10 @@ bool find_ffi_files(Compilation& c, emit_cpp::CppBuild& out) {
   for (const auto& [files, paths] : {std::pair(&code.cpp.sources, &out.sources), {&code.cpp.objects, &out.objects}}) {
     for (const CppFile& file : *files) {
       const std::string path = find_file(c, file, folder);
-      if (path.empty()) return false;
+      if (path.empty()) {
+        report_missing_file(c, file.name);
+        return false;
+      }
       add_once(*paths, path);
       add_once(out.include_dirs, fs::path(path).parent_path().string());
     }

@@ -10,8 +10,8 @@ namespace bip::driver {
 
 [[nodiscard]] bool uses_ffi(const Compilation& c);
 
-/// The files that `@cpp` names: below the package's folder, its `ext-cpp`, the -I folders and theirs. False if one is
-/// missing (reported).
+/// The files that `@cpp` names: below the package's folder, its `ext-cpp`, the -I folders and theirs. False if a source
+/// or an object is missing (reported). A header that is in none of them is left to the C++ compiler: `stdio.h`.
 [[nodiscard]] bool find_ffi_files(Compilation& c, emit_cpp::CppBuild& out);
 
 /// Compiles and loads the shared object and fills c.lowered's functions and FFI types. False after a report; what

@@ -86,6 +86,7 @@ std::string ffi_includes(const CodeTable& code) {
     line(std::string("#include <") + header + ">");
   line("");
   line("#include \"bip/ffi_calls.hpp\"");
+  // In quotes: what no folder of the model has, C++ looks up as it does `<name>`.
   for (const CppFile& file : code.cpp.includes) line("#include \"" + file.name + "\"");
   return out;
 }
