@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/system/uses_time.hpp"
 
 namespace bip::exchange {
@@ -24,20 +25,13 @@ bool PromelaWriter::matches(const Priority& rule, bool high, const Step& step) c
 }
 
 bool PromelaWriter::has_cycle(const std::vector<std::set<std::size_t>>& next) const {
-  // Rows without successors are taken away until there is none: what is left lies on cycles or leads there.
-  std::set<std::size_t> left;
-  for (std::size_t row = 0; row < next.size(); ++row) left.insert(row);
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (std::size_t row = 0; row < next.size(); ++row) {
-      if (!left.contains(row) ||
-          std::any_of(next[row].begin(), next[row].end(), [&](std::size_t other) { return left.contains(other); }))
-        continue;
-      left.erase(row);
-      changed = true;
-    }
+  std::vector<u32> missing(next.size(), 0), order;
+  for (const std::set<std::size_t>& successors : next) {
+    for (std::size_t to : successors) ++missing[to];
   }
-  return !left.empty();
+  return !topological_order(missing, order, [&](u32 from, const auto& see) {
+    for (std::size_t to : next[from]) see(static_cast<u32>(to));
+  });
 }
 
 // `hides0`: what rule 0 matches is hidden, by an interaction that its high side matches or through a chain of rules.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/model/model_builder.hpp"
+#include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::model {
 
@@ -31,38 +32,16 @@ Edges edges_of(const AtomType& atom, bool with_guards) {
 }
 
 // The edges of some cycle, in their order; empty if there is none.
-std::vector<Edge> find_cycle(const Edges& edges) {
-  enum class State : std::uint8_t { New, Open, Done };
-  std::vector<State> states(edges.size(), State::New);
-  struct Frame {
-    std::uint32_t port;
-    std::size_t next = 0;
+std::vector<Edge> first_cycle(const Edges& edges) {
+  const auto enter = [](std::uint32_t) { return std::size_t{0}; };
+  const auto next = [&](std::uint32_t port, std::size_t& at) {
+    return at == edges[port].size() ? kNoSuccessor : edges[port][at++].high;
   };
-  std::vector<Frame> path;
-  for (std::uint32_t start = 0; start < edges.size(); ++start) {
-    if (states[start] != State::New) continue;
-    path.push_back({start});
-    states[start] = State::Open;
-    while (!path.empty()) {
-      Frame& top = path.back();
-      if (top.next == edges[top.port].size()) {
-        states[top.port] = State::Done;
-        path.pop_back();
-        continue;
-      }
-      const Edge edge = edges[top.port][top.next++];
-      if (states[edge.high] == State::New) {
-        states[edge.high] = State::Open;
-        path.push_back({edge.high});
-      } else if (states[edge.high] == State::Open) {
-        std::vector<Edge> cycle;
-        const auto first = std::find_if(path.begin(), path.end(), [&](const Frame& f) { return f.port == edge.high; });
-        for (auto it = first; it != path.end(); ++it) cycle.push_back(edges[it->port][it->next - 1]);
-        return cycle;
-      }
-    }
-  }
-  return {};
+  std::vector<Edge> cycle;
+  for (const auto& [port, after] :
+       find_cycle(static_cast<std::uint32_t>(edges.size()), enter, next, [](auto, auto) { return true; }))
+    cycle.push_back(edges[port][after - 1]);
+  return cycle;
 }
 
 std::string cycle_text(const AtomType& atom, const std::vector<Edge>& cycle) {
@@ -74,9 +53,9 @@ std::string cycle_text(const AtomType& atom, const std::vector<Edge>& cycle) {
 }  // namespace
 
 void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
-  std::vector<Edge> cycle = find_cycle(edges_of(atom, false));
+  std::vector<Edge> cycle = first_cycle(edges_of(atom, false));
   const bool sure = !cycle.empty();
-  if (!sure) cycle = find_cycle(edges_of(atom, true));
+  if (!sure) cycle = first_cycle(edges_of(atom, true));
   if (cycle.empty() || (!sure && is_suppressed(decl.annotations, "atomprioritycycle"))) return;
   // Rules and their declarations have the same rows: check_atom stops at errors before.
   const std::uint32_t last = cycle.back().rule;

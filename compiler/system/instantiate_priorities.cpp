@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "compiler/system/instantiator.hpp"
+#include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::system {
 
@@ -208,16 +209,18 @@ bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const 
   const bool with_guards = guarded == GuardedRules::Followed;
   const Chains chains{out, model.connector_types};
   const auto row = [&](std::size_t i) -> const Priority& { return out.priorities[PriorityId(first_rule + i)]; };
-  // Depth first through the rules; a rule that is met on its own path closes a cycle. A rule can be followed
+  // A rule can be followed
   // by those about the connector of its high side and by those that begin with `*:*`: a long chain stays linear.
   std::vector<std::size_t> wild;
   std::vector<std::size_t> all;
+  std::vector<std::uint8_t> is_followed(rules.size(), 0);
   std::unordered_map<std::uint32_t, std::vector<std::size_t>> by_low;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (row(i).guard.is_valid() &&
         (!with_guards || model::is_suppressed(rules[i]->annotations, "compoundprioritycycle")))
       continue;
     all.push_back(i);
+    is_followed[i] = 1;
     (row(i).low.any_connector ? wild : by_low[row(i).low.connector.value]).push_back(i);
   }
   const auto may_follow = [&](std::size_t i) {
@@ -229,49 +232,33 @@ bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const 
     std::merge(same.begin(), same.end(), wild.begin(), wild.end(), std::back_inserter(next));
     return next;
   };
-  struct Frame {
-    std::size_t rule = 0;
+  struct Follower {
     std::vector<std::size_t> next;
     std::size_t at = 0;
   };
-  enum class State : std::uint8_t { New, Open, Done };
-  std::vector<State> states(rules.size(), State::New);
-  std::vector<Frame> path;
-  const auto enter = [&](std::size_t i) {
-    states[i] = State::Open;
-    path.push_back({i, may_follow(i)});
+  const auto enter = [&](std::uint32_t rule) {
+    return is_followed[rule] != 0 ? Follower{may_follow(rule)} : Follower{};
   };
-  for (const std::size_t start : all) {
-    if (states[start] == State::New) enter(start);
-    while (!path.empty()) {
-      Frame& top = path.back();
-      if (top.at == top.next.size()) {
-        states[top.rule] = State::Done;
-        path.pop_back();
-        continue;
-      }
-      const std::size_t j = top.next[top.at++];
-      if (states[j] == State::Done || !chains.holds(row(top.rule), row(j))) continue;
-      if (states[j] == State::New) {
-        enter(j);
-        continue;
-      }
-      std::string names;
-      const auto first = std::find_if(path.begin(), path.end(), [&](const Frame& f) { return f.rule == j; });
-      for (auto it = first; it != path.end(); ++it) names += row(it->rule).name + " < ";
-      auto d = diags.report(with_guards ? Diag::kB3014 : Diag::kB3006, compared(*rules[j]), names + row(j).name);
-      d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
-      for (auto it = first; it != path.end(); ++it) {
-        if (it->rule != j) d.label(compared(*rules[it->rule]), "");
-      }
-      if (with_guards)
-        d.help(
-            "write guards that exclude each other, or `@SuppressWarning(compoundprioritycycle)` before the compound "
-            "type");
-      return true;
-    }
+  const auto next = [](std::uint32_t, Follower& cursor) {
+    return cursor.at == cursor.next.size() ? kNoSuccessor : static_cast<std::uint32_t>(cursor.next[cursor.at++]);
+  };
+  const auto holds = [&](std::uint32_t i, std::uint32_t j) { return chains.holds(row(i), row(j)); };
+  const auto cycle = find_cycle(static_cast<std::uint32_t>(rules.size()), enter, next, holds);
+  if (cycle.empty()) return false;
+  const std::uint32_t closing = cycle.front().node;
+  std::string names;
+  for (const auto& on : cycle) names += row(on.node).name + " < ";
+  auto d =
+      diags.report(with_guards ? Diag::kB3014 : Diag::kB3006, compared(*rules[closing]), names + row(closing).name);
+  d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
+  for (const auto& on : cycle) {
+    if (on.node != closing) d.label(compared(*rules[on.node]), "");
   }
-  return false;
+  if (with_guards)
+    d.help(
+        "write guards that exclude each other, or `@SuppressWarning(compoundprioritycycle)` before the compound "
+        "type");
+  return true;
 }
 
 }  // namespace bip::system

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "runtime/core/graph_algorithms.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -312,44 +313,38 @@ class Story {
     if (wants.size() == before) wants.push_back({port, kNone});
   }
 
-  // Strongly connected components (Tarjan, iterative), then breadth first within the smallest.
+  // Enumerates the atoms that an atom waits for; keeps the components.
+  struct WaitForGraph {
+    const Tables& tables;
+    const std::vector<std::vector<Want>>& wants;  // by atom
+    std::vector<u32> part;                        // by atom
+    std::vector<std::vector<u32>> parts;
+
+    std::size_t enter(u32) { return 0; }
+    u32 next(u32 atom, std::size_t& edge) {
+      while (edge < wants[atom].size()) {
+        const u32 missing = wants[atom][edge++].missing;
+        if (missing != kNone) return tables.port_atom[missing];
+      }
+      return kNoSuccessor;
+    }
+    void reach(u32, u32) {}
+    void close(const u32* members, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) part[members[k]] = static_cast<u32>(parts.size());
+      parts.emplace_back(members, members + count);
+      std::sort(parts.back().begin(), parts.back().end());
+    }
+  };
+
+  // Strongly connected components, then breadth first within the smallest.
   std::vector<u32> shortest_cycle() {
     const u32 count = image_.atoms.size;
-    std::vector<u32> number(count, 0), low(count, 0), part(count, kNone), stack;
-    std::vector<std::pair<u32, u32>> calls;
-    std::vector<std::vector<u32>> parts;
-    u32 next = 0;
-    for (u32 start = 0; start < count; ++start) {
-      if (number[start] != 0) continue;
-      calls.emplace_back(start, 0);
-      while (!calls.empty()) {
-        auto& [atom, edge] = calls.back();
-        if (edge == 0 && number[atom] == 0) {
-          number[atom] = low[atom] = ++next;
-          stack.push_back(atom);
-        }
-        if (edge < wants_[atom].size()) {
-          const u32 missing = wants_[atom][edge++].missing;
-          if (missing == kNone) continue;
-          const u32 to = tables_.port_atom[missing];
-          if (number[to] == 0) calls.emplace_back(to, 0);
-          else if (part[to] == kNone) low[atom] = std::min(low[atom], number[to]);
-          continue;
-        }
-        const u32 done = atom;
-        calls.pop_back();
-        if (!calls.empty()) low[calls.back().first] = std::min(low[calls.back().first], low[done]);
-        if (low[done] != number[done]) continue;
-        std::vector<u32> members;
-        do {
-          members.push_back(stack.back());
-          part[stack.back()] = static_cast<u32>(parts.size());
-          stack.pop_back();
-        } while (members.back() != done);
-        std::sort(members.begin(), members.end());
-        parts.push_back(std::move(members));
-      }
-    }
+    WaitForGraph graph{tables_, wants_, std::vector<u32>(count, kNone), {}};
+    StrongComponents<std::size_t> search;
+    search.begin(count);
+    for (u32 start = 0; start < count; ++start) search.visit(start, graph);
+    const std::vector<u32>& part = graph.part;
+    std::vector<std::vector<u32>>& parts = graph.parts;
     std::vector<u32> best;
     std::size_t starts = 0;
     std::vector<u32> seen(count, kNone), from(count, kNone);

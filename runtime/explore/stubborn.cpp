@@ -94,24 +94,24 @@ Span<u32> Stubborn::near(const u64* state, const Layout& layout, const Locals& l
 // What an interaction needs. Of an interaction without candidate: of the atoms whose port is not offered where they
 // stand, and the two sets that each gives, one that adds few interactions with a candidate; those of the component at
 // hand are in the set anyway.
-StubbornScratch::Frame Stubborn::frame_of(u32 interaction, const u64* state, const Layout& layout, const Locals& locals,
-                                          const std::vector<u32>& has_candidate, const StubbornScratch& scratch) const {
-  StubbornScratch::Frame frame{interaction, false, {}};
-  if (has_candidate[interaction] != 0 || !shapes_.interactions[interaction].is_rendezvous) return frame;
+StubbornScratch::Needed Stubborn::needed_by(u32 interaction, const u64* state, const Layout& layout,
+                                            const Locals& locals, const std::vector<u32>& has_candidate,
+                                            const StubbornScratch& scratch) const {
+  StubbornScratch::Needed needed;
+  if (has_candidate[interaction] != 0 || !shapes_.interactions[interaction].is_rendezvous) return needed;
   std::pair<u32, u32> fewest;
   const auto offer = [&](Span<u32> interactions) {
     std::pair<u32, u32> cost{0, 0};
     for (const u32 other : interactions) {
-      const StubbornScratch::Visit& visit = scratch.visits[other];
-      if (visit.round == scratch.round && visit.is_open) continue;
-      const bool is_complete = visit.round == scratch.round;
-      cost.first += has_candidate[other] != 0 || (is_complete && visit.has_candidate) ? 1 : 0;
-      cost.second += is_complete ? 0 : 1;
+      const bool is_visited = scratch.search.is_visited(other);
+      if (is_visited && scratch.search.is_open(other)) continue;
+      cost.first += has_candidate[other] != 0 || (is_visited && scratch.has_candidate[other] != 0) ? 1 : 0;
+      cost.second += is_visited ? 0 : 1;
     }
-    if (frame.is_blocked && cost >= fewest) return;
+    if (needed.is_blocked && cost >= fewest) return;
     fewest = cost;
-    frame.is_blocked = true;
-    frame.needed = interactions;
+    needed.is_blocked = true;
+    needed.interactions = interactions;
   };
   for (const InteractionLeaf& leaf : shapes_.leaves_of(interaction)) {
     if (!is_automaton_[leaf.atom] ||
@@ -120,77 +120,64 @@ StubbornScratch::Frame Stubborn::frame_of(u32 interaction, const u64* state, con
     offer(enabling_[port_base_[leaf.atom] + leaf.port]);
     offer(near(state, layout, locals, leaf.atom));
   }
-  return frame;
+  return needed;
 }
 
-// The next interaction that the frame's interaction needs, or kNone.
-u32 Stubborn::next_needed(StubbornScratch::Frame& frame, const u64* state, const Layout& layout,
+// The next interaction that the interaction needs, or kNoSuccessor.
+u32 Stubborn::next_needed(u32 interaction, StubbornScratch::Needed& needed, const u64* state, const Layout& layout,
                           const Locals& locals) const {
-  if (frame.is_blocked) return frame.at < frame.needed.size ? frame.needed[frame.at++] : kNone;
-  const Span<u32> own = shapes_.atoms_of(frame.interaction);
-  for (; frame.atom < own.size; ++frame.atom, frame.at = 0) {
-    const Span<u32> interactions = near(state, layout, locals, own[frame.atom]);
-    if (frame.at < interactions.size) return interactions[frame.at++];
+  if (needed.is_blocked) return needed.at < needed.interactions.size ? needed.interactions[needed.at++] : kNoSuccessor;
+  const Span<u32> own = shapes_.atoms_of(interaction);
+  for (; needed.atom < own.size; ++needed.atom, needed.at = 0) {
+    const Span<u32> interactions = near(state, layout, locals, own[needed.atom]);
+    if (needed.at < interactions.size) return interactions[needed.at++];
   }
-  return kNone;
+  return kNoSuccessor;
 }
 
-void Stubborn::choose(const u64* state, const Layout& layout, const Locals& locals,
-                      const std::vector<u32>& has_candidate, StubbornScratch& scratch, std::vector<u32>& chosen) const {
-  using Visit = StubbornScratch::Visit;
-  std::vector<Visit>& visits = scratch.visits;
-  visits.resize(shapes_.interactions.size());
-  const std::uint32_t round = ++scratch.round;
-  u32 order = 0;
+// The graph "t needs u", in the form that StrongComponents visits. Keeps the smallest set of candidates of a component
+// that needs no other with a candidate.
+struct Stubborn::NeedGraph {
+  const Stubborn& stubborn;
+  const u64* state;
+  const Layout& layout;
+  const Locals& locals;
+  const std::vector<u32>& has_candidate;
+  StubbornScratch& scratch;
+  std::vector<u32>& chosen;
   std::size_t best = ~std::size_t{0};
-  const auto begin = [&](u32 interaction) {
-    visits[interaction] = {round, order, order, true, false};
-    ++order;
-    scratch.open.push_back(interaction);
-    scratch.frames.push_back(frame_of(interaction, state, layout, locals, has_candidate, scratch));
-  };
-  // The component of `root` is complete: everything from it to the top of `open`. Those it needs were complete before.
-  const auto finish = [&](u32 root) {
-    const bool is_candidate_below = visits[root].has_candidate;
+
+  StubbornScratch::Needed enter(u32 interaction) {
+    scratch.has_candidate[interaction] = 0;
+    return stubborn.needed_by(interaction, state, layout, locals, has_candidate, scratch);
+  }
+  u32 next(u32 interaction, StubbornScratch::Needed& needed) {
+    return stubborn.next_needed(interaction, needed, state, layout, locals);
+  }
+  void reach(u32 from, u32 to) { scratch.has_candidate[from] |= scratch.has_candidate[to]; }
+  // All that the component needs was complete before.
+  void close(const u32* members, std::size_t count) {
+    const bool is_candidate_below = scratch.has_candidate[members[0]] != 0;
     scratch.set.clear();
-    u32 interaction = kNone;
-    std::size_t first = scratch.open.size();
-    do {
-      interaction = scratch.open[--first];
-      if (has_candidate[interaction] != 0) scratch.set.push_back(interaction);
-    } while (interaction != root);
-    for (std::size_t k = first; k < scratch.open.size(); ++k) {
-      visits[scratch.open[k]].is_open = false;
-      visits[scratch.open[k]].has_candidate = is_candidate_below || !scratch.set.empty();
+    for (std::size_t k = 0; k < count; ++k) {
+      if (has_candidate[members[k]] != 0) scratch.set.push_back(members[k]);
     }
-    scratch.open.resize(first);
+    for (std::size_t k = 0; k < count; ++k)
+      scratch.has_candidate[members[k]] = is_candidate_below || !scratch.set.empty() ? 1 : 0;
     if (is_candidate_below || scratch.set.empty() || scratch.set.size() >= best) return;
     best = scratch.set.size();
     chosen = scratch.set;
-  };
+  }
+};
+
+void Stubborn::choose(const u64* state, const Layout& layout, const Locals& locals,
+                      const std::vector<u32>& has_candidate, StubbornScratch& scratch, std::vector<u32>& chosen) const {
+  scratch.has_candidate.resize(shapes_.interactions.size());
+  scratch.search.begin(shapes_.interactions.size());
+  NeedGraph graph{*this, state, layout, locals, has_candidate, scratch, chosen};
   const u32 interactions = static_cast<u32>(has_candidate.size());
-  scratch.frames.clear();
-  scratch.open.clear();
-  for (u32 start = 0; start < interactions && best > 1; ++start) {
-    if (has_candidate[start] == 0 || visits[start].round == round) continue;
-    begin(start);
-    while (!scratch.frames.empty()) {
-      const u32 next = next_needed(scratch.frames.back(), state, layout, locals);
-      const u32 interaction = scratch.frames.back().interaction;
-      if (next != kNone && visits[next].round != round) {
-        begin(next);
-      } else if (next != kNone) {
-        if (visits[next].is_open) visits[interaction].low = std::min(visits[interaction].low, visits[next].order);
-        else visits[interaction].has_candidate |= visits[next].has_candidate;
-      } else {
-        scratch.frames.pop_back();
-        if (visits[interaction].low == visits[interaction].order) finish(interaction);
-        if (scratch.frames.empty()) break;
-        Visit& above = visits[scratch.frames.back().interaction];
-        above.has_candidate |= visits[interaction].has_candidate;
-        if (visits[interaction].is_open) above.low = std::min(above.low, visits[interaction].low);
-      }
-    }
+  for (u32 start = 0; start < interactions && graph.best > 1; ++start) {
+    if (has_candidate[start] != 0) scratch.search.visit(start, graph);
   }
   std::sort(chosen.begin(), chosen.end());
 }

@@ -11,33 +11,28 @@
 // reached from a state can be reached through the state's set.
 //
 // "t needs u" is a graph over interactions, and T is closed in it. The smallest closed sets with a candidate are
-// strongly connected components with no candidate below them (Valmari's algorithm of strong components, with Tarjan's
-// of 1972).
+// strongly connected components with no candidate below them (Valmari's algorithm of strong components, by
+// runtime/core/graph_algorithms.hpp).
 #pragma once
 #include <vector>
 
+#include "runtime/core/graph_algorithms.hpp"
 #include "runtime/explore/locals.hpp"
 #include "runtime/explore/shapes.hpp"
 
 namespace bip::rt {
 
 struct StubbornScratch {
-  struct Visit {
-    std::uint32_t round = 0;     // of the state at hand, if it was visited
-    u32 order = 0, low = 0;      // Tarjan's numbers
-    bool is_open = false;        // its component is not complete
-    bool has_candidate = false;  // in the complete components that it needs; once its own is complete, in that too
-  };
-  struct Frame {
-    u32 interaction = 0;
-    bool is_blocked = false;  // it needs `needed`, else what is near its atoms
-    Span<u32> needed;
+  // A position among the interactions that an interaction needs.
+  struct Needed {
+    bool is_blocked = false;  // it needs `interactions`, else what is near its atoms
+    Span<u32> interactions;
     u32 atom = 0, at = 0;  // position among its atoms, among interactions
   };
-  std::vector<Visit> visits;  // by interaction
-  std::uint32_t round = 0;
-  std::vector<Frame> frames;
-  std::vector<u32> open, set;
+  StrongComponents<Needed> search;
+  // By interaction that was visited: in the complete components that it needs; once its own is complete, in that too.
+  std::vector<std::uint8_t> has_candidate;
+  std::vector<u32> set;
 };
 
 class Stubborn {
@@ -53,11 +48,12 @@ class Stubborn {
   [[nodiscard]] bool offers(u32 atom, u32 port, u32 place) const;
   static std::vector<std::vector<bool>> ports_that_lead(const AtomType& type);
   void list_enabling();
-  [[nodiscard]] StubbornScratch::Frame frame_of(u32 interaction, const u64* state, const Layout& layout,
-                                                const Locals& locals, const std::vector<u32>& has_candidate,
-                                                const StubbornScratch& scratch) const;
-  [[nodiscard]] u32 next_needed(StubbornScratch::Frame& frame, const u64* state, const Layout& layout,
-                                const Locals& locals) const;
+  struct NeedGraph;
+  [[nodiscard]] StubbornScratch::Needed needed_by(u32 interaction, const u64* state, const Layout& layout,
+                                                  const Locals& locals, const std::vector<u32>& has_candidate,
+                                                  const StubbornScratch& scratch) const;
+  [[nodiscard]] u32 next_needed(u32 interaction, StubbornScratch::Needed& needed, const u64* state,
+                                const Layout& layout, const Locals& locals) const;
 
   const Image& image_;
   const Shapes& shapes_;

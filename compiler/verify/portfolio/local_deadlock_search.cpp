@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/base/assert.hpp"
 #include "compiler/verify/portfolio/local_deadlock.hpp"
 
@@ -56,51 +57,36 @@ class Graph {
   }
 
  private:
-  // Tarjan's algorithm with a stack of its own. Components are complete in reverse topological order, so when one is,
-  // what can move after it is known.
+  // Components are complete in reverse topological order, so when one is, what can move after it is known.
   void find_components() {
     const u32 states = static_cast<u32>(first_.size() - 1);
-    std::vector<u32> index(states, kNoRow), low(states, 0), open;
     component_.assign(states, kNoRow);
-    struct Frame {
-      u32 state, step;
-    };
-    std::vector<Frame> frames;
-    u32 count = 0;
-    const auto enter = [&](u32 state) {
-      index[state] = low[state] = count++;
-      open.push_back(state);
-      frames.push_back({state, first_[state]});
-    };
+    StrongComponents<u32> search;
+    search.begin(states);
     // All states are reachable from the first.
-    if (states != 0) enter(0);
-    while (!frames.empty()) {
-      const u32 state = frames.back().state;
-      if (frames.back().step != first_[state + 1]) {
-        const u32 to = next_[frames.back().step++];
-        if (index[to] == kNoRow) enter(to);
-        else if (component_[to] == kNoRow) low[state] = std::min(low[state], index[to]);
-        continue;
-      }
-      frames.pop_back();
-      if (!frames.empty()) low[frames.back().state] = std::min(low[frames.back().state], low[state]);
-      if (low[state] == index[state]) close(state, open);
-    }
+    if (states != 0) search.visit(0, *this);
   }
-  void close(u32 root, std::vector<u32>& open) {
+
+ public:
+  // The visitor of StrongComponents: a cursor is a row of next_.
+  [[nodiscard]] u32 enter(u32 state) const { return first_[state]; }
+  [[nodiscard]] u32 next(u32 state, u32& step) const {
+    return step == first_[state + 1] ? kNoSuccessor : next_[step++];
+  }
+  static void reach(u32, u32) {}
+  void close(const u32* states, std::size_t count) {
     const u32 row = static_cast<u32>(later_.size() / std::max<std::size_t>(words_, 1));
     later_.resize(later_.size() + words_, 0);
-    const std::size_t begin =
-        static_cast<std::size_t>(std::find(open.rbegin(), open.rend(), root).base() - open.begin()) - 1;
-    for (std::size_t k = begin; k < open.size(); ++k) component_[open[k]] = row;
-    for (std::size_t k = begin; k < open.size(); ++k) {
-      join(row, moves_, open[k]);
-      for (u32 step = first_[open[k]]; step < first_[open[k] + 1]; ++step) {
+    for (std::size_t k = 0; k < count; ++k) component_[states[k]] = row;
+    for (std::size_t k = 0; k < count; ++k) {
+      join(row, moves_, states[k]);
+      for (u32 step = first_[states[k]]; step < first_[states[k] + 1]; ++step) {
         if (component_[next_[step]] != row) join(row, later_, component_[next_[step]]);
       }
     }
-    open.resize(begin);
   }
+
+ private:
   void join(u32 row, const std::vector<BitWord>& from, u32 from_row) {
     for (std::size_t w = 0; w < words_; ++w) later_[row * words_ + w] |= from[from_row * words_ + w];
   }

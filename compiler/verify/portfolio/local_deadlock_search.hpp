@@ -2,10 +2,10 @@
 // stuck for ever in a state if it wants to move and no step that can still be taken from there, now or later, moves it.
 //
 // A state in which that can be seen at once (local_deadlock.hpp) ends the visit early. Which atoms can still move is a
-// union over all that is reachable: one pass over the strongly connected components, which Tarjan's algorithm gives in
-// the right order. A step that ends in a run-time error counts as one that moves its participants. Cost: the visit's,
-// and for each step one bit an atom; memory two bits an atom and state, and four bytes a step. R. Tarjan: Depth-First
-// Search and Linear Graph Algorithms (1972).
+// union over all that is reachable: one pass over the strongly connected components, which StrongComponents
+// (compiler/analysis/graph_algorithms.hpp) closes in the right order. A step that ends in a run-time error counts as
+// one that moves its participants. Cost: the visit's, and for each step one bit an atom; memory two bits an atom and
+// state, and four bytes a step.
 #pragma once
 #include "compiler/verify/portfolio/search.hpp"
 

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "runtime/core/graph_algorithms.hpp"
+
 namespace bip::rt {
 
 namespace {
@@ -128,20 +130,14 @@ u32 find(std::vector<u32>& parents, u32 x) {
   return x;
 }
 
-// Kahn: what is left once rules without predecessors are taken away, again and again, is on or behind a cycle.
+// Rules that no topological order reaches are on or behind a cycle.
 void mark_cyclic(PriorityTables& rules) {
-  std::vector<u32> missing(rules.count, 0), ready;
-  for (u32 rule = 0; rule < rules.count; ++rule) {
-    missing[rule] = rules.previous[rule].size;
-    if (missing[rule] == 0) ready.push_back(rule);
-  }
-  while (!ready.empty()) {
-    const u32 rule = ready.back();
-    ready.pop_back();
-    for (u32 next : rules.next[rule]) {
-      if (--missing[next] == 0) ready.push_back(next);
-    }
-  }
+  std::vector<u32> missing, order;
+  for (u32 rule = 0; rule < rules.count; ++rule) missing.push_back(rules.previous[rule].size);
+  const bool is_acyclic = topological_order(missing, order, [&](u32 rule, const auto& see) {
+    for (u32 next : rules.next[rule]) see(next);
+  });
+  if (is_acyclic) return;
   for (u32 rule = 0; rule < rules.count; ++rule) {
     if (missing[rule] != 0) rules.cyclic[rules.component[rule]] = 1;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "runtime/core/core_parts.hpp"
+#include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::rt {
 
@@ -39,21 +40,16 @@ bool AtomPriorities::hide_ports(u32 atom, u32* transition_of_port) {
     }
     if (rule_holds_[row] != 0) each_edge(rule, ports, [&](u32, u32 high) { ++rule_in_[high]; });
   }
-  // Kahn, from below: a port comes after all that are directly below it. What is never reached is on a cycle or above
-  // one.
-  rule_order_.clear();
-  for (u32 port = 0; port < ports; ++port) {
-    if (rule_in_[port] == 0) rule_order_.push_back(port);
-  }
-  for (std::size_t at = 0; at < rule_order_.size(); ++at) {
+  // A port comes after all that are directly below it. What is not in the order is on a cycle or above one.
+  const bool is_acyclic = topological_order(rule_in_, rule_order_, [&](u32 port, const auto& see) {
     for (u32 row = 0; row < type.priorities.size; ++row) {
       if (rule_holds_[row] == 0) continue;
       each_edge(type.priorities[row], ports, [&](u32 low, u32 high) {
-        if (low == rule_order_[at] && --rule_in_[high] == 0) rule_order_.push_back(high);
+        if (low == port) see(high);
       });
     }
-  }
-  if (rule_order_.size() != ports) {
+  });
+  if (!is_acyclic) {
     std::vector<u32> rules;
     for (u32 row = 0; row < type.priorities.size; ++row) {
       bool inside = false;
