@@ -136,7 +136,7 @@ class ShapeWriter {
   void unroll(const StepOp& op) {
     constexpr std::size_t kShort = 4;
     std::size_t statements = 0;
-    model::visit_stmts(lowered_.system->code, lowered_.units[op.unit].body, [&](const Stmt&) { ++statements; });
+    model::for_each_stmt(lowered_.system->code, lowered_.units[op.unit].body, [&](const Stmt&) { ++statements; });
     if (op.repeats && statements <= kShort) out_.line("  BIP_UNROLL");
   }
 

@@ -14,7 +14,7 @@ void check_uninitialised(ModelBuilder& b, const AtomType& atom, const syntax::De
   const CodeTable& code = b.model.code;
   std::vector<bool> read(atom.variables.size()), written(atom.variables.size());
   const auto look = [&](ExprId expr) { mark_reads(code, expr, Op::LoadSelf, read); };
-  const auto look_at_all = [&](StmtId first) { visit_stmts(code, first, [&](const Stmt& s) { look(s.value); }); };
+  const auto look_at_all = [&](StmtId first) { for_each_stmt(code, first, [&](const Stmt& s) { look(s.value); }); };
   mark_writes(code, atom.initial_action, Op::LoadSelf, written);
   for (const Transition& t : atom.transitions) {
     look(t.guard);

@@ -30,8 +30,8 @@ void check_clauses(ModelBuilder& b, const syntax::ConnectorBody& body, const Con
     std::vector<bool> read(binds), changed(binds), own(type.variables.size());
     if (written.down.present) {
       bool calls = false;
-      visit_stmts(code, row.down, [&](const Stmt& s) {
-        visit_exprs(code, s.value, [&](const Expr& e) { calls |= e.op == Op::Call; });
+      for_each_stmt(code, row.down, [&](const Stmt& s) {
+        for_each_expr(code, s.value, [&](const Expr& e) { calls |= e.op == Op::Call; });
       });
       mark_writes(code, row.down, Op::LoadBind, changed);
       if (!calls && std::find(changed.begin(), changed.end(), true) == changed.end() && !is_silent("uselessdown")) {

@@ -1,6 +1,6 @@
 // Algorithms over directed graphs whose nodes are 0 … n-1: strongly connected components, a cycle, a topological order.
 //
-// One implementation for the compiler and the runtime: a header without dependencies. All of it is iterative, because
+// One implementation for the compiler and the runtime. All of it is iterative, because
 // the graphs come from users' models. A graph is not built: the caller enumerates the successors of a node when the
 // search asks for them. Cost: one step per node and per edge that is enumerated; memory 16 bytes a node and one frame
 // per node on the path.
@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <utility>
 #include <vector>
+
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 
@@ -79,6 +81,7 @@ class StrongComponents {
 
   template <class Visitor>
   void enter(std::uint32_t node, Visitor& visitor) {
+    BIP_ASSERT(node < visits_.size(), "node {} of {}", node, visits_.size());
     visits_[node] = {round_, order_, order_, true};
     ++order_;
     open_.push_back(node);
@@ -95,7 +98,10 @@ class StrongComponents {
       visitor.close(open_.data() + first, open_.size() - first);
       open_.resize(first);
     }
-    if (frames_.empty()) return;
+    if (frames_.empty()) {
+      BIP_ASSERT(open_.empty(), "{} nodes are in no component", open_.size());
+      return;
+    }
     const std::uint32_t above = frames_.back().node;
     if (visits_[node].is_open) visits_[above].low = std::min(visits_[above].low, visits_[node].low);
     visitor.reach(above, node);
@@ -133,6 +139,7 @@ template <class Enter, class Next, class IsEdge>
     while (!path.empty()) {
       const std::uint32_t node = path.back().node;
       const std::uint32_t to = next(node, path.back().cursor);
+      BIP_ASSERT(to == kNoSuccessor || to < nodes, "successor {} of {} nodes", to, nodes);
       if (to == kNoSuccessor) {
         states[node] = State::Done;
         path.pop_back();
@@ -162,6 +169,7 @@ bool topological_order(std::vector<std::uint32_t>& missing, std::vector<std::uin
   }
   for (std::size_t at = 0; at < order.size(); ++at) {
     each_next(order[at], [&](std::uint32_t next) {
+      BIP_ASSERT(missing[next] != 0, "node {} has more predecessors than were counted", next);
       if (--missing[next] == 0) order.push_back(next);
     });
   }

@@ -109,7 +109,7 @@ class AffineAnalysis {
   // The atom's ints as affine forms: constants, unknowns of their own, or nothing.
   AffineValues values_of(u32 atom) {
     const AtomType& type = type_of(atom);
-    const DataAccess& access = net_.access[net_.class_at(atom).type.value];
+    const analysis::DataAccess& access = net_.access[net_.class_at(atom).type.value];
     const std::vector<AbstractValue> constants = constants_of(net_.class_at(atom));
     std::vector<std::uint8_t> is_stored(type.variables.size(), 0);
     for (const Transition& t : type.transitions) {
@@ -208,7 +208,7 @@ class AffineAnalysis {
 
   void add_atom(u32 atom, const ModeReachability& reachable) {
     const AtomType& type = type_of(atom);
-    const DataAccess& access = net_.access[net_.class_at(atom).type.value];
+    const analysis::DataAccess& access = net_.access[net_.class_at(atom).type.value];
     for (const Transition& t : type.transitions) {
       const bool has_port = t.port != Transition::kInternal;
       if (has_port && !reachable.in_context(net_.port_base[atom] + t.port)) continue;

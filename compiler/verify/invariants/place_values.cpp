@@ -67,7 +67,9 @@ class PlaceValueAnalysis {
   [[nodiscard]] const AtomType& type_of(u32 atom) const {
     return system_.atom_types[system_.atoms[AtomId(std::size_t{atom})].type];
   }
-  [[nodiscard]] const DataAccess& access_of(u32 atom) const { return net_.access[net_.class_at(atom).type.value]; }
+  [[nodiscard]] const analysis::DataAccess& access_of(u32 atom) const {
+    return net_.access[net_.class_at(atom).type.value];
+  }
 
   // Ints that change, and that nobody changes behind our back.
   [[nodiscard]] std::vector<std::uint8_t> stored_of(u32 atom) const {

@@ -129,24 +129,4 @@ bool is_always_true(const CodeTable& code, ExprId guard) {
   return value.is_known && value.value != 0;
 }
 
-void for_each_expr(const CodeTable& code, ExprId expr, const std::function<void(const Expr&)>& see) {
-  if (!expr.is_valid()) return;
-  const Expr& e = code.exprs[expr];
-  see(e);
-  for_each_expr(code, e.a, see);
-  for_each_expr(code, e.b, see);
-  if (e.op == Op::Call) {
-    for (ExprId arg : code.args_of(e)) for_each_expr(code, arg, see);
-  }
-}
-
-void for_each_stmt(const CodeTable& code, StmtId body, const std::function<void(const Stmt&)>& see) {
-  for (StmtId id = body; id.is_valid(); id = code.stmts[id].next) {
-    const Stmt& s = code.stmts[id];
-    see(s);
-    for_each_stmt(code, s.then_body, see);
-    for_each_stmt(code, s.else_body, see);
-  }
-}
-
 }  // namespace bip::verify

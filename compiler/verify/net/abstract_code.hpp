@@ -5,11 +5,10 @@
 #pragma once
 #include <compare>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
-#include "compiler/model/code.hpp"
+#include "compiler/model/code_uses.hpp"
 
 namespace bip::verify {
 
@@ -33,9 +32,7 @@ void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& sel
 /// True, also for no guard at all, if the guard is true whatever its variables are.
 [[nodiscard]] bool is_always_true(const CodeTable& code, ExprId guard);
 
-/// Calls `see` for every expression below.
-void for_each_expr(const CodeTable& code, ExprId expr, const std::function<void(const Expr&)>& see);
-/// Calls `see` for every statement below, with the statements inside `if`.
-void for_each_stmt(const CodeTable& code, StmtId body, const std::function<void(const Stmt&)>& see);
+using model::for_each_expr;
+using model::for_each_stmt;
 
 }  // namespace bip::verify

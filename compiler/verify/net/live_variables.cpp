@@ -6,7 +6,7 @@
 namespace bip::verify {
 
 std::vector<std::vector<std::uint8_t>> find_live_variables(const System& system, AtomTypeId id,
-                                                           const DataAccess& access, const AtomUses& uses) {
+                                                           const analysis::DataAccess& access, const AtomUses& uses) {
   const AtomType& type = system.atom_types[id];
   const CodeTable& code = system.code;
   if (!type.is_automaton()) return {};

@@ -2,14 +2,14 @@
 // Elsewhere modes need not tell values apart. Nothing rests on this: a value that is forgotten may be any. Backward to
 // a fixpoint, for automata only.
 #pragma once
-#include "compiler/verify/net/data_access.hpp"
+#include "compiler/analysis/data_access.hpp"
 #include "compiler/verify/net/port_uses.hpp"
 
 namespace bip::verify {
 
 /// By place, by variable; empty: everything may matter.
 [[nodiscard]] std::vector<std::vector<std::uint8_t>> find_live_variables(const System& system, AtomTypeId type,
-                                                                         const DataAccess& access,
+                                                                         const analysis::DataAccess& access,
                                                                          const AtomUses& uses);
 
 }  // namespace bip::verify

@@ -16,7 +16,7 @@ enum class Follow : std::uint8_t { Observed, Booleans, Nothing };
 
 class Explorer {
  public:
-  Explorer(const System& system, ModeClass& row, const DataAccess& access, std::size_t limit)
+  Explorer(const System& system, ModeClass& row, const analysis::DataAccess& access, std::size_t limit)
       : code_(system.code), type_(system.atom_types[row.type]), access_(access), row_(row), limit_(limit) {}
 
   void forget_dead(std::vector<std::vector<std::uint8_t>> live) { live_ = std::move(live); }
@@ -215,7 +215,7 @@ class Explorer {
 
   const CodeTable& code_;
   const AtomType& type_;
-  const DataAccess& access_;
+  const analysis::DataAccess& access_;
   ModeClass& row_;
   std::size_t limit_;
   std::map<Mode, std::uint32_t> numbers_;
@@ -227,7 +227,7 @@ class Explorer {
 }  // namespace
 
 ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector<Value>& args,
-                        const DataAccess& access) {
+                        const analysis::DataAccess& access) {
   const AtomType& atom_type = system.atom_types[type];
   for (const Follow follow : {Follow::Observed, Follow::Booleans, Follow::Nothing}) {
     ModeClass row;
@@ -251,8 +251,8 @@ ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector
   return row;
 }
 
-ModeClass explore_modes(const System& system, const ModeClass& plain, const DataAccess& access, const AtomUses& uses,
-                        UsesAs as) {
+ModeClass explore_modes(const System& system, const ModeClass& plain, const analysis::DataAccess& access,
+                        const AtomUses& uses, UsesAs as) {
   ModeClass row;
   row.type = plain.type;
   row.args = plain.args;

@@ -11,7 +11,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
-#include "compiler/verify/net/data_access.hpp"
+#include "compiler/analysis/data_access.hpp"
 #include "compiler/verify/net/port_uses.hpp"
 
 namespace bip::verify {
@@ -52,14 +52,14 @@ struct ModeClass {
 };
 
 [[nodiscard]] ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector<Value>& args,
-                                      const DataAccess& access);
+                                      const analysis::DataAccess& access);
 
 /// What an atom's uses of ports are for: to be told apart, with the values that they write; or to be seen as one again,
 /// without those values (what a certificate can speak of as modes).
 enum class UsesAs : std::uint8_t { Ports, Hidden };
 /// `plain`: the class without; the uses speak of the data that it follows, and must stay where they are. Too large: not
 /// within the limits.
-[[nodiscard]] ModeClass explore_modes(const System& system, const ModeClass& plain, const DataAccess& access,
+[[nodiscard]] ModeClass explore_modes(const System& system, const ModeClass& plain, const analysis::DataAccess& access,
                                       const AtomUses& uses, UsesAs as);
 
 /// By variable: what it always is, if it never changes.

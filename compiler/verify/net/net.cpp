@@ -12,7 +12,7 @@ class NetBuilder {
  public:
   explicit NetBuilder(const System& system) {
     net_.system = &system;
-    net_.access = analyze_data_access(system);
+    net_.access = analysis::analyze_data_access(system);
   }
   NetBuilder(const Net& plain, const PortUses& uses, UsesAs as) : plain_(&plain), uses_(&uses), as_(as) {
     net_.system = plain.system;

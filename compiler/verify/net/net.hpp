@@ -34,7 +34,7 @@ struct Node {
 
 struct Net {
   const System* system = nullptr;
-  std::vector<DataAccess> access;  // by atom type
+  std::vector<analysis::DataAccess> access;  // by atom type
   std::vector<ModeClass> classes;
   std::vector<u32> class_of;              // by atom
   std::vector<u32> mode_base, port_base;  // by atom, and the total

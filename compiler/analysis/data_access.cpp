@@ -1,14 +1,18 @@
 // See data_access.hpp. A variable is observed if a guard reads it, or if an observed variable is computed from it.
-#include "compiler/verify/net/data_access.hpp"
+#include "compiler/analysis/data_access.hpp"
 
 #include <algorithm>
 #include <optional>
 
-#include "compiler/verify/net/abstract_code.hpp"
+#include "compiler/base/assert.hpp"
+#include "compiler/model/code_uses.hpp"
 
-namespace bip::verify {
+namespace bip::analysis {
 
 namespace {
+
+using model::for_each_expr;
+using model::for_each_stmt;
 
 class DataAccessScan {
  public:
@@ -24,13 +28,13 @@ class DataAccessScan {
     }
   }
 
-  std::vector<DataAccess> all() {
-    for (const Connector& connector : system_.connectors) look_at_connector(connector);
+  std::vector<DataAccess> scan() {
+    for (const Connector& connector : system_.connectors) scan_connector(connector);
     for (const Priority& priority : system_.priorities) {
       for (const DataRef& ref : priority.data) access_of(ref.atom).read_anywhere[ref.variable] = 1;
       for (const DataRef& ref : priority.data) give_away(ref, priority.guard, ref_number(priority.data, ref));
     }
-    for (std::size_t row = 0; row < rows_.size(); ++row) look_at_type(system_.atom_types[AtomTypeId(row)], rows_[row]);
+    for (std::size_t row = 0; row < rows_.size(); ++row) scan_type(system_.atom_types[AtomTypeId(row)], rows_[row]);
     for (DataAccess& access : rows_) {
       for (std::vector<std::vector<std::uint32_t>>* lists : {&access.written, &access.read}) {
         for (std::vector<std::uint32_t>& variables : *lists) {
@@ -40,6 +44,8 @@ class DataAccessScan {
       }
     }
     for (const Connector& connector : system_.connectors) observe_constants(connector);
+    BIP_ASSERT(rows_.size() == system_.atom_types.size(), "{} rows for {} atom types", rows_.size(),
+               system_.atom_types.size());
     return std::move(rows_);
   }
 
@@ -101,7 +107,7 @@ class DataAccessScan {
   // What never changes costs no modes; where it is given to observed data it says what that is.
   void observe_constants(const Connector& connector) {
     const ConnectorType& type = system_.connector_types[connector.type];
-    const auto interaction_of = [&](std::uint32_t bind) -> std::optional<std::pair<AtomId, std::uint32_t>> {
+    const auto source_of = [&](std::uint32_t bind) -> std::optional<std::pair<AtomId, std::uint32_t>> {
       for (std::size_t p = type.params.size(); p-- > 0;) {
         const PortRef& ref = connector.ports[p];
         if (bind < type.params[p].first_bind) continue;
@@ -116,10 +122,10 @@ class DataAccessScan {
     for (const Clause& clause : type.clauses) {
       for_each_stmt(code_, clause.down, [&](const Stmt& s) {
         if (s.op != StmtOp::StoreBind) return;
-        const auto target = interaction_of(s.index);
+        const auto target = source_of(s.index);
         if (!target || access_of(target->first).observed[target->second] == 0) return;
         for_each_expr(code_, s.value, [&](const Expr& e) {
-          const auto source = e.op == Op::LoadBind ? interaction_of(e.index) : std::nullopt;
+          const auto source = e.op == Op::LoadBind ? source_of(e.index) : std::nullopt;
           if (!source) return;
           DataAccess& access = access_of(source->first);
           if (access.observed[source->second] != 0) return;
@@ -130,7 +136,7 @@ class DataAccessScan {
     }
   }
 
-  void look_at_connector(const Connector& connector) {
+  void scan_connector(const Connector& connector) {
     const ConnectorType& type = system_.connector_types[connector.type];
     const std::uint32_t variables =
         type.bind_count(system_.port_types) - static_cast<std::uint32_t>(type.data_reads.size());
@@ -149,9 +155,10 @@ class DataAccessScan {
         return;
       }
       const std::uint32_t param = param_of(bind);
+      BIP_ASSERT(param < connector.ports.size(), "parameter {} of {}", param, connector.ports.size());
       bool takes_part = false;
       if (clause != nullptr) {
-        for (std::uint32_t one : clause->params) takes_part |= one == param;
+        for (std::uint32_t other : clause->params) takes_part |= other == param;
       }
       each_variable(connector.ports[param], bind - type.params[param].first_bind,
                     [takes_part](DataAccess& access, auto port, std::uint32_t variable) {
@@ -204,7 +211,7 @@ class DataAccessScan {
     }
   }
 
-  void look_at_type(const AtomType& type, DataAccess& access) {
+  void scan_type(const AtomType& type, DataAccess& access) {
     std::vector<std::uint32_t> binds, selves;
     const auto reads = [&](ExprId expr) {
       bool is_new = false;
@@ -247,6 +254,6 @@ class DataAccessScan {
 
 }  // namespace
 
-std::vector<DataAccess> analyze_data_access(const System& system) { return DataAccessScan(system).all(); }
+std::vector<DataAccess> analyze_data_access(const System& system) { return DataAccessScan(system).scan(); }
 
-}  // namespace bip::verify
+}  // namespace bip::analysis
