@@ -59,16 +59,16 @@ Result<JitCode> JitPlugin::compile(const lower::LoweredSystem& lowered, const ji
 }
 
 Result<std::string> JitPlugin::emit(const lower::LoweredSystem& lowered, jit::OptLevel level,
-                                    jit::EmitKind kind) const {
+                                    jit::Listing kind) const {
   std::string text;
   if (!emit_(&lowered, level, kind, &text)) return Failure{std::move(text)};
   return text;
 }
 Result<std::string> JitPlugin::emit_llvm(const lower::LoweredSystem& lowered, jit::OptLevel level) const {
-  return emit(lowered, level, jit::EmitKind::Llvm);
+  return emit(lowered, level, jit::Listing::Llvm);
 }
 Result<std::string> JitPlugin::emit_asm(const lower::LoweredSystem& lowered, jit::OptLevel level) const {
-  return emit(lowered, level, jit::EmitKind::Asm);
+  return emit(lowered, level, jit::Listing::Asm);
 }
 
 }  // namespace bip::driver

@@ -29,7 +29,7 @@ class JitPlugin {
  private:
   friend Result<JitPlugin> load_jit();
   [[nodiscard]] Result<std::string> emit(const lower::LoweredSystem& lowered, jit::OptLevel level,
-                                         jit::EmitKind kind) const;
+                                         jit::Listing kind) const;
 
   jit::CompileFn* compile_ = nullptr;
   jit::DestroyFn* destroy_ = nullptr;

@@ -9,7 +9,7 @@ std::uint64_t bipc_jit_abi();
 jit::Jit* bipc_jit_compile(const lower::LoweredSystem* lowered, const jit::JitOptions* options, jit::MadeCode* made,
                            std::string* error);
 void bipc_jit_destroy(jit::Jit* jit);
-bool bipc_jit_emit(const lower::LoweredSystem* lowered, jit::OptLevel level, jit::EmitKind kind, std::string* out);
+bool bipc_jit_emit(const lower::LoweredSystem* lowered, jit::OptLevel level, jit::Listing kind, std::string* out);
 
 std::uint64_t bipc_jit_abi() { return jit::kPluginAbi; }
 
@@ -23,9 +23,9 @@ jit::Jit* bipc_jit_compile(const lower::LoweredSystem* lowered, const jit::JitOp
 
 void bipc_jit_destroy(jit::Jit* jit) { delete jit; }
 
-bool bipc_jit_emit(const lower::LoweredSystem* lowered, jit::OptLevel level, jit::EmitKind kind, std::string* out) {
+bool bipc_jit_emit(const lower::LoweredSystem* lowered, jit::OptLevel level, jit::Listing kind, std::string* out) {
   Result<std::string> text =
-      kind == jit::EmitKind::Llvm ? jit::emit_llvm(*lowered, level) : jit::emit_asm(*lowered, level);
+      kind == jit::Listing::Llvm ? jit::emit_llvm(*lowered, level) : jit::emit_asm(*lowered, level);
   *out = text ? std::move(*text) : text.error();
   return static_cast<bool>(text);
 }

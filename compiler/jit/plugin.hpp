@@ -14,7 +14,7 @@ namespace bip::jit {
 constexpr std::uint64_t kPluginAbi = (std::uint64_t{3} << 48) + (sizeof(JitOptions) << 40) + (sizeof(MadeCode) << 32) +
                                      (sizeof(lower::LoweredSystem) << 24) + (sizeof(System) << 8) + sizeof(Expr);
 
-enum class EmitKind : std::uint8_t { Llvm, Asm };
+enum class Listing : std::uint8_t { Llvm, Asm };
 
 extern "C" {
 using AbiFn = std::uint64_t();
@@ -23,7 +23,7 @@ using CompileFn = Jit*(const lower::LoweredSystem* lowered, const JitOptions* op
                        std::string* error);
 using DestroyFn = void(Jit* jit);
 /// The text in `out`, or false and the reason there.
-using EmitFn = bool(const lower::LoweredSystem* lowered, OptLevel level, EmitKind kind, std::string* out);
+using EmitFn = bool(const lower::LoweredSystem* lowered, OptLevel level, Listing kind, std::string* out);
 }
 inline constexpr const char* kAbiName = "bipc_jit_abi";
 inline constexpr const char* kCompileName = "bipc_jit_compile";
