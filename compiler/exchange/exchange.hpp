@@ -4,6 +4,7 @@
 // error ends a run without being a deadlock. A model that a format cannot express is refused with the reason; nothing
 // is omitted silently.
 #pragma once
+#include <cstdint>
 #include <string>
 
 #include "compiler/base/result.hpp"
@@ -11,14 +12,20 @@
 
 namespace bip::exchange {
 
+using u32 = std::uint32_t;
+/// A connector with more interactions is refused: each is text of its own.
+inline constexpr std::size_t kMaxInteractions = 2048;
+
 struct Options {
   bool maximal_progress = true;
   std::string root_name;  // for the comment at the top
 };
 
-/// int, bool and string data, guards, transfers, internal transitions, priorities. Failure: what there is no form for.
+/// Writes int, bool and string data, guards, transfers, internal transitions and priorities as one Promela process.
+/// Failure: what the format cannot express, with its place. Cost: interactions times their size, squared per connector.
 [[nodiscard]] Result<std::string> promela(const System& system, const Options& options);
-/// A place/transition net of a model whose guards are decided by parameters. Failure: what there is no form for.
+/// Writes a place/transition net (ISO/IEC 15909-2) of a model whose guards are decided by parameters. Failure: what a
+/// net cannot express, or more than a million transitions.
 [[nodiscard]] Result<std::string> pnml(const System& system, const Options& options);
 
 }  // namespace bip::exchange

@@ -8,13 +8,17 @@
 
 #include <fmt/format.h>
 
-#include "compiler/exchange/connector_tree.hpp"
+#include "compiler/analysis/interaction_tree.hpp"
+#include "compiler/exchange/plain_name.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 
 namespace bip::exchange {
 
 namespace {
+
+using analysis::InteractionTree;
+using analysis::Leaves;
 
 constexpr std::size_t kMaxTransitions = 1000000;
 
@@ -41,7 +45,7 @@ class NetWriter {
         "  <net id=\"net\" type=\"http://www.pnml.org/version-2009/grammar/ptnet\">\n    "
         "<name><text>{}</text></name>\n    <page id=\"page\">\n"
         "{}{}{}    </page>\n  </net>\n</pnml>\n",
-        plain(options_.root_name), places_, transitions_, arcs_);
+        plain_name(options_.root_name), places_, transitions_, arcs_);
   }
 
  private:
@@ -58,7 +62,7 @@ class NetWriter {
   }
   [[nodiscard]] const AtomType& type_of(AtomId atom) const { return system_.atom_types[system_.atoms[atom].type]; }
   [[nodiscard]] std::string path_of(AtomId atom, u32 port) const {
-    return plain(system_.atoms[atom].path) + '.' + plain(type_of(atom).ports[port].name);
+    return plain_name(system_.atoms[atom].path) + '.' + plain_name(type_of(atom).ports[port].name);
   }
 
   // Parameters are known, data is not.
@@ -99,7 +103,7 @@ class NetWriter {
     for (u32 place = 0; place < type.places.size(); ++place) {
       const bool is_marked = std::find(initial.begin(), initial.end(), place) != initial.end();
       places_ += fmt::format("      <place id=\"p{}_{}\"><name><text>{}.{}</text></name>{}</place>\n", atom.value,
-                             place, plain(system_.atoms[atom].path), plain(type.places[place]),
+                             place, plain_name(system_.atoms[atom].path), plain_name(type.places[place]),
                              is_marked ? "<initialMarking><text>1</text></initialMarking>" : "");
     }
   }
@@ -155,27 +159,27 @@ class NetWriter {
   }
 
   void add_connector(ConnectorId connector) {
-    const std::string path = plain(system_.connectors[connector].path);
-    Result<ConnectorTree> tree = expand(system_, connector);
+    const std::string path = plain_name(system_.connectors[connector].path);
+    Result<InteractionTree> tree = analysis::build_interaction_tree(system_, connector);
     if (!tree) return refuse(fmt::format("connector `{}`: {}", path, tree.error()));
-    Result<std::vector<Leaves>> all = configurations(*tree, tree->uses[0].root);
+    Result<std::vector<Leaves>> all = analysis::list_interactions(*tree, tree->uses[0].root, kMaxInteractions);
     if (!all) return refuse(fmt::format("connector `{}`: {}", path, all.error()));
-    const bool prefers = std::any_of(all->begin(), all->end(), [&](const Leaves& one) {
+    const bool prefers = std::any_of(all->begin(), all->end(), [&](const Leaves& leaves) {
       return std::any_of(all->begin(), all->end(), [&](const Leaves& other) {
-        return one.size() < other.size() && std::includes(other.begin(), other.end(), one.begin(), one.end());
+        return leaves.size() < other.size() && std::includes(other.begin(), other.end(), leaves.begin(), leaves.end());
       });
     });
     const bool is_filtered = std::any_of(tree->nodes.begin(), tree->nodes.end(),
-                                         [](const ConnectorTree::Node& node) { return node.maximal_only; });
+                                         [](const InteractionTree::Node& node) { return node.maximal_only; });
     if (prefers && (options_.maximal_progress || is_filtered)) {
       return refuse(fmt::format("connector `{}`, whose larger interactions go before smaller ones{}", path,
                                 is_filtered ? "" : " (all have equal rights with `--disable-maximal-progress`)"));
     }
     for (const Leaves& leaves : *all) {
-      const std::vector<std::uint8_t> chosen = chosen_nodes(*tree, leaves);
+      const std::vector<std::uint8_t> chosen = analysis::chosen_nodes(*tree, leaves);
       bool is_allowed = true;
-      for (const ConnectorTree::Use& use : tree->uses) {
-        const Clause* clause = chosen[use.root] != 0 ? chosen_clause(system_, use, chosen) : nullptr;
+      for (const InteractionTree::Use& use : tree->uses) {
+        const Clause* clause = chosen[use.root] != 0 ? analysis::chosen_clause(system_, use, chosen) : nullptr;
         if (clause == nullptr || !clause->guard.is_valid()) continue;
         const verify::AbstractValue value = verify::evaluate(system_.code, clause->guard, {}, {});
         if (!value.is_known) return refuse("a guard that data decides", clause->loc);

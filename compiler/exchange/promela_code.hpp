@@ -1,14 +1,15 @@
 // Prints guards and actions as Promela text.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
 
-#include "compiler/exchange/connector_tree.hpp"
+#include "compiler/exchange/exchange.hpp"
 
 namespace bip::exchange {
 
-/// Names of what code reads and writes. An empty one: there is nothing to read.
+/// Names of the variables that code reads and writes; "": a merged port that does not take part has no variable.
 struct Names {
   std::function<std::string(u32)> self, bind;
 };
@@ -17,13 +18,15 @@ class PromelaCode {
  public:
   PromelaCode(const System& system, std::string& refusal) : system_(system), code_(system.code), refusal_(refusal) {}
 
-  /// An expression in parentheses, or a name or number. No guard is `true`.
+  /// Returns an expression in parentheses, a name or a number; `true` for no guard. Refuses what Promela cannot
+  /// express.
   [[nodiscard]] std::string text(ExprId expr, const Names& names);
-  /// Statements, a line each, indented.
+  /// Returns the statements from `body` on, one line each, indented.
   [[nodiscard]] std::string statements(StmtId body, const Names& names, const std::string& indent);
-  /// What the body leaves in Self, as expressions over what it read: for guards above an `up`.
+  /// Replaces each value in `self` by what the body leaves there, as an expression over the values before: for guards
+  /// above an `up`.
   void substitute(StmtId body, const Names& names, std::map<u32, std::string>& self);
-  /// The first refusal counts.
+  /// Records why the model is refused, and where, if it is the first reason.
   void refuse(const std::string& what, const Loc& loc);
   void refuse(const std::string& what) { refuse(what, Loc{}); }
 

@@ -20,16 +20,17 @@ struct CodeNames {
 [[nodiscard]] CodeNames names_of(const System& system, const ConnectorType& type);
 [[nodiscard]] CodeNames names_of(const System& system, const Priority& priority);
 
-/// Empty for no expression, no statement.
+/// Returns the code in one line; "" for no expression and no statement.
 [[nodiscard]] std::string text_of(const CodeTable& code, ExprId expr, const CodeNames& names);
 [[nodiscard]] std::string text_of(const CodeTable& code, StmtId first, const CodeNames& names);
 [[nodiscard]] std::string text_of(const CodeTable& code, const Value& value);
-/// A condition on data and on clocks: "n < 3 && x >= 5". Limits are in the clock's unit. Empty if it always holds.
+/// Returns a condition on data and on clocks: "n < 3 && x >= 5". Limits are in the clock's unit. Empty if it always
+/// holds.
 [[nodiscard]] std::string condition_of(const CodeTable& code, const AtomType& type, ExprId guard,
                                        const TimeGuard& when);
-/// The `define` tree over the names of the parameters: "a' (b c)".
+/// Returns the `define` tree over the names of the parameters: "a' (b c)".
 [[nodiscard]] std::string define_of(const ConnectorType& type);
-/// "a, b" of the rows that `rows` says.
+/// Joins the names of the rows: "a, b".
 [[nodiscard]] std::string list_of(const std::vector<std::uint32_t>& rows, const std::vector<std::string>& names,
                                   std::string_view between = ", ");
 

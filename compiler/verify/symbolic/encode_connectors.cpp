@@ -1,7 +1,8 @@
-// Connectors of the transition system: which configurations are candidates, and what firing one does: `up`s bottom up,
+// Connectors of the transition system: which interactions are candidates, and what firing one does: `up`s bottom up,
 // `down`s top down, ports in parameter order.
 #include <algorithm>
 
+#include "compiler/verify/net/abstract_code.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
 
 namespace bip::verify {
@@ -10,11 +11,114 @@ TransitionSystemBuilder::Local& TransitionSystemBuilder::local_in(Store& store, 
   return store.atoms.try_emplace(atom, now_[atom]).first->second;
 }
 
+// Neither guards nor merged ports with values. The values of a merged port are those of the alternative taken: where
+// code may see them, interactions one by one say which it is.
+bool TransitionSystemBuilder::is_plain(const Tree& tree) const {
+  for (const Use& use : tree.uses) {
+    const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
+    const rt::ConnectorType& linked = image_.connector_types[image_.connectors[use.connector.value].type];
+    bool has_code = false;
+    for (std::size_t k = 0; k < type.clauses.size(); ++k) {
+      const Clause& clause = type.clauses[k];
+      if (linked.clauses[k].may_fault || !is_always_true(system_.code, clause.guard)) return false;
+      has_code = has_code || clause.guard.is_valid() || clause.up.is_valid() || clause.down.is_valid();
+    }
+    for (std::size_t p = 0; p < type.params.size(); ++p) {
+      const u32 node = use.param_nodes[p];
+      const bool has_values = !system_.port_types[type.params[p].type].variables.empty();
+      if (node != kNoRow && tree.nodes[node].kind == Kind::Choice && has_values && has_code) return false;
+    }
+  }
+  return true;
+}
+
+// Can any choice of alternatives be taken together, and is none of them a part of another one? So if no port has two
+// leaves, and two leaves of one atom are alternatives to each other.
+bool TransitionSystemBuilder::has_free_choices(const Tree& tree) const {
+  std::vector<u32> parent(tree.nodes.size(), kNoRow);
+  std::map<u32, Leaves> of_atom;
+  for (u32 row = 0; row < tree.nodes.size(); ++row) {
+    for (u32 child : tree.nodes[row].children) parent[child] = row;
+    if (tree.nodes[row].kind == Kind::Leaf) of_atom[tree.nodes[row].atom.value].push_back(row);
+  }
+  const auto meet = [&](u32 a, u32 b) {
+    std::vector<u32> above;
+    for (; a != kNoRow; a = parent[a]) above.push_back(a);
+    while (std::find(above.begin(), above.end(), b) == above.end()) b = parent[b];
+    return b;
+  };
+  for (const auto& [atom, leaves] : of_atom) {
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      for (std::size_t j = i + 1; j < leaves.size(); ++j) {
+        if (tree.nodes[leaves[i]].port == tree.nodes[leaves[j]].port) return false;
+        if (tree.nodes[meet(leaves[i], leaves[j])].kind != Kind::Choice) return false;
+      }
+    }
+  }
+  return true;
+}
+
+// By node: is it chosen?
+std::vector<Signal> TransitionSystemBuilder::fixed_choice(const Tree& tree, const Leaves& leaves) const {
+  std::vector<Signal> chosen;
+  for (const std::uint8_t is : analysis::chosen_nodes(tree, leaves)) chosen.push_back(is != 0 ? kTrue : kFalse);
+  return chosen;
+}
+
+// Of the rows, one that is available, if `when`: an input a row but the last says whether it is this one.
+void TransitionSystemBuilder::choose_one(const std::vector<u32>& rows, const std::vector<Signal>& available,
+                                         Signal when, std::vector<Signal>& chosen) {
+  std::vector<Signal> later(rows.size() + 1, kFalse);
+  for (std::size_t k = rows.size(); k-- > 0;) later[k] = aig_.make_or(later[k + 1], available[rows[k]]);
+  Signal rest = when;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Signal wanted = later[k + 1] == kFalse ? kTrue : aig_.make_or(aig_.make_input(), negated(later[k + 1]));
+    chosen[rows[k]] = aig_.make_and(aig_.make_and(rest, available[rows[k]]), wanted);
+    rest = aig_.make_and(rest, negated(chosen[rows[k]]));
+  }
+}
+
+// Everybody that is available, from the root down; of alternatives, any one that is.
+std::vector<Signal> TransitionSystemBuilder::largest_choice(const Tree& tree) {
+  const std::size_t count = tree.nodes.size();
+  std::vector<Signal> available(count, kFalse), chosen(count, kFalse);
+  std::vector<u32> order{tree.uses[0].root};
+  for (std::size_t head = 0; head < order.size(); ++head) {
+    for (u32 child : tree.nodes[order[head]].children) order.push_back(child);
+  }
+  for (std::size_t k = order.size(); k-- > 0;) {
+    const Node& node = tree.nodes[order[k]];
+    Signal& here = available[order[k]];
+    if (node.kind == Kind::Leaf) {
+      here = transition_system_.port_is_on[port_of(node)];
+      continue;
+    }
+    const bool needs_one = node.has_trigger || node.kind == Kind::Choice;
+    here = needs_one ? kFalse : kTrue;
+    for (u32 child : node.children) {
+      if (node.kind == Kind::Choice) here = aig_.make_or(here, available[child]);
+      else if (!node.has_trigger) here = aig_.make_and(here, available[child]);
+      else if (tree.nodes[child].is_trigger) here = aig_.make_or(here, available[child]);
+    }
+  }
+  chosen[order[0]] = available[order[0]];
+  for (u32 row : order) {
+    if (tree.nodes[row].kind == Kind::Choice) {
+      choose_one(tree.nodes[row].children, available, chosen[row], chosen);
+      continue;
+    }
+    for (u32 child : tree.nodes[row].children) {
+      chosen[child] = tree.nodes[row].has_trigger ? aig_.make_and(chosen[row], available[child]) : chosen[row];
+    }
+  }
+  return chosen;
+}
+
 // A connector's own data and what it is bound to. Of a merged port, the alternative that is chosen.
 Variables TransitionSystemBuilder::variables_of(const Tree& tree, const Use& use, const std::vector<Signal>& chosen,
                                                 Store& store) {
-  const u32 base = image_.connectors[use.connector].first_cell;
-  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  const u32 base = image_.connectors[use.connector.value].first_cell;
+  const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
   // By Bind variable the row among all variables; kNoRow: nothing is chosen there.
   auto rows = std::make_shared<std::vector<u32>>();
   for (std::size_t p = 0; p < type.params.size(); ++p) {
@@ -31,18 +135,16 @@ Variables TransitionSystemBuilder::variables_of(const Tree& tree, const Use& use
       if (node == kNoRow) {
         rows->push_back(kNoRow);
       } else if (tree.nodes[node].kind == Kind::Leaf) {
-        const u32 atom = tables_.port_atom[tree.nodes[node].port];
-        rows->push_back(image_.atoms[atom].first_cell +
-                        type_of(atom).ports[tree.nodes[node].port - tables_.port_base(atom)].variables[v]);
+        const u32 atom = tree.nodes[node].atom.value;
+        rows->push_back(image_.atoms[atom].first_cell + type_of(atom).ports[tree.nodes[node].port].variables[v]);
       } else {
-        const u32 below = tree.uses[tree.nodes[node].use].connector;
-        const ConnectorType& below_type =
-            system_.connector_types[system_.connectors[ConnectorId(std::size_t{below})].type];
-        rows->push_back(image_.connectors[below].first_cell + below_type.export_variables[v]);
+        const ConnectorId below = tree.uses[tree.nodes[node].use].connector;
+        const ConnectorType& below_type = system_.connector_types[system_.connectors[below].type];
+        rows->push_back(image_.connectors[below.value].first_cell + below_type.export_variables[v]);
       }
     }
   }
-  for (const DataRef& ref : system_.connectors[ConnectorId(std::size_t{use.connector})].data) {
+  for (const DataRef& ref : system_.connectors[use.connector].data) {
     rows->push_back(image_.atoms[ref.atom.value].first_cell + ref.variable);
   }
   Variables v;
@@ -73,7 +175,7 @@ Variables TransitionSystemBuilder::variables_of(const Tree& tree, const Use& use
 // By clause: is it the one for what is chosen?
 std::vector<Signal> TransitionSystemBuilder::clause_choice(const Tree& tree, const Use& use,
                                                            const std::vector<Signal>& chosen) {
-  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
   std::vector<Signal> result;
   for (const Clause& clause : type.clauses) {
     Signal here = chosen[use.root];
@@ -88,17 +190,6 @@ std::vector<Signal> TransitionSystemBuilder::clause_choice(const Tree& tree, con
   return result;
 }
 
-bool TransitionSystemBuilder::is_below(const Tree& tree, u32 root, u32 node) const {
-  std::vector<u32> todo{root};
-  while (!todo.empty()) {
-    const u32 row = todo.back();
-    todo.pop_back();
-    if (row == node) return true;
-    todo.insert(todo.end(), tree.nodes[row].children.begin(), tree.nodes[row].children.end());
-  }
-  return false;
-}
-
 // Ports, guards bottom up with their `up`s, and that what shows only its maximal interactions shows one. `fixed`: the
 // choice is `leaves`; else `chosen` is a function of the state. Leaves the connectors' own data in the store.
 Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Leaves& leaves, bool fixed,
@@ -106,18 +197,17 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
   Signal result = chosen[root];
   Signal there = kTrue;
   if (fixed) {
-    for (u32 leaf : leaves) there = aig_.make_and(there, transition_system_.port_is_on[tree.nodes[leaf].port]);
+    for (u32 leaf : leaves) there = aig_.make_and(there, transition_system_.port_is_on[port_of(tree.nodes[leaf])]);
     result = there;
   }
   if (result == kFalse) return kFalse;
   for (std::size_t u = tree.uses.size(); u-- > 0;) {
     const Use& use = tree.uses[u];
-    if (chosen[use.root] == kFalse || !is_below(tree, root, use.root)) continue;
-    const ConnectorType& type =
-        system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+    if (chosen[use.root] == kFalse || !tree.is_below(root, use.root)) continue;
+    const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
     for (std::size_t k = 0; k < type.variables.size(); ++k) {
       const Type variable = type.variables[k].type;
-      store.frames[image_.connectors[use.connector].first_cell + static_cast<u32>(k)] =
+      store.frames[image_.connectors[use.connector.value].first_cell + static_cast<u32>(k)] =
           variable == Type::Int || variable == Type::Bool || variable == Type::String ? word_of(0) : Word{};
     }
     const Variables variables = variables_of(tree, use, chosen, store);
@@ -128,7 +218,7 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
       Signal holds = code_.test(type.clauses[k].guard, variables, clauses[k], fault);
       code_.execute(type.clauses[k].up, variables, clauses[k], fault);
       if (fault != kFalse) {
-        // Whether the engine looks at this configuration depends on others: it may be a fault, or nothing.
+        // Whether the engine looks at this interaction depends on others: it may be a fault, or nothing.
         code_.note(type.clauses[k].loc, "a fault in a connector's guard or `up`");
         guard_fault_ = aig_.make_or(guard_fault_, aig_.make_and(there, fault));
         holds = aig_.make_ite(fault, aig_.make_input(), holds);
@@ -139,16 +229,16 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
   if (!fixed) return result;
   for (u32 row = 0; row < tree.nodes.size(); ++row) {
     if (tree.nodes[row].kind != Kind::Link || !tree.nodes[row].maximal_only || chosen[row] == kFalse || row == root ||
-        !is_below(tree, root, row))
+        !tree.is_below(root, row))
       continue;
     const u32 below = tree.nodes[row].children[0];
-    std::vector<Leaves> all;
-    (void)configurations(tree, below, all);
+    Result<std::vector<Leaves>> all = analysis::list_interactions(tree, below, kMaxInteractions);
     Leaves own;
     for (u32 leaf : leaves) {
-      if (is_below(tree, below, leaf)) own.push_back(leaf);
+      if (tree.is_below(below, leaf)) own.push_back(leaf);
     }
-    for (const Leaves& larger : all) {
+    for (std::size_t k = 0; all && k < all->size(); ++k) {
+      const Leaves& larger = (*all)[k];
       if (larger.size() <= own.size() || !std::includes(larger.begin(), larger.end(), own.begin(), own.end())) continue;
       Store other;
       result = aig_.make_and(result, negated(is_enabled(tree, below, larger, true, fixed_choice(tree, larger), other)));
@@ -168,7 +258,7 @@ void TransitionSystemBuilder::fire_use(const Tree& tree, u32 row, const std::vec
                                        const std::vector<std::vector<Signal>>& clauses, SystemStep& step, Signal& fault,
                                        Signal& lost) {
   const Use& use = tree.uses[row];
-  const ConnectorType& type = system_.connector_types[system_.connectors[ConnectorId(std::size_t{use.connector})].type];
+  const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
   for (std::size_t k = 0; k < type.clauses.size(); ++k) {
     code_.execute(type.clauses[k].down, variables_of(tree, use, chosen, store), clauses[row][k], fault);
   }
@@ -185,7 +275,7 @@ void TransitionSystemBuilder::fire_use(const Tree& tree, u32 row, const std::vec
     if (tree.nodes[node].kind == Kind::Link) {
       fire_use(tree, tree.nodes[node].use, chosen, store, clauses, step, fault, lost);
     } else if (tree.nodes[node].kind == Kind::Leaf) {
-      const u32 port = tree.nodes[node].port;
+      const u32 port = port_of(tree.nodes[node]);
       Local& local = local_in(store, tables_.port_atom[port]);
       const bool is_plain = local.variables == now_[tables_.port_atom[port]].variables;
       if (is_plain && !posts_[port]) posts_[port] = fire(port, local);
@@ -215,26 +305,28 @@ void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const 
 }
 
 void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
-  Tree tree;
-  (void)add_use(tree, connector, 0);
-  const std::string name = system_.connectors[ConnectorId(std::size_t{connector})].path;
-  if (tree.is_too_large) {
+  const ConnectorId id(std::size_t{connector});
+  const std::string name = system_.connectors[id].path;
+  Result<Tree> built = analysis::build_interaction_tree(system_, id, {.nodes = kMaxTree});
+  if (!built) {
     transition_system_.unsupported = '`' + name + "` is too large";
     return;
   }
-  if (tree.is_plain && has_free_choices(tree)) {
+  const Tree& tree = *built;
+  if (is_plain(tree) && has_free_choices(tree)) {
     const std::vector<Signal> chosen = largest_choice(tree);
     Store store;
     const Signal candidate = is_enabled(tree, tree.uses[0].root, {}, false, chosen, store);
     add_step(interaction, tree, chosen, std::move(store), candidate);
     return;
   }
-  std::vector<Leaves> all;
-  if (!configurations(tree, tree.uses[0].root, all)) {
+  Result<std::vector<Leaves>> listed = analysis::list_interactions(tree, tree.uses[0].root, kMaxInteractions);
+  if (!listed) {
     transition_system_.unsupported =
-        '`' + name + "` has more than " + std::to_string(kMaxConfigurations) + " interactions with guards";
+        '`' + name + "` has more than " + std::to_string(kMaxInteractions) + " interactions with guards";
     return;
   }
+  const std::vector<Leaves>& all = *listed;
   std::vector<Signal> enabled;
   std::vector<Store> stores;
   for (const Leaves& leaves : all) {

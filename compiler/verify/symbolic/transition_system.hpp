@@ -2,9 +2,9 @@
 // next value of each bit. Exact for places, bool, int and string; what floats and C++ do is any value (`imprecisions`).
 //
 // An atom has one bit a place (exactly one of them if it is an automaton) and, a variable, as many as its range needs.
-// A step is a configuration of a connector or an internal port; connectors without guards have one configuration, the
-// largest, as a function of the state; the others are enumerated, at most kMaxConfigurations. Maximal progress,
-// priorities and internal transitions are part of it, and so are the faults that end a run.
+// A step is an interaction of a connector or an internal port; connectors without guards have one step, the
+// largest interaction, as a function of the state; of the others all interactions are enumerated, up to a limit.
+// Maximal progress, priorities and internal transitions are part of it, and so are the faults that end a run.
 #pragma once
 #include <string>
 #include <utility>

@@ -4,8 +4,9 @@
 #include <memory>
 #include <optional>
 
-#include "compiler/verify/symbolic/transition_system.hpp"
+#include "compiler/analysis/interaction_tree.hpp"
 #include "compiler/verify/net/net.hpp"
+#include "compiler/verify/symbolic/transition_system.hpp"
 #include "runtime/core/link/priorities.hpp"
 
 namespace bip::verify {
@@ -21,8 +22,8 @@ class TransitionSystemBuilder {
   TransitionSystem build();
 
  private:
-  static constexpr std::size_t kMaxConfigurations = 512, kMaxTree = 50000;
-  static constexpr u32 kMaxDepth = 200, kMaxInternals = 24;
+  static constexpr std::size_t kMaxInteractions = 512, kMaxTree = 50000;
+  static constexpr u32 kMaxInternals = 24;
 
   /// The state of one atom.
   struct Local {
@@ -56,47 +57,29 @@ class TransitionSystemBuilder {
   void finish_state();
   [[nodiscard]] Signal fits(const Word& word, const Range& range);
 
-  // connector_tree.cpp
-  enum class Kind : std::uint8_t { Group, Leaf, Link, Choice };
-  struct Node {
-    Kind kind = Kind::Group;
-    bool is_trigger = false, has_trigger = false, maximal_only = false;
-    u32 use = 0;   // the use it belongs to; Link: the one it leads to
-    u32 port = 0;  // Leaf: instance
-    std::vector<u32> children;
-  };
-  struct Use {
-    u32 connector = 0, root = 0;
-    std::vector<u32> param_nodes;  // by param
-  };
-  struct Tree {
-    std::vector<Node> nodes;  // parents before children
-    std::vector<Use> uses;    // parents before children
-    bool is_plain = true;     // neither guards nor merged ports with values
-    bool is_too_large = false;
-  };
-  using Leaves = std::vector<u32>;  // nodes, sorted
+  // encode_connectors.cpp
+  using Tree = analysis::InteractionTree;
+  using Node = Tree::Node;
+  using Use = Tree::Use;
+  using Kind = Tree::Kind;
+  using Leaves = analysis::Leaves;
   /// What a step writes before atoms fire: atoms that it touches, and connectors' own data.
   struct Store {
     std::map<u32, Local> atoms;
     std::map<u32, Word> frames;  // by row among all variables
   };
-  // encode_connectors.cpp
   void add_connectors();
   void add_internal_ports();
   void add_connector(u32 variable, u32 connector);
-  u32 add_use(Tree& tree, u32 connector, u32 depth);
-  u32 add_binding(Tree& tree, const PortRef& ref, u32 use, bool is_trigger, u32 depth);
-  u32 bind_param(Tree& tree, const Connector& connector, u32 param, u32 use, bool is_trigger, u32 depth);
+  [[nodiscard]] u32 port_of(const Node& leaf) const { return tables_.instance(leaf.atom.value, leaf.port); }
+  [[nodiscard]] bool is_plain(const Tree& tree) const;
   [[nodiscard]] bool has_free_choices(const Tree& tree) const;
   void choose_one(const std::vector<u32>& rows, const std::vector<Signal>& available, Signal when,
                   std::vector<Signal>& chosen);
-  [[nodiscard]] bool configurations(const Tree& tree, u32 node, std::vector<Leaves>& out) const;
   [[nodiscard]] std::vector<Signal> fixed_choice(const Tree& tree, const Leaves& leaves) const;
   [[nodiscard]] std::vector<Signal> largest_choice(const Tree& tree);
   [[nodiscard]] Signal is_enabled(const Tree& tree, u32 root, const Leaves& leaves, bool fixed,
                                   const std::vector<Signal>& chosen, Store& store);
-  [[nodiscard]] bool is_below(const Tree& tree, u32 root, u32 node) const;
   [[nodiscard]] std::vector<Signal> clause_choice(const Tree& tree, const Use& use, const std::vector<Signal>& chosen);
   [[nodiscard]] Variables variables_of(const Tree& tree, const Use& use, const std::vector<Signal>& chosen,
                                        Store& store);
