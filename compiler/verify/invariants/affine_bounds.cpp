@@ -66,7 +66,7 @@ class AffineEncoder {
 
   [[nodiscard]] static bool moves_one_of(const Net& net, const SystemStep& step, const std::set<u32>& atoms) {
     return std::any_of(step.parts.begin(), step.parts.end(),
-                       [&](const auto& part) { return atoms.contains(net.atom_of_port[part.first]); });
+                       [&](const auto& part) { return atoms.contains(net.graph.atom_of_port[part.first]); });
   }
 
   // A step: whether it is possible, and the next values of its atoms' bits.
@@ -80,7 +80,7 @@ class AffineEncoder {
     std::vector<u32> rows;
     std::vector<Signal> roots{step.fine};
     for (const auto& [port, when] : step.parts) {
-      const u32 atom = net.atom_of_port[port];
+      const u32 atom = net.graph.atom_of_port[port];
       if (!wanted.contains(atom) || !after.atoms.insert(atom).second) continue;
       for (u32 row = first_[atom]; row < first_[atom + 1]; ++row) {
         rows.push_back(row);

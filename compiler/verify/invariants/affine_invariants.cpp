@@ -28,7 +28,7 @@ class AffineAnalysis {
  public:
   AffineAnalysis(const Net& net, const TransitionSystem& transition_system, const rt::Image& image)
       : net_(net), system_(*net.system), transition_system_(transition_system), image_(image), code_(system_.code) {
-    first_place_ = net.port_count();
+    first_place_ = net.graph.port_count();
     first_variable_ = first_place_;
     for (const Atom& atom : system_.atoms) {
       place_base_.push_back(first_variable_);
@@ -211,7 +211,7 @@ class AffineAnalysis {
     const analysis::DataAccess& access = net_.access[net_.class_at(atom).type.value];
     for (const Transition& t : type.transitions) {
       const bool has_port = t.port != Transition::kInternal;
-      if (has_port && !reachable.in_context(net_.port_base[atom] + t.port)) continue;
+      if (has_port && !reachable.in_context(net_.graph.port_base[atom] + t.port)) continue;
       std::vector<Term> constant;
       // An automaton's first place weighs nothing: one more of all its places would change nothing.
       const auto put = [&](const std::vector<u32>& places, std::int64_t sign) {
@@ -222,7 +222,7 @@ class AffineAnalysis {
       };
       put(t.from, -1);
       put(t.to, 1);
-      if (has_port) constant.push_back({net_.port_base[atom] + t.port, -1});
+      if (has_port) constant.push_back({net_.graph.port_base[atom] + t.port, -1});
       std::vector<AffinePath> paths(1);
       paths[0].self = start_[atom];
       if (t.from.size() == 1) assume_place(atom, t.from[0], paths[0]);
@@ -262,8 +262,8 @@ class AffineAnalysis {
 
   // Returns by how much the transfer of a rendezvous changes the sum, one row per path through its code.
   std::vector<Row> transfers(u32 node) {
-    if (net_.nodes[node].connector == kNoRow) return {};
-    const Connector& connector = system_.connectors[ConnectorId(std::size_t{net_.nodes[node].connector})];
+    if (net_.graph.nodes[node].connector == kNoRow) return {};
+    const Connector& connector = system_.connectors[ConnectorId(std::size_t{net_.graph.nodes[node].connector})];
     const ConnectorType& type = system_.connector_types[connector.type];
     if (!has_plain_transfer(system_, connector) || type.clauses.empty() ||
         !stores_into_ports(system_.code, type.clauses[0].down))

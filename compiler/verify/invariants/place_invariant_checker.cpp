@@ -13,18 +13,18 @@ constexpr std::int64_t kVaries = std::int64_t{1} << 60, kDead = kVaries + 1;
 }  // namespace
 
 PlaceInvariantChecker::PlaceInvariantChecker(const Net& net, const ModeReachability& reachable)
-    : net_(net), reachable_(reachable), weight_(net.mode_count(), 0), is_visited_(net.nodes.size(), 0) {}
+    : net_(net), reachable_(reachable), weight_(net.mode_count(), 0), is_visited_(net.graph.nodes.size(), 0) {}
 
 // Returns by how much each choice below the node changes the sum; kVaries if choices differ, kDead if there is none.
 std::int64_t PlaceInvariantChecker::change(u32 node, u32 depth) const {
   if (depth > kMaxDepth) return kVaries;
   std::int64_t result = kDead;
   const auto join = [&](std::int64_t value) { result = result == kDead || result == value ? value : kVaries; };
-  const std::span<const Edge> children = net_.children(node);
-  switch (net_.nodes[node].kind) {
+  const std::span<const Edge> children = net_.graph.children(node);
+  switch (net_.graph.nodes[node].kind) {
     // A port: all its possible moves must change the sum alike.
-    case NodeKind::Port: {
-      const u32 base = net_.mode_base[net_.atom_of_port[node]];
+    case ConnectorNodeKind::Port: {
+      const u32 base = net_.mode_base[net_.graph.atom_of_port[node]];
       for (const Move& move : net_.moves(node)) {
         if (reachable_.is_on(base + move.from) && reachable_.in_context(node))
           join(weight_[base + move.to] - weight_[base + move.from]);
@@ -32,7 +32,7 @@ std::int64_t PlaceInvariantChecker::change(u32 node, u32 depth) const {
       return result;
     }
     // A rendezvous: the sum over all children.
-    case NodeKind::All: {
+    case ConnectorNodeKind::All: {
       std::int64_t sum = 0;
       bool varies = false;
       for (const Edge& child : children) {
@@ -44,7 +44,7 @@ std::int64_t PlaceInvariantChecker::change(u32 node, u32 depth) const {
       return varies ? kVaries : sum;
     }
     // Any subset of the children with a trigger: only 0 each is the same for all subsets.
-    case NodeKind::Trigger: {
+    case ConnectorNodeKind::Trigger: {
       if (children.size() == 1) return change(children[0].node, depth + 1);
       for (const Edge& child : children) {
         const std::int64_t value = change(child.node, depth + 1);
@@ -53,7 +53,7 @@ std::int64_t PlaceInvariantChecker::change(u32 node, u32 depth) const {
       return 0;
     }
     // Exactly one child.
-    case NodeKind::Any:
+    case ConnectorNodeKind::Any:
       for (const Edge& child : children) {
         const std::int64_t value = change(child.node, depth + 1);
         if (value != kDead) join(value);
@@ -92,11 +92,11 @@ bool PlaceInvariantChecker::steps_above_keep_sum(std::vector<u32> ports) {
     if (is_visited_[node] != 0) continue;
     is_visited_[node] = 1;
     visited.push_back(node);
-    if (net_.nodes[node].is_root) {
+    if (net_.graph.nodes[node].is_root) {
       const std::int64_t value = change(node, 0);
       keeps = value == 0 || value == kDead;
     }
-    for (const Edge& parent : net_.parents(node)) todo.push_back(parent.node);
+    for (const Edge& parent : net_.graph.parents(node)) todo.push_back(parent.node);
   }
   for (u32 node : visited) is_visited_[node] = 0;
   return keeps;
@@ -116,7 +116,7 @@ bool PlaceInvariantChecker::holds(const TokenInvariant& invariant) {
       const u32 atom = net_.atom_of_mode[mode];
       if (atom == last) continue;
       last = atom;
-      for (u32 port = net_.port_base[atom]; port < net_.port_base[atom + 1]; ++port) {
+      for (u32 port = net_.graph.port_base[atom]; port < net_.graph.port_base[atom + 1]; ++port) {
         const std::int64_t value = change(port, 0);
         if (value != 0 && value != kDead) changing.push_back(port);
       }

@@ -63,7 +63,7 @@ void PlaceInvariantFinder::add_cycle_equations(u32 atom, std::vector<SparseSyste
   for (std::size_t head = 0; head < queue.size(); ++head) {
     const u32 from = queue[head];
     for (const PortMove& move : net_.moves_out(from)) {
-      const u32 port = net_.port_base[atom] + move.port, to = base + move.other;
+      const u32 port = net_.graph.port_base[atom] + move.port, to = base + move.other;
       if (!reachable_.in_context(port)) continue;
       if (is_visited[move.other] == 0) {
         is_visited[move.other] = 1;
@@ -89,15 +89,15 @@ void PlaceInvariantFinder::solve() {
   is_solved_ = true;
   parent_mode_.assign(net_.mode_count(), kNoRow);
   parent_port_.assign(net_.mode_count(), kNoRow);
-  is_returned_.assign(net_.port_count(), 0);
-  change_.assign(net_.port_count(), 0);
+  is_returned_.assign(net_.graph.port_count(), 0);
+  change_.assign(net_.graph.port_count(), 0);
   std::vector<SparseSystem::Row> equations;
   for (u32 atom = 0; atom + 1 < net_.mode_base.size() && !port_changes_.is_given_up(); ++atom)
     add_cycle_equations(atom, equations);
   if (!port_changes_.is_given_up()) add_step_equations(net_, reachable_, port_changes_, equations);
   const std::size_t count = equations.size();
   port_changes_.solve(std::move(equations));
-  BIP_LOG(Places, 1, "{} equations for {} ports{}", count, net_.port_count(),
+  BIP_LOG(Places, 1, "{} equations for {} ports{}", count, net_.graph.port_count(),
           port_changes_.is_given_up() ? ": given up" : "");
 }
 
@@ -109,7 +109,7 @@ bool PlaceInvariantFinder::invariant_of(u32 free_port, TokenInvariant& invariant
   std::vector<u32> atoms;
   for (const SparseSystem::Term& term : changes) {
     change_[term.unknown] = term.factor;
-    atoms.push_back(net_.atom_of_port[term.unknown]);
+    atoms.push_back(net_.graph.atom_of_port[term.unknown]);
   }
   std::sort(atoms.begin(), atoms.end());
   atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
@@ -161,7 +161,7 @@ bool PlaceInvariantFinder::invariant_of(u32 free_port, TokenInvariant& invariant
 std::vector<TokenInvariant> PlaceInvariantFinder::find_small() {
   if (!is_solved_) solve();
   std::vector<TokenInvariant> found;
-  for (u32 port = 0; port < net_.port_count() && !port_changes_.is_given_up(); ++port) {
+  for (u32 port = 0; port < net_.graph.port_count() && !port_changes_.is_given_up(); ++port) {
     if (!port_changes_.is_free(port) || port_changes_.uses(port) == 0 || port_changes_.uses(port) > kFewPorts) continue;
     TokenInvariant invariant;
     if (!invariant_of(port, invariant) || !checker_.holds(invariant)) continue;
@@ -175,7 +175,7 @@ std::vector<TokenInvariant> PlaceInvariantFinder::find_small() {
 // How far the candidate's sum is from the initial one, as a sum over all ports (those of the paths to its modes), with
 // the ports that are not free replaced by the free ones. By port; not 0: the candidate breaks that port's invariant.
 std::vector<std::uint64_t> PlaceInvariantFinder::residuals_of(const std::vector<std::uint8_t>& marked) const {
-  std::vector<std::uint64_t> residuals(net_.port_count(), 0);
+  std::vector<std::uint64_t> residuals(net_.graph.port_count(), 0);
   for (u32 mode = 0; mode < net_.mode_count(); ++mode) {
     if (marked[mode] == 0) continue;
     for (u32 m = mode; parent_mode_[m] != kNoRow; m = parent_mode_[m]) ++residuals[parent_port_[m]];

@@ -25,7 +25,7 @@ class PlaceInvariantFinder {
       : net_(net),
         reachable_(reachable),
         checker_(net, reachable),
-        port_changes_(net.port_count(), net.port_count(), cancellation) {}
+        port_changes_(net.graph.port_count(), net.graph.port_count(), cancellation) {}
 
   /// Returns invariants that the candidate (by mode: 1 if marked) breaks; none twice.
   [[nodiscard]] std::vector<TokenInvariant> find(const std::vector<std::uint8_t>& marked);

@@ -25,8 +25,8 @@ class PlaceValueAnalysis {
       : net_(net),
         system_(*net.system),
         code_(system_.code),
-        ways_(net.port_count()),
-        has_connector_(net.port_count(), 0) {
+        ways_(net.graph.port_count()),
+        has_connector_(net.graph.port_count(), 0) {
     at_.resize(system_.atoms.size());
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) {
       stored_.push_back(stored_of(atom));
@@ -126,7 +126,7 @@ class PlaceValueAnalysis {
     if (ref.kind == PortRef::Kind::Choice) {
       for (const PortRef& one : system_.choices[ref.choice].ports) add_ways(one, is_plain, writes);
     } else if (ref.kind == PortRef::Kind::Atom) {
-      const u32 port = net_.port_base[ref.atom.value] + ref.port;
+      const u32 port = net_.graph.port_base[ref.atom.value] + ref.port;
       has_connector_[port] = 1;
       if (is_plain) return;
       Writes unknown;
@@ -201,7 +201,7 @@ class PlaceValueAnalysis {
       targets.resize(bind.size(), {kNoRow, 0});
       for (std::size_t v = 0; v < variables.size(); ++v) {
         bind[type.params[p].first_bind + v] = (*values)[variables[v]];
-        targets[type.params[p].first_bind + v] = {net_.port_base[ref.atom.value] + ref.port, variables[v]};
+        targets[type.params[p].first_bind + v] = {net_.graph.port_base[ref.atom.value] + ref.port, variables[v]};
       }
     }
     for (const DataRef& ref : connector.data) bind.push_back(constant_of(ref));
@@ -211,7 +211,7 @@ class PlaceValueAnalysis {
     });
     execute(code_, type.clauses[0].down, self, bind);
     for (std::size_t p = 0; p < type.params.size(); ++p) {
-      const u32 port = net_.port_base[connector.ports[p].atom.value] + connector.ports[p].port;
+      const u32 port = net_.graph.port_base[connector.ports[p].atom.value] + connector.ports[p].port;
       Writes writes;
       for (u32 k : written) {
         if (targets[k].first == port) writes.emplace_back(targets[k].second, bind[k]);
@@ -245,7 +245,7 @@ class PlaceValueAnalysis {
         forget(atom, values);
         is_changed_ = join(at_[atom][t.to[0]], values) || is_changed_;
       };
-      const u32 port = t.port == Transition::kInternal ? kNoRow : net_.port_base[atom] + t.port;
+      const u32 port = t.port == Transition::kInternal ? kNoRow : net_.graph.port_base[atom] + t.port;
       if (port == kNoRow || has_connector_[port] == 0) {
         go({});
         continue;

@@ -13,7 +13,7 @@ namespace bip::verify {
 // A port: for every possible move alike, plus = to and not from, minus = from and not to.
 StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_port(u32 port) {
   Solver& s = *solver_;
-  const u32 base = net_.mode_base[net_.atom_of_port[port]];
+  const u32 base = net_.mode_base[net_.graph.atom_of_port[port]];
   Effect effect{0, 0, true};
   for (const Move& move : net_.moves(port)) {
     if (!reachable_.is_on(base + move.from) || !reachable_.in_context(port)) continue;
@@ -67,23 +67,23 @@ StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_rendezvo
 
 StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_node(u32 row) {
   Solver& s = *solver_;
-  const Node& node = net_.nodes[row];
-  if (node.kind == NodeKind::Port) return encode_port(row);
+  const Node& node = net_.graph.nodes[row];
+  if (node.kind == ConnectorNodeKind::Port) return encode_port(row);
   std::vector<Effect> live;
-  for (const Edge& child : net_.children(row)) {
+  for (const Edge& child : net_.graph.children(row)) {
     BIP_ASSERT(child.node < row, "node {} stands before its child {}", row, child.node);
     const Effect& below = effects_[child.node];
-    if (below.is_dead && node.kind == NodeKind::All) return {0, 0, true};
+    if (below.is_dead && node.kind == ConnectorNodeKind::All) return {0, 0, true};
     if (!below.is_dead) live.push_back(below);
   }
   if (live.empty()) return {0, 0, true};
   if (live.size() == 1) return live[0];
-  if (node.kind == NodeKind::All) return encode_rendezvous(live);
+  if (node.kind == ConnectorNodeKind::All) return encode_rendezvous(live);
   const Lit plus = s.new_variable(), minus = s.new_variable();
   const Effect effect{plus, minus, false};
   for (const Effect& child : live) {
     // Any subset of a trigger group may take part: only no effect at all is the same for all subsets.
-    if (node.kind == NodeKind::Trigger) {
+    if (node.kind == ConnectorNodeKind::Trigger) {
       s.add({-child.plus});
       s.add({-child.minus});
     } else {
@@ -93,7 +93,7 @@ StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_node(u32
       s.add({child.minus, -effect.minus});
     }
   }
-  if (node.kind == NodeKind::Trigger) {
+  if (node.kind == ConnectorNodeKind::Trigger) {
     s.add({-effect.plus});
     s.add({-effect.minus});
   }
@@ -151,10 +151,10 @@ void StateMachineComponentFinder::encode() {
   encode_two_witnesses();
   encode_one_initial_token();
   // Children stand before parents; a step, the choice at a root, has no effect.
-  effects_.resize(net_.nodes.size());
-  for (u32 row = 0; row < net_.nodes.size(); ++row) {
+  effects_.resize(net_.graph.nodes.size());
+  for (u32 row = 0; row < net_.graph.nodes.size(); ++row) {
     effects_[row] = encode_node(row);
-    if (!net_.nodes[row].is_root || effects_[row].is_dead) continue;
+    if (!net_.graph.nodes[row].is_root || effects_[row].is_dead) continue;
     solver_->add({-effects_[row].plus});
     solver_->add({-effects_[row].minus});
   }

@@ -31,45 +31,45 @@ void TrapFinder::clear() {
 bool TrapFinder::may_put_nothing(u32 node, u32 depth) const {
   if (depth > kMaxDepth) return true;
   const auto below = [&](const Edge& child) { return may_put_nothing(child.node, depth + 1); };
-  const std::span<const Edge> children = net_.children(node);
-  switch (net_.nodes[node].kind) {
-    case NodeKind::Port: {
-      const u32 base = net_.mode_base[net_.atom_of_port[node]];
+  const std::span<const Edge> children = net_.graph.children(node);
+  switch (net_.graph.nodes[node].kind) {
+    case ConnectorNodeKind::Port: {
+      const u32 base = net_.mode_base[net_.graph.atom_of_port[node]];
       for (const Move& move : net_.moves(node)) {
         if (in_set_[base + move.to] == 0 && is_possible(node, base + move.from)) return true;
       }
       return false;
     }
-    case NodeKind::All: return std::all_of(children.begin(), children.end(), below);
+    case ConnectorNodeKind::All: return std::all_of(children.begin(), children.end(), below);
     // A trigger may fire alone.
-    case NodeKind::Trigger:
+    case ConnectorNodeKind::Trigger:
       return std::any_of(children.begin(), children.end(),
                          [&](const Edge& child) { return child.is_trigger && below(child); });
-    case NodeKind::Any: return std::any_of(children.begin(), children.end(), below);
+    case ConnectorNodeKind::Any: return std::any_of(children.begin(), children.end(), below);
   }
   BIP_UNREACHABLE("kind of a node");
 }
 
 bool TrapFinder::siblings_may_put_nothing(u32 parent, const Edge& edge_up, u32 child) const {
-  const std::span<const Edge> children = net_.children(parent);
-  switch (net_.nodes[parent].kind) {
-    case NodeKind::All:
+  const std::span<const Edge> children = net_.graph.children(parent);
+  switch (net_.graph.nodes[parent].kind) {
+    case ConnectorNodeKind::All:
       return std::all_of(children.begin(), children.end(),
                          [&](const Edge& other) { return other.node == child || may_put_nothing(other.node, 0); });
-    case NodeKind::Trigger:
+    case ConnectorNodeKind::Trigger:
       return edge_up.is_trigger || std::any_of(children.begin(), children.end(), [&](const Edge& other) {
                return other.is_trigger && other.node != child && may_put_nothing(other.node, 0);
              });
-    case NodeKind::Port:
-    case NodeKind::Any: return true;
+    case ConnectorNodeKind::Port:
+    case ConnectorNodeKind::Any: return true;
   }
   BIP_UNREACHABLE("kind of a node");
 }
 
 // Is there a step with this node in which every other port may put nothing?
 bool TrapFinder::rest_of_step_may_put_nothing(u32 node, u32 depth) const {
-  if (net_.nodes[node].is_root || depth > kMaxDepth) return true;
-  for (const Edge& parent : net_.parents(node)) {
+  if (net_.graph.nodes[node].is_root || depth > kMaxDepth) return true;
+  for (const Edge& parent : net_.graph.parents(node)) {
     if (siblings_may_put_nothing(parent.node, parent, node) && rest_of_step_may_put_nothing(parent.node, depth + 1))
       return true;
   }
@@ -81,7 +81,7 @@ bool TrapFinder::can_be_left(u32 mode) const {
   const u32 atom = net_.atom_of_mode[mode];
   const u32 base = net_.mode_base[atom];
   for (const PortMove& move : net_.moves_out(mode)) {
-    const u32 port = net_.port_base[atom] + move.port;
+    const u32 port = net_.graph.port_base[atom] + move.port;
     if (in_set_[base + move.other] != 0 || !is_possible(port, mode)) continue;
     if (rest_of_step_may_put_nothing(port, 0)) return true;
   }
@@ -114,7 +114,7 @@ bool TrapFinder::holds(const std::vector<u32>& modes) {
 // puts a token into it; kImpossible if that leads out of the largest trap. With Apply they join.
 std::uint64_t TrapFinder::make_node_put(u32 node, Repair repair, u32 depth) {
   if (depth > kMaxDepth) return kImpossible;
-  const std::span<const Edge> children = net_.children(node);
+  const std::span<const Edge> children = net_.graph.children(node);
   const auto sum_over = [&](auto&& is_counted) {
     std::uint64_t cost = 0;
     for (const Edge& child : children) {
@@ -122,10 +122,10 @@ std::uint64_t TrapFinder::make_node_put(u32 node, Repair repair, u32 depth) {
     }
     return std::min(cost, kImpossible);
   };
-  switch (net_.nodes[node].kind) {
+  switch (net_.graph.nodes[node].kind) {
     // All possible moves of the port must end in the set.
-    case NodeKind::Port: {
-      const u32 base = net_.mode_base[net_.atom_of_port[node]];
+    case ConnectorNodeKind::Port: {
+      const u32 base = net_.mode_base[net_.graph.atom_of_port[node]];
       std::uint64_t cost = 0;
       for (const Move& move : net_.moves(node)) {
         const u32 to = base + move.to;
@@ -137,7 +137,7 @@ std::uint64_t TrapFinder::make_node_put(u32 node, Repair repair, u32 depth) {
       return cost;
     }
     // One child is enough: the cheapest.
-    case NodeKind::All: {
+    case ConnectorNodeKind::All: {
       std::uint64_t best = kImpossible;
       u32 cheapest = kNoRow;
       for (const Edge& child : children) {
@@ -151,26 +151,26 @@ std::uint64_t TrapFinder::make_node_put(u32 node, Repair repair, u32 depth) {
       return best;
     }
     // Each trigger may fire alone, and each alternative too.
-    case NodeKind::Trigger: return sum_over([](const Edge& child) { return child.is_trigger; });
-    case NodeKind::Any: return sum_over([](const Edge&) { return true; });
+    case ConnectorNodeKind::Trigger: return sum_over([](const Edge& child) { return child.is_trigger; });
+    case ConnectorNodeKind::Any: return sum_over([](const Edge&) { return true; });
   }
   BIP_UNREACHABLE("kind of a node");
 }
 
 // Estimates, or makes, that in every step with this node another port puts a token into the set.
 std::uint64_t TrapFinder::make_rest_of_step_put(u32 node, Repair repair, u32 depth) {
-  if (net_.nodes[node].is_root || depth > kMaxDepth) return kImpossible;
+  if (net_.graph.nodes[node].is_root || depth > kMaxDepth) return kImpossible;
   std::uint64_t total = 0;
-  for (const Edge& parent : net_.parents(node)) {
+  for (const Edge& parent : net_.graph.parents(node)) {
     if (!siblings_may_put_nothing(parent.node, parent, node) || !rest_of_step_may_put_nothing(parent.node, depth + 1))
       continue;
     // Three ways, the cheapest counts: further up, one sibling of a rendezvous, all triggers of a group.
-    const NodeKind kind = net_.nodes[parent.node].kind;
+    const ConnectorNodeKind kind = net_.graph.nodes[parent.node].kind;
     std::uint64_t best = make_rest_of_step_put(parent.node, Repair::Estimate, depth + 1);
     u32 sibling = kNoRow;
     bool all_triggers = false;
-    if (kind == NodeKind::All) {
-      for (const Edge& other : net_.children(parent.node)) {
+    if (kind == ConnectorNodeKind::All) {
+      for (const Edge& other : net_.graph.children(parent.node)) {
         if (other.node == node) continue;
         const std::uint64_t cost = make_node_put(other.node, Repair::Estimate, 0);
         if (cost < best) {
@@ -178,7 +178,7 @@ std::uint64_t TrapFinder::make_rest_of_step_put(u32 node, Repair repair, u32 dep
           sibling = other.node;
         }
       }
-    } else if (kind == NodeKind::Trigger && !parent.is_trigger) {
+    } else if (kind == ConnectorNodeKind::Trigger && !parent.is_trigger) {
       const std::uint64_t cost = make_node_put(parent.node, Repair::Estimate, 0);
       if (cost < best) {
         best = cost;
@@ -207,7 +207,7 @@ bool TrapFinder::grow(u32 start) {
     const u32 base = net_.mode_base[atom];
     for (const PortMove& move : net_.moves_out(mode)) {
       const u32 to = base + move.other;
-      const u32 port = net_.port_base[atom] + move.port;
+      const u32 port = net_.graph.port_base[atom] + move.port;
       if (in_set_[to] != 0 || !is_possible(port, mode) || !rest_of_step_may_put_nothing(port, 0)) continue;
       const std::uint64_t target_joins = in_largest_[to] != 0 ? 1 + net_.moves_out(to).size() : kImpossible;
       const std::uint64_t others_put = make_rest_of_step_put(port, Repair::Estimate, 0);

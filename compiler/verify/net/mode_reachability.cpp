@@ -8,12 +8,12 @@ ModeReachability::ModeReachability(const Net& net, Direction direction, const Mo
       direction_(direction),
       forward_(forward),
       on_(net.mode_count(), 0),
-      ready_(net.nodes.size(), 0),
-      context_(net.nodes.size(), 0),
-      count_(net.nodes.size(), 0) {
-  for (u32 row = 0; row < net.nodes.size(); ++row) {
-    const Node& node = net.nodes[row];
-    if (node.kind == NodeKind::All) count_[row] = node.children;
+      ready_(net.graph.nodes.size(), 0),
+      context_(net.graph.nodes.size(), 0),
+      count_(net.graph.nodes.size(), 0) {
+  for (u32 row = 0; row < net.graph.nodes.size(); ++row) {
+    const Node& node = net.graph.nodes[row];
+    if (node.kind == ConnectorNodeKind::All) count_[row] = node.children;
     if (node.is_root) put_in_context(row);
   }
 }
@@ -37,18 +37,19 @@ void ModeReachability::put_in_context(u32 node) {
 }
 
 void ModeReachability::spread_context(u32 group) {
-  const NodeKind kind = net_.nodes[group].kind;
-  for (const Edge& child : net_.children(group)) {
+  const ConnectorNodeKind kind = net_.graph.nodes[group].kind;
+  for (const Edge& child : net_.graph.children(group)) {
     bool others_are_ready = true;
-    if (kind == NodeKind::All) others_are_ready = count_[group] == 0 || (count_[group] == 1 && ready_[child.node] == 0);
-    if (kind == NodeKind::Trigger) others_are_ready = child.is_trigger || count_[group] != 0;
+    if (kind == ConnectorNodeKind::All)
+      others_are_ready = count_[group] == 0 || (count_[group] == 1 && ready_[child.node] == 0);
+    if (kind == ConnectorNodeKind::Trigger) others_are_ready = child.is_trigger || count_[group] != 0;
     if (others_are_ready) put_in_context(child.node);
   }
 }
 
 // All moves of the port whose one end is on.
 void ModeReachability::fire_port(u32 port) {
-  const u32 base = net_.mode_base[net_.atom_of_port[port]];
+  const u32 base = net_.mode_base[net_.graph.atom_of_port[port]];
   for (const Move& move : net_.moves(port)) {
     if (!is_possible(port, base + move.from)) continue;
     const u32 near = base + (direction_ == Direction::Forward ? move.from : move.to);
@@ -62,19 +63,19 @@ void ModeReachability::run() {
     if (!context_todo_.empty()) {
       const u32 node = context_todo_.back();
       context_todo_.pop_back();
-      if (net_.nodes[node].kind == NodeKind::Port) fire_port(node);
+      if (net_.graph.nodes[node].kind == ConnectorNodeKind::Port) fire_port(node);
       else spread_context(node);
     } else if (!ready_todo_.empty()) {
       const u32 node = ready_todo_.back();
       ready_todo_.pop_back();
-      for (const Edge& parent : net_.parents(node)) {
+      for (const Edge& parent : net_.graph.parents(node)) {
         const u32 group = parent.node;
-        switch (net_.nodes[group].kind) {
-          case NodeKind::All:
+        switch (net_.graph.nodes[group].kind) {
+          case ConnectorNodeKind::All:
             if (--count_[group] == 0) make_ready(group);
             if (context_[group] != 0 && count_[group] <= 1) spread_context(group);
             break;
-          case NodeKind::Trigger:
+          case ConnectorNodeKind::Trigger:
             if (!parent.is_trigger || count_[group]++ != 0) break;
             make_ready(group);
             if (context_[group] != 0) spread_context(group);
@@ -88,7 +89,7 @@ void ModeReachability::run() {
       const u32 atom = net_.atom_of_mode[mode];
       const u32 base = net_.mode_base[atom];
       for (const PortMove& move : direction_ == Direction::Forward ? net_.moves_out(mode) : net_.moves_in(mode)) {
-        const u32 port = net_.port_base[atom] + move.port;
+        const u32 port = net_.graph.port_base[atom] + move.port;
         if (!is_possible(port, direction_ == Direction::Forward ? mode : base + move.other)) continue;
         make_ready(port);
         if (context_[port] != 0) turn_on(base + move.other);

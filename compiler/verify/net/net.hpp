@@ -1,14 +1,14 @@
-// The whole system as one network: atoms with their modes, their ports as leaves, connectors' `define` trees above
-// them. An inner connector is one node that its users share; no interaction is ever listed.
+// The whole system as one network: the graph of its connectors (compiler/analysis/connector_graph.hpp), and for each
+// atom its modes and how the leaves move it between them.
 //
-// Built once, linear in the system. Modes get global numbers, atom by atom; so do ports (nodes [0, port_count)), an
-// atom's uses of ports that are told apart after its ports.
+// Built once, linear in the system. Modes get global numbers, atom by atom, as the leaves do.
 #pragma once
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "compiler/analysis/connector_graph.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/verify/net/modes.hpp"
 
@@ -17,47 +17,27 @@ namespace bip::verify {
 using u32 = std::uint32_t;
 inline constexpr u32 kNoRow = 0xffffffffu;
 
-/// Port: of an atom. All: a rendezvous. Trigger: a group with triggers. Any: exactly one of its children (merged
-/// ports).
-enum class NodeKind : std::uint8_t { Port, All, Trigger, Any };
-struct Edge {
-  u32 node = 0;
-  bool is_trigger = false;
-};
-struct Node {
-  NodeKind kind = NodeKind::Port;
-  bool is_root = false;  // its choices are steps: a connector that exports no port, or an internal port
-  u32 first_child = 0, children = 0;
-  u32 first_parent = 0, parents = 0;
-  u32 connector = kNoRow;  // root group of this connector
-};
+using analysis::ConnectorNodeKind;
+using Edge = analysis::ConnectorGraph::Edge;
+using Node = analysis::ConnectorGraph::Node;
 
 struct Net {
   const System* system = nullptr;
   std::vector<analysis::DataAccess> access;  // by atom type
   std::vector<ModeClass> classes;
-  std::vector<u32> class_of;              // by atom
-  std::vector<u32> mode_base, port_base;  // by atom, and the total
-  std::vector<u32> atom_of_mode, atom_of_port;
-  std::vector<Node> nodes;  // children before parents
-  std::vector<Edge> child_edges, parent_edges;
-  std::vector<u32> root_of;     // by connector: its root group
-  PortUses uses;                // told apart; else empty
-  u32 too_large_atom = kNoRow;  // its modes are too many: the net is not usable
+  std::vector<u32> class_of;       // by atom
+  std::vector<u32> mode_base;      // by atom, and the total
+  std::vector<u32> atom_of_mode;   // by mode
+  analysis::ConnectorGraph graph;  // its leaves: an atom's ports, then its uses of ports that are told apart
+  PortUses uses;                   // told apart; else empty
+  u32 too_large_atom = kNoRow;     // its modes are too many: the net is not usable
 
   [[nodiscard]] u32 mode_count() const { return mode_base.back(); }
-  [[nodiscard]] u32 port_count() const { return port_base.back(); }
   [[nodiscard]] const ModeClass& class_at(u32 atom) const { return classes[class_of[atom]]; }
-  [[nodiscard]] std::span<const Edge> children(u32 node) const {
-    return {child_edges.data() + nodes[node].first_child, nodes[node].children};
-  }
-  [[nodiscard]] std::span<const Edge> parents(u32 node) const {
-    return {parent_edges.data() + nodes[node].first_parent, nodes[node].parents};
-  }
-  /// Moves of a port instance, modes as numbers of the class; add mode_base[atom_of_port[port]].
+  /// Moves of a port instance, modes as numbers of the class; add mode_base[graph.atom_of_port[port]].
   [[nodiscard]] std::span<const Move> moves(u32 port) const {
-    const u32 atom = atom_of_port[port];
-    return class_at(atom).moves[port - port_base[atom]];
+    const u32 atom = graph.atom_of_port[port];
+    return class_at(atom).moves[port - graph.port_base[atom]];
   }
   /// Port and other end of the moves out of (into) a mode; numbers of the class.
   [[nodiscard]] std::span<const PortMove> moves_out(u32 mode) const {
@@ -68,13 +48,17 @@ struct Net {
     const u32 atom = atom_of_mode[mode];
     return class_at(atom).in[mode - mode_base[atom]];
   }
+  /// Leaf of a parameter that is bound to an atom's port, counted from the atom's first.
+  [[nodiscard]] u32 leaf_of(ConnectorId connector, std::size_t param) const {
+    const PortRef& ref = system->connectors[connector].ports[param];
+    const bool has_uses = !uses.of_param.empty() && !uses.of_param[connector.value].empty();
+    const u32 use = has_uses ? uses.of_param[connector.value][param] : 0;
+    return use == 0 ? ref.port : static_cast<u32>(class_at(ref.atom.value).is_sure.size()) + use - 1;
+  }
   /// Node of a parameter that is bound to an atom's port.
   [[nodiscard]] u32 port_node(ConnectorId connector, std::size_t param) const {
     const PortRef& ref = system->connectors[connector].ports[param];
-    const u32 base = port_base[ref.atom.value];
-    const bool has_uses = !uses.of_param.empty() && !uses.of_param[connector.value].empty();
-    const u32 use = has_uses ? uses.of_param[connector.value][param] : 0;
-    return use == 0 ? base + ref.port : base + static_cast<u32>(class_at(ref.atom.value).is_sure.size()) + use - 1;
+    return graph.port_base[ref.atom.value] + leaf_of(connector, param);
   }
   /// "phil[0]@EATS"
   [[nodiscard]] std::string mode_name(u32 mode) const;

@@ -17,10 +17,10 @@ Encoding::Encoding(const Net& net, const ModeReachability& reachable, Encoded wh
     : net_(net), reachable_(reachable), guards_(net.system->code, solver_) {
   add_atoms();
   if (what == Encoded::Nothing) return;
-  lacking_.resize(net.nodes.size());
-  for (u32 row = 0; row < net.nodes.size(); ++row) {
-    const Node& node = net.nodes[row];
-    if (node.kind == NodeKind::Port) {
+  lacking_.resize(net.graph.nodes.size());
+  for (u32 row = 0; row < net.graph.nodes.size(); ++row) {
+    const Node& node = net.graph.nodes[row];
+    if (node.kind == ConnectorNodeKind::Port) {
       lacking_[row] = port(row);
     } else {
       bool has_guards = false;
@@ -56,8 +56,8 @@ void Encoding::add_atoms() {
 
 // Is it a use of a port, told apart from the others?
 bool Encoding::is_use(u32 row) const {
-  const u32 atom = net_.atom_of_port[row];
-  return row - net_.port_base[atom] >= net_.class_at(atom).is_sure.size();
+  const u32 atom = net_.graph.atom_of_port[row];
+  return row - net_.graph.port_base[atom] >= net_.class_at(atom).is_sure.size();
 }
 
 // Modes of the class from which the port may move, sorted.
@@ -70,10 +70,10 @@ std::vector<u32> Encoding::sources_of_moves(u32 row) const {
 }
 
 Encoding::Lacking Encoding::port(u32 row) {
-  const u32 atom = net_.atom_of_port[row];
+  const u32 atom = net_.graph.atom_of_port[row];
   const u32 base = net_.mode_base[atom];
   const ModeClass& of_atom = net_.class_at(atom);
-  const u32 port = of_atom.port_of(row - net_.port_base[atom]);
+  const u32 port = of_atom.port_of(row - net_.graph.port_base[atom]);
   const AtomType& type = net_.system->atom_types[of_atom.type];
   const std::vector<std::uint8_t>& is_sure = of_atom.is_sure[port];
   const auto locate = [&](const Expr& e) { return std::optional(GuardLiterals::Place{atom, e.index}); };
@@ -144,10 +144,10 @@ Encoding::Lacking Encoding::any_of(const std::vector<u32>& children) {
 
 Encoding::Lacking Encoding::group(u32 row) {
   std::vector<u32> children;
-  for (const Edge& child : net_.children(row)) {
-    if (net_.nodes[row].kind != NodeKind::Trigger || child.is_trigger) children.push_back(child.node);
+  for (const Edge& child : net_.graph.children(row)) {
+    if (net_.graph.nodes[row].kind != ConnectorNodeKind::Trigger || child.is_trigger) children.push_back(child.node);
   }
-  return net_.nodes[row].kind == NodeKind::All ? all_of(children) : any_of(children);
+  return net_.graph.nodes[row].kind == ConnectorNodeKind::All ? all_of(children) : any_of(children);
 }
 
 // A connector with guards: a rendezvous of atoms with its guard's literal; else sure are only its interactions of one
@@ -155,11 +155,11 @@ Encoding::Lacking Encoding::group(u32 row) {
 Encoding::Lacking Encoding::guarded(u32 row) {
   if (is_guarded_rendezvous(row)) return rendezvous(row);
   const System& system = *net_.system;
-  const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
+  const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.graph.nodes[row].connector})];
   const ConnectorType& type = system.connector_types[connector.type];
   std::vector<u32> children;
-  const std::span<const Edge> edges = net_.children(row);
-  for (std::size_t k = 0; k < edges.size() && net_.nodes[row].kind == NodeKind::Trigger; ++k) {
+  const std::span<const Edge> edges = net_.graph.children(row);
+  for (std::size_t k = 0; k < edges.size() && net_.graph.nodes[row].kind == ConnectorNodeKind::Trigger; ++k) {
     const DefineNode& leaf = type.define[type.define[0].children[k]];
     if (!edges[k].is_trigger || !leaf.is_leaf) continue;
     const std::vector<u32> alone{leaf.param};
@@ -172,9 +172,9 @@ Encoding::Lacking Encoding::guarded(u32 row) {
 }
 
 bool Encoding::is_guarded_rendezvous(u32 row) const {
-  const Connector& connector = net_.system->connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
+  const Connector& connector = net_.system->connectors[ConnectorId(std::size_t{net_.graph.nodes[row].connector})];
   const ConnectorType& type = net_.system->connector_types[connector.type];
-  if (net_.nodes[row].kind != NodeKind::All || type.clauses.size() != 1 ||
+  if (net_.graph.nodes[row].kind != ConnectorNodeKind::All || type.clauses.size() != 1 ||
       type.clauses[0].params.size() != type.params.size())
     return false;
   if (std::any_of(connector.ports.begin(), connector.ports.end(),
@@ -189,7 +189,7 @@ bool Encoding::is_guarded_rendezvous(u32 row) const {
 // Which variable of which atom each Bind variable of a rendezvous of atoms is.
 std::vector<GuardLiterals::Place> Encoding::sources_of(u32 row) const {
   const System& system = *net_.system;
-  const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
+  const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.graph.nodes[row].connector})];
   const ConnectorType& type = system.connector_types[connector.type];
   std::vector<GuardLiterals::Place> sources;
   for (std::size_t p = 0; p < type.params.size(); ++p) {
@@ -208,7 +208,7 @@ std::vector<GuardLiterals::Place> Encoding::sources_of(u32 row) const {
 Encoding::Lacking Encoding::rendezvous(u32 row) {
   const System& system = *net_.system;
   const ConnectorType& type =
-      system.connector_types[system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})].type];
+      system.connector_types[system.connectors[ConnectorId(std::size_t{net_.graph.nodes[row].connector})].type];
   if (type.clauses[0].up.is_valid()) return {};
   const std::vector<GuardLiterals::Place> sources = sources_of(row);
   const std::optional<Lit> guard = guards_.literal(type.clauses[0].guard, [&](const Expr& e) {
@@ -216,7 +216,7 @@ Encoding::Lacking Encoding::rendezvous(u32 row) {
   });
   if (!guard) return {};
   std::vector<u32> children;
-  for (const Edge& child : net_.children(row)) children.push_back(child.node);
+  for (const Edge& child : net_.graph.children(row)) children.push_back(child.node);
   const Lacking below = all_of(children);
   if (below.kind == Lacking::Kind::Always) return below;
   if (below.kind == Lacking::Kind::Never) return {Lacking::Kind::Literal, -*guard};
@@ -230,7 +230,7 @@ Encoding::Lacking Encoding::rendezvous(u32 row) {
 void Encoding::add_guarded_rendezvous(u32 row) {
   if (!is_guarded_rendezvous(row)) return;
   const System& system = *net_.system;
-  const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.nodes[row].connector})];
+  const Connector& connector = system.connectors[ConnectorId(std::size_t{net_.graph.nodes[row].connector})];
   const ConnectorType& type = system.connector_types[connector.type];
   const std::vector<GuardLiterals::Place> sources = sources_of(row);
   std::vector<u32> atoms;
@@ -241,7 +241,7 @@ void Encoding::add_guarded_rendezvous(u32 row) {
   });
   std::vector<std::vector<u32>> choices;
   std::size_t combinations = 1;
-  const ConnectorId id(std::size_t{net_.nodes[row].connector});
+  const ConnectorId id(std::size_t{net_.graph.nodes[row].connector});
   for (u32 atom : atoms) {
     choices.emplace_back();
     const u32 base = net_.mode_base[atom];

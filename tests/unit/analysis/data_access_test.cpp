@@ -12,7 +12,6 @@ using Rows = std::vector<std::vector<std::uint32_t>>;
 // Two atoms `A` with variables x, y, z; ports give (x, y). The connector type is the test's.
 std::vector<bip::analysis::DataAccess> access_of(const std::string& connector, const std::string& transitions) {
   bip::test::Instantiated t(R"(package t
-extern function int measure(int v)
 port type P(int v, int w)
 )" + connector + R"(
 atom type A(int k)
