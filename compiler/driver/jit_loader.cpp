@@ -58,8 +58,7 @@ Result<JitCode> JitPlugin::compile(const lower::LoweredSystem& lowered, const ji
   return code;
 }
 
-Result<std::string> JitPlugin::emit(const lower::LoweredSystem& lowered, jit::OptLevel level,
-                                    jit::Listing kind) const {
+Result<std::string> JitPlugin::emit(const lower::LoweredSystem& lowered, jit::OptLevel level, jit::Listing kind) const {
   std::string text;
   if (!emit_(&lowered, level, kind, &text)) return Failure{std::move(text)};
   return text;

@@ -65,8 +65,11 @@ TEST_CASE("a guard of a connector observes what it reads at a port") {
   CHECK(rows[0].written == Rows{{}, {}});
 }
 
-TEST_CASE("a transfer to a port that does not take part cannot be followed") {
-  const auto rows = access_of("connector type C(P a, P b) define a' b on a b up { b.v = a.w; } end",
-                              "  on p from S to S\n  on q from S to S");
+TEST_CASE("a variable that C++ gets a reference to cannot be followed") {
+  const auto rows = access_of("extern function bump(int)\nconnector type C(P a, P b) define a b end",
+                              "  on p from S to S do { bump(y); }\n  on q from S to S");
   CHECK(rows[0].unfollowed == std::vector<std::uint8_t>{0, 0, 1, 0});
+  const auto none = access_of("extern function look(const int)\nconnector type C(P a, P b) define a b end",
+                              "  on p from S to S do { look(y); }\n  on q from S to S");
+  CHECK(none[0].unfollowed == std::vector<std::uint8_t>{0, 0, 0, 0});
 }

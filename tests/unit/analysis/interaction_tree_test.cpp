@@ -174,5 +174,5 @@ TEST_CASE("random trees: one by one is all at once, in the same order") {
     CHECK(*all == expected);
     if (!expected.empty()) CHECK_FALSE(list_interactions(tree, 0, expected.size() - 1));
   }
-  CHECK(many > 200);
+  CHECK(many > 100);
 }
