@@ -24,8 +24,12 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+import certificates  # noqa: E402
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
+CERTCHECK = BUILD / "certcheck"  # not built without Z3
+VERIFIES = re.compile(r"""^bipc verify ((?:'[^']*'|[^|;&'])*)""")
 NOT_RUN = re.compile(r"^(tools/(build|test|setup)|\.ci/|apt|sudo|git|cmake|ninja|cd|export|dot|tests/)\b")
 FENCE = re.compile(r"^( *)```(\w+)?[ ]*(.*)$")
 NOTE = re.compile(r"^\s*<!-- (file|run): ?(.*?) ?-->\s*$")
@@ -101,8 +105,14 @@ def agrees(expected, actual):
     return not last or (len(actual) - len(last) >= at and actual[-len(last):] == last)
 
 
+def without_certificate(arguments):
+    """For the test's own."""
+    at = arguments.index("--certificate") if "--certificate" in arguments else len(arguments)
+    return arguments[:at] + arguments[at + 2:]
+
+
 def shell_fence(text, work):
-    """Problems of one fence with `$ ` lines."""
+    """Problems of one fence with `$ ` lines. Of each `bipc verify` the certificate is checked, too."""
     steps, problems = [], []
     for line in text.splitlines():
         if line.startswith("$ "):
@@ -127,6 +137,10 @@ def shell_fence(text, work):
             actual.pop()
         if not agrees(expected, actual):
             problems.append(f"$ {command}\nexpected:\n  " + "\n  ".join(expected) + "\nactual:\n  " + "\n  ".join(actual[:60]))
+        asked = VERIFIES.match(command)
+        if asked and CERTCHECK.exists():
+            problem = certificates.problem_of_certificate(BIPC, CERTCHECK, without_certificate(shlex.split(asked.group(1))), work)
+            problems += [f"$ {command}: {problem}"] if problem else []
     return problems
 
 

@@ -9,7 +9,7 @@ arguments; several such lines give several runs. A model without a root of its o
 says how to run it: (--root 'Ring(1000)'). `// run: none` marks a package that others use.
 
 Verdicts: `// verify: free|deadlock|unknown [options]`, as many as one likes, say how `bipc verify` must answer. Every
-system in VERDICTS needs one. Python's library only.
+system in VERDICTS needs one. Where the answer is a proof, certcheck must accept its certificate. Python's library only.
 """
 import argparse
 import concurrent.futures
@@ -23,8 +23,11 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+import certificates  # noqa: E402
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
+CERTCHECK = BUILD / "certcheck"  # not built without Z3
 ROOT_IN_COMMENT = re.compile(r"^//.*--root '([^']+)'", re.M)
 CPP_SOURCES = re.compile(r'^@cpp\(.*src="([^"]*)"', re.M)
 RUN_LINE = re.compile(r"^// run:(.*)$", re.M)
@@ -136,6 +139,11 @@ def check_verdicts(model, text, name):
             continue
         if done.returncode == EXIT_OF_VERDICT[verdict]:
             good += 1
+            if verdict == "free" and CERTCHECK.exists():
+                problem = certificates.problem_of_certificate(BIPC, CERTCHECK, ["--timeout", str(VERIFY_TIMEOUT), *shlex.split(arguments), str(model)],
+                                                              timeout=10 * VERIFY_TIMEOUT)
+                good += 0 if problem else 1
+                problems += [f"{name}: `bipc verify{arguments}`: {problem}"] if problem else []
         else:
             problems.append(f"{name}: `bipc verify{arguments}` ends with {done.returncode}, expected {verdict}\n"
                             + (done.stdout + done.stderr).decode("utf-8", "replace")[-1500:])

@@ -4,7 +4,7 @@
 #   tests/verify/test_verify.sh [COUNT] [FROM]        COUNT systems (default 2000), half of them small nets
 #
 # BUILD names the build directory (default: build beside the sources), JOBS the number of processes, STATES how many a visit
-# may see (default 2000). About a minute for 2000 systems on two quiet cores.
+# may see (default 2000). CERTIFICATES=all gives every proof to certcheck, not those of one system in five. About a minute for 2000 systems on two quiet cores.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${BUILD:-$root/build}
@@ -24,11 +24,12 @@ for ((j = 0; j < jobs; j++)); do
   mkdir "$work/proofs$j"
   {
     "$build/bip-verify-check" --from $((from + j * each)) --count $each --states "$states" --out "$work/proofs$j" || true
-    # Of one system in ten the proofs are checked by the other program, and with their first lemma, invariant or set of places turned
+    # Of one system in five the proofs are checked by the other program, and with their first lemma, invariant or set of places turned
     # into one that no state satisfies, which must not be accepted.
     if [[ -x $build/certcheck ]]; then
-      for proof in "$work/proofs$j"/*0-?.cert; do
+      for proof in "$work/proofs$j"/*-?.cert; do
         [[ -e $proof ]] || continue
+        [[ ${CERTIFICATES:-some} == all || $proof == *[04]-?.cert ]] || continue
         code=0
         timeout 60 "$build/certcheck" "${proof%.cert}.bsys" "$proof" >"$work/told$j" 2>&1 || code=$?
         # 124: no time. 4: not checkable.

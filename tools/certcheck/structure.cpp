@@ -62,7 +62,8 @@ class Structure {
         for (std::size_t variable : type.ports[port].written)
           next[variable] = terms_.fresh(type.variables[variable].type);
         expr ends = terms_.truth(false);
-        terms_.take(type, type.transitions[t], next, on, ends);
+        // Where it is on, and nowhere else: then what it assigns is what is there.
+        terms_.take(type, type.transitions[t], next, terms_.truth(true), ends);
         for (std::size_t to : met(row, reachable, next, both(on, no(ends)))) by_port[port].emplace_back(from, to);
       }
     }

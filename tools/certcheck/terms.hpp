@@ -1,7 +1,8 @@
-// Code and atoms over Z3 terms: bits as the language has them; floats and what C++ gives are any value. An atom's state
-// may be all constants, and then so is what it does: the same functions serve single modes and all states at once.
-// Recursion follows the trees of the .bsys, whose depth its reader bounds.
+// Code and atoms over Z3 terms: bits as the language has them; floats that are not constants and what C++ gives are any
+// value. An atom's state may be all constants, and then so is what it does: the same functions serve single modes and
+// all states at once. Recursion follows the trees of the .bsys, whose depth its reader bounds.
 #pragma once
+#include <bit>
 #include <functional>
 #include <limits>
 #include <span>
@@ -80,6 +81,29 @@ class Terms {
     return is(whole, true) || (!is(whole, false) && can_solve(few, whole));
   }
 
+  /// All values that the atoms can have where `e` holds, one by one, as constants.
+  void each_solution(const expr& e, const std::map<std::size_t, Local>& atoms,
+                     const std::function<void(const std::map<std::size_t, Local>&)>& visit) {
+    solver_.push();
+    solver_.add(e);
+    for (z3::check_result answer = solver_.check(); answer != z3::unsat; answer = solver_.check()) {
+      if (answer == z3::unknown) throw NotCheckable("the solver gives up");
+      const z3::model model = solver_.get_model();
+      expr other = truth(false);
+      std::map<std::size_t, Local> solution = atoms;
+      for (auto& [atom, local] : solution) {
+        for (expr& value : local) {
+          const expr term = value;
+          value = model.eval(term, true);
+          if (!z3::eq(value, term)) other = either(other, term != value);
+        }
+      }
+      visit(solution);
+      solver_.add(other);
+    }
+    solver_.pop();
+  }
+
   [[nodiscard]] expr truth(bool b) const { return z_.bool_val(b); }
   /// Do all of them, does one of them?
   template <class Range, class Of>
@@ -116,9 +140,13 @@ class Terms {
     }
     if (!e.is_list) {
       if (e.text == "true" || e.text == "false") return truth(e.text == "true");
+      const auto reads = [&, end = e.text.data() + e.text.size()](auto& value) {
+        const auto [last, error] = std::from_chars(e.text.data(), end, value);
+        return error == std::errc() && last == end;
+      };
       int value = 0;
-      const auto [end, error] = std::from_chars(e.text.data(), e.text.data() + e.text.size(), value);
-      return error == std::errc() && end == e.text.data() + e.text.size() ? constant("int", value) : fresh("float");
+      double number = 0;
+      return reads(value) ? constant("int", value) : reads(number) ? real(number) : fresh("float");
     }
     const Text op = e.head();
     if (op == "self" || op == "bind") return variable(e, s, op == "self");
@@ -129,17 +157,22 @@ class Terms {
     }
     if (s.about && (op == "at" || op == "data" || op == "can-port" || op == "can")) return s.about(e);
     const expr a = evaluate(e.at(1), s, when, fault);
-    if (op == "to-float" || (op == "neg" && is_vague(a))) return fresh("float");
+    if (op == "to-float") return value_of(a) ? real(*value_of(a)) : fresh("float");
+    if (op == "neg" && is_vague(a)) return real_of(a) ? real(-*real_of(a)) : fresh("float");
     if (op == "not") return no(a);
     if (op == "neg") return (-a).simplify();
     if (op == "bit-not") return (~a).simplify();
     const expr b = evaluate(e.at(2), s, op == "and" ? both(when, a) : op == "or" ? both(when, no(a)) : when, fault);
     if (op == "and") return both(a, b);
     if (op == "or") return either(a, b);
-    if (is_vague(a)) return fresh(op == "add" || op == "sub" || op == "mul" || op == "div" ? "float" : "bool");
+    if (is_vague(a)) return compute(op, real_of(a), real_of(b));
     if (op == "div" || op == "mod") {
       const expr overflows = both(equals(a, std::numeric_limits<int>::min()), equals(b, -1));
       fault = either(fault, both(when, either(equals(b, 0), overflows)));
+    }
+    // Comparisons of constants need no solver: most of the work where states are listed.
+    if (const auto x = value_of(a), y = value_of(b); x && y) {
+      if (const std::optional<bool> known = compare(op, *x, *y)) return truth(*known);
     }
     static const std::map<Text, Z3_ast (*)(Z3_context, Z3_ast, Z3_ast)> kOperations{
         {"add", Z3_mk_bvadd},  {"sub", Z3_mk_bvsub},     {"mul", Z3_mk_bvmul},   {"div", Z3_mk_bvsdiv},
@@ -310,7 +343,7 @@ class Terms {
   }
 
  private:
-  // Floats and C++ objects are terms of this width, so that it shows that nothing is known of them.
+  // Floats and C++ objects are terms of this width, so that they are told from others: constants, or of unknown value.
   static constexpr unsigned kVagueBits = 64;
   // Internal transitions in a row: in general, and where it is clear which.
   static constexpr int kMaxInternals = 24, kMaxClear = 100000;
@@ -321,6 +354,27 @@ class Terms {
     const z3::check_result answer = solver.check();
     solver.pop();
     return answer != z3::unknown ? answer == z3::sat : throw NotCheckable("the solver gives up");
+  }
+  template <class Number>
+  static std::optional<bool> compare(Text op, Number a, Number b) {
+    if (op == "eq" || op == "ne") return (a == b) == (op == "eq");
+    if (op == "lt" || op == "ge") return op == "lt" ? a < b : a >= b;
+    if (op == "gt" || op == "le") return op == "gt" ? a > b : a <= b;
+    return std::nullopt;
+  }
+  // A float that is known, by its bits.
+  [[nodiscard]] expr real(double value) const { return z_.bv_val(std::bit_cast<std::uint64_t>(value), kVagueBits); }
+  static std::optional<double> real_of(const expr& e) {
+    return is_vague(e) && e.is_numeral() ? std::optional(std::bit_cast<double>(e.get_numeral_uint64())) : std::nullopt;
+  }
+  [[nodiscard]] expr compute(Text op, std::optional<double> a, std::optional<double> b) const {
+    const bool is_known = a && b;
+    if (op == "add") return is_known ? real(*a + *b) : fresh("float");
+    if (op == "sub") return is_known ? real(*a - *b) : fresh("float");
+    if (op == "mul") return is_known ? real(*a * *b) : fresh("float");
+    if (op == "div") return is_known ? real(*a / *b) : fresh("float");
+    const std::optional<bool> result = is_known ? compare(op, *a, *b) : std::nullopt;
+    return result ? truth(*result) : fresh("bool");
   }
   static bool is_vague(const expr& e) { return e.is_bv() && e.get_sort().bv_size() == kVagueBits; }
   static Scope own(const AtomType& type, Local& local) { return {std::span(local).subspan(type.places), {}, {}}; }

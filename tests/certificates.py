@@ -1,0 +1,42 @@
+"""Certificates of `bipc verify`, given to certcheck: what tests of models and documents share. Python's library only."""
+import pathlib
+import subprocess
+import tempfile
+
+COMPILE_OPTIONS = ("--root", "-I")
+
+
+def compile_arguments(arguments):
+    """The arguments of `bipc verify` that `bipc check` takes, too: the file, its root and its packages."""
+    kept, it = [], iter(arguments)
+    for argument in it:
+        if argument in COMPILE_OPTIONS:
+            kept += [argument, next(it, "")]
+        elif argument in ("--property", "--timeout", "--memory", "--backend", "--cache"):
+            next(it, None)
+        elif not argument.startswith("-") or argument.startswith(COMPILE_OPTIONS):
+            kept.append(argument)
+    return kept
+
+
+def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
+    """Asks once more with --certificate, and certcheck about that. None if it is accepted, cannot be checked for a documented reason, or there is none to be
+    had (the property does not hold, or is one without certificates); else what is wrong."""
+    if any(a in ("--partial", "--certificate", "--help") for a in arguments):
+        return None
+    with tempfile.TemporaryDirectory(prefix="certificates-") as work:
+        system, certificate = pathlib.Path(work) / "system.bsys", pathlib.Path(work) / "certificate"
+        run = {"cwd": cwd, "capture_output": True, "text": True, "errors": "replace", "stdin": subprocess.DEVNULL, "timeout": timeout}
+        asked = subprocess.run([bipc, "verify", "--no-reuse", "--certificate", str(certificate), *arguments], **run)
+        if asked.returncode != 0:
+            return None
+        made = subprocess.run([bipc, "check", "--emit=system", *compile_arguments(arguments)], **run)
+        system.write_text(made.stdout, encoding="utf-8")
+        try:
+            done = subprocess.run([certcheck, str(system), str(certificate)], **run)
+        except subprocess.TimeoutExpired:
+            return f"certcheck does not end within {timeout} s"
+    # "not checkable" is an answer, of these certificates: only another search can check them.
+    if done.returncode == 0 or (done.returncode == 4 and "the evidence is a search of all states" in done.stdout):
+        return None
+    return f"the certificate is not accepted: {(done.stdout + done.stderr).strip()}"
