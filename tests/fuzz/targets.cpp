@@ -85,6 +85,7 @@ Target find_target(std::string_view name) {
   if (name == "lsp") return try_lsp;
   if (name == "genom") return try_genom;
   if (name == "rules") return try_rules;
+  if (name == "property") return try_property;
   return nullptr;
 }
 

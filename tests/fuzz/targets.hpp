@@ -38,7 +38,10 @@ inline constexpr std::size_t kMaxBip = 400'000;
 /// `bipc rules` over two modules, likewise.
 [[nodiscard]] Verdict try_rules(std::string_view input);
 
-/// "text", "bsys", "format", "lsp", "genom" or "rules"; nullptr for another name.
+/// Properties for `verify` and `explore`: an error with its column, or one that can be evaluated, encoded and written.
+[[nodiscard]] Verdict try_property(std::string_view input);
+
+/// "text", "bsys", "format", "lsp", "genom", "rules" or "property"; nullptr for another name.
 using Target = Verdict (*)(std::string_view);
 [[nodiscard]] Target find_target(std::string_view name);
 

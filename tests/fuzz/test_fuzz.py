@@ -60,6 +60,12 @@ def rules():
     return texts
 
 
+# About the system of target_property.cpp.
+PROPERTIES = ["never tank.level > 1.5", "always tank.heat <= 2.5e3 && tank@LOW", "never tank@HIGH && other@LOW || can fills", "never !can tank.drain",
+              "always tank.level + other.level * 2 - 1 < 10", 'never tank.name == "tank"', "never tank.open == true && (tank.level & 3 | 4 ^ 1) != -2",
+              "always ROOT.tank.level >= 0", "never " + "!" * 150 + "tank.open", "never tank.level > .5", "never " + " || ".join(["tank@LOW"] * 100)]
+
+
 def systems():
     """.bsys of some models, as bipc prints them."""
     made = {}
@@ -117,14 +123,16 @@ def main():
         write(folder / "lsp", sessions(sources()))
         write(folder / "genom", descriptions())
         write(folder / "rules", rules())
+        write(folder / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)})
         return
     passed = failed = 0
     with tempfile.TemporaryDirectory() as work:
         work = pathlib.Path(work)
         seeds = {"text": write(work / "text", sources()), "bsys": write(work / "bsys", systems()),
-                 "lsp": write(work / "lsp", sessions(sources())), "genom": write(work / "genom", descriptions()), "rules": write(work / "rules", rules())}
+                 "lsp": write(work / "lsp", sessions(sources())), "genom": write(work / "genom", descriptions()), "rules": write(work / "rules", rules()),
+                 "property": write(work / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)})}
         seeds["format"] = seeds["text"]
-        shares = {"text": 0.45, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02}
+        shares = {"text": 0.4, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02, "property": 0.05}
         for target, share in shares.items():
             kept = sorted(str(p) for p in (HERE / "regressions" / target).glob("*"))
             kept += [str(p) for p in kept_inputs.unpack(target, work / "corpus" / target)]

@@ -1,8 +1,9 @@
 // Parses a property by precedence climbing (Richards, Whitby-Strevens 1979), with the names of a system
-// resolved on the way. Nesting is limited to kMaxPropertyDepth. The first problem ends the parse.
+// resolved on the way. Nesting and the number of nodes are limited: what follows the tree of nodes recurs. The first
+// problem ends the parse. Cost: linear in the text and in the number of atoms and connectors.
 #include <array>
 #include <charconv>
-#include <cstdlib>
+#include <unordered_map>
 
 #include "compiler/base/assert.hpp"
 #include "compiler/verify/property/property.hpp"
@@ -13,6 +14,8 @@ namespace bip::verify {
 namespace {
 
 constexpr int kMaxPropertyDepth = 200;
+// A chain `a || b || c …` is a tree half as deep as it has nodes; the checker of certificates reads 10,000 levels.
+constexpr std::size_t kMaxPropertyNodes = 16'000;
 
 struct BinaryOperator {
   std::string_view sign;
@@ -101,6 +104,8 @@ class PropertyParser {
     BIP_ASSERT(!problem_.empty() || node.kind != PropertyKind::Operator ||
                    (node.a < property_.nodes.size() && node.b < property_.nodes.size()),
                "an operator before its operands");
+    if (property_.nodes.size() == kMaxPropertyNodes)
+      set_problem("the property has more than " + std::to_string(kMaxPropertyNodes) + " values and operators");
     property_.nodes.push_back(node);
     return static_cast<std::uint32_t>(property_.nodes.size() - 1);
   }
@@ -108,12 +113,19 @@ class PropertyParser {
   static std::string absolute_path(const std::string& path) {
     return path.starts_with("ROOT.") ? path : "ROOT." + path;
   }
-  [[nodiscard]] std::uint32_t find_atom(const std::string& path) const {
-    for (std::size_t k = 0; k < system_.atoms.size(); ++k) {
-      if (system_.atoms[AtomId(k)].path == absolute_path(path)) return static_cast<std::uint32_t>(k);
-    }
-    return kNotFound;
+  using RowsByPath = std::unordered_map<std::string_view, std::uint32_t>;
+  template <class Rows>
+  static RowsByPath rows_by_path(const Rows& rows) {
+    RowsByPath found;
+    std::uint32_t row = 0;
+    for (const auto& one : rows) found.try_emplace(one.path, row++);
+    return found;
   }
+  static std::uint32_t find_path(const RowsByPath& rows, const std::string& path) {
+    const auto found = rows.find(absolute_path(path));
+    return found == rows.end() ? kNotFound : found->second;
+  }
+  [[nodiscard]] std::uint32_t find_atom(const std::string& path) const { return find_path(atoms_, path); }
   template <class Rows>
   static std::uint32_t find_row(const Rows& rows, const std::string& name) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -154,10 +166,10 @@ class PropertyParser {
   }
   std::uint32_t parse_can(std::size_t start) {
     const std::string name = parse_path();
-    for (std::size_t k = 0; k < system_.connectors.size(); ++k) {
-      if (system_.connectors[ConnectorId(k)].path != absolute_path(name)) continue;
-      if (system_.is_top(ConnectorId(k)))
-        return add({.kind = PropertyKind::CanConnector, .owner = static_cast<std::uint32_t>(k)});
+    const std::uint32_t connector = find_path(connectors_, name);
+    if (connector != kNotFound) {
+      if (system_.is_top(ConnectorId(std::size_t{connector})))
+        return add({.kind = PropertyKind::CanConnector, .owner = connector});
       at_ = start;
       set_problem("connector `" + name + "` exports a port: it is a part of others");
       return 0;
@@ -182,19 +194,39 @@ class PropertyParser {
     if (value.empty()) node.int_value = 0;
     return add(node);
   }
+  // As in models: "3", "1.5", ".5", "2.", "1e3".
   std::uint32_t parse_number() {
-    std::size_t end = at_;
-    bool is_float = false;
-    while (end < text_.size() && (is_digit(text_[end]) || text_[end] == '.'))
-      is_float = is_float || text_[end++] == '.';
+    const std::size_t first = at_;
+    const auto skip_digits = [&] {
+      while (at_ < text_.size() && is_digit(text_[at_])) ++at_;
+    };
+    skip_digits();
+    bool is_float = at_ < text_.size() && text_[at_] == '.';
+    if (is_float) ++at_;
+    skip_digits();
+    if (at_ < text_.size() && (text_[at_] == 'e' || text_[at_] == 'E')) {
+      std::size_t digits = at_ + 1;
+      if (digits < text_.size() && (text_[digits] == '+' || text_[digits] == '-')) ++digits;
+      if (digits < text_.size() && is_digit(text_[digits])) {
+        is_float = true;
+        at_ = digits;
+        skip_digits();
+      }
+    }
     PropertyNode node{.type = is_float ? Type::Float : Type::Int};
-    const char* first = text_.data() + at_;
-    const char* last = text_.data() + end;
-    if (is_float) node.float_value = std::strtod(std::string(first, last).c_str(), nullptr);
-    else if (std::from_chars(first, last, node.int_value).ec != std::errc())
-      set_problem("this number does not fit an `int`");
-    at_ = end;
+    const char* begin = text_.data() + first;
+    const char* end = text_.data() + at_;
+    const bool fits = is_float ? std::from_chars(begin, end, node.float_value).ec == std::errc()
+                               : std::from_chars(begin, end, node.int_value).ec == std::errc();
+    if (!fits) {
+      at_ = first;
+      set_problem(is_float ? "this number does not fit a `float`" : "this number does not fit an `int`");
+    }
     return add(node);
+  }
+  [[nodiscard]] bool is_at_number() const {
+    const std::size_t digit = at_ < text_.size() && text_[at_] == '.' ? at_ + 1 : at_;
+    return digit < text_.size() && is_digit(text_[digit]);
   }
 
   std::uint32_t parse_operand(int depth) {
@@ -212,7 +244,7 @@ class PropertyParser {
     if (take_sign("!")) return make_unary(Op::Not, parse_operand(depth + 1), start);
     if (take_sign("-")) return make_unary(Op::Neg, parse_operand(depth + 1), start);
     if (take_sign("\"")) return parse_string();
-    if (at_ < text_.size() && is_digit(text_[at_])) return parse_number();
+    if (is_at_number()) return parse_number();
     const std::string name = parse_path();
     if (name == "true" || name == "false") return add({.int_value = name == "true" ? 1 : 0});
     if (name == "can") return parse_can(start);
@@ -282,6 +314,7 @@ class PropertyParser {
   static constexpr std::uint32_t kNotFound = 0xffffffffu;
   const std::string& text_;
   const System& system_;
+  const RowsByPath atoms_ = rows_by_path(system_.atoms), connectors_ = rows_by_path(system_.connectors);
   Property property_;
   std::string problem_;
   std::size_t at_ = 0;

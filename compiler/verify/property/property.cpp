@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "compiler/base/assert.hpp"
 
 namespace bip::verify {
@@ -97,6 +99,12 @@ Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m,
   }
 }
 
+// Not to be mistaken for an int: "2.0".
+std::string float_text(double value) {
+  std::string text = fmt::format("{}", value);
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+
 std::string node_text(const Property& property, std::uint32_t row, const System& system) {
   const PropertyNode& node = property.nodes[row];
   const auto type_of = [&]() -> const AtomType& {
@@ -106,7 +114,7 @@ std::string node_text(const Property& property, std::uint32_t row, const System&
   switch (node.kind) {
     case PropertyKind::Constant:
       if (node.type == Type::Bool) return node.int_value != 0 ? "true" : "false";
-      if (node.type == Type::Float) return "(float)";
+      if (node.type == Type::Float) return float_text(node.float_value);
       return std::to_string(node.int_value);
     case PropertyKind::At: return "(at " + path() + ' ' + type_of().places[node.row] + ')';
     case PropertyKind::Data: return "(data " + path() + ' ' + type_of().variables[node.row].name + ')';

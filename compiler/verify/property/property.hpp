@@ -35,8 +35,8 @@ struct Property {
   std::string text;
 };
 
-/// Parses a property and resolves its names in `system`. The error says the first problem and its column. Cost: each
-/// name is a linear search.
+/// Parses a property and resolves its names in `system`. The error says the first problem and its column. Cost:
+/// linear in the text and the system; a property has at most 16,000 nodes.
 [[nodiscard]] Result<Property> parse_property(const std::string& text, const System& system);
 
 /// Does the core's stable state violate the property? Cost: linear in the expression, `can CONNECTOR` in the
