@@ -157,15 +157,15 @@ class Terms {
     }
     if (s.about && (op == "at" || op == "data" || op == "can-port" || op == "can")) return s.about(e);
     const expr a = evaluate(e.at(1), s, when, fault);
-    if (op == "to-float") return value_of(a) ? real(*value_of(a)) : fresh("float");
-    if (op == "neg" && is_vague(a)) return real_of(a) ? real(-*real_of(a)) : fresh("float");
+    if (op == "to-float") return value_of(a) ? real(*value_of(a)) : unknown("float", op, a, a);
+    if (op == "neg" && is_vague(a)) return real_of(a) ? real(-*real_of(a)) : unknown("float", op, a, a);
     if (op == "not") return no(a);
     if (op == "neg") return (-a).simplify();
     if (op == "bit-not") return (~a).simplify();
     const expr b = evaluate(e.at(2), s, op == "and" ? both(when, a) : op == "or" ? both(when, no(a)) : when, fault);
     if (op == "and") return both(a, b);
     if (op == "or") return either(a, b);
-    if (is_vague(a)) return compute(op, real_of(a), real_of(b));
+    if (is_vague(a)) return compute(op, a, b);
     if (op == "div" || op == "mod") {
       const expr overflows = both(equals(a, std::numeric_limits<int>::min()), equals(b, -1));
       fault = either(fault, both(when, either(equals(b, 0), overflows)));
@@ -367,14 +367,20 @@ class Terms {
   static std::optional<double> real_of(const expr& e) {
     return is_vague(e) && e.is_numeral() ? std::optional(std::bit_cast<double>(e.get_numeral_uint64())) : std::nullopt;
   }
-  [[nodiscard]] expr compute(Text op, std::optional<double> a, std::optional<double> b) const {
-    const bool is_known = a && b;
-    if (op == "add") return is_known ? real(*a + *b) : fresh("float");
-    if (op == "sub") return is_known ? real(*a - *b) : fresh("float");
-    if (op == "mul") return is_known ? real(*a * *b) : fresh("float");
-    if (op == "div") return is_known ? real(*a / *b) : fresh("float");
-    const std::optional<bool> result = is_known ? compare(op, *a, *b) : std::nullopt;
-    return result ? truth(*result) : fresh("bool");
+  // The same operation on the same terms has the same value, whatever that is: of a guard and its negation one holds.
+  [[nodiscard]] expr unknown(Text type, Text op, const expr& a, const expr& b) const {
+    const auto found = unknown_.find({op, a.id(), b.id()});
+    if (found != unknown_.end()) return found->second.back();
+    return unknown_.emplace(std::tuple(op, a.id(), b.id()), Local{a, b, fresh(type)}).first->second.back();
+  }
+  [[nodiscard]] expr compute(Text op, const expr& of_a, const expr& of_b) const {
+    const std::optional<double> a = real_of(of_a), b = real_of(of_b);
+    const bool is_sum = op == "add" || op == "sub", is_number = is_sum || op == "mul" || op == "div";
+    if (!a || !b) return unknown(is_number ? "float" : "bool", op, of_a, of_b);
+    if (is_sum) return real(op == "add" ? *a + *b : *a - *b);
+    if (is_number) return real(op == "mul" ? *a * *b : *a / *b);
+    const std::optional<bool> result = compare(op, *a, *b);
+    return result ? truth(*result) : throw NotCheckable("an operation " + quoted(op) + " of floats");
   }
   static bool is_vague(const expr& e) { return e.is_bv() && e.get_sort().bv_size() == kVagueBits; }
   static Scope own(const AtomType& type, Local& local) { return {std::span(local).subspan(type.places), {}, {}}; }
@@ -414,6 +420,8 @@ class Terms {
   z3::context& z_;
   z3::solver solver_;
   std::map<std::size_t, std::vector<expr>> assumed_;  // by atom
+  // By operation and its terms, which are kept with the value: else their numbers would be given to others.
+  mutable std::map<std::tuple<Text, unsigned, unsigned>, Local> unknown_;
 };
 
 }  // namespace certcheck
