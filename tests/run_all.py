@@ -21,7 +21,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 LOGS = BUILD / "test-logs"
 SYSTEMS = re.compile(r"^differential: (\d+) systems, (\d+) failed$", re.M)
+SKIPPED = re.compile(r"^skipped: (.*)$", re.M)
 COUNTS = re.compile(r"^(?:\w+: )?(\d+) passed, (\d+) failed$", re.M)
+
+skipped = []  # what scripts said that they left out, because a program of somebody else is not installed
 
 
 def run_unit(program):
@@ -48,6 +51,9 @@ def run_script(name, command):
     (LOGS / f"{name}.log").write_text(text, encoding="utf-8")
     counts = COUNTS.findall(text) + [(str(int(n) - int(bad)), bad) for n, bad in SYSTEMS.findall(text)]
     passed, failed = (sum(int(c[i]) for c in counts) for i in (0, 1)) if counts else (0, 0)
+    for reason in SKIPPED.findall(text):
+        skipped.append(reason)
+        print(f"{name}: skipped: {reason}", flush=True)
     if done.returncode != 0 or failed:
         print(text.rstrip())
         failed = max(failed, 1)
@@ -111,7 +117,8 @@ def groups(options):
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
         ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", weight=300),
-                         script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20))),
+                         script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20),
+                         script("aiger", "tests/verify/test_aiger.py", weight=10))),
         ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), "1", *(["--without-emitted"] if options.without_emitted else []), weight=150),
                                script("engines", "tests/differential/test_engines.sh", "100", weight=40))),
     ]
@@ -165,7 +172,7 @@ def main():
     for job in jobs:
         if job.alone:
             execute(job)
-    print(f"{total[0]} passed, {total[1]} failed", flush=True)
+    print(f"{total[0]} passed, {total[1]} failed" + (f", {len(skipped)} skipped" if skipped else ""), flush=True)
     return 1 if total[1] else 0
 
 

@@ -59,7 +59,10 @@ const FormatChoices kServedFormats([](const rt::TraceFormatRow& row) { return ro
 const Names<rt::Engine> kEngines{
     {"sequential", rt::Engine::Sequential}, {"threads", rt::Engine::Threads}, {"batch", rt::Engine::Batch}};
 
-const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela}, {"pnml", ExportFormat::Pnml}};
+const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela},
+                                         {"pnml", ExportFormat::Pnml},
+                                         {"aiger", ExportFormat::Aiger},
+                                         {"net", ExportFormat::Net}};
 const Names<rt::StateReduction> kReductions{
     {"none", rt::StateReduction::None}, {"por", rt::StateReduction::Por}, {"symmetry", rt::StateReduction::Symmetry}};
 
@@ -456,11 +459,19 @@ void add_graph(CLI::App& app, GraphArguments& a) {
 }
 
 void add_export(CLI::App& app, ExportArguments& a) {
-  CLI::App* command =
-      app.add_subcommand("export", "write a model for other tools: Promela for SPIN, PNML for Petri nets");
+  CLI::App* command = app.add_subcommand(
+      "export",
+      "write a model for other tools: Promela for SPIN, PNML for Petri nets, AIGER for model checkers of circuits");
   command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
-  add_choice(*command, "--format", a.format, kExportFormats, "promela|pnml",
-             "output format: promela (default; int, bool and string data) or pnml (models without guards over data)");
+  add_choice(
+      *command, "--format", a.format, kExportFormats, "promela|pnml|aiger|net",
+      "output format: promela (default; int, bool and string data), pnml (models without guards over data), aiger "
+      "(the prover's transition system as an and-inverter graph, with one output: bad) or net (the prover's net as "
+      "a DOT graph)");
+  command
+      ->add_option("--property", a.property,
+                   "property whose violation is bad in the format aiger (default: deadlock), as for verify")
+      ->type_name("PROPERTY");
   command->add_option("-o,--output", a.output, "output file (default: standard output)")->type_name("FILE");
   command->add_flag_callback(
       "--disable-maximal-progress", [&a] { a.maximal_progress = false; },

@@ -1,15 +1,101 @@
 // `bipc export`: writes the System in the language of another tool (compiler/exchange).
+#include <algorithm>
 #include <cstdio>
+#include <optional>
 
+#include <fmt/format.h>
+
+#include "compiler/base/assert.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
+#include "compiler/system/uses_time.hpp"
+#include "compiler/verify/net/net_dot.hpp"
+#include "compiler/verify/property/property.hpp"
+#include "compiler/verify/symbolic/aiger.hpp"
+#include "compiler/verify/symbolic/mode_signals.hpp"
 
 namespace bip::driver {
 
+namespace {
+
+const char* format_name(ExportFormat format) {
+  switch (format) {
+    case ExportFormat::Promela: return "Promela";
+    case ExportFormat::Pnml: return "PNML";
+    case ExportFormat::Aiger: return "AIGER";
+    case ExportFormat::Net: return "a net";
+  }
+  BIP_UNREACHABLE("format of an export");
+}
+
+// The states whose reachability is asked. A property is one of those of `bipc verify`.
+verify::Signal bad_states(const Compilation& c, const std::optional<verify::Property>& property,
+                          const std::string& property_text, verify::TransitionSystem& made) {
+  if (property_text == "errors") return made.error;
+  return property ? verify::broken_signal(*property, made, c.lowered->image) : made.stuck;
+}
+
+// "a float (tank.bip:11)"
+std::string imprecision(const verify::Imprecision& first, const System& system) {
+  if (first.loc.line == 0 || first.loc.file >= system.files.size()) return first.what;
+  return fmt::format("{} ({}:{})", first.what, system.files[first.loc.file], first.loc.line);
+}
+
+// What the transition system follows only approximately is refused: another tool's answer must hold of the model.
+Result<std::string> aiger(const Compilation& c, const ExportArguments& arguments,
+                          const std::optional<verify::Property>& property) {
+  if (const std::string what = system::first_timed(*c.system); !what.empty()) return Failure{what};
+  if (!arguments.maximal_progress) return Failure{"the transition system has maximal progress"};
+  const auto is_float = [](const verify::PropertyNode& node) { return node.type == Type::Float; };
+  if (property && std::any_of(property->nodes.begin(), property->nodes.end(), is_float))
+    return Failure{"the property has a float"};
+  verify::TransitionSystem made = verify::build_transition_system(*c.system, c.lowered->image);
+  if (!made.unsupported.empty()) return Failure{made.unsupported};
+  if (made.starts_with_fault) return Failure{"the initial state is a run-time error"};
+  if (!verify::ranges_hold(made, {})) return Failure{"the ranges of its data could not be confirmed"};
+  const verify::Signal bad = made.aig.make_or(bad_states(c, property, arguments.property, made), made.lost);
+  if (!made.imprecisions.empty()) return Failure{"it depends on " + imprecision(*made.imprecisions.begin(), *c.system)};
+  std::string text = verify::aiger_text(made, bad, *c.system);
+  if (made.aig.is_full()) return Failure{"its circuit is too large"};
+  return text;
+}
+
+Result<std::string> net(const Compilation& c) {
+  const verify::Net made = verify::build_net(*c.system);
+  if (made.too_large_atom != verify::kNoRow) return Failure{"a component has too many local states"};
+  return verify::net_dot(made);
+}
+
+Result<std::string> exported(const Compilation& c, const ExportArguments& arguments,
+                             const std::optional<verify::Property>& property) {
+  const exchange::Options options{.maximal_progress = arguments.maximal_progress, .root_name = c.root_name};
+  switch (arguments.format) {
+    case ExportFormat::Promela: return exchange::promela(*c.system, options);
+    case ExportFormat::Pnml: return exchange::pnml(*c.system, options);
+    case ExportFormat::Aiger: return aiger(c, arguments, property);
+    case ExportFormat::Net: return net(c);
+  }
+  BIP_UNREACHABLE("format of an export");
+}
+
+// Failure: one line for the user.
+Result<std::optional<verify::Property>> read_property(const Compilation& c, const std::string& text) {
+  if (text.empty() || text == "deadlock" || text == "errors") return std::optional<verify::Property>();
+  Result<verify::Property> property = verify::parse_property(text, *c.system);
+  if (!property) return Failure{property.error()};
+  return std::optional<verify::Property>(std::move(*property));
+}
+
+}  // namespace
+
 int command_export(const ExportArguments& arguments) {
+  if (!arguments.property.empty() && arguments.format != ExportFormat::Aiger) {
+    std::fputs("bipc export: `--property` is for `--format=aiger`\n", stderr);
+    return kUsage;
+  }
   Compilation c(arguments.compile);
   if (arguments.compile.emit != EmitKind::None) {
     emit_stage(c, arguments.file, Optimisation::Auto);
@@ -17,11 +103,15 @@ int command_export(const ExportArguments& arguments) {
   }
   std::string text;
   if (compile(c, arguments.file, Stage::Image)) {
-    const bool is_promela = arguments.format == ExportFormat::Promela;
-    const exchange::Options options{.maximal_progress = arguments.maximal_progress, .root_name = c.root_name};
-    Result<std::string> made = is_promela ? exchange::promela(*c.system, options) : exchange::pnml(*c.system, options);
+    const auto property = read_property(c, arguments.property);
+    if (!property) {
+      std::fputs(fmt::format("bipc export: --property, {}\n  {}\n", property.error(), arguments.property).c_str(),
+                 stderr);
+      return kUsage;
+    }
+    Result<std::string> made = exported(c, arguments, *property);
     if (!made) {
-      c.diags.report(Diag::kB5060, {}, is_promela ? "Promela" : "PNML", made.error());
+      c.diags.report(Diag::kB5060, {}, format_name(arguments.format), made.error());
     } else if (arguments.output.empty()) {
       text = std::move(*made);
     } else if (const auto written = write_file(arguments.output, *made); !written) {

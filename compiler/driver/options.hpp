@@ -124,12 +124,13 @@ struct GraphArguments {
   EmitKind format = EmitKind::Dot;
   graph::Show show = graph::Show::All;
 };
-enum class ExportFormat : std::uint8_t { Promela, Pnml };
+enum class ExportFormat : std::uint8_t { Promela, Pnml, Aiger, Net };
 struct ExportArguments {
   CompileOptions compile;
   std::string file;
   std::string output;  // empty: standard output
   ExportFormat format = ExportFormat::Promela;
+  std::string property;  // Aiger: what is bad; empty: a deadlock
   bool maximal_progress = true;
 };
 /// A file checked against a trace: of the published engine, or a binary one.
