@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+#include "compiler/model/operators.hpp"
+
 namespace bip::emit_cpp {
 
 LocalNames::LocalNames() {
@@ -76,9 +78,9 @@ class Uses {
     if (e.op == Op::LoadSelf) note(self, e.index, e.type, false);
     if (e.op == Op::LoadBind) note(bind, e.index, e.type, false);
     if (e.op == Op::Call) add_call(e);
-    if (e.op >= Op::IntToFloat) add(e.a);
-    if (e.op >= Op::Add) add(e.b);
-    faults = faults || ((e.op == Op::Div || e.op == Op::Mod) && e.type == Type::Int);
+    if (operand_count(e.op) >= 1) add(e.a);
+    if (operand_count(e.op) == 2) add(e.b);
+    faults = faults || (is_division(e.op) && e.type == Type::Int);
   }
   void add_call(const Expr& e) {
     faults = true;

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "compiler/model/fold.hpp"
 #include "runtime/include/bip/arith.hpp"
 
 namespace bip::interp {
@@ -46,9 +47,7 @@ class Evaluator {
  private:
   rt::Cell unary(const Expr& e, rt::Cell a);
   rt::Cell binary(ExprId id, const Expr& e, rt::Cell a, rt::Cell b);
-  rt::Cell int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b);
   rt::Cell short_circuit(const Expr& e);
-  rt::Cell divide(ExprId id, Op op, std::int32_t a, std::int32_t b);
   rt::Cell call(ExprId id, const Expr& e);
   void store(Type type, rt::Cell& to, rt::Cell value);
 
@@ -79,7 +78,9 @@ rt::Cell Evaluator::eval(ExprId id) {
       const rt::Cell a = eval(e.a);
       return status_ != 0 ? a : unary(e, a);
     }
-    default: break;
+      BIP_VALUE_OPS(BIP_OP_CASE)
+      BIP_COMPARISON_OPS(BIP_OP_CASE)
+      break;
   }
   const rt::Cell a = eval(e.a);
   if (status_ != 0) return a;
@@ -89,12 +90,8 @@ rt::Cell Evaluator::eval(ExprId id) {
 }
 
 rt::Cell Evaluator::unary(const Expr& e, rt::Cell a) {
-  switch (e.op) {
-    case Op::IntToFloat: return float_cell(static_cast<double>(a.i));
-    case Op::Not: return bool_cell(a.i == 0);
-    case Op::BitNot: return int_cell(~a.i);
-    default: return e.type == Type::Float ? float_cell(-a.f) : int_cell(rt::wrap_neg(a.i));
-  }
+  if (e.op == Op::IntToFloat) return float_cell(static_cast<double>(a.i));
+  return e.type == Type::Float ? float_cell(-a.f) : int_cell(fold_int(e.op, a.i));
 }
 
 rt::Cell Evaluator::short_circuit(const Expr& e) {
@@ -104,46 +101,15 @@ rt::Cell Evaluator::short_circuit(const Expr& e) {
 }
 
 rt::Cell Evaluator::binary(ExprId id, const Expr& e, rt::Cell a, rt::Cell b) {
-  if (code_.exprs[e.a].type != Type::Float) return int_binary(id, e, a.i, b.i);
-  switch (e.op) {
-    case Op::Add: return float_cell(a.f + b.f);
-    case Op::Sub: return float_cell(a.f - b.f);
-    case Op::Mul: return float_cell(a.f * b.f);
-    case Op::Div: return float_cell(a.f / b.f);
-    case Op::Eq: return bool_cell(a.f == b.f);
-    case Op::Ne: return bool_cell(a.f != b.f);
-    case Op::Lt: return bool_cell(a.f < b.f);
-    case Op::Gt: return bool_cell(a.f > b.f);
-    case Op::Le: return bool_cell(a.f <= b.f);
-    case Op::Ge: return bool_cell(a.f >= b.f);
-    default: return a;
+  if (code_.exprs[e.a].type == Type::Float) {
+    if (is_comparison(e.op)) return bool_cell(fold_comparison(e.op, a.f, b.f));
+    return float_cell(fold_float(e.op, a.f, b.f));
   }
-}
-
-rt::Cell Evaluator::int_binary(ExprId id, const Expr& e, std::int32_t a, std::int32_t b) {
-  switch (e.op) {
-    case Op::Add: return int_cell(rt::wrap_add(a, b));
-    case Op::Sub: return int_cell(rt::wrap_sub(a, b));
-    case Op::Mul: return int_cell(rt::wrap_mul(a, b));
-    case Op::Div:
-    case Op::Mod: return divide(id, e.op, a, b);
-    case Op::BitAnd: return int_cell(a & b);
-    case Op::BitOr: return int_cell(a | b);
-    case Op::BitXor: return int_cell(a ^ b);
-    case Op::Eq: return bool_cell(a == b);
-    case Op::Ne: return bool_cell(a != b);
-    case Op::Lt: return bool_cell(a < b);
-    case Op::Gt: return bool_cell(a > b);
-    case Op::Le: return bool_cell(a <= b);
-    case Op::Ge: return bool_cell(a >= b);
-    default: return int_cell(0);
+  if (is_division(e.op)) {
+    status_ = rt::division_status(a.i, b.i, lowered_.site_of_expr[id.value]);
+    if (status_ != 0) return int_cell(0);
   }
-}
-
-rt::Cell Evaluator::divide(ExprId id, Op op, std::int32_t a, std::int32_t b) {
-  status_ = rt::division_status(a, b, lowered_.site_of_expr[id.value]);
-  if (status_ != 0) return int_cell(0);
-  return int_cell(op == Op::Div ? rt::quotient(a, b) : rt::remainder(a, b));
+  return int_cell(fold_int(e.op, a.i, b.i));
 }
 
 // Arguments by value are evaluated, from left to right, into variables of their own; the others are the variables'

@@ -11,7 +11,9 @@
 #include <limits>
 #include <optional>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/jit/debug_info.hpp"
+#include "compiler/model/operators.hpp"
 
 namespace bip::jit {
 namespace {
@@ -98,13 +100,16 @@ class UnitBuilder {
       case Op::Not:
       case Op::BitNot: return b_.CreateNot(expr(e.a));
       case Op::And:
-      case Op::Or: return short_circuit(e);
-      default: break;
+      case Op::Or:
+        return short_circuit(e);
+        BIP_VALUE_OPS(BIP_OP_CASE)
+        BIP_COMPARISON_OPS(BIP_OP_CASE)
+        break;
     }
     llvm::Value* a = expr(e.a);
     llvm::Value* b = expr(e.b);
     if (code_.exprs[e.a].type == Type::Float) return float_binary(e.op, a, b);
-    if (e.op == Op::Div || e.op == Op::Mod) return divide(id, e.op, a, b);
+    if (is_division(e.op)) return divide(id, e.op, a, b);
     return int_binary(e.op, a, b);
   }
 
@@ -204,8 +209,15 @@ class UnitBuilder {
       case Op::Lt: return b_.CreateFCmpOLT(a, b);
       case Op::Gt: return b_.CreateFCmpOGT(a, b);
       case Op::Le: return b_.CreateFCmpOLE(a, b);
-      default: return b_.CreateFCmpOGE(a, b);
+      case Op::Ge: return b_.CreateFCmpOGE(a, b);
+      case Op::Mod:
+        BIP_LEAF_OPS(BIP_OP_CASE)
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        BIP_BITWISE_OPS(BIP_OP_CASE)
+        BIP_LOGIC_OPS(BIP_OP_CASE)
+        break;
     }
+    BIP_UNREACHABLE("not an operator of two floats");
   }
   /// int, and what bool and string share with it: == and !=.
   llvm::Value* int_binary(Op op, llvm::Value* a, llvm::Value* b) {
@@ -221,8 +233,15 @@ class UnitBuilder {
       case Op::Lt: return b_.CreateICmpSLT(a, b);
       case Op::Gt: return b_.CreateICmpSGT(a, b);
       case Op::Le: return b_.CreateICmpSLE(a, b);
-      default: return b_.CreateICmpSGE(a, b);
+      case Op::Ge:
+        return b_.CreateICmpSGE(a, b);
+        BIP_LEAF_OPS(BIP_OP_CASE)
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        BIP_DIVISION_OPS(BIP_OP_CASE)
+        BIP_LOGIC_OPS(BIP_OP_CASE)
+        break;
     }
+    BIP_UNREACHABLE("not an operator of two ints");
   }
 
   llvm::Value* divide(ExprId id, Op op, llvm::Value* a, llvm::Value* b) {

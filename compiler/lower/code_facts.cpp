@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "compiler/model/operators.hpp"
+
 namespace bip::lower {
 
 CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body) {
@@ -33,7 +35,7 @@ CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body) {
       exprs.insert(exprs.end(), args.begin(), args.end());
       continue;
     }
-    if ((e.op == Op::Div || e.op == Op::Mod) && e.type == Type::Int) {
+    if (is_division(e.op) && e.type == Type::Int) {
       const Expr& by = code.exprs[e.b];
       facts.may_fault |= by.op != Op::ConstInt || by.int_value == 0 || by.int_value == -1;
     }

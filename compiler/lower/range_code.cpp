@@ -38,7 +38,12 @@ class RangeCodeWriter {
       case Op::Le: return binary(RangeOpKind::Le, e, e.a, e.b);
       case Op::Gt: return binary(RangeOpKind::Lt, e, e.b, e.a);
       case Op::Ge: return binary(RangeOpKind::Le, e, e.b, e.a);
-      default: return any(e.type);
+      case Op::ConstString:
+      case Op::Call:
+      case Op::BitNot:
+        BIP_DIVISION_OPS(BIP_OP_CASE)
+        BIP_BITWISE_OPS(BIP_OP_CASE)
+        return any(e.type);
     }
   }
 

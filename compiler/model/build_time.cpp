@@ -23,7 +23,10 @@ constexpr std::pair<const char*, std::int64_t> kUnits[] = {
     {"minute", 60'000'000'000}, {"hour", 3'600'000'000'000}, {"day", 86'400'000'000'000}};
 
 bool is_comparison(const syntax::Expr* e) {
-  return e->kind == ExprKind::Binary && e->binary >= BinaryOp::Eq && e->binary <= BinaryOp::Ge;
+  if (e->kind != ExprKind::Binary) return false;
+#define BIP_IS_BINARY(name, ...) || e->binary == BinaryOp::name
+  return false BIP_COMPARISON_OPS(BIP_IS_BINARY);
+#undef BIP_IS_BINARY
 }
 
 BoundOp bound_op(BinaryOp op, bool is_flipped) {
@@ -32,8 +35,14 @@ BoundOp bound_op(BinaryOp op, bool is_flipped) {
     case BinaryOp::Le: return is_flipped ? BoundOp::Ge : BoundOp::Le;
     case BinaryOp::Gt: return is_flipped ? BoundOp::Lt : BoundOp::Gt;
     case BinaryOp::Ge: return is_flipped ? BoundOp::Le : BoundOp::Ge;
-    default: return BoundOp::Eq;
+    case BinaryOp::Eq: return BoundOp::Eq;
+#define BIP_BINARY_CASE(name, ...) case BinaryOp::name:
+      BIP_VALUE_OPS(BIP_BINARY_CASE)
+      BIP_LOGIC_OPS(BIP_BINARY_CASE)
+#undef BIP_BINARY_CASE
+    case BinaryOp::Ne: break;
   }
+  BIP_UNREACHABLE("not a bound");
 }
 
 // What a constant bound leaves of the values of its clock, or of the difference.

@@ -15,6 +15,7 @@
 
 #include "compiler/base/ids.hpp"
 #include "compiler/source/source.hpp"
+#include "compiler/syntax/ops.def"
 
 namespace bip {
 
@@ -29,34 +30,12 @@ inline constexpr std::uint16_t kFirstFfiType = 4;
 using ExprId = Id<struct ExprTag>;
 using StmtId = Id<struct StmtTag>;
 
+// ConstInt, ConstBool: int_value; ConstFloat: float_value; ConstString: int_value = row of strings; loads: index;
+// Call: index = row of functions, int_value = first row of args; unary operators: a; binary ones: a, b.
 enum class Op : std::uint8_t {
-  ConstInt,
-  ConstBool,
-  ConstFloat,
-  ConstString,  // int_value, int_value 0/1, float_value, int_value = row of strings
-  LoadSelf,
-  LoadBind,  // index
-  Call,      // index = row of functions, int_value = first row of args
-  IntToFloat,
-  Neg,
-  Not,
-  BitNot,  // a
-  Add,
-  Sub,
-  Mul,
-  Div,
-  Mod,  // a b: int or float (Mod: int)
-  BitAnd,
-  BitOr,
-  BitXor,  // a b: int
-  And,
-  Or,  // a b: bool, short-circuit
-  Eq,
-  Ne,
-  Lt,
-  Gt,
-  Le,
-  Ge  // a b of one type -> bool; Lt..Ge: int, float
+#define BIP_OP_NAME(name, ...) name,
+  BIP_OPS(BIP_OP_NAME)
+#undef BIP_OP_NAME
 };
 [[nodiscard]] const char* name_of(Op op);
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "compiler/model/ffi_declarations.hpp"
+#include "compiler/model/operators.hpp"
 #include "compiler/model/packages.hpp"
 
 namespace bip::model {
@@ -16,16 +17,28 @@ using syntax::UnaryOp;
 
 namespace {
 
-const char* text_of(BinaryOp op) {
-  static constexpr const char* kText[] = {"||", "&&", "|",  "^", "&", "==", "!=", "<",
-                                          ">",  "<=", ">=", "+", "-", "*",  "/",  "%"};
-  return kText[static_cast<int>(op)];
+Op op_of(BinaryOp op) {
+  switch (op) {
+#define BIP_OP_OF(name, ...) \
+  case BinaryOp::name: return Op::name;
+    BIP_BINARY_OPS(BIP_OP_OF)
+#undef BIP_OP_OF
+  }
+  BIP_UNREACHABLE("binary operator");
 }
 
-Op op_of(BinaryOp op) {
-  static constexpr Op kOps[] = {Op::Or, Op::And, Op::BitOr, Op::BitXor, Op::BitAnd, Op::Eq,  Op::Ne,  Op::Lt,
-                                Op::Gt, Op::Le,  Op::Ge,    Op::Add,    Op::Sub,    Op::Mul, Op::Div, Op::Mod};
-  return kOps[static_cast<int>(op)];
+const char* text_of(BinaryOp op) { return symbol_of(op_of(op)); }
+
+/// What an operator wants, for messages.
+const char* text_of(OperandTypes operands) {
+  switch (operands) {
+    case OperandTypes::Int: return "int";
+    case OperandTypes::Bool: return "bool";
+    case OperandTypes::Number: return "numbers";
+    case OperandTypes::None:
+    case OperandTypes::Native: break;
+  }
+  BIP_UNREACHABLE("operands");
 }
 
 // A chain of calls is unfolded by recursion, and each call may double the code or deepen it by its argument.
@@ -34,8 +47,6 @@ constexpr std::size_t kMaxUnfolded = 100'000;
 constexpr std::uint32_t kMaxUnfoldedDepth = 1000;
 // Beyond this many errors nobody reads on: names are no longer compared.
 constexpr std::size_t kHelpedErrors = 200;
-
-bool is_numeric(Type t) { return t == Type::Int || t == Type::Float; }
 
 }  // namespace
 
@@ -141,7 +152,12 @@ std::optional<Typed> CodeBuilder::literal(const syntax::Expr* e) {
       }
       break;
     }
-    default:
+    case ExprKind::String:
+    case ExprKind::Report:
+    case ExprKind::Path:
+    case ExprKind::Unary:
+    case ExprKind::Binary:
+    case ExprKind::Call:
       out.op = Op::ConstString, out.type = Type::String;
       out.int_value = static_cast<std::int32_t>(model_.code.string(std::string(e->text)));
       break;
@@ -217,21 +233,13 @@ std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
   bool handled = false;
   const std::optional<Typed> call = ffi_operator(e, model_.sources->text(e->op_range), {*arg}, handled);
   if (handled) return call;
-  switch (e->unary) {
-    case UnaryOp::Plus:
-      if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
-      return v;
-    case UnaryOp::Neg:
-      if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
-      break;
-    case UnaryOp::Not:
-      if (v->type != Type::Bool) return type_error(e, operand, "bool", v->type);
-      break;
-    case UnaryOp::BitNot:
-      if (v->type != Type::Int) return type_error(e, operand, "int", v->type);
-      break;
+  if (e->unary == UnaryOp::Plus) {
+    if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
+    return v;
   }
   const Op op = e->unary == UnaryOp::Neg ? Op::Neg : e->unary == UnaryOp::Not ? Op::Not : Op::BitNot;
+  const OperandTypes operands = info_of(op).operands;
+  if (!takes(operands, v->type)) return type_error(e, operand, text_of(operands), v->type);
   return Typed{make({.op = op, .type = v->type, .a = v->id, .b = {}, .loc = loc(e->range)}), v->type};
 }
 
@@ -244,46 +252,27 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
   if (handled) return call;
   std::optional<Typed> a = left->typed;
   std::optional<Typed> b = right->typed;
-  const auto both = [&](bool (*fits)(Type), const char* wants) -> const syntax::Expr* {
-    if (!fits(a->type)) return type_error(e, e->operands[0], wants, a->type), e->operands[0];
-    if (!fits(b->type)) return type_error(e, e->operands[1], wants, b->type), e->operands[1];
-    return nullptr;
-  };
-  Type result = Type::Bool;
-  switch (e->binary) {
-    case BinaryOp::Or:
-    case BinaryOp::And:
-      if (both([](Type t) { return t == Type::Bool; }, "bool")) return std::nullopt;
-      break;
-    case BinaryOp::BitOr:
-    case BinaryOp::BitXor:
-    case BinaryOp::BitAnd:
-    case BinaryOp::Mod:
-      if (both([](Type t) { return t == Type::Int; }, "int")) return std::nullopt;
-      result = Type::Int;
-      if (e->binary == BinaryOp::Mod) warn_zero_divisor(e, *b);
-      break;
-    case BinaryOp::Eq:
-    case BinaryOp::Ne:
-      if (a->type != b->type && !(is_numeric(a->type) && is_numeric(b->type))) {
-        diags_.report(Diag::kB1014, e->op_range, text_of(e->binary), name_of(a->type), name_of(b->type))
-            .label(e->operands[0]->range, fmt::format("this is {}", name_of(a->type)))
-            .label(e->operands[1]->range, fmt::format("this is {}", name_of(b->type)));
-        return std::nullopt;
-      }
-      break;
-    default:
-      if (both(is_numeric, "numbers")) return std::nullopt;
-      if (e->binary >= BinaryOp::Add)
-        result = a->type == Type::Float || b->type == Type::Float ? Type::Float : Type::Int;
-      if (e->binary == BinaryOp::Div && result == Type::Int) warn_zero_divisor(e, *b);
-      break;
+  const Op op = op_of(e->binary);
+  const OperandTypes operands = info_of(op).operands;
+  if (operands == OperandTypes::Native) {
+    if (a->type != b->type && !(is_numeric(a->type) && is_numeric(b->type))) {
+      diags_.report(Diag::kB1014, e->op_range, text_of(e->binary), name_of(a->type), name_of(b->type))
+          .label(e->operands[0]->range, fmt::format("this is {}", name_of(a->type)))
+          .label(e->operands[1]->range, fmt::format("this is {}", name_of(b->type)));
+      return std::nullopt;
+    }
+  } else {
+    if (!takes(operands, a->type)) return type_error(e, e->operands[0], text_of(operands), a->type);
+    if (!takes(operands, b->type)) return type_error(e, e->operands[1], text_of(operands), b->type);
   }
+  const bool is_float = a->type == Type::Float || b->type == Type::Float;
+  const Type result = result_of(op, is_float ? Type::Float : a->type);
+  if (is_division(op) && result == Type::Int) warn_zero_divisor(e, *b);
   if (is_numeric(a->type) && a->type != b->type) {
     a = convert(*a, Type::Float);
     b = convert(*b, Type::Float);
   }
-  return Typed{make({.op = op_of(e->binary), .type = result, .a = a->id, .b = b->id, .loc = loc(e->op_range)}), result};
+  return Typed{make({.op = op, .type = result, .a = a->id, .b = b->id, .loc = loc(e->op_range)}), result};
 }
 
 bool CodeBuilder::may_inline(const syntax::Expr* e, const syntax::Decl& function) {

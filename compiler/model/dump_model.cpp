@@ -28,7 +28,9 @@ struct Dumper {
         for (const ExprId arg : m.code.args_of(e)) text += " " + expr(arg);
         return text + ")";
       }
-      default: break;
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        BIP_BINARY_OPS(BIP_OP_CASE)
+        break;
     }
     if (!e.b.is_valid()) return fmt::format("({} {})", name_of(e.op), expr(e.a));
     return fmt::format("({} {} {})", name_of(e.op), expr(e.a), expr(e.b));

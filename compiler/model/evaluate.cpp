@@ -2,48 +2,19 @@
 #include "compiler/model/evaluate.hpp"
 
 #include "compiler/base/assert.hpp"
+#include "compiler/model/fold.hpp"
 
 namespace bip::model {
 
 namespace {
 
-std::int32_t wrap(std::int64_t v) {
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(v)));
-}
+Value int_value(std::int32_t value) { return {Type::Int, value, 0}; }
+Value bool_value(bool value) { return {Type::Bool, value ? 1 : 0, 0}; }
+Value float_value(double value) { return {Type::Float, 0, value}; }
 
-Value truth(bool b) { return {Type::Bool, b ? 1 : 0, 0}; }
-
-template <class T>
-Value compare(Op op, T a, T b) {
-  switch (op) {
-    case Op::Eq: return truth(a == b);
-    case Op::Ne: return truth(a != b);
-    case Op::Lt: return truth(a < b);
-    case Op::Gt: return truth(a > b);
-    case Op::Le: return truth(a <= b);
-    default: return truth(a >= b);
-  }
-}
-
-Evaluated arithmetic(Op op, const Value& a, const Value& b) {
-  BIP_ASSERT(a.type == Type::Int || a.type == Type::Float, "arithmetic on type {}", a.type);
-  if (a.type == Type::Float) {
-    const double x = a.float_value, y = b.float_value;
-    return {{Type::Float, 0, op == Op::Add ? x + y : op == Op::Sub ? x - y : op == Op::Mul ? x * y : x / y}};
-  }
-  const std::int64_t x = a.int_value, y = b.int_value;
-  switch (op) {
-    case Op::Add: return {{Type::Int, wrap(x + y), 0}};
-    case Op::Sub: return {{Type::Int, wrap(x - y), 0}};
-    case Op::Mul: return {{Type::Int, wrap(x * y), 0}};
-    case Op::BitAnd: return {{Type::Int, wrap(x & y), 0}};
-    case Op::BitOr: return {{Type::Int, wrap(x | y), 0}};
-    case Op::BitXor: return {{Type::Int, wrap(x ^ y), 0}};
-    default: break;
-  }
-  if (y == 0) return {{Type::Int, 0, 0}, Fault::DivisionByZero};
-  if (x == INT32_MIN && y == -1) return {{Type::Int, 0, 0}, Fault::DivisionOverflow};
-  return {{Type::Int, wrap(op == Op::Div ? x / y : x % y), 0}};
+Value compare(Op op, const Value& a, const Value& b) {
+  return bool_value(a.type == Type::Float ? fold_comparison(op, a.float_value, b.float_value)
+                                          : fold_comparison(op, a.int_value, b.int_value));
 }
 
 }  // namespace
@@ -61,37 +32,42 @@ Evaluated evaluate(const CodeTable& code, ExprId id, std::span<const Value> self
                  e.type);
       return {self[e.index]};
     case Op::LoadBind: BIP_UNREACHABLE("a constant expression reads a bound variable");
-    case Op::Call: return {{e.type, 0, 0}, Fault::Call, id};
-    default: break;
+    case Op::Call:
+      return {{e.type, 0, 0}, Fault::Call, id};
+      BIP_UNARY_OPS(BIP_OP_CASE)
+      BIP_BINARY_OPS(BIP_OP_CASE)
+      break;
   }
-  const Evaluated a = evaluate(code, e.a, self);
-  if (a.fault != Fault::None) return a;
-  switch (e.op) {
-    case Op::IntToFloat: return {{Type::Float, 0, static_cast<double>(a.value.int_value)}};
-    case Op::Neg:
-      return a.value.type == Type::Float
-                 ? Evaluated{{Type::Float, 0, -a.value.float_value}}
-                 : Evaluated{{Type::Int, wrap(-static_cast<std::int64_t>(a.value.int_value)), 0}};
-    case Op::Not: return {truth(a.value.int_value == 0)};
-    case Op::BitNot: return {{Type::Int, ~a.value.int_value, 0}};
-    case Op::And:
-      if (a.value.int_value == 0) return a;
+  const Evaluated left = evaluate(code, e.a, self);
+  if (left.fault != Fault::None) return left;
+  const Value& a = left.value;
+  const bool is_float = a.type == Type::Float;
+  switch (family_of(e.op)) {
+    case OpFamily::Constant:
+    case OpFamily::Load:
+    case OpFamily::Call: break;
+    case OpFamily::Conversion: return {float_value(static_cast<double>(a.int_value))};
+    case OpFamily::Sign:
+      return {is_float ? float_value(-a.float_value) : Value{.type = a.type, .int_value = fold_int(e.op, a.int_value)}};
+    case OpFamily::Logic:
+      if ((a.int_value != 0) == (e.op == Op::Or)) return left;
       return evaluate(code, e.b, self);
-    case Op::Or:
-      if (a.value.int_value != 0) return a;
-      return evaluate(code, e.b, self);
-    default: break;
+    case OpFamily::Arithmetic:
+    case OpFamily::Division:
+    case OpFamily::Bitwise:
+    case OpFamily::Equality:
+    case OpFamily::Order: break;
   }
-  const Evaluated b = evaluate(code, e.b, self);
-  if (b.fault != Fault::None) return b;
-  BIP_ASSERT(a.value.type == b.value.type, "operands of {} have one type", e.op);
-  if (e.op >= Op::Eq) {
-    return {a.value.type == Type::Float ? compare(e.op, a.value.float_value, b.value.float_value)
-                                        : compare(e.op, a.value.int_value, b.value.int_value)};
-  }
-  Evaluated result = arithmetic(e.op, a.value, b.value);
-  if (result.fault != Fault::None) result.at = id;
-  return result;
+  const Evaluated right = evaluate(code, e.b, self);
+  if (right.fault != Fault::None) return right;
+  const Value& b = right.value;
+  BIP_ASSERT(a.type == b.type, "operands of {} have one type", e.op);
+  if (is_comparison(e.op)) return {compare(e.op, a, b)};
+  BIP_ASSERT(is_numeric(a.type), "arithmetic on type {}", a.type);
+  if (is_float) return {float_value(fold_float(e.op, a.float_value, b.float_value))};
+  if (is_division(e.op) && division_faults(a.int_value, b.int_value))
+    return {int_value(0), b.int_value == 0 ? Fault::DivisionByZero : Fault::DivisionOverflow, id};
+  return {int_value(fold_int(e.op, a.int_value, b.int_value))};
 }
 
 }  // namespace bip::model

@@ -12,35 +12,27 @@ using namespace syntax;
 namespace {
 
 BinaryOp binary_op(std::size_t type) {
+#define BIP_OP_TOKEN(name, family, text, word, symbol, precedence, operands, result, function, promela, token) \
+  case BipParser::token: return BinaryOp::name;
   switch (type) {
-    case BipParser::OROR:
+    BIP_BINARY_OPS(BIP_OP_TOKEN)
     case BipParser::OR_WORD: return BinaryOp::Or;
-    case BipParser::ANDAND:
     case BipParser::AND_WORD: return BinaryOp::And;
-    case BipParser::PIPE: return BinaryOp::BitOr;
-    case BipParser::CARET: return BinaryOp::BitXor;
-    case BipParser::AMP: return BinaryOp::BitAnd;
-    case BipParser::NE: return BinaryOp::Ne;
-    case BipParser::LT: return BinaryOp::Lt;
-    case BipParser::GT: return BinaryOp::Gt;
-    case BipParser::LE: return BinaryOp::Le;
-    case BipParser::GE: return BinaryOp::Ge;
-    case BipParser::PLUS: return BinaryOp::Add;
-    case BipParser::MINUS: return BinaryOp::Sub;
-    case BipParser::STAR: return BinaryOp::Mul;
-    case BipParser::SLASH: return BinaryOp::Div;
-    case BipParser::PERCENT: return BinaryOp::Mod;
+    // A single `=`, reported elsewhere if it may not compare.
     default: return BinaryOp::Eq;
   }
+#undef BIP_OP_TOKEN
 }
 
 UnaryOp unary_op(std::size_t type) {
+#define BIP_SIGN_TOKEN(name, family, text, word, symbol, precedence, operands, result, function, promela, token) \
+  case BipParser::token: return UnaryOp::name;
   switch (type) {
-    case BipParser::MINUS: return UnaryOp::Neg;
+    BIP_SIGN_OPS(BIP_SIGN_TOKEN)
     case BipParser::PLUS: return UnaryOp::Plus;
-    case BipParser::TILDE: return UnaryOp::BitNot;
     default: return UnaryOp::Not;
   }
+#undef BIP_SIGN_TOKEN
 }
 
 bool is_relational(const Expr& e) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "compiler/model/operators.hpp"
+
 namespace bip::steps {
 
 using lower::Reduction;
@@ -68,9 +70,10 @@ u32 Values::expr(ExprId id) {
   const Expr& e = code_.exprs[id];
   if (e.op == Op::LoadSelf) return read(self_ + e.index);
   if (e.op == Op::LoadBind) return read(bind_[e.index]);
-  if (e.op < Op::IntToFloat) return opaque();
+  const int operands = operand_count(e.op);
+  if (operands == 0) return opaque();
   const u32 a = expr(e.a);
-  if (e.op < Op::Add) return opaque();
+  if (operands == 1) return opaque();
   const u32 b = expr(e.b);
   const bool is_int = e.type == Type::Int;
   switch (e.op) {
@@ -82,16 +85,21 @@ u32 Values::expr(ExprId id) {
     case Op::BitOr:
     case Op::Or: return joined(Reduction::Or, a, b);
     case Op::BitXor: return joined(Reduction::Xor, a, b);
-    default: return opaque();
+    case Op::Sub:
+      BIP_LEAF_OPS(BIP_OP_CASE)
+      BIP_UNARY_OPS(BIP_OP_CASE)
+      BIP_DIVISION_OPS(BIP_OP_CASE)
+      BIP_COMPARISON_OPS(BIP_OP_CASE)
+      break;
   }
+  return opaque();
 }
 
 u32 Values::either(ExprId condition, u32 yes, u32 no) {
   if (yes == no) return yes;
   for (const u32 value : {yes, no}) has_read_zero_ = has_read_zero_ || values_[value].kind == Kind::Zero;
   const Expr& e = code_.exprs[condition];
-  const bool compares = e.op == Op::Lt || e.op == Op::Le || e.op == Op::Gt || e.op == Op::Ge;
-  if (!compares || code_.exprs[e.a].type != Type::Int) return opaque();
+  if (!is_order(e.op) || code_.exprs[e.a].type != Type::Int) return opaque();
   const u32 a = expr(e.a), b = expr(e.b);
   const bool greater = e.op == Op::Gt || e.op == Op::Ge;
   if (yes == a && no == b) return joined(greater ? Reduction::Max : Reduction::Min, a, b);

@@ -5,9 +5,10 @@
 namespace bip::syntax {
 namespace {
 
-constexpr std::string_view kBinary[] = {"||", "&&", "|",  "^", "&", "==", "!=", "<",
-                                        ">",  "<=", ">=", "+", "-", "*",  "/",  "%"};
-constexpr std::string_view kUnary[] = {"-", "+", "!", "~"};
+#define BIP_OP_SYMBOL(name, family, text, word, symbol, ...) symbol,
+constexpr std::string_view kBinary[] = {BIP_BINARY_OPS(BIP_OP_SYMBOL)};
+constexpr std::string_view kUnary[] = {BIP_SIGN_OPS(BIP_OP_SYMBOL) "+"};
+#undef BIP_OP_SYMBOL
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 
 #include "compiler/base/arena.hpp"
 #include "compiler/source/source.hpp"
+#include "compiler/syntax/ops.def"
 
 namespace bip::syntax {
 
@@ -34,8 +35,10 @@ struct Path {
 
 // ---- expressions -----------------------------------------------------------------------------------------------
 enum class ExprKind : std::uint8_t { Int, Float, Bool, String, Report, Path, Unary, Binary, Call };
-enum class UnaryOp : std::uint8_t { Neg, Plus, Not, BitNot };
-enum class BinaryOp : std::uint8_t { Or, And, BitOr, BitXor, BitAnd, Eq, Ne, Lt, Gt, Le, Ge, Add, Sub, Mul, Div, Mod };
+#define BIP_OP_NAME(name, ...) name,
+enum class UnaryOp : std::uint8_t { BIP_SIGN_OPS(BIP_OP_NAME) Plus };
+enum class BinaryOp : std::uint8_t { BIP_BINARY_OPS(BIP_OP_NAME) };
+#undef BIP_OP_NAME
 struct Expr {
   ExprKind kind = ExprKind::Bool;
   SourceRange range{};

@@ -218,13 +218,6 @@ Op constant_of(Type type) {
   return Op::ConstString;
 }
 
-/// The result's type if the operands are right.
-Type result_of(Op op, Type operand) {
-  if (op == Op::IntToFloat) return Type::Float;
-  if (op == Op::Not || op >= Op::And) return Type::Bool;
-  return operand;
-}
-
 }  // namespace
 
 std::uint32_t BsysReader::variable(List& list, const std::vector<ScopeVariable>& variables) {

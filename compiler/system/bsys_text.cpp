@@ -10,27 +10,6 @@ namespace {
 constexpr std::array<std::pair<Type, const char*>, 4> kTypes{
     {{Type::Int, "int"}, {Type::Bool, "bool"}, {Type::Float, "float"}, {Type::String, "string"}}};
 
-constexpr std::array<std::pair<Op, const char*>, 20> kOps{{{Op::IntToFloat, "to-float"},
-                                                           {Op::Neg, "neg"},
-                                                           {Op::Not, "not"},
-                                                           {Op::BitNot, "bit-not"},
-                                                           {Op::Add, "add"},
-                                                           {Op::Sub, "sub"},
-                                                           {Op::Mul, "mul"},
-                                                           {Op::Div, "div"},
-                                                           {Op::Mod, "mod"},
-                                                           {Op::BitAnd, "bit-and"},
-                                                           {Op::BitOr, "bit-or"},
-                                                           {Op::BitXor, "bit-xor"},
-                                                           {Op::And, "and"},
-                                                           {Op::Or, "or"},
-                                                           {Op::Eq, "eq"},
-                                                           {Op::Ne, "ne"},
-                                                           {Op::Lt, "lt"},
-                                                           {Op::Gt, "gt"},
-                                                           {Op::Le, "le"},
-                                                           {Op::Ge, "ge"}}};
-
 }  // namespace
 
 const char* word_of(Type type) {
@@ -56,19 +35,10 @@ std::optional<InvariantScope> invariant_scope_of(std::string_view word) {
     if (word == word_of(scope)) return scope;
   return std::nullopt;
 }
-const char* word_of(Op op) {
-  for (const auto& [value, word] : kOps)
-    if (value == op) return word;
-  return nullptr;
-}
 std::optional<Op> op_of(std::string_view text) {
-  for (const auto& [value, word] : kOps)
-    if (text == word) return value;
+  for (std::size_t row = 0; row < kOperators.size(); ++row)
+    if (kOperators[row].word != nullptr && text == kOperators[row].word) return static_cast<Op>(row);
   return std::nullopt;
-}
-int operand_count(Op op) {
-  if (op < Op::IntToFloat) return 0;
-  return op < Op::Add ? 1 : 2;
 }
 
 bool is_bare(std::string_view name) {

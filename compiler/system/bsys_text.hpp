@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/model/operators.hpp"
 #include "compiler/system/system.hpp"
 
 namespace bip::system::text {
@@ -21,11 +22,8 @@ inline constexpr std::uint32_t kMaxParentheses = 2 * kMaxCodeDepth + 16;
 [[nodiscard]] std::optional<Type> type_of(std::string_view word);
 [[nodiscard]] const char* word_of(InvariantScope scope);
 [[nodiscard]] std::optional<InvariantScope> invariant_scope_of(std::string_view word);
-/// The word of an operator; null for constants and loads, which have forms of their own.
-[[nodiscard]] const char* word_of(Op op);
+/// Returns the operator of a word (OperatorInfo::word); constants, loads and calls have none.
 [[nodiscard]] std::optional<Op> op_of(std::string_view word);
-/// Operands that an operator takes (0, 1 or 2).
-[[nodiscard]] int operand_count(Op op);
 
 /// True if a name can stand without quotes: [A-Za-z_] [A-Za-z0-9_.\[\]]*
 [[nodiscard]] bool is_bare(std::string_view name);

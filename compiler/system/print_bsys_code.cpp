@@ -79,13 +79,15 @@ class CodePrinter {
         }
         return;
       }
-      default: break;
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        BIP_BINARY_OPS(BIP_OP_CASE)
+        break;
     }
     out_ += '(';
-    out_ += word_of(e.op);
+    out_ += info_of(e.op).word;
     out_ += ' ';
     // Only divisions and calls can fault, so only they need their places.
-    push_close(e.op == Op::Div || e.op == Op::Mod ? e.loc : Loc{});
+    push_close(is_division(e.op) ? e.loc : Loc{});
     if (operand_count(e.op) == 2) {
       push_expr(e.b);
       push_text(" ");

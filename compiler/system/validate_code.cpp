@@ -22,8 +22,6 @@ struct Visit {
   bool is_stmt = false;
 };
 
-bool is_int_or_float(Type type) { return type == Type::Int || type == Type::Float; }
-
 class CodeChecker {
  public:
   CodeChecker(const System& system, Problems& problems)
@@ -78,7 +76,7 @@ class CodeChecker {
   }
   bool reach_from_expr(const Visit& at) {
     const Expr& e = code_.exprs[ExprId(at.row)];
-    if (!problems_.expect(e.op <= Op::Ge && is_type(system_, e.type), "an expression has no operator or no type"))
+    if (!problems_.expect(is_operator(e.op) && is_type(system_, e.type), "an expression has no operator or no type"))
       return false;
     check_loc(system_, e.loc, problems_);
     if (e.op == Op::Call) return reach_from_call(e, at);
@@ -174,9 +172,7 @@ class CodeChecker {
   }
 
   void check_expr(const Expr& e, const CodeScope& scope) {
-    const Type a = operand_count(e.op) >= 1 ? code_.exprs[e.a].type : e.type;
-    const Type b = operand_count(e.op) == 2 ? code_.exprs[e.b].type : a;
-    bool sound = a == b;
+    bool sound = false;
     switch (e.op) {
       case Op::ConstInt: sound = e.type == Type::Int; break;
       case Op::ConstFloat: sound = e.type == Type::Float; break;
@@ -186,27 +182,16 @@ class CodeChecker {
         break;
       case Op::LoadSelf: sound = e.index < scope.self.size() && scope.self[e.index].type == e.type; break;
       case Op::LoadBind: sound = e.index < scope.bind.size() && scope.bind[e.index].type == e.type; break;
-      case Op::IntToFloat: sound = a == Type::Int && e.type == Type::Float; break;
-      case Op::Not: sound = a == Type::Bool && e.type == Type::Bool; break;
-      case Op::BitNot:
-      case Op::Mod:
-      case Op::BitAnd:
-      case Op::BitOr:
-      case Op::BitXor: sound = sound && a == Type::Int && e.type == a; break;
-      case Op::Neg:
-      case Op::Add:
-      case Op::Sub:
-      case Op::Mul:
-      case Op::Div: sound = sound && is_int_or_float(a) && e.type == a; break;
-      case Op::And:
-      case Op::Or: sound = sound && a == Type::Bool && e.type == a; break;
-      case Op::Eq:
-      case Op::Ne: sound = sound && e.type == Type::Bool && !is_ffi(a); break;
-      case Op::Call: sound = true; break;
-      case Op::Lt:
-      case Op::Gt:
-      case Op::Le:
-      case Op::Ge: sound = sound && is_int_or_float(a) && e.type == Type::Bool; break;
+      case Op::Call:
+        sound = true;
+        break;
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        BIP_BINARY_OPS(BIP_OP_CASE) {
+          const Type a = code_.exprs[e.a].type;
+          sound = takes(info_of(e.op).operands, a) && e.type == result_of(e.op, a) &&
+                  (operand_count(e.op) == 1 || code_.exprs[e.b].type == a);
+          break;
+        }
     }
     if (!sound) problems_.add("an expression has the wrong type, variable or constant");
   }

@@ -3,6 +3,8 @@
 
 #include <bit>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::verify {
 
 // The expression in prefix form, data by where it is. False: it can fault, or reads what is not an atom's.
@@ -30,9 +32,15 @@ bool GuardLiterals::add_key(ExprId id, const Locate& locate, Key& key) const {
     case Op::BitNot: return add_key(e.a, locate, key);
     case Op::Call:
     case Op::Div:
-    case Op::Mod: return false;
-    default: return add_key(e.a, locate, key) && add_key(e.b, locate, key);
+    case Op::Mod:
+      return false;
+      BIP_ARITHMETIC_OPS(BIP_OP_CASE)
+      BIP_BITWISE_OPS(BIP_OP_CASE)
+      BIP_LOGIC_OPS(BIP_OP_CASE)
+      BIP_COMPARISON_OPS(BIP_OP_CASE)
+      return add_key(e.a, locate, key) && add_key(e.b, locate, key);
   }
+  BIP_UNREACHABLE("operator");
 }
 
 Lit GuardLiterals::always() {
@@ -64,8 +72,15 @@ std::optional<Lit> GuardLiterals::comparison(const Expr& e, const Locate& locate
     case Op::Lt: return less;
     case Op::Gt: return greater;
     case Op::Le: return -greater;
-    default: return -less;
+    case Op::Ge:
+      return -less;
+      BIP_LEAF_OPS(BIP_OP_CASE)
+      BIP_UNARY_OPS(BIP_OP_CASE)
+      BIP_VALUE_OPS(BIP_OP_CASE)
+      BIP_LOGIC_OPS(BIP_OP_CASE)
+      break;
   }
+  BIP_UNREACHABLE("not a comparison");
 }
 
 std::optional<Lit> GuardLiterals::joined(const Expr& e, const Locate& locate) {
@@ -91,15 +106,19 @@ std::optional<Lit> GuardLiterals::literal(ExprId id, const Locate& locate) {
       const std::optional<Lit> inner = literal(e.a, locate);
       return inner ? std::optional(-*inner) : std::nullopt;
     }
-    case Op::Eq:
-    case Op::Ne:
-    case Op::Lt:
-    case Op::Gt:
-    case Op::Le:
-    case Op::Ge:
+      BIP_COMPARISON_OPS(BIP_OP_CASE)
       if (code_.exprs[e.a].type == Type::Int) return comparison(e, locate);
       break;
-    default: break;
+    case Op::ConstInt:
+    case Op::ConstFloat:
+    case Op::ConstString:
+    case Op::Neg:
+    case Op::BitNot:
+      BIP_LOAD_OPS(BIP_OP_CASE)
+      BIP_CALL_OPS(BIP_OP_CASE)
+      BIP_CONVERSION_OPS(BIP_OP_CASE)
+      BIP_VALUE_OPS(BIP_OP_CASE)
+      break;
   }
   Key key;
   if (!add_key(id, locate, key)) return std::nullopt;

@@ -1,11 +1,12 @@
 // Parses a property by precedence climbing (Richards, Whitby-Strevens 1979), with the names of a system
 // resolved on the way. Nesting and the number of nodes are limited: what follows the tree of nodes recurs. The first
 // problem ends the parse. Cost: linear in the text and in the number of atoms and connectors.
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <unordered_map>
 
 #include "compiler/base/assert.hpp"
+#include "compiler/model/operators.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "compiler/base/ascii.hpp"
 
@@ -22,21 +23,21 @@ struct BinaryOperator {
   Op op;
   int level;
 };
-// Longer signs first.
-constexpr std::array<BinaryOperator, 14> kBinaryOperators{{{"||", Op::Or, 1},
-                                                           {"&&", Op::And, 2},
-                                                           {"==", Op::Eq, 6},
-                                                           {"!=", Op::Ne, 6},
-                                                           {"<=", Op::Le, 7},
-                                                           {">=", Op::Ge, 7},
-                                                           {"<", Op::Lt, 7},
-                                                           {">", Op::Gt, 7},
-                                                           {"|", Op::BitOr, 3},
-                                                           {"^", Op::BitXor, 4},
-                                                           {"&", Op::BitAnd, 5},
-                                                           {"+", Op::Add, 8},
-                                                           {"-", Op::Sub, 8},
-                                                           {"*", Op::Mul, 9}}};
+// Returns all binary operators but divisions, longer signs first.
+const std::vector<BinaryOperator>& binary_operators() {
+  static const std::vector<BinaryOperator> kBinaryOperators = [] {
+    std::vector<BinaryOperator> rows;
+    for (std::size_t row = 0; row < kOperators.size(); ++row) {
+      const Op op = static_cast<Op>(row);
+      if (operand_count(op) == 2 && !is_division(op))
+        rows.push_back({symbol_of(op), op, static_cast<int>(precedence_of(op))});
+    }
+    std::stable_sort(rows.begin(), rows.end(),
+                     [](const BinaryOperator& a, const BinaryOperator& b) { return a.sign.size() > b.sign.size(); });
+    return rows;
+  }();
+  return kBinaryOperators;
+}
 
 bool begins_name(char c) { return is_letter(c) || c == '_'; }
 
@@ -268,7 +269,7 @@ class PropertyParser {
       skip_blanks();
       const std::size_t start = at_;
       const BinaryOperator* found = nullptr;
-      for (const BinaryOperator& binary : kBinaryOperators) {
+      for (const BinaryOperator& binary : binary_operators()) {
         if (found == nullptr && text_.compare(at_, binary.sign.size(), binary.sign) == 0) found = &binary;
       }
       if (found == nullptr || found->level < level) return left;
@@ -280,30 +281,12 @@ class PropertyParser {
     return left;
   }
   std::uint32_t make_binary(const BinaryOperator& binary, std::uint32_t a, std::uint32_t b, std::size_t start) {
-    const auto is_number = [&](std::uint32_t row) { return type(row) == Type::Int || type(row) == Type::Float; };
-    const bool numbers = is_number(a) && is_number(b), ints = type(a) == Type::Int && type(b) == Type::Int;
-    bool fits = false;
-    Type result = Type::Bool;
-    switch (binary.op) {
-      case Op::And:
-      case Op::Or: fits = type(a) == Type::Bool && type(b) == Type::Bool; break;
-      case Op::Eq:
-      case Op::Ne: fits = numbers || type(a) == type(b); break;
-      case Op::Lt:
-      case Op::Le:
-      case Op::Gt:
-      case Op::Ge: fits = numbers; break;
-      case Op::Add:
-      case Op::Sub:
-      case Op::Mul:
-        fits = numbers;
-        result = ints ? Type::Int : Type::Float;
-        break;
-      default:
-        fits = ints;
-        result = Type::Int;
-        break;
-    }
+    const bool numbers = is_numeric(type(a)) && is_numeric(type(b));
+    const OperandTypes operands = info_of(binary.op).operands;
+    const bool fits = operands == OperandTypes::Native ? numbers || type(a) == type(b)
+                                                       : takes(operands, type(a)) && takes(operands, type(b));
+    const bool is_float = type(a) == Type::Float || type(b) == Type::Float;
+    const Type result = result_of(binary.op, is_float ? Type::Float : Type::Int);
     if (!fits) {
       at_ = start;
       set_problem("`" + std::string(binary.sign) + "` does not take " + name_of(type(a)) + " and " + name_of(type(b)));

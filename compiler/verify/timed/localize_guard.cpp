@@ -78,13 +78,18 @@ class GuardWeakener {
     switch (e.op) {
       case Op::Call:
       case Op::LoadSelf:
-      case Op::ConstFloat:
-      case Op::Div:
-      case Op::Mod: return {};
+      case Op::ConstFloat: BIP_DIVISION_OPS(BIP_OP_CASE) return {};
       case Op::LoadBind:
         if (!load(e)) return {};
         break;
-      default:
+      case Op::ConstInt:
+      case Op::ConstBool:
+      case Op::ConstString:
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        BIP_ARITHMETIC_OPS(BIP_OP_CASE)
+        BIP_BITWISE_OPS(BIP_OP_CASE)
+        BIP_LOGIC_OPS(BIP_OP_CASE)
+        BIP_COMPARISON_OPS(BIP_OP_CASE)
         if (e.a.is_valid() && !(e.a = exact(e.a, text, depth + 1)).is_valid()) return {};
         if (e.b.is_valid() && !(e.b = exact(e.b, text, depth + 1)).is_valid()) return {};
     }

@@ -39,8 +39,18 @@ std::optional<double> value_of(const CodeTable& code, ExprId id, const std::vect
       if (e.type == Type::Int && std::fabs(result) > 2147483647.0) return std::nullopt;
       return result;
     }
-    default: return std::nullopt;
+    case Op::ConstBool:
+    case Op::ConstString:
+    case Op::LoadBind:
+      BIP_CALL_OPS(BIP_OP_CASE)
+      BIP_SIGN_OPS(BIP_OP_CASE)
+      BIP_DIVISION_OPS(BIP_OP_CASE)
+      BIP_BITWISE_OPS(BIP_OP_CASE)
+      BIP_LOGIC_OPS(BIP_OP_CASE)
+      BIP_COMPARISON_OPS(BIP_OP_CASE)
+      break;
   }
+  return std::nullopt;
 }
 
 // Returns the limit in ticks; nothing: it depends on data.

@@ -62,14 +62,15 @@ class RandomCode {
     return code_.s(pick(2) == 0 ? "" : "a \"b\" */ ?\?/ \\\n");
   }
   ExprId int_expr(int depth) {
-    static const std::array<Op, 10> kOps = {Op::Add, Op::Sub, Op::Mul,    Op::Div,   Op::Mod,
-                                            Op::Div, Op::Mod, Op::BitAnd, Op::BitOr, Op::BitXor};
-    const std::uint32_t k = pick(12);
-    if (k < 10) return code_.binary(kOps[k], expr(Type::Int, depth), expr(Type::Int, depth));
-    return code_.unary(k == 10 ? Op::Neg : Op::BitNot, expr(Type::Int, depth));
+    // Divisions twice as often.
+    static constexpr auto kOps = std::to_array<Op>({BIP_VALUE_OPS(BIP_OP_ITEM) BIP_DIVISION_OPS(BIP_OP_ITEM)});
+    constexpr std::uint32_t kCount = kOps.size();
+    const std::uint32_t k = pick(kCount + 2);
+    if (k < kCount) return code_.binary(kOps[k], expr(Type::Int, depth), expr(Type::Int, depth));
+    return code_.unary(k == kCount ? Op::Neg : Op::BitNot, expr(Type::Int, depth));
   }
   ExprId bool_expr(int depth) {
-    static const std::array<Op, 6> kCompare = {Op::Eq, Op::Ne, Op::Lt, Op::Gt, Op::Le, Op::Ge};
+    static constexpr auto kCompare = std::to_array<Op>({BIP_COMPARISON_OPS(BIP_OP_ITEM)});
     const std::uint32_t k = pick(6);
     if (k < 2) return code_.binary(k == 0 ? Op::And : Op::Or, expr(Type::Bool, depth), expr(Type::Bool, depth));
     if (k == 2) return code_.unary(Op::Not, expr(Type::Bool, depth));
@@ -109,7 +110,8 @@ inline std::array<rt::Cell, 8> random_interactions(std::mt19937& random) {
     switch (kRandomTypes[k]) {
       case Type::Int: cells[k].bits = static_cast<std::uint32_t>(kInts[random() % 6]); break;
       case Type::Float: cells[k].f = kFloats[random() % 6]; break;
-      default: cells[k].bits = random() % 2;
+      case Type::Bool:
+      case Type::String: cells[k].bits = random() % 2; break;
     }
   }
   return cells;

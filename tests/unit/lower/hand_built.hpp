@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/model/operators.hpp"
 #include "compiler/system/system.hpp"
 
 namespace bip::test {
@@ -45,7 +46,7 @@ struct Code {
   ExprId self(std::uint32_t index, Type type = Type::Int) { return load(Op::LoadSelf, index, type); }
   ExprId bind(std::uint32_t index, Type type = Type::Int) { return load(Op::LoadBind, index, type); }
   ExprId unary(Op op, ExprId a) { return add(op, op == Op::IntToFloat ? Type::Float : table.exprs[a].type, a); }
-  ExprId binary(Op op, ExprId a, ExprId b) { return add(op, op >= Op::Eq ? Type::Bool : table.exprs[a].type, a, b); }
+  ExprId binary(Op op, ExprId a, ExprId b) { return add(op, result_of(op, table.exprs[a].type), a, b); }
 
   StmtId store(StmtOp op, std::uint32_t index, ExprId value) {
     Stmt s;
