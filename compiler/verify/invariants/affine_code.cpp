@@ -26,32 +26,38 @@ std::optional<AffineForm> AffineCode::sum(const AffineForm& a, std::int64_t time
   return fits ? std::optional(std::move(result)) : std::nullopt;
 }
 
-std::optional<AffineForm> AffineCode::evaluate(ExprId id, const AffinePath& path) const {
-  const Expr& e = code_.exprs[id];
-  if (e.type != Type::Int) return std::nullopt;
-  switch (e.op) {
-    case Op::ConstInt: return is_small(e.int_value) ? std::optional(AffineForm{{}, e.int_value}) : std::nullopt;
-    case Op::LoadSelf: return at(path.self, e.index);
-    case Op::LoadBind: return at(path.bind, e.index);
-    case Op::Neg: {
-      const std::optional<AffineForm> a = evaluate(e.a, path);
-      return a ? sum({}, -1, *a) : std::nullopt;
-    }
-    case Op::Add:
-    case Op::Sub: {
-      const std::optional<AffineForm> a = evaluate(e.a, path), b = evaluate(e.b, path);
-      return a && b ? sum(*a, e.op == Op::Add ? 1 : -1, *b) : std::nullopt;
-    }
-    case Op::Mul: {
-      const std::optional<AffineForm> a = evaluate(e.a, path), b = evaluate(e.b, path);
-      if (!a || !b || (!a->factors.empty() && !b->factors.empty())) return std::nullopt;
-      return a->factors.empty() ? sum({}, a->constant, *b) : sum({}, b->constant, *a);
-    }
-    default: return std::nullopt;
-  }
+AffineCode::Form AffineCode::constant(const Expr& e) {
+  return e.op == Op::ConstInt && is_small(e.int_value) ? Form(AffineForm{{}, e.int_value}) : std::nullopt;
 }
 
-void AffineCode::assume(ExprId condition, AffinePath& path) const {
+AffineCode::Form AffineCode::load(const Expr& e, const AffinePath& path) {
+  return at(e.op == Op::LoadSelf ? path.self : path.bind, e.index);
+}
+
+AffineCode::Form AffineCode::unary(const Expr& e, const Form& a, const AffinePath&) {
+  return e.op == Op::Neg && a ? sum({}, -1, *a) : std::nullopt;
+}
+
+AffineCode::Form AffineCode::binary(const Expr& e, const Form& a, const Form& b, const AffinePath&) {
+  if (!a || !b) return std::nullopt;
+  switch (e.op) {
+    case Op::Add: return sum(*a, 1, *b);
+    case Op::Sub: return sum(*a, -1, *b);
+    case Op::Mul:
+      if (!a->factors.empty() && !b->factors.empty()) return std::nullopt;
+      return a->factors.empty() ? sum({}, a->constant, *b) : sum({}, b->constant, *a);
+      BIP_LEAF_OPS(BIP_OP_CASE)
+      BIP_UNARY_OPS(BIP_OP_CASE)
+      BIP_DIVISION_OPS(BIP_OP_CASE)
+      BIP_BITWISE_OPS(BIP_OP_CASE)
+      BIP_LOGIC_OPS(BIP_OP_CASE)
+      BIP_COMPARISON_OPS(BIP_OP_CASE)
+      break;
+  }
+  return std::nullopt;
+}
+
+void AffineCode::assume(ExprId condition, AffinePath& path) {
   if (!condition.is_valid()) return;
   const Expr& e = code_.exprs[condition];
   if (e.op == Op::And) {
@@ -64,25 +70,28 @@ void AffineCode::assume(ExprId condition, AffinePath& path) const {
   }
 }
 
+bool AffineCode::execute(StmtId body, std::vector<AffinePath>& paths) {
+  AffinePaths state{paths};
+  AbstractInterpreter::execute(body, state);
+  return !state.are_too_many;
+}
+
 // Statement by statement, on all ways so far.
-bool AffineCode::execute(StmtId body, std::vector<AffinePath>& paths) const {
-  for (StmtId id = body; id.is_valid(); id = code_.stmts[id].next) {
-    const Stmt& s = code_.stmts[id];
-    if (s.op == StmtOp::If) {
-      std::vector<AffinePath> others = paths;
-      for (AffinePath& path : paths) assume(s.value, path);
-      if (!execute(s.then_body, paths) || !execute(s.else_body, others)) return false;
-      std::move(others.begin(), others.end(), std::back_inserter(paths));
-      if (paths.size() > kMaxPaths) return false;
-    }
-    if (s.op != StmtOp::StoreSelf && s.op != StmtOp::StoreBind) continue;
-    for (AffinePath& path : paths) {
-      AffineValues& values = s.op == StmtOp::StoreSelf ? path.self : path.bind;
-      std::optional<AffineForm> value = evaluate(s.value, path);
-      if (s.index < values.size()) values[s.index] = std::move(value);
-    }
+void AffineCode::branch(const Stmt& s, AffinePaths& paths) {
+  std::vector<AffinePath> others = paths.all;
+  for (AffinePath& path : paths.all) assume(s.value, path);
+  paths.are_too_many = !execute(s.then_body, paths.all) || !execute(s.else_body, others);
+  if (paths.are_too_many) return;
+  std::move(others.begin(), others.end(), std::back_inserter(paths.all));
+  paths.are_too_many = paths.all.size() > kMaxPaths;
+}
+
+void AffineCode::store(const Stmt& s, AffinePaths& paths) {
+  for (AffinePath& path : paths.all) {
+    AffineValues& values = s.op == StmtOp::StoreSelf ? path.self : path.bind;
+    Form value = evaluate(s.value, path);
+    if (s.index < values.size()) values[s.index] = std::move(value);
   }
-  return true;
 }
 
 std::vector<Substitution> substitutions(const std::vector<AffineForm>& zeros) {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "compiler/model/code.hpp"
+#include "compiler/model/abstract_interpreter.hpp"
 
 namespace bip::verify {
 
@@ -28,21 +28,40 @@ struct AffinePath {
   std::vector<AffineForm> zeros;
 };
 
-class AffineCode {
+struct AffinePaths {
+  std::vector<AffinePath>& all;
+  bool are_too_many = false;
+};
+
+/// The domain of affine forms; a state is a set of paths.
+class AffineCode : public AbstractInterpreter<AffineCode, std::optional<AffineForm>, const AffinePath, AffinePaths> {
  public:
   static constexpr std::size_t kMaxPaths = 32;
-  explicit AffineCode(const CodeTable& code) : code_(code) {}
+  using AbstractInterpreter::AbstractInterpreter;
 
   /// What is 0 where the condition holds.
-  void assume(ExprId condition, AffinePath& path) const;
+  void assume(ExprId condition, AffinePath& path);
   /// False: too many ways.
-  [[nodiscard]] bool execute(StmtId body, std::vector<AffinePath>& paths) const;
+  [[nodiscard]] bool execute(StmtId body, std::vector<AffinePath>& paths);
 
  private:
-  [[nodiscard]] std::optional<AffineForm> evaluate(ExprId expr, const AffinePath& path) const;
-  [[nodiscard]] static std::optional<AffineForm> sum(const AffineForm& a, std::int64_t times, const AffineForm& b);
-
-  const CodeTable& code_;
+  friend AbstractInterpreter;
+  using Form = std::optional<AffineForm>;
+  [[nodiscard]] Form evaluate(ExprId id, const AffinePath& path) {
+    // Nothing but ints is affine: what is below other expressions need not be computed.
+    return code_.exprs[id].type == Type::Int ? AbstractInterpreter::evaluate(id, path) : std::nullopt;
+  }
+  [[nodiscard]] Form constant(const Expr& e);
+  [[nodiscard]] Form load(const Expr& e, const AffinePath& path);
+  [[nodiscard]] Form call(const Expr&, const AffinePath&) { return std::nullopt; }
+  [[nodiscard]] Form logic(const Expr&, const AffinePath&) { return std::nullopt; }
+  [[nodiscard]] Form unary(const Expr& e, const Form& a, const AffinePath&);
+  [[nodiscard]] Form binary(const Expr& e, const Form& a, const Form& b, const AffinePath&);
+  [[nodiscard]] bool goes_on(const AffinePaths& paths) const { return !paths.are_too_many; }
+  void store(const Stmt& s, AffinePaths& paths);
+  void branch(const Stmt& s, AffinePaths& paths);
+  void run_call(const Stmt&, AffinePaths&) {}
+  [[nodiscard]] static Form sum(const AffineForm& a, std::int64_t times, const AffineForm& b);
 };
 
 /// A variable as what it is by the others, where some form is 0.

@@ -1,6 +1,8 @@
 // See intervals.hpp.
 #include "compiler/verify/invariants/intervals.hpp"
 
+#include "compiler/model/abstract_interpreter.hpp"
+
 #include <algorithm>
 #include <functional>
 #include <set>
@@ -30,41 +32,49 @@ struct Local {
   std::vector<Range> self, bind;
 };
 
-class Code {
+/// The domain of intervals.
+class IntervalDomain : public AbstractInterpreter<IntervalDomain, Range, Local> {
  public:
-  explicit Code(const CodeTable& code) : code_(code) {}
+  using AbstractInterpreter::AbstractInterpreter;
 
-  Range evaluate(ExprId id, Local& local) const {
-    const Expr& e = code_.exprs[id];
-    const Range whole = e.type == Type::Bool ? kBool : kAnyInt;
+  Range constant(const Expr& e) { return e.op == Op::ConstFloat ? kAnyInt : Range{e.int_value, e.int_value}; }
+  Range load(const Expr& e, Local& local) {
+    const std::vector<Range>& ranges = e.op == Op::LoadSelf ? local.self : local.bind;
+    return e.index < ranges.size() ? ranges[e.index] : whole(e.type);
+  }
+  Range call(const Expr& e, Local& local) {
+    pass_arguments(e, local);
+    return whole(e.type);
+  }
+  void forget(const Expr& load, Local& local) {
+    (load.op == Op::LoadSelf ? local.self : local.bind)[load.index] = kAnyInt;
+  }
+  Range unary(const Expr& e, const Range& a, Local&) {
+    if (e.type == Type::Float || a.is_empty()) return whole(e.type);
     switch (e.op) {
-      case Op::ConstInt:
-      case Op::ConstBool:
-      case Op::ConstString: return {e.int_value, e.int_value};
-      case Op::LoadSelf: return e.index < local.self.size() ? local.self[e.index] : whole;
-      case Op::LoadBind: return e.index < local.bind.size() ? local.bind[e.index] : whole;
-      case Op::Call: {
-        const std::span<const ExprId> args = code_.args_of(e);
-        for (std::size_t k = 0; k < args.size(); ++k) {
-          const Expr& arg = code_.exprs[args[k]];
-          if (!code_.functions[e.index].params[k].by_reference) (void)evaluate(args[k], local);
-          else if (arg.op == Op::LoadSelf) local.self[arg.index] = kAnyInt;
-          else if (arg.op == Op::LoadBind) local.bind[arg.index] = kAnyInt;
-        }
-        return whole;
-      }
-      default: break;
+      case Op::Neg: return fitted({-a.high, -a.low});
+      case Op::BitNot: return {-1 - a.high, -1 - a.low};
+      case Op::Not:
+        return {1 - a.high, 1 - a.low};
+        BIP_LEAF_OPS(BIP_OP_CASE)
+        BIP_CONVERSION_OPS(BIP_OP_CASE)
+        BIP_BINARY_OPS(BIP_OP_CASE)
+        break;
     }
-    const Range a = e.a.is_valid() ? evaluate(e.a, local) : whole;
-    const Range b = e.b.is_valid() ? evaluate(e.b, local) : whole;
-    const Type operands = e.a.is_valid() ? code_.exprs[e.a].type : Type::Int;
-    if (operands == Type::Float || is_ffi(operands)) return whole;
-    if (a.is_empty() || b.is_empty()) return whole;
-    return apply(e.op, a, b, whole);
+    return whole(e.type);
+  }
+  Range binary(const Expr& e, const Range& a, const Range& b, Local&) {
+    if (!is_int(e) || a.is_empty() || b.is_empty()) return whole(e.type);
+    return apply(e.op, a, b);
+  }
+  // Whether the second operand is evaluated makes no difference to the ranges.
+  Range logic(const Expr& e, Local& local) {
+    const Range a = evaluate(e.a, local), b = evaluate(e.b, local);
+    return binary(e, a, b, local);
   }
 
   // Refines the variables to the states in which the condition is `truth`; false: there is none.
-  bool assume(ExprId id, bool truth, Local& local) const {
+  bool assume(ExprId id, bool truth, Local& local) {
     if (!id.is_valid()) return truth;
     const Expr& e = code_.exprs[id];
     if (e.op == Op::Not) return assume(e.a, !truth, local);
@@ -78,60 +88,49 @@ class Code {
       else if (second) join(local, other);
       return first || second;
     }
-    if (e.op == Op::LoadSelf || e.op == Op::LoadBind) return narrow(id, {truth ? 1 : 0, truth ? 1 : 0}, local);
-    if (e.op >= Op::Eq && e.op <= Op::Ge) {
-      const Type operands = code_.exprs[e.a].type;
-      if (operands == Type::Float || is_ffi(operands)) return true;
-      return compare(truth ? e.op : opposite(e.op), e.a, e.b, local);
-    }
+    if (is_load(e.op)) return narrow(id, {truth ? 1 : 0, truth ? 1 : 0}, local);
+    if (is_comparison(e.op)) return !is_int(e) || compare(truth ? e.op : negation_of(e.op), e.a, e.b, local);
     const Range r = evaluate(id, local);
     return r.is_empty() || common(r, of(!truth, truth)).low <= common(r, of(!truth, truth)).high;
   }
 
-  void execute(StmtId body, Local& local) const {
-    for (StmtId id = body; id.is_valid(); id = code_.stmts[id].next) {
-      const Stmt& s = code_.stmts[id];
-      if (s.op == StmtOp::If) {
-        Local other = local;
-        (void)evaluate(s.value, local);
-        const bool yes = assume(s.value, true, local);
-        const bool no = assume(s.value, false, other);
-        if (yes) execute(s.then_body, local);
-        if (no) execute(s.else_body, other);
-        if (!yes) local = std::move(other);
-        else if (no) join(local, other);
-        continue;
-      }
-      const Range value = evaluate(s.value, local);
-      if (s.op == StmtOp::StoreSelf) local.self[s.index] = value;
-      if (s.op == StmtOp::StoreBind) local.bind[s.index] = value;
-    }
+  bool goes_on(const Local&) { return true; }
+  void store(const Stmt& s, Local& local) {
+    const Range value = evaluate(s.value, local);
+    (s.op == StmtOp::StoreSelf ? local.self : local.bind)[s.index] = value;
   }
+  void branch(const Stmt& s, Local& local) {
+    Local other = local;
+    (void)evaluate(s.value, local);
+    const bool yes = assume(s.value, true, local);
+    const bool no = assume(s.value, false, other);
+    if (yes) execute(s.then_body, local);
+    if (no) execute(s.else_body, other);
+    if (!yes) local = std::move(other);
+    else if (no) join(local, other);
+  }
+  void run_call(const Stmt& s, Local& local) { (void)evaluate(s.value, local); }
 
  private:
   static void join(Local& to, const Local& from) {
     for (std::size_t k = 0; k < to.self.size(); ++k) to.self[k] = joined(to.self[k], from.self[k]);
     for (std::size_t k = 0; k < to.bind.size(); ++k) to.bind[k] = joined(to.bind[k], from.bind[k]);
   }
-  static Op opposite(Op op) {
-    switch (op) {
-      case Op::Eq: return Op::Ne;
-      case Op::Ne: return Op::Eq;
-      case Op::Lt: return Op::Ge;
-      case Op::Ge: return Op::Lt;
-      case Op::Gt: return Op::Le;
-      default: return Op::Gt;
-    }
+  static Range whole(Type type) { return type == Type::Bool ? kBool : kAnyInt; }
+  // The operands are ints, bools or rows of strings.
+  bool is_int(const Expr& e) const {
+    const Type operands = code_.exprs[e.a].type;
+    return operands != Type::Float && !is_ffi(operands);
   }
-  bool narrow(ExprId id, const Range& to, Local& local) const {
+  bool narrow(ExprId id, const Range& to, Local& local) {
     const Expr& e = code_.exprs[id];
-    if (e.op != Op::LoadSelf && e.op != Op::LoadBind) return true;
+    if (!is_load(e.op)) return true;
     std::vector<Range>& all = e.op == Op::LoadSelf ? local.self : local.bind;
     if (e.index >= all.size() || all[e.index].is_empty()) return true;
     all[e.index] = common(all[e.index], to);
     return !all[e.index].is_empty();
   }
-  bool compare(Op op, ExprId left, ExprId right, Local& local) const {
+  bool compare(Op op, ExprId left, ExprId right, Local& local) {
     const Range a = evaluate(left, local), b = evaluate(right, local);
     if (a.is_empty() || b.is_empty()) return true;
     constexpr std::int64_t kFar = std::int64_t{1} << 40;
@@ -145,7 +144,13 @@ class Code {
         return b.low < a.high && narrow(left, {b.low + 1, kFar}, local) && narrow(right, {-kFar, a.high - 1}, local);
       case Op::Ge:
         return b.low <= a.high && narrow(left, {b.low, kFar}, local) && narrow(right, {-kFar, a.high}, local);
-      default: break;
+      case Op::Ne:
+        break;
+        BIP_LEAF_OPS(BIP_OP_CASE)
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        BIP_VALUE_OPS(BIP_OP_CASE)
+        BIP_LOGIC_OPS(BIP_OP_CASE)
+        BIP_UNREACHABLE("not a comparison");
     }
     // !=: only an end can be cut off.
     const auto without = [](const Range& r, const Range& x) {
@@ -155,11 +160,8 @@ class Code {
     return narrow(left, without(a, b), local) && narrow(right, without(b, a), local) && !(a == b && a.low == a.high);
   }
 
-  static Range apply(Op op, const Range& a, const Range& b, const Range& whole) {
+  static Range apply(Op op, const Range& a, const Range& b) {
     switch (op) {
-      case Op::Neg: return fitted({-a.high, -a.low});
-      case Op::BitNot: return {-1 - a.high, -1 - a.low};
-      case Op::Not: return {1 - a.high, 1 - a.low};
       case Op::Add: return fitted({a.low + b.low, a.high + b.high});
       case Op::Sub: return fitted({a.low - b.high, a.high - b.low});
       case Op::Mul: {
@@ -196,12 +198,14 @@ class Code {
       case Op::Lt: return of(a.high >= b.low, a.low < b.high);
       case Op::Le: return of(a.high > b.low, a.low <= b.high);
       case Op::Gt: return of(b.high >= a.low, b.low < a.high);
-      case Op::Ge: return of(b.high > a.low, b.low <= a.high);
-      default: return whole;
+      case Op::Ge:
+        return of(b.high > a.low, b.low <= a.high);
+        BIP_LEAF_OPS(BIP_OP_CASE)
+        BIP_UNARY_OPS(BIP_OP_CASE)
+        break;
     }
+    BIP_UNREACHABLE("not an operator of two ints");
   }
-
-  const CodeTable& code_;
 };
 
 class IntervalAnalysis {
@@ -352,7 +356,7 @@ class IntervalAnalysis {
 
   const System& system_;
   const rt::Image& image_;
-  Code code_;
+  IntervalDomain code_;
   std::vector<Range> ranges_;
   std::vector<int> growths_;
   std::set<std::int64_t> thresholds_;

@@ -1,95 +1,88 @@
 // See abstract_code.hpp. Recursion follows the code's trees, whose depth the parser and .bsys reader bound.
 #include "compiler/verify/net/abstract_code.hpp"
 
-#include <limits>
+#include "compiler/model/abstract_interpreter.hpp"
+#include "compiler/model/fold.hpp"
 
 namespace bip::verify {
 
 namespace {
 
-std::int32_t wrapped(std::uint32_t bits) { return static_cast<std::int32_t>(bits); }
+bool is_exact(Type type) { return type == Type::Int || type == Type::Bool || type == Type::String; }
 
-AbstractValue arithmetic(Op op, std::int32_t a, std::int32_t b) {
-  const auto ua = static_cast<std::uint32_t>(a);
-  const auto ub = static_cast<std::uint32_t>(b);
-  switch (op) {
-    case Op::Add: return known(wrapped(ua + ub));
-    case Op::Sub: return known(wrapped(ua - ub));
-    case Op::Mul: return known(wrapped(ua * ub));
-    case Op::Div:
-    case Op::Mod:
-      if (b == 0 || (a == std::numeric_limits<std::int32_t>::min() && b == -1)) return {};
-      return known(op == Op::Div ? a / b : a % b);
-    case Op::BitAnd: return known(wrapped(ua & ub));
-    case Op::BitOr: return known(wrapped(ua | ub));
-    case Op::BitXor: return known(wrapped(ua ^ ub));
-    case Op::Eq: return known(a == b ? 1 : 0);
-    case Op::Ne: return known(a != b ? 1 : 0);
-    case Op::Lt: return known(a < b ? 1 : 0);
-    case Op::Gt: return known(a > b ? 1 : 0);
-    case Op::Le: return known(a <= b ? 1 : 0);
-    case Op::Ge: return known(a >= b ? 1 : 0);
-    default: return {};
+struct ConstantPoint {
+  std::span<const AbstractValue> self, bind;
+};
+struct ConstantState {
+  std::vector<AbstractValue>& self;
+  std::vector<AbstractValue>& bind;
+};
+
+/// The domain of constants: one value that is known, or any.
+class ConstantDomain : public AbstractInterpreter<ConstantDomain, AbstractValue, ConstantPoint, ConstantState> {
+ public:
+  using AbstractInterpreter::AbstractInterpreter;
+
+  AbstractValue constant(const Expr& e) { return e.op == Op::ConstFloat ? AbstractValue{} : known(e.int_value); }
+  AbstractValue load(const Expr& e, const ConstantPoint& point) {
+    const std::span<const AbstractValue> values = e.op == Op::LoadSelf ? point.self : point.bind;
+    return e.index < values.size() ? values[e.index] : AbstractValue{};
   }
-}
+  AbstractValue call(const Expr&, ConstantPoint&) { return {}; }
+  AbstractValue unary(const Expr& e, const AbstractValue& a, ConstantPoint&) {
+    if (!a.is_known || e.type == Type::Float) return {};
+    return known(fold_int(e.op, a.value));
+  }
+  AbstractValue logic(const Expr& e, ConstantPoint& point) {
+    const AbstractValue a = evaluate(e.a, point), b = evaluate(e.b, point);
+    const std::int32_t decides = e.op == Op::Or ? 1 : 0;
+    if (a.is_known && a.value == decides) return a;
+    // A fault on the left ends the run: what matters is what holds if it goes on.
+    if (b.is_known && b.value == decides) return b;
+    return a.is_known && b.is_known ? known(1 - decides) : AbstractValue{};
+  }
+  AbstractValue binary(const Expr& e, const AbstractValue& a, const AbstractValue& b, ConstantPoint&) {
+    if (!is_exact(code_.exprs[e.a].type) || !a.is_known || !b.is_known) return {};
+    if (is_division(e.op) && division_faults(a.value, b.value)) return {};
+    return known(fold_int(e.op, a.value, b.value));
+  }
 
-AbstractValue at(std::span<const AbstractValue> values, std::uint32_t index) {
-  return index < values.size() ? values[index] : AbstractValue{};
-}
+  bool goes_on(const ConstantState&) { return true; }
+  void store(const Stmt& s, ConstantState& state) {
+    std::vector<AbstractValue>& values = s.op == StmtOp::StoreSelf ? state.self : state.bind;
+    if (s.index < values.size()) values[s.index] = is_exact(s.type) ? value_of(s, state) : AbstractValue{};
+  }
+  void branch(const Stmt& s, ConstantState& state) {
+    const AbstractValue condition = value_of(s, state);
+    if (condition.is_known) return execute(condition.value != 0 ? s.then_body : s.else_body, state);
+    std::vector<AbstractValue> self = state.self, bind = state.bind;
+    ConstantState other{self, bind};
+    execute(s.then_body, state);
+    execute(s.else_body, other);
+    join(state.self, self);
+    join(state.bind, bind);
+  }
+  void run_call(const Stmt&, ConstantState&) {}
+
+ private:
+  AbstractValue value_of(const Stmt& s, const ConstantState& state) {
+    ConstantPoint point{state.self, state.bind};
+    return evaluate(s.value, point);
+  }
+  static void join(std::vector<AbstractValue>& to, const std::vector<AbstractValue>& from) {
+    for (std::size_t k = 0; k < to.size(); ++k) {
+      if (to[k] != from[k]) to[k] = {};
+    }
+  }
+};
 
 }  // namespace
 
 AbstractValue evaluate(const CodeTable& code, ExprId id, std::span<const AbstractValue> self,
                        std::span<const AbstractValue> bind) {
   if (!id.is_valid()) return {};
-  const Expr& e = code.exprs[id];
-  switch (e.op) {
-    case Op::ConstInt:
-    case Op::ConstBool:
-    case Op::ConstString: return known(e.int_value);
-    case Op::LoadSelf: return at(self, e.index);
-    case Op::LoadBind: return at(bind, e.index);
-    case Op::And:
-    case Op::Or: {
-      const AbstractValue a = evaluate(code, e.a, self, bind);
-      const AbstractValue b = evaluate(code, e.b, self, bind);
-      const std::int32_t decides = e.op == Op::Or ? 1 : 0;
-      if (a.is_known && a.value == decides) return a;
-      // A fault on the left ends the run: what matters is what holds if it goes on.
-      if (b.is_known && b.value == decides) return b;
-      return a.is_known && b.is_known ? known(1 - decides) : AbstractValue{};
-    }
-    case Op::Neg:
-    case Op::Not:
-    case Op::BitNot: {
-      const AbstractValue a = evaluate(code, e.a, self, bind);
-      if (!a.is_known || e.type == Type::Float) return {};
-      if (e.op == Op::Not) return known(a.value == 0 ? 1 : 0);
-      const auto bits = static_cast<std::uint32_t>(a.value);
-      return known(wrapped(e.op == Op::Neg ? 0u - bits : ~bits));
-    }
-    case Op::Add:
-    case Op::Sub:
-    case Op::Mul:
-    case Op::Div:
-    case Op::Mod:
-    case Op::BitAnd:
-    case Op::BitOr:
-    case Op::BitXor:
-    case Op::Eq:
-    case Op::Ne:
-    case Op::Lt:
-    case Op::Gt:
-    case Op::Le:
-    case Op::Ge: {
-      const Type operands = code.exprs[e.a].type;
-      if (operands != Type::Int && operands != Type::Bool && operands != Type::String) return {};
-      const AbstractValue a = evaluate(code, e.a, self, bind);
-      const AbstractValue b = evaluate(code, e.b, self, bind);
-      return a.is_known && b.is_known ? arithmetic(e.op, a.value, b.value) : AbstractValue{};
-    }
-    default: return {};
-  }
+  ConstantPoint point{self, bind};
+  return ConstantDomain(code).evaluate(id, point);
 }
 
 void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self) {
@@ -98,29 +91,8 @@ void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& sel
 }
 
 void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self, std::vector<AbstractValue>& bind) {
-  for (StmtId id = body; id.is_valid(); id = code.stmts[id].next) {
-    const Stmt& s = code.stmts[id];
-    if (s.op == StmtOp::StoreSelf || s.op == StmtOp::StoreBind) {
-      const bool is_exact = s.type == Type::Int || s.type == Type::Bool || s.type == Type::String;
-      std::vector<AbstractValue>& values = s.op == StmtOp::StoreSelf ? self : bind;
-      if (s.index < values.size()) values[s.index] = is_exact ? evaluate(code, s.value, self, bind) : AbstractValue{};
-    } else if (s.op == StmtOp::If) {
-      const AbstractValue condition = evaluate(code, s.value, self, bind);
-      if (condition.is_known) {
-        execute(code, condition.value != 0 ? s.then_body : s.else_body, self, bind);
-        continue;
-      }
-      std::vector<AbstractValue> other = self, other_bind = bind;
-      execute(code, s.then_body, self, bind);
-      execute(code, s.else_body, other, other_bind);
-      for (std::size_t k = 0; k < self.size(); ++k) {
-        if (self[k] != other[k]) self[k] = {};
-      }
-      for (std::size_t k = 0; k < bind.size(); ++k) {
-        if (bind[k] != other_bind[k]) bind[k] = {};
-      }
-    }
-  }
+  ConstantState state{self, bind};
+  ConstantDomain(code).execute(body, state);
 }
 
 bool is_always_true(const CodeTable& code, ExprId guard) {

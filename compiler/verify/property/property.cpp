@@ -6,12 +6,14 @@
 #include <fmt/format.h>
 
 #include "compiler/base/assert.hpp"
+#include "compiler/model/fold.hpp"
+#include "compiler/verify/symbolic/symbolic_code.hpp"
 
 namespace bip::verify {
 
 namespace {
 
-bool is_unary(const PropertyNode& node) { return node.op == Op::Not || node.op == Op::Neg; }
+bool is_unary(const PropertyNode& node) { return operand_count(node.op) == 1; }
 
 struct Number {
   std::int64_t i = 0;
@@ -38,29 +40,11 @@ Number evaluate(const Property& property, std::uint32_t row, const rt::Core& cor
   }
   const Number a = evaluate(property, node.a, core), b = is_unary(node) ? a : evaluate(property, node.b, core);
   const bool floats = property.nodes[node.a].type == Type::Float || property.nodes[node.b].type == Type::Float;
-  const auto wrap = [&](std::int64_t value) {
-    return of(static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(value))));
-  };
-  const auto arithmetic = [&](double f, std::int64_t i) { return floats ? Number{0, f} : wrap(i); };
-  const auto test = [&](bool f, bool i) { return of((floats ? f : i) ? 1 : 0); };
-  switch (node.op) {
-    case Op::Not: return of(a.i == 0 ? 1 : 0);
-    case Op::Neg: return arithmetic(-a.f, -a.i);
-    case Op::And: return of(a.i != 0 && b.i != 0 ? 1 : 0);
-    case Op::Or: return of(a.i != 0 || b.i != 0 ? 1 : 0);
-    case Op::Add: return arithmetic(a.f + b.f, a.i + b.i);
-    case Op::Sub: return arithmetic(a.f - b.f, a.i - b.i);
-    case Op::Mul: return arithmetic(a.f * b.f, a.i * b.i);
-    case Op::BitAnd: return of(a.i & b.i);
-    case Op::BitOr: return of(a.i | b.i);
-    case Op::BitXor: return of(a.i ^ b.i);
-    case Op::Eq: return test(a.f == b.f, a.i == b.i);
-    case Op::Ne: return test(a.f != b.f, a.i != b.i);
-    case Op::Lt: return test(a.f < b.f, a.i < b.i);
-    case Op::Le: return test(a.f <= b.f, a.i <= b.i);
-    case Op::Gt: return test(a.f > b.f, a.i > b.i);
-    default: return test(a.f >= b.f, a.i >= b.i);
-  }
+  const auto i32 = [](const Number& n) { return static_cast<std::int32_t>(n.i); };
+  if (is_unary(node)) return floats ? Number{0, -a.f} : of(fold_int(node.op, i32(a)));
+  if (!floats) return of(fold_int(node.op, i32(a), i32(b)));
+  if (is_comparison(node.op)) return of(fold_comparison(node.op, a.f, b.f) ? 1 : 0);
+  return Number{0, fold_float(node.op, a.f, b.f)};
 }
 
 Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m, const rt::Image& image,
@@ -79,24 +63,7 @@ Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m,
   const Word b = is_unary(node) ? a : signal_of(property, node.b, m, image, port_base);
   // Floats are not followed: any value.
   if (a.empty() || b.empty()) return node.type == Type::Bool ? word_of_bool(c.make_input()) : Word{};
-  switch (node.op) {
-    case Op::Not: return word_of_bool(negated(a[0]));
-    case Op::Neg: return negate(c, a);
-    case Op::And: return word_of_bool(c.make_and(a[0], b[0]));
-    case Op::Or: return word_of_bool(c.make_or(a[0], b[0]));
-    case Op::Add: return add(c, a, b);
-    case Op::Sub: return subtract(c, a, b);
-    case Op::Mul: return multiply(c, a, b);
-    case Op::BitAnd: return bitwise_and(c, a, b);
-    case Op::BitOr: return bitwise_or(c, a, b);
-    case Op::BitXor: return bitwise_xor(c, a, b);
-    case Op::Eq: return word_of_bool(equal(c, a, b));
-    case Op::Ne: return word_of_bool(negated(equal(c, a, b)));
-    case Op::Lt: return word_of_bool(less(c, a, b));
-    case Op::Le: return word_of_bool(negated(less(c, b, a)));
-    case Op::Gt: return word_of_bool(less(c, b, a));
-    default: return word_of_bool(negated(less(c, a, b)));
-  }
+  return is_unary(node) ? apply(c, node.op, a) : apply(c, node.op, a, b);
 }
 
 // Not to be mistaken for an int: "2.0".

@@ -6,7 +6,7 @@
 #include <functional>
 #include <set>
 
-#include "compiler/model/code.hpp"
+#include "compiler/model/abstract_interpreter.hpp"
 #include "compiler/verify/symbolic/aig.hpp"
 
 namespace bip::verify {
@@ -29,14 +29,24 @@ struct Imprecision {
   }
 };
 
-class SymbolicCode {
+/// Returns the value of an operator without faults (no division) over words of ints, bools or rows of strings.
+[[nodiscard]] Word apply(Aig& aig, Op op, const Word& a, const Word& b);
+[[nodiscard]] Word apply(Aig& aig, Op op, const Word& a);
+
+/// Where a piece of code is evaluated: `fault` is raised where `condition` holds and the code would end the run.
+struct SymbolicPoint {
+  const Variables& variables;
+  Signal condition;
+  Signal& fault;
+};
+
+/// The domain of words of an AIG.
+class SymbolicCode : public AbstractInterpreter<SymbolicCode, Word, SymbolicPoint> {
  public:
-  SymbolicCode(Aig& aig, const CodeTable& code) : aig_(aig), code_(code) {}
+  SymbolicCode(Aig& aig, const CodeTable& code) : AbstractInterpreter(code), aig_(aig) {}
 
   /// A new value of the type; empty for types that are not followed.
   [[nodiscard]] Word any(Type type);
-  /// `fault` is raised where `condition` holds and the code would end the run.
-  [[nodiscard]] Word evaluate(ExprId expr, const Variables& variables, Signal condition, Signal& fault);
   /// A guard; no guard is true.
   [[nodiscard]] Signal test(ExprId guard, const Variables& variables, Signal condition, Signal& fault);
   void execute(StmtId body, const Variables& variables, Signal condition, Signal& fault);
@@ -45,12 +55,22 @@ class SymbolicCode {
   void note(Loc loc, std::string what) { vague_.insert({loc, std::move(what)}); }
 
  private:
-  [[nodiscard]] Word call(const Expr& e, const Variables& variables, Signal condition, Signal& fault);
-  [[nodiscard]] Word binary(const Expr& e, const Word& a, const Word& b, Signal condition, Signal& fault);
+  friend AbstractInterpreter;
+  [[nodiscard]] Word constant(const Expr& e);
+  [[nodiscard]] Word load(const Expr& e, SymbolicPoint& at);
+  [[nodiscard]] Word call(const Expr& e, SymbolicPoint& at);
+  void forget(const Expr& load, SymbolicPoint& at);
+  [[nodiscard]] Word unary(const Expr& e, const Word& a, SymbolicPoint& at);
+  [[nodiscard]] Word binary(const Expr& e, const Word& a, const Word& b, SymbolicPoint& at);
+  [[nodiscard]] Word divided(const Expr& e, const Word& a, const Word& b, SymbolicPoint& at);
+  [[nodiscard]] Word logic(const Expr& e, SymbolicPoint& at);
   [[nodiscard]] Word merged(Signal condition, const Word& yes, const Word& no, Type type);
+  [[nodiscard]] bool goes_on(const SymbolicPoint& at) const { return at.condition != kFalse; }
+  void store(const Stmt& s, SymbolicPoint& at);
+  void branch(const Stmt& s, SymbolicPoint& at);
+  void run_call(const Stmt& s, SymbolicPoint& at) { (void)evaluate(s.value, at); }
 
   Aig& aig_;
-  const CodeTable& code_;
   std::set<Imprecision> vague_;
 };
 
