@@ -3,77 +3,15 @@
 // int arithmetic uses wrap_add … and divide/modulo; other operators are C++'s. C++ does not specify the order in which
 // the operands of a binary operator are evaluated. The order is observable only if both can fault or one calls C++;
 // then the operands are bound to names left to right first.
+#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/functions.hpp"
+#include "compiler/model/print_expr.hpp"
 
 namespace bip::emit_cpp {
 
 namespace {
 
-// C++'s levels, as far as they occur.
-enum Level : int { kOr = 1, kAnd, kBitOr, kBitXor, kBitAnd, kEquality, kRelation, kSum, kProduct, kUnary, kPrimary };
-
-struct Text {
-  std::string text;
-  int level = kPrimary;
-};
-
-const char* operator_of(Op op) {
-  switch (op) {
-    case Op::Add: return " + ";
-    case Op::Sub: return " - ";
-    case Op::Mul: return " * ";
-    case Op::Div: return " / ";
-    case Op::BitAnd: return " & ";
-    case Op::BitOr: return " | ";
-    case Op::BitXor: return " ^ ";
-    case Op::And: return " && ";
-    case Op::Or: return " || ";
-    case Op::Eq: return " == ";
-    case Op::Ne: return " != ";
-    case Op::Lt: return " < ";
-    case Op::Gt: return " > ";
-    case Op::Le: return " <= ";
-    case Op::Ge: return " >= ";
-    default: return " ? ";
-  }
-}
-
-int level_of(Op op) {
-  switch (op) {
-    case Op::Or: return kOr;
-    case Op::And: return kAnd;
-    case Op::BitOr: return kBitOr;
-    case Op::BitXor: return kBitXor;
-    case Op::BitAnd: return kBitAnd;
-    case Op::Eq:
-    case Op::Ne: return kEquality;
-    case Op::Add:
-    case Op::Sub: return kSum;
-    case Op::Mul:
-    case Op::Div: return kProduct;
-    default: return kRelation;
-  }
-}
-
-const char* function_of(Op op) {
-  switch (op) {
-    case Op::Add: return "wrap_add";
-    case Op::Sub: return "wrap_sub";
-    case Op::Mul: return "wrap_mul";
-    case Op::Div: return "divide";
-    case Op::Mod: return "modulo";
-    default: return nullptr;
-  }
-}
-
-std::string parens(const std::string& text) { return "(" + text + ")"; }
-
-// An operand: bare if it binds tighter and mixing the two operators surprises nobody (nor -Wparentheses).
-std::string operand(const Text& t, int level, bool is_left) {
-  const bool chain = t.level == level && is_left && level != kEquality && level != kRelation;
-  const bool tighter = t.level > level && t.level >= (level <= kAnd ? kEquality : kSum);
-  return chain || tighter ? t.text : parens(t.text);
-}
+using Text = ExprText;
 
 Text text_of(ExprContext& c, ExprId id);
 
@@ -88,36 +26,38 @@ Text constant(const ExprContext& c, const Expr& e) {
       const std::string text = float_literal(e.float_value);
       return {text[0] == '-' ? parens(text) : text};
     }
-    default: return {e.int_value < 0 ? parens(int_literal(e.int_value)) : int_literal(e.int_value)};
+    case Op::ConstInt:
+      return {e.int_value < 0 ? parens(int_literal(e.int_value)) : int_literal(e.int_value)};
+      BIP_LOAD_OPS(BIP_OP_CASE)
+      BIP_CALL_OPS(BIP_OP_CASE)
+      BIP_UNARY_OPS(BIP_OP_CASE)
+      BIP_BINARY_OPS(BIP_OP_CASE)
+      break;
   }
+  BIP_UNREACHABLE("not a constant");
 }
 
 Text unary(ExprContext& c, const Expr& e) {
-  const Text a = text_of(c, e.a);
+  Text a = text_of(c, e.a);
   if (e.op == Op::IntToFloat) return {"static_cast<double>(" + a.text + ")"};
-  if (e.op == Op::Neg && e.type == Type::Int) return {"wrap_neg(" + a.text + ")"};
-  const char* sign = e.op == Op::Neg ? "-" : e.op == Op::Not ? "!" : "~";
-  // Parenthesised as a whole: `!x == y` and `- -x` read badly.
-  const std::string inner = a.level == kPrimary ? a.text : parens(a.text);
-  return {sign + inner, kUnary};
+  const char* function = info_of(e.op).function;
+  if (function != nullptr && e.type == Type::Int) return {function + parens(a.text)};
+  return print_unary(Dialect::Cpp, e.op, std::move(a));
 }
 
 Text combine(const ExprContext& c, ExprId id, const Expr& e, const Text& a, const Text& b) {
-  const char* function = function_of(e.op);
+  const char* function = info_of(e.op).function;
   if (function != nullptr && e.type == Type::Int) {
     std::string call = std::string(function) + "(" + a.text + ", " + b.text;
     const std::uint32_t site = c.lowered.site_of_expr[id.value];
     if (site != rt::kNone) call += ", " + std::to_string(site);
     return {call + ")"};
   }
-  const int level = level_of(e.op);
-  const bool not_on_left = a.level == kUnary && a.text[0] == '!' && (level == kEquality || level == kRelation);
-  const std::string left = not_on_left ? parens(a.text) : operand(a, level, true);
-  return {left + operator_of(e.op) + operand(b, level, false), level};
+  return print_binary(Dialect::Cpp, e.op, a, b);
 }
 
 Text binary(ExprContext& c, ExprId id, const Expr& e) {
-  const bool short_circuit = e.op == Op::And || e.op == Op::Or;
+  const bool short_circuit = family_of(e.op) == OpFamily::Logic;
   const bool both_fault = c.faults.can_fault(e.a) && c.faults.can_fault(e.b);
   if (short_circuit || !(both_fault || c.faults.calls(e.a) || c.faults.calls(e.b))) {
     const Text a = text_of(c, e.a);
@@ -173,9 +113,12 @@ Text text_of(ExprContext& c, ExprId id) {
     case Op::IntToFloat:
     case Op::Neg:
     case Op::Not:
-    case Op::BitNot: return unary(c, e);
-    default: return binary(c, id, e);
+    case Op::BitNot:
+      return unary(c, e);
+      BIP_BINARY_OPS(BIP_OP_CASE)
+      return binary(c, id, e);
   }
+  BIP_UNREACHABLE("operator");
 }
 
 }  // namespace
@@ -186,15 +129,15 @@ bool FaultInfo::calls(ExprId id) const {
   const CodeTable& code = lowered_.system->code;
   if (!id.is_valid() || code.functions.empty()) return false;
   const Expr& e = code.exprs[id];
-  return e.op == Op::Call || (e.op >= Op::IntToFloat && calls(e.a)) || (e.op >= Op::Add && calls(e.b));
+  return e.op == Op::Call || (operand_count(e.op) >= 1 && calls(e.a)) || (operand_count(e.op) == 2 && calls(e.b));
 }
 
 bool FaultInfo::can_fault(ExprId id) {
   if (!id.is_valid()) return false;
   if (known_[id.value] == 0) {
     const Expr& e = lowered_.system->code.exprs[id];
-    const bool has_a = e.op >= Op::IntToFloat;
-    const bool has_b = e.op >= Op::Add;
+    const bool has_a = operand_count(e.op) >= 1;
+    const bool has_b = operand_count(e.op) == 2;
     const bool yes =
         lowered_.site_of_expr[id.value] != rt::kNone || (has_a && can_fault(e.a)) || (has_b && can_fault(e.b));
     known_[id.value] = yes ? 2 : 1;

@@ -5,34 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "compiler/model/print_expr.hpp"
+
 namespace bip::exchange {
 
 namespace {
 
 // A guard that reads an `up` has its text in it; what grows beyond this is refused.
 constexpr std::size_t kMaxText = 100000;
-
-const char* sign_of(Op op) {
-  switch (op) {
-    case Op::Add: return "+";
-    case Op::Sub: return "-";
-    case Op::Mul: return "*";
-    case Op::Div: return "/";
-    case Op::Mod: return "%";
-    case Op::BitAnd: return "&";
-    case Op::BitOr: return "|";
-    case Op::BitXor: return "^";
-    case Op::And: return "&&";
-    case Op::Or: return "||";
-    case Op::Eq: return "==";
-    case Op::Ne: return "!=";
-    case Op::Lt: return "<";
-    case Op::Gt: return ">";
-    case Op::Le: return "<=";
-    case Op::Ge: return ">=";
-    default: return nullptr;
-  }
-}
 
 std::string number(std::int32_t value) {
   if (value == std::numeric_limits<std::int32_t>::min()) return "(-2147483647 - 1)";
@@ -60,7 +40,7 @@ std::string PromelaCode::division(const Expr& e, const std::string& a, const Nam
   // By anything else it may be a run-time error in the middle of an expression.
   if (divisor.op != Op::ConstInt || divisor.int_value == 0 || divisor.int_value == -1)
     refuse("a division by what is no constant, or by 0 or -1", e.loc);
-  return fmt::format("({} {} {})", a, sign_of(e.op), text(e.b, names));
+  return print_binary(Dialect::Promela, e.op, {a}, {text(e.b, names)}).text;
 }
 
 std::string PromelaCode::text(ExprId expr, const Names& names) {
@@ -79,15 +59,21 @@ std::string PromelaCode::text(ExprId expr, const Names& names) {
     }
     case Op::ConstFloat:
     case Op::IntToFloat: refuse("data of type float", e.loc); return "0";
-    case Op::Call: refuse("a call of C++", e.loc); return "0";
-    case Op::Neg: return fmt::format("(-{})", text(e.a, names));
-    case Op::Not: return fmt::format("(!{})", text(e.a, names));
-    case Op::BitNot: return fmt::format("(~{})", text(e.a, names));
-    default: break;
+    case Op::Call:
+      refuse("a call of C++", e.loc);
+      return "0";
+      BIP_SIGN_OPS(BIP_OP_CASE)
+      BIP_BINARY_OPS(BIP_OP_CASE)
+      break;
+  }
+  if (info_of(e.op).promela == nullptr) {
+    refuse(fmt::format("`{}`, which Promela lacks", symbol_of(e.op)), e.loc);
+    return "0";
   }
   const std::string a = text(e.a, names);
-  if (e.op == Op::Div || e.op == Op::Mod) return division(e, a, names);
-  std::string all = fmt::format("({} {} {})", a, sign_of(e.op), text(e.b, names));
+  if (family_of(e.op) == OpFamily::Sign) return print_unary(Dialect::Promela, e.op, {a}).text;
+  if (is_division(e.op)) return division(e, a, names);
+  std::string all = print_binary(Dialect::Promela, e.op, {a}, {text(e.b, names)}).text;
   if (all.size() > kMaxText) refuse("an expression that becomes too long", e.loc);
   return refusal_.empty() ? all : "0";
 }

@@ -7,62 +7,11 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/base/quote.hpp"
+#include "compiler/model/print_expr.hpp"
 #include "compiler/system/bsys_text.hpp"
 
 namespace bip::graph {
 namespace {
-
-/// How tight an operator binds; operands that bind less tight stand in parentheses.
-constexpr int kLoosest = 0, kUnary = 10, kPrimary = 11;
-int tightness(Op op) {
-  switch (op) {
-    case Op::Or: return 1;
-    case Op::And: return 2;
-    case Op::BitOr: return 3;
-    case Op::BitXor: return 4;
-    case Op::BitAnd: return 5;
-    case Op::Eq:
-    case Op::Ne: return 6;
-    case Op::Lt:
-    case Op::Gt:
-    case Op::Le:
-    case Op::Ge: return 7;
-    case Op::Add:
-    case Op::Sub: return 8;
-    case Op::Mul:
-    case Op::Div:
-    case Op::Mod: return 9;
-    case Op::Neg:
-    case Op::Not:
-    case Op::BitNot: return kUnary;
-    default: return kPrimary;
-  }
-}
-
-const char* sign_of(Op op) {
-  switch (op) {
-    case Op::Or: return "||";
-    case Op::And: return "&&";
-    case Op::BitOr: return "|";
-    case Op::BitXor: return "^";
-    case Op::BitAnd: return "&";
-    case Op::Eq: return "==";
-    case Op::Ne: return "!=";
-    case Op::Lt: return "<";
-    case Op::Gt: return ">";
-    case Op::Le: return "<=";
-    case Op::Ge: return ">=";
-    case Op::Add: return "+";
-    case Op::Sub:
-    case Op::Neg: return "-";
-    case Op::Mul: return "*";
-    case Op::Div: return "/";
-    case Op::Mod: return "%";
-    case Op::Not: return "!";
-    case Op::BitNot: return "~";
-    default: return "";
-  }
-}
 
 std::string float_text(double value) {
   // The payload and the sign of a NaN are invisible to models.
@@ -76,38 +25,31 @@ class CodeTextWriter {
  public:
   CodeTextWriter(const CodeTable& code, const CodeNames& names) : code_(code), names_(names) {}
 
-  void expr(ExprId id, int context) {
+  ExprText expr(ExprId id) {
     const Expr& e = code_.exprs[id];
-    if (e.op == Op::IntToFloat) return expr(e.a, context);
-    const bool negative = (e.op == Op::ConstInt && e.int_value < 0) || (e.op == Op::ConstFloat && e.float_value < 0);
-    const int own = negative ? kUnary : tightness(e.op);
-    if (own < context) out_ += '(';
     switch (e.op) {
       case Op::ConstInt:
       case Op::ConstBool:
       case Op::ConstFloat:
-      case Op::ConstString:
-        out_ += text_of(code_, Value{.type = e.type, .int_value = e.int_value, .float_value = e.float_value});
-        break;
-      case Op::LoadSelf: out_ += names_.self[e.index]; break;
-      case Op::LoadBind: out_ += names_.bind[e.index]; break;
-      case Op::Call: call(e); break;
-      case Op::Neg:
-      case Op::Not:
-      case Op::BitNot:
-        out_ += sign_of(e.op);
-        // `- -x` would be read as it stands, but not by people.
-        expr(e.a, e.op == Op::Neg ? kPrimary : kUnary);
-        break;
-      default: {
-        // Comparisons do not chain.
-        const bool compares = own == tightness(Op::Eq) || own == tightness(Op::Lt);
-        expr(e.a, compares ? tightness(Op::Add) : own);
-        out_.append(" ").append(sign_of(e.op)).append(" ");
-        expr(e.b, compares ? tightness(Op::Add) : own + 1);
+      case Op::ConstString: {
+        const bool negative =
+            (e.op == Op::ConstInt && e.int_value < 0) || (e.op == Op::ConstFloat && e.float_value < 0);
+        return {text_of(code_, Value{.type = e.type, .int_value = e.int_value, .float_value = e.float_value}),
+                negative ? Precedence::Unary : Precedence::Primary};
       }
+      case Op::LoadSelf: return {names_.self[e.index]};
+      case Op::LoadBind: return {names_.bind[e.index]};
+      case Op::Call: return {call(e)};
+      case Op::IntToFloat:
+        return expr(e.a);
+        BIP_SIGN_OPS(BIP_OP_CASE)
+        return print_unary(Dialect::Bip, e.op, expr(e.a));
+        BIP_BINARY_OPS(BIP_OP_CASE) {
+          ExprText left = expr(e.a);
+          return print_binary(Dialect::Bip, e.op, std::move(left), expr(e.b));
+        }
     }
-    if (own < context) out_ += ')';
+    BIP_UNREACHABLE("operator");
   }
 
   void stmts(StmtId first) {
@@ -121,7 +63,7 @@ class CodeTextWriter {
       if (out_.size() > begin) out_ += ' ';
       if (s.op == StmtOp::If) {
         out_ += "if (";
-        expr(s.value, kLoosest);
+        out_ += expr(s.value).text;
         out_ += ") then ";
         stmts(s.then_body);
         if (s.else_body.is_valid()) {
@@ -132,7 +74,7 @@ class CodeTextWriter {
         continue;
       }
       if (is_store) out_ += target + " = ";
-      expr(s.value, kLoosest);
+      out_ += expr(s.value).text;
       out_ += ';';
     }
   }
@@ -140,18 +82,18 @@ class CodeTextWriter {
   std::string take() { return std::move(out_); }
 
  private:
-  void call(const Expr& e) {
+  std::string call(const Expr& e) {
     const Function& function = code_.functions[e.index];
     const std::span<const ExprId> args = code_.args_of(e);
-    // Signs of extern operators have no tightness of their own here: they get parentheses.
+    // Signs of FFI operators have no precedence of their own here: they get parentheses.
     const bool is_sign = function.kind == FunctionKind::Operator;
-    out_ += is_sign ? "(" : function.kind == FunctionKind::Cast ? "" : function.name + "(";
-    if (is_sign && args.size() == 1) out_ += function.name;
+    std::string out = is_sign ? "(" : function.kind == FunctionKind::Cast ? "" : function.name + "(";
+    if (is_sign && args.size() == 1) out += function.name;
     for (std::size_t k = 0; k < args.size(); ++k) {
-      if (k > 0) out_ += is_sign ? " " + function.name + " " : ", ";
-      expr(args[k], is_sign ? kUnary : kLoosest);
+      if (k > 0) out += is_sign ? " " + function.name + " " : ", ";
+      out += at_least(expr(args[k]), is_sign ? Precedence::Unary : Precedence::Loosest);
     }
-    out_ += function.kind == FunctionKind::Cast ? "" : ")";
+    return out + (function.kind == FunctionKind::Cast ? "" : ")");
   }
 
   const CodeTable& code_;
@@ -206,9 +148,7 @@ CodeNames names_of(const System& system, const Priority& priority) {
 
 std::string text_of(const CodeTable& code, ExprId expr, const CodeNames& names) {
   if (!expr.is_valid()) return {};
-  CodeTextWriter writer(code, names);
-  writer.expr(expr, kLoosest);
-  return writer.take();
+  return CodeTextWriter(code, names).expr(expr).text;
 }
 
 std::string text_of(const CodeTable& code, StmtId first, const CodeNames& names) {
@@ -222,17 +162,17 @@ std::string text_of(const CodeTable& code, const Value& value) {
     case Type::Int: return std::to_string(value.int_value);
     case Type::Bool: return value.int_value != 0 ? "true" : "false";
     case Type::String: return quoted(code.strings[static_cast<std::size_t>(value.int_value)]);
-    default: return float_text(value.float_value);
+    case Type::Float: break;
   }
+  return float_text(value.float_value);
 }
 
 std::string condition_of(const CodeTable& code, const AtomType& type, ExprId guard, const TimeGuard& when) {
   const CodeNames names = names_of(type);
   std::string out;
   if (guard.is_valid()) {
-    CodeTextWriter writer(code, names);
-    writer.expr(guard, when.bounds.empty() ? kLoosest : tightness(Op::And));
-    out = writer.take();
+    out =
+        at_least(CodeTextWriter(code, names).expr(guard), when.bounds.empty() ? Precedence::Loosest : Precedence::And);
   }
   for (const Bound& bound : when.bounds) {
     if (!out.empty()) out += " && ";
@@ -242,9 +182,7 @@ std::string condition_of(const CodeTable& code, const AtomType& type, ExprId gua
     out += sign_of(bound.op);
     const ExprId limit = bound.variable == Bound::kNone ? ExprId() : limit_of(code, when.measure, bound.variable);
     if (limit.is_valid()) {
-      CodeTextWriter writer(code, names);
-      writer.expr(limit, tightness(Op::Add));
-      out += writer.take();
+      out += at_least(CodeTextWriter(code, names).expr(limit), Precedence::Sum);
     } else if (bound.variable != Bound::kNone) {
       out += type.variables[bound.variable].name;
     } else {
