@@ -83,8 +83,10 @@ std::string limit_text(const rt::ZoneReport& found, const verify::CancellationTo
     case rt::ExploreEnd::Time: return "the time is over";
     case rt::ExploreEnd::Memory: return "the memory does not suffice";
     case rt::ExploreEnd::Stopped: return cancellation.is_cancelled() ? "interrupted" : "the time is over";
-    default: return "the limit of zones is reached";
+    case rt::ExploreEnd::Complete:
+    case rt::ExploreEnd::States: break;
   }
+  return "the limit of zones is reached";
 }
 
 // What has no answer yet is said. False: it was.

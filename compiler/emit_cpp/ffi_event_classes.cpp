@@ -15,8 +15,10 @@ const char* cell_function(Type type) {
   switch (type) {
     case Type::Float: return "bip::rt::float_cell(source.get_";
     case Type::String: return "bip::rt::event_cell(strings, source.get_";
-    default: return "bip::rt::int_cell(source.get_";
+    case Type::Int:
+    case Type::Bool: break;
   }
+  return "bip::rt::int_cell(source.get_";
 }
 
 }  // namespace

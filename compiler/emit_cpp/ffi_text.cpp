@@ -13,8 +13,10 @@ const char* native_type(Type type) {
   switch (type) {
     case Type::Bool: return "bool";
     case Type::Float: return "double";
-    default: return "std::int32_t";
+    case Type::Int:
+    case Type::String: break;
   }
+  return "std::int32_t";
 }
 
 const char* operator_name(const std::string& sign) {

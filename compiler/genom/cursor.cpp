@@ -11,8 +11,11 @@ std::string describe(const Token& token) {
   switch (token.kind) {
     case TokenKind::End: return "the end of the file";
     case TokenKind::String: return "a string";
-    default: return fmt::format("`{}`", token.text);
+    case TokenKind::Word:
+    case TokenKind::Number:
+    case TokenKind::Sign: break;
   }
+  return fmt::format("`{}`", token.text);
 }
 
 DiagnosticBuilder Cursor::unexpected(std::string_view what) {

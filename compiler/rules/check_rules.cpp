@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/rules/scope.hpp"
 
@@ -181,12 +182,15 @@ class Checker {
           add(r, ConstraintKind::Admit, left, std::move(is_over), fmt::format("{}_after_{}", bare(left), bare(right)));
         }
         break;
-      default:
+      case Verb::Apart:
         apart(r, left_path, left, right, r.policy[0]);
         apart(r, right_path, right, left, r.policy[1]);
         late(r, left, right, r.policy[0], r.policy[1]);
         late(r, right, left, r.policy[1], r.policy[0]);
         break;
+      case Verb::Requires:
+      case Verb::Maintains:
+      case Verb::AtMost: BIP_UNREACHABLE("a rule of one service");
     }
   }
 

@@ -1,4 +1,5 @@
 // Prints files, packages and their declarations.
+#include "compiler/base/assert.hpp"
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
 
@@ -82,10 +83,14 @@ void SyntaxPrinter::one_line_decl(const Decl& d) {
       put(d.op.text);
       put(params);
       break;
-    default:
+    case DeclKind::PortType:
       put("port type ");
       put(d.name.text);
       put(params);
+      break;
+    case DeclKind::ConnectorType:
+    case DeclKind::AtomType:
+    case DeclKind::CompoundType: BIP_UNREACHABLE("a declaration with a block");
   }
   end_line(d.range.end);
 }
@@ -100,7 +105,13 @@ void SyntaxPrinter::decl(const Decl& d) {
   switch (d.kind) {
     case DeclKind::ConnectorType: put("connector type "); break;
     case DeclKind::AtomType: put(paper ? "component " : "atom type "); break;
-    default: put(paper ? "component " : "compound type ");
+    case DeclKind::CompoundType: put(paper ? "component " : "compound type "); break;
+    case DeclKind::ConstData:
+    case DeclKind::ExternType:
+    case DeclKind::ExternFunction:
+    case DeclKind::ExternOperator:
+    case DeclKind::Function:
+    case DeclKind::PortType: BIP_UNREACHABLE("a declaration without a block");
   }
   put(d.name.text);
   if (!paper || !d.params.empty()) put("(" + text(d.params) + ")");

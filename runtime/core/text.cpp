@@ -50,6 +50,12 @@ void append_quoted(std::string& out, const char* text) {
 }
 
 void append_value(std::string& out, const Image& image, CellType type, Cell value) {
+  if (is_ffi(type)) {
+    out += '<';
+    out += image.ffi_types[static_cast<u32>(type) - kFirstFfiType].name;
+    out += '>';
+    return;
+  }
   switch (type) {
     case CellType::Int: {
       char buffer[16];
@@ -59,11 +65,6 @@ void append_value(std::string& out, const Image& image, CellType type, Cell valu
     case CellType::Bool: out += value.i != 0 ? "true" : "false"; break;
     case CellType::Float: append_double(out, value.f); break;
     case CellType::String: append_quoted(out, string_of(image, value)); break;
-    default:
-      out += '<';
-      out += image.ffi_types[static_cast<u32>(type) - kFirstFfiType].name;
-      out += '>';
-      break;
   }
 }
 

@@ -39,7 +39,10 @@ EventValue value_of(JsonLine& json, CellType type) {
       if (json.ok() && (whole < INT32_MIN || whole > INT32_MAX)) json.fail("the number does not fit an int");
       return static_cast<std::int32_t>(whole);
     }
-    default: break;
+    case JsonLine::Kind::Object:
+    case JsonLine::Kind::Array:
+    case JsonLine::Kind::Null:
+    case JsonLine::Kind::Other: break;
   }
   json.fail("a value was expected: a number, a string, true or false");
   return std::int32_t{0};

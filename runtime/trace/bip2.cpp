@@ -201,7 +201,17 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
     case FaultCode::PriorityCycle: text = "cycle in priorities of compound: " + fault.rule; break;
     case FaultCode::AtomPriorityCycle: text = "cycle in priorities of atom " + atom + ": " + fault.rule; break;
     case FaultCode::TimeLock: text = "time-lock in " + atom; break;
-    default: return;
+    case FaultCode::None:
+    case FaultCode::EndlessInternals:
+    case FaultCode::DivisionByZero:
+    case FaultCode::DivisionOverflow:
+    case FaultCode::TooManyInteractions:
+    case FaultCode::Exception:
+    case FaultCode::BadClock:
+    case FaultCode::LateStep:
+    case FaultCode::EventRefused:
+    case FaultCode::SourceFailed:
+    case FaultCode::ReplayDiffers: return;
   }
   out += kPrefix;
   out += "ERROR: " + text + "!\n";

@@ -122,6 +122,55 @@ def check_throw_only_in_parse():
             if re.search(r"\bthrow\b(?!s)", re.sub(r'"[^"]*"', '""', line.split("//")[0]))]
 
 
+# Enums of vendors, which are large and not ours: a switch over one of them may have a `default:`.
+VENDOR_LABELS = re.compile(r"(?:::)?(?:BipParser|BipLexer|antlr4|llvm|Catch)\b")
+
+
+def blanked(text):
+    """Comments, strings and characters as blanks of the same length, so that braces can be counted."""
+    return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9a-fA-F])\'(?:\\.|[^\'\\\n])+\'',
+                  lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.S)
+
+
+def switches(text):
+    """(position, text at the switch's own level) of each switch: what nested switches contain is blank."""
+    begins = [m.start() for m in re.finditer(r"\bswitch\s*\(", text)]
+    spans = []
+    for begin in begins:
+        at = text.find("{", begin)
+        depth = 0
+        for end in range(at, len(text)):
+            depth += {"{": 1, "}": -1}.get(text[end], 0)
+            if depth == 0:
+                break
+        spans.append((begin, at, end))
+    for begin, at, end in spans:
+        body = text[at:end]
+        for other, _, other_end in spans:
+            if at < other < end:
+                body = body[:other - at] + " " * (other_end - other) + body[other_end - at:]
+        yield begin, body
+
+
+def check_switches_list_all_kinds():
+    """No `default:` in a switch over our enums: -Wswitch-enum then names the switches that a new enumerator misses."""
+    problems = []
+    for path in CPP:
+        text = path.read_text(encoding="utf-8")
+        if "default:" not in text:
+            continue
+        code = blanked(text)
+        for begin, body in switches(code):
+            if not re.search(r"\bdefault\s*:", body):
+                continue
+            labels = re.findall(r"\bcase\s+([\w:]+::\w+)\s*:(?!:)", body) + re.findall(r"\b(BIP_\w*OPS)\(", body)
+            ours = [label for label in labels if not VENDOR_LABELS.match(label)]
+            # A list of operators stands for labels of the vendor if the others are (compiler/parse).
+            if ours and not (all(o.startswith("BIP_") for o in ours) and len(ours) < len(labels)):
+                problems.append(f"{relative(path)}:{code.count(chr(10), 0, begin) + 1}: `default:` beside {ours[0]}")
+    return problems
+
+
 def kinds():
     text = (ROOT / "compiler/diag/kinds.def").read_text(encoding="utf-8")
     return re.findall(r'^BIP_DIAG\((B\d+), (\w+), "([^"]+)"', text, re.M)

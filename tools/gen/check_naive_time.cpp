@@ -107,7 +107,7 @@ class TimedComparison {
         case rt::CellType::Int: value.type = Ty::Int, cell.bits = static_cast<std::uint32_t>(value.i = number); break;
         case rt::CellType::Bool: value.type = Ty::Bool, cell.i = value.i = number & 1; break;
         case rt::CellType::Float: value.type = Ty::Float, cell.f = value.f = 0.5 * number; break;
-        default: value.type = Ty::String, cell.i = 0; break;
+        case rt::CellType::String: value.type = Ty::String, cell.i = 0; break;
       }
       cells.push_back(cell);
       values.push_back(std::move(value));

@@ -51,13 +51,10 @@ inline std::string data_text(const rt::Image& image, const std::vector<std::uint
     const rt::AtomType& type = image.atom_types[image.atoms[a].type];
     for (std::uint32_t s = 0; s < type.variables.size && at < data.size(); ++s, ++at) {
       const rt::Cell cell{.bits = data[at]};
-      switch (type.variables[s].type) {
-        case rt::CellType::String: text += std::string("\"") + rt::string_of(image, cell) + "\" "; break;
-        case rt::CellType::Float:
-          text += (std::isnan(cell.f) ? std::string("nan") : std::to_string(data[at])) + " ";
-          break;
-        default: text += std::to_string(data[at]) + " ";
-      }
+      const rt::CellType kind = type.variables[s].type;
+      if (kind == rt::CellType::String) text += std::string("\"") + rt::string_of(image, cell) + "\" ";
+      else if (kind == rt::CellType::Float && std::isnan(cell.f)) text += "nan ";
+      else text += std::to_string(data[at]) + " ";
     }
   }
   return text;

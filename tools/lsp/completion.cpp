@@ -35,8 +35,15 @@ int item_kind(SymbolKind kind) {
     case SymbolKind::Place: return 20;
     case SymbolKind::Component: return 5;
     case SymbolKind::Connector: return 2;
-    default: return 6;
+    case SymbolKind::Parameter:
+    case SymbolKind::Data:
+    case SymbolKind::Clock:
+    case SymbolKind::Priority:
+    case SymbolKind::Invariant:
+    case SymbolKind::LoopVariable:
+    case SymbolKind::ExportedData: break;
   }
+  return 6;
 }
 
 /// The construct that the end of the words is in.

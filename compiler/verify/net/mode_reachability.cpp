@@ -80,7 +80,8 @@ void ModeReachability::run() {
             make_ready(group);
             if (context_[group] != 0) spread_context(group);
             break;
-          default: make_ready(group); break;
+          case ConnectorNodeKind::Port:
+          case ConnectorNodeKind::Any: make_ready(group); break;
         }
       }
     } else if (!mode_todo_.empty()) {

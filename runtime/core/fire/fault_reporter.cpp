@@ -1,6 +1,7 @@
 // See fault_reporter.hpp.
 #include "runtime/core/fire/fault_reporter.hpp"
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/text.hpp"
@@ -38,11 +39,25 @@ bool FaultReporter::fail(FaultCode code, u32 atom, const Transition* transition,
       core_.fault.what = port + " puts a second token on `" + place + "` in " + where;
       break;
     }
-    default:
+    case FaultCode::EndlessInternals:
       core_.fault.what = "internal transitions run on without end in " + where + " (bound ";
       append_number(core_.fault.what, core_.options.internal_bound);
       core_.fault.what += ")";
       break;
+    case FaultCode::None:
+    case FaultCode::DivisionByZero:
+    case FaultCode::DivisionOverflow:
+    case FaultCode::InvariantViolated:
+    case FaultCode::PriorityCycle:
+    case FaultCode::TooManyInteractions:
+    case FaultCode::AtomPriorityCycle:
+    case FaultCode::Exception:
+    case FaultCode::TimeLock:
+    case FaultCode::BadClock:
+    case FaultCode::LateStep:
+    case FaultCode::EventRefused:
+    case FaultCode::SourceFailed:
+    case FaultCode::ReplayDiffers: BIP_UNREACHABLE("not a fault of a transition");
   }
   return false;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 namespace {
@@ -31,8 +33,22 @@ Range compared(RangeOpKind kind, const Range& a, const Range& b) {
     case RangeOpKind::Eq: return truth(!is_same, may_meet);
     case RangeOpKind::Ne: return truth(may_meet, !is_same);
     case RangeOpKind::Lt: return truth(a.hi >= b.lo, a.lo < b.hi);
-    default: return truth(a.hi > b.lo, a.lo <= b.hi);
+    case RangeOpKind::Le: return truth(a.hi > b.lo, a.lo <= b.hi);
+    case RangeOpKind::Constant:
+    case RangeOpKind::Any:
+    case RangeOpKind::Own:
+    case RangeOpKind::Bound:
+    case RangeOpKind::Neg:
+    case RangeOpKind::Add:
+    case RangeOpKind::Sub:
+    case RangeOpKind::Mul:
+    case RangeOpKind::Not:
+    case RangeOpKind::And:
+    case RangeOpKind::Or:
+    case RangeOpKind::Store:
+    case RangeOpKind::Branch: break;
   }
+  BIP_UNREACHABLE("not a comparison");
 }
 
 }  // namespace
@@ -62,7 +78,18 @@ void RangeMachine::binary(const RangeOp& op) {
       break;
     case RangeOpKind::And: a = {std::min(a.lo, b.lo), std::min(a.hi, b.hi)}; break;
     case RangeOpKind::Or: a = {std::max(a.lo, b.lo), std::max(a.hi, b.hi)}; break;
-    default: a = compared(op.kind, a, b); break;
+    case RangeOpKind::Eq:
+    case RangeOpKind::Ne:
+    case RangeOpKind::Lt:
+    case RangeOpKind::Le: a = compared(op.kind, a, b); break;
+    case RangeOpKind::Constant:
+    case RangeOpKind::Any:
+    case RangeOpKind::Own:
+    case RangeOpKind::Bound:
+    case RangeOpKind::Neg:
+    case RangeOpKind::Not:
+    case RangeOpKind::Store:
+    case RangeOpKind::Branch: BIP_UNREACHABLE("not an operator of two ranges");
   }
 }
 
@@ -105,7 +132,15 @@ void RangeMachine::run(const RangeOp* op, const RangeOp* end, Range* own, std::s
         op = after;
         break;
       }
-      default: binary(now); break;
+      case RangeOpKind::Add:
+      case RangeOpKind::Sub:
+      case RangeOpKind::Mul:
+      case RangeOpKind::And:
+      case RangeOpKind::Or:
+      case RangeOpKind::Eq:
+      case RangeOpKind::Ne:
+      case RangeOpKind::Lt:
+      case RangeOpKind::Le: binary(now); break;
     }
   }
 }
