@@ -2,6 +2,7 @@
 // needs no stack; right operands, parentheses and arguments recurse and are bounded by check_depth.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/parse.hpp"
 
@@ -19,7 +20,8 @@ BinaryOp binary_op(std::size_t type) {
     case BipParser::OR_WORD: return BinaryOp::Or;
     case BipParser::AND_WORD: return BinaryOp::And;
     // A single `=`, reported elsewhere if it may not compare.
-    default: return BinaryOp::Eq;
+    case BipParser::ASSIGN: return BinaryOp::Eq;
+    default: BIP_UNREACHABLE("the grammar has a binary operator that ops.def does not have");
   }
 #undef BIP_OP_TOKEN
 }
@@ -30,7 +32,8 @@ UnaryOp unary_op(std::size_t type) {
   switch (type) {
     BIP_SIGN_OPS(BIP_SIGN_TOKEN)
     case BipParser::PLUS: return UnaryOp::Plus;
-    default: return UnaryOp::Not;
+    case BipParser::NOT_WORD: return UnaryOp::Not;
+    default: BIP_UNREACHABLE("the grammar has a unary operator that ops.def does not have");
   }
 #undef BIP_SIGN_TOKEN
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "BipParser.h"
+#include "compiler/syntax/ops.def"
 
 namespace bip::parse {
 namespace {
@@ -15,6 +16,9 @@ struct Spelling {
   std::size_t type;
   std::string_view text;
 };
+// Binary operators come from ops.def; rows above them fix the order.
+#define BIP_OP_SPELLING(name, family, text, word, symbol, precedence, operands, result, function, promela, token) \
+  {BipParser::token, symbol},
 constexpr Spelling kSpellings[] = {
     {BipParser::FROM, "from"},
     {BipParser::TO, "to"},
@@ -99,28 +103,21 @@ constexpr Spelling kSpellings[] = {
     {BipParser::GE, ">="},
     {BipParser::EQ, "=="},
     {BipParser::NE, "!="},
-    {BipParser::PLUS, "+"},
-    {BipParser::MINUS, "-"},
-    {BipParser::SLASH, "/"},
-    {BipParser::PERCENT, "%"},
-    {BipParser::PIPE, "|"},
-    {BipParser::CARET, "^"},
-    {BipParser::AMP, "&"},
-    {BipParser::ANDAND, "&&"},
-    {BipParser::OROR, "||"},
+    BIP_BINARY_OPS(BIP_OP_SPELLING)  //
     {BipParser::BANG, "!"},
     {BipParser::TILDE, "~"},
 };
+#undef BIP_OP_SPELLING
 
 constexpr std::size_t kLateWords[] = {
     BipParser::CLOCK,     BipParser::UNIT,     BipParser::INVARIANT, BipParser::AT,       BipParser::LAZY,
     BipParser::DELAYABLE, BipParser::EAGER,    BipParser::RESUME,    BipParser::REMEMBER, BipParser::IGNORE,
     BipParser::ERROR,     BipParser::AND_WORD, BipParser::OR_WORD};
-constexpr std::size_t kBinarySigns[] = {BipParser::STAR,  BipParser::SLASH,    BipParser::PERCENT, BipParser::PLUS,
-                                        BipParser::MINUS, BipParser::LT,       BipParser::GT,      BipParser::LE,
-                                        BipParser::GE,    BipParser::EQ,       BipParser::NE,      BipParser::ASSIGN,
-                                        BipParser::AMP,   BipParser::CARET,    BipParser::PIPE,    BipParser::ANDAND,
-                                        BipParser::OROR,  BipParser::AND_WORD, BipParser::OR_WORD};
+#define BIP_OP_TOKEN_ITEM(name, family, text, word, symbol, precedence, operands, result, function, promela, token) \
+  BipParser::token,
+constexpr std::size_t kBinarySigns[] = {BIP_BINARY_OPS(BIP_OP_TOKEN_ITEM) BipParser::ASSIGN, BipParser::AND_WORD,
+                                        BipParser::OR_WORD};
+#undef BIP_OP_TOKEN_ITEM
 constexpr std::size_t kExprStarts[] = {BipParser::INT,   BipParser::FLOAT,  BipParser::STRING,   BipParser::TRUE,
                                        BipParser::FALSE, BipParser::REPORT, BipParser::MINUS,    BipParser::PLUS,
                                        BipParser::TILDE, BipParser::BANG,   BipParser::NOT_WORD, BipParser::LPAREN,

@@ -5,6 +5,7 @@
 
 #include "compiler/model/fold.hpp"
 #include "compiler/model/print_expr.hpp"
+#include "tests/unit/parse/parsed.hpp"
 
 using namespace bip;
 
@@ -16,6 +17,14 @@ void for_each_operator(const See& see) {
 }
 
 ExprText variable(const char* name) { return {name}; }
+
+// Returns the parsed expression with all parentheses.
+std::string parsed(const std::string& expr) {
+  const test::Parsed p("package p\nconst data int x = " + expr + "\nend");
+  const std::string shape = p.shape();
+  const std::size_t begin = shape.find("x=") + 2;
+  return p.codes().empty() ? shape.substr(begin, shape.find('\n', begin) - begin) : p.codes();
+}
 
 }  // namespace
 
@@ -82,4 +91,20 @@ TEST_CASE("parentheses by dialect") {
   CHECK(print_unary(Dialect::Promela, Op::Not, variable("x")).text == "(!x)");
   const ExprText denied = print_unary(Dialect::Cpp, Op::Not, variable("x"));
   CHECK(print_binary(Dialect::Cpp, Op::Eq, denied, denied).text == "(!x) == !x");
+}
+
+TEST_CASE("the grammar has each operator, at its precedence") {
+  for_each_operator([&](Op first) {
+    const std::string one = symbol_of(first);
+    if (family_of(first) == OpFamily::Sign) CHECK(parsed(one + "a") == "(" + one + "a)");
+    if (operand_count(first) != 2) return;
+    CHECK(parsed("a " + one + " b") == "(a " + one + " b)");
+    for_each_operator([&](Op second) {
+      if (operand_count(second) != 2 || (is_order(first) && is_order(second))) return;
+      const std::string two = symbol_of(second);
+      const bool is_left = precedence_of(first) >= precedence_of(second);
+      CHECK(parsed("a " + one + " b " + two + " c") ==
+            (is_left ? "((a " + one + " b) " + two + " c)" : "(a " + one + " (b " + two + " c))"));
+    });
+  });
 }
