@@ -317,13 +317,8 @@ void link_watches(Tables& tables) {
     return best;
   };
   const auto watch_reads = [&](u32 connector, u32 interaction) {
-    const ConnectorType& type = tables.connector_type(connector);
     const Connector& row = image.connectors[connector];
-    u32 first = 0;
-    for (const ConnectorParam& param : type.params) {
-      first = std::max(first, param.first_bind + image.port_types[param.type].vars.size);
-    }
-    for (u32 i = first; i < row.bind_count; ++i)
+    for (u32 i = tables.first_read(connector); i < row.bind_count; ++i)
       atoms.push_back({atom_of(image.binds[row.binds + i].cell), interaction});
   };
   const auto watch_data = [&](u32 instance, u32 interaction) {

@@ -4,6 +4,7 @@
 // Cost: linear in the image, plus one plan (an expanded tree) for each connector that is not a flat rendezvous.
 // Constant afterwards; every Core of the same image could share it.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -141,6 +142,14 @@ struct Tables {
   [[nodiscard]] u32 port_base(u32 atom) const { return atoms[atom].port_base; }
   [[nodiscard]] const ConnectorType& connector_type(u32 connector) const {
     return image->connector_types[image->connectors[connector].type];
+  }
+  /// The first of the connector's bound rows beyond its parameters' variables: from there on they are data of atoms
+  /// that its code reads by their paths.
+  [[nodiscard]] u32 first_read(u32 connector) const {
+    u32 first = 0;
+    for (const ConnectorParam& param : connector_type(connector).params)
+      first = std::max(first, param.first_bind + image->port_types[param.type].vars.size);
+    return first;
   }
   [[nodiscard]] PortRef port_ref(u32 connector, u32 param) const {
     return image->port_refs[image->connectors[connector].ports + param];

@@ -35,6 +35,7 @@ void InteractionSearch::link() {
   chosen_.assign(nodes, 0);
   node_scratch_.assign(nodes, 0);
   use_clause_.assign(uses, kNone);
+  remembered_.link(core_);
 }
 
 void InteractionSearch::reset() {
@@ -52,7 +53,7 @@ std::size_t InteractionSearch::bytes() const {
   std::size_t sum =
       listing_of_.size() * sizeof(u32) + listings_.size() * sizeof(Listing) + flat_guards_.size() * sizeof(FlatGuard);
   for (const Listing& listing : listings_) sum += listing.configs.size() * sizeof(u64) + listing.hidden.size();
-  return sum;
+  return sum + remembered_.bytes();
 }
 
 FlatGuard InteractionSearch::flat_guard(const InteractionInfo& info) {
@@ -128,6 +129,12 @@ bool InteractionSearch::list(u32 interaction) {
   const InteractionInfo info = core_.tables.interactions[interaction];
   if (info.kind == InteractionKind::Flat) return list_flat(info, listing);
   const Plan& plan = core_.tables.plans[info.plan()];
+  if (const std::vector<u64>* known = remembered_.recall(core_, info.plan())) {
+    ++search_work_.recalled;
+    listing.configs = *known;
+    listing.count = static_cast<u32>(known->size() / plan.words);
+    return true;
+  }
   std::vector<Bits> found;
   ++search_work_.searches;
   // Data have changed since.
@@ -138,6 +145,7 @@ bool InteractionSearch::list(u32 interaction) {
   if (!listed) return false;
   for (const Bits& bits : found) listing.configs.insert(listing.configs.end(), bits.begin(), bits.end());
   listing.count = static_cast<u32>(found.size());
+  remembered_.keep(info.plan(), listing.configs);
   return true;
 }
 

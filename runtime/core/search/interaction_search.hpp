@@ -14,6 +14,7 @@
 
 #include "runtime/core/link/tables.hpp"
 #include "runtime/core/search/bits.hpp"
+#include "runtime/core/search/remembered_searches.hpp"
 #include "runtime/core/state/state.hpp"
 
 namespace bip::rt {
@@ -58,6 +59,7 @@ struct EvaluatedUses {
 /// What searches have cost so far.
 struct SearchWork {
   u64 searches = 0, configurations = 0, connectors = 0;  // configurations looked at, connectors evaluated
+  u64 recalled = 0;                                      // searches that were not made: their inputs were known
   u64 range_looks = 0;                                   // sets of configurations looked at as ranges
 };
 
@@ -131,6 +133,7 @@ class InteractionSearch {
   std::vector<Listing> listings_;
   std::vector<FlatGuard> flat_guards_;  // by listing; code == kNone: not that simple
   SearchWork search_work_;
+  RememberedSearches remembered_;
 
   // scratch
   std::vector<std::uint8_t> available_, chosen_;  // by plan node

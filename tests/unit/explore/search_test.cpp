@@ -252,3 +252,47 @@ TEST_CASE("what few interactions meet is found among four thousand million") {
   CHECK(found.offered == 8 + 8 * 8 + 56);
   CHECK(found.work.range_looks < 20000);
 }
+
+TEST_CASE("a search that is recalled offers what a new one finds") {
+  std::uint64_t recalled = 0, searches = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    const gen::Compiled c = gen::compile_texts({RandomTree(seed).text()});
+    REQUIRE(c.problem == "");
+    const interp::Interpreter interpreter(*c.lowered);
+    rt::Core core(c.lowered->image);
+    REQUIRE(core.initialize());
+    const auto start = core.snapshot();
+    std::mt19937 random(seed);
+    // Twice the same walk: the second time most inputs are known.
+    for (int walk = 0; walk < 2; ++walk) {
+      random.seed(seed);
+      REQUIRE(core.restore(start));
+      for (int step = 0; step < 6; ++step) {
+        rt::Core fresh(c.lowered->image);
+        REQUIRE(fresh.initialize());
+        REQUIRE(fresh.restore(core.snapshot()));
+        const std::vector<Ports> expected = offers(fresh);
+        INFO("seed " << seed << ", walk " << walk << ", step " << step);
+        REQUIRE(offers(core) == expected);
+        if (expected.empty()) break;
+        REQUIRE(core.fire(random() % expected.size()));
+      }
+    }
+    recalled += core.search().work().recalled;
+    searches += core.search().work().searches;
+  }
+  CHECK(recalled > 100);
+  CHECK(searches > 100);
+}
+
+TEST_CASE("a search whose inputs do not change is made once") {
+  const std::string root = "  compound type Root()\n    component Street street(16, 37)\n  end\nend\n";
+  const gen::Compiled c = gen::compile_texts({lamps("<=") + root});
+  REQUIRE(c.problem == "");
+  const interp::Interpreter interpreter(*c.lowered);
+  rt::Core core(c.lowered->image);
+  REQUIRE(core.initialize());
+  for (int step = 0; step < 50; ++step) REQUIRE(core.fire(0));
+  CHECK(core.search().work().searches == 1);
+  CHECK(core.search().work().recalled == 50);
+}

@@ -1,0 +1,123 @@
+// See remembered_searches.hpp.
+#include "runtime/core/search/remembered_searches.hpp"
+
+#include <algorithm>
+
+#include "bip/assert.hpp"
+#include "runtime/core/core_parts.hpp"
+
+namespace bip::rt {
+namespace {
+
+// Entries of a plan: a system goes around in few states, or in so many that none comes again soon.
+constexpr std::size_t kEntries = 8;
+// Words of the candidates of one entry.
+constexpr std::size_t kMostWords = std::size_t{1} << 16;
+// After so many misses a plan with less than a hit for sixteen of them is given up.
+constexpr u32 kTrial = 256;
+
+// Is all code of the plan a function of its ports' variables?
+bool is_pure(const CoreParts& core, const Plan& plan) {
+  const Tables& tables = core.tables;
+  for (u32 use = 0; use < plan.use_count; ++use) {
+    const u32 connector = tables.plan_uses[plan.first_use + use].connector;
+    // Data of an atom that are read by their path, not through a port.
+    if (tables.first_read(connector) < tables.image->connectors[connector].bind_count) return false;
+    if (tables.image->ffi == nullptr) continue;
+    for (const Clause& clause : tables.connector_type(connector).clauses) {
+      if (clause.may_fault || clause.guard_may_fault) return false;
+    }
+  }
+  return core.memory.ffi_data.empty();
+}
+
+}  // namespace
+
+void RememberedSearches::link(const CoreParts& core) {
+  const Tables& tables = core.tables;
+  plans_.assign(tables.plans.size(), {});
+  leaves_.assign(1, {});
+  for (std::size_t row = 0; row < tables.plans.size(); ++row) {
+    const Plan& plan = tables.plans[row];
+    PlanMemory& memory = plans_[row];
+    if (!plan.guarded || plan.rigid || !is_pure(core, plan)) continue;
+    memory.is_used = true;
+    memory.first_leaf = static_cast<u32>(leaves_.size());
+    for (u32 i = 0; i < plan.node_count; ++i) {
+      const PlanNode& node = tables.plan_nodes[plan.first_node + i];
+      if (node.kind != NodeKind::Leaf) continue;
+      const u32 atom = tables.port_atom[node.ref];
+      const Port& port = tables.atom_type(atom).ports[node.ref - tables.port_base(atom)];
+      for (u32 variable : port.variables) variables_.push_back(core.atoms[atom].first_cell + variable);
+      leaves_.push_back({node.ref, static_cast<u32>(variables_.size())});
+    }
+    memory.end_leaf = static_cast<u32>(leaves_.size());
+  }
+}
+
+// Which ports are enabled, as bits; after each 64 of them the variables of those. The others' may be written by a
+// thread.
+void RememberedSearches::read_inputs(const CoreParts& core, const PlanMemory& memory) {
+  inputs_.clear();
+  const Cell* const cells = core.memory.cells.data();
+  for (u32 first = memory.first_leaf; first < memory.end_leaf; first += 64) {
+    const u32 end = std::min(memory.end_leaf, first + 64);
+    const std::size_t at = inputs_.size();
+    u64 enabled = 0;
+    inputs_.push_back(0);
+    for (u32 leaf = first; leaf < end; ++leaf) {
+      if (core.ports.enabled_row(leaves_[leaf].port) == kNone) continue;
+      enabled |= u64{1} << (leaf - first);
+      for (u32 row = leaves_[leaf - 1].end_variable; row < leaves_[leaf].end_variable; ++row)
+        inputs_.push_back(cells[variables_[row]].bits);
+    }
+    inputs_[at] = enabled;
+  }
+  hash_ = 0;
+  for (u64 word : inputs_) {
+    hash_ = (hash_ ^ word) * 0x9e3779b97f4a7c15u;
+    hash_ ^= hash_ >> 29;
+  }
+}
+
+const std::vector<u64>* RememberedSearches::recall(const CoreParts& core, u32 plan) {
+  PlanMemory& memory = plans_[plan];
+  if (!memory.is_used) return nullptr;
+  read_inputs(core, memory);
+  for (const Entry& entry : memory.entries) {
+    if (entry.hash != hash_ || entry.inputs != inputs_) continue;
+    ++memory.hits;
+    return &entry.configs;
+  }
+  if (++memory.misses < kTrial) return nullptr;
+  if (memory.hits < memory.misses / 16) {
+    memory.is_used = false;
+    memory.entries = {};
+  }
+  memory.hits = memory.misses = 0;
+  return nullptr;
+}
+
+void RememberedSearches::keep(u32 plan, const std::vector<u64>& configs) {
+  PlanMemory& memory = plans_[plan];
+  if (!memory.is_used || configs.size() > kMostWords) return;
+  if (memory.entries.size() < kEntries) memory.entries.emplace_back();
+  BIP_ASSERT(memory.next < memory.entries.size(), "entry {} of {}", memory.next, memory.entries.size());
+  Entry& entry = memory.entries[memory.next];
+  memory.next = static_cast<u32>((memory.next + 1) % kEntries);
+  entry.hash = hash_;
+  entry.inputs = inputs_;
+  entry.configs = configs;
+}
+
+std::size_t RememberedSearches::bytes() const {
+  std::size_t sum =
+      plans_.size() * sizeof(PlanMemory) + leaves_.size() * sizeof(Leaf) + variables_.size() * sizeof(u32);
+  for (const PlanMemory& memory : plans_) {
+    sum += memory.entries.capacity() * sizeof(Entry);
+    for (const Entry& entry : memory.entries) sum += (entry.inputs.size() + entry.configs.size()) * sizeof(u64);
+  }
+  return sum;
+}
+
+}  // namespace bip::rt
