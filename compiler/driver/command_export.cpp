@@ -8,6 +8,7 @@
 #include "compiler/base/assert.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
