@@ -1,4 +1,5 @@
-// See content_cache.hpp. A file consists of a line that names the format, the hash of the rest, and the rest.
+// See content_cache.hpp. A file consists of a line that names the format, the hash of the name and the rest, and the
+// rest.
 #include "compiler/base/content_cache.hpp"
 
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/base/content_hash.hpp"
 
 namespace bip {
@@ -21,12 +23,27 @@ constexpr std::size_t kHashSize = 64;
 // What a process left that ended while it wrote.
 constexpr std::chrono::hours kAbandoned{1};
 
-std::string_view magic_of(KeptKind kind) { return kind == KeptKind::Object ? "bipc object 2\n" : "bipc proof 1\n"; }
-const char* extension_of(KeptKind kind) { return kind == KeptKind::Object ? ".o" : ".proof"; }
-// .so: the compiled C++ of models, which the driver keeps in the same folder.
+std::string_view magic_of(KeptKind kind) {
+  switch (kind) {
+    case KeptKind::Object: return "bipc object 3\n";
+    case KeptKind::Library: return "bipc library 1\n";
+    case KeptKind::Proof: return "bipc proof 2\n";
+  }
+  BIP_UNREACHABLE("a kind of kept files");
+}
+const char* extension_of(KeptKind kind) {
+  switch (kind) {
+    case KeptKind::Object: return ".o";
+    case KeptKind::Library: return ".so";
+    case KeptKind::Proof: return ".proof";
+  }
+  BIP_UNREACHABLE("a kind of kept files");
+}
 bool is_kept_file(const fs::path& path) {
   return path.extension() == ".o" || path.extension() == ".so" || path.extension() == ".proof";
 }
+// The name counts: a sound file under another name says something about another thing.
+std::string hash_of(const std::string& name, std::string_view bytes) { return content_hash({name, bytes}); }
 
 }  // namespace
 
@@ -47,7 +64,7 @@ std::optional<std::string> ContentCache::load(const std::string& name) {
   const std::string_view magic = magic_of(kind_);
   const std::size_t head = magic.size() + kHashSize;
   if (!all.starts_with(magic) || all.size() < head ||
-      blake2b(all.substr(head)) != all.substr(magic.size(), kHashSize)) {
+      hash_of(name, all.substr(head)) != all.substr(magic.size(), kHashSize)) {
     broken_.push_back(path.string());
     return std::nullopt;
   }
@@ -67,7 +84,7 @@ bool ContentCache::store(const std::string& name, std::string_view bytes) {
   ::close(file);
   {
     std::ofstream out(fresh, std::ios::binary);
-    out << magic_of(kind_) << blake2b(bytes);
+    out << magic_of(kind_) << hash_of(name, bytes);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.close();
     if (!out) {

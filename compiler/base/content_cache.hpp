@@ -1,10 +1,10 @@
 // A cache on disk of machine code and proofs: files in a folder, named by the hash of all inputs.
 //
-// A look-up returns the bytes that were stored under the name, or nothing: a truncated or changed file is detected by
-// the hash at its beginning and counts as absent. (Whoever can write to the folder can forge the hash as well, so a
-// user of the contents trusts the owner of the folder, or checks them.) Several processes may use a folder at the same
-// time, since files are renamed into place. No function fails: a folder that cannot be written is an empty cache. Cost:
-// reading and hashing the file.
+// A look-up returns the bytes that were stored under the name, or nothing: a truncated, changed or renamed file is
+// detected by the hash of name and contents at its beginning and counts as absent. (Whoever can write to the folder can
+// forge the hash as well, so a user of the contents trusts the owner of the folder, or checks them.) Several processes
+// may use a folder at the same time, since files are renamed into place. No function fails: a folder that cannot be
+// written is an empty cache. Cost: reading and hashing the file.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -15,8 +15,8 @@
 
 namespace bip {
 
-/// Object: machine code. Proof: what the prover found.
-enum class KeptKind : std::uint8_t { Object, Proof };
+/// Object: machine code of the JIT. Library: compiled C++ of a model. Proof: what the prover found.
+enum class KeptKind : std::uint8_t { Object, Library, Proof };
 
 class ContentCache {
  public:

@@ -150,7 +150,7 @@ int command_explore(const ExploreArguments& arguments) {
     return report(c);
   }
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
-  Executor executor;
+  Executor executor(MachineCode::Fresh);
   const bool ready = executor.prepare(c, arguments.backend, arguments.optimisation) && is_explorable(arguments, c);
   if (const int code = report(c); code != 0 || !ready) return code;
   if (system::is_timed(*c.system)) return explore_timed(arguments, c);

@@ -105,7 +105,7 @@ int command_verify(const VerifyArguments& arguments) {
   limits.megabytes = static_cast<std::size_t>(arguments.megabytes);
   limits.wants_certificate = !arguments.certificate.empty();
   limits.wants_minimal_proof = limits.wants_certificate || arguments.why;
-  Executor executor;
+  Executor executor(MachineCode::Fresh);
   bool is_ready = true;
   const auto prepare = [&] {
     is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);

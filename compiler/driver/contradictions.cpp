@@ -45,7 +45,7 @@ class Judge {
     question.property = std::move(*parsed);
     verify::PortfolioLimits limits;
     limits.cancellation = cancellation_;
-    Executor executor;
+    Executor executor(MachineCode::Fresh);
     verify::Portfolio portfolio(
         *c.system, c.lowered->image, verify::StateAccess::Searchable,
         [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); },

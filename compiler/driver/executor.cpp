@@ -41,9 +41,15 @@ jit::JitOptions jit_options(const CacheOptions& cache, jit::OptLevel level) {
 
 }  // namespace
 
+CacheOptions Executor::cache_of(const Compilation& c) const {
+  CacheOptions cache = c.options.cache;
+  cache.is_off = cache.is_off || code_ == MachineCode::Fresh;
+  return cache;
+}
+
 bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers) {
   const StageScope doing("preparing the code of", c.path);
-  if (!load_ffi(c)) return false;
+  if (!load_ffi(c, cache_of(c))) return false;
   lowered_ = c.lowered.get();
   if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
     const Result<JitPlugin> plugin = load_jit();
@@ -52,7 +58,7 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
       // Code that is not optimised would make them no faster than the core.
       if (level != jit::OptLevel::O0) steps::derive_steps(*c.lowered);
       const auto started = std::chrono::steady_clock::now();
-      jit::JitOptions options = jit_options(c.options.cache, level);
+      jit::JitOptions options = jit_options(cache_of(c), level);
       options.for_debuggers = for_debuggers == ForDebuggers::Yes;
       Result<JitCode> code = (*plugin).compile(*c.lowered, options, made_);
       if (!code) {
@@ -75,7 +81,7 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
 
 bool Executor::prepare_tiered(Compilation& c) {
   if (!prepare(c, Backend::Interp, Optimisation::Auto)) return false;
-  tiers_ = std::make_unique<Tiers>(*c.lowered, jit_options(c.options.cache, jit::OptLevel::O2), kPatienceMs);
+  tiers_ = std::make_unique<Tiers>(*c.lowered, jit_options(cache_of(c), jit::OptLevel::O2), kPatienceMs);
   return true;
 }
 

@@ -17,10 +17,13 @@ inline constexpr std::size_t kMaxUnitsForO2 = 32;
 /// Do gdb and perf see machine code and its lines?
 enum class ForDebuggers : std::uint8_t { No, Yes };
 
+/// Fresh: nothing from the cache is executed, so that the folder is not in the trusted base of a verdict.
+enum class MachineCode : std::uint8_t { Cached, Fresh };
+
 /// Owns what the image's code pointers need; keep alive as long as the image runs, and not longer than the compilation.
 class Executor {
  public:
-  Executor() = default;
+  explicit Executor(MachineCode code = MachineCode::Cached) : code_(code) {}
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
   ~Executor();
@@ -35,6 +38,9 @@ class Executor {
   [[nodiscard]] std::string summary();
 
  private:
+  [[nodiscard]] CacheOptions cache_of(const Compilation& c) const;
+
+  MachineCode code_;
   lower::LoweredSystem* lowered_ = nullptr;  // the results of its calls are objects that C++ made
   std::unique_ptr<interp::Interpreter> interpreter_;
   JitCode jit_;

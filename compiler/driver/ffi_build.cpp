@@ -5,13 +5,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <optional>
 #include <sstream>
 
+#include "compiler/base/content_cache.hpp"
 #include "compiler/base/content_hash.hpp"
 #include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/compiler_errors.hpp"
+#include "compiler/driver/ffi_cache.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/lower/event_classes.hpp"
 
@@ -56,95 +61,130 @@ void add_once(std::vector<std::string>& list, const std::string& item) {
   if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
 }
 
-// Headers beside a header count, too: it may include them.
-void add_headers(std::vector<std::string>& texts, const fs::path& folder) {
-  std::vector<fs::path> headers;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string extension = entry.path().extension().string();
-    if (extension == ".h" || extension == ".hpp" || extension == ".hh" || extension == ".hxx" || extension == ".inc")
-      headers.push_back(entry.path());
-  }
-  std::sort(headers.begin(), headers.end());
-  for (const fs::path& header : headers) {
-    texts.push_back(header.string());
-    texts.push_back(text_of(header));
-  }
-}
+// Variables with which compilers find other files than those that the command names.
+constexpr const char* kCompilerVariables[] = {"CPATH",        "C_INCLUDE_PATH", "CPLUS_INCLUDE_PATH",
+                                              "LIBRARY_PATH", "COMPILER_PATH",  "GCC_EXEC_PREFIX"};
 
-// The shared object's path, compiled if the cache has none; empty after a report. Without a cache it is in `work`.
-std::string shared_object(Compilation& c, const emit_cpp::CppBuild& cpp, const TemporaryDirectory& work) {
-  const RuntimeLocation runtime = find_runtime();
-  if (runtime.directory.empty()) {
-    std::string tried;
-    for (const std::string& path : runtime.tried) tried += (tried.empty() ? "" : "`, `") + path;
-    c.diags.report(Diag::kB5006, {}, tried);
-    return {};
-  }
-  std::string tried;
-  std::vector<std::string> command = find_host_compiler(tried);
-  if (command.empty()) {
-    c.diags.report(Diag::kB5002, {}, tried)
-        .help("the model calls C++, which must be compiled; install one (`apt-get install g++`)");
-    return {};
-  }
-  const std::string shim = emit_cpp::shim_text(*c.system, cpp.const_names);
-  const std::string parent = fs::path(runtime.directory).parent_path().string();
-  for (const char* flag : {"-std=c++20", "-O1", "-shared", "-fPIC", "-ffp-contract=off", "-w", "-Wl,-z,defs"})
-    command.emplace_back(flag);
-  command.insert(command.end(), {"-I" + runtime.directory + "/include", "-I" + parent});
-  for (const std::string& dir : cpp.include_dirs) command.push_back("-I" + dir);
-  std::vector<std::string> texts{BIPC_VERSION, shim};
-  texts.insert(texts.end(), command.begin(), command.end());
-  // So that messages are alike wherever we run.
-  command.insert(command.begin(), {"env", "LC_ALL=C.UTF-8"});
-  add_headers(texts, fs::path(runtime.directory) / "include/bip");
-  for (const CppFile& file : c.system->code.cpp.includes) {
-    std::string folder;
-    if (const std::string path = find_file(c, file, folder); !path.empty())
-      add_headers(texts, fs::path(path).parent_path());
-  }
-  for (const auto* files : {&cpp.sources, &cpp.objects}) {
-    for (const std::string& file : *files) {
-      texts.push_back(file);
-      texts.push_back(text_of(file));
+// One compilation of a model's C++: a unit for each source and the wrappers, then the library.
+class LibraryBuild {
+ public:
+  LibraryBuild(Compilation& c, const emit_cpp::CppBuild& cpp, const TemporaryDirectory& work)
+      : c_(c), cpp_(cpp), work_(work.path()) {}
+
+  // The library's path in the folder for temporary files; empty after a report.
+  std::string run(const CacheOptions& options) {
+    if (!find_tools()) return {};
+    ContentCache cache(KeptKind::Library, cache_folder(options).string(), options.megabytes << 20);
+    const std::string name = cache.is_on() ? key() : std::string();
+    if (const std::optional<std::string> entry = cache.load(name)) {
+      if (const std::optional<std::string_view> bytes = unpack_library(*entry)) return write_library(*bytes);
     }
+    const fs::file_time_type start = fs::file_time_type::clock::now();
+    if (!build()) return {};
+    std::error_code error;
+    // What somebody wrote to meanwhile may have been read before.
+    const bool is_settled = std::all_of(read_.begin(), read_.end(), [&](const std::string& file) {
+      return fs::last_write_time(file, error) < start && !error;
+    });
+    if (cache.is_on() && is_settled) {
+      if (const std::optional<std::string> entry = pack_library(read_, text_of(library_)))
+        (void)cache.store(name, *entry);
+    }
+    return library_;
   }
-  const std::string hash = content_hash({texts.begin(), texts.end()});
-  const fs::path kept = cache_folder(c.options.cache);
-  const fs::path folder = kept.empty() ? fs::path(work.path()) : kept;
-  const fs::path object = folder / (hash + ".so");
-  std::error_code error;
-  if (fs::exists(object, error)) {
-    // What is used stays when the folder becomes too large.
-    fs::last_write_time(object, fs::file_time_type::clock::now(), error);
-    return object.string();
+
+ private:
+  bool find_tools() {
+    const RuntimeLocation runtime = find_runtime();
+    std::string tried;
+    if (runtime.directory.empty()) {
+      for (const std::string& path : runtime.tried) tried += (tried.empty() ? "" : "`, `") + path;
+      c_.diags.report(Diag::kB5006, {}, tried);
+      return false;
+    }
+    compiler_ = find_host_compiler(tried);
+    if (compiler_.empty()) {
+      c_.diags.report(Diag::kB5002, {}, tried)
+          .help("the model calls C++, which must be compiled; install one (`apt-get install g++`)");
+      return false;
+    }
+    // So that messages are alike wherever we run.
+    compiler_.insert(compiler_.begin(), {"env", "LC_ALL=C.UTF-8"});
+    flags_ = {"-std=c++20", "-O1", "-fPIC", "-ffp-contract=off", "-w"};
+    flags_.push_back("-I" + runtime.directory + "/include");
+    flags_.push_back("-I" + fs::path(runtime.directory).parent_path().string());
+    for (const std::string& dir : cpp_.include_dirs) flags_.push_back("-I" + dir);
+    shim_ = emit_cpp::shim_text(*c_.system, cpp_.const_names);
+    return true;
   }
-  fs::create_directories(folder, error);
-  const std::string source = work.path() + "/shim.cpp";
-  const std::string said = work.path() + "/said";
-  const fs::path fresh = folder / fmt::format("{}.{}", hash, ::getpid());
-  if (const auto written = write_file(source, shim); !written) {
-    c.diags.report(Diag::kB5004, {}, source, written.error());
-    return {};
+
+  // Of everything but the files that the compiler reads, which the entry lists.
+  std::string key() {
+    std::vector<std::string> command = compiler_;
+    command.emplace_back("--version");
+    const std::string version = work_ + "/version";
+    (void)run_program(command, version);
+    std::vector<std::string> texts{BIPC_VERSION, shim_, text_of(version)};
+    for (const std::vector<std::string>* words :
+         std::initializer_list<const std::vector<std::string>*>{&compiler_, &flags_, &cpp_.sources, &cpp_.objects}) {
+      texts.insert(texts.end(), words->begin(), words->end());
+      texts.emplace_back();
+    }
+    for (const char* variable : kCompilerVariables) {
+      const char* value = std::getenv(variable);
+      texts.emplace_back(value == nullptr ? "" : value);
+    }
+    return content_hash({texts.begin(), texts.end()});
   }
-  command.push_back(source);
-  for (const auto* files : {&cpp.sources, &cpp.objects}) command.insert(command.end(), files->begin(), files->end());
-  command.insert(command.end(), {"-o", fresh.string()});
-  const Result<int> status = run_program(command, said);
-  if (!status || *status != 0) {
-    fs::remove(fresh, error);
-    if (!status) c.diags.report(Diag::kB5012, {}, "cannot be compiled: " + status.error());
-    else report_cpp_failure(c, text_of(said));
-    return {};
+
+  bool build() {
+    const std::string shim = work_ + "/shim.cpp";
+    if (!write(shim, shim_)) return false;
+    std::vector<std::string> units{shim};
+    units.insert(units.end(), cpp_.sources.begin(), cpp_.sources.end());
+    std::vector<std::string> objects;
+    for (const std::string& unit : units) {
+      objects.push_back(fmt::format("{}/{}.o", work_, objects.size()));
+      const std::string rule = objects.back() + ".d";
+      std::vector<std::string> command = flags_;
+      command.insert(command.end(), {"-c", unit, "-o", objects.back(), "-MD", "-MF", rule});
+      if (!compile(command)) return false;
+      const std::vector<std::string> files = prerequisites(text_of(rule));
+      // The wrappers are part of the key.
+      std::copy_if(files.begin(), files.end(), std::back_inserter(read_),
+                   [&](const std::string& file) { return file != shim; });
+    }
+    objects.insert(objects.end(), cpp_.objects.begin(), cpp_.objects.end());
+    read_.insert(read_.end(), cpp_.objects.begin(), cpp_.objects.end());
+    objects.insert(objects.end(), {"-shared", "-Wl,-z,defs", "-o", library_});
+    return compile(objects);
   }
-  fs::rename(fresh, object, error);
-  if (error) {
-    c.diags.report(Diag::kB5004, {}, object.string(), error.message());
-    return {};
+  bool compile(const std::vector<std::string>& arguments) {
+    const std::string said = work_ + "/said";
+    std::vector<std::string> command = compiler_;
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const Result<int> status = run_program(command, said);
+    if (status && *status == 0) return true;
+    if (!status) c_.diags.report(Diag::kB5012, {}, "cannot be compiled: " + status.error());
+    else report_cpp_failure(c_, text_of(said));
+    return false;
   }
-  return object.string();
-}
+  std::string write_library(std::string_view bytes) {
+    return write(library_, std::string(bytes)) ? library_ : std::string();
+  }
+  bool write(const std::string& path, const std::string& text) {
+    const Result<bool> written = write_file(path, text);
+    if (!written) c_.diags.report(Diag::kB5004, {}, path, written.error());
+    return static_cast<bool>(written);
+  }
+
+  Compilation& c_;
+  const emit_cpp::CppBuild& cpp_;
+  const std::string work_, library_ = work_ + "/library.so";
+  std::vector<std::string> compiler_, flags_;
+  std::string shim_;
+  std::vector<std::string> read_;  // what went in, but for the wrappers
+};
 
 }  // namespace
 
@@ -183,7 +223,7 @@ bool find_ffi_files(Compilation& c, emit_cpp::CppBuild& out) {
   return true;
 }
 
-bool load_ffi(Compilation& c) {
+bool load_ffi(Compilation& c, const CacheOptions& cache) {
   if (!uses_ffi(c)) return true;
   emit_cpp::CppBuild cpp;
   if (!find_ffi_files(c, cpp)) return false;
@@ -192,7 +232,7 @@ bool load_ffi(Compilation& c) {
     c.diags.report(Diag::kB5012, {}, "cannot be compiled: " + work.error());
     return false;
   }
-  const std::string path = shared_object(c, cpp, *work);
+  const std::string path = LibraryBuild(c, cpp, *work).run(cache);
   if (path.empty()) return false;
   // Stays for the life of the process: objects of its types may outlive everything here.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -1,7 +1,7 @@
 // The FFI of a model: where its files are, and for `bipc run` a shared object with everything that is called.
 //
-// The object is compiled once by the host compiler and kept below $XDG_CACHE_HOME/bipc (or ~/.cache/bipc), named by the
-// content of all that went into it. A model that calls nothing needs none of this.
+// The object is compiled by the host compiler and kept in the cache, with the hash of each file that the compiler read
+// for it: a copy that was checked is loaded. A model that calls nothing needs none of this.
 #pragma once
 #include "compiler/driver/pipeline.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"
@@ -16,6 +16,6 @@ namespace bip::driver {
 
 /// Compiles and loads the shared object and fills c.lowered's functions and FFI types. False after a report; what
 /// C++ does not have is told by its prototype.
-[[nodiscard]] bool load_ffi(Compilation& c);
+[[nodiscard]] bool load_ffi(Compilation& c, const CacheOptions& cache);
 
 }  // namespace bip::driver

@@ -248,7 +248,7 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
       return write_verdict(arguments, json, text + stats, kOk);
     }
   }
-  Executor executor;
+  Executor executor(MachineCode::Fresh);
   const bool may_start = executor.prepare(c, arguments.backend, Optimisation::Auto);
   if (const int code = report(c); code != 0 || !may_start) return code;
   const rt::Image& image = c.lowered->image;

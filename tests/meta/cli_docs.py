@@ -82,7 +82,8 @@ def page():
             "`explore` found, 4 no verdict or a limit reached, 70 an error of bipc itself. Ctrl-C ends a run as a limit does.\n"
             "Errors and warnings are written to standard error, everything else to standard output.\n\n"
             "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ code once.\n"
-            "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`) under a hash of its content, as are the JIT's machine code and the proofs of `verify`;\n"
+            "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`) together with hashes of all files that the compiler read for it, as are the JIT's machine code and the proofs of `verify`.\n"
+            "A file under another name or with other contents counts as none. `verify` and `explore` execute nothing from the cache: they compile anew, and prove again what a kept proof says;\n"
             "`--cache DIR` selects another folder, `--no-cache` none. The folder may be removed at any time; when it exceeds 256 MB (`--cache-size`), the least\n"
             "recently used entries are removed.\n\n"
             f"## bipc\n\n```text\n{top}\n```\n")

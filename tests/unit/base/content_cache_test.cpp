@@ -76,6 +76,20 @@ TEST_CASE("a file that is cut, changed or foreign counts as none") {
   }
 }
 
+TEST_CASE("a sound file under another name counts as none") {
+  const Folder folder;
+  ContentCache cache(KeptKind::Object, folder.path(), kLarge);
+  cache.store("a", "code of a");
+  cache.store("b", "code of b");
+  const fs::path of_folder = folder.path();
+  fs::copy_file(of_folder / "a.o", of_folder / "b.o", fs::copy_options::overwrite_existing);
+  fs::copy_file(of_folder / "a.o", of_folder / "a.so");
+  CHECK(cache.load("a") == "code of a");
+  CHECK_FALSE(cache.load("b"));
+  CHECK_FALSE(ContentCache(KeptKind::Library, folder.path(), kLarge).load("a"));
+  CHECK(cache.broken().size() == 1);
+}
+
 TEST_CASE("what was not used longest goes first") {
   const Folder folder;
   const std::string bytes(1000, 'x');
