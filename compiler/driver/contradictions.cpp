@@ -8,6 +8,7 @@
 #include <functional>
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/genom/translate.hpp"
@@ -31,6 +32,8 @@ class Judge {
     std::vector<genom::Constraint>& rows = options.constraints.rows;
     rows.clear();
     for (std::size_t i = 0; i < reduced_.constraints.rows.size(); ++i) {
+      BIP_ASSERT(checked_.rule.size() == reduced_.constraints.rows.size() && checked_.rule[i] < kept.size(),
+                 "constraint {} of rule {}", i, checked_.rule[i]);
       if (kept[checked_.rule[i]]) rows.push_back(reduced_.constraints.rows[i]);
     }
     options.oldest = 4;
@@ -60,6 +63,7 @@ class Judge {
     for (std::size_t i = 0; i < rules_; ++i) {
       kept[i] = false;
       if (holds(kept, property)) continue;
+      BIP_ASSERT(kept.size() == rules_ && needed.size() <= i, "{} of {} rules are needed", needed.size(), i);
       kept[i] = true;
       needed.push_back(i);
     }
@@ -83,6 +87,9 @@ struct BadStateAbstraction {
 
 // One rule is where it is shown, the others are labels.
 void counterexample_text(Diagnostics& diags, const rules::RuleFile& file, const BadStateAbstraction& found) {
+  BIP_ASSERT(!found.culprits.empty() && !found.services.empty() &&
+                 std::is_sorted(found.culprits.begin(), found.culprits.end()),
+             "{} rules contradict each other", found.culprits.size());
   auto d = diags.report(Diag::kB6110, file.rules[found.culprits[0]].range, found.services[0]);
   d.label(found.culprits.size() == 1 ? "by this rule alone" : "by this rule");
   for (std::size_t i = 1; i < found.culprits.size(); ++i) d.label(file.rules[found.culprits[i]].range, "and this one");

@@ -49,6 +49,7 @@ CacheOptions Executor::cache_of(const Compilation& c) const {
 
 bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers) {
   const StageScope doing("preparing the code of", c.path);
+  BIP_ASSERT(c.lowered != nullptr, "`{}` was not lowered", c.path);
   if (!load_ffi(c, cache_of(c))) return false;
   lowered_ = c.lowered.get();
   if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
@@ -66,6 +67,8 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
         return false;
       }
       jit_ = std::move(*code);
+      BIP_ASSERT(made_.codes.size() == c.lowered->units.size(), "{} codes of {} units", made_.codes.size(),
+                 c.lowered->units.size());
       jit::install(*c.lowered, made_);
       seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
       return true;

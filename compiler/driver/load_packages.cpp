@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <map>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::driver {
 namespace {
 
@@ -44,6 +46,7 @@ class Loader {
       Visit& top = stack_.back();
       const auto uses = top.syntax->package->uses;
       if (top.next == uses.size()) {
+        BIP_ASSERT(states_[top.name] == State::Open, "package `{}` is done twice", top.name);
         states_[top.name] = State::Done;
         compilation_.packages.push_back(top.syntax);
         stack_.pop_back();
@@ -102,6 +105,8 @@ class Loader {
       compilation_.diags.report(Diag::kB1065, path.range, name).help("remove this line");
       return;
     }
+    BIP_ASSERT(std::any_of(stack_.begin(), stack_.end(), [&](const Visit& v) { return v.name == name; }),
+               "package `{}` is open, and not on the stack", name);
     const auto first = std::find_if(stack_.begin(), stack_.end(), [&](const Visit& v) { return v.name == name; });
     std::string chain;
     for (auto it = first; it != stack_.end(); ++it) chain += "`" + it->name + "` -> ";

@@ -166,6 +166,7 @@ Result<FileId> load_text(Compilation& c, const std::string& path, std::string na
 bool compile(Compilation& c, const std::string& path, Stage last) {
   c.path = path;
   for (const Pass& pass : kPasses) {
+    BIP_ASSERT(&pass == std::begin(kPasses) || (&pass - 1)->stage <= pass.stage, "pass `{}` comes too late", pass.name);
     if (pass.stage > last) break;
     if (timed(c, pass.name, [&] { return pass.run(c); })) {
       inspect_product(c, pass);

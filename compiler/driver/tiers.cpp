@@ -6,6 +6,7 @@
 
 #include <chrono>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/steps/derive_steps.hpp"
 
 namespace bip::driver {
@@ -50,11 +51,14 @@ void Tiers::work(unsigned patience_ms) {
     return;
   }
   code_ = std::move(*code);
+  BIP_ASSERT(made_.codes.size() == lowered_.units.size(), "{} codes of {} units", made_.codes.size(),
+             lowered_.units.size());
   new_code_.is_ready.store(true, std::memory_order_release);
 }
 
 std::vector<rt::Code> Tiers::install() {
   std::vector<rt::Code> before = lowered_.codes;
+  BIP_ASSERT(new_code_.is_ready.load() && !is_installed_, "code is installed twice, or before it is ready");
   jit::install(lowered_, made_);
   is_installed_ = true;
   return before;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/model/code_uses.hpp"
 
@@ -63,6 +64,7 @@ class ShapeWriter {
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Interaction) list(op);
     }
+    BIP_ASSERT(inlined_.empty(), "copies were not written: {}", inlined_);
     out_.line("  state.count = s.count;");
     out_.line("}");
   }
@@ -77,6 +79,8 @@ class ShapeWriter {
 
   // Ref k as a number, and as an index that moves with t.
   [[nodiscard]] std::string value(const StepOp& op, std::uint32_t k) const {
+    BIP_ASSERT(operand(op, k) < shape_.strides.size() && k < refs(op), "operand {} of an operation with {}", k,
+               refs(op));
     const std::string base = "v" + std::to_string(operand(op, k));
     if (stride(op, k) == 0) return base;
     return base + " + " + std::to_string(static_cast<std::uint32_t>(stride(op, k))) +
@@ -101,6 +105,8 @@ class ShapeWriter {
   // The call of a unit whose self is ref k and whose bound variables follow. Their rows come in an array; if all move
   // alike, `all` moves instead.
   [[nodiscard]] std::string call(const StepOp& op, std::uint32_t k, std::string& before) const {
+    BIP_ASSERT(op.unit < lowered_.units.size() && lowered_.steps.binds.size() == lowered_.units.size(), "unit {} of {}",
+               op.unit, lowered_.units.size());
     const lower::CodeUnit& unit = lowered_.units[op.unit];
     const std::vector<std::uint32_t>& binds = lowered_.steps.binds[op.unit];
     std::string bind = "nullptr", all = all_;
@@ -300,6 +306,7 @@ bool emit_step_loop(const lower::LoweredSystem& lowered, const std::string& name
     std::string function = step_name(run.shape);
     if (!steps.cells.empty()) function = "steps::cells_" + std::to_string(run.shape);
     else if (shape.is_inlined() && shape.has_loops()) function += "_inlined";
+    BIP_ASSERT(run.shape < shapes.size(), "shape {} of {}", run.shape, shapes.size());
     const std::string row = operands + " + " + std::to_string(run.operands);
     out.line("    if (bip::rt::is_in_run(cell, " + number(run.first) + ", " + number(run.count) + ", " +
              number(run.distance) + ", i)) {");

@@ -77,6 +77,7 @@ Text call(ExprContext& c, ExprId id, const Expr& e) {
   const CodeTable& code = c.lowered.system->code;
   const Function& function = code.functions[e.index];
   const std::span<const ExprId> args = code.args_of(e);
+  BIP_ASSERT(args.size() == function.params.size(), "{} arguments for `{}`", args.size(), function.name);
   std::size_t faulty = 0;
   bool bind = false;
   for (const ExprId arg : args) {

@@ -1,6 +1,7 @@
 // See ffi_text.hpp. Wrappers are named `call_f`, so that they never hide the function `f` that they call.
 #include "compiler/emit_cpp/ffi_text.hpp"
 
+#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/unit_names.hpp"
@@ -109,6 +110,7 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
   }
   if (options.mark) line("#line 1 \"bip-shim\"");
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
+    BIP_ASSERT(names.function(k).starts_with("ffi::"), "function `{}` is out of its namespace", names.function(k));
     const Function& function = code.functions[k];
     const std::string result = function.has_result ? local(names.type(function.result)) : "void";
     std::string head = "inline " + result + " " + local(names.function(k)) + "(";

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
 
 namespace bip::emit_cpp {
@@ -122,7 +123,9 @@ class Uses {
 
  private:
   static void note(std::vector<Local>& locals, std::uint32_t index, Type type, bool write) {
+    BIP_ASSERT(index < locals.size(), "variable {} of {}", index, locals.size());
     Local& local = locals[index];
+    BIP_ASSERT(local.index == rt::kNone || local.type == type, "variable {} is used as two types", index);
     local.index = index;
     local.type = type;
     local.written = local.written || write;
@@ -204,6 +207,8 @@ void FunctionEmitter::body(ExprContext& context, StmtId first, int depth) {
     }
     const auto& locals = stmt.op == StmtOp::StoreSelf ? context.self_locals : context.bind_locals;
     out_.at(stmt.loc);
+    BIP_ASSERT(Uses::used(locals[stmt.index]) && locals[stmt.index].written,
+               "variable {} is assigned, and was declared constant", stmt.index);
     indented(depth, locals[stmt.index].name + " = " + expr_text(context, stmt.value) + ";");
   }
 }
@@ -255,6 +260,7 @@ void emit_functions(const lower::LoweredSystem& lowered, CppWriter& out) {
 }
 
 void emit_on_cells(const lower::LoweredSystem& lowered, std::uint32_t unit, std::uint32_t distance, CppWriter& out) {
+  BIP_ASSERT(unit < lowered.units.size() && distance != 0, "unit {} at distance {}", unit, distance);
   FunctionEmitter(lowered, out, distance).emit(lowered.units[unit]);
 }
 

@@ -4,6 +4,7 @@
 // about a second. Linear in the image.
 #include "compiler/emit_cpp/image_tables.hpp"
 
+#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/ffi_text.hpp"
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
@@ -190,6 +191,7 @@ void TableWriter::image() {
     sites.push_back("{" + loc_text(site.loc) +
                     (site.function == nullptr ? "}" : ", " + string_literal(site.function) + "}"));
   }
+  BIP_ASSERT(codes.size() == image_.codes.size, "{} codes, the image has {}", codes.size(), image_.codes.size);
   const FfiNames ffi(lowered_.system->code);
   std::vector<std::string> ffi_types;
   for (std::size_t k = 0; k < lowered_.ffi_types.size(); ++k) {

@@ -2,6 +2,7 @@
 // priorities.
 //
 // One row per line; rows without a path name their owner in a comment.
+#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 #include "compiler/emit_cpp/image_tables.hpp"
@@ -57,6 +58,8 @@ std::string TableWriter::folded(const std::string& type, const std::string& name
   for (const rt::Repeat& r : table_rows.repeats)
     repeats.push_back(braces({row_text(r.first), row_text(r.period), row_text(r.row), row_text(r.slope)}));
   for (const typename T::Slope& slope : table_rows.slopes) slopes.push_back(slope_text(slope));
+  BIP_ASSERT(rows.size() == table_rows.rows.size && slopes.size() == table_rows.slopes.size, "{} rows of {}",
+             rows.size(), table_rows.rows.size);
   const std::string repeat_span = table("Repeat", name + "_repeats", repeats);
   return braces(
       {stand, repeat_span, table(type + "::Slope", name + "_slopes", slopes), std::to_string(table_rows.size)});
@@ -82,6 +85,8 @@ void TableWriter::instances() {
   for (std::uint32_t row = 0; row < image_.atoms.size; ++row) {
     const rt::Atom a = image_.atoms[row];
     const std::vector<Value>& values = system.atoms[AtomId(row)].args;
+    BIP_ASSERT(a.args + values.size() <= image_.args.size, "atom {} has arguments {} to {}", row, a.args,
+               a.args + values.size());
     std::vector<std::string> cells;
     for (std::size_t k = 0; k < values.size(); ++k) cells.push_back(cell_text(image_.args[a.args + k], values[k].type));
     if (!cells.empty()) args.push_back(with_owner(joined(cells), a.path()));
@@ -136,6 +141,8 @@ void TableWriter::steps() {
   for (const rt::StepOperand& operand : lowered_.steps.operands) {
     operands.push_back(braces({std::to_string(operand.base) + "u", std::to_string(operand.stride) + "u"}));
   }
+  BIP_ASSERT(runs.size() == image_.step_runs.size && operands.size() == image_.step_operands.size,
+             "{} runs, the image has {}", runs.size(), image_.step_runs.size);
   step_fns_ = table("StepFn", "step_fns", functions);
   step_runs_ = table("StepRun", "step_runs", runs);
   step_operands_ = "{}";

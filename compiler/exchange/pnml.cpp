@@ -2,6 +2,7 @@
 // parameters, that have priorities, or in which a larger interaction hides a smaller one. Each place is a place of an
 // atom, each transition an interaction with one transition for each of its ports. Internal transitions are folded into
 // the transitions that lead to them. The format is the PT net schema of ISO/IEC 15909-2.
+#include "compiler/base/assert.hpp"
 #include "compiler/exchange/exchange.hpp"
 
 #include <algorithm>
@@ -100,6 +101,10 @@ class NetWriter {
     }
     std::vector<u32> initial;
     for (u32 place : type.initial) initial.push_back(settled(atom, place));
+    BIP_ASSERT(initial.size() == type.initial.size() &&
+                   std::all_of(initial.begin(), initial.end(),
+                               [&](u32 place) { return place < type.places.size() || !refusal_.empty(); }),
+               "atom {} begins at {} places", atom, initial.size());
     for (u32 place = 0; place < type.places.size(); ++place) {
       const bool is_marked = std::find(initial.begin(), initial.end(), place) != initial.end();
       places_ += fmt::format("      <place id=\"p{}_{}\"><name><text>{}.{}</text></name>{}</place>\n", atom.value,

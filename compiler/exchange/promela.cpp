@@ -13,6 +13,7 @@
 
 #include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/analysis/interaction_tree.hpp"
+#include "compiler/base/assert.hpp"
 #include "compiler/exchange/exchange.hpp"
 #include "compiler/exchange/plain_name.hpp"
 #include "compiler/exchange/promela_code.hpp"
@@ -94,6 +95,7 @@ class PromelaWriter {
 // ---- atoms ----------------------------------------------------------------------------------------------------------
 
 std::string PromelaWriter::variable_name(AtomId atom, u32 variable) const {
+  BIP_ASSERT(variable < type_of(atom).variables.size(), "variable {} of atom {}", variable, atom);
   if (type_of(atom).variables[variable].is_param && type_of(atom).variables[variable].type != Type::Float) {
     const std::int32_t value = system_.atoms[atom].args[variable].int_value;
     return value < 0 ? fmt::format("({})", value) : std::to_string(value);
@@ -109,6 +111,7 @@ Names PromelaWriter::names_of(AtomId atom) const {
 }
 
 std::string PromelaWriter::marked(AtomId atom, const std::vector<u32>& places) const {
+  BIP_ASSERT(!type_of(atom).is_automaton() || places.size() == 1, "atom {} is at {} places", atom, places.size());
   if (type_of(atom).is_automaton()) return fmt::format("p{} == {}", atom.value, places[0]);
   std::string all;
   for (u32 place : places) all += fmt::format("{}m{}_{}", all.empty() ? "" : " && ", atom.value, place);
@@ -455,6 +458,9 @@ bool PromelaWriter::matches(const Priority& rule, bool high, const Step& step) c
   if (pattern.any_connector)
     return system_.connectors[step.connector].parent == rule.parent &&
            (other.any_connector || !matches(rule, !high, step));
+  BIP_ASSERT(std::is_sorted(step.params.begin(), step.params.end()) &&
+                 std::is_sorted(pattern.params.begin(), pattern.params.end()),
+             "parameters of step `{}` are not in order", step.name);
   if (pattern.connector != step.connector) return false;
   const std::vector<u32>& outer = high ? step.params : pattern.params;
   const std::vector<u32>& inner = high ? pattern.params : step.params;
@@ -511,6 +517,8 @@ Result<std::string> PromelaWriter::run() {
     if (system_.is_top(ConnectorId(row))) add_connector(ConnectorId(row));
     if (!refusal_.empty()) return Failure{refusal_};
   }
+  BIP_ASSERT(std::all_of(steps_.begin(), steps_.end(), [&](const Step& step) { return step.tree < trees_.size(); }),
+             "a step of none of {} trees", trees_.size());
   add_priorities();
   for (const Step& step : steps_) {
     std::string guard = "!fault && is" + step.name;

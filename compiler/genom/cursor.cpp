@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/genom/condition.hpp"
 
 namespace bip::genom {
@@ -58,6 +59,7 @@ bool Cursor::number(std::int64_t& into, std::string_view ends, std::int64_t low,
            (t.kind == TokenKind::Sign && t.text.size() == 1 && ends.find(t.text) != std::string_view::npos);
   };
   while (!is_end(peek())) take();
+  BIP_ASSERT(begin <= at_ && at_ < tokens_->size(), "token {} of {}", at_, tokens_->size());
   const std::span<const Token> tokens(tokens_->data() + begin, at_ - begin);
   const std::optional<std::int64_t> value = constant_value(tokens);
   SourceRange range = tokens.empty() ? peek().range : tokens.front().range;
@@ -85,6 +87,7 @@ void Cursor::skip_past_semicolon() {
 }
 
 bool Cursor::skip_group() {
+  BIP_ASSERT(!at_end(), "a group at the end");
   std::vector<std::string_view> closers;
   const SourceRange start = peek().range;
   do {

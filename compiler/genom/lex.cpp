@@ -1,6 +1,7 @@
 // One pass over the bytes. A backslash before a line break joins lines, as C has it.
 #include <cctype>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/genom/tokens.hpp"
 #include "compiler/base/ascii.hpp"
 
@@ -29,6 +30,8 @@ class Lexer {
   }
 
   void add(TokenKind kind, std::size_t begin, std::size_t end, std::size_t cut = 0) {
+    BIP_ASSERT(begin + 2 * cut <= end && end <= text_.size(), "token {}..{} of {} bytes", begin, end, text_.size());
+    BIP_ASSERT(tokens_.empty() || tokens_.back().range.end <= begin, "token at {} overlaps the one before", begin);
     tokens_.push_back({kind, new_line_, text_.substr(begin + cut, end - begin - 2 * cut), range(begin, end)});
     new_line_ = false;
   }
@@ -63,6 +66,7 @@ class Lexer {
 
   void token() {
     const std::size_t begin = at_;
+    BIP_ASSERT(at_ < text_.size(), "a token at the end");
     const char c = peek();
     if (is_digit(c) || (c == '.' && is_digit(peek(1)))) {
       number();

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/genom/names.hpp"
 
 namespace bip::genom {
@@ -37,6 +38,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
     const std::size_t here = todo.back();
     todo.pop_back();
     if (a.used[here]) continue;
+    BIP_ASSERT(here < activity.states.size(), "state {} of {}", here, activity.states.size());
     a.used[here] = true;
     const State& state = activity.states[here];
     const bool is_stop = can_be_stopped && here == activity.stop;
@@ -64,6 +66,8 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
   }
   if (a.has_sleep) a.to.emplace_back("to_SLEEP");
   for (const Name& r : reports) a.report.push_back("report_" + bip_name(r.text));
+  BIP_ASSERT(a.places.size() == activity.states.size() && a.async.size() == a.used.size(), "{} places of {} states",
+             a.places.size(), activity.states.size());
   a.rests = can_be_stopped || a.ends || a.pauses || a.has_sleep || a.has_zombie;
   return a;
 }
@@ -92,6 +96,8 @@ class Planner {
     for (const Poster& poster : module_.posters)
       plan_.posters.push_back(scope_.claim(bip_name(poster.name.text), "poster"));
     plan_.poster_types.resize(plan_.posters.size());
+    BIP_ASSERT(plan_.services.size() == module_.services.size() && plan_.tasks.size() == module_.tasks.size(),
+               "{} services, {} tasks", plan_.services.size(), plan_.tasks.size());
     if (plan_.by_codel) locks();
     return std::move(plan_);
   }
@@ -114,6 +120,8 @@ class Planner {
       plan_.activities.push_back({i, scope_.claim(k == 0 ? plan.id : fmt::format("{}_{}", plan.id, k + 1), "service")});
     }
     if (is_execution) plan_.execution_activities += s.instances;
+    BIP_ASSERT(plan.activities.size() == s.instances && i == plan_.services.size(), "service {} has {} activities", i,
+               plan.activities.size());
     plan_.services.push_back(std::move(plan));
   }
 
@@ -129,6 +137,7 @@ class Planner {
       const Service& s = plan_.service_of(k);
       if (s.kind == ServiceKind::Execution && s.task_index == i) plan.activities.push_back(k);
     }
+    BIP_ASSERT(i == plan_.tasks.size(), "task {} comes after {}", i, plan_.tasks.size());
     plan_.tasks.push_back(std::move(plan));
   }
 
@@ -190,6 +199,8 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
     if (row.service.module == index) p.services[row.service.service].is_heard = true;
   }
   for (const ValueRow& row : options.constraints.values) {
+    BIP_ASSERT(row.poster.module != index || row.poster.poster < p.poster_types.size(), "poster {} of {}",
+               row.poster.poster, p.poster_types.size());
     if (row.poster.module != index) continue;
     PosterPlan& poster = p.poster_types[row.poster.poster];
     const std::string name = p.type + type_name(module.posters[row.poster.poster].name.text);

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/genom/condition.hpp"
 #include "compiler/source/utf8.hpp"
 
@@ -46,6 +47,7 @@ class Preprocessor {
     open_.push_back({path, lex(sources_, file, diags_), 0, {}});
     while (!open_.empty()) {
       Open& top = open_.back();
+      BIP_ASSERT(top.at < top.tokens.size(), "token {} of {}", top.at, top.tokens.size());
       const Token& token = top.tokens[top.at];
       if (token.kind == TokenKind::End) {
         close(top);
@@ -82,6 +84,8 @@ class Preprocessor {
       return;
     }
     hidden_.insert(macro->first);
+    BIP_ASSERT(depth <= kMaxIncludeDepth && hidden_.size() <= depth + 1, "{} macros are replaced at depth {}",
+               hidden_.size(), depth);
     for (const Token& t : macro->second) {
       if (result_.tokens.size() > kMaxTokens) break;
       Token copy = t;
@@ -134,6 +138,7 @@ class Preprocessor {
       return;
     }
     Branch& branch = top.branches.back();
+    BIP_ASSERT(!branch.active || branch.taken, "a branch counts that was not taken");
     if (name == "endif") {
       top.branches.pop_back();
       return;
@@ -204,6 +209,7 @@ class Preprocessor {
     const Result<FileId> file =
         path.empty() ? Result<FileId>(Failure{"it is in none of the folders"}) : load_description(sources_, path);
     if (file) {
+      BIP_ASSERT(open_.size() < kMaxIncludeDepth, "{} files are open", open_.size());
       open_.push_back({path, lex(sources_, *file, diags_), 0, {}});
       return;
     }

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::genom {
 namespace {
 
@@ -13,6 +15,8 @@ std::string joined(const std::vector<std::string>& parts, std::size_t begin, std
 }
 
 std::string tree(const Wire& w) {
+  BIP_ASSERT(!w.ports.empty() && w.triggers <= w.ports.size(), "connector `{}` has {} triggers among {} ports", w.name,
+             w.triggers, w.ports.size());
   if (w.triggers == 0) return joined(w.ports, 0, w.ports.size());
   std::string text = w.triggers == 1 ? w.ports[0] + "'" : "[" + joined(w.ports, 0, w.triggers) + "]'";
   if (w.ports.size() > w.triggers) text += ", " + joined(w.ports, w.triggers, w.ports.size());

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/fold.hpp"
 #include "runtime/include/bip/arith.hpp"
 
@@ -117,6 +118,8 @@ rt::Cell Evaluator::binary(ExprId id, const Expr& e, rt::Cell a, rt::Cell b) {
 rt::Cell Evaluator::call(ExprId id, const Expr& e) {
   const Function& function = code_.functions[e.index];
   const std::span<const ExprId> args = code_.args_of(e);
+  BIP_ASSERT(args.size() == function.params.size() && lowered_.functions[e.index] != nullptr, "{} arguments for `{}`",
+             args.size(), function.name);
   std::vector<rt::Cell> values(args.size());
   std::vector<rt::Cell*> variables;
   for (std::size_t k = 0; k < args.size(); ++k) {
@@ -168,6 +171,7 @@ std::int32_t run_guard(const void* context, rt::Cell* self, rt::Cell* all, const
   const auto& c = *static_cast<const UnitContext*>(context);
   Evaluator evaluator(*c.lowered, self, all, bind);
   const rt::Cell value = evaluator.eval(c.expr);
+  BIP_ASSERT(evaluator.status() != 0 || value.i == 0 || value.i == 1, "a guard returns {}", value.i);
   return evaluator.status() != 0 ? evaluator.status() : value.i;
 }
 
@@ -186,6 +190,8 @@ struct Interpreter::Impl {
 
 Interpreter::Interpreter(lower::LoweredSystem& lowered) : impl_(std::make_unique<Impl>()) {
   impl_->contexts.reserve(lowered.units.size());
+  BIP_ASSERT(lowered.codes.size() == lowered.units.size(), "{} codes of {} units", lowered.codes.size(),
+             lowered.units.size());
   std::size_t row = 0;
   for (const lower::CodeUnit& unit : lowered.units) {
     impl_->contexts.push_back({&lowered, unit.expr, unit.body});

@@ -140,6 +140,7 @@ class UnitBuilder {
   llvm::Value* call(ExprId id, const Expr& e) {
     const Function& function = code_.functions[e.index];
     const std::span<const ExprId> args = code_.args_of(e);
+    BIP_ASSERT(args.size() == function.params.size(), "{} arguments for `{}`", args.size(), function.name);
     llvm::Type* i64 = b_.getInt64Ty();
     llvm::Type* pointer = b_.getPtrTy();
     llvm::Value* values = frame(i64, args.size() + 1);
@@ -247,6 +248,7 @@ class UnitBuilder {
   llvm::Value* divide(ExprId id, Op op, llvm::Value* a, llvm::Value* b) {
     ++divisions_;
     const std::uint32_t site = sites_[id.value];
+    BIP_ASSERT(site != rt::kNone, "a division without a site, expression {}", id);
     const auto status = [&](rt::FaultKind kind) {
       return b_.getInt32(static_cast<std::uint32_t>(rt::fault_status(site, kind)));
     };
@@ -326,6 +328,8 @@ llvm::Function* declare(llvm::Module& module, const std::string& name) {
 llvm::Function* build_unit(llvm::Module& module, const lower::LoweredSystem& lowered, std::size_t row,
                            const std::string& name, DebugInfo* debug, std::uint32_t distance) {
   const lower::CodeUnit& unit = lowered.units[row];
+  BIP_ASSERT(row < lowered.units.size(), "unit {} of {}", row, lowered.units.size());
+  BIP_ASSERT(module.getFunction(name) == nullptr, "two functions `{}`", name);
   llvm::Function* function = declare(module, name);
   if (debug != nullptr) debug->enter(*function, lowered.units[row].name, lowered.units[row].loc);
   UnitBuilder builder(function, lowered, debug, distance);
@@ -340,6 +344,7 @@ std::unique_ptr<llvm::Module> build_module(llvm::LLVMContext& context, const low
   auto module = std::make_unique<llvm::Module>("units_" + std::to_string(first), context);
   std::optional<DebugInfo> debug;
   if (lines == Lines::Yes) debug.emplace(*module, lowered.image);
+  BIP_ASSERT(first + count <= lowered.units.size(), "units {} to {} of {}", first, first + count, lowered.units.size());
   for (std::size_t k = first; k < first + count; ++k)
     (void)build_unit(*module, lowered, k, lowered.units[k].name, debug ? &*debug : nullptr);
   if (debug) debug->finish();

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/codegen_steps.hpp"
 #include "compiler/jit/debug_info.hpp"
@@ -77,6 +78,8 @@ std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lowe
   std::optional<DebugInfo> debug;
   if (lines == Lines::Yes) debug.emplace(*module, lowered.image);
   const std::vector<Place> places = debug ? shape_places(lowered) : std::vector<Place>(lowered.steps.shapes.size());
+  BIP_ASSERT(places.size() == lowered.steps.shapes.size(), "{} places of {} shapes", places.size(),
+             lowered.steps.shapes.size());
   std::size_t number = 0;
   for (const lower::StepShape& shape : lowered.steps.shapes) {
     build_shape(*module, lowered, shape, step_name(number), places[number], debug ? &*debug : nullptr);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "compiler/base/assert.hpp"
 #include "bip/prng.hpp"
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/codegen_steps.hpp"
@@ -187,6 +188,7 @@ class LoopBuilder {
 
   // An operand for number i of the run. In 64 bits if it stays below 2^32: then it becomes a part of addresses.
   StepOperandValue operand(const rt::StepRun& run, const rt::StepOperand& row, Value* i) {
+    BIP_ASSERT(run.count != 0, "a run of no interactions");
     const std::uint64_t last = row.base + std::uint64_t{row.stride} * (run.count - 1);
     if (last > 0xffffffffu) {
       Value* narrow =
@@ -214,6 +216,8 @@ class LoopBuilder {
     Value* i = run.distance == 1 ? offset : b_.CreateExactUDiv(offset, number(run.distance));
     const lower::StepCells& cells = lowered_.steps.cells;
     const lower::StepShape& shape = cells.empty() ? lowered_.steps.shapes[run.shape] : cells.shapes[run.shape];
+    BIP_ASSERT(run.operands + shape.strides.size() <= (cells.empty() ? lowered_.steps.operands : cells.operands).size(),
+               "operands from row {} on", run.operands);
     const rt::StepOperand* rows = (cells.empty() ? lowered_.steps.operands : cells.operands).data() + run.operands;
     if (shape.is_inlined() && (!cells.empty() || !looks_at_many(shape, rows))) {
       std::vector<StepOperandValue> operands;
@@ -253,6 +257,7 @@ class LoopBuilder {
     table->setAlignment(llvm::Align(alignof(std::uint64_t)));
     Value* length = at(state_, offsetof(rt::StepState, count));
     b_.CreateStore(b_.CreateLoad(i32_, count_), length);
+    BIP_ASSERT(module_.getFunction(step_name(run.shape)) != nullptr, "no function for shape {}", run.shape);
     llvm::CallInst* step =
         b_.CreateCall(module_.getFunction(step_name(run.shape)), {state_, table, b_.CreateTrunc(i, i32_)});
     step->setDoesNotThrow();

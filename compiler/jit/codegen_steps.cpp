@@ -5,9 +5,11 @@
 // variable, which LLVM's passes move to a register.
 #include "compiler/jit/codegen_steps.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/debug_info.hpp"
 
@@ -67,6 +69,7 @@ class StepBuilder {
   [[nodiscard]] std::int32_t stride(const StepOp& op, std::uint32_t k) const { return shape_.strides[operand(op, k)]; }
   Value* number(const StepOp& op, std::uint32_t k, Value* t) {
     Value* base = operands_[operand(op, k)].number;
+    BIP_ASSERT(operand(op, k) < operands_.size(), "operand {} of {}", operand(op, k), operands_.size());
     if (stride(op, k) == 0 || t == nullptr) return base;
     return b_.CreateAdd(base,
                         b_.CreateMul(b_.CreateTrunc(t, i32_), constant(static_cast<std::uint32_t>(stride(op, k)))));
@@ -146,6 +149,8 @@ class StepBuilder {
   // instead.
   Value* call(const StepOp& op, std::uint32_t k, Value* t) {
     const std::vector<std::uint32_t>& binds = lowered_.steps.binds[op.unit];
+    BIP_ASSERT(k + 1 + binds.size() <= refs(op), "unit {} reads {} bound variables, {} operands follow", op.unit,
+               binds.size(), refs(op) - k - 1);
     Value* all = all_;
     Value* bind = llvm::ConstantPointerNull::get(b_.getPtrTy());
     if (!binds.empty()) {
@@ -153,6 +158,7 @@ class StepBuilder {
       for (std::uint32_t n = 0; n < binds.size(); ++n)
         together = together && stride(op, k + 1 + n) == stride(op, k + 1);
       llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
+      BIP_ASSERT(std::is_sorted(binds.begin(), binds.end()), "bound variables of unit {} are not in order", op.unit);
       bind = start.CreateAlloca(llvm::ArrayType::get(i32_, binds.back() + 1));
       for (std::uint32_t n = 0; n < binds.size(); ++n) {
         b_.CreateStore(number(op, k + 1 + n, together ? nullptr : t),
@@ -226,6 +232,7 @@ class StepBuilder {
 
   void code(const StepOp& op, Value* t) {
     zero(op, 0, t);
+    BIP_ASSERT(inlined_.empty() || (op.repeats && op.unit != rt::kNone), "copies before code that does not repeat");
     for (const auto& [offset, value] : inlined_)
       b_.CreateAlignedStore(value, b_.CreateConstInBoundsGEP1_64(cell_type_, data(op, 0, t), offset), cell_align_);
     inlined_.clear();
@@ -324,6 +331,8 @@ class StepBuilder {
 
 void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape,
                 const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug) {
+  BIP_ASSERT(operands.size() == shape.strides.size(), "{} operands of a shape of {}", operands.size(),
+             shape.strides.size());
   StepBuilder(b, lowered, shape, frame, operands, debug).build();
 }
 

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "compiler/base/assert.hpp"
 #include "bip/prng.hpp"
 #include "compiler/base/content_cache.hpp"
 #include "compiler/base/content_hash.hpp"
@@ -153,6 +154,8 @@ struct Compiler {
     for (std::size_t k = 0; k < count; ++k) names.push_back(lowered.units[first + k].name);
     auto found = add_module(std::move(module), names);
     if (!found) return found.takeError();
+    BIP_ASSERT(found->size() == count && made.codes.size() == first, "{} functions from unit {} on", found->size(),
+               made.codes.size());
     for (const llvm::orc::ExecutorAddr& address : *found)
       made.codes.push_back({.fn = address.toPtr<rt::CodeFn>(), .context = nullptr});
     return llvm::Error::success();
@@ -172,6 +175,8 @@ struct Compiler {
       made.steps_fn = found->back().toPtr<rt::StepsFn>();
       found->pop_back();
     }
+    BIP_ASSERT(found->size() == lowered.steps.shapes.size(), "{} functions of {} shapes", found->size(),
+               lowered.steps.shapes.size());
     for (const llvm::orc::ExecutorAddr& address : *found) made.step_fns.push_back(address.toPtr<rt::StepFn>());
     return llvm::Error::success();
   }
@@ -224,6 +229,8 @@ Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, c
   }
   if (llvm::Error error = compiler.goes_on() ? compiler.add_steps() : stopped())
     return Failure{"the JIT fails on whole steps: " + text_of(std::move(error))};
+  BIP_ASSERT(made.codes.size() == lowered.units.size() && made.step_fns.size() == lowered.steps.shapes.size(),
+             "{} codes of {} units", made.codes.size(), lowered.units.size());
   made.broken_files = compiler.cache.broken();
   std::unique_ptr<Jit> jit(new Jit());
   jit->impl_->engine = std::move(compiler.engine);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
 
 namespace bip::lower {
@@ -43,6 +44,7 @@ CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body) {
   }
   std::sort(facts.binds.begin(), facts.binds.end());
   facts.binds.erase(std::unique(facts.binds.begin(), facts.binds.end()), facts.binds.end());
+  BIP_ASSERT(facts.writes_binds <= !facts.binds.empty(), "code writes bound variables, and names none");
   return facts;
 }
 

@@ -1,6 +1,7 @@
 // Folds tables, see fold.hpp. A range of rows is a series if, from period to period, each number grows by the same
 // difference, and one index in each name by one.
 #include "compiler/lower/fold.hpp"
+#include "compiler/base/assert.hpp"
 #include "compiler/base/ascii.hpp"
 
 #include <charconv>
@@ -92,13 +93,27 @@ class Folder {
       if (period == 0) stand(row++);
       else row += repeat(row, period);
     }
+    BIP_ASSERT(is_as_before(), "{} rows are told by {}", all_.size(), table_.rows.size());
     if (table_.slopes.empty()) table_.repeats.clear();
     table_.rows.shrink_to_fit();
   }
 
  private:
+  // Does the folded table say what the rows said? For assertions.
+  [[nodiscard]] bool is_as_before() const {
+    const auto view = table_.view();
+    for (u32 row = 0; row < view.size; ++row) {
+      if (!is_same(view[row], all_[row])) return false;
+      if constexpr (kHasName<T>) {
+        if (view[row].path() != all_[row].name) return false;
+      }
+    }
+    return view.size == all_.size();
+  }
   // Are times - 1 further rows, a period from each other, as the first two say?
   bool holds(u32 row, u32 period, u32 first, u32 times) const {
+    BIP_ASSERT(std::size_t{row} + std::size_t{times - 1} * period < all_.size(), "row {} and {} further ones, of {}",
+               row, times, all_.size());
     const T& one = all_[row];
     const T& two = all_[row + period];
     const auto by = slope(one, two);
@@ -140,6 +155,8 @@ class Folder {
     for (u32 which = row; which < row + period; ++which) {
       T first = all_[which];
       table_.slopes.push_back(slope(first, all_[which + period]));
+      BIP_ASSERT(table_.slopes.size() <= table_.rows.size() + 1, "{} slopes of {} rows", table_.slopes.size(),
+                 table_.rows.size());
       if constexpr (kHasName<T>) {
         const IndexedName name = *indexed(first.name, all_[which + period].name);
         first.name = kept(std::string(name.before) + '#' + std::string(name.after), arena_);

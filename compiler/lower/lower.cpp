@@ -5,6 +5,7 @@
 #include "compiler/lower/lower.hpp"
 
 #include "compiler/base/assert.hpp"
+#include "compiler/lower/check_image.hpp"
 #include "compiler/lower/pools.hpp"
 
 namespace bip::lower {
@@ -105,6 +106,7 @@ std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& na
   for (const FfiType& type : system.code.ffi_types)
     out->ffi_types.push_back({type.name.c_str(), nullptr, nullptr, nullptr, nullptr, nullptr});
   point_image_to_pools(*out, *out->pools);
+  BIP_ASSERT(check_lowered(*out), "image `{}`", name);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/lower/pools.hpp"
 
 namespace bip::lower {
@@ -44,6 +45,8 @@ void lower_atoms(Lowering& l) {
 }
 
 std::uint32_t data_row(const Lowering& l, const DataRef& ref) {
+  BIP_ASSERT(ref.variable < l.system.atom_types[l.system.atoms[ref.atom].type].variables.size(),
+             "variable {} of atom {}", ref.variable, ref.atom);
   return l.pools.atoms.rows[ref.atom.value].first_cell + ref.variable;
 }
 
@@ -71,6 +74,8 @@ void lower_port_ref(Lowering& l, const PortRef& bound) {
       l.pools.binds.rows.push_back({base + variable});
     }
   } else {
+    BIP_ASSERT(ref.connector.value < l.pools.connectors.rows.size(), "connector {} comes after one that binds it",
+               ref.connector);
     const std::uint32_t base = l.pools.connectors.rows[ref.connector.value].first_cell;
     for (const std::uint32_t variable : s.connector_types[s.connectors[ref.connector].type].export_variables) {
       l.pools.binds.rows.push_back({base + variable});
@@ -99,6 +104,8 @@ std::vector<std::uint32_t> frame_rows(Lowering& l) {
   for (const Connector& connector : s.connectors) {
     std::uint32_t above = 0;
     for (const PortRef& ref : connector.ports) {
+      BIP_ASSERT(ref.kind != PortRef::Kind::Connector || ref.connector.value < height.size(),
+                 "connector {} comes after one that binds it", ref.connector);
       if (ref.kind == PortRef::Kind::Connector) above = std::max(above, height[ref.connector.value] + 1);
     }
     height.push_back(above);
@@ -130,6 +137,8 @@ void lower_connectors(Lowering& l) {
     for (const PortRef& ref : connector.ports) lower_port_ref(l, ref);
     for (const DataRef& ref : connector.data) l.pools.binds.rows.push_back({data_row(l, ref)});
     to.bind_count = size_of(l.pools.binds.rows) - to.binds;
+    BIP_ASSERT(size_of(l.pools.port_refs.rows) - to.ports == size_of(connector.ports), "{} ports of connector {}",
+               size_of(connector.ports), size_of(l.pools.connectors.rows));
     l.pools.connectors.rows.push_back(to);
   }
 }
@@ -170,6 +179,9 @@ void lower_instances(Lowering& l) {
   lower_choices(l);
   lower_connectors(l);
   lower_priorities(l);
+  BIP_ASSERT(l.pools.atoms.rows.size() == l.system.atoms.size() &&
+                 l.pools.connectors.rows.size() == l.system.connectors.size(),
+             "{} atoms and {} connectors", l.pools.atoms.rows.size(), l.pools.connectors.rows.size());
   fold(l.pools.atoms, l.pools.arena);
   fold(l.pools.connectors, l.pools.arena);
   fold(l.pools.port_refs, l.pools.arena);

@@ -1,4 +1,5 @@
 // Lowers the timed part of types: clocks, bounds, urgency, `resume`. Types without time get no tables.
+#include "compiler/base/assert.hpp"
 #include "compiler/lower/pools.hpp"
 #include "runtime/include/bip/image_time.hpp"
 
@@ -70,6 +71,8 @@ const rt::AtomTime* lower_time(Lowering& l, std::uint32_t row, const AtomType& t
     events.push_back({port, static_cast<rt::EventPolicy>(p.policy), p.event_class.c_str(),
                       source == l.event_classes.size() ? rt::kNone : source});
   }
+  BIP_ASSERT(to.transitions.size == type.transitions.size() && to.invariants.size == type.invariants.size(),
+             "{} of {} transitions have times", to.transitions.size, type.transitions.size());
   to.events = l.pools.list(events);
   return l.pools.list(std::vector<rt::AtomTime>{to}).data;
 }

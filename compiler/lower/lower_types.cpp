@@ -1,6 +1,7 @@
 // Lowers types to runtime tables, with one code unit per guard, action and transfer of a type.
 //
 // Linear in the size of the types, independent of the instances.
+#include "compiler/base/assert.hpp"
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/pools.hpp"
 #include "compiler/lower/range_code.hpp"
@@ -69,6 +70,7 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
     out.loc = loc_of(t.loc);
     transitions.push_back(out);
   }
+  BIP_ASSERT(row == l.pools.atom_types.size(), "atom type {} comes after {}", row, l.pools.atom_types.size());
   to.transitions = l.pools.list(transitions);
   to.loc = loc_of(type.loc);
   lower_atom_rules(l, row, type, to);
@@ -117,6 +119,8 @@ void lower_connector_type(Lowering& l, std::uint32_t row, const ConnectorType& t
     }
     clauses.push_back(out);
   }
+  BIP_ASSERT(row == l.pools.connector_types.size(), "connector type {} comes after {}", row,
+             l.pools.connector_types.size());
   to.clauses = l.pools.list(clauses);
   to.exports = type.exports;
   to.export_name = type.export_name.c_str();

@@ -1,6 +1,7 @@
 // See range_code.hpp. Recursion follows the nesting of code, which the parser limits.
 #include "compiler/lower/range_code.hpp"
 
+#include "compiler/base/assert.hpp"
 #include "compiler/lower/code_facts.hpp"
 
 namespace bip::lower {
@@ -90,6 +91,41 @@ class RangeCodeWriter {
 
 }  // namespace
 
+// How many values the code leaves on the stack of rt::RangeMachine; -1: it takes one that is not there. For assertions.
+[[maybe_unused]] static int final_depth(const std::vector<RangeOp>& code) {
+  int depth = 0;
+  for (const RangeOp& op : code) {
+    switch (op.kind) {
+      case RangeOpKind::Constant:
+      case RangeOpKind::Any:
+      case RangeOpKind::Own:
+      case RangeOpKind::Bound: ++depth; break;
+      case RangeOpKind::Neg:
+      case RangeOpKind::Not:
+        if (depth < 1) return -1;
+        break;
+      case RangeOpKind::Add:
+      case RangeOpKind::Sub:
+      case RangeOpKind::Mul:
+      case RangeOpKind::And:
+      case RangeOpKind::Or:
+      case RangeOpKind::Eq:
+      case RangeOpKind::Ne:
+      case RangeOpKind::Lt:
+      case RangeOpKind::Le:
+        if (depth < 2) return -1;
+        --depth;
+        break;
+      case RangeOpKind::Store:
+      case RangeOpKind::Branch:
+        if (depth < 1) return -1;
+        --depth;
+        break;
+    }
+  }
+  return depth;
+}
+
 std::optional<ClauseRanges> clause_ranges(const CodeTable& code, const Clause& clause) {
   for (const CodeFacts& facts : {code_facts(code, clause.guard, StmtId{}), code_facts(code, ExprId{}, clause.up)}) {
     if (facts.may_fault || facts.writes_binds) return std::nullopt;
@@ -97,6 +133,8 @@ std::optional<ClauseRanges> clause_ranges(const CodeTable& code, const Clause& c
   ClauseRanges ranges;
   if (clause.guard.is_valid()) RangeCodeWriter(code, ranges.guard).value(clause.guard);
   RangeCodeWriter(code, ranges.up).body(clause.up);
+  BIP_ASSERT(final_depth(ranges.guard) == (clause.guard.is_valid() ? 1 : 0) && final_depth(ranges.up) == 0,
+             "ranges of a clause leave {} values", final_depth(ranges.up));
   return ranges;
 }
 

@@ -1,6 +1,7 @@
 // Atom types: variables, ports, places, transitions with their code.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/build_time.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 
@@ -125,6 +126,8 @@ struct AtomBuilder {
       if (port.type.is_valid() && sound) check_variables(port, shown, item, d.type);
     }
     ports[port.name] = static_cast<std::uint32_t>(out.ports.size());
+    BIP_ASSERT(port.variables.size() == shown.size(), "port `{}` shows {} variables, {} are named", port.name,
+               port.variables.size(), shown.size());
     out.ports.push_back(std::move(port));
   }
 
@@ -207,6 +210,7 @@ struct AtomBuilder {
                    .ports = {},
                    .loc = b.loc(d.merged_as.range)};
     for (std::size_t p = first; p < out.ports.size(); ++p) {
+      BIP_ASSERT(p - first < d.items.size(), "port {} is none of the declaration's {}", p - first, d.items.size());
       row.ports.push_back(static_cast<std::uint32_t>(p));
       const PortTypeId type = out.ports[p].type;
       if (!type.is_valid() || !row.type.is_valid() || fits(b.model, type, row.type)) continue;
@@ -264,6 +268,8 @@ struct AtomBuilder {
                     .condition = parts.data,
                     .loc = b.loc(i.range),
                     .when = std::move(parts.when)};
+      BIP_ASSERT(row.places.size() <= out.places.size(), "an invariant names {} of {} places", row.places.size(),
+                 out.places.size());
       std::sort(row.places.begin(), row.places.end());
       out.invariants.push_back(std::move(row));
     }
@@ -345,6 +351,8 @@ struct AtomBuilder {
       const Type type = out.variables[init.variable].type;
       ExprId value;
       if (init.param != Id<void>::kNone) {
+        BIP_ASSERT(init.param < out.variables.size() && out.variables[init.param].type == type,
+                   "variable {} gets parameter {}", init.variable, init.param);
         value = b.model.code.exprs.push(
             {.op = Op::LoadSelf, .type = type, .index = init.param, .a = {}, .b = {}, .loc = init.loc});
       } else {
@@ -357,6 +365,8 @@ struct AtomBuilder {
       scope.names[name].read_only = "`const` data keep the value that `initial` gives";
     for (const syntax::Transition& t : decl.transitions) build_transition(t);
     build_rules();
+    BIP_ASSERT(b.diags.has_errors() || out.transitions.size() == decl.transitions.size(), "{} of {} transitions",
+               out.transitions.size(), decl.transitions.size());
     return std::move(out);
   }
 };

@@ -2,6 +2,7 @@
 // contains.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/compound_builder.hpp"
 #include "compiler/model/packages.hpp"
 #include "compiler/model/ffi_declarations.hpp"
@@ -29,6 +30,8 @@ ExprId ModelBuilder::initial_value(const ComponentFamily& family, const std::str
 
 bool CompoundBuilders::ensure(CompoundTypeId id) {
   BuildState& state = states[id.value];
+  BIP_ASSERT(states.size() == decls.size() && heights.size() == decls.size(), "{} states of {} compounds",
+             states.size(), decls.size());
   if (state != BuildState::Untouched) return state == BuildState::Done;
   state = BuildState::Building;
   CompoundType out;  // built aside: rows move while others are built
@@ -36,6 +39,7 @@ bool CompoundBuilders::ensure(CompoundTypeId id) {
   ++depth;
   builder.build();
   --depth;
+  BIP_ASSERT(states[id.value] == BuildState::Building, "compound {} at depth {}", id, depth);
   heights[id.value] = builder.height;
   b.model.compound_types[id] = std::move(out);
   states[id.value] = BuildState::Done;
@@ -194,6 +198,7 @@ void CompoundBuilder::merge_target(const syntax::CompoundExport& e, PortExport& 
     b.diags.report(Diag::kB2028, target.range, b.text(*target.path), e.name.text).label(other.range, "here, too");
     return;
   }
+  BIP_ASSERT(target.path != nullptr && !target.path->parts.empty(), "a merged port of no path");
   row.targets.push_back(target);
 }
 
@@ -205,6 +210,8 @@ void CompoundBuilder::warn_unbound() {
     if (i.kind == syntax::ItemKind::Component && !is_suppressed(i.annotations, "unboundcomponentport")) {
       const ComponentFamily& family = out.components[components[std::string(i.name.text)]];
       const auto& bound = bound_ports[components[std::string(i.name.text)]];
+      BIP_ASSERT(bound_ports.size() == out.components.size() && bound_connectors.size() == out.connectors.size(),
+                 "ports of {} of {} components", bound_ports.size(), out.components.size());
       for (std::size_t p = 0; p < bound.size(); ++p) {
         if (bound[p]) continue;
         if (family.is_compound) {

@@ -1,6 +1,7 @@
 // Connector bodies, typed and inline: own data, exported port, `define`, and one clause an interaction with its code.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 
 namespace bip::model {
@@ -140,6 +141,7 @@ struct BodyBuilder {
         b.diags.report(Diag::kB2006, e.range, key).label(seen[param], "here first");
         return;
       }
+      BIP_ASSERT(param < out.params.size() && parent < out.define.size(), "parameter {} below node {}", param, parent);
       seen[param] = e.range;
       out.define[parent].children.push_back(static_cast<std::uint32_t>(out.define.size()));
       out.define.push_back({.is_leaf = true, .trigger = e.trigger, .param = param, .children = {}});
@@ -203,6 +205,8 @@ struct BodyBuilder {
     const SourceRange at =
         c.ports.empty() ? c.range : SourceRange{c.range.file, c.ports.front().range.begin, c.ports.back().range.end};
     if (has_errors_in_define) return;
+    BIP_ASSERT(std::adjacent_find(row.params.begin(), row.params.end()) == row.params.end(),
+               "a clause names one of {} parameters twice", row.params.size());
     if (!is_interaction(out, row.params)) {
       auto d = b.diags.report(Diag::kB2010, at, interaction_text(out, row.params));
       if (body.define != nullptr) d.label(body.define->range, "the interactions are given here");
@@ -313,9 +317,19 @@ struct BodyBuilder {
 
 void build_connector_body(ModelBuilder& b, const syntax::ConnectorBody& body, const ConnectorPorts& ports,
                           ConnectorForm form, SourceRange range, syntax::Annotations annotations, ConnectorType& out) {
+  BIP_ASSERT(out.params.empty() && out.define.empty(), "connector type `{}` is built twice", out.name);
   out.params = ports.params;
   out.data_reads = ports.data_reads;
   BodyBuilder{b, body, ports, form, out}.build(range, annotations);
+}
+
+// How many variables the ports of the parameters have. For assertions.
+[[maybe_unused]] static std::uint32_t bind_count_of(const Model& model, const ConnectorType& type) {
+  std::size_t count = 0;
+  for (const ConnectorParam& param : type.params) {
+    if (param.type.is_valid()) count += model.port_types[param.type].variables.size();
+  }
+  return static_cast<std::uint32_t>(count);
 }
 
 void build_connector_types(ModelBuilder& b) {
@@ -334,6 +348,7 @@ void build_connector_types(ModelBuilder& b) {
     }
     if (decl->connector != nullptr)
       build_connector_body(b, *decl->connector, ports, ConnectorForm::Type, decl->name.range, decl->annotations, out);
+    BIP_ASSERT(b.diags.has_errors() || bind_count_of(b.model, out) == bind, "parameters bind {} variables", bind);
     b.model.connector_types.push(std::move(out));
   }
 }

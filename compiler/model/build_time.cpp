@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 
@@ -104,6 +105,8 @@ void TimeBuilder::add_clock(const syntax::Name& name, const syntax::Name& unit) 
   atom_.variables.push_back({fmt::format("clock {}", clock.name), Type::Float, false, false, clock.loc});
   atom_.variables.push_back({fmt::format("clock {} is set", clock.name), Type::Bool, false, false, clock.loc});
   atom_.variables.push_back({fmt::format("clock {} speed", clock.name), Type::Float, false, false, clock.loc});
+  BIP_ASSERT(atom_.variables.size() == clock.variable + std::size_t{kClockVariables}, "clock `{}` has {} variables",
+             clock.name, atom_.variables.size() - clock.variable);
   atom_.clocks.push_back(std::move(clock));
 }
 
@@ -207,6 +210,7 @@ void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
         .help("what is bounded is one clock, or the difference of two");
     return;
   }
+  BIP_ASSERT(!sum.clocks.empty() && sum.clocks.size() <= 2, "a bound on {} clocks", sum.clocks.size());
   const bool is_flipped = positive == 0;
   std::uint32_t rows[2] = {Bound::kNone, Bound::kNone};
   for (const auto& [clock, is_negative] : sum.clocks) {
@@ -216,6 +220,8 @@ void TimeBuilder::bound(const syntax::Expr* e, TimedCondition& out) {
     }
   }
   Bound row{.clock = rows[0], .minus = rows[1], .op = bound_op(e->binary, is_flipped), .loc = builder_.loc(e->range)};
+  BIP_ASSERT(row.clock < atom_.clocks.size() && row.clock != row.minus, "a bound on clock {} of {}", row.clock,
+             atom_.clocks.size());
   const std::int64_t unit = atom_.clocks[row.clock].unit;
   if (row.minus != Bound::kNone && atom_.clocks[row.minus].unit != unit) {
     const Clock& other = atom_.clocks[row.minus];
@@ -274,6 +280,7 @@ void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t un
     limit_variables_.push_back(static_cast<std::uint32_t>(atom_.variables.size()));
     atom_.variables.push_back({fmt::format("limit {}", used), Type::Float, false, false, builder_.loc(e->range)});
   }
+  BIP_ASSERT(used < limit_variables_.size(), "limit {} of {}", used, limit_variables_.size());
   bound.variable = limit_variables_[used];
   CodeBuilder code(builder_.model, builder_.diags, scope_);
   const StmtId store = code.store_self(bound.variable, Type::Float, limit, bound.loc, {});

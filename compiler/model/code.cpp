@@ -4,6 +4,7 @@
 // Interning scans the table: models have tens of string constants, not thousands.
 #include "compiler/model/code.hpp"
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
 
 namespace bip {
@@ -29,6 +30,7 @@ std::uint32_t CodeTable::string(const std::string& text) {
   for (std::size_t row = 0; row < strings.size(); ++row) {
     if (strings[row] == text) return static_cast<std::uint32_t>(row);
   }
+  BIP_ASSERT(strings[0].empty(), "row 0 of the strings is not empty: {}", strings[0]);
   strings.push_back(text);
   return static_cast<std::uint32_t>(strings.size() - 1);
 }

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/model/packages.hpp"
@@ -207,6 +208,7 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
     report_too_large(e);
     return std::nullopt;
   }
+  BIP_ASSERT(b->load == Op::LoadSelf || b->load == Op::LoadBind, "a name stands for operation {}", b->load);
   return Typed{make({.op = b->load, .type = b->type, .index = b->index, .a = {}, .b = {}, .loc = loc(e->range)}),
                b->type};
 }
@@ -237,6 +239,8 @@ std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
     if (!is_numeric(v->type)) return type_error(e, operand, "numbers", v->type);
     return v;
   }
+  BIP_ASSERT(model_.code.exprs.contains(v->id) && model_.code.exprs[v->id].type == v->type,
+             "expression {} has another type", v->id);
   const Op op = e->unary == UnaryOp::Neg ? Op::Neg : e->unary == UnaryOp::Not ? Op::Not : Op::BitNot;
   const OperandTypes operands = info_of(op).operands;
   if (!takes(operands, v->type)) return type_error(e, operand, text_of(operands), v->type);
@@ -272,6 +276,8 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
     a = convert(*a, Type::Float);
     b = convert(*b, Type::Float);
   }
+  BIP_ASSERT(a->type == b->type || is_ffi(a->type) || is_ffi(b->type), "operands of operator {} have types {} and {}",
+             op, a->type, b->type);
   return Typed{make({.op = op, .type = result, .a = a->id, .b = b->id, .loc = loc(e->op_range)}), result};
 }
 
@@ -306,6 +312,7 @@ bool CodeBuilder::is_small(ExprId unfolded, const syntax::Expr* e) {
     CodeShape shape{1, 1};
     for (const ExprId operand : {expr.a, expr.b}) {
       if (!operand.is_valid()) continue;
+      BIP_ASSERT(operand.value < row, "operand {} comes after its operator {}", operand, row);
       shape.size = std::min<std::size_t>(shape.size + shapes[operand.value].size, kMaxUnfolded + 1);
       shape.depth = std::max(shape.depth, shapes[operand.value].depth + 1);
     }
@@ -317,6 +324,8 @@ bool CodeBuilder::is_small(ExprId unfolded, const syntax::Expr* e) {
     }
     shapes.push_back(shape);
   }
+  BIP_ASSERT(shapes.size() == model_.code.exprs.size(), "{} shapes of {} expressions", shapes.size(),
+             model_.code.exprs.size());
   const CodeShape& shape = shapes[unfolded.value];
   if (shape.depth > kMaxUnfoldedDepth) {
     if (!diags_.has_errors())
@@ -362,6 +371,8 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
   }
   if (function_ == nullptr) unfold_start_ = model_.code.exprs.size();
   if (!may_inline(e, function)) return std::nullopt;
+  BIP_ASSERT(unfold_start_ <= model_.code.exprs.size(), "code of calls begins at {} of {}", unfold_start_,
+             model_.code.exprs.size());
   Scope inner{.names = {}, .owner = fmt::format("function `{}`", name)};
   for (std::size_t i = 0; i < function.params.size(); ++i) {
     Diagnostics quiet;  // the declaration itself was checked once

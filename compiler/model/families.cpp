@@ -1,6 +1,7 @@
 // Names of components and connectors in a compound: one family a name, an array if it is declared with an index.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/compound_builder.hpp"
 
 namespace bip::model {
@@ -65,6 +66,8 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
         b.type_row(i->type, TypeName::Kind::Atom, "component type");
         bound_ports.emplace_back();
       }
+      BIP_ASSERT(bound_ports.size() == out.components.size() + 1, "ports of {} of {} components", bound_ports.size(),
+                 out.components.size() + 1);
       rows[name] = static_cast<std::uint32_t>(out.components.size());
       out.components.push_back(std::move(family));
     } else {
@@ -78,6 +81,8 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
         family.export_name = type.export_name;
         family.export_type = type.export_type;
       }
+      BIP_ASSERT(connector_items.size() == out.connectors.size(), "{} items of {} connectors", connector_items.size(),
+                 out.connectors.size());
       rows[name] = static_cast<std::uint32_t>(out.connectors.size());
       out.connectors.push_back(std::move(family));
       connector_items.push_back(i);

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/compound_builder.hpp"
 
 namespace bip::model {
@@ -67,6 +68,7 @@ void build_inline_connector(ModelBuilder& b, const syntax::CompoundItem& item, c
   std::uint32_t bind = 0;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     const std::string key = b.text(*paths[k].path);
+    BIP_ASSERT(counts.size() == paths.size(), "{} counts of {} ports", counts.size(), paths.size());
     auto& rows = ports.rows[key];
     if (!rows.empty()) {
       const auto first =

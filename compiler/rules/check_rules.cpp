@@ -67,6 +67,8 @@ class Checker {
       names_.value(v);
     }
     for (row_ = 0; row_ < file_.rules.size(); ++row_) rule(file_.rules[row_]);
+    BIP_ASSERT(out_.rule.size() == out_.constraints.rows.size() && std::is_sorted(out_.rule.begin(), out_.rule.end()),
+               "{} constraints, rules of {}", out_.constraints.rows.size(), out_.rule.size());
     if (diags_.has_errors()) return std::nullopt;
     return std::move(out_);
   }
@@ -105,6 +107,7 @@ class Checker {
       for (const char sign : c.name) c.report += sign == '_' ? '-' : genom::upper(std::string(1, sign))[0];
     }
     c.recovery = recovery_;
+    BIP_ASSERT(row_ < file_.rules.size(), "rule {} of {}", row_, file_.rules.size());
     out_.constraints.rows.push_back(std::move(c));
     out_.rule.push_back(row_);
   }
@@ -127,6 +130,8 @@ class Checker {
     recovery_.reset();
     if (r.recovery) recovery_ = names_.service(*r.recovery);
     if (diags_.error_count() > errors) return;
+    BIP_ASSERT(left.size() == r.left.size() && right.size() == r.right.size(), "{} of {} services are found",
+               left.size(), r.left.size());
     for (std::size_t i = 0; i < left.size(); ++i) {
       if (right.empty()) one(r, r.left[i], left[i]);
       for (std::size_t k = 0; k < right.size(); ++k) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::rules {
 namespace {
 
@@ -145,6 +147,8 @@ Type NameScope::value_of(const Expr& e, Condition& into) {
     found = i;
   }
   if (found == constraints_.values.size()) return Type::None;
+  BIP_ASSERT(constraints_.values[found].poster.module < modules_.size(), "value {} is of module {}", found,
+             constraints_.values[found].poster.module);
   into.kind = ConditionKind::Held;
   into.row = found;
   const genom::ValueType type = constraints_.values[found].type;
@@ -276,6 +280,8 @@ Type NameScope::combine(const Expr& e, genom::ServiceRef subject, Moment moment,
     types[i] = convert(e.operands[i], subject, moment, into.operands.emplace_back());
     if (types[i] == Type::None) return Type::None;
   }
+  BIP_ASSERT(e.operands.size() == (e.kind == ExprKind::Not ? 1 : 2) && into.operands.size() == e.operands.size(),
+             "`{}` has {} operands", e.text, e.operands.size());
   const bool is_logic = e.kind == ExprKind::Not || e.text == "&&" || e.text == "||";
   const bool is_equality = e.text == "==" || e.text == "!=";
   const bool is_sum = e.text == "+" || e.text == "-" || e.text == "*";

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
+
 namespace bip::steps {
 
 namespace {
@@ -42,6 +44,7 @@ class Layout {
 
   bool make() {
     number_cells();
+    BIP_ASSERT(cells_.count == image_.cell_count, "{} of {} cells have a number", cells_.count, image_.cell_count);
     if (cells_.columns.empty()) return false;
     set_distances();
     std::vector<rt::StepRun> loop;
@@ -59,6 +62,7 @@ class Layout {
     constexpr std::uint64_t kLooks = 4;
     const std::uint64_t steps = 1 + kLooks * cells_.count / least_work;
     cells_.pay = columns_ == Columns::WherePossible ? 1 : static_cast<u32>(std::min<std::uint64_t>(steps, kNone));
+    BIP_ASSERT(loop.size() == cells_.shapes.size(), "{} runs, {} shapes on cells", loop.size(), cells_.shapes.size());
     steps_.loop = std::move(loop);
     steps_.cells = std::move(cells_);
     return true;
@@ -84,6 +88,7 @@ class Layout {
     for (u32 cell = atom_cells_; cell < image_.cell_count; ++cell) cell_of_[cell] = cells_.count++;
   }
   void add_cell(u32 cell) {
+    BIP_ASSERT(cell_of_[cell] == kNone, "cell {} is in two columns", cell);
     cell_of_[cell] = cells_.count;
     std::vector<rt::StepColumn>& columns = cells_.columns;
     rt::StepColumn* last = columns.empty() ? nullptr : &columns.back();
@@ -154,6 +159,7 @@ class Layout {
   }
   static const StepOp& next_code(const lower::StepShape& shape, std::size_t row) {
     while (shape.ops[row].kind != StepOpKind::Code) ++row;
+    BIP_ASSERT(row < shape.ops.size(), "an inlined copy before no code");
     return shape.ops[row];
   }
 

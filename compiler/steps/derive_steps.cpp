@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/base/assert.hpp"
+#include "compiler/steps/check_steps.hpp"
 #include "compiler/steps/columns.hpp"
 #include "compiler/steps/deriver.hpp"
 
@@ -40,6 +42,10 @@ class Runs {
   Runs(lower::Steps& steps, u32 shape) : steps_(&steps), shape_(shape) {}
 
   void add(u32 interaction, const std::vector<u32>& operands) {
+    BIP_ASSERT(count_ == 0 || interaction > first_ + distance_ * (count_ - 1), "interaction {} comes after {}",
+               interaction, first_ + distance_ * (count_ - 1));
+    BIP_ASSERT(count_ == 0 || operands.size() == bases_.size(), "{} operands, the shape has {}", operands.size(),
+               bases_.size());
     if (count_ == 1) {
       distance_ = interaction - first_;
       for (std::size_t k = 0; k < operands.size(); ++k) strides_[k] = operands[k] - bases_[k];
@@ -98,6 +104,8 @@ void split_by_strides(lower::Steps& steps) {
     shape_of_run.push_back(at->second);
   }
   for (std::size_t row = 0; row < steps.runs.size(); ++row) steps.runs[row].shape = shape_of_run[row];
+  BIP_ASSERT(shape_of_run.size() == steps.runs.size() && shapes.size() <= kMostShapes, "{} shapes of {} runs",
+             shapes.size(), steps.runs.size());
   steps.shapes = std::move(shapes);
 }
 
@@ -137,6 +145,8 @@ void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std:
     const bool repeats = end - i >= least;
     if (!repeats) end = i + 1;
     StepOp& made = out.add(op.kind);
+    BIP_ASSERT(op.first_ref + op.refs <= in.refs.size(), "operands {} to {} of {}", op.first_ref,
+               op.first_ref + op.refs, in.refs.size());
     const u32 first = made.first_ref;
     made = op;
     made.first_ref = first;
@@ -199,6 +209,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.image.step_cells = lowered.steps.cells.count;
   lowered.image.step_cells_pay = lowered.steps.cells.pay;
   lowered.image.step_operands = {lowered.steps.operands.data(), static_cast<u32>(lowered.steps.operands.size())};
+  BIP_ASSERT(check_steps(lowered, deriver.interactions()), "steps of {} interactions", deriver.interactions());
 }
 
 }  // namespace bip::steps

@@ -8,6 +8,7 @@
 // result. Hierarchies: transfers.cpp.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/steps/deriver.hpp"
 
 namespace bip::steps {
@@ -36,6 +37,7 @@ Deriver::Deriver(const lower::LoweredSystem& lowered)
 
 u32 Deriver::transition_of(u32 instance) const {
   const u32 atom = tables_.port_atom[instance];
+  BIP_ASSERT(tables_.types[tables_.atoms[atom].type].simple, "port {} is of no simple type", instance);
   return transitions_[first_port_[tables_.atoms[atom].type] + instance - tables_.port_base(atom)];
 }
 
@@ -48,6 +50,7 @@ bool Deriver::have_distinct_atoms() {
 
 bool Deriver::add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out) {
   if (unit != kNone && facts_[unit].may_fault) return false;
+  BIP_ASSERT(unit == kNone || unit < facts_.size(), "unit {} of {}", unit, facts_.size());
   StepOp& op = out.add(StepOpKind::Code);
   op.unit = unit;
   op.zeroed = zeroed;
@@ -92,6 +95,8 @@ bool Deriver::add_actions(Instance& out) {
 
 Deriver::Found Deriver::describe(u32 interaction, Instance& out) {
   const rt::InteractionInfo info = tables_.interactions[interaction];
+  BIP_ASSERT(interaction < tables_.interactions.size(), "interaction {} of {}", interaction,
+             tables_.interactions.size());
   out.clear();
   ports_.clear();
   if (info.kind == InteractionKind::Planned) {

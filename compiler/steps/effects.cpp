@@ -2,6 +2,7 @@
 // over data of atoms that move, and those that are hidden by one of these.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/steps/deriver.hpp"
 
 namespace bip::steps {
@@ -89,6 +90,9 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
       for (++i; i < effects_.size() && effects_[i].interaction == sum.interaction; ++i) sum.delta += effects_[i].delta;
       effects_[kept++] = sum;
     }
+    BIP_ASSERT(std::is_sorted(effects_.begin(), effects_.begin() + static_cast<std::ptrdiff_t>(kept),
+                              [](const Effect& a, const Effect& b) { return a.interaction < b.interaction; }),
+               "{} effects are not in the order of interactions", kept);
     effects_.resize(kept);
   };
   tidy();
@@ -122,9 +126,13 @@ bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
     for (const u32 bound : facts_[clause.guard].binds) out.ref(binds_.rows[connector.binds + bound]);
   }
   if (const auto hiders = hiders_.find(effect.interaction); hiders != hiders_.end()) {
+    BIP_ASSERT(hiders->second.size() <= kMaxHiders && std::is_sorted(hiders->second.begin(), hiders->second.end()),
+               "{} interactions hide interaction {}", hiders->second.size(), effect.interaction);
     for (const u32 interaction : hiders->second) out.ref(interaction);
     out.ops.back().hiders = static_cast<u32>(hiders->second.size());
   }
+  BIP_ASSERT(effect.interaction < interactions() && (effect.delta != 0 || !hidden_.empty() || info.searched),
+             "interaction {} is touched, and nothing says why", effect.interaction);
   StepOp& made = out.ops.back();
   const std::int32_t all = -tables_.start_of(effect.interaction);
   if (exact && effect.delta < 0 && effect.interaction == fired) made.change = InteractionChange::Leaves;

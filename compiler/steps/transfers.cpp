@@ -12,6 +12,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/steps/deriver.hpp"
 
 namespace bip::steps {
@@ -47,6 +48,8 @@ bool Deriver::order_uses(const rt::Plan& plan) {
     for (std::size_t i = first; i < end; ++i) ups_.push_back(downs_[i]);
     end = first;
   }
+  BIP_ASSERT(ups_.size() == plan.use_count && downs_.size() == plan.use_count, "{} and {} of {} uses", ups_.size(),
+             downs_.size(), plan.use_count);
   return true;
 }
 
@@ -95,6 +98,8 @@ bool Deriver::list_assigned() {
     const auto after = std::upper_bound(atoms.begin(), atoms.end(), std::pair{cell, kNone});
     if (after == atoms.begin()) return false;
     const auto [base, atom] = *(after - 1);
+    BIP_ASSERT(cell - base < image_.atom_types[image_.atoms[atom].type].variables.size,
+               "cell {} is no variable of atom {}", cell, atom);
     rows.push_back({image_.atoms[atom].type, cell - base, cell, value});
   }
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
@@ -131,6 +136,8 @@ bool Deriver::add_joined(Instance& out) {
     if (done.size() == kMostJoined || !values_.elements(value, elements) || elements.back() >= tables_.atom_cells)
       return false;
     done.push_back(value);
+    BIP_ASSERT(std::is_sorted(elements.begin(), elements.end()) && elements.size() >= 2, "a value is joined of {}",
+               elements.size());
     out.add(StepOpKind::Copy);
     out.ref(home);
     out.ref(elements[0]);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
 
 namespace bip::steps {
@@ -32,11 +33,14 @@ void Values::begin() {
 }
 
 u32 Values::add(Value value) {
+  BIP_ASSERT(value.kind != Kind::Joined || (value.a < values_.size() && value.b < values_.size()),
+             "value {} is joined of ones that are not there", values_.size());
   values_.push_back(value);
   return static_cast<u32>(values_.size() - 1);
 }
 
 u32 Values::in(u32 cell) {
+  BIP_ASSERT(cell < now_.size(), "cell {} of {}", cell, now_.size());
   if (now_[cell] == rt::kNone) {
     cells_.push_back(cell);
     now_[cell] = add({Kind::Old, {}, cell, 0});
@@ -114,6 +118,7 @@ Values::Assigned Values::take_back(std::size_t mark) {
   std::sort(assigned.begin(), assigned.end());
   assigned.erase(std::unique(assigned.begin(), assigned.end()), assigned.end());
   for (; before_.size() > mark; before_.pop_back()) now_[before_.back().first] = before_.back().second;
+  BIP_ASSERT(before_.size() == mark, "{} assignments, not {}", before_.size(), mark);
   return assigned;
 }
 
@@ -124,6 +129,7 @@ void Values::branch(const Stmt& s) {
   }
   (void)expr(s.value);
   ++depth_;
+  BIP_ASSERT(depth_ <= kMostBranches, "{} branches within each other", depth_);
   const std::size_t mark = before_.size();
   run(s.then_body, self_, bind_);
   Assigned yes = take_back(mark);

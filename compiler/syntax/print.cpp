@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/syntax/printer.hpp"
 
 namespace bip::syntax {
@@ -13,6 +14,8 @@ std::string print(const Syntax& syntax, const SourceMap& sources) { return Synta
 std::string SyntaxPrinter::run() {
   if (syntax_.package != nullptr) package(*syntax_.package);
   lead_in(static_cast<std::uint32_t>(source_.size()), static_cast<std::uint32_t>(source_.size()));
+  BIP_ASSERT(indent_ == 0 && next_comment_ == syntax_.comments.size(), "{} of {} comments were printed", next_comment_,
+             syntax_.comments.size());
   return std::move(out_);
 }
 
@@ -22,6 +25,7 @@ void SyntaxPrinter::print_in_order(std::vector<Piece>& pieces) {
 }
 
 void SyntaxPrinter::begin_line() {
+  BIP_ASSERT(out_.empty() || out_.back() == '\n', "a line begins within another, after {} bytes", out_.size());
   line_start_ = out_.size();
   out_.append(static_cast<std::size_t>(indent_) * 2, ' ');
   first_in_block_ = false;
@@ -33,6 +37,7 @@ bool SyntaxPrinter::has_comment_before(std::uint32_t offset) const {
 
 void SyntaxPrinter::blank_line_if_source_has_one(std::uint32_t begin) {
   if (first_in_block_ || begin <= last_end_) return;
+  BIP_ASSERT(begin <= source_.size(), "byte {} of {}", begin, source_.size());
   const std::string_view gap = source_.substr(last_end_, begin - last_end_);
   if (std::count(gap.begin(), gap.end(), '\n') >= 2 && out_.substr(out_.size() >= 2 ? out_.size() - 2 : 0) != "\n\n")
     out_ += '\n';
@@ -40,6 +45,8 @@ void SyntaxPrinter::blank_line_if_source_has_one(std::uint32_t begin) {
 
 /// The comment with its inner lines re-indented if they begin with `*`, verbatim otherwise; no trailing blanks.
 std::string SyntaxPrinter::comment_text(const Comment& c) const {
+  BIP_ASSERT(c.range.begin < c.range.end && c.range.end <= source_.size(), "a comment from {} to {}", c.range.begin,
+             c.range.end);
   std::string_view rest = source(c.range);
   std::string result;
   bool first = true;
@@ -121,6 +128,7 @@ void SyntaxPrinter::header_line(std::uint32_t name_end) {
 void SyntaxPrinter::end_block(std::uint32_t source_end) {
   while (has_comment_before(source_end)) comment_line(syntax_.comments[next_comment_++]);
   --indent_;
+  BIP_ASSERT(indent_ >= 0, "a block ends at indentation {}", indent_);
   begin_line();
   put("end");
   end_line(source_end);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 CoreParts::CoreParts(const Image& of, const CoreOptions& how)
@@ -49,6 +51,8 @@ bool CoreParts::initialize() {
       if (type.variables[i].is_param) cells[i] = image.args[args++];
     }
     if (!memory.ffi_data.empty()) memory.ffi_data.reset(type.variables, memory.cells.data(), state.first_cell);
+    BIP_ASSERT(linked.mark_words != 0 || type.initial.size == 1, "atom {} begins at {} places", atom,
+               type.initial.size);
     if (linked.mark_words == 0) {
       memory.places[atom] = type.initial[0];
     } else {
@@ -59,6 +63,7 @@ bool CoreParts::initialize() {
     if (clocks.is_timed()) clocks.start_clocks(atom);
     if (linked.initial.fn != nullptr) {
       const std::int32_t status = linked.initial.fn(linked.initial.context, cells, memory.cells.data(), nullptr);
+      BIP_ASSERT(status >= 1, "`initial` of atom {} returns {}", atom, status);
       if (status >= 2) return faults.fail_code(status, atom, kNone, nullptr);
     }
     if (clocks.is_timed() && !clocks.read_clocks(atom, nullptr)) return false;
@@ -74,6 +79,7 @@ bool CoreParts::settle_anew() {
   enabled.unlist();
   if (!settle()) return false;
   if (keeps_list) enabled.list(static_cast<u32>(tables.interactions.size()));
+  BIP_ASSERT(is_settled(), "rows are still to be settled");
   BIP_ASSERT(is_consistent(), "of {} interactions", tables.interactions.size());
   return true;
 }
@@ -115,6 +121,10 @@ Candidate CoreParts::candidate(EnabledSet::Position at) const {
   const std::vector<std::uint8_t>& hidden = search.listing(at.interaction).hidden;
   if (hidden.empty()) return candidate;
   u32 left = at.rank;
+  BIP_ASSERT(hidden.size() == search.listing(at.interaction).count, "{} flags of {} configurations", hidden.size(),
+             search.listing(at.interaction).count);
+  BIP_ASSERT(at.rank < std::count(hidden.begin(), hidden.end(), 0), "candidate {} of interaction {}", at.rank,
+             at.interaction);
   for (candidate.config = 0; hidden[candidate.config] != 0 || left-- > 0;) ++candidate.config;
   return candidate;
 }
@@ -171,6 +181,7 @@ bool CoreParts::restore(const State& state) {
 
 bool CoreParts::settle() {
   if (is_settled()) {
+    BIP_ASSERT(tables.any_searched || priorities.tables().count == 0 || ports.dirty().empty(), "marked interactions");
     enabled.settle_list();
     return true;
   }
@@ -188,6 +199,7 @@ bool CoreParts::settle() {
 }
 
 bool CoreParts::is_marked(u32 atom, u32 place) const {
+  BIP_ASSERT(place < tables.atom_type(atom).places.size, "place {} of {}", place, tables.atom_type(atom).places.size);
   if (tables.types[atoms[atom].type].mark_words == 0) return memory.places[atom] == place;
   return (memory.marks[tables.first_mark(atom) + (place >> 6)] >> (place & 63) & 1) != 0;
 }

@@ -28,6 +28,7 @@ BatchEngine::BatchEngine(Core& core, Scheduler& scheduler, const RunOptions& opt
   team_ = std::make_unique<Team>(plan_.parts);
   if (!output.writes_steps() || output.records_only()) return;
   follower_ = std::make_unique<Core>(core.image());
+  BIP_ASSERT(plan_.part.size() == core.tables().interactions.size(), "{} interactions have parts", plan_.part.size());
   (void)follower_->initialize();
 }
 
@@ -54,6 +55,8 @@ u64 BatchEngine::advance(u64 number, u64 limit, bool& sound) {
       scheduler_.prng(), std::min<u64>(limit - done, options_.perturb != 0 ? kTestedEpoch : Core::kHistory),
       is_interrupted, sound);
   if (record) tell(core_.history().recent(alone));
+  BIP_ASSERT(done + alone <= limit, "{} steps and {} of {}", done, alone, limit);
+  BIP_ASSERT(!follower_ || told_ == number + done + alone, "{} of {} steps were told", told_ - number, done + alone);
   return done + alone;
 }
 

@@ -78,9 +78,11 @@ void EventFeed::forget_jobs(const Core& core, std::size_t first) {
 
 // Whose budget is over, by what arrived from row `first` on and by the clock. The news comes before the return.
 void EventFeed::look_at_budgets(Core& core, std::size_t first) {
+  BIP_ASSERT(first <= arrived_.size() && wall_ != nullptr, "events from {} on, of {}", first, arrived_.size());
   for (std::size_t k = first; k < arrived_.size(); ++k) {
     if (arrived_[k].kind != EventKind::Return) continue;
     const Event event = arrived_[k];
+    BIP_ASSERT(core.actions().is_at_work(event.row), "atom {} is not at work", event.row);
     if (event.time > core.actions().work_of(event.row).until && !core.actions().work_of(event.row).is_overrun) {
       arrived_.insert(
           arrived_.begin() + static_cast<std::ptrdiff_t>(k++),
@@ -131,6 +133,7 @@ void EventFeed::release(const Core& core) {
       ++k;
       continue;
     }
+    BIP_ASSERT(waiting <= held_[row], "{} events wait at port {}, {} came", waiting, row, held_[row]);
     if (waiting < held_[row]) inbox_.release(row, held_[row] - waiting);
     held_[row] = waiting;
     if (waiting != 0) {
@@ -180,6 +183,7 @@ i64 EventFeed::wait_for_outside(Core& core, i64 target) {
       --looks_;
       return kForever;
     }
+    BIP_ASSERT(until >= core.now(), "waits at {} for {}", core.now(), until);
     if (is_over) return comes ? until : kForever;
     if (!is_prepared) {
       is_prepared = true;
@@ -229,6 +233,7 @@ bool EventFeed::deliver(Core& core, const Event& event) {
     std::fwrite(line.data(), 1, line.size(), record_);
   }
   if (event.kind == EventKind::Overrun) return overrun(core, event.row);
+  BIP_ASSERT(event.kind == EventKind::Return || event.row < ports_.size(), "port {} of {}", event.row, ports_.size());
   if (event.kind == EventKind::Return) {
     if (!core.actions().is_at_work(event.row))
       return core.events().fail_outside(FaultCode::ReplayDiffers,

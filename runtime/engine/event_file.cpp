@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 
+#include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/json_line.hpp"
 #include "runtime/engine/policies.hpp"
@@ -65,6 +66,7 @@ void read_values(JsonLine& json, const EventPorts& ports, Event& event) {
     }
     return;
   }
+  BIP_ASSERT(event.values.empty(), "{} values were read before", event.values.size());
   std::vector<bool> is_given(vars.size);
   event.values.assign(vars.size, std::int32_t{0});
   for (bool more = json.open('{'); more; more = json.next('}')) {
@@ -144,6 +146,7 @@ i64 parse_time(std::string_view text) {
     total += static_cast<Int128>(count) * kUnits[unit++].second;
     at = end;
   }
+  BIP_ASSERT(at == text.size(), "a time is read up to {} of {}", at, text.size());
   return text.empty() || total > kMaxTicks ? -1 : static_cast<i64>(total);
 }
 
@@ -256,6 +259,7 @@ bool read_events(const std::string& path, const EventPorts& ports, bool is_recor
 
 void append_event(std::string& out, const EventPorts& ports, const Event& event) {
   out += R"({"time":)";
+  BIP_ASSERT(event.time >= 0, "an event at {}", event.time);
   append_number(out, static_cast<u64>(event.time));
   if (event.look != kAnyLook) {
     out += R"(,"look":)";
@@ -268,6 +272,8 @@ void append_event(std::string& out, const EventPorts& ports, const Event& event)
     return;
   }
   out += R"(,"port":)";
+  BIP_ASSERT(event.values.size() == ports.vars(event.row).size, "{} values for {} variables", event.values.size(),
+             ports.vars(event.row).size);
   append_quoted(out, ports.path(event.row).c_str());
   const Span<Var>& vars = ports.vars(event.row);
   if (vars.size != 0) out += R"(,"values":{)";

@@ -97,6 +97,7 @@ void EventPorts::to_cells(u32 row, const std::vector<EventValue>& values, std::v
     else if (const auto* whole = std::get_if<std::int32_t>(&values[i])) cell.i = *whole;
     else if (const auto* real = std::get_if<double>(&values[i])) cell.f = *real;
     else if (const auto* text = std::get_if<std::string>(&values[i])) cell.i = image_.ffi->intern(*text);
+    BIP_ASSERT(fits(wanted[i].type, values[i]), "value {} of port {} has another type", i, row);
     out.push_back(cell);
   }
 }

@@ -1,6 +1,7 @@
 // See event_sources.hpp.
 #include "runtime/engine/event_sources.hpp"
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
 
 namespace bip::rt {
@@ -24,6 +25,7 @@ bool EventSources::open(const Core& core, const EventPorts& ports, Engine& engin
   for (u32 row = 0; row < core.events().ports().size(); ++row) {
     const EventPortRow& port = core.events().ports()[row];
     if (port.source == kNone) continue;
+    BIP_ASSERT(port.source < image.event_classes.size, "class {} of {}", port.source, image.event_classes.size);
     object_of_[row] = static_cast<u32>(objects_.size());
     Object& object = objects_.emplace_back();
     object.row = row;
@@ -62,6 +64,7 @@ bool EventSources::poll(const Core& core, const EventPorts& ports, i64 until, st
 bool EventSources::delivered(const Core& core, u32 row) {
   if (object_of_.empty() || object_of_[row] == kNone) return true;
   Object& object = objects_[object_of_[row]];
+  BIP_ASSERT(object.row == row, "the object of port {} is asked for port {}", object.row, row);
   object.is_on_way = false;
   // It was dropped: so is what came with it.
   const bool is_dropped = core.events().ports()[row].policy == EventPolicy::Ignore && core.events().waiting(row) == 0;

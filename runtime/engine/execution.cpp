@@ -62,6 +62,7 @@ struct Execution::Impl {
     const auto at = std::lower_bound(by_path.begin(), by_path.end(), path, [&](rt::u32 atom, const std::string& key) {
       return image.atoms[atom].path() < key;
     });
+    BIP_ASSERT(by_path.size() == image.atoms.size, "{} of {} paths are sorted", by_path.size(), image.atoms.size);
     return at != by_path.end() && image.atoms[*at].path() == path ? *at : rt::kNone;
   }
   [[nodiscard]] const rt::Cell* find_cell(const std::string& path, rt::CellType type) const {
@@ -110,6 +111,7 @@ struct Execution::Impl {
       trace->out.drain(TraceFile::kPiece);
     }
     if (!(core.is_timed() ? core.time().take(at) : core.take(at))) return outcome = Outcome::Fault;
+    BIP_ASSERT(!core.fault(), "a step without a fault left one");
     scheduler.fired(at.interaction);
     ++steps;
     if (callback) callback(step);
@@ -164,6 +166,16 @@ struct Execution::Snapshot::Impl {
   std::uint64_t steps;
   Outcome outcome;
 };
+
+namespace {
+
+// Does the core hold the state that a snapshot was made of? Objects of C++ may not know equality. For assertions.
+[[maybe_unused]] bool is_same_state(const rt::Core& core, const rt::State& state) {
+  const rt::State now = core.snapshot();
+  return now.places == state.places && now.marks == state.marks && now.data == state.data && now.time == state.time;
+}
+
+}  // namespace
 
 Execution::Execution(const rt::Image& image, ExecutionOptions options)
     : impl_(std::make_unique<Impl>(image, options)) {}
@@ -234,6 +246,8 @@ std::string Execution::candidate(std::uint64_t k) const {
 Outcome Execution::fire(std::uint64_t k) {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
   if (k >= impl_->core.candidate_count()) return impl_->outcome = Outcome::Deadlock;
+  BIP_ASSERT(impl_->core.enabled().number(impl_->core.position(k)) == k, "candidate {} has the number {}", k,
+             impl_->core.enabled().number(impl_->core.position(k)));
   return impl_->take(impl_->core.position(k));
 }
 
@@ -256,6 +270,7 @@ bool Execution::end_trace() {
   const rt::End how = impl_->outcome == Outcome::Deadlock ? rt::End::Deadlock
                       : impl_->outcome == Outcome::Fault  ? rt::End::Fault
                                                           : rt::End::Interrupted;
+  BIP_ASSERT(impl_->trace->format != nullptr && impl_->trace->file != nullptr, "a trace that was closed");
   impl_->trace->format->end(impl_->trace->out.text, impl_->core, how, impl_->steps);
   const bool is_written = impl_->trace->close();
   impl_->trace.reset();
@@ -297,8 +312,10 @@ Execution::Snapshot Execution::snapshot() const {
 
 void Execution::restore(const Snapshot& snapshot) {
   const bool sound = impl_->core.restore(snapshot.impl_->state);
+  BIP_ASSERT(snapshot.impl_ != nullptr, "a snapshot that was moved away");
   if (sound) impl_->core.set_list_order(snapshot.impl_->order);
   impl_->scheduler = snapshot.impl_->scheduler;
+  BIP_ASSERT(!sound || is_same_state(impl_->core, snapshot.impl_->state), "the restored state is another one");
   impl_->steps = snapshot.impl_->steps;
   impl_->feed.restart(impl_->wall, impl_->core.now());
   impl_->outcome = sound ? snapshot.impl_->outcome : Outcome::Fault;

@@ -7,6 +7,7 @@ namespace bip::rt {
 
 // Under the lock: events are in the order of their instants.
 void Inbox::add(Event event) {
+  BIP_ASSERT(event.kind == EventKind::Port || event.job != 0, "an action without a job returns");
   events_.push_back(std::move(event));
   // Before the waker is asked whether somebody sleeps, in the one order of all such accesses.
   if (!has_events_.load(std::memory_order_relaxed)) has_events_.store(true, std::memory_order_seq_cst);
@@ -36,6 +37,7 @@ void Inbox::take(std::deque<Event>& out) {
   if (!has_events_.load(std::memory_order_seq_cst)) return;
   {
     const std::lock_guard<std::mutex> hold(lock_);
+    BIP_ASSERT(taken_.empty(), "{} events were not taken over", taken_.size());
     taken_.swap(events_);
     has_events_.store(false, std::memory_order_relaxed);
   }

@@ -3,6 +3,7 @@
 
 #include <charconv>
 
+#include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -12,6 +13,7 @@ namespace {
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 void append_utf8(std::string& out, std::uint32_t code) {
+  BIP_ASSERT(code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF), "the code {} is no character", code);
   if (code < 0x80) {
     out += static_cast<char>(code);
     return;
@@ -25,6 +27,7 @@ void append_utf8(std::string& out, std::uint32_t code) {
 }  // namespace
 
 void JsonLine::fail(std::string what) {
+  BIP_ASSERT(at_ <= text_.size(), "position {} of {}", at_, text_.size());
   if (!ok()) return;
   error_ = std::move(what) + " (column ";
   append_number(error_, at_ + 1);
@@ -140,6 +143,7 @@ std::string_view JsonLine::number() {
     while (at_ < text_.size() && is_digit(text_[at_])) ++at_;
     return at_ > begin;
   };
+  BIP_ASSERT(at_ < text_.size(), "a number at {} of {}", at_, text_.size());
   if (text_[at_] == '-') ++at_;
   const bool leads_with_zero = at_ < text_.size() && text_[at_] == '0';
   const std::size_t whole = at_;

@@ -37,6 +37,8 @@ Output::Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, st
       console_sink_(format_.console == Console::Steps ? format_.make() : nullptr) {}
 
 void Output::begin() {
+  BIP_ASSERT(sink_ != nullptr && (console_sink_ != nullptr) == (format_.console == Console::Steps), "format `{}`",
+             format_.name);
   if (is_everything()) {
     write_both([&](std::string& text) { sink_->begin(text, head_); });
     if (options_.silent) step_lines_.begin(out_.text, head_);
@@ -78,6 +80,7 @@ void Output::append_step(std::string& out, std::string& trace, Core& core, Enabl
       if (!options_.silent) step_lines_.step(out, core, core.candidate(at), number);
       break;
   }
+  BIP_ASSERT(core.enabled().has(at), "interaction {} is no candidate", at.interaction);
   if (to_trace_) sink_->step(trace, core, at, number, k);
 }
 

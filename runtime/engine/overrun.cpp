@@ -1,6 +1,7 @@
 // See overrun.hpp.
 #include "runtime/engine/overrun.hpp"
 
+#include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -8,6 +9,7 @@ namespace bip::rt {
 namespace {
 
 u32 row_of(const Core& core, u32 atom) {
+  BIP_ASSERT(core.actions().is_at_work(atom), "atom {} is not at work", atom);
   return core.actions().work_of(atom).transition - core.tables().types[core.image().atoms[atom].type].first_transition;
 }
 
@@ -38,6 +40,7 @@ std::string overrun_text(const Core& core, u32 atom) {
   const i64 budget = type.time->transitions[row_of(core, atom)].async.budget;
   std::string text = "the action of port `" + core.image().atoms[atom].path() + '.' + type.ports[transition.port].name +
                      "`, begun at ";
+  BIP_ASSERT(budget >= 0 && core.actions().work_of(atom).until != kForever, "a budget of {}", budget);
   append_time(text, core.actions().work_of(atom).until - budget);
   text += ", is beyond its budget of ";
   append_time(text, budget);

@@ -20,6 +20,7 @@ class FirstPolicy final : public EnginePolicy {
 class FairPolicy final : public EnginePolicy {
  public:
   EnabledSet::Position choose(const Core& core, Prng&) override {
+    BIP_ASSERT(core.candidate_count() != 0, "a choice among no candidates, after interaction {}", last_);
     return core.position(has_fired_ && core.candidate_count() > 1 ? core.enabled().next_after(last_) : 0);
   }
   void fired(u32 interaction) override {

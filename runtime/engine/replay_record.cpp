@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 
+#include "bip/assert.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/policies.hpp"
 
@@ -82,6 +83,7 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
         break;
       }
       if (output.writes_steps()) output.step(core, at, result.steps, core.enabled().number(at));
+      BIP_ASSERT(!core.fault(), "step {} comes after a fault", result.steps);
       sound = core.take(at);
       if (sound) ++result.steps;
       continue;

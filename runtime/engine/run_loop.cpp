@@ -105,6 +105,7 @@ void RunLoop::initialize() {
 
 // The wall clock starts when the initial state is known; then what may ask for the time: threads of event sources.
 void RunLoop::start_real_time() {
+  BIP_ASSERT(phase_ == Phase::Initialized && !sleeps_, "phase {}", static_cast<int>(phase_));
   sleeps_ = core_.is_timed() && options_.speed > 0;
   const int priority = options_.real_time_priority;
   if (sleeps_) real_time_thread_ = std::make_unique<RealTimeThread>(priority != 0);
@@ -123,6 +124,7 @@ void RunLoop::start_real_time() {
 }
 
 void RunLoop::start_measuring() {
+  BIP_ASSERT(!core_.is_timed() || !can_be_compiled(), "compiled steps in a model with time");
   is_compiled_ = can_be_compiled();
   is_quiet_ = can_be_quiet();
   if (is_sound_ && options_.profile != nullptr) options_.profile->start(core_.tables());
@@ -217,6 +219,7 @@ void RunLoop::take_compiled_steps() {
 
 // The same steps as one by one; what else a turn of the loop does would be a tenth of the work.
 void RunLoop::take_quiet_steps() {
+  BIP_ASSERT(can_be_quiet() && result_.steps < options_.limit, "{} steps of {}", result_.steps, options_.limit);
   do {
     const EnabledSet::Position at = scheduler_.choose(core_);
     is_sound_ = core_.take(at);
@@ -274,6 +277,9 @@ void RunLoop::fire(EnabledSet::Position at) {
 }
 
 void RunLoop::end_with(End end) {
+  BIP_ASSERT(phase_ != Phase::Ended, "the run ends twice");
+  BIP_ASSERT(end != End::Limit || result_.steps >= options_.limit || recorded_.has_end, "{} steps of {}", result_.steps,
+             options_.limit);
   result_.end = end;
   phase_ = Phase::Ended;
 }
@@ -281,6 +287,8 @@ void RunLoop::end_with(End end) {
 // -- The end --
 
 void RunLoop::report_end() {
+  BIP_ASSERT((result_.end == End::Fault) == static_cast<bool>(core_.fault()), "the end {}, and the fault {}",
+             result_.end, core_.fault().code);
   output_.end(core_, result_.end, result_.steps);
   if (result_.end == End::Fault) {
     write_text(files_.err, fault_text(core_, seed_, result_.steps));

@@ -79,6 +79,7 @@ class ThreadedRun {
  private:
   void put_first() {
     output_.put(flights_.front().text);
+    BIP_ASSERT(!flights_.empty() && flushed_ <= steps_, "{} of {} steps were written", flushed_, steps_);
     flights_.pop_front();
     ++flushed_;
   }
@@ -116,6 +117,8 @@ class ThreadedRun {
       output_.describe(flights_.back().text, core_, at, steps_, kNoChoice);
     }
     scheduler_.fired(at.interaction);
+    BIP_ASSERT(!writes_ || flights_.size() == steps_ - flushed_ + 1, "{} steps wait, from {} to {}", flights_.size(),
+               flushed_, steps_);
     if (!core_.partial().begin(at, steps_, fresh_)) stopping_ = true;
     if (writes_) {
       flights_.back().open = static_cast<u32>(fresh_.size()) + 1;
@@ -127,6 +130,8 @@ class ThreadedRun {
   }
 
   [[nodiscard]] Cost& cost_of(const Work& work) {
+    BIP_ASSERT(static_cast<std::size_t>(work.transition - core_.tables().transitions.data()) < costs_.size(),
+               "a transition of another image");
     return costs_[static_cast<std::size_t>(work.transition - core_.tables().transitions.data())];
   }
 

@@ -33,6 +33,7 @@ bool TimedScheduler::plan(Core& core, i64 last) {
   at_ = kForever;
   std::uint64_t ties = 0;
   for (std::uint64_t k = 0; k < ends_.size(); ++k) {
+    BIP_ASSERT(ends_[k] >= core.now(), "candidate {} ended at {}", k, ends_[k]);
     const i64 instant = draw(core.now(), std::min(ends_[k], last), core.time().unit());
     if (instant > at_) continue;
     ties = instant == at_ ? ties + 1 : 1;
@@ -61,6 +62,7 @@ inline TimedScheduler::Next TimedScheduler::look(Core& core) {
   const i64 last = has_candidates ? core.time().wait_limit(ends_) : std::max(core.time().last_instant(), at_);
   if (has_candidates && plan(core, last)) return Next::Step;
   const i64 next = core.time().next_change();
+  BIP_ASSERT(next > core.now() && last >= core.now(), "the next change is at {}, time may pass until {}", next, last);
   at_ = std::min(next, last);
   if (next > last) return Next::Lock;
   return next == kForever ? Next::Never : Next::Change;

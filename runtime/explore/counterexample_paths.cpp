@@ -4,6 +4,8 @@
 // expansion of the levels, without the store.
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 #include "runtime/explore/search.hpp"
 
 namespace bip::rt {
@@ -73,6 +75,7 @@ bool Search::find_path(Goal goal, u32 level, Path& path) {
 }
 
 bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& near, Path& path) {
+  BIP_ASSERT(!near.empty() && near[0]->size() == 1, "paths from {} initial states", near[0]->size());
   Core core(image_, {.progress = options_.progress});
   State here = space_.initial;
   if (!core.restore(here)) return false;

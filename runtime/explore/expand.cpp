@@ -2,6 +2,8 @@
 // core, if rules have guards or C++ is called.
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 #include "runtime/explore/expander.hpp"
 
 namespace bip::rt {
@@ -20,7 +22,9 @@ void Expander::put(const u64* state, Outbox& out) {
 }
 
 void Expander::emit(u32 interaction, u32 row, const u64* state, Outbox& out, Result& result) {
+  BIP_ASSERT(row != kNothing && row < outcomes_.size(), "outcome {} of {}", row, outcomes_.size());
   const Outcome outcome = outcomes_[row];
+  BIP_ASSERT(outcome.first + outcome.count <= effects_.size(), "effects from {}", outcome.first);
   for (u32 k = outcome.first; k < outcome.first + outcome.count; ++k) {
     const Effect effect = effects_[k];
     if (effect.is_fault) {
@@ -41,6 +45,7 @@ void Expander::emit(u32 interaction, u32 row, const u64* state, Outbox& out, Res
 
 // Every interaction is a mask, a value and a change of one word.
 Expander::Result Expander::expand_moves(u64 state, Outbox& out) {
+  BIP_ASSERT(space_.layout.words() == 1 && moves_.size() == tables_.size(), "{} moves", moves_.size());
   Result result;
   if (owners_ == 1) {
     std::vector<u64>& list = out.words[0];
@@ -137,6 +142,7 @@ Expander::Result Expander::expand(const u64* state, Outbox& out) {
         return std::any_of(high.begin(), high.end(), [&](u32 other) { return outcome_row_[other] != kNothing; });
       });
     }
+    BIP_ASSERT(result.is_deadlock == chosen_.empty(), "priorities hide all candidates of a state");
     if (space_.stubborn != nullptr && chosen_.size() > 1) {
       space_.stubborn->choose(state, space_.layout, *space_.locals, outcome_row_, stubborn_scratch_, chosen_);
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/explore/word_set.hpp"
 
 namespace bip::rt {
@@ -56,6 +57,8 @@ void Expander::relayout() {
     table.part_count = static_cast<u32>(parts_.size()) - table.first_part;
     if (table.key_bits > kDenseBits) continue;
     table.dense = static_cast<u32>(dense_.size());
+    BIP_ASSERT(table.part_count == shapes.atoms_of(interaction).size, "{} parts, {} atoms", table.part_count,
+               shapes.atoms_of(interaction).size);
     dense_.resize(dense_.size() + (std::size_t{1} << table.key_bits), kUnknown);
   }
 }
@@ -82,6 +85,9 @@ void Expander::add_moves(u32 interaction, InteractionTable& table) {
   outcomes_.push_back({static_cast<u32>(effects_.size()), 1});
   effects_.push_back({first_piece, table.part_count, false});
   kept_ = table.outcome;
+  BIP_ASSERT(table.part_count == pieces_.size() - first_piece, "{} parts", table.part_count);
+  BIP_ASSERT(pieces_.size() == first_piece + table.part_count, "{} pieces of {} parts", pieces_.size() - first_piece,
+             table.part_count);
   if (only_moves_) moves_.push_back({parts_.back().mask, parts_.back().value, pieces_.back().change});
 }
 
@@ -127,6 +133,7 @@ u32 Expander::known(u32 interaction, const u64* state) const {
 }
 
 void Expander::remember(u32 interaction, const u64* state, u32 outcome) {
+  BIP_ASSERT(outcome < outcomes_.size() && known(interaction, state) == kUnknown, "outcome {}", outcome);
   const InteractionTable& table = tables_[interaction];
   const u64 key = key_of(table, state);
   if (table.key_bits <= kDenseBits) {
@@ -140,6 +147,7 @@ void Expander::remember(u32 interaction, const u64* state, u32 outcome) {
     entries[at] = entry;
   };
   insert(entries_, {key, interaction, outcome});
+  BIP_ASSERT(known(interaction, state) == outcome, "interaction {} was not found again", interaction);
   if (++entry_count_ * 2 <= entries_.size()) return;
   std::vector<Entry> wider(entries_.size() * 2);
   for (const Entry& entry : entries_) {
@@ -176,6 +184,7 @@ bool Expander::pack(const Core& core, u64* out) {
     const u32 number = space_.locals->number(atom, core);
     if (!space_.layout.fits(atom, number)) return false;
     space_.layout.set(out, atom, number);
+    BIP_ASSERT(space_.layout.get(out, atom) == number, "atom {} as {}", atom, number);
   }
   return true;
 }
@@ -209,6 +218,7 @@ std::pair<u64, u64> Expander::candidates_of(u32 interaction) const {
   const u64 first = interaction == 0 ? 0 : plain_->enabled().next_after(interaction - 1);
   u64 end = first;
   while (end < plain_->candidate_count() && plain_->candidate(end).interaction == interaction) ++end;
+  BIP_ASSERT(first <= end && end <= plain_->candidate_count(), "candidates {} to {}", first, end);
   return {first, end};
 }
 

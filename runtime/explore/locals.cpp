@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "bip/assert.hpp"
 #include "runtime/explore/word_set.hpp"
 
 namespace bip::rt {
@@ -98,6 +99,7 @@ u32 Locals::find_or_add(Class& row, const u64* key, std::vector<FfiValue>&& obje
   std::memcpy(row.pieces[piece].get() + std::size_t{rank} * row.width, key, row.width * sizeof(u64));
   if (!row.objects.empty()) row.object_pieces[piece][rank] = std::move(objects);
   ++row.size;
+  BIP_ASSERT(row.index[at] == 0 && row.size <= row.index.size(), "{} local states", row.size);
   row.index[at] = number + 1;
   if (row.size * 2 > row.index.size()) {
     std::vector<u32> wider(row.index.size() * 2, 0);
@@ -144,7 +146,9 @@ u32 Locals::number(u32 atom, const Core& core) {
 }
 
 void Locals::write(u32 atom, u32 number, State& state) const {
+  BIP_ASSERT(atom < class_of_.size(), "atom {} of {}", atom, class_of_.size());
   const Class& row = *classes_[class_of_[atom]];
+  BIP_ASSERT(!row.is_direct || number < row.places, "place {} of {}", number, row.places);
   if (row.is_direct) {
     state.places[atom] = number;
     return;
@@ -189,6 +193,7 @@ Layout::Layout(const Locals& locals) {
     fields_.push_back(
         {words_ - 1, static_cast<std::uint8_t>(used), static_cast<std::uint8_t>(width), (u64{1} << width) - 1});
     used += width;
+    BIP_ASSERT(used <= 64, "{} bits in word {}", used, words_ - 1);
   }
 }
 

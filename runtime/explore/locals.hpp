@@ -11,6 +11,8 @@
 #include <mutex>
 #include <vector>
 
+#include "bip/assert.hpp"
+
 #include "runtime/core/core.hpp"
 
 namespace bip::rt {
@@ -82,6 +84,7 @@ class Layout {
     return static_cast<u32>(state[field.word] >> field.shift & field.mask);
   }
   void set(u64* state, u32 atom, u32 number) const {
+    BIP_ASSERT(fits(atom, number), "number {} of atom {}", number, atom);
     const Field& field = fields_[atom];
     u64& word = state[field.word];
     word = (word & ~(field.mask << field.shift)) | u64{number} << field.shift;

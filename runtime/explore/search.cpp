@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 namespace {
@@ -11,6 +13,12 @@ constexpr u64 kSmall = 512;                    // a frontier that one thread doe
 constexpr u64 kStatesPerLook = 16;             // at the clock: where the core is asked, a state can take milliseconds
 constexpr std::size_t kBatchWords = 1u << 18;  // of successors a thread: a batch ends, limits are looked at
 
+u64 count_of(const std::vector<std::unique_ptr<StateStore>>& owners) {
+  u64 sum = 0;
+  for (const auto& owner : owners) sum += owner->size();
+  return sum;
+}
+
 }  // namespace
 
 Search::Search(const Image& image, const ExploreOptions& options)
@@ -18,11 +26,7 @@ Search::Search(const Image& image, const ExploreOptions& options)
       options_(options),
       team_(image.ffi != nullptr || options.limit != ~u64{0} ? 1 : std::max(1u, options.threads)) {}
 
-u64 Search::states() const {
-  u64 sum = 0;
-  for (const auto& owner : owners_) sum += owner->size();
-  return sum;
-}
+u64 Search::states() const { return count_of(owners_); }
 
 std::size_t Search::kept_bytes() const {
   std::size_t sum = space_.locals->bytes();
@@ -107,6 +111,8 @@ bool Search::widen() {
       }
     }
   }
+  BIP_ASSERT(first.size() == level_first_.size(), "{} levels became {}", level_first_.size(), first.size());
+  BIP_ASSERT(!is_done || count_of(old) == states(), "{} states of {}", states(), count_of(old));
   level_first_ = std::move(first);
   counts_ = counts_before_level_;
   return is_done;
@@ -153,6 +159,7 @@ bool Search::insert(bool is_small) {
 // One state's successors, in the order of the candidates; a new one beyond the limit ends it, and its step does not
 // count.
 bool Search::insert_up_to_limit() {
+  BIP_ASSERT(workers_.size() == 1, "a limit of states with {} threads", workers_.size());
   const std::vector<u64>& list = workers_[0].out.words[0];
   const u32 words = space_.layout.words();
   u64 steps = 0;
@@ -170,6 +177,7 @@ bool Search::insert_up_to_limit() {
 
 // Expands states of the frontier from `done` on. False: the search is over.
 bool Search::run_batch(u64 frontier, u64& done) {
+  BIP_ASSERT(done < frontier, "{} of {} states are expanded", done, frontier);
   const u64 end = is_one_by_one_ ? done + 1 : frontier;
   const bool is_small = end - done <= kSmall || team_.size() == 1;
   cursor_ = done;
@@ -271,6 +279,7 @@ ExploreReport Search::run() {
   if (!report_.has_error) {
     run_levels();
     report_.states = states();
+    BIP_ASSERT(report_.states <= options_.limit, "{} states, a limit of {}", report_.states, options_.limit);
     report_.steps = counts_.steps;
     report_.deadlocks = counts_.deadlocks;
     report_.errors = counts_.errors;

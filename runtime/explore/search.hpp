@@ -9,6 +9,8 @@
 #include <chrono>
 #include <memory>
 
+#include "bip/assert.hpp"
+
 #include "runtime/explore/expander.hpp"
 #include "runtime/explore/explore.hpp"
 #include "runtime/explore/state_predicate.hpp"
@@ -87,6 +89,7 @@ class Search {
 template <class Visit>
 void Search::each_state(Worker& worker, u32 level, u64 begin, u64 end, const Visit& visit) {
   const u32 count = static_cast<u32>(owners_.size());
+  BIP_ASSERT(std::size_t{level + 1} * count < level_first_.size(), "level {} is not complete", level);
   worker.state.resize(space_.layout.words());
   u64 base = 0;
   for (u32 owner = 0; owner < count; ++owner) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 namespace {
@@ -35,8 +37,11 @@ class ShapeBuilder {
     owner_.assign(image_.cell_count, kNone);
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const Atom& row = image_.atoms[atom];
-      for (u32 interaction = 0; interaction < image_.atom_types[row.type].variables.size; ++interaction)
+      for (u32 interaction = 0; interaction < image_.atom_types[row.type].variables.size; ++interaction) {
+        BIP_ASSERT(owner_[row.first_cell + interaction] == kNone, "cell {} belongs to two atoms",
+                   row.first_cell + interaction);
         owner_[row.first_cell + interaction] = atom;
+      }
     }
   }
 
@@ -58,6 +63,9 @@ class ShapeBuilder {
     for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction) {
       for (const u32 atom : shapes_.atoms_of(interaction)) pairs.push_back({atom, interaction});
     }
+    BIP_ASSERT(shapes_.interactions.size() == core_.tables().interactions.size() &&
+                   has_fault_.size() == shapes_.interactions.size(),
+               "{} shapes of {} interactions", shapes_.interactions.size(), core_.tables().interactions.size());
     shapes_.interactions_of_atom = Csr::build(image_.atoms.size, pairs);
     shapes_.calls_cpp = image_.ffi != nullptr;
     shapes_.needs_core = shapes_.calls_cpp;
@@ -89,6 +97,7 @@ class ShapeBuilder {
         tree.has_fault |= clause.guard != kNone || clause.may_fault;
       }
       for (u32 k = 0; k < row.bind_count; ++k) {
+        BIP_ASSERT(row.binds + k < image_.binds.size, "bound variable {} of {}", row.binds + k, image_.binds.size);
         const u32 atom = owner_[image_.binds[row.binds + k].cell];
         if (atom != kNone) tree.reads.push_back(atom);
       }

@@ -1,6 +1,8 @@
 // See state_predicate.hpp.
 #include "runtime/explore/state_predicate.hpp"
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 bool PredicateEvaluator::key_of(const u64* state, u64& key) const {
@@ -17,6 +19,7 @@ bool PredicateEvaluator::key_of(const u64* state, u64& key) const {
 }
 
 bool PredicateEvaluator::holds(const u64* state, Expander& expander) {
+  BIP_ASSERT(static_cast<bool>(options_.predicate), "no predicate");
   u64 key = 0;
   const bool has_key = key_of(state, key);
   if (has_key) {

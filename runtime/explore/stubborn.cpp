@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 Stubborn::Stubborn(const Core& core, const Shapes& shapes) : image_(core.image()), shapes_(shapes) {
@@ -172,6 +174,9 @@ struct Stubborn::NeedGraph {
 
 void Stubborn::choose(const u64* state, const Layout& layout, const Locals& locals,
                       const std::vector<u32>& has_candidate, StubbornScratch& scratch, std::vector<u32>& chosen) const {
+  BIP_ASSERT(has_candidate.size() == shapes_.interactions.size(), "{} interactions of {}", has_candidate.size(),
+             shapes_.interactions.size());
+  BIP_ASSERT(!chosen.empty(), "no interaction to choose among");
   scratch.has_candidate.resize(shapes_.interactions.size());
   scratch.search.begin(shapes_.interactions.size());
   NeedGraph graph{*this, state, layout, locals, has_candidate, scratch, chosen};
@@ -180,6 +185,9 @@ void Stubborn::choose(const u64* state, const Layout& layout, const Locals& loca
     if (has_candidate[start] != 0) scratch.search.visit(start, graph);
   }
   std::sort(chosen.begin(), chosen.end());
+  BIP_ASSERT(!chosen.empty() && std::all_of(chosen.begin(), chosen.end(),
+                                            [&](u32 interaction) { return has_candidate[interaction] != 0; }),
+             "an interaction without candidate is among {} chosen ones", chosen.size());
 }
 
 }  // namespace bip::rt

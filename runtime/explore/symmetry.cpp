@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -245,6 +246,7 @@ Symmetry::Symmetry(const Image& image, const Locals& locals) {
 void Symmetry::normalize(u64* state, const Layout& layout, std::vector<u64>& scratch) const {
   for (const Group& group : groups_) {
     const u32 width = group.width;
+    BIP_ASSERT(group.atoms.size() == std::size_t{group.members} * width, "{} atoms", group.atoms.size());
     scratch.resize(std::size_t{group.members} * (width + 1));
     u64* values = scratch.data() + group.members;  // scratch begins with the order
     bool is_sorted = true;
@@ -264,6 +266,7 @@ void Symmetry::normalize(u64* state, const Layout& layout, std::vector<u64>& scr
       const u64* from = values + scratch[member] * width;
       for (u32 k = 0; k < width; ++k)
         layout.set(state, group.atoms[std::size_t{member} * width + k], static_cast<u32>(from[k]));
+      BIP_ASSERT(member == 0 || !less(scratch[member], scratch[member - 1]), "member {} is not in order", member);
     }
   }
 }

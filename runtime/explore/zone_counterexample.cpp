@@ -6,6 +6,8 @@
 // the core has the last word.
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 #include "runtime/explore/zone_search.hpp"
 
 namespace bip::rt {
@@ -33,6 +35,7 @@ class Instants {
     set_to_[clock] = value;
   }
   void demand(u32 when, const ZoneBound& bound) {
+    BIP_ASSERT(when < count_ && bound.i != bound.j, "instant {} of {}", when, count_);
     const u32 i = bound.i, j = bound.j;
     if (i != 0 && j != 0) at_least(set_at_[j], set_at_[i], set_to_[i] - set_to_[j] - bound.limit);
     else if (i != 0) at_least(when, set_at_[i], set_to_[i] - bound.limit);
@@ -91,6 +94,7 @@ bool let_time_pass(Core& core, i64 to) {
 
 void ZoneSearch::find_path(const Target& target, TimedPath& path) {
   path = {};
+  BIP_ASSERT(target.node < nodes_.size(), "node {}", target.node);
   std::vector<u32> visited;  // nodes, from the initial one on
   for (u32 node = target.node; node != kNone; node = nodes_[node].parent) visited.insert(visited.begin(), node);
   Instants instants(locations_.clocks());

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 namespace {
@@ -69,6 +71,8 @@ void Locations::clear() {
 }
 
 u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders) {
+  BIP_ASSERT(waits.size() == is_timed_.size() && leaders.size() == is_timed_.size(), "{} waits", waits.size());
+  BIP_ASSERT(index_.size() == rows_.size(), "{} keys of {} locations", index_.size(), rows_.size());
   std::string key;
   append_all(key, state.places);
   append_all(key, state.marks);
@@ -101,6 +105,7 @@ void Locations::note(const ZoneBound& bound) {
 }
 
 void Locations::note_set(u32 clock, i64 value) {
+  BIP_ASSERT(clock != 0 && clock <= clocks_, "clock {} of {}", clock, clocks_);
   if (value >= min_[clock]) return;
   min_[clock] = std::min(value, std::max(2 * min_[clock], -kFarLimit));
   has_grown_ = true;
@@ -176,6 +181,7 @@ void Locations::measure_asked(Location& at) {
 
 // clocks: some that belong to it. Untimed ports, data and limits are the same at all of them.
 bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
+  BIP_ASSERT(clocks.size() == clocks_ + 1, "{} clock values", clocks.size());
   if (at.is_measured) return true;
   if (!core_.restore(point(at, clocks))) return false;
   std::vector<MeasuredGuard> guards;
@@ -214,6 +220,7 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
 }
 
 State Locations::point(const Location& at, const std::vector<i64>& clocks) const {
+  BIP_ASSERT(clocks.size() == clocks_ + 1, "{} clock values", clocks.size());
   State state = at.state;
   state.time.assign(1, 0);
   u32 clock = 1;

@@ -2,6 +2,8 @@
 // though nobody in the part can go on. Steps in which others take part count for what they lead to, not as a way out.
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 #include "runtime/explore/zone_search.hpp"
 
 namespace bip::rt {
@@ -9,6 +11,7 @@ namespace bip::rt {
 // The core is at the location when it is new: `measure` has just been there, or goes there anew.
 bool ZoneSearch::is_impossible(u32 row) {
   using Asked = Location::Asked;
+  BIP_ASSERT(part_ != nullptr && row < locations_.size(), "location {}", row);
   Location& at = locations_[row];
   if (at.asked_whole == Asked::Not) {
     const std::vector<i64> clocks(locations_.clocks() + 1, 0);

@@ -2,10 +2,13 @@
 // and points at which the predicate holds. Each result is a point, to which a path is found (zone_counterexample.cpp).
 #include "runtime/explore/zone_search.hpp"
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 // rest: where the node has no candidate.
 void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest) {
+  BIP_ASSERT(part_ == nullptr, "a part of a system has no deadlocks of its own");
   const Location& at = locations_[nodes_[node].location];
   bool has_deadlock = false, has_lock = false;
   const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -17,6 +18,11 @@ std::vector<Zone> cut(const Zone& zone, const Bounds& bounds) {
       if (!beyond.meet(bound.opposite()) || !cells[k].meet(bound)) continue;
       cells.push_back(std::move(beyond));
     }
+  }
+  for ([[maybe_unused]] const Zone& cell : cells) {
+    BIP_ASSERT(zone.includes(cell), "a cell outside of its zone");
+    BIP_ASSERT(std::none_of(bounds.begin(), bounds.end(), [&](const ZoneBound& b) { return cell.is_cut_by(b); }),
+               "a cell in which a bound changes its truth");
   }
   return cells;
 }
@@ -136,7 +142,8 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
     if (!node.is_still) {
       const Zone part = cell;
       cell.let_time_pass();
-      (void)agree(cell, part, bounds);
+      [[maybe_unused]] const bool has_points = agree(cell, part, bounds);
+      BIP_ASSERT(has_points && cell.includes(part), "a cell loses points while time passes");
     }
     if (!locations_.has_differences()) cell.extrapolate(locations_.max(), locations_.min());
     node.zone = std::move(cell);
@@ -145,12 +152,16 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
 }
 
 void ZoneSearch::insert(ZoneNode&& node) {
+  BIP_ASSERT(node.zone.is_canonical(), "node {}", nodes_.size());
+  BIP_ASSERT(node.parent == kNone || node.parent < nodes_.size(), "parent {} of node {}", node.parent, nodes_.size());
+  BIP_ASSERT((node.edge == ZoneEdge::Initial) == (node.parent == kNone), "edge {}", node.edge);
   std::vector<u32>& others = locations_[node.location].nodes;
   for (const u32 other : others) {
     if (nodes_[other].zone.includes(node.zone)) return;
   }
   std::erase_if(others, [&](u32 other) {
     if (!node.zone.includes(nodes_[other].zone)) return false;
+    BIP_ASSERT(other < nodes_.size(), "node {}", other);
     nodes_[other].is_covered = other >= next_;
     return true;
   });
@@ -173,6 +184,8 @@ void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, bool is_ste
 
 // Takes a candidate from a cell of the node. False: the search has to end.
 bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point, u64 k) {
+  BIP_ASSERT(k < core_.candidate_count(), "candidate {} of {}", k, core_.candidate_count());
+  BIP_ASSERT(nodes_[node].zone.includes(cell), "a step from outside of node {}", node);
   const Location& at = locations_[nodes_[node].location];
   const EnabledSet::Position position = core_.position(k);
   const Candidate candidate = core_.candidate(position);
@@ -289,6 +302,7 @@ Bounds ZoneSearch::deadlines(const Location& at, const std::vector<i64>& point) 
 
 // Into the neighbour cells, a tick further, unless a deadline or an invariant is in the way.
 void ZoneSearch::pass_time(u32 node) {
+  BIP_ASSERT(!nodes_[node].is_still, "time passes in node {}", node);
   const u32 row = nodes_[node].location;
   if (locations_[row].cells.empty()) return;
   Zone next = nodes_[node].zone;
@@ -308,6 +322,7 @@ void ZoneSearch::pass_time(u32 node) {
 }
 
 void ZoneSearch::go_on(u32 node) {
+  BIP_ASSERT(nodes_[node].is_waking, "nobody waits in node {}", node);
   const Location& at = locations_[nodes_[node].location];
   std::vector<u32> waits = at.waits, leaders = at.leaders;
   for (const WaitGroup& group : at.groups) {
@@ -328,6 +343,7 @@ void ZoneSearch::go_on(u32 node) {
 }
 
 void ZoneSearch::expand(u32 node) {
+  BIP_ASSERT(node < nodes_.size() && !nodes_[node].is_covered, "node {}", node);
   is_node_faulty_ = false;
   if (find_match(node)) return;
   if (part_ != nullptr && is_asked_for(node)) {

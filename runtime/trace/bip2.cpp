@@ -142,6 +142,7 @@ void Bip2Writer::append_foreseen(std::string& out, std::size_t k) const {
   out += '[';
   append_number(out, k);
   out += "] ";
+  BIP_ASSERT(k < future_.size(), "candidate {} of {}", k, future_.size());
   out += future_[k].text;
 }
 

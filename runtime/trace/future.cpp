@@ -73,10 +73,13 @@ std::vector<FutureCandidate> future_candidates(Core& core,
     if (next > until.at || next == kForever || !core.time().advance(next)) break;
   }
   (void)core.restore(state);
+  BIP_ASSERT(core.snapshot().places == state.places && core.snapshot().time == state.time,
+             "the restored state is another one");
   core.set_list_order(order);
   BIP_ASSERT(core.enabled().list_order() == order, "the list that uniform draws from is another one");
   std::stable_sort(all.begin(), all.end(),
                    [](const FutureCandidate& a, const FutureCandidate& b) { return a.interaction < b.interaction; });
+  BIP_ASSERT(core.now() <= until.at || all.empty(), "time may pass until {}", until.at);
   return all;
 }
 

@@ -29,6 +29,7 @@ struct Pen {
   static constexpr std::size_t kBlock = 32;
   char* at;
   void put(std::string_view text) {
+    BIP_ASSERT(text.size() <= kRoom, "a piece of {} bytes", text.size());
     std::memcpy(at, text.data(), text.size());
     at += text.size();
   }
@@ -139,6 +140,9 @@ void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position positio
       append_json_value(out, core.image(), value.type, cell);
     }
   }
+  BIP_ASSERT(line.text.size() >= Pen::kBlock + from, "a line of {} bytes, {} are written", line.text.size(), from);
+  BIP_ASSERT(static_cast<std::size_t>(pen.at - room) + line.text.size() - from <= sizeof room,
+             "no room behind {} bytes", pen.at - room);
   pen.put_blocks(text + from, line.text.size() - Pen::kBlock - from);
   flush();
 }
@@ -185,6 +189,7 @@ void JsonWriter::begin_line(Line& line, Core& core, const Candidate& candidate) 
   }
   whole += "]}\n";
   whole.append(Pen::kBlock, ' ');
+  BIP_ASSERT(values_.size() >= line.first_value, "{} values, the line begins at {}", values_.size(), line.first_value);
   line.values = static_cast<u32>(values_.size()) - line.first_value;
   line.is_whole = kHeadRoom + whole.size() + line.values * kValueRoom <= kRoom;
   if (line.is_whole) line.text = std::move(whole);

@@ -48,6 +48,7 @@ void record(std::string& out, Opcode opcode, const Fields& fields) {
   fields();
   std::string length;
   add(length, static_cast<u64>(out.size() - at - 8));
+  BIP_ASSERT(length.size() == 8, "a length of {} bytes", length.size());
   out.replace(at, 8, length);
 }
 // A map or an array has its size in bytes before it.
@@ -102,6 +103,7 @@ void McapWriter::put(std::string& out, std::string_view bytes) {
 
 void McapWriter::append_schema(std::string& out, Schema schema) {
   const SchemaText& text = kSchemas[static_cast<std::size_t>(schema) - 1];
+  BIP_ASSERT(static_cast<std::size_t>(schema) <= std::size(kSchemas), "schema {}", schema);
   record(out, kSchemaRecord, [&] {
     add(out, static_cast<std::uint16_t>(schema));
     add_text(out, text.name);
@@ -123,6 +125,7 @@ void McapWriter::append_channel(std::string& out, u32 row, const Channel& channe
 u32 McapWriter::open_channel(std::string topic, Schema schema, std::string metadata) {
   channels_.push_back({std::move(topic), std::move(metadata), schema, 0, {}});
   const auto row = static_cast<u32>(channels_.size() - 1);
+  BIP_ASSERT(row < kMostChannels, "channel {}", row);
   append_channel(open_, row, channels_.back());
   return row;
 }
@@ -245,6 +248,7 @@ void McapWriter::close_chunk(std::string& out) {
     channel.index.clear();
   }
   chunk.index_size = text.size() - chunk.size;
+  BIP_ASSERT(messages_ != 0 && first_ <= last_, "{} messages from {} to {}", messages_, first_, last_);
   put(out, text);
   chunks_.push_back(std::move(chunk));
   open_.clear();
@@ -253,6 +257,7 @@ void McapWriter::close_chunk(std::string& out) {
 
 void McapWriter::append_statistics(std::string& out) const {
   record(out, kStatistics, [&] {
+    BIP_ASSERT(!chunks_.empty() && open_.empty(), "{} bytes are in no chunk", open_.size());
     u64 total = 0, first = chunks_.front().first, last = 0;
     for (const Channel& channel : channels_) total += channel.messages;
     add(out, total);
@@ -317,6 +322,10 @@ void McapWriter::append_summary(std::string& out) {
       });
     }
   });
+  BIP_ASSERT(
+      std::all_of(groups.begin(), groups.end(),
+                  [&](const Group& part) { return part.at >= start && part.at + part.size <= start + text.size(); }),
+      "a group beyond {} bytes", text.size());
   const u64 offsets = start + text.size();
   for (const Group& part : groups) {
     record(text, kSummaryOffset, [&] {

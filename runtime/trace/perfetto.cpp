@@ -12,6 +12,7 @@ namespace {
 
 // ns as us.
 void append_us(std::string& out, i64 ns) {
+  BIP_ASSERT(ns >= 0, "the instant {}", ns);
   append_number(out, static_cast<u64>(ns / 1000));
   const i64 rest = ns % 1000;
   if (rest == 0) return;

@@ -51,6 +51,7 @@ class Digest {
 
 void RecordedWriter::begin(std::string& out, const TraceHead& head) {
   out += kRecordMagic;
+  BIP_ASSERT(head.image != nullptr, "a trace of no image");
   append_leb(out, head.maximal_progress ? 1 : 0);
   append_text(out, head.policy);
   append_text(out, name_of(head.engine));
@@ -68,6 +69,7 @@ void RecordedWriter::steps(std::string& out, const std::vector<u32>& interaction
 
 void RecordedWriter::end(std::string& out, const Core& core, End end, std::uint64_t steps) {
   append_leb(out, 0);
+  BIP_ASSERT(end <= End::Interrupted, "the end {}", end);
   append_leb(out, static_cast<u64>(end));
   append_leb(out, steps);
   std::uint64_t digest = end == End::Fault ? 0 : digest_of(core);
@@ -108,6 +110,7 @@ bool RecordedReader::number(std::uint64_t& value) {
 bool RecordedReader::text(std::string& value) {
   std::uint64_t size = 0;
   if (!number(size) || size > bytes_.size() - at_) return false;
+  BIP_ASSERT(at_ + size <= bytes_.size(), "a text of {} bytes at {} of {}", size, at_, bytes_.size());
   value = bytes_.substr(at_, size);
   at_ += size;
   return true;

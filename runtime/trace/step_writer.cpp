@@ -30,6 +30,9 @@ void append_candidate(std::string& out, const Core& core, const Candidate& candi
     append_path(out, core.image().connectors[candidate.connector]);
     return;
   }
+  BIP_ASSERT(
+      candidate.atom < core.image().atoms.size && candidate.port < core.tables().atom_type(candidate.atom).ports.size,
+      "port {} of atom {}", candidate.port, candidate.atom);
   append_path(out, core.image().atoms[candidate.atom]);
   out += '.';
   out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;

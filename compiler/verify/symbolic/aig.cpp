@@ -13,6 +13,7 @@ constexpr std::size_t kWidth = 32;
 
 Signal Aig::make_input() {
   nodes_.push_back({kTrue, kTrue});
+  BIP_ASSERT(nodes_.size() - 1 <= 0x7fffffffu, "{} nodes", nodes_.size());
   return static_cast<Signal>(nodes_.size() - 1) << 1;
 }
 
@@ -93,6 +94,8 @@ std::vector<Signal> with_fixed(Aig& aig, const std::vector<Signal>& roots, const
     made.emplace(row, both);
   }
   std::vector<Signal> result;
+  BIP_ASSERT(std::all_of(roots.begin(), roots.end(), [&](Signal root) { return made.contains(node_of(root)); }),
+             "a root of {} was not made", roots.size());
   for (Signal root : roots) result.push_back(of(root));
   return result;
 }
@@ -121,6 +124,7 @@ Word make_ite(Aig& aig, Signal condition, const Word& yes, const Word& no) {
 
 Word add(Aig& aig, const Word& a, const Word& b, Signal carry) {
   Word w;
+  BIP_ASSERT(!a.empty() && !b.empty(), "words of {} and {} bits", a.size(), b.size());
   const std::size_t width = std::min(kWidth, std::max(a.size(), b.size()) + 1);
   for (std::size_t k = 0; k < width; ++k) {
     const Signal x = bit(a, k), y = bit(b, k);
@@ -160,6 +164,7 @@ Word multiply(Aig& aig, const Word& a, const Word& b) {
 Division divide(Aig& aig, const Word& a, const Word& b) {
   // Magnitudes, schoolbook, then signs. One bit more than the words have: the magnitude of the least number.
   const std::size_t width = std::max(a.size(), b.size()) + 1;
+  BIP_ASSERT(!a.empty() && !b.empty() && width <= kWidth + 1, "words of {} and {} bits", a.size(), b.size());
   const auto magnitude = [&](const Word& w) {
     Word m;
     Signal carry = w.back();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
 
 namespace bip::verify {
@@ -81,6 +82,9 @@ void TransitionSystemBuilder::add_state() {
       transition_system_.words[base + k] = word;
       now.variables.push_back(std::move(word));
     }
+    BIP_ASSERT(now.marks.size() == type.places.size() && now.variables.size() == type.variables.size(),
+               "atom {} has {} places", a, now.marks.size());
+    BIP_ASSERT(transition_system_.marks.size() == a, "atom {} comes after {}", a, transition_system_.marks.size());
     transition_system_.marks.push_back(now.marks);
     now_.push_back(std::move(now));
 
@@ -94,6 +98,7 @@ void TransitionSystemBuilder::add_state() {
                                 : has_arg ? word_of(system_.atoms[AtomId(std::size_t{a})].args[k].int_value)
                                           : word_of(0));
     }
+    BIP_ASSERT(first.variables.size() == type.variables.size(), "atom {} has {} variables", a, first.variables.size());
     Signal fault = kFalse, lost = kFalse;
     code_.execute(type.initial_action, variables_of(first), kTrue, fault);
     check_invariants(a, first, kTrue, fault);
@@ -171,6 +176,7 @@ void TransitionSystemBuilder::hide_ports(u32 a) {
         cycles[low] = aig_.make_or(cycles[low], aig_.make_and(above[low][high], on_cycle[high]));
       }
     }
+    BIP_ASSERT(covers.size() == ports && cycles.size() == ports, "{} ports of {}", covers.size(), ports);
     if (covers == covered && cycles == on_cycle) break;
     covered = std::move(covers);
     on_cycle = std::move(cycles);
@@ -251,6 +257,8 @@ TransitionSystemBuilder::Post TransitionSystemBuilder::fire(u32 port, const Loca
   Post post{before, kFalse, kFalse};
   for (std::size_t t = 0; t < type.transitions.size(); ++t) {
     const Signal on = enabled_[a][t];
+    BIP_ASSERT(enabled_[a].size() == type.transitions.size(), "{} of {} transitions", enabled_[a].size(),
+               type.transitions.size());
     if (on == kFalse || type.transitions[t].port != port - tables_.port_base(a)) continue;
     Local local = before;
     if (alone) {
@@ -288,6 +296,8 @@ void TransitionSystemBuilder::finish_state() {
     }
     for (; at < transition_system_.bits.size() && transition_system_.bits[at].atom == a; ++at) {
       StateBit& row = transition_system_.bits[at];
+      BIP_ASSERT(row.is_place ? row.row < next.marks.size() : row.row < next.variables.size(), "bit {} is of row {}",
+                 at, row.row);
       row.next = row.is_place ? next.marks[row.row] : bit(next.variables[row.row], row.position);
     }
   }

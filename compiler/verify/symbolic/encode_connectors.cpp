@@ -2,6 +2,7 @@
 // `down`s top down, ports in parameter order.
 #include <algorithm>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
 
@@ -152,6 +153,7 @@ Variables TransitionSystemBuilder::variables_of(const Tree& tree, const Use& use
   v.set_self = [&store, base](u32 k, Word w) { store.frames[base + k] = std::move(w); };
   v.bind = [this, &store, rows](u32 k) {
     const u32 row = (*rows)[k];
+    BIP_ASSERT(row == kNoRow || row < image_.cell_count, "bound variable {} is in cell {}", k, row);
     if (row == kNoRow) return Word{};
     if (row >= atom_of_cell_.size()) return store.frames[row];
     const u32 atom = atom_of_cell_[row];
@@ -259,6 +261,8 @@ void TransitionSystemBuilder::fire_use(const Tree& tree, u32 row, const std::vec
                                        Signal& lost) {
   const Use& use = tree.uses[row];
   const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
+  BIP_ASSERT(clauses.size() == tree.uses.size() && clauses[row].size() == type.clauses.size(), "{} clauses of use {}",
+             clauses[row].size(), row);
   for (std::size_t k = 0; k < type.clauses.size(); ++k) {
     code_.execute(type.clauses[k].down, variables_of(tree, use, chosen, store), clauses[row][k], fault);
   }
@@ -299,6 +303,8 @@ void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const 
   std::vector<Signal> params;
   for (u32 node : tree.uses[0].param_nodes) params.push_back(node == kNoRow ? kFalse : chosen[node]);
   params_.push_back(std::move(params));
+  BIP_ASSERT(params_.size() == transition_system_.steps.size() + 1 && step_fault_.size() == step_lost_.size(),
+             "{} rows of {} steps", params_.size(), transition_system_.steps.size() + 1);
   step_fault_.push_back(fault);
   step_lost_.push_back(lost);
   transition_system_.steps.push_back(std::move(step));

@@ -57,6 +57,8 @@ class Ic3 {
       add_frame();
       if (!propagate_lemmas()) return std::move(answer_);
       BIP_ASSERT(frames_are_well_formed(), "after propagation to frame {}", last_frame());
+      BIP_ASSERT(answer_.end != Ic3End::Safe || is_inductive(answer_.lemmas),
+                 "{} lemmas of frame {} do not prove the property", answer_.lemmas.size(), answer_.frames);
       if (answer_.end == Ic3End::Safe) return std::move(answer_);
     }
   }
@@ -124,6 +126,8 @@ class Ic3 {
       solver_.add({-transition_activation_, -chosen.back(), cnf_.literal(system_.steps[row].fine)});
       (void)lift_cnf_.literal(system_.steps[row].fine);
     }
+    BIP_ASSERT(steps_.size() == chosen.size() && chosen.size() == lift_chosen.size(), "{} literals of {} steps",
+               chosen.size(), steps_.size());
     add_at_most_one(solver_, chosen);
     add_at_most_one(lift_solver_, lift_chosen);
     // Steps outside of the cone stutter, so "no step of the cone" is a step unless the cone has all of them.
@@ -165,6 +169,8 @@ class Ic3 {
   }
 
   void add_frame() {
+    BIP_ASSERT(frames_.size() == activation_.size(), "{} frames, {} activation literals", frames_.size(),
+               activation_.size());
     frames_.emplace_back();
     activation_.push_back(solver_.new_variable());
   }
@@ -277,6 +283,8 @@ class Ic3 {
       break;
     }
     std::sort(core.begin(), core.end());
+    BIP_ASSERT(!meets_initial(core, system_) && subsumes(core, cube), "a core of {} literals meets the initial states",
+               core.size());
   }
   void retire_query_clauses() {
     for (Lit activation : stale_activations_) solver_.add({-activation});
@@ -361,6 +369,7 @@ class Ic3 {
         obligations_.push_back(std::move(predecessor));
         const u32 added = static_cast<u32>(obligations_.size()) - 1;
         if (is_first) return added;
+        BIP_ASSERT(frame >= 2 && obligations_[added].next == current, "obligation {} in frame {}", added, frame);
         queue.emplace(frame - 1, added);
         queue.emplace(frame, current);
         continue;
@@ -429,6 +438,28 @@ class Ic3 {
       if (k > 0 && cube_bit(cube[k - 1]) >= cube_bit(cube[k])) return false;
     }
     return true;
+  }
+  // Proves the result again without the frames: the lemmas exclude the initial states' successors that they should,
+  // each holds after a step from where all hold, and where all hold nothing is bad. Out of time: true.
+  [[nodiscard]] bool is_inductive(const std::vector<Cube>& lemmas) {
+    const Lit all_hold = solver_.new_variable();
+    for (const Cube& cube : lemmas) {
+      if (meets_initial(cube, system_)) return false;
+      std::vector<Lit> clause{-all_hold};
+      for (u32 cube_literal : cube) clause.push_back(-literal_of(now_, cube_literal));
+      solver_.add(clause);
+    }
+    bool is_sound = true;
+    for (std::size_t k = 0; k <= lemmas.size() && is_sound; ++k) {
+      solver_.assume(all_hold);
+      solver_.assume(k < lemmas.size() ? transition_activation_ : -transition_activation_);
+      if (k == lemmas.size()) solver_.assume(bad_);
+      for (std::size_t i = 0; k < lemmas.size() && i < lemmas[k].size(); ++i)
+        solver_.assume(literal_of(next_, lemmas[k][i]));
+      is_sound = solver_.solve(problem_.cancellation) != Answer::Satisfiable;
+    }
+    solver_.add({-all_hold});
+    return is_sound;
   }
   // F_0 has no lemmas (it is the initial states, which every lemma excludes), so that F_k implies F_{k+1} for all k;
   // no lemma of a frame stands twice, in the frame or in a later one.

@@ -1,6 +1,7 @@
 // See mode_signals.hpp.
 #include "compiler/verify/symbolic/mode_signals.hpp"
 
+#include "compiler/base/assert.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
 #include "compiler/verify/invariants/weighted_sum.hpp"
 
@@ -15,6 +16,7 @@ Signal mode_signal(const Net& net, u32 mode, TransitionSystem& transition_system
   const u32 atom = net.atom_of_mode[mode];
   const ModeClass& row = net.class_at(atom);
   const Mode& of = row.modes[mode - net.mode_base[atom]];
+  BIP_ASSERT(mode >= net.mode_base[atom] && mode < net.mode_base[atom + 1], "mode {} of atom {}", mode, atom);
   const AtomType& type = net.system->atom_types[row.type];
   Aig& c = transition_system.aig;
   const std::vector<Signal>& marks = transition_system.marks[atom];
@@ -69,6 +71,7 @@ ModeSignals mode_signals(const Net& net, const Proof& proof, TransitionSystem& t
       here.push_back(signal);
       result.modes.back() = signal;
     }
+    BIP_ASSERT(result.modes.size() == net.mode_base[atom + 1], "{} modes up to atom {}", result.modes.size(), atom);
     result.clauses.push_back(std::move(here));
   }
   return result;

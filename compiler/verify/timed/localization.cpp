@@ -92,6 +92,8 @@ class Localizer {
              is_read_[whole_.atoms[AtomId(std::size_t{one.first})].type.value][one.second] != 0;
     });
     if (inside.empty()) return;
+    BIP_ASSERT(inside.size() < top.leaves.size() || top.atoms.size() > inside.size(), "all of {} ports are inside",
+               inside.size());
     if (writes || top.is_sync) {
       local_.required = top.atoms;
       return;
@@ -139,6 +141,9 @@ class Localizer {
     local_.system.choices.emplace_back();
     // A choice contains no choices.
     for (PortRef& port : copy.ports) port = translated(port);
+    BIP_ASSERT(std::none_of(copy.ports.begin(), copy.ports.end(),
+                            [](const PortRef& port) { return port.kind == PortRef::Kind::Choice; }),
+               "merged port {} has one inside", number);
     local_.system.choices[number] = std::move(copy);
     return number;
   }
@@ -185,6 +190,8 @@ class Localizer {
       clause.guard = guard;
       type.clauses.push_back(std::move(clause));
     }
+    BIP_ASSERT(connector.ports.size() == type.params.size() && type.define.size() == type.params.size() + 1,
+               "{} ports of {} parameters", connector.ports.size(), type.params.size());
     connector.type = to.connector_types.push(std::move(type));
     to.connectors.push(std::move(connector));
     local_.is_whole.push_back(0);

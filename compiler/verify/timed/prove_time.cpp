@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/timed/time_divergence.hpp"
 #include "compiler/verify/invariants/mode_facts.hpp"
@@ -152,6 +153,7 @@ class TimeProver {
 
   [[nodiscard]] bool is_impossible(const std::vector<u32>& members, const std::vector<LocalState>& states) {
     std::vector<std::vector<u32>> sets;
+    BIP_ASSERT(members.size() == states.size(), "{} states of {} members", states.size(), members.size());
     for (std::size_t row = 0; row < members.size(); ++row) sets.push_back(modes_of(members[row], states[row]));
     return !facts_->may_be(sets, kRoundsPerLocation);
   }
@@ -168,6 +170,10 @@ class TimeProver {
     for (const std::uint8_t one : part.is_whole) key += one != 0 ? 'w' : 'c';
     if (const auto earlier = explored_parts_.find(key); earlier != explored_parts_.end()) {
       const std::vector<std::vector<LocalState>>& impossible = earlier->second.impossible;
+      BIP_ASSERT(
+          std::all_of(impossible.begin(), impossible.end(),
+                      [&](const std::vector<LocalState>& states) { return states.size() == part.members.size(); }),
+          "states of another local system, of {} members", part.members.size());
       if (std::all_of(impossible.begin(), impossible.end(),
                       [&](const std::vector<LocalState>& states) { return is_impossible(part.members, states); }))
         return earlier->second.report;
@@ -256,6 +262,8 @@ class TimeProver {
     while (joined.size() <= limits_.members) {
       std::vector<u32> members = joined;
       std::sort(members.begin(), members.end());
+      BIP_ASSERT(std::adjacent_find(members.begin(), members.end()) == members.end(), "one of {} members twice",
+                 members.size());
       const LocalizedSystem part = localize(simple_, neighbours_, is_read_, constant_, members);
       proof_.reason = part.obstacle;
       if (!part.obstacle.empty()) return false;
@@ -332,6 +340,8 @@ class TimeProver {
       }
     }
     if (choices.empty()) return false;
+    BIP_ASSERT(choices.begin()->back() < neighbours_.tops().size(), "connector {} of {}", choices.begin()->back(),
+               neighbours_.tops().size());
     join(neighbours_.tops()[choices.begin()->back()].atoms, joined);
     return true;
   }

@@ -1,6 +1,7 @@
 // See action_pool.hpp.
 #include "runtime/core/fire/action_pool.hpp"
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
 
 namespace bip::rt {
@@ -19,6 +20,7 @@ std::uint64_t ActionPool::begin(ActionJob job) {
   const std::lock_guard<std::mutex> hold(lock_);
   BIP_ASSERT(!is_over_, "the pool has ended");
   waiting_.push_back({++last_, std::move(job)});
+  BIP_ASSERT(waiting_.size() < 2 || waiting_[waiting_.size() - 2].number < last_, "job {} is not the last", last_);
   wanted_.insert(last_);
   if (waiting_.size() <= idle_) begun_.notify_one();
   else if (threads_.size() < most_) threads_.emplace_back([this] { work(); });
@@ -49,6 +51,7 @@ void ActionPool::work() {
     --idle_;
     if (is_over_) return;
     Numbered next = std::move(waiting_.front());
+    BIP_ASSERT(idle_ <= threads_.size(), "{} of {} threads are idle", idle_, threads_.size());
     waiting_.pop_front();
     hold.unlock();
     ActionJob& job = next.job;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/fire/action_pool.hpp"
@@ -40,6 +41,8 @@ const i64* AsyncActions::load(const i64* in) {
   reset();
   if (!any()) return in;
   for (; *in >= 0; in += 5) {
+    BIP_ASSERT(static_cast<std::size_t>(in[0]) < at_work_.size() && !is_at_work(static_cast<u32>(in[0])),
+               "atom {} is at work twice", in[0]);
     working_.push_back(static_cast<u32>(in[0]));
     at_work_[working_.back()] = {static_cast<u32>(in[1]), static_cast<u32>(in[2]), in[3], 0, in[4] != 0};
   }
@@ -56,6 +59,7 @@ const Async* AsyncActions::async_of(u32 atom, const LinkedTransition& transition
   const AtomTime& time = *core_.tables.atom_type(atom).time;
   const u32 row = static_cast<u32>(&transition - core_.tables.transitions.data()) -
                   core_.tables.types[core_.atoms[atom].type].first_transition;
+  BIP_ASSERT(row < core_.tables.types[core_.atoms[atom].type].transition_count, "transition {} of atom {}", row, atom);
   const Async& async = time.transitions[row].async;
   return async.present && (waits_for_returns_ || async.budget > 0) ? &async : nullptr;
 }
@@ -81,6 +85,7 @@ void AsyncActions::begin_job(u32 atom) {
   for (u32 i = 0; i < vars.size; ++i) {
     if (is_ffi(vars[i].type)) job.self[i] = object_cell(job.objects[object++].object());
   }
+  BIP_ASSERT(work.job == 0 && object == job.objects.size(), "{} objects of {}", object, job.objects.size());
   work.job = pool_->begin(std::move(job));
 }
 
@@ -91,6 +96,7 @@ bool AsyncActions::begin_action(u32 atom, const LinkedTransition& transition, co
   if (!core_.atom_steps.move_tokens(atom, transition)) return false;
   const i64 until =
       async.budget < 0 || async.budget >= kForever - core_.clocks.now() ? kForever : core_.clocks.now() + async.budget;
+  BIP_ASSERT(until >= core_.clocks.now(), "a budget that ended at {}", until);
   at_work_[atom] = {static_cast<u32>(&transition - core_.tables.transitions.data()), before, until, 0, false};
   working_.push_back(atom);
   core_.clocks.set_busy_until(atom, waits_for_returns_ ? kForever : until);
@@ -105,6 +111,8 @@ bool AsyncActions::finish_action(u32 atom) {
   BIP_ASSERT(is_at_work(atom), "atom {} is not at work", atom);
   const AtWork work = at_work_[atom];
   at_work_[atom] = {};
+  BIP_ASSERT(std::count(working_.begin(), working_.end(), atom) == 1, "atom {} is listed {} times", atom,
+             std::count(working_.begin(), working_.end(), atom));
   working_.erase(std::find(working_.begin(), working_.end(), atom));
   const LinkedTransition& transition = core_.tables.transitions[work.transition];
   const Span<Var>& vars = core_.tables.atom_type(atom).variables;
@@ -112,6 +120,8 @@ bool AsyncActions::finish_action(u32 atom) {
   std::int32_t status = 1;
   if (work.job != 0) {
     const ActionJob job = pool_->take(work.job);
+    BIP_ASSERT(job.atom == atom && job.self.size() == vars.size, "a job of atom {} with {} variables", job.atom,
+               job.self.size());
     status = job.status;
     if (status >= 2 && job.ffi != nullptr) job.ffi->set_message(job.message.c_str());
     std::size_t object = 0;
@@ -135,6 +145,7 @@ bool AsyncActions::finish_action(u32 atom) {
 }
 
 bool AsyncActions::return_action(u32 atom) {
+  BIP_ASSERT(waits_for_returns_, "the budget ends the action of atom {}", atom);
   if (!finish_action(atom)) return false;
   return core_.is_settled() || core_.settle();
 }

@@ -1,6 +1,7 @@
 // See event_queues.hpp.
 #include "runtime/core/fire/event_queues.hpp"
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/text.hpp"
 
@@ -17,6 +18,7 @@ void EventQueues::link() {
     const AtomType& type = core_.tables.atom_type(atom);
     if (type.time == nullptr) continue;
     for (const EventPort& event : type.time->events) {
+      BIP_ASSERT(event.port < type.ports.size, "events at port {} of {}", event.port, type.ports.size);
       if (row_of_port_.empty()) row_of_port_.assign(core_.tables.port_atom.size(), kNone);
       row_of_port_[core_.tables.instance(atom, event.port)] = static_cast<u32>(ports_.size());
       ports_.push_back({atom, event.port, type.ports[event.port].variables.size, event.policy, event.source});
@@ -28,6 +30,8 @@ bool EventQueues::deliver(u32 row, const Cell* values) {
   BIP_ASSERT(row < queues_.size(), "port {} of {}", row, queues_.size());
   EventQueue& queue = queues_[row];
   const EventPortRow& port = ports_[row];
+  BIP_ASSERT(queue.values.size() - queue.first == std::size_t{queue.count} * port.width, "{} values of {} events",
+             queue.values.size() - queue.first, queue.count);
   queue.values.insert(queue.values.end(), values, values + port.width);
   // Behind another one it changes nothing.
   if (queue.count++ != 0) return true;
@@ -43,6 +47,8 @@ void EventQueues::take(u32 instance) {
   BIP_ASSERT(queue.count != 0, "no event waits at port {}", row);
   const EventPortRow& port = ports_[row];
   const Port& declared = core_.tables.atom_type(port.atom).ports[port.port];
+  BIP_ASSERT(declared.variables.size == port.width && queue.first + port.width <= queue.values.size(),
+             "{} variables, an event has {}", declared.variables.size, port.width);
   Cell* self = core_.memory.cells.data() + core_.atoms[port.atom].first_cell;
   for (u32 i = 0; i < port.width; ++i) self[declared.variables[i]] = queue.values[queue.first + i];
   queue.first += port.width;
@@ -60,6 +66,7 @@ void EventQueues::take(u32 instance) {
 bool EventQueues::refuse(u32 atom, const u32* transition_of_port) {
   for (const EventPort& event : core_.tables.atom_type(atom).time->events) {
     const u32 row = row_of(core_.tables.instance(atom, event.port));
+    BIP_ASSERT(row != kNone && ports_[row].atom == atom, "port {} of atom {} takes no events", event.port, atom);
     EventQueue& queue = queues_[row];
     if (queue.count == 0 || transition_of_port[event.port] != kNone || event.policy == EventPolicy::Remember) continue;
     if (event.policy == EventPolicy::Error) return fail_event(row);
@@ -81,6 +88,7 @@ void EventQueues::save(std::vector<i64>& out) const {
 const i64* EventQueues::load(const i64* in) {
   for (u32 row = 0; row < queues_.size(); ++row) {
     EventQueue& queue = queues_[row];
+    BIP_ASSERT(in[0] >= 0, "{} events wait at port {}", in[0], row);
     queue = {static_cast<u32>(*in++), 0, {}};
     for (u32 k = 0; k < queue.count * ports_[row].width; ++k)
       queue.values.push_back(Cell{.bits = static_cast<u64>(*in++)});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 
 namespace bip::rt {
@@ -20,6 +21,8 @@ bool Firing::fire_parts(const Candidate& candidate) {
   BIP_ASSERT(core_.enabled.weight(candidate.interaction) != 0, "interaction {} has no candidate",
              candidate.interaction);
   const InteractionInfo info = core_.tables.interactions[candidate.interaction];
+  BIP_ASSERT(core_.ports.is_available(candidate.interaction) || core_.partial.is_on(),
+             "interaction {} is not available", candidate.interaction);
   core_.history.remember(candidate.interaction);
   bool done = false;
   switch (info.kind) {
@@ -41,6 +44,9 @@ void Firing::zero_frame(u32 connector) {
 }
 
 bool Firing::run_code(Code code, u32 connector) {
+  BIP_ASSERT(code.fn == nullptr || core_.tables.image->connectors[connector].bind_count == 0 ||
+                 core_.memory.binds.rows != nullptr,
+             "connector {} reads variables that nobody bound", connector);
   if (code.fn == nullptr) return true;
   const Connector& row = core_.tables.image->connectors[connector];
   const std::int32_t status = code.fn(code.context, core_.memory.cells.data() + row.first_cell,
@@ -58,6 +64,8 @@ bool Firing::run_transfer(const InteractionInfo& info, u32 row) {
 bool Firing::fire_flat(const InteractionInfo& info) {
   if (info.clause() != kNone && !run_transfer(info, info.clause())) return false;
   const u32* ports = core_.tables.flat_ports.data() + info.first;
+  BIP_ASSERT(info.first + info.count <= core_.tables.flat_ports.size(), "ports {} to {}", info.first,
+             info.first + info.count);
   for (u32 i = 0; i < info.count; ++i) {
     if (!core_.atom_steps.fire_port(ports[i])) return false;
   }
@@ -68,6 +76,7 @@ bool Firing::fire_flat(const InteractionInfo& info) {
 bool Firing::fire_star(const InteractionInfo& info) {
   const u32* ports = core_.tables.flat_ports.data() + info.first;
   const u32 type_row = core_.tables.image->connectors[info.row].type;
+  BIP_ASSERT(info.clause() == kNone, "a broadcast with one clause");
   if (!core_.tables.clause_order[type_row].empty()) {
     params_.clear();
     for (u32 i = 0; i < info.count; ++i) {
@@ -104,6 +113,8 @@ bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& inf
   while (!use_stack_.empty()) {
     const u32 at = use_stack_.back().first;
     const u32 param = use_stack_.back().second++;
+    BIP_ASSERT(at < plan.use_count && use_stack_.size() <= plan.use_count, "{} uses within each other",
+               use_stack_.size());
     const PlanUse& use = core_.tables.plan_uses[plan.first_use + at];
     const ConnectorType& type = core_.tables.connector_type(use.connector);
     if (param == 0 && core_.search.clause_of_use(at) != kNone) {

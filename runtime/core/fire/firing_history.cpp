@@ -1,6 +1,8 @@
 // See firing_history.hpp.
 #include "runtime/core/fire/firing_history.hpp"
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 std::vector<u32> FiringHistory::recent(u64 count) const {
@@ -14,6 +16,8 @@ std::vector<u32> FiringHistory::last_of_atoms(const Tables& tables) const {
   std::vector<u32> last(tables.image->atoms.size, kNone);
   for (u32 i = 0; i < kSize; ++i) {
     const u32 interaction = ring_[(at_ + i) % kSize];
+    BIP_ASSERT(interaction == kNone || interaction < tables.interactions.size(), "interaction {} of {}", interaction,
+               tables.interactions.size());
     if (interaction == kNone) continue;
     const InteractionInfo info = tables.interactions[interaction];
     if (info.kind == InteractionKind::Port) last[tables.port_atom[info.row]] = interaction;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bip/assert.hpp"
 #include "runtime/core/state/flip.hpp"
 
 namespace bip::rt {
@@ -111,6 +112,11 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
   p.busy_in_group.assign(is_strict.size(), 0);
   p.last_step.assign(tables.image->atoms.size, 0);
   p.order.assign(tables.image->atoms.size, 0);
+  BIP_ASSERT(std::all_of(interaction_groups.begin(), interaction_groups.end(),
+                         [&](const Csr::Pair& pair) { return pair.to < is_strict.size(); }),
+             "a group beyond {}", is_strict.size());
+  BIP_ASSERT(p.group_of_component.size() == components, "{} groups of {} components", p.group_of_component.size(),
+             components);
   return p;
 }
 
@@ -121,6 +127,9 @@ void PartialSteps::allow() {
 }
 
 bool PartialSteps::end() {
+  BIP_ASSERT(
+      std::all_of(state_->busy_in_group.begin(), state_->busy_in_group.end(), [](u32 busy) { return busy == 0; }),
+      "a group still counts atoms at work");
   BIP_ASSERT(state_->busy == 0, "{} atoms are at work", state_->busy);
   core_.fault = std::move(state_->fault);
   state_.reset();
@@ -180,6 +189,7 @@ bool PartialSteps::begin_port(u32 instance) {
     for (u32 port = info.port_base; port < core_.tables.port_base(atom + 1); ++port) core_.ports.set_port(port, kNone);
   }
   p.last_step[atom] = p.step;
+  BIP_ASSERT(p.works != nullptr && is_beginning_, "a port fires outside of a step");
   p.order[atom] = p.begun;
   if (!type.simple && !core_.atom_steps.move_tokens(atom, transition)) return false;
   ++p.busy;
@@ -201,6 +211,9 @@ Finished PartialSteps::finish(Work& work, std::int32_t status) {
   PartialState& p = *state_;
   const u32 atom = work.atom;
   const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  BIP_ASSERT(p.busy != 0, "atom {} ends, and {} are at work", atom, p.busy);
+  BIP_ASSERT(!type.simple || core_.memory.places[atom] == kNone, "atom {} is at place {} while it works", atom,
+             core_.memory.places[atom]);
   if (type.simple) core_.memory.places[atom] = work.transition->to;
   core_.fault = {};
   p.noted = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "bip/assert.hpp"
 #include "runtime/core/link/tables.hpp"
 
 namespace bip::rt {
@@ -101,6 +102,7 @@ void add_plan(Tables& tables, InteractionInfo& info) {
     }
     if (next.alternative == nullptr) tables.plan_params[use.first_param + define.param] = row;
     const PortRef& ref = next.alternative != nullptr ? *next.alternative : tables.port_ref(use.connector, define.param);
+    BIP_ASSERT(next.alternative == nullptr || ref.choice == kNone, "a merged port among the ports of a merged port");
     if (ref.choice != kNone) {
       const Span<PortRef>& ports = tables.image->choices[ref.choice].ports;
       node.kind = NodeKind::Choice;
@@ -133,6 +135,7 @@ void add_plan(Tables& tables, InteractionInfo& info) {
   for (u32 i = plan.node_count; i-- > 0;) {
     nodes[i].end = std::max(nodes[i].end, i + 1);
     if (nodes[i].parent != kNone) nodes[nodes[i].parent].end = std::max(nodes[nodes[i].parent].end, nodes[i].end);
+    BIP_ASSERT(nodes[i].parent == kNone || nodes[i].parent < i, "node {} comes before its parent", i);
   }
   std::vector<u32> connectors;
   for (u32 i = 0; i < plan.use_count; ++i) {
@@ -141,7 +144,11 @@ void add_plan(Tables& tables, InteractionInfo& info) {
     const u32 end = nodes[use.root].end;
     use.first_leaf = nodes[use.root].leaf;
     use.end_leaf = end == plan.node_count ? plan.leaves : nodes[end].leaf;
+    BIP_ASSERT(use.first_leaf <= use.end_leaf && use.end_leaf <= plan.leaves, "leaves {} to {} of {}", use.first_leaf,
+               use.end_leaf, plan.leaves);
   }
+  BIP_ASSERT(plan.use_count != 0 && nodes[0].end == plan.node_count, "a plan of {} nodes, its root ends at {}",
+             plan.node_count, nodes[0].end);
   std::sort(connectors.begin(), connectors.end());
   plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
   plan.has_ranges = plan.guarded && !plan.rigid && !plan.has_choice && plan.is_tree;
@@ -217,6 +224,8 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
     tables.any_searched |= interaction.searched;
     interactions.add(interaction);
   }
+  BIP_ASSERT(tables.flat_ports.size() <= ports, "{} ports of flat connectors, at most {}", tables.flat_ports.size(),
+             ports);
   tables.connector_interactions = static_cast<u32>(tables.interactions.size());
 
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
@@ -268,6 +277,7 @@ void link_network(Tables& tables) {
         starts.push_back(group_start(type, i));
       }
     }
+    BIP_ASSERT(group[0] != kNone, "connector {} has no node", connector);
     root_node[connector] = group[0];
     const auto bind = [&](u32 param, u32 node) {
       const PortRef& ref = tables.port_ref(connector, param);
@@ -296,6 +306,11 @@ void link_network(Tables& tables) {
       else from_nodes.push_back({root_node[ref.connector], first_choice + choice});
     }
   }
+  BIP_ASSERT(std::all_of(from_nodes.begin(), from_nodes.end(),
+                         [&](const Csr::Pair& pair) {
+                           return pair.from < tables.node_count() && pair.to < tables.node_count();
+                         }),
+             "an edge beyond {} nodes", tables.node_count());
   tables.port_out = Csr::build(tables.port_atom.size(), from_ports);
   tables.node_out = Csr::build(tables.node_count(), from_nodes);
 }
@@ -316,6 +331,7 @@ void link_watches(Tables& tables) {
     }
     return best;
   };
+  BIP_ASSERT(bases.empty() || bases[0] == 0 || !sorted, "the first atom's data begin at {}", bases[0]);
   const auto watch_reads = [&](u32 connector, u32 interaction) {
     const Connector& row = image.connectors[connector];
     for (u32 i = tables.first_read(connector); i < row.bind_count; ++i)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "bip/assert.hpp"
 #include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::rt {
@@ -71,6 +72,8 @@ bool exists(const ConnectorType& type, const Conditions& conditions) {
     return conditions.not_within == nullptr || !is_subset(params, *conditions.not_within);
   };
   if (conditions.not_containing == nullptr) return fits();
+  BIP_ASSERT(std::is_sorted(conditions.not_containing->begin(), conditions.not_containing->end()),
+             "parameters of a rule are not in order");
   for (u32 param : *conditions.not_containing) {
     const std::uint8_t before = allowed[param];
     allowed[param] = 0;
@@ -239,8 +242,12 @@ PriorityTables link_priorities(const Tables& tables) {
     rules.component[rule] = known;
     members.push_back({known, rule});
   }
+  BIP_ASSERT(members.size() == rules.count, "{} rules in components, of {}", members.size(), rules.count);
   rules.members = Csr::build(components, members);
   rules.cyclic.assign(components, 0);
+  BIP_ASSERT(std::is_sorted(rules.high_edges.begin(), rules.high_edges.end(),
+                            [](const HighEdge& a, const HighEdge& b) { return a.interaction < b.interaction; }),
+             "high sides are not in the order of interactions");
   mark_cyclic(rules);
   return rules;
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 Csr Csr::build(std::size_t rows, const std::vector<Pair>& pairs) {
@@ -11,10 +13,22 @@ Csr Csr::build(std::size_t rows, const std::vector<Pair>& pairs) {
   csr.first.assign(rows + 1, 0);
   for (const Pair& pair : pairs) ++csr.first[pair.from + 1];
   for (std::size_t i = 0; i < rows; ++i) csr.first[i + 1] += csr.first[i];
+  BIP_ASSERT(csr.first[rows] == pairs.size(), "{} pairs in {} rows", pairs.size(), rows);
   csr.items.resize(pairs.size());
   std::vector<u32> next(csr.first.begin(), csr.first.end() - 1);
   for (const Pair& pair : pairs) csr.items[next[pair.from]++] = pair.to;
   return csr;
+}
+
+// Do the tables that belong together have as many rows as what they are by? For assertions. O(connectors + ports).
+static bool has_matching_sizes(const Tables& tables) {
+  const Image& image = *tables.image;
+  if (tables.atoms.size() != std::size_t{image.atoms.size} + 1 || tables.types.size() != image.atom_types.size)
+    return false;
+  if (tables.atoms.back().port_base != tables.port_atom.size()) return false;
+  if (tables.connector_interactions > tables.interactions.size() || tables.atom_cells > image.cell_count) return false;
+  if (!std::is_sorted(tables.port_atom.begin(), tables.port_atom.end())) return false;
+  return tables.interaction_of_connector.empty() || tables.interaction_of_connector.size() == image.connectors.size;
 }
 
 Tables link(const Image& image, MaximalProgress progress) {
@@ -24,6 +38,8 @@ Tables link(const Image& image, MaximalProgress progress) {
   link_interactions(tables, progress);
   link_network(tables);
   link_watches(tables);
+  BIP_ASSERT(has_matching_sizes(tables), "{} interactions, {} ports", tables.interactions.size(),
+             tables.port_atom.size());
   return tables;
 }
 
@@ -96,6 +112,7 @@ void link_atoms(Tables& tables) {
     linked.is_timed = type.time != nullptr;
     linked.fixed = automaton && !linked.is_timed && is_fixed(type);
     linked.simple = linked.fixed && is_simple(type);
+    BIP_ASSERT(!automaton || type.initial[0] < type.places.size, "place {} of {}", type.initial[0], type.places.size);
     linked.has_priorities = type.priorities.size != 0;
     linked.has_invariants = type.invariants.size != 0;
     linked.initial = tables.code(type.initial_action);
@@ -124,6 +141,8 @@ void link_atoms(Tables& tables) {
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const Atom row = image.atoms[atom];
     const AtomType& type = image.atom_types[row.type];
+    BIP_ASSERT(row.first_cell + type.variables.size <= image.cell_count, "atom {} has data from cell {} on, of {}",
+               atom, row.first_cell, image.cell_count);
     tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), row.first_cell, row.type, 0});
     tables.port_atom.insert(tables.port_atom.end(), type.ports.size, atom);
     if (!tables.mark_base.empty()) tables.mark_base[atom] = tables.mark_words;
@@ -140,6 +159,7 @@ void Binds::make(const Image& image) {
     return;
   }
   own.reserve(image.binds.size);
+  BIP_ASSERT(own.empty(), "{} bound variables were listed before", own.size());
   for (const Bind& bind : image.binds) own.push_back(bind.cell);
   rows = own.data();
 }
@@ -147,6 +167,7 @@ void Binds::make(const Image& image) {
 u32 Tables::clause_of(u32 connector_type_row, Span<u32> params) const {
   const ConnectorType& type = image->connector_types[connector_type_row];
   const std::vector<u32>& order = clause_order[connector_type_row];
+  BIP_ASSERT(std::is_sorted(params.begin(), params.end()), "{} parameters are not in order", params.size);
   const auto less = [](Span<u32> a, Span<u32> b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/core/fire/partial.hpp"
 
 namespace bip::rt {
@@ -42,6 +43,7 @@ std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const 
       }
     }
   }
+  BIP_ASSERT(order.size() == atoms, "{} of {} atoms", order.size(), atoms);
   std::vector<std::uint8_t> part(atoms, 0);
   for (u32 i = 0; i < atoms; ++i) part[order[i]] = static_cast<std::uint8_t>(u64{i} * parts / atoms);
   return part;
@@ -107,6 +109,7 @@ BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 part
     plan.is_shared[interaction] = 1;
     plan.shared.push_back(interaction);
   }
+  BIP_ASSERT(std::is_sorted(plan.shared.begin(), plan.shared.end()), "{} shared interactions", plan.shared.size());
   if (any_share || plan.shared.size() * 4 <= interaction_count) plan.parts = parts;
   return plan;
 }

@@ -8,6 +8,7 @@
 #include <thread>
 #include <type_traits>
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/profile.hpp"
 #include "runtime/core/programs/batch_plan.hpp"
@@ -65,10 +66,13 @@ void CompiledSteps::link() {
   u32 most = 0;
   for (u32 row = 0; row < image.step_runs.size; ++row) {
     const StepRun& run = image.step_runs[row];
+    BIP_ASSERT(run.shape < image.step_fns.size && run.distance != 0, "shape {} of {}", run.shape, image.step_fns.size);
     // Division by the distance as a multiplication, which is exact for offsets up to 2^32 / distance.
     const u64 inverse = ((u64{1} << 32) + run.distance - 1) / run.distance;
     if (u64{run.count} * run.distance * run.distance > std::numeric_limits<u32>::max()) return;
     runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, inverse});
+    BIP_ASSERT(run.count != 0 && run.first + u64{run.count - 1} * run.distance < rows.size(),
+               "run {} goes beyond {} interactions", row, rows.size());
     for (u32 i = 0; i < run.count; ++i) rows[run.first + i * run.distance] = row;
   }
   std::map<std::vector<u32>, u32> known;  // connectors that take turns are alike in block after block
@@ -147,6 +151,7 @@ u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool
       const CompiledRun& run = runs[row];
       history[history_at] = interaction;
       history_at = (history_at + 1) % FiringHistory::kSize;
+      BIP_ASSERT(interaction >= run.first, "interaction {} is no row of its run", interaction);
       run.fn(s, run.operands, static_cast<u32>((interaction - run.first) * run.inverse >> 32));
     } else {
       core_.enabled.close_list(s.count);
@@ -217,6 +222,7 @@ void CompiledSteps::run_part(const BatchPlan& plan, BatchPart& part, bool record
   part.prng = numbers;
   part.count = s.count;
   part.steps = steps;
+  BIP_ASSERT(steps <= part.draws, "{} steps, {} draws", steps, part.draws);
 }
 
 void CompiledSteps::cut_list(const BatchPlan& plan, std::vector<BatchPart>& parts, u64 draws) {
@@ -225,8 +231,11 @@ void CompiledSteps::cut_list(const BatchPlan& plan, std::vector<BatchPart>& part
   for (u32 i = 0; i < *list.count; ++i) {
     const u32 interaction = list.members[i];
     BatchPart& part = parts[plan.part[interaction]];
+    BIP_ASSERT(plan.part[interaction] < parts.size() && list.position[interaction] == i, "interaction {} is not at {}",
+               interaction, i);
     list.position[interaction] = part.count;
     part.members[part.count++] = interaction;
+    BIP_ASSERT(part.count < part.members.size(), "{} members of a part", part.count);
   }
   for (BatchPart& part : parts) {
     part.draws = draws * part.count / *list.count;
@@ -278,6 +287,7 @@ u64 CompiledSteps::run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 
   std::vector<u32> fired;
   u64 done = 0;
   while (core_.enabled.listed_count() != 0 && limit - done >= plan.least_epoch && !is_stopped()) {
+    BIP_ASSERT(done <= limit, "{} steps, a limit of {}", done, limit);
     const u64 draws = std::min(epoch, limit - done);
     cut_list(plan, parts, draws);
     team.run([&](u32 k) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 
 namespace bip::rt {
@@ -16,6 +17,7 @@ void take_new_code(CoreParts& core, const std::vector<Code>& before) {
     const auto at = rows.find({code.fn, code.context});
     if (code.fn != nullptr && at != rows.end()) code = image.codes[at->second];
   };
+  BIP_ASSERT(before.size() == image.codes.size, "{} codes take the place of {}", image.codes.size, before.size());
   for (LinkedType& type : core.tables.types) renew(type.initial);
   for (LinkedTransition& transition : core.tables.transitions) {
     renew(transition.guard);

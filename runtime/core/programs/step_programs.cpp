@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 
 namespace bip::rt {
@@ -41,6 +42,8 @@ void StepPrograms::list_port(u32 instance, Parts& parts) {
   parts.instances.push_back(instance);
   if (port.transition == kNone) return;
   const LinkedTransition& transition = core_.tables.transitions[port.transition];
+  BIP_ASSERT(transition.port == instance - core_.tables.port_base(atom), "the transition of port {} is of port {}",
+             instance, transition.port);
   if (transition.from != transition.to) parts.places.insert(parts.places.end(), {atom, transition.to});
   if (transition.action.fn != nullptr) {
     parts.after.words.insert(parts.after.words.end(),
@@ -171,13 +174,17 @@ void StepPrograms::build() {
       words.push_back(node << 6 | (last ? kDeltaLast : 0) | static_cast<u32>(by + 16));
     }
     words[start + 1] = static_cast<u32>(words.size() - start) - 2;
+    BIP_ASSERT(deltas < 64 && touched < 64, "{} counters, {} interactions", deltas, touched);
     longest = std::max(longest, std::size_t{std::min(words[start + 1], kRowWords)});
   }
+  BIP_ASSERT(programs_.empty(), "programs were made before");
   BIP_ASSERT(longest <= kRowWords, "a row of {} words", longest);
   row_words_ = static_cast<u32>(longest);
   rows_.assign(core_.tables.interactions.size() * longest, kNone);
   for (std::size_t at = 0; at < words.size(); at += words[at + 1] + 2) {
     const u32 length = words[at + 1];
+    BIP_ASSERT(words[at] < core_.tables.interactions.size() && at + 2 + length <= words.size(), "a program of {} words",
+               length);
     const auto program = words.begin() + static_cast<std::ptrdiff_t>(at) + 2;
     u32* row = rows_.data() + std::size_t{words[at]} * row_words_;
     if (length <= row_words_) {
@@ -199,6 +206,7 @@ bool StepPrograms::fail_program(std::int32_t status, u32 interaction, bool is_be
   Parts parts;
   (void)list_program(interaction, parts);
   const auto [is_port, row] = (is_before ? parts.before : parts.after).owners[index];
+  BIP_ASSERT(status >= 2, "no fault: {}", status);
   if (!is_port) return core_.faults.fail_code(status, kNone, row, nullptr);
   return core_.faults.fail_code(status, core_.tables.port_atom[row], kNone,
                                 core_.tables.transitions[core_.ports.port(row).transition].source);
@@ -211,6 +219,8 @@ inline bool StepPrograms::run_codes(const u32* word, u32 count, u32 interaction,
   const ProgramCode* codes = codes_.data();
   for (u32 i = 0; i < count; ++i, word += 3) {
     const ProgramCode& row = codes[word[0]];
+    BIP_ASSERT(word[0] < codes_.size() && word[1] + row.zeroed <= core_.memory.cells.size(), "code {} of {}", word[0],
+               codes_.size());
     Cell* own = all + word[1];
     for (u32 k = 0; k < row.zeroed; ++k) own[k] = Cell{0};
     if (row.code.fn == nullptr) continue;
@@ -234,6 +244,7 @@ bool StepPrograms::run(const u32* word, u32 interaction) {
     if (!run_codes(word, before, interaction, true)) return false;
     word += std::size_t{before} * 3;
   }
+  BIP_ASSERT(!core_.partial.is_on(), "a program in a partial state");
   for (; places > 0; --places, word += 2) core_.memory.places[word[0]] = word[1];
   if (after != 0) {
     if (!run_codes(word, after, interaction, false)) return false;
@@ -258,6 +269,7 @@ bool StepPrograms::run(const u32* word, u32 interaction) {
         flips |= u64{was_out ^ is_out} << (node & 63);
         difference += was_out - is_out;
       } while ((delta & kDeltaLast) == 0);
+      BIP_ASSERT(word <= end, "a program goes on behind its end");
       core_.enabled.flip(delta >> 12, flips, difference);
     }
     return true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/search/range_search.hpp"
 
@@ -31,6 +32,8 @@ void InteractionSearch::link() {
     nodes = std::max(nodes, plan.node_count);
     uses = std::max(uses, plan.use_count);
   }
+  BIP_ASSERT(flat_guards_.size() == listings_.size(), "{} guards of {} listings", flat_guards_.size(),
+             listings_.size());
   available_.assign(nodes, 0);
   chosen_.assign(nodes, 0);
   node_scratch_.assign(nodes, 0);
@@ -82,6 +85,8 @@ void InteractionSearch::direct_params(u32 interaction, u32 config, std::vector<u
   }
   const Plan& plan = core_.tables.plans[plan_row];
   const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+  BIP_ASSERT((std::size_t{config} + 1) * plan.words <= listings_[listing_of(interaction)].configs.size(),
+             "configuration {} of interaction {}", config, interaction);
   const u64* bits = listings_[listing_of(interaction)].configs.data() + std::size_t{config} * plan.words;
   for (u32 param = 0; param < count; ++param) {
     const u32 node = core_.tables.plan_params[core_.tables.plan_uses[plan.first_use].first_param + param];
@@ -145,6 +150,8 @@ bool InteractionSearch::list(u32 interaction) {
   if (!listed) return false;
   for (const Bits& bits : found) listing.configs.insert(listing.configs.end(), bits.begin(), bits.end());
   listing.count = static_cast<u32>(found.size());
+  BIP_ASSERT(listing.configs.size() == found.size() * plan.words, "{} words of {} configurations",
+             listing.configs.size(), found.size());
   remembered_.keep(info.plan(), listing.configs);
   return true;
 }
@@ -199,6 +206,7 @@ bool InteractionSearch::run_ups(const Plan& plan) {
   // Parents come before children in a plan: backwards is bottom up.
   for (u32 i = plan.use_count; i-- > 0;) {
     const PlanUse& use = core_.tables.plan_uses[plan.first_use + i];
+    BIP_ASSERT(use.link == kNone || use.link < use.root, "use {} comes before its link", i);
     if (chosen_[use.root] == 0) continue;
     core_.firing.zero_frame(use.connector);
     if (use.has_choice) bind_choices(plan, use);
@@ -234,6 +242,7 @@ void InteractionSearch::look_at_availability(const Plan& plan, u32 root) {
     }
     available_[i] = available ? 1 : 0;
     if (!available || i == root) continue;
+    BIP_ASSERT(node.parent >= root && node.parent < i, "node {} below node {}", i, node.parent);
     const PlanNode& parent = nodes[node.parent];
     if (!parent.has_trigger || node.trigger) ++node_scratch_[node.parent];
   }
@@ -460,6 +469,8 @@ bool InteractionSearch::search(const Plan& plan, u32 root, std::vector<Bits>& fo
     smaller(plan, root, failed, bits, todo);
   }
   if (found.size() > 1) keep_maximal(found);
+  BIP_ASSERT(std::adjacent_find(found.begin(), found.end()) == found.end(), "one of {} configurations twice",
+             found.size());
   return true;
 }
 
@@ -559,6 +570,8 @@ bool InteractionSearch::enumerate(const Plan& plan, std::vector<Bits>& found) {
     if (failed == kNone) found.push_back(bits);
   }
   std::sort(found.begin(), found.end(), comes_first);
+  BIP_ASSERT(std::adjacent_find(found.begin(), found.end()) == found.end(), "one of {} configurations twice",
+             found.size());
   return true;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/graph_algorithms.hpp"
 
@@ -38,6 +39,7 @@ bool AtomPriorities::hide_ports(u32 atom, u32* transition_of_port) {
       if (status >= 2) return core_.faults.fail_code(status, atom, kNone, nullptr, rule.name);
       rule_holds_[row] = static_cast<std::uint8_t>(status);
     }
+    BIP_ASSERT(rule.low != kNone || rule.high != kNone, "rule {} orders no ports", row);
     if (rule_holds_[row] != 0) each_edge(rule, ports, [&](u32, u32 high) { ++rule_in_[high]; });
   }
   // A port comes after all that are directly below it. What is not in the order is on a cycle or above one.
@@ -61,6 +63,8 @@ bool AtomPriorities::hide_ports(u32 atom, u32* transition_of_port) {
   }
   // From above: is something enabled above the port?
   std::vector<u32>& covered = rule_in_;  // all zero now
+  BIP_ASSERT(std::count(covered.begin(), covered.end(), 0u) == static_cast<std::ptrdiff_t>(ports),
+             "of {} ports some are above others still", ports);
   for (std::size_t at = rule_order_.size(); at-- > 0;) {
     for (u32 row = 0; row < type.priorities.size; ++row) {
       if (rule_holds_[row] == 0) continue;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/core/state/flip.hpp"
 
 namespace bip::rt {
@@ -27,6 +28,7 @@ bool AtomSteps::is_enabled_from(u32 atom, const LinkedTransition& transition, bo
   if (transition.guard.fn == nullptr) return true;
   const std::int32_t status = transition.guard.fn(
       transition.guard.context, core_.memory.cells.data() + state.first_cell, core_.memory.cells.data(), nullptr);
+  BIP_ASSERT(status >= 0, "a guard of atom {} returns {}", atom, status);
   if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);
   enabled = status != 0;
   return true;
@@ -42,6 +44,7 @@ bool AtomSteps::move_tokens(u32 atom, const LinkedTransition& transition) {
     u64* marks = core_.memory.marks.data() + core_.tables.first_mark(atom);
     for (u32 place : transition.source->from) marks[place >> 6] &= ~(u64{1} << (place & 63));
     for (u32 place : transition.source->to) {
+      BIP_ASSERT(place < core_.tables.atom_type(atom).places.size, "place {} of atom {}", place, atom);
       const u64 bit = u64{1} << (place & 63);
       if ((marks[place >> 6] & bit) != 0)
         return core_.faults.fail(FaultCode::NotOneSafe, atom, transition.source, nullptr);
@@ -68,6 +71,8 @@ inline bool AtomSteps::move(u32 atom, const LinkedTransition& transition) {
 // The internal transition that is enabled, null if none is.
 bool AtomSteps::find_internal(u32 atom, const LinkedTransition*& found) {
   const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  BIP_ASSERT(type.mark_words != 0 || core_.memory.places[atom] < core_.tables.atom_type(atom).places.size,
+             "atom {} is at place {}", atom, core_.memory.places[atom]);
   found = nullptr;
   const auto look = [&](const LinkedTransition& transition) {
     bool enabled = false;
@@ -107,6 +112,8 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
   const AtomInfo& state = core_.atoms[atom];
   const LinkedType& type = core_.tables.types[state.type];
   const u32 place_now = core_.memory.places[atom];
+  BIP_ASSERT(type.mark_words != 0 || place_now < core_.tables.atom_type(atom).places.size, "atom {} is at place {}",
+             atom, place_now);
   if (type.simple) {
     if (place_before == place_now) return true;
     if (place_before != kNone) {
@@ -127,6 +134,7 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
     if (!is_enabled_from(atom, transition, enabled)) return false;
     if (!enabled) return true;
     u32& enabled_row = now[transition.port];
+    BIP_ASSERT(transition.port < core_.tables.atom_type(atom).ports.size, "port {} of atom {}", transition.port, atom);
     if (enabled_row != kNone) {
       return core_.faults.fail(FaultCode::TwoTransitions, atom, core_.tables.transitions[enabled_row].source,
                                transition.source);
@@ -191,11 +199,17 @@ bool AtomSteps::fire_port(u32 instance) {
   const LinkedType& type = core_.tables.types[info.type];
   const LinkedTransition& transition = core_.tables.transitions[port.transition];
   const u32 before = core_.memory.places[atom];
+  BIP_ASSERT(transition.port == instance - info.port_base, "the transition of port {} is of port {}", instance,
+             transition.port);
+  BIP_ASSERT(!type.simple || before == port.place, "port {} is enabled from place {}, its atom is at {}", instance,
+             port.place, before);
   if (type.is_timed && core_.actions.any()) {
     if (const Async* async = core_.actions.async_of(atom, transition))
       return core_.actions.begin_action(atom, transition, *async);
   }
   if (!move(atom, transition)) return false;
+  BIP_ASSERT(!type.fixed || transition.delta_first + transition.delta_count <= core_.tables.deltas.size(),
+             "changes from {} on", transition.delta_first);
   if (type.fixed) {
     const PortDelta* delta = core_.tables.deltas.data() + transition.delta_first;
     if (type.simple) {

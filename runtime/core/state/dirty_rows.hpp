@@ -29,6 +29,8 @@ class DirtyRows {
     rows_.push_back(row);
   }
   void clear() {
+    BIP_ASSERT(std::all_of(rows_.begin(), rows_.end(), [this](std::uint32_t row) { return has(row); }),
+               "a row of the list is not in the set");
     for (const std::uint32_t row : rows_) is_in_[row] = 0;
     rows_.clear();
   }
@@ -43,6 +45,8 @@ class DirtyRows {
   }
   /// Lets the held rows take the place of those that were looked at.
   void release() {
+    BIP_ASSERT(std::all_of(held_.begin(), held_.end(), [this](std::uint32_t row) { return has(row); }),
+               "a held row left");
     rows_.swap(held_);
     held_.clear();
   }

@@ -97,6 +97,7 @@ class EnabledSet {
   [[nodiscard]] std::uint32_t listed(std::uint64_t position) const { return members_[position]; }
   /// Brings the list up to date with what came and went since the last time.
   void settle_list() {
+    BIP_ASSERT(listed_ || changed_.empty(), "{} changes without a list", changed_.size());
     if (!changed_.empty()) apply_changes();
   }
 
@@ -140,6 +141,7 @@ class EnabledSet {
   }
   void set(std::uint32_t interaction, std::uint32_t weight_now) {
     const std::uint32_t before = weight(interaction);
+    BIP_ASSERT(!weights_.empty() || weight_now <= 1, "weight {} of interaction {}", weight_now, interaction);
     if (before == weight_now) return;
     if (weights_.empty()) {
       toggle(interaction, weight_now - before);
@@ -215,6 +217,7 @@ class EnabledSet {
   }
   /// The number of candidates in interactions below `interaction`.
   [[nodiscard]] std::uint64_t rank(std::uint32_t interaction) const {
+    BIP_ASSERT(interaction <= size_, "interaction {} of {}", interaction, size_);
     ensure_ranked();
     std::uint64_t sum = 0;
     std::size_t entry = interaction >> 6;

@@ -2,11 +2,13 @@
 // one: an atom that has moved (atom_steps.cpp), one whose time has come (clocks.cpp), one that begins to work
 // (partial.cpp). Cost: the counters above it; inner groups are crossed().
 #pragma once
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 
 namespace bip::rt {
 
 inline void PortStates::bump(u32 node, bool on) {
+  BIP_ASSERT(node < values_.size(), "node {} of {}", node, values_.size());
   if (on ? ++values_[node] != 0 : values_[node]-- != 0) return;
   if (!direct_.has(node) || core_.tables.any_searched) crossed(node, on);
   else if (on) core_.enabled.insert(node);
@@ -14,6 +16,7 @@ inline void PortStates::bump(u32 node, bool on) {
 }
 
 inline void PortStates::flip(u32 instance, bool on) {
+  BIP_ASSERT(instance < ports_.size(), "port {} of {}", instance, ports_.size());
   for (const u32 node : core_.tables.port_out[instance]) bump(node, on);
   if (core_.tables.any_port_watch) {
     for (const u32 interaction : core_.tables.port_watch[instance]) {
@@ -26,6 +29,9 @@ inline void PortStates::set_port(u32 instance, u32 transition) {
   PortState& port = ports_[instance];
   BIP_ASSERT(port.place == kNone, "port {} of a simple type follows its atom's place", instance);
   const u32 before = port.transition;
+  BIP_ASSERT(transition == kNone || core_.tables.transitions[transition].port ==
+                                        instance - core_.tables.port_base(core_.tables.port_atom[instance]),
+             "transition {} does not label port {}", transition, instance);
   port.transition = transition;
   if ((before == kNone) != (transition == kNone)) flip(instance, transition != kNone);
 }

@@ -1,6 +1,7 @@
 // See port_states.hpp.
 #include "runtime/core/state/port_states.hpp"
 
+#include "bip/assert.hpp"
 #include "runtime/core/state/flip.hpp"
 
 namespace bip::rt {
@@ -28,6 +29,7 @@ void PortStates::reset() {
     if (!type.simple) continue;
     for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
       if (tables.transitions[row].port != i - tables.port_base(atom)) continue;
+      BIP_ASSERT(ports_[i].transition == kNone, "port {} of a simple type labels two transitions", i);
       ports_[i].transition = row;
       ports_[i].place = tables.transitions[row].from;
     }
@@ -35,6 +37,7 @@ void PortStates::reset() {
   values_.resize(tables.node_count());
   for (u32 interaction = 0; interaction < interaction_count; ++interaction)
     values_[interaction] = tables.start_of(interaction);
+  BIP_ASSERT(tables.node_count() == interaction_count + tables.inner_start.size(), "{} nodes", tables.node_count());
   std::copy(tables.inner_start.begin(), tables.inner_start.end(), values_.begin() + interaction_count);
   dirty_.reset(direct_.is_direct.size());
   crossings_.clear();
@@ -63,6 +66,8 @@ bool PortStates::is_consistent() const {
 }
 
 void PortStates::crossed(u32 node, bool on) {
+  BIP_ASSERT(node < values_.size() && (values_[node] >= 0) == on, "node {} has crossed zero, its value is {}", node,
+             values_[node]);
   const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
   if (node < interaction_count) {
     if (!direct_.has(node)) {
@@ -84,6 +89,7 @@ void PortStates::crossed(u32 node, bool on) {
     const auto [from, now] = crossings_.back();
     crossings_.pop_back();
     for (u32 above : core_.tables.node_out[from]) {
+      BIP_ASSERT(above < values_.size(), "node {} of {}", above, values_.size());
       const bool crosses = now ? ++values_[above] == 0 : values_[above]-- == 0;
       if (!crosses) continue;
       if (above < interaction_count) crossed(above, now);
@@ -95,6 +101,7 @@ void PortStates::crossed(u32 node, bool on) {
 void PortStates::touch(u32 atom) {
   const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
   for (u32 item : core_.tables.atom_watch[atom]) {
+    BIP_ASSERT(item < interaction_count + core_.priorities.tables().count, "watcher {} of atom {}", item, atom);
     if (item < interaction_count) {
       // What is not available has nothing to evaluate; becoming available marks it.
       if (values_[item] >= 0) mark_dirty(item);

@@ -1,6 +1,7 @@
 // See priority_state.hpp.
 #include "runtime/core/state/priority_state.hpp"
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 
 namespace bip::rt {
@@ -32,6 +33,8 @@ void PriorityState::recount(u32 interaction) {
     }
     RuleState& state = rule_states_[rule];
     const u32 before = state.high_count;
+    BIP_ASSERT(before >= contributions_[edge], "rule {} counts {}, {} of them of one interaction", rule, before,
+               contributions_[edge]);
     state.high_count = before - contributions_[edge] + count;
     contributions_[edge] = count;
     const u32 component = tables_.component[rule];
@@ -45,6 +48,8 @@ bool PriorityState::evaluate_rule_guards() {
     const Priority& row = image.priorities[rule];
     bool holds = true;
     if (row.guard != kNone) {
+      BIP_ASSERT(row.bind_count == 0 || core_.memory.binds.rows != nullptr, "rule {} reads variables that nobody bound",
+                 rule);
       const Code guard = image.codes[row.guard];
       const std::int32_t status =
           guard.fn(guard.context, nullptr, core_.memory.cells.data(), core_.memory.binds.rows + row.binds);
@@ -76,6 +81,7 @@ bool PriorityState::recompute_component(u32 component) {
     }
     while (!todo.empty()) {
       const u32 rule = todo.back();
+      BIP_ASSERT(left != 0 && rule_states_[rule].guard && missing[rule] == 0, "rule {} is taken away", rule);
       todo.pop_back();
       --left;
       for (u32 next : tables_.next[rule]) {
@@ -100,6 +106,8 @@ bool PriorityState::recompute_component(u32 component) {
     todo.pop_back();
     for (u32 before : tables_.previous[rule]) {
       RuleState& state = rule_states_[before];
+      BIP_ASSERT(tables_.component[before] == component, "rule {} is of component {}", before,
+                 tables_.component[before]);
       if (!state.guard || state.active) continue;
       state.active = true;
       todo.push_back(before);
@@ -137,6 +145,8 @@ void PriorityState::weigh(u32 interaction) {
     visible += hidden ? 0u : 1u;
     if (listing != nullptr) listing->hidden.push_back(hidden ? 1 : 0);
   }
+  BIP_ASSERT(visible <= count && (listing == nullptr || listing->hidden.size() == count), "{} of {} candidates",
+             visible, count);
   core_.enabled.set(interaction, visible);
 }
 
@@ -146,6 +156,7 @@ bool PriorityState::settle() {
   for (u32 component : changed_components_) {
     if (!recompute_component(component)) return false;
   }
+  BIP_ASSERT(dirty_rules_.empty(), "guards of rules are not known");
   changed_components_.clear();
   for (u32 interaction : core_.ports.dirty()) weigh(interaction);
   for (u32 interaction : reweigh_) weigh(interaction);

@@ -1,6 +1,7 @@
 // See clock_constraints.hpp.
 #include "runtime/core/time/clock_constraints.hpp"
 
+#include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 
 namespace bip::rt {
@@ -19,6 +20,7 @@ void add_bound(const Bound& bound, i64 limit, MeasuredGuard& out) {
     if (limit > kFarLimit) out.can_hold = false;
     if (limit >= -kFarLimit) measured.low = limit + (is_strict ? 1 : 0);
   }
+  BIP_ASSERT(bound.minus != bound.clock, "clock {} minus itself", bound.clock);
   if (measured.high != kNoBound || measured.low != -kNoBound) out.bounds.push_back(measured);
 }
 
@@ -41,6 +43,8 @@ bool ClockConstraints::timed_transitions(u32 atom, std::vector<TimedTransition>&
   out.clear();
   const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
   const AtomTime& time = *core_.tables.atom_type(atom).time;
+  BIP_ASSERT(time.transitions.size == type.transition_count, "{} of {} transitions have times", time.transitions.size,
+             type.transition_count);
   for (u32 row = 0; row < type.transition_count; ++row) {
     const LinkedTransition& transition = core_.tables.transitions[type.first_transition + row];
     if (transition.port == kNone) continue;
@@ -72,6 +76,8 @@ bool ClockConstraints::timed_invariants(u32 atom, std::vector<MeasuredGuard>& ou
 bool ClockConstraints::measured_resume(u32 atom, u32 row, MeasuredGuard& out) {
   const AtomTime& time = *core_.tables.atom_type(atom).time;
   const Resume& resume = row == kNone ? time.initial : time.transitions[row].resume;
+  BIP_ASSERT(row == kNone || row < core_.tables.atom_type(atom).transitions.size, "transition {} of atom {}", row,
+             atom);
   out = {};
   if (!resume.present) return true;
   if (!measure(atom, resume.when, out)) return false;

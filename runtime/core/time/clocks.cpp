@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bip/assert.hpp"
 #include "runtime/core/state/flip.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/core/time/time_text.hpp"
@@ -85,6 +86,8 @@ void Clocks::link() {
 }
 
 void Clocks::reset() {
+  BIP_ASSERT(is_timed_ && clock_base_.size() == core_.atoms.size + std::size_t{1}, "{} atoms have clocks",
+             clock_base_.size());
   now_ = 0;
   clocks_.assign(clock_base_.back(), {});
   busy_until_.assign(core_.atoms.size, 0);
@@ -106,6 +109,8 @@ std::size_t Clocks::bytes() const {
 
 Int128 Clocks::clock_value(u32 atom, u32 clock) const {
   const ClockState& state = clocks_[clock_base_[atom] + clock];
+  BIP_ASSERT(state.since <= now_ && clock < clock_base_[atom + 1] - clock_base_[atom],
+             "clock {} of atom {} was set at {}", clock, atom, state.since);
   return state.value + run_for(state.speed, now_ - state.since);
 }
 
@@ -141,6 +146,8 @@ bool Clocks::read_clocks(u32 atom, const Transition* fired) {
     self[clock.variable] = self[clock.variable + 1] = Cell{0};
     set_clocks_.push_back(clock_base_[atom] + row);
     if (!to_ticks(value, clock.unit, state.value)) return fail_clock(atom, clock, fired, "value", value);
+    BIP_ASSERT(state.value <= kMaxTicks && state.value >= -kMaxTicks, "clock {} at {}", row, state.value);
+    BIP_ASSERT(state.speed >= 0 && state.speed <= kMaxSpeed, "clock {} at speed {}", row, state.speed);
     state.since = now_;
   }
   return true;
@@ -175,6 +182,9 @@ bool Clocks::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
   if (when.bounds.size == 0) return true;
   if (when.measure != kNone && !measure_limits(atom, when)) return false;
   const ClockState* states = clocks_.data() + clock_base_[atom];
+  BIP_ASSERT(std::all_of(when.bounds.begin(), when.bounds.end(),
+                         [&](const Bound& bound) { return bound.clock < clock_base_[atom + 1] - clock_base_[atom]; }),
+             "a bound on a clock that atom {} does not have", atom);
   for (const Bound& bound : when.bounds) {
     i64 limit = bound.ticks;
     if (bound.variable != kNone && !take_limit(atom, bound, limit)) out = Interval::none();
@@ -228,6 +238,7 @@ bool Clocks::begin_resume(u32 atom, const LinkedTransition* fired) {
   if (!resume_interval(atom, resume, interval)) return false;
   busy_until_[atom] = interval.empty() ? kForever : interval.low;
   may_resume_until_[atom] = interval.high;
+  BIP_ASSERT(busy_until_[atom] >= now_, "atom {} was busy until {}", atom, busy_until_[atom]);
   return true;
 }
 
@@ -267,9 +278,12 @@ void Clocks::load(const std::vector<i64>& in) {
   set_clocks_.clear();
   const i64* next = in.data();
   now_ = *next++;
+  BIP_ASSERT(now_ >= 0, "the instant {}", now_);
   for (u32 atom = 0; atom < core_.atoms.size; ++atom) {
-    for (u32 clock = clock_base_[atom]; clock < clock_base_[atom + 1]; ++clock, next += 2)
+    for (u32 clock = clock_base_[atom]; clock < clock_base_[atom + 1]; ++clock, next += 2) {
+      BIP_ASSERT(next[1] >= 0 && next[1] <= kMaxSpeed, "clock {} at speed {}", clock, next[1]);
       clocks_[clock] = {next[0], now_, next[1]};
+    }
     busy_until_[atom] = *next++;
   }
   next = core_.events.load(core_.actions.load(next));
@@ -309,6 +323,8 @@ bool Clocks::look_at_time(u32 atom) {
     Interval interval;
     if (!interval_of(atom, timing.when, interval)) return false;
     if (interval.empty()) continue;
+    BIP_ASSERT(interval.high >= now_ && interval.low >= now_, "transition {} was possible until {}", row,
+               interval.high);
     ++possible;
     if (interval.low > now_) {
       next = std::min(next, interval.low);
@@ -329,6 +345,7 @@ bool Clocks::look_at_time(u32 atom) {
   if (time.events.size != 0 && !core_.events.refuse(atom, now)) return false;
   if (type.has_priorities && !core_.atom_priorities.hide_ports(atom, now)) return false;
   for (u32 port = 0; port < ports; ++port) core_.ports.set_port(state.port_base + port, now[port]);
+  BIP_ASSERT(next > now_, "ports of atom {} change at {}", atom, next);
   changes_.set(atom, next);
   if (possible != 1 || !rules.is_foreseeable) coming.transition = kNone;
   for (u32 clock = clock_base_[atom]; clock < clock_base_[atom + 1]; ++clock) {
@@ -342,6 +359,8 @@ bool Clocks::look_at_time(u32 atom) {
 // invariants included.
 inline void Clocks::enable_coming(u32 atom) {
   Coming& coming = coming_[atom];
+  BIP_ASSERT(coming.transition != kNone && coming.interval.has(now_), "transition {} is possible from {} on",
+             coming.transition, coming.interval.low);
   const u32 instance = core_.atoms[atom].port_base + core_.tables.transitions[coming.transition].port;
   ports_[instance] = {coming.interval, coming.urgency, kNone};
   changes_.set(atom, coming.interval.high == kForever ? kForever : coming.interval.high + 1);
@@ -361,6 +380,7 @@ bool Clocks::look_at_invariants(u32 atom) {
     if (!interval_of(atom, type.time->invariants[row], interval)) return false;
     end = std::min(end, interval.has(now_) ? interval.high : now_);
   }
+  BIP_ASSERT(end >= now_, "the invariants of atom {} ended at {}", atom, end);
   ends_.set(atom, end);
   return true;
 }
@@ -374,6 +394,7 @@ bool Clocks::advance(i64 to) {
     if (coming_[atom].transition != kNone && coming_[atom].interval.low == to) enable_coming(atom);
     else if (!look_at_time(atom)) return false;
   }
+  BIP_ASSERT(is_consistent(), "after the instant {}", now_);
   return core_.is_settled() || core_.settle();
 }
 
@@ -384,6 +405,7 @@ CandidateTime Clocks::time_of(const Candidate& candidate) {
     const PortTime& port = ports_[instance];
     out.interval.meet(port.interval);
     out.urgency = std::max(out.urgency, port.urgency);
+    BIP_ASSERT(port.interval.has(now_), "a candidate's port was possible until {}", port.interval.high);
   };
   const InteractionInfo info = core_.tables.interactions[candidate.interaction];
   if (info.kind == InteractionKind::Port) {
@@ -451,6 +473,7 @@ i64 Clocks::wait_limit(std::vector<i64>& ends) {
     if (time.urgency == Urgency::Eager) last = now();
     else if (time.urgency == Urgency::Delayable) last = std::min(last, time.interval.high);
   }
+  BIP_ASSERT(ends.size() == core_.enabled.total(), "{} of {} candidates", ends.size(), core_.enabled.total());
   return std::max(last, now());
 }
 
@@ -495,6 +518,7 @@ bool Clocks::fail_late(const Candidate& candidate, i64 last, i64 actual) {
 bool Clocks::fail_time_lock() {
   const u32 atom = ends_.first_row();
   const i64 end = std::max(ends_.first_key(), now_);
+  BIP_ASSERT(core_.enabled.total() == 0, "{} steps are possible", core_.enabled.total());
   now_ = end;
   core_.fault = {};
   core_.fault.code = FaultCode::TimeLock;

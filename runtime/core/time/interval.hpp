@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "bip/assert.hpp"
 #include "bip/image_time.hpp"
 
 namespace bip::rt {
@@ -58,6 +59,7 @@ inline Interval at_least(i64 now, Int128 missing, i64 speed) {
     return low == kForever ? Interval::none() : Interval{low, kForever, false, false};
   }
   if (missing > 0) return Interval::none();
+  BIP_ASSERT(speed < 0, "speed {}", speed);
   return {now, after(now, (-missing << 32) / -static_cast<Int128>(speed)), false, false};
 }
 /// value + floor(speed * t) <= limit: what at_least leaves, one tick of the clock further.
@@ -70,6 +72,7 @@ inline Interval at_most(i64 now, Int128 missing, i64 speed) {
     return {now, end == kForever ? kForever : end - 1, false, false};
   }
   if (beyond > 0) return {now, kForever, false, false};
+  BIP_ASSERT(speed < 0, "speed {}", speed);
   const i64 low = after(now, (-beyond << 32) / -static_cast<Int128>(speed) + 1);
   return low == kForever ? Interval::none() : Interval{low, kForever, false, false};
 }

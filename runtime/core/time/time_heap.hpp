@@ -19,6 +19,7 @@ class TimeHeap {
   /// All keys kForever.
   void reset(std::size_t rows) {
     leaves_ = static_cast<std::uint32_t>(std::bit_ceil(rows + (rows == 0 ? 1 : 0)));
+    BIP_ASSERT(std::has_single_bit(leaves_) && leaves_ >= rows, "{} leaves of {} rows", leaves_, rows);
     keys_.assign(leaves_, kForever);
     winners_.assign(std::size_t{2} * leaves_, 0);
     for (std::uint32_t row = 0; row < leaves_; ++row) winners_[leaves_ + row] = row;

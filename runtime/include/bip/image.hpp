@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 
+#include "bip/assert.hpp"
 #include "bip/rows.hpp"
 #include "bip/steps.hpp"
 
@@ -305,6 +306,7 @@ struct Image {
 
 /// Requires is_ffi(type). Returns the row that describes the C++ type.
 inline const FfiType& ffi_type(const Image& image, CellType type) {
+  BIP_ASSERT(is_ffi(type), "type {} is a native one", type);
   return image.ffi_types[static_cast<std::uint32_t>(type) - kFirstFfiType];
 }
 

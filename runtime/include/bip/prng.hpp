@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 class Prng {
@@ -33,6 +35,7 @@ class Prng {
 
   /// Uniform in [0, n), n > 0, exactly: the multiply-shift with rejection, over the full 64 bits.
   std::uint64_t below(std::uint64_t n) {
+    BIP_ASSERT(n != 0, "a number below 0");
     __extension__ using Wide = unsigned __int128;
     Wide product = static_cast<Wide>(next()) * n;
     if (static_cast<std::uint64_t>(product) < n) {

@@ -52,11 +52,13 @@ struct Rows {
 
   T operator[](std::size_t i) const {
     if (repeats.size == 0) return rows[i];
+    BIP_ASSERT(i < size && repeats[0].first == 0, "row {} of {}", i, size);
     const auto row = static_cast<std::uint32_t>(i);
     const Repeat& repeat = *(std::upper_bound(repeats.begin(), repeats.end(), row,
                                               [](std::uint32_t at, const Repeat& r) { return at < r.first; }) -
                              1);
     const std::uint32_t offset = row - repeat.first;
+    BIP_ASSERT(repeat.period != 0 || repeat.slope == kNone, "rows of no period from {} on", repeat.first);
     if (repeat.slope == kNone) return rows[repeat.row + offset];
     const std::uint32_t times = offset / repeat.period, which = offset % repeat.period;
     return rows[repeat.row + which].after(slopes[repeat.slope + which], times);
@@ -83,6 +85,7 @@ struct Rows {
 /// `name`, with the index where `#` is, unless there is none.
 [[nodiscard]] inline std::string path_text(const char* name, std::uint32_t index) {
   std::string path = name;
+  BIP_ASSERT(index == kNone || path.find('#') != std::string::npos, "no place for the index {}", index);
   if (index != kNone) path.replace(path.find('#'), 1, std::to_string(index));
   return path;
 }

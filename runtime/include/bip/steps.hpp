@@ -7,6 +7,8 @@
 #pragma once
 #include <cstdint>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 union Cell;
@@ -65,10 +67,13 @@ class Prng;
 using StepsFn = StepsTaken (*)(StepState& state, Prng& prng, StepHistory& history, std::uint64_t limit);
 
 inline void interaction_enters(StepState& s, std::uint32_t interaction) {
+  BIP_ASSERT(s.position[interaction] == kAbsentInteraction, "interaction {} is in the list already", interaction);
   s.position[interaction] = s.count;
   s.members[s.count++] = interaction;
 }
 inline void interaction_leaves(StepState& s, std::uint32_t interaction) {
+  BIP_ASSERT(s.count != 0 && s.position[interaction] < s.count && s.members[s.position[interaction]] == interaction,
+             "interaction {} is not at {}", interaction, s.position[interaction]);
   const std::uint32_t at = s.position[interaction], last = s.members[--s.count];
   s.members[at] = last;
   s.position[last] = at;
