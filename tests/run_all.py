@@ -4,7 +4,8 @@
 tools/test calls it after a build. As many programs run at a time as there are processors (BIPC_TEST_JOBS: another
 number); those that measure time run by themselves, at the end. Each group prints one line "group: N passed, N failed";
 what failed is shown, the rest is in build/test-logs/. A program that was not built is a failure. The last line is
-"N passed, N failed" over everything. Python's library only.
+"N passed, N failed" over everything. Arguments choose groups (`verify`) or programs of one (`verify:exports`).
+Python's library only.
 """
 import argparse
 import concurrent.futures
@@ -85,6 +86,8 @@ def needs(binary, *jobs):
 
 def unit_jobs():
     """Each folder of tests/unit is a program; jit only where the build has LLVM. One that is missing is a failure."""
+    if not (BUILD / "CMakeCache.txt").exists():
+        sys.exit(f"test: {BUILD} is no build directory (tools/build makes one)")
     folders = sorted(p.name for p in (ROOT / "tests/unit").iterdir() if any(p.glob("*.cpp")))
     if re.search(r"^BIPC_JIT:BOOL=(OFF|0|FALSE|NO)$", (BUILD / "CMakeCache.txt").read_text(), re.M):
         print("unit_jit and all runs by machine code are left out: the build has no LLVM (BIPC_JIT=OFF)", flush=True)
@@ -92,7 +95,7 @@ def unit_jobs():
     weights = {"runtime": 40, "verify": 60, "explore": 50, "driver": 30, "jit": 30}
     for folder in folders:
         program = BUILD / f"unit_{folder}"
-        yield from needs(program.name, Job(program.name, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "driver"))
+        yield from needs(program.name, Job(folder, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "driver"))
 
 
 def groups(options):
@@ -116,7 +119,7 @@ def groups(options):
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
-        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", weight=300),
+        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), weight=300),
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20),
                          script("aiger", "tests/verify/test_aiger.py", weight=10))),
         ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), "1", *(["--without-emitted"] if options.without_emitted else []), weight=150),
@@ -130,15 +133,17 @@ def main():
     os.environ["XDG_CACHE_HOME"] = str(BUILD / "tests-cache")
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--systems", type=int, default=500, help="random systems of the group differential")
+    arguments.add_argument("--nets", type=int, default=2000, help="random systems of the prover's test")
     arguments.add_argument("--without-emitted", action="store_true", help="random systems are not also run as emitted C++")
     arguments.add_argument("groups", nargs="*")
     options = arguments.parse_args()
-    wanted = options.groups
+    wanted = set(options.groups)
     everything = groups(options)
-    unknown = set(wanted) - {name for name, _ in everything}
+    unknown = wanted - {name for name, _ in everything} - {f"{name}:{job.name}" for name, jobs in everything for job in jobs}
     if unknown:
         sys.exit(f"test: no group {', '.join(sorted(unknown))}")
-    chosen = [(name, jobs) for name, jobs in everything if not wanted or name in wanted]
+    chosen = [(name, [job for job in jobs if not wanted or name in wanted or f"{name}:{job.name}" in wanted]) for name, jobs in everything]
+    chosen = [(name, jobs) for name, jobs in chosen if jobs]
     results, seconds = {}, {}
 
     def execute(job):

@@ -3,7 +3,7 @@
 
     tests/debuggers/test_debuggers.py
 
-gdb may be missing: then its part is left out, and that is said. Needs python3; `bipc` is that of $BIPC or build/bipc.
+gdb is one of the packages that tools/setup --test installs: without it the test fails. Needs python3; `bipc` is that of $BIPC or build/bipc.
 """
 import os
 import pathlib
@@ -108,7 +108,7 @@ def main():
             said = stops_at(work, 41, "--backend=jit", "-O2", "--silent")
             check("a compiled step: gdb stops at the connector's line", re.search(r"#0 .*step_Sell.* at .*shop\.bip:41$", said, re.M), said)
         else:
-            print("debuggers: no gdb here, its part is left out")
+            check("gdb is installed (tools/setup --test)", False)
     for failure in failures:
         print(f"FAILED {failure}")
     print(f"debuggers: {passed} passed, {len(failures)} failed")

@@ -38,6 +38,7 @@ struct Options {
 struct Totals {
   std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0,
                 failed = 0, certificates = 0;
+  std::uint64_t decided = 0;  // answers of the prover
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
 };
 
@@ -119,6 +120,7 @@ class Check {
       open_ = d.outcome == verify::Outcome::Unknown ? 1 : 0;
       (with_search ? t_.unknown : t_.open_proofs) += static_cast<std::uint64_t>(open_);
       if (d.outcome == verify::Outcome::Unknown) continue;
+      ++t_.decided;
       const bool says_violated = d.outcome == verify::Outcome::Violated;
       const std::string asked = question.what == verify::QuestionKind::State      ? question.property.text
                                 : question.what == verify::QuestionKind::NoErrors ? "errors"
@@ -244,6 +246,12 @@ int main(int argc, char** argv) {
       n(t.certificates));
   std::printf("with kept proofs %llu: the system known %llu, rows used %llu, forged ones %llu\n", n(t.reused),
               n(t.whole), n(t.rows), n(t.forged_rows));
+  // Of so many systems some have answers; a run without is no test.
+  constexpr std::uint64_t kMany = 20;
+  if (o.print.empty() && t.systems >= kMany && (t.decided == 0 || t.holds == 0 || t.violated == 0 || t.rows == 0)) {
+    ++t.failed;
+    std::printf("FAILED: %llu answers, %llu rows of kept proofs: nothing was compared\n", n(t.decided), n(t.rows));
+  }
   std::printf("systems %llu, failed %llu\n", n(t.systems), n(t.failed));
   return t.failed == 0 ? 0 : 1;
 }

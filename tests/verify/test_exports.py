@@ -159,7 +159,8 @@ def main():
                     failed += 1
                     print(f"FAILED {path.stem}: {what}", flush=True)
     if not has_spin:
-        print("exports: SPIN is not installed (Debian's package spin): its answers were skipped")
+        failed += 1
+        print("FAILED SPIN or cc is not installed (tools/setup --test)")
     print(f"exports: {len(paths)} systems; SPIN agrees on {totals['free']} without and {totals['deadlock']} with deadlock; "
           f"{totals['net']} nets have the same states and deadlocks; no Promela for {totals['no promela']}")
     compared = totals["net"] + (totals["free"] + totals["deadlock"] if has_spin else 0)
