@@ -93,7 +93,7 @@ def main():
     arguments.add_argument("names", nargs="*")
     arguments.add_argument("--table", action="store_true")
     arguments.add_argument("--steps", type=int, default=1000)
-    arguments.add_argument("--timeout", type=int, default=60)
+    arguments.add_argument("--timeout", type=int, default=240)
     options = arguments.parse_args()
     names = [n for n in [*TABLE, "pom"] if not options.names or any(part in n for part in options.names)]
     passed, problems, counted, rows = 0, [], {}, []

@@ -4,7 +4,8 @@
 #   tests/verify/test_verify.sh [COUNT] [FROM]        COUNT systems (default 2000), half of them small nets
 #
 # BUILD names the build directory (default: build beside the sources), JOBS the number of processes, STATES how many a visit
-# may see (default 2000). CERTIFICATES=all gives every proof to certcheck, not those of one system in five. About a minute for 2000 systems on two quiet cores.
+# may see (default 2000). CERTIFICATES=all gives every proof to certcheck, not those of one system in five. About ten minutes for
+# 2000 systems on two quiet cores.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${BUILD:-$root/build}
