@@ -82,7 +82,7 @@ class LibraryBuild {
     const fs::file_time_type start = fs::file_time_type::clock::now();
     if (!build()) return {};
     std::error_code error;
-    // What somebody wrote to meanwhile may have been read before.
+    // A file that was changed during the compilation may have been read before the change.
     const bool is_settled = std::all_of(read_.begin(), read_.end(), [&](const std::string& file) {
       return fs::last_write_time(file, error) < start && !error;
     });

@@ -7,7 +7,7 @@ namespace bip {
 
 namespace {
 
-// A C++ operand: bare if it binds tighter and mixing the two operators surprises nobody (nor -Wparentheses).
+// A C++ operand: without parentheses if it binds tighter and -Wparentheses does not warn of the two operators.
 std::string cpp_operand(ExprText t, Op op, bool is_left) {
   const Precedence level = precedence_of(op);
   const bool is_not = t.precedence == Precedence::Unary && t.text[0] == '!';

@@ -343,7 +343,7 @@ class Terms {
   }
 
  private:
-  // Floats and C++ objects are terms of this width, so that they are told from others: constants, or of unknown value.
+  // Floats and C++ objects are terms of this width, which no other term has: constants, or of unknown value.
   static constexpr unsigned kVagueBits = 64;
   // Internal transitions in a row: in general, and where it is clear which.
   static constexpr int kMaxInternals = 24, kMaxClear = 100000;

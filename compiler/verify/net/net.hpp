@@ -28,8 +28,8 @@ struct Net {
   std::vector<u32> class_of;       // by atom
   std::vector<u32> mode_base;      // by atom, and the total
   std::vector<u32> atom_of_mode;   // by mode
-  analysis::ConnectorGraph graph;  // its leaves: an atom's ports, then its uses of ports that are told apart
-  PortUses uses;                   // told apart; else empty
+  analysis::ConnectorGraph graph;  // its leaves: an atom's ports, then the distinguished uses of its ports
+  PortUses uses;                   // the distinguished ones; empty if there are none
   u32 too_large_atom = kNoRow;     // its modes are too many: the net is not usable
 
   [[nodiscard]] u32 mode_count() const { return mode_base.back(); }

@@ -1,4 +1,4 @@
-// The graph of a system's connectors: leaves, groups, shared nodes, and leaves that are told apart.
+// The graph of a system's connectors: leaves, groups, shared nodes, and a leaf for each distinguished use of a port.
 #include "compiler/analysis/connector_graph.hpp"
 
 #include <catch2/catch.hpp>
@@ -79,7 +79,7 @@ TEST_CASE("a connector of one port has a group of its own") {
   CHECK(children_of(graph, 2) == std::vector<u32>{1});
 }
 
-TEST_CASE("uses of a port that are told apart have leaves after those of the ports") {
+TEST_CASE("distinguished uses of a port have leaves after those of the ports") {
   const bip::test::Instantiated t(bip::test::with_types(R"(
 compound type R()
   component A a(1), b(2)
