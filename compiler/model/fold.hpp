@@ -30,10 +30,7 @@ template <class Number>
     case Op::Le: return a <= b;
     case Op::Ge:
       return a >= b;
-      BIP_LEAF_OPS(BIP_OP_CASE)
-      BIP_UNARY_OPS(BIP_OP_CASE)
-      BIP_VALUE_OPS(BIP_OP_CASE)
-      BIP_LOGIC_OPS(BIP_OP_CASE)
+      BIP_NO_COMPARISON_OPS(BIP_OP_CASE)
       break;
   }
   BIP_UNREACHABLE("not a comparison");

@@ -101,10 +101,7 @@ inline constexpr auto kOperators = std::to_array<OperatorInfo>({
     case Op::Le: return Op::Gt;
     case Op::Ge:
       return Op::Lt;
-      BIP_LEAF_OPS(BIP_OP_CASE)
-      BIP_UNARY_OPS(BIP_OP_CASE)
-      BIP_VALUE_OPS(BIP_OP_CASE)
-      BIP_LOGIC_OPS(BIP_OP_CASE)
+      BIP_NO_COMPARISON_OPS(BIP_OP_CASE)
       break;
   }
   BIP_UNREACHABLE("not a comparison");

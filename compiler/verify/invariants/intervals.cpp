@@ -146,10 +146,7 @@ class IntervalDomain : public AbstractInterpreter<IntervalDomain, Range, Local> 
         return b.low <= a.high && narrow(left, {b.low, kFar}, local) && narrow(right, {-kFar, a.high}, local);
       case Op::Ne:
         break;
-        BIP_LEAF_OPS(BIP_OP_CASE)
-        BIP_UNARY_OPS(BIP_OP_CASE)
-        BIP_VALUE_OPS(BIP_OP_CASE)
-        BIP_LOGIC_OPS(BIP_OP_CASE)
+        BIP_NO_COMPARISON_OPS(BIP_OP_CASE)
         BIP_UNREACHABLE("not a comparison");
     }
     // !=: only an end can be cut off.

@@ -74,10 +74,7 @@ std::optional<Lit> GuardLiterals::comparison(const Expr& e, const Locate& locate
     case Op::Le: return -greater;
     case Op::Ge:
       return -less;
-      BIP_LEAF_OPS(BIP_OP_CASE)
-      BIP_UNARY_OPS(BIP_OP_CASE)
-      BIP_VALUE_OPS(BIP_OP_CASE)
-      BIP_LOGIC_OPS(BIP_OP_CASE)
+      BIP_NO_COMPARISON_OPS(BIP_OP_CASE)
       break;
   }
   BIP_UNREACHABLE("not a comparison");
