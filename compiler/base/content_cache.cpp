@@ -12,6 +12,7 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/base/content_hash.hpp"
+#include "compiler/base/read_file.hpp"
 
 namespace bip {
 
@@ -57,10 +58,9 @@ std::optional<std::string> ContentCache::load(const std::string& name) {
     if (!error) broken_.push_back(path.string());
     return std::nullopt;
   }
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return std::nullopt;
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  const std::string_view all = text;
+  std::optional<std::string> text = read_file(path);
+  if (!text) return std::nullopt;
+  const std::string_view all = *text;
   const std::string_view magic = magic_of(kind_);
   const std::size_t head = magic.size() + kHashSize;
   if (!all.starts_with(magic) || all.size() < head ||
@@ -69,7 +69,7 @@ std::optional<std::string> ContentCache::load(const std::string& name) {
     return std::nullopt;
   }
   fs::last_write_time(path, fs::file_time_type::clock::now(), error);
-  text.erase(0, head);
+  text->erase(0, head);
   return text;
 }
 

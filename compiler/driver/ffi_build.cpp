@@ -7,12 +7,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <optional>
-#include <sstream>
 
 #include "compiler/base/content_cache.hpp"
+#include "compiler/base/read_file.hpp"
 #include "compiler/base/content_hash.hpp"
 #include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/compiler_errors.hpp"
@@ -26,12 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
+std::string text_of(const fs::path& path) { return read_file(path).value_or(""); }
 
 // Folders in which a file of `@cpp` may be, in the order in which they are tried.
 std::vector<fs::path> folders_of(const Compilation& c, const CppFile& file) {

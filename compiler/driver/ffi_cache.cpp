@@ -2,10 +2,9 @@
 #include "compiler/driver/ffi_cache.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "compiler/base/content_hash.hpp"
+#include "compiler/base/read_file.hpp"
 
 namespace bip::driver {
 
@@ -14,9 +13,8 @@ namespace {
 constexpr std::size_t kDigits = 64;
 
 std::optional<std::string> hash_of_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return std::nullopt;
-  return blake2b(std::string{std::istreambuf_iterator<char>(in), {}});
+  const std::optional<std::string> bytes = read_file(path);
+  return bytes ? std::optional(blake2b(*bytes)) : std::nullopt;
 }
 
 }  // namespace

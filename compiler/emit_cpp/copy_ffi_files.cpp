@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "compiler/base/read_file.hpp"
+
 namespace bip::emit_cpp {
 namespace {
 

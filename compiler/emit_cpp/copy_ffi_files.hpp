@@ -1,7 +1,6 @@
 // Copies the C++ files of a model into an emitted project, so that the project can be moved. Internal to emit_cpp/.
 #pragma once
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "compiler/emit_cpp/emit_cpp.hpp"
@@ -13,7 +12,6 @@ namespace bip::emit_cpp {
 [[nodiscard]] Result<CppBuild> copy_ffi_files(const CppBuild& cpp, const std::filesystem::path& project);
 
 // project.cpp
-[[nodiscard]] std::optional<std::string> read_file(const std::filesystem::path& path);
 /// A file that has this text already is left untouched.
 [[nodiscard]] Result<bool> write_file(const std::filesystem::path& path, const std::string& text);
 

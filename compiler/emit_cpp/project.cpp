@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <vector>
 
+#include "compiler/base/read_file.hpp"
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
 
 namespace bip::emit_cpp {
@@ -82,14 +82,6 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
 }
 
 }  // namespace
-
-std::optional<std::string> read_file(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return std::nullopt;
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 Result<bool> write_file(const fs::path& path, const std::string& text) {
   if (read_file(path) == text) return true;
