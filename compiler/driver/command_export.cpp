@@ -9,6 +9,7 @@
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/read_question.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
@@ -33,10 +34,14 @@ const char* format_name(ExportFormat format) {
 }
 
 // The states whose reachability is asked. A property is one of those of `bipc verify`.
-verify::Signal bad_states(const Compilation& c, const std::optional<verify::Property>& property,
-                          const std::string& property_text, verify::TransitionSystem& made) {
-  if (property_text == "errors") return made.error;
-  return property ? verify::broken_signal(*property, made, c.lowered->image) : made.stuck;
+verify::Signal bad_states(const Compilation& c, const verify::Question& question, verify::TransitionSystem& made) {
+  switch (question.what) {
+    case verify::QuestionKind::DeadlockFreedom: return made.stuck;
+    case verify::QuestionKind::NoErrors: return made.error;
+    case verify::QuestionKind::State: return verify::broken_signal(question.property, made, c.lowered->image);
+    case verify::QuestionKind::NoLocalDeadlock: break;
+  }
+  BIP_UNREACHABLE("a question that no property asks");
 }
 
 // "a float (tank.bip:11)"
@@ -46,18 +51,17 @@ std::string imprecision(const verify::Imprecision& first, const System& system) 
 }
 
 // What the transition system follows only approximately is refused: another tool's answer must hold of the model.
-Result<std::string> aiger(const Compilation& c, const ExportArguments& arguments,
-                          const std::optional<verify::Property>& property) {
+Result<std::string> aiger(const Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
   if (const std::string what = system::first_timed(*c.system); !what.empty()) return Failure{what};
   if (!arguments.maximal_progress) return Failure{"the transition system has maximal progress"};
   const auto is_float = [](const verify::PropertyNode& node) { return node.type == Type::Float; };
-  if (property && std::any_of(property->nodes.begin(), property->nodes.end(), is_float))
+  if (std::any_of(question.property.nodes.begin(), question.property.nodes.end(), is_float))
     return Failure{"the property has a float"};
   verify::TransitionSystem made = verify::build_transition_system(*c.system, c.lowered->image);
   if (!made.unsupported.empty()) return Failure{made.unsupported};
   if (made.starts_with_fault) return Failure{"the initial state is a run-time error"};
   if (!verify::ranges_hold(made, {})) return Failure{"the ranges of its data could not be confirmed"};
-  const verify::Signal bad = made.aig.make_or(bad_states(c, property, arguments.property, made), made.lost);
+  const verify::Signal bad = made.aig.make_or(bad_states(c, question, made), made.lost);
   if (!made.imprecisions.empty()) return Failure{"it depends on " + imprecision(*made.imprecisions.begin(), *c.system)};
   std::string text = verify::aiger_text(made, bad, *c.system);
   if (made.aig.is_full()) return Failure{"its circuit is too large"};
@@ -70,24 +74,15 @@ Result<std::string> net(const Compilation& c) {
   return verify::net_dot(made);
 }
 
-Result<std::string> exported(const Compilation& c, const ExportArguments& arguments,
-                             const std::optional<verify::Property>& property) {
+Result<std::string> exported(const Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
   const exchange::Options options{.maximal_progress = arguments.maximal_progress, .root_name = c.root_name};
   switch (arguments.format) {
     case ExportFormat::Promela: return exchange::promela(*c.system, options);
     case ExportFormat::Pnml: return exchange::pnml(*c.system, options);
-    case ExportFormat::Aiger: return aiger(c, arguments, property);
+    case ExportFormat::Aiger: return aiger(c, arguments, question);
     case ExportFormat::Net: return net(c);
   }
   BIP_UNREACHABLE("format of an export");
-}
-
-// Failure: one line for the user.
-Result<std::optional<verify::Property>> read_property(const Compilation& c, const std::string& text) {
-  if (text.empty() || text == "deadlock" || text == "errors") return std::optional<verify::Property>();
-  Result<verify::Property> property = verify::parse_property(text, *c.system);
-  if (!property) return Failure{property.error()};
-  return std::optional<verify::Property>(std::move(*property));
 }
 
 }  // namespace
@@ -104,13 +99,9 @@ int command_export(const ExportArguments& arguments) {
   }
   std::string text;
   if (compile(c, arguments.file, Stage::Image)) {
-    const auto property = read_property(c, arguments.property);
-    if (!property) {
-      std::fputs(fmt::format("bipc export: --property, {}\n  {}\n", property.error(), arguments.property).c_str(),
-                 stderr);
-      return kUsage;
-    }
-    Result<std::string> made = exported(c, arguments, *property);
+    const std::optional<verify::Question> question = read_question("export", arguments.property, *c.system);
+    if (!question) return kUsage;
+    Result<std::string> made = exported(c, arguments, *question);
     if (!made) {
       c.diags.report(Diag::kB5060, {}, format_name(arguments.format), made.error());
     } else if (arguments.output.empty()) {

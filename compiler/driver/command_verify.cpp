@@ -8,6 +8,8 @@
 
 #include <chrono>
 #include <cstdio>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,6 +22,7 @@
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/driver/machine.hpp"
+#include "compiler/driver/read_question.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/timed_models.hpp"
 #include "compiler/driver/verify_text.hpp"
@@ -67,24 +70,6 @@ class ProofProgressLine {
                         phase_start_ = start_;
 };
 
-// False: the property was no good, and that has been said.
-bool read_question(const VerifyArguments& a, const Compilation& c, verify::Question& question) {
-  if (a.partial) question.what = verify::QuestionKind::NoLocalDeadlock;
-  if (a.partial || a.property.empty() || a.property == "deadlock") return true;
-  if (a.property == "errors") {
-    question.what = verify::QuestionKind::NoErrors;
-    return true;
-  }
-  Result<verify::Property> property = verify::parse_property(a.property, *c.system);
-  if (!property) {
-    std::fputs(fmt::format("bipc verify: --property, {}\n  {}\n", property.error(), a.property).c_str(), stderr);
-    return false;
-  }
-  question.what = verify::QuestionKind::State;
-  question.property = std::move(*property);
-  return true;
-}
-
 }  // namespace
 
 int command_verify(const VerifyArguments& arguments) {
@@ -94,8 +79,11 @@ int command_verify(const VerifyArguments& arguments) {
     return report(c);
   }
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
-  verify::Question question;
-  if (!read_question(arguments, c, question)) return kUsage;
+  const std::string property = arguments.partial ? std::string() : arguments.property;
+  std::optional<verify::Question> asked = read_question("verify", property, *c.system);
+  if (!asked) return kUsage;
+  verify::Question question = std::move(*asked);
+  if (arguments.partial) question.what = verify::QuestionKind::NoLocalDeadlock;
   if (system::is_timed(*c.system)) return verify_timed(arguments, c, question);
 
   verify::PortfolioLimits limits;
