@@ -3,6 +3,7 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/model/build_time.hpp"
+#include "compiler/model/code_uses.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 
 namespace bip::model {
@@ -26,6 +27,7 @@ struct AtomBuilder {
     Loc loc;
   };
   std::vector<Init> inits;
+  std::unordered_map<std::string, SourceRange> assigned;  // names that actions assign: where first
 
   AtomBuilder(ModelBuilder& builder, const syntax::Decl& d)
       : b(builder),
@@ -49,9 +51,41 @@ struct AtomBuilder {
                                            .declared = name.range};
   }
 
+  void note_assigned(std::span<const syntax::Stmt* const> stmts) {
+    for (const syntax::Stmt* s : stmts) {
+      if (s->kind == syntax::StmtKind::Assign && s->target.parts.size() == 1)
+        assigned.try_emplace(std::string(s->target.parts[0].name.text), s->target.range);
+      note_assigned(s->then_body);
+      note_assigned(s->else_body);
+    }
+  }
+  // A parameter without `const` may be assigned: then it is data, which begins with what a hidden parameter gives.
+  [[nodiscard]] bool is_data(const syntax::Param& p) const {
+    return !p.type.is_const && assigned.contains(std::string(p.name.text));
+  }
+  void add_assigned_parameters() {
+    std::uint32_t row = 0;
+    for (const syntax::Param& p : decl.params) {
+      const std::uint32_t given = row++;
+      if (!is_data(p)) continue;
+      add_interaction(p.name, out.variables[given].type, false, false);
+      inits.push_back({variables[std::string(p.name.text)], nullptr, given, b.loc(p.name.range)});
+      b.diags.report(Diag::kB1053, assigned.at(std::string(p.name.text)), p.name.text)
+          .label(p.name.range, "declared here")
+          .help("write data that begins with it: `data … = " + std::string(p.name.text) + "`");
+    }
+  }
+
   void build_interactions() {
+    note_assigned(decl.initial.action.stmts);
+    for (const syntax::Transition& t : decl.transitions) note_assigned(t.action.stmts);
     for (const syntax::Param& p : decl.params) {
       names.declare(p.name, "parameter");
+      if (is_data(p)) {
+        const Type type = native_data_type(b.model, p.type, "a parameter of a component", b.diags);
+        out.variables.push_back({fmt::format("given {}", p.name.text), type, true, false, b.loc(p.name.range)});
+        continue;
+      }
       add_interaction(p.name, native_data_type(b.model, p.type, "a parameter of a component", b.diags), true, false);
     }
     const auto given = b.initialised_data.find(out.name);
@@ -79,6 +113,7 @@ struct AtomBuilder {
           inits.push_back({variables[std::string(v.name.text)], v.init, param, b.loc(v.name.range)});
       }
     }
+    add_assigned_parameters();
   }
 
   void build_port(const syntax::PortDecl& d, const syntax::PortItem& item) {
@@ -324,6 +359,20 @@ struct AtomBuilder {
     out.transitions.push_back(std::move(row));
   }
 
+  // Those of a C++ type begin as their class says.
+  void check_constants() {
+    std::vector<bool> written(out.variables.size());
+    mark_writes(b.model.code, out.initial_action, Op::LoadSelf, written);
+    for (const syntax::DataDecl& d : decl.data) {
+      for (const syntax::Var& v : d.vars) {
+        const std::uint32_t row = variables.at(std::string(v.name.text));
+        if (!d.type.is_const || written[row] || is_ffi(out.variables[row].type)) continue;
+        b.diags.report(Diag::kB1008, v.name.range, v.name.text)
+            .help("write `= …` behind it, or assign it in `initial`");
+      }
+    }
+  }
+
   // Internal transitions run at once, before anyone looks.
   void check_internal(const syntax::Transition& t) {
     if (const syntax::Expr* clock = time.clock_in(t.guard)) {
@@ -361,8 +410,11 @@ struct AtomBuilder {
       next = code.store_self(init.variable, type, value, init.loc, next);
     }
     out.initial_action = next;
-    for (const auto& [name, range] : constants)
+    check_constants();
+    for (const auto& [name, range] : constants) {
       scope.names[name].read_only = "`const` data keep the value that `initial` gives";
+      scope.names[name].is_constant = true;
+    }
     for (const syntax::Transition& t : decl.transitions) build_transition(t);
     build_rules();
     BIP_ASSERT(b.diags.has_errors() || out.transitions.size() == decl.transitions.size(), "{} of {} transitions",

@@ -71,6 +71,8 @@ void CompoundBuilder::build() {
     names.declare(p.name, "priority");
     build_priority(p);
   }
+  for (const syntax::CompoundPriority& p : decl.priorities) check_top_level(p);
+  for (const syntax::CompoundItem* i : decl.items) check_top_level(*i);
   build_exports();
   if (b.diags.has_errors()) return;
   warn_unbound();
@@ -93,11 +95,10 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
   }
   row.connector.family = it->second;
   element(part, out.connectors[it->second].is_array, row.connector, fmt::format("connector `{}`", part.name.text));
-  if (out.connectors[it->second].exports) {
-    b.diags.report(Diag::kB3002, p.connector.range, part.name.text)
-        .help("a priority orders interactions of connectors that export no port");
-  }
+  std::unordered_map<std::string, SourceRange> named;
   for (const syntax::Path& path : p.ports) {
+    if (const auto [first, is_new] = named.try_emplace(b.text(path), path.range); !is_new)
+      b.diags.report(Diag::kB3015, path.range, b.text(path)).label(first->second, "here first");
     PatternPort& port = row.ports.emplace_back();
     port.range = path.range;
     if (path.parts.size() == 1) {
@@ -106,6 +107,22 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
       port_path(path, port.path);
     }
   }
+}
+
+// A rule is about top-level connectors: those that no other connector of the compound binds.
+void CompoundBuilder::check_top_level(const syntax::CompoundPriority& p) {
+  for (const syntax::InteractionPattern* side : {&p.low, &p.high}) {
+    if (side->any_connector) continue;
+    const auto it = connectors.find(std::string(side->connector.parts[0].name.text));
+    if (it == connectors.end() || !bound_connectors[it->second]) continue;
+    b.diags.report(Diag::kB3002, side->connector.range, side->connector.parts[0].name.text)
+        .help("order the interactions of the connector that binds it");
+  }
+}
+
+void CompoundBuilder::check_top_level(const syntax::CompoundItem& i) {
+  if (i.priority != nullptr) check_top_level(*i.priority);
+  for (const syntax::CompoundItem* inner : i.items) check_top_level(*inner);
 }
 
 void CompoundBuilder::build_priority(const syntax::CompoundPriority& p) {

@@ -27,15 +27,25 @@ struct PathCollector {
   }
 };
 
+// So many interactions without a clause get one.
+constexpr std::size_t kMaxClausesOfInits = 4096;
+
 struct BodyBuilder {
   ModelBuilder& b;
   const syntax::ConnectorBody& body;
   const ConnectorPorts& ports;
   ConnectorForm form;
   ConnectorType& out;
-  Scope down_scope{}, up_scope{};
+  Scope down_scope{}, up_scope{}, guard_scope{};
   std::unordered_map<std::string, std::uint32_t> variables{};
-  std::size_t errors_before = 0;      // the pass
+  std::size_t errors_before = 0;  // the pass
+  // Data with an initial value, which it has whenever an interaction is evaluated.
+  struct Init {
+    std::uint32_t variable = 0;
+    const syntax::Var* var = nullptr;
+    ExprId value{};
+  };
+  std::vector<Init> inits{};
   bool has_errors_in_define = false;  // then what it gives is not known
 
   [[nodiscard]] bool has_errors() const { return b.diags.error_count() > errors_before; }
@@ -49,12 +59,17 @@ struct BodyBuilder {
           b.diags.report(Diag::kB1002, v.name.range, v.name.text, down_scope.owner).label("a port has this name");
         }
         names.declare(v.name, "data");
-        if (v.init != nullptr)
-          b.diags.report(Diag::kB2021, v.init->range, v.name.text).help("assign it in `up` or `down`");
         const std::uint32_t row = static_cast<std::uint32_t>(out.variables.size());
         variables[std::string(v.name.text)] = row;
-        down_scope.names[std::string(v.name.text)] = {
-            .load = Op::LoadSelf, .index = row, .type = type, .read_only = "", .value = {}, .declared = v.name.range};
+        down_scope.names[std::string(v.name.text)] = {.load = Op::LoadSelf,
+                                                      .index = row,
+                                                      .type = type,
+                                                      .read_only = d.type.is_const ? "it is `const` data" : "",
+                                                      .value = {},
+                                                      .is_constant = d.type.is_const,
+                                                      .declared = v.name.range};
+        if (v.init != nullptr) inits.push_back({row, &v});
+        else if (d.type.is_const && !is_ffi(type)) b.diags.report(Diag::kB1008, v.name.range, v.name.text);
         out.variables.push_back({std::string(v.name.text), type, false, d.exported, b.loc(v.name.range)});
       }
     }
@@ -73,11 +88,52 @@ struct BodyBuilder {
       }
     }
     for (const auto& [key, binding] : ports.data) down_scope.names[key] = binding;
+    build_inits();
     up_scope = down_scope;
+    guard_scope = down_scope;
+    // A guard is evaluated before `up`: it sees the values themselves.
+    for (const Init& init : inits) {
+      Binding& binding = guard_scope.names[out.variables[init.variable].name];
+      binding.value = init.value;
+      binding.is_fresh = false;
+    }
     for (auto& [key, binding] : up_scope.names) {
       if (binding.load == Op::LoadBind && binding.read_only.empty())
         binding.read_only = "`up` writes only the connector's own data";
     }
+  }
+
+  // They are computed from constants and, in an inline connector, from the compound's parameters.
+  void build_inits() {
+    Scope scope;
+    scope.owner = fmt::format("an initial value of {}", down_scope.owner);
+    for (const auto& [name, binding] : ports.data) {
+      if (binding.value.is_valid()) scope.names[name] = binding;
+    }
+    for (Init& init : inits) {
+      CodeBuilder code(b.model, b.diags, scope);
+      const DataVariable& variable = out.variables[init.variable];
+      init.value = code.expr_as(init.var->init, variable.type, fmt::format("`{}`", variable.name));
+      if (calls_cpp(b.model.code, init.value))
+        b.diags.report(Diag::kB2021, init.var->init->range, variable.name).help("assign it in `up` or `down`");
+    }
+  }
+
+  // Sets the data that have an initial value, then goes on with `code`.
+  StmtId after_inits(StmtId code) {
+    CodeBuilder builder(b.model, b.diags, down_scope);
+    for (std::size_t i = inits.size(); i-- > 0;) {
+      const DataVariable& variable = out.variables[inits[i].variable];
+      const ExprId value = builder.copy(inits[i].value);
+      code = builder.store_self(inits[i].variable, variable.type, value, variable.loc, code);
+    }
+    return code;
+  }
+  [[nodiscard]] bool exports_initial_values() const {
+    return std::any_of(inits.begin(), inits.end(), [&](const Init& init) {
+      return std::find(out.export_variables.begin(), out.export_variables.end(), init.variable) !=
+             out.export_variables.end();
+    });
   }
 
   void build_export(syntax::Annotations annotations) {
@@ -221,7 +277,9 @@ struct BodyBuilder {
       b.diags.report(Diag::kB2011, at, interaction_text(out, row.params)).label(first->second, "here first");
       return;
     }
-    if (c.up.present && !out.exports) b.diags.report(Diag::kB2012, c.up.range).help("write `down`, or export a port");
+    if (c.up.present && !out.exports && c.up.stmts.empty()) b.diags.report(Diag::kB2038, c.up.range);
+    else if (c.up.present && !out.exports)
+      b.diags.report(Diag::kB2012, c.up.range).help("write `down`, or export a port");
     if (c.action.present && out.exports)
       b.diags.report(Diag::kB2013, c.action.range)
           .help("write `up { … }` for what the exported port shows, `down { … }` for the transfer");
@@ -230,11 +288,16 @@ struct BodyBuilder {
     CodeBuilder down(b.model, b.diags, down_scope);
     CodeBuilder up(b.model, b.diags, up_scope);
     up.set_const_calls();
-    row.guard = up.guard(c.guard);
+    CodeBuilder guard(b.model, b.diags, guard_scope);
+    guard.set_const_calls();
+    row.guard = guard.guard(c.guard);
     row.up = up.block(c.up.stmts);
     row.down = down.block(c.down.present ? c.down.stmts : c.action.stmts);
+    // What exports no port has no `up`: nobody sees its data before `down`.
+    if (out.exports) row.up = after_inits(row.up);
+    else if (row.down.is_valid()) row.down = after_inits(row.down);
     check_participants(c, row.params, at);
-    if (!out.export_variables.empty() && !c.up.present && !c.action.present &&
+    if (!out.export_variables.empty() && !c.up.present && !c.action.present && !exports_initial_values() &&
         !is_suppressed(c.annotations, "missingup")) {
       b.diags.report(Diag::kB2015, at, interaction_text(out, row.params), out.export_name);
     }
@@ -282,6 +345,23 @@ struct BodyBuilder {
     return {};
   }
 
+  // An interaction without a clause shows the initial values, too.
+  void add_clauses_of_inits(SourceRange range) {
+    if (!out.exports || has_errors_in_define || b.diags.has_errors() || !exports_initial_values()) return;
+    if (interaction_count(out) > kMaxClausesOfInits) {
+      b.diags.report(Diag::kB4006, range, kMaxClausesOfInits,
+                     "interactions of a connector whose data have initial values");
+      return;
+    }
+    for (std::vector<std::uint32_t>& params : interactions_of(out)) {
+      const bool has_clause =
+          std::any_of(out.clauses.begin(), out.clauses.end(), [&](const Clause& c) { return c.params == params; });
+      if (!has_clause)
+        out.clauses.push_back(
+            {.params = std::move(params), .guard = {}, .up = after_inits({}), .down = {}, .loc = b.loc(range)});
+    }
+  }
+
   void build(SourceRange range, syntax::Annotations annotations) {
     down_scope.owner = form == ConnectorForm::Inline ? fmt::format("connector `{}`", out.name)
                                                      : fmt::format("connector type `{}`", out.name);
@@ -297,7 +377,8 @@ struct BodyBuilder {
     std::unordered_map<std::string, SourceRange> given;
     for (const syntax::Clause& c : body.clauses) build_clause(c, given);
     if (!b.diags.has_errors()) check_clauses(b, body, out, annotations);
-    if (out.exports && !out.export_variables.empty() && body.clauses.empty()) {
+    add_clauses_of_inits(range);
+    if (out.exports && !out.export_variables.empty() && out.clauses.empty()) {
       if (b.diags.error_count() == errors_at_start && !is_silent("nointeraction") && !is_silent("missinginteraction")) {
         b.diags.report(Diag::kB2032, range, down_scope.owner, out.export_name)
             .help("write `on` with an `up` for each interaction");

@@ -22,12 +22,10 @@ void list_prototypes(const Model& model, DiagnosticBuilder d, const std::vector<
 std::optional<Argument> CodeBuilder::argument(const syntax::Expr* e) {
   const std::optional<Typed> typed = expr(e);
   if (!typed) return std::nullopt;
-  bool is_variable = false;
-  if (in_block_ && e->kind == syntax::ExprKind::Path) {
-    const Binding* b = find(e->path, Lookup::Silent);
-    is_variable = b != nullptr && b->read_only.empty() && !b->value.is_valid() && !b->poison;
-  }
-  return Argument{*typed, is_variable, e->range};
+  if (e->kind != syntax::ExprKind::Path) return Argument{*typed, false, false, e->range};
+  const Binding* b = find(e->path, Lookup::Silent);
+  const bool is_variable = in_block_ && b != nullptr && b->read_only.empty() && !b->value.is_valid() && !b->poison;
+  return Argument{*typed, is_variable, b == nullptr || b->is_constant, e->range};
 }
 
 std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
@@ -73,6 +71,11 @@ std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::v
     if (value.type == Type::Int && wanted == Type::Float) value = convert(value, Type::Float);
     const bool can_refer =
         is_ffi(value.type) || ((value.type == Type::Int || value.type == Type::Float) && value.id == args[k].typed.id);
+    if (args[k].is_constant && !param.is_const && !is_ffi(wanted)) {
+      diags_.report(Diag::kB1052, args[k].range, model_.sources->text(args[k].range), row.name)
+          .label(prototype.params[k].type.name.range, "this parameter is not `const`")
+          .help("declare the parameter `const`, or give the function a variable");
+    }
     row.params.push_back({value.type, args[k].is_variable && !param.is_const && can_refer});
     ids.push_back(value.id);
   }

@@ -7,10 +7,12 @@ namespace bip::model {
 
 namespace {
 
-// Data that instances initialise are hidden parameters "initial x".
+// Data that instances initialise are hidden parameters "initial x", parameters that actions assign "given x".
 std::string_view shown(std::string_view param) {
-  constexpr std::string_view kHidden = "initial ";
-  return param.starts_with(kHidden) ? param.substr(kHidden.size()) : param;
+  for (const std::string_view hidden : {"initial ", "given "}) {
+    if (param.starts_with(hidden)) return param.substr(hidden.size());
+  }
+  return param;
 }
 
 }  // namespace
@@ -95,7 +97,7 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
       if (k >= params.size()) continue;
     } else {
       const std::string name(arg.name.text);
-      while (k < params.size() && params[k]->name != name && params[k]->name != "initial " + name) ++k;
+      while (k < params.size() && shown(params[k]->name) != name) ++k;
       if (k == params.size()) {
         std::vector<std::string> known;
         for (const DataVariable* s : params) known.emplace_back(shown(s->name));

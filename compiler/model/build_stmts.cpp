@@ -85,7 +85,7 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
                               .a = {},
                               .b = {},
                               .loc = loc(s->target.range)});
-    const std::vector<Argument> args{{{load, target->type}, true, s->target.range}, *given};
+    const std::vector<Argument> args{{{load, target->type}, true, false, s->target.range}, *given};
     if (!best_prototypes(model_, assign->second, args).empty()) {
       const std::optional<Typed> call = ffi_call("=", assign->second, args, s->range, CallUse::Statement);
       if (!call) return next;

@@ -54,13 +54,13 @@ void check_nondeterminism(ModelBuilder& b, const AtomType& atom, const syntax::D
     const Transition& second = atom.transitions[j];
     const auto [known, is_new] = firsts.try_emplace(std::pair(second.port, second.from), j);
     if (is_new) continue;
-    if (is_suppressed(decl.annotations, "nondeterminism") ||
-        is_suppressed(decl.transitions[j].annotations, "nondeterminism"))
-      continue;
     const bool is_internal = second.port == Transition::kInternal;
     const Transition& first = atom.transitions[known->second];
     if (are_disjoint(first.when, second.when)) continue;
     const bool sure = !first.guard.is_valid() && !second.guard.is_valid() && first.when.empty() && second.when.empty();
+    if (!sure && (is_suppressed(decl.annotations, "nondeterminism") ||
+                  is_suppressed(decl.transitions[j].annotations, "nondeterminism")))
+      continue;
     const std::string what = is_internal ? fmt::format("atom type `{}` has two internal transitions", atom.name)
                                          : fmt::format("port `{}` has two transitions", atom.ports[second.port].name);
     const std::string place = second.from.empty() ? "?" : atom.places[second.from[0]];

@@ -16,12 +16,12 @@ struct Edge {
 };
 using Edges = std::vector<std::vector<Edge>>;  // by lower port
 
-Edges edges_of(const AtomType& atom, bool with_guards) {
+Edges edges_of(const AtomType& atom, bool with_guards, const std::vector<bool>& left_out) {
   Edges edges(atom.ports.size());
   const auto count = static_cast<std::uint32_t>(atom.ports.size());
   for (std::uint32_t row = 0; row < atom.priorities.size(); ++row) {
     const AtomPriority& rule = atom.priorities[row];
-    if (rule.guard.is_valid() && !with_guards) continue;
+    if ((rule.guard.is_valid() && !with_guards) || left_out[row]) continue;
     for (std::uint32_t port = 0; port < count; ++port) {
       if (rule.low == AtomPriority::kAnyPort && port != rule.high) edges[port].push_back({rule.high, row});
       if (rule.high == AtomPriority::kAnyPort && port != rule.low) edges[rule.low].push_back({port, row});
@@ -50,13 +50,8 @@ std::string cycle_text(const AtomType& atom, const std::vector<Edge>& cycle) {
   return text;
 }
 
-}  // namespace
-
-void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
-  std::vector<Edge> cycle = first_cycle(edges_of(atom, false));
-  const bool sure = !cycle.empty();
-  if (!sure) cycle = first_cycle(edges_of(atom, true));
-  if (cycle.empty() || (!sure && is_suppressed(decl.annotations, "atomprioritycycle"))) return;
+void report_cycle(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl, const std::vector<Edge>& cycle,
+                  bool sure) {
   // Rules and their declarations have the same rows: check_atom stops at errors before.
   const std::uint32_t last = cycle.back().rule;
   auto d = b.diags.report(sure ? Diag::kB3010 : Diag::kB3009, decl.atom_priorities[last].range, atom.name,
@@ -69,6 +64,21 @@ void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::
   }
   if (!sure)
     d.help("write guards that exclude each other, or `@SuppressWarning(atomprioritycycle)` before the atom type");
+}
+
+}  // namespace
+
+// Without the rule that closes a cycle there may be others: all are reported.
+void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
+  std::vector<bool> told(atom.priorities.size());
+  const bool sure = !first_cycle(edges_of(atom, false, told)).empty();
+  if (!sure && is_suppressed(decl.annotations, "atomprioritycycle")) return;
+  for (;;) {
+    const std::vector<Edge> cycle = first_cycle(edges_of(atom, !sure, told));
+    if (cycle.empty()) return;
+    report_cycle(b, atom, decl, cycle, sure);
+    told[cycle.back().rule] = true;
+  }
 }
 
 const MergedPort* merged_with(const AtomType& atom, std::uint32_t port) {

@@ -20,6 +20,7 @@ struct Binding {
   std::string read_only{};        // why it cannot be assigned; empty: it can
   ExprId value{};                 // valid: the name stands for this expression
   mutable bool is_fresh = false;  // `value` has no place in a tree yet: the first use takes it, others copy
+  bool is_constant = false;       // declared `const`
   bool poison = false;            // its declaration was wrong or is not supported: uses say nothing more
   bool is_clock = false;  // index: the first of its hidden variables. Code sets it, and reads and sets its speed
   SourceRange declared{};
@@ -81,6 +82,8 @@ class CodeBuilder {
   StmtId store_self(std::uint32_t variable, Type type, ExprId value, Loc loc, StmtId next);
   /// The value of a constant in a few rows: itself, or the division that faults wherever the constant is read.
   ExprId folded(ExprId value);
+  /// Code is a tree: what stands for a name is copied to each place where the name does.
+  ExprId copy(ExprId from);
   /// A default-valued constant, so that building can go on after an error.
   ExprId poison(Type type);
   Typed convert(Typed v, Type to);
@@ -109,8 +112,6 @@ class CodeBuilder {
   StmtId statement(const syntax::Stmt* s, StmtId next);
   void warn_zero_divisor(const syntax::Expr* e, Typed divisor);
   const Binding* find(const syntax::Path& p, Lookup lookup);
-  /// Code is a tree: what stands for a name is copied to each place where the name does.
-  ExprId copy(ExprId from);
   bool may_inline(const syntax::Expr* e, const syntax::Decl& function);
   bool is_small(ExprId unfolded, const syntax::Expr* e);
   void report_too_large(const syntax::Expr* e);

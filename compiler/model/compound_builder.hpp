@@ -72,6 +72,8 @@ struct CompoundBuilder {
   void build_exports();
   void merge_target(const syntax::CompoundExport& e, PortExport& row, const PortPath& target);
   void pattern(const syntax::InteractionPattern& p, PatternPath& row);
+  void check_top_level(const syntax::CompoundPriority& p);
+  void check_top_level(const syntax::CompoundItem& i);
   void warn_unbound();
   // check_transfers.cpp
   void warn_modified(const std::vector<CompoundItem>& rows);

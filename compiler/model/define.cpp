@@ -51,6 +51,40 @@ bool is_interaction(const ConnectorType& type, const std::vector<std::uint32_t>&
   return !params.empty() && largest_interaction(type, params) == params;
 }
 
+std::vector<std::vector<std::uint32_t>> interactions_of(const ConnectorType& type, std::uint32_t n) {
+  BIP_ASSERT(n < type.define.size(), "node {} of {}", n, type.define.size());
+  using Set = std::vector<std::uint32_t>;
+  const DefineNode& node = type.define[n];
+  if (node.is_leaf) return {{node.param}};
+  const bool has_triggers = std::any_of(node.children.begin(), node.children.end(),
+                                        [&](std::uint32_t child) { return type.define[child].trigger; });
+  // Without and with a trigger among them.
+  std::vector<Set> plain{{}}, triggered;
+  for (const std::uint32_t child : node.children) {
+    const std::vector<Set> below = interactions_of(type, child);
+    std::vector<Set> plain_now, triggered_now;
+    if (has_triggers) {
+      plain_now = plain;
+      triggered_now = triggered;
+    }
+    const auto join = [&](const std::vector<Set>& left, std::vector<Set>& to) {
+      for (const Set& set : left) {
+        for (const Set& more : below) {
+          to.push_back(set);
+          to.back().insert(to.back().end(), more.begin(), more.end());
+        }
+      }
+    };
+    join(plain, has_triggers && type.define[child].trigger ? triggered_now : plain_now);
+    join(triggered, triggered_now);
+    plain = std::move(plain_now);
+    triggered = std::move(triggered_now);
+  }
+  std::vector<Set> sets = has_triggers ? std::move(triggered) : std::move(plain);
+  for (Set& set : sets) std::sort(set.begin(), set.end());
+  return sets;
+}
+
 double interaction_count(const ConnectorType& type, std::uint32_t n) {
   BIP_ASSERT(n < type.define.size(), "node {} of {}", n, type.define.size());
   const DefineNode& node = type.define[n];

@@ -20,6 +20,7 @@ namespace bip::model {
 struct Argument {
   Typed typed;
   bool is_variable = false;  // C++ may change it
+  bool is_constant = false;  // it is named, and declared `const`
   SourceRange range;
 };
 /// "int, List": the arguments' types.

@@ -243,22 +243,27 @@ bool Instantiator::check_cycle(CompoundId parent, std::size_t first_rule, const 
     return cursor.at == cursor.next.size() ? kNoSuccessor : static_cast<std::uint32_t>(cursor.next[cursor.at++]);
   };
   const auto holds = [&](std::uint32_t i, std::uint32_t j) { return chains.holds(row(i), row(j)); };
-  const auto cycle = find_cycle(static_cast<std::uint32_t>(rules.size()), enter, next, holds);
-  if (cycle.empty()) return false;
-  const std::uint32_t closing = cycle.front().node;
-  std::string names;
-  for (const auto& on : cycle) names += row(on.node).name + " < ";
-  auto d =
-      diags.report(with_guards ? Diag::kB3014 : Diag::kB3006, compared(*rules[closing]), names + row(closing).name);
-  d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
-  for (const auto& on : cycle) {
-    if (on.node != closing) d.label(compared(*rules[on.node]), "");
+  // Without the rule that closes a cycle there may be others: all are reported.
+  bool has_cycle = false;
+  for (;;) {
+    const auto cycle = find_cycle(static_cast<std::uint32_t>(rules.size()), enter, next, holds);
+    if (cycle.empty()) return has_cycle;
+    has_cycle = true;
+    const std::uint32_t closing = cycle.front().node;
+    std::string names;
+    for (const auto& on : cycle) names += row(on.node).name + " < ";
+    auto d =
+        diags.report(with_guards ? Diag::kB3014 : Diag::kB3006, compared(*rules[closing]), names + row(closing).name);
+    d.note(fmt::format("in compound `{}`", out.compounds[parent].path));
+    for (const auto& on : cycle) {
+      if (on.node != closing) d.label(compared(*rules[on.node]), "");
+    }
+    if (with_guards)
+      d.help(
+          "write guards that exclude each other, or `@SuppressWarning(compoundprioritycycle)` before the compound "
+          "type");
+    is_followed[closing] = 0;
   }
-  if (with_guards)
-    d.help(
-        "write guards that exclude each other, or `@SuppressWarning(compoundprioritycycle)` before the compound "
-        "type");
-  return true;
 }
 
 }  // namespace bip::system

@@ -23,6 +23,7 @@ Description generate(std::uint64_t seed, Features features) {
   if (features == Features::Plain) style.merged = style.atom_rules = style.invariants = false;
   // Random numbers of its own: other seeds' models stay what they are.
   style.regular = Prng(seed ^ 0x7265677561u).percent(30);
+  style.has_initial_values = Prng(seed ^ 0x696e6974u).percent(25);
   if (style.regular) {
     style.faults = style.merged = style.atom_rules = style.invariants = false;
     style.calls = style.ffi = style.objects = false;

@@ -40,10 +40,11 @@ struct Style {
   bool objects = false;  // and its types
   bool regular =
       false;  // what can be compiled as whole steps: ports of one transition, no faults, few guards and triggers
-  bool narrow = false;   // no floats: data that a loop over steps may have in columns
-  bool ruled = false;    // many priority rules, in chains, with guards
-  int max_weight = 120;  // alternatives of one connector
-  int max_atoms = 800;   // of a whole model: four levels of wide arrays would have a million
+  bool narrow = false;              // no floats: data that a loop over steps may have in columns
+  bool has_initial_values = false;  // of connectors' data
+  bool ruled = false;               // many priority rules, in chains, with guards
+  int max_weight = 120;             // alternatives of one connector
+  int max_atoms = 800;              // of a whole model: four levels of wide arrays would have a million
   std::vector<Var> constants;
   std::vector<InlineFunction> functions;
 };

@@ -84,6 +84,8 @@ class ConnectorMaker {
     Var var;
     var.name = "z" + std::to_string(type_.data.size());
     var.type = type;
+    if (style_.has_initial_values && type != Ty::Pair && type != Ty::Wide && random_.percent(50))
+      var.init = code_.literal(type);
     type_.data.push_back(var);
     return var.name;
   }
