@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -85,11 +86,13 @@ template <class T>
 /// The row of a C++ type.
 template <class T>
 [[nodiscard]] constexpr FfiType ffi_type_of(const char* name) {
-  FfiType type{name,
-               []() -> void* { return new T(); },
-               [](void* object) { *static_cast<T*>(object) = T(); },
-               [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); },
-               nullptr,
+  FfiType type{name, []() -> void* { return new T(); },
+               // In place: an object may be larger than the stack.
+               [](void* object) {
+                 std::destroy_at(static_cast<T*>(object));
+                 std::construct_at(static_cast<T*>(object));
+               },
+               [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); }, nullptr,
                [](void* object) { delete static_cast<T*>(object); }};
   if constexpr (requires(const T& value) { static_cast<bool>(value == value); }) {
     type.equal = [](const void* a, const void* b) {
