@@ -3,7 +3,8 @@
 //
 // --published follows the choices of the trace with our own core and compares, state by state, the candidates as
 // multisets of their printed form (names, port values and, for models with time, the intervals in which each may be
-// taken). The first difference is printed with both sets.
+// taken). The first difference is printed with both sets. The end of the trace, if it has one, must be the model's: a
+// deadlock, a time lock, the same kind of error.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -40,8 +41,8 @@ std::vector<Shown> shown(const std::vector<std::string>& texts) {
 std::vector<Shown> our_candidates(rt::Core& core, rt::Bip2Writer& writer) {
   std::string text;
   writer.state(text, core, 0);
-  const Result<std::vector<TraceState>> states = read_published_trace(text);
-  return states && core.candidate_count() > 0 ? shown((*states).front().candidates) : std::vector<Shown>();
+  const Result<PublishedTrace> trace = read_published_trace(text);
+  return trace && core.candidate_count() > 0 ? shown((*trace).states.front().candidates) : std::vector<Shown>();
 }
 
 // Now and later, with their intervals.
@@ -49,8 +50,8 @@ std::vector<Shown> our_future(rt::Core& core, rt::Bip2Writer& writer) {
   std::string text;
   writer.foresee(core);
   writer.future_state(text, 0);
-  const Result<std::vector<TraceState>> states = read_published_trace(text);
-  return states && writer.has_future() ? shown((*states).front().candidates) : std::vector<Shown>();
+  const Result<PublishedTrace> trace = read_published_trace(text);
+  return trace && writer.has_future() ? shown((*trace).states.front().candidates) : std::vector<Shown>();
 }
 
 // Those of `a` that `b` lacks, counted.
@@ -68,6 +69,36 @@ std::vector<std::string> missing_in(const std::vector<Shown>& a, const std::vect
   return missing;
 }
 
+// Instants and intervals of a model without time say nothing: it has none.
+std::vector<std::string> without_time(std::vector<std::string> candidates) {
+  for (std::string& candidate : candidates) candidate = without_intervals(candidate);
+  return candidates;
+}
+
+TraceEnd end_of(rt::FaultCode code) {
+  switch (code) {
+    case rt::FaultCode::None: return TraceEnd::None;
+    case rt::FaultCode::TwoTransitions:
+    case rt::FaultCode::TwoInternals: return TraceEnd::TwoTransitions;
+    case rt::FaultCode::NotOneSafe: return TraceEnd::NotOneSafe;
+    case rt::FaultCode::InvariantViolated: return TraceEnd::Invariant;
+    case rt::FaultCode::PriorityCycle:
+    case rt::FaultCode::AtomPriorityCycle: return TraceEnd::PriorityCycle;
+    case rt::FaultCode::TimeLock: return TraceEnd::TimeLock;
+    case rt::FaultCode::LateStep: return TraceEnd::Late;
+    case rt::FaultCode::EventRefused: return TraceEnd::Event;
+    case rt::FaultCode::EndlessInternals:
+    case rt::FaultCode::DivisionByZero:
+    case rt::FaultCode::DivisionOverflow:
+    case rt::FaultCode::TooManyInteractions:
+    case rt::FaultCode::Exception:
+    case rt::FaultCode::BadClock:
+    case rt::FaultCode::SourceFailed:
+    case rt::FaultCode::ReplayDiffers: break;
+  }
+  return TraceEnd::Error;
+}
+
 std::string set_text(const std::vector<Shown>& candidates) {
   if (candidates.empty()) return " nothing (a deadlock)";
   std::string text;
@@ -82,12 +113,36 @@ class Replay {
         trace_path_(trace_path),
         core_(c.lowered->image, {.progress = maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}) {}
 
-  // True if all states agree.
-  bool follow(const std::vector<TraceState>& states) {
-    if (!core_.initialize()) return fault(states.front(), 0);
+  // True if all states and the end agree.
+  bool follow(const PublishedTrace& trace) {
+    trace_ = &trace;
+    if (!core_.initialize()) return fault(nullptr);
+    if (!follow_states(trace.states)) return false;
+    if (ends_with_fault_) return true;
+    switch (trace.end) {
+      case TraceEnd::None:
+      case TraceEnd::Deadlock: return true;
+      case TraceEnd::TimeLock: return core_.is_timed() && is_time_locked() ? agree() : no_such_end();
+      case TraceEnd::TwoTransitions:
+      case TraceEnd::NotOneSafe:
+      case TraceEnd::Invariant:
+      case TraceEnd::PriorityCycle:
+      case TraceEnd::Event:
+      case TraceEnd::Late:
+      case TraceEnd::Error: break;
+    }
+    return no_such_end();
+  }
+  [[nodiscard]] std::uint64_t compared() const { return compared_; }
+  [[nodiscard]] std::uint64_t steps() const { return steps_; }
+  /// Did the trace end with an error that the model has, too?
+  [[nodiscard]] bool has_equal_end() const { return ends_with_fault_; }
+
+ private:
+  bool follow_states(const std::vector<TraceState>& states) {
     for (const TraceState& state : states) {
       std::vector<Shown> ours = core_.is_timed() ? our_future(core_, writer_) : our_candidates(core_, writer_);
-      const std::vector<Shown> theirs = shown(state.candidates);
+      const std::vector<Shown> theirs = shown(core_.is_timed() ? state.candidates : without_time(state.candidates));
       // The last state of a run that was cut off may lack lines.
       const bool is_cut = !state.is_complete && &state == &states.back() && state.chosen.empty();
       if (!missing_in(theirs, ours).empty() || (!is_cut && !missing_in(ours, theirs).empty()))
@@ -107,15 +162,27 @@ class Replay {
                                                    trace_path_, state.chosen));
       }
       const auto k = static_cast<std::uint64_t>(chosen - ours.begin());
-      if (core_.is_timed() ? !core_.time().take(core_.position(k)) : !core_.fire(k)) return fault(state, steps_);
+      if (core_.is_timed() ? !core_.time().take(core_.position(k)) : !core_.fire(k))
+        return fault(&state == &states.back() ? nullptr : &state);
       ++steps_;
     }
     return true;
   }
-  [[nodiscard]] std::uint64_t compared() const { return compared_; }
-  [[nodiscard]] std::uint64_t steps() const { return steps_; }
 
- private:
+  bool agree() {
+    ends_with_fault_ = true;
+    return true;
+  }
+  bool no_such_end() {
+    return fail(fmt::format("`{}`, line {}, ends with `{}`, and the model goes on there", trace_path_, trace_->end_line,
+                            trace_->end_text));
+  }
+  // No step now or later, and time that cannot pass for ever.
+  bool is_time_locked() {
+    writer_.foresee(core_);
+    if (writer_.has_future()) return false;
+    return core_.time().wait_limit(ends_) != rt::kForever;
+  }
   bool fail(std::string what) {
     compilation_.diags.add(Diag::kB5021, {}, std::move(what));
     return false;
@@ -136,7 +203,7 @@ class Replay {
       if (next > core_.time().wait_limit(ends_))
         return fail(fmt::format("state #{} of `{}` is left at {}, to which time may not pass in the model",
                                 state.number, trace_path_, state.instant));
-      if (!core_.time().advance(next)) return fault(state, steps_);
+      if (!core_.time().advance(next)) return fault(&state);
     }
     return true;
   }
@@ -148,12 +215,18 @@ class Replay {
     d.note("the trace has" + set_text(theirs)).note("the model has" + set_text(ours));
     return false;
   }
-  bool fault(const TraceState& state, std::uint64_t step) {
-    compilation_.diags
-        .report(Diag::kB5021, {},
-                fmt::format("a run-time error ends the model at state #{} of `{}`: {}", state.number, trace_path_,
-                            core_.fault().what))
-        .note(fmt::format("after {} step{}", step, step == 1 ? "" : "s"));
+  // The model has ended with an error, after the last choice of the trace (null) or before: does the trace end so, too?
+  bool fault(const TraceState* before_end) {
+    const TraceEnd end = end_of(core_.fault().code);
+    if (before_end == nullptr && trace_->end == end) return agree();
+    const std::string at = before_end != nullptr    ? fmt::format("at state #{}", before_end->number)
+                           : trace_->states.empty() ? "before the first state"
+                                                    : fmt::format("at state #{}", trace_->states.back().number);
+    auto d = compilation_.diags.report(
+        Diag::kB5021, {},
+        fmt::format("a run-time error ends the model {} of `{}`: {}", at, trace_path_, core_.fault().what));
+    d.note(fmt::format("after {} step{}", steps_, steps_ == 1 ? "" : "s"));
+    if (!trace_->end_text.empty()) d.note(fmt::format("the trace ends with `{}`", trace_->end_text));
     return false;
   }
 
@@ -163,6 +236,8 @@ class Replay {
   rt::Bip2Writer writer_;
   std::vector<rt::i64> ends_;
   std::uint64_t compared_ = 0, steps_ = 0;
+  const PublishedTrace* trace_ = nullptr;
+  bool ends_with_fault_ = false;
 };
 
 int replay_recorded(Compilation& c, const ReplayArguments& arguments) {
@@ -207,16 +282,16 @@ int command_replay(const ReplayArguments& arguments) {
     c.diags.report(Diag::kB0090, {}, arguments.published_trace, file.error());
     return report(c);
   }
-  const Result<std::vector<TraceState>> states = read_published_trace(traces.text(*file));
-  if (!states) {
-    c.diags.report(Diag::kB5020, {}, arguments.published_trace, states.error());
+  const Result<PublishedTrace> trace = read_published_trace(traces.text(*file));
+  if (!trace) {
+    c.diags.report(Diag::kB5020, {}, arguments.published_trace, trace.error());
     return report(c);
   }
   Replay replay(c, arguments.published_trace, arguments.maximal_progress);
-  const bool agree = replay.follow(*states);
+  const bool agree = replay.follow(*trace);
   if (agree) {
-    std::printf("replay: %llu states and %llu steps agree\n", static_cast<unsigned long long>(replay.compared()),
-                static_cast<unsigned long long>(replay.steps()));
+    std::printf("replay: %llu states and %llu steps agree%s\n", static_cast<unsigned long long>(replay.compared()),
+                static_cast<unsigned long long>(replay.steps()), replay.has_equal_end() ? ", and the end" : "");
   }
   return report(c);
 }

@@ -94,51 +94,145 @@ std::string normal_candidate(std::string_view candidate) {
   return std::string(trimmed(out));
 }
 
-Result<std::vector<TraceState>> read_published_trace(std::string_view text) {
-  std::vector<TraceState> states;
-  std::uint64_t expected = 0;
-  std::size_t number = 0;
-  while (!text.empty()) {
-    ++number;
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (!take(line, kPrefix)) continue;
-    line = trimmed(line);
-    std::string candidate;
-    if (take(line, "state #")) {
-      TraceState& state = states.emplace_back();
-      state.line = number;
-      if (!take_number(line, state.number)) return Failure{fmt::format("line {} has no state number", number)};
-      // Timed systems: "state #3 and global time 6s: …".
-      const std::size_t colon = line.find(':');
-      const std::string_view rest =
-          colon == std::string_view::npos ? std::string_view() : trimmed(line.substr(colon + 1));
-      state.is_deadlock = rest.starts_with("deadlock");
-      // "limit reached", "error": nothing to compare there.
-      const bool is_list =
-          rest.find("interaction") != std::string_view::npos || rest.find("internal port") != std::string_view::npos;
-      if (!state.is_deadlock && !is_list) states.pop_back();
-      expected = is_list ? announced(rest) : 0;
-      if (!states.empty()) states.back().is_complete = expected == 0;
-    } else if (take(line, "-> choose")) {
-      if (states.empty() || !take_candidate(trimmed(line), states.back().chosen))
-        return Failure{fmt::format("line {} chooses nothing that can be read", number)};
-      TraceState& state = states.back();
-      if (const std::size_t at = state.chosen.rfind(kAtTime);
-          at != std::string::npos && state.chosen.find('"', at) == std::string::npos) {
-        state.instant = trimmed(std::string_view(state.chosen).substr(at + kAtTime.size()));
-        state.chosen.resize(at);
-      }
-    } else if (line.starts_with('[')) {
-      if (states.empty() || !take_candidate(line, candidate))
-        return Failure{fmt::format("line {} is no interaction of a state", number)};
-      states.back().candidates.push_back(std::move(candidate));
-      states.back().is_complete = states.back().candidates.size() >= expected;
-    }
-  }
-  if (states.empty()) return Failure{"no line `[BIP ENGINE]: state #…` in it"};
-  return states;
+std::string without_intervals(std::string_view candidate) {
+  // No interval has a `)`; an internal port has none either, and no blank.
+  const std::size_t close = candidate.rfind(')');
+  const std::size_t at = candidate.find_first_of("[]", close == std::string_view::npos ? 0 : close);
+  if (at == 0 || at == std::string_view::npos || candidate[at - 1] != ' ') return std::string(candidate);
+  return std::string(trimmed(candidate.substr(0, at)));
 }
+
+namespace {
+
+// What the words of an error are about; None: they are none of an error.
+TraceEnd end_of(std::string_view text) {
+  struct Row {
+    std::string_view words;
+    TraceEnd end;
+  };
+  static constexpr Row kRows[] = {{"time-lock", TraceEnd::TimeLock},
+                                  {"time lock", TraceEnd::TimeLock},
+                                  {"non deterministic", TraceEnd::TwoTransitions},
+                                  {"1-safe", TraceEnd::NotOneSafe},
+                                  {"cycle in priorities", TraceEnd::PriorityCycle},
+                                  {"invariant", TraceEnd::Invariant},
+                                  {"unexpected event", TraceEnd::Event},
+                                  {"timing violation", TraceEnd::Late},
+                                  {"ERROR", TraceEnd::Error}};
+  for (const Row& row : kRows) {
+    if (text.find(row.words) != std::string_view::npos) return row.end;
+  }
+  return TraceEnd::None;
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string_view text) : text_(text) {}
+
+  Result<PublishedTrace> read() {
+    while (!text_.empty() && failure_.empty()) {
+      ++number_;
+      const std::size_t end = text_.find('\n');
+      std::string_view line = text_.substr(0, end);
+      text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
+      if (take(line, kPrefix)) read_line(trimmed(line));
+      // The text was cut off in this line.
+      if (!failure_.empty() && end == std::string_view::npos && !trace_.states.empty()) failure_.clear();
+    }
+    if (!failure_.empty()) return Failure{failure_};
+    if (trace_.states.empty() && trace_.end == TraceEnd::None) return Failure{"no line `[BIP ENGINE]: state #…` in it"};
+    return std::move(trace_);
+  }
+
+ private:
+  void read_line(std::string_view line) {
+    if (take(line, "state #")) return read_state(line);
+    if (take(line, "-> choose")) return read_choice(trimmed(line));
+    if (line.starts_with('[')) return read_candidate(line);
+    note_end(line);
+  }
+
+  void note_end(std::string_view line) {
+    const TraceEnd end = end_of(line);
+    if (end == TraceEnd::None || trace_.end != TraceEnd::None) return;
+    trace_.end = end;
+    trace_.end_line = number_;
+    if (take(line, "ERROR:")) line = trimmed(line);
+    trace_.end_text = line;
+  }
+
+  void read_state(std::string_view line) {
+    TraceState state;
+    state.line = number_;
+    if (!take_number(line, state.number)) return fail("line {} has no state number");
+    // With time: "state #3 and global time 6s: …".
+    const std::size_t colon = line.find(':');
+    std::string_view head = line.substr(0, colon);
+    if (take(head, " and global time ")) state.entered = trimmed(head);
+    const std::string_view rest =
+        colon == std::string_view::npos ? std::string_view() : trimmed(line.substr(colon + 1));
+    state.is_deadlock = rest.starts_with("deadlock");
+    const bool is_list =
+        rest.find("interaction") != std::string_view::npos || rest.find("internal port") != std::string_view::npos;
+    // "limit reached", "error": nothing to compare there.
+    if (!state.is_deadlock && !is_list) return note_end(rest);
+    expected_ = is_list ? announced(rest) : 0;
+    state.is_complete = expected_ == 0;
+    if (state.is_deadlock && trace_.end == TraceEnd::None) {
+      trace_.end = TraceEnd::Deadlock;
+      trace_.end_line = number_;
+    }
+    trace_.states.push_back(std::move(state));
+  }
+
+  void read_choice(std::string_view line) {
+    std::string chosen;
+    if (trace_.states.empty() || !take_candidate(line, chosen)) return fail("line {} chooses nothing that can be read");
+    TraceState& state = trace_.states.back();
+    if (const std::size_t at = chosen.rfind(kAtTime);
+        at != std::string::npos && chosen.find('"', at) == std::string::npos) {
+      state.instant = trimmed(std::string_view(chosen).substr(at + kAtTime.size()));
+      chosen.resize(at);
+    }
+    state.chosen = without_intervals(chosen);
+    // A choice that was cut off says too little to be followed.
+    if (text_.empty() && is_cut_off(state)) state.chosen.clear();
+  }
+
+  static bool is_cut_off(const TraceState& state) {
+    for (const std::string& candidate : state.candidates) {
+      if (normal_candidate(without_intervals(candidate)) == normal_candidate(state.chosen)) return false;
+    }
+    return true;
+  }
+
+  void read_candidate(std::string_view line) {
+    std::string candidate;
+    if (trace_.states.empty() || !take_candidate(line, candidate)) return fail("line {} is no interaction of a state");
+    TraceState& state = trace_.states.back();
+    // `now` is the state's instant.
+    const std::string name = without_intervals(candidate);
+    std::string intervals = candidate.substr(name.size());
+    for (std::size_t at = intervals.find("now"); at != std::string::npos && !state.entered.empty();
+         at = intervals.find("now"))
+      intervals.replace(at, 3, state.entered);
+    for (std::size_t at = intervals.find("+INFTY ]"); at != std::string::npos; at = intervals.find("+INFTY ]"))
+      intervals[at + 7] = '[';
+    state.candidates.push_back(name + intervals);
+    state.is_complete = state.candidates.size() >= expected_;
+  }
+
+  void fail(fmt::format_string<std::size_t&> what) { failure_ = fmt::format(what, number_); }
+
+  std::string_view text_;
+  std::size_t number_ = 0;  // of the line at hand
+  std::uint64_t expected_ = 0;
+  PublishedTrace trace_;
+  std::string failure_;
+};
+
+}  // namespace
+
+Result<PublishedTrace> read_published_trace(std::string_view text) { return Reader(text).read(); }
 
 }  // namespace bip::driver

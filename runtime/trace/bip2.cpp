@@ -1,4 +1,5 @@
 // The lines of the published BIP2 engine, so that scripts made for it keep working. See trace.hpp.
+#include <algorithm>
 #include <cstring>
 
 #include "runtime/core/text.hpp"
@@ -201,7 +202,8 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
     case FaultCode::InvariantViolated: text = "invariant " + atom + '.' + fault.rule + " violated"; break;
     case FaultCode::PriorityCycle: text = "cycle in priorities of compound: " + fault.rule; break;
     case FaultCode::AtomPriorityCycle: text = "cycle in priorities of atom " + atom + ": " + fault.rule; break;
-    case FaultCode::TimeLock: text = "time-lock in " + atom; break;
+    // Told by the line of the state.
+    case FaultCode::TimeLock:
     case FaultCode::None:
     case FaultCode::EndlessInternals:
     case FaultCode::DivisionByZero:
@@ -219,10 +221,20 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
 }
 
 void Bip2Writer::end(std::string& out, const Core& core, End end, std::uint64_t number) {
+  const bool is_time_lock = end == End::Fault && core.fault().code == FaultCode::TimeLock;
   if (end == End::Fault) fault(out, core);
   out += kPrefix;
   out += "state #";
   append_number(out, number);
+  if (is_time_lock) {
+    // The state was reached before time came to its end.
+    out += " and global time ";
+    append_time(out, std::min(foreseen_at_, core.now()));
+    out += ": time-lock at ";
+    append_time(out, core.now());
+    out += "!\n";
+    return;
+  }
   append_instant(out, core);
   switch (end) {
     case End::Deadlock: out += ": deadlock!\n"; break;

@@ -36,7 +36,10 @@ int published_exit_code(FaultCode code) {
     case FaultCode::PriorityCycle: return 3;
     case FaultCode::AtomPriorityCycle: return 4;
     case FaultCode::InvariantViolated: return 5;
+    case FaultCode::EventRefused: return 6;
     case FaultCode::LateStep: return 7;
+    // An end like a deadlock.
+    case FaultCode::TimeLock: return 0;
     case FaultCode::None:
     case FaultCode::TwoTransitions:
     case FaultCode::TwoInternals:
@@ -45,9 +48,7 @@ int published_exit_code(FaultCode code) {
     case FaultCode::DivisionOverflow:
     case FaultCode::TooManyInteractions:
     case FaultCode::Exception:
-    case FaultCode::TimeLock:
     case FaultCode::BadClock:
-    case FaultCode::EventRefused:
     case FaultCode::SourceFailed:
     case FaultCode::ReplayDiffers: break;
   }

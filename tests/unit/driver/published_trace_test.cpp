@@ -6,7 +6,7 @@
 using namespace bip::driver;
 
 TEST_CASE("states, candidates and choices are read, other lines passed over") {
-  const auto states = read_published_trace(
+  const auto trace = read_published_trace(
       "[BIP ENGINE]: initialize components...\n"
       "something that the model says\n"
       "[BIP ENGINE]: state #0: 1 interaction and 1 internal port:\r\n"
@@ -14,32 +14,32 @@ TEST_CASE("states, candidates and choices are read, other lines passed over") {
       "[BIP ENGINE]:   [1] ROOT.a.think\n"
       "[BIP ENGINE]: -> choose [1] ROOT.a.think\n"
       "[BIP ENGINE]: state #1: deadlock!\n");
-  REQUIRE(states);
-  REQUIRE((*states).size() == 2);
-  const TraceState& first = (*states)[0];
+  REQUIRE(trace);
+  REQUIRE((*trace).states.size() == 2);
+  const TraceState& first = (*trace).states[0];
   CHECK(first.line == 3);
   CHECK(first.candidates == std::vector<std::string>{"ROOT.k: p.put(v=1;) c.get(v=0;)", "ROOT.a.think"});
   CHECK(first.chosen == "ROOT.a.think");
   CHECK(first.is_complete);
-  CHECK((*states)[1].is_deadlock);
-  CHECK((*states)[1].candidates.empty());
+  CHECK((*trace).states[1].is_deadlock);
+  CHECK((*trace).states[1].candidates.empty());
 }
 
 TEST_CASE("a last state that was cut off is not complete") {
-  const auto states = read_published_trace(
+  const auto trace = read_published_trace(
       "[BIP ENGINE]: state #7 and global time 6s: 2 interactions:\n"
       "[BIP ENGINE]:   [0] ROOT.k: a.p()\n");
-  REQUIRE(states);
-  CHECK((*states)[0].number == 7);
-  CHECK_FALSE((*states)[0].is_complete);
+  REQUIRE(trace);
+  CHECK((*trace).states[0].number == 7);
+  CHECK_FALSE((*trace).states[0].is_complete);
 }
 
 TEST_CASE("a limit is no state") {
-  const auto states = read_published_trace(
+  const auto trace = read_published_trace(
       "[BIP ENGINE]: state #0: 1 internal port:\n[BIP ENGINE]:   [0] ROOT.a.p\n[BIP ENGINE]: state #1: limit "
       "reached\n");
-  REQUIRE(states);
-  CHECK((*states).size() == 1);
+  REQUIRE(trace);
+  CHECK((*trace).states.size() == 1);
 }
 
 TEST_CASE("what is no trace fails with a reason") {
@@ -56,4 +56,36 @@ TEST_CASE("candidates are compared apart from spaces, truth values, quotes and l
   CHECK(normal_candidate("R.k: a.p(s=\"a; b=2\";y=1;)") == normal_candidate("R.k: a.p(s=\"a; b=2\";y=1;)"));
   CHECK(normal_candidate("R.k: a.p(x=1;)") != normal_candidate("R.k: a.p(x=2;)"));
   CHECK(normal_candidate("R.k: a.p(x=1000001;)") != normal_candidate("R.k: a.p(x=1000002;)"));
+}
+
+TEST_CASE("the engine for real time writes instants and intervals of models without time") {
+  const auto trace = read_published_trace(
+      "[BIP ENGINE]: state #0 and global time 0: 1 interaction and 1 internal port:\n"
+      "[BIP ENGINE]:   [0] ROOT.k: a.p(s=\"x) [1\";) [ now, +INFTY ]\n"
+      "[BIP ENGINE]:   [1] ROOT.a.think [ now, +INFTY ]\n"
+      "[BIP ENGINE]: -> choose [1] ROOT.a.think [ now, +INFTY ] at global time 0\n"
+      "[BIP ENGINE]: ERROR: the invariant ROOT.a.i has been violated!\n");
+  REQUIRE(trace);
+  const TraceState& first = (*trace).states.at(0);
+  CHECK(without_intervals(first.candidates.at(0)) == "ROOT.k: a.p(s=\"x) [1\";)");
+  CHECK(without_intervals(first.candidates.at(1)) == "ROOT.a.think");
+  CHECK(first.candidates.at(1) == "ROOT.a.think [ 0, +INFTY [");
+  CHECK(first.chosen == "ROOT.a.think");
+  CHECK(first.instant == "0");
+  CHECK((*trace).end == TraceEnd::Invariant);
+}
+
+TEST_CASE("an end before the first state, and a last line that was cut off") {
+  const auto early = read_published_trace("[BIP ENGINE]: state #0 and global time 0: time-lock at 5s!\n");
+  REQUIRE(early);
+  CHECK((*early).states.empty());
+  CHECK((*early).end == TraceEnd::TimeLock);
+  const auto cut = read_published_trace(
+      "[BIP ENGINE]: state #0: 1 interaction:\n[BIP ENGINE]:   [0] ROOT.k: a.p()\n[BIP ENGINE]: -> choose [0] ROOT.k: "
+      "a");
+  REQUIRE(cut);
+  CHECK((*cut).states.at(0).chosen.empty());
+  const auto shorter = read_published_trace("[BIP ENGINE]: state #0: 1 interaction:\n[BIP ENGINE]:   [");
+  REQUIRE(shorter);
+  CHECK_FALSE((*shorter).states.at(0).is_complete);
 }
