@@ -1,6 +1,7 @@
 // Selects a command from argv. CLI11 parses the options; an error in them is exit code 2 with one line and a hint.
 #include "compiler/driver/cli.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <string_view>
 
@@ -58,6 +59,28 @@ int unexpected_word(const CLI::App& app, const std::string& help) {
                      similar.empty() ? help : fmt::format("there is `{}`", similar.front()));
 }
 
+// As getopt does: the beginning of a long option stands for it if no other one begins so.
+std::vector<std::string> with_whole_options(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    std::string word = argv[i];
+    const std::size_t end = std::min(word.find('='), word.size());
+    const std::string name = word.substr(0, end);
+    std::vector<std::string> meant;
+    for (const std::string& option : known) {
+      if (name.size() > 2 && option.starts_with(name)) meant.push_back(option);
+    }
+    const bool is_whole = std::find(meant.begin(), meant.end(), name) != meant.end();
+    if (!is_whole && meant.size() == 1) word = meant.front() + word.substr(end);
+    words.push_back(std::move(word));
+  }
+  return words;
+}
+
 int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("check")) return command_check(arguments.check);
   if (app.got_subcommand("run")) return command_run(arguments.run);
@@ -97,16 +120,25 @@ int run_command_line(int argc, char** argv) {
   if (argc > 1 && argv[1][0] != '-' && !is_command(app, argv[1])) return unknown_command(app, argv[1]);
   if (argc > 1 && std::string_view(argv[1]) == "--version") return command_version();
   try {
-    app.parse(argc, argv);
+    // The published compiler's call has no command. Words come last first.
+    if (argc > 1 && argv[1][0] == '-') {
+      std::vector<std::string> words = with_whole_options(app, argc, argv);
+      std::reverse(words.begin(), words.end());
+      app.parse(std::move(words));
+    } else {
+      app.parse(argc, argv);
+    }
   } catch (const CLI::CallForHelp& e) {
     return app.exit(e);
+  } catch (const CLI::CallForVersion&) {
+    return command_version();
   } catch (const CLI::ExtrasError&) {
     return unexpected_word(app, help_of(app, argc, argv));
   } catch (const CLI::ParseError& e) {
     return usage_error(e.what(), help_of(app, argc, argv));
   }
-  if (!arguments.published.package.empty()) {
-    if (!app.get_subcommands().empty()) return usage_error("`-p` goes without a command", "`bipc --help`");
+  if (!arguments.published.package.empty() || !arguments.published.file.empty()) {
+    if (!app.get_subcommands().empty()) return usage_error("`-p` and `-f` go without a command", "`bipc --help`");
     return command_published(arguments.published);
   }
   if (app.get_subcommands().empty()) {

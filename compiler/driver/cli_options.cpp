@@ -224,7 +224,7 @@ void add_run(CLI::App& app, RunArguments& a) {
           "seed of the random choices (default: drawn at random and printed)")
       ->check(is_number())
       ->type_name("N");
-  command->add_option("--limit", a.run.limit, "stop the run after N steps (default: no limit)")
+  command->add_option("-l,--limit", a.run.limit, "stop the run after N steps (default: no limit)")
       ->check(is_number())
       ->type_name("N");
   add_choice(*command, "--policy", a.run.policy, kPolicies.names, kPolicies.shown,
@@ -247,7 +247,7 @@ void add_run(CLI::App& app, RunArguments& a) {
                    "worker threads of --engine=threads and --engine=batch (default: one per processor)")
       ->check(CLI::Range(1, 256))
       ->type_name("N");
-  command->add_flag("--asap", a.run.asap,
+  command->add_flag("-a,--asap", a.run.asap,
                     "take each step at the earliest instant at which it is possible (for models with clocks)");
   command->add_flag_callback(
       "--real-time", [&a] { a.run.speed = a.run.speed > 0 ? a.run.speed : 1; },
@@ -269,17 +269,21 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->add_option("--replay", a.run.replay_path,
                    "repeat the run recorded in PATH, in logical time, with the recorded seed and policy")
       ->type_name("PATH");
-  command->add_flag("--silent", a.run.silent, "print no steps, only the seed and how the run ended");
+  command->add_flag("-s,--silent", a.run.silent, "print no steps, only the seed and how the run ended");
+  // The published engine's words for what a run does anyway.
+  command->add_flag_callback("-v,--verbose", [&a] { a.run.silent = false; })->group("");
+  command->add_flag_callback("--execute", [&a] { a.run.explore = false; })->group("");
+  command->set_version_flag("-V,--version")->group("");
   command->add_flag("--stats", a.run.stats,
                     "print the number of steps, the duration, the time per step and the memory used at the end");
-  command->add_flag("--debug", a.run.debug, "print the candidates of each state");
-  command->add_flag("--interactive", a.run.interactive, "choose each step by its number, read from standard input");
+  command->add_flag("-d,--debug", a.run.debug, "print the candidates of each state");
+  command->add_flag("-i,--interactive", a.run.interactive, "choose each step by its number, read from standard input");
   command->add_flag(
       "--explore", a.run.explore,
       "count all reachable states, deadlocks and errors instead of running; --limit then limits the states");
   add_code_options(*command, a);
   command->add_flag_callback(
-      "--first-enabled", [&a] { a.run.policy = rt::Policy::First; }, "same as --policy first");
+      "-f,--first-enabled", [&a] { a.run.policy = rt::Policy::First; }, "same as --policy first");
   command->add_flag_callback(
       "--disable-maximal-progress", [&a] { a.run.maximal_progress = false; },
       "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
@@ -511,40 +515,43 @@ void add_published(CLI::App& app, PublishedArguments& a) {
   CLI::Option* package =
       app.add_option("-p", a.package, "check the package PACKAGE, whose file is PACKAGE.bip in a folder given by -I");
   package->type_name("PACKAGE")->group(group);
+  CLI::Option* file = app.add_option("-f", a.file, "check the file FILE instead of one found by its package");
+  file->type_name("FILE")->group(group);
   app.add_option("-I", a.compile.folders, "search DIR for packages; may be repeated (default: current folder)")
       ->allow_extra_args(false)
       ->type_name("DIR")
-      ->needs(package)
       ->group(group);
-  app.add_option("-d", a.compile.root, "root component, for example 'Root()'")
-      ->type_name("TYPE(ARGS)")
-      ->needs(package)
-      ->group(group);
-  app.add_option("--gencpp-output", a.cpp_output, "write C++ code to DIR")
+  app.add_option("-d", a.compile.root, "root component, for example 'Root()'")->type_name("TYPE(ARGS)")->group(group);
+  app.add_option("--gencpp-output,--gencpp-output-dir", a.cpp_output, "write C++ code to DIR")
       ->type_name("DIR")
-      ->needs(package)
       ->group(group);
   app.add_flag("--Werr,--WError,--Werror", a.compile.warnings_are_errors,
                "treat all warnings as errors; also written -WError")
-      ->needs(package)
       ->group(group);
   app.add_option_function<std::string>(
          "-W", [&a](const std::string&) { a.compile.warnings_are_errors = true; }, "--Werr, written -WError or -WErr")
-      ->needs(package)
       ->check(CLI::Validator(
           [](std::string& text) { return text == "Error" || text == "Err" ? "" : not_one_of(text, "Error, Err"); }, ""))
       ->group("");
   add_choice(app, "--diagnostics", a.compile.render.format, kFormats, "frame|short|json|sarif",
              "format of errors and warnings (default: frame)", group);
+  app.add_option("--gencpp-cc-I", a.cpp_folders, "search DIR for files that `@cpp` names; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("DIR")
+      ->group(group);
+  app.add_flag("--gencpp-no-main", a.has_no_main, "write C++ code without `main`: `model::image()` is the model")
+      ->group(group);
   // What steers the published C++ back end and its makefiles. `bipc emit` writes its own CMakeLists.txt.
-  for (const char* name : {"--gencpp-cc-I", "--gencpp-cc-extra-src", "--gencpp-cc-extra-obj", "--gencpp-ld-L",
-                           "--gencpp-ld-l", "--gencpp-optim", "--gencpp-set-optim-param", "--gencpp-disable-optim"}) {
+  for (const char* name :
+       {"--gencpp-cc-extra-src", "--gencpp-cc-extra-obj", "--gencpp-ld-L", "--gencpp-ld-l", "--gencpp-ld-extra-obj",
+        "--gencpp-cc-extra-opt", "--gencpp-optim", "--gencpp-set-optim-param", "--gencpp-disable-optim"}) {
     app.add_option_function<std::vector<std::string>>(
            name, [&a, name](const std::vector<std::string>&) { a.ignored.emplace_back(name); }, "")
         ->allow_extra_args(false)
         ->group("");
   }
-  for (const char* name : {"--gencpp-follow-used-packages", "--gencpp-enable-marshalling", "--gencpp-no-serial"}) {
+  for (const char* name : {"--gencpp-follow-used-packages", "--gencpp-enable-optim", "--gencpp-enable-bip-debug",
+                           "--gencpp-enable-marshalling", "--gencpp-no-serial"}) {
     app.add_flag_callback(
            name, [&a, name] { a.ignored.emplace_back(name); }, "")
         ->group("");

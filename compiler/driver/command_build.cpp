@@ -147,7 +147,9 @@ int command_emit(const EmitArguments& arguments) {
     emit_cpp::CppBuild cpp;
     if (!find_ffi_files(c, cpp)) return report(c);
     steps::derive_steps(*c.lowered);
-    const auto written = emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp);
+    const auto written =
+        emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp,
+                               {.with_main = !arguments.has_no_main, .runtime_library = runtime.library});
     if (!written) c.diags.report(Diag::kB5004, {}, arguments.directory, written.error());
   }
   return report(c);

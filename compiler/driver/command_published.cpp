@@ -1,5 +1,5 @@
 // The published tools' calling convention, so that existing scripts keep working:
-//   bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR]
+//   bipc -f FILE [-d 'Root()'] or bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR]
 // Package a.b.C is a/b/C.bip below one of the -I folders. Without --gencpp-output it only checks.
 #include <cstdio>
 #include <filesystem>
@@ -32,9 +32,11 @@ int command_published(const PublishedArguments& arguments) {
     std::fprintf(stderr, "note: `%s` has no effect in bipc\n", name.c_str());
   CompileOptions compile = arguments.compile;
   compile.package = arguments.package;
-  const std::string file = file_of(arguments);
+  const std::string file = arguments.file.empty() ? file_of(arguments) : arguments.file;
+  compile.folders.insert(compile.folders.end(), arguments.cpp_folders.begin(), arguments.cpp_folders.end());
   if (arguments.cpp_output.empty()) return command_check({.compile = compile, .files = {file}});
-  return command_emit({.compile = compile, .file = file, .directory = arguments.cpp_output});
+  return command_emit(
+      {.compile = compile, .file = file, .directory = arguments.cpp_output, .has_no_main = arguments.has_no_main});
 }
 
 }  // namespace bip::driver

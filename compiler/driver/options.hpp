@@ -117,6 +117,7 @@ struct EmitArguments {
   std::string file;
   std::string directory;  // empty: print the stage of compile.emit
   Optimisation optimisation = Optimisation::O2;
+  bool has_no_main = false;  // of the C++ in the directory
 };
 struct GraphArguments {
   CompileOptions compile;
@@ -177,11 +178,14 @@ struct GenomArguments {
   std::uint64_t timeout = 60;
 };
 
-/// The published tools' own call: bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR].
+/// The published tools' own call: bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR], or -f FILE.
 struct PublishedArguments {
   CompileOptions compile;
   std::string package;
+  std::string file;                      // instead of the package's
+  std::vector<std::string> cpp_folders;  // --gencpp-cc-I: where files of `@cpp` are, too
   std::string cpp_output;
+  bool has_no_main = false;
   std::vector<std::string> ignored;  // options that are taken and mean nothing here
 };
 

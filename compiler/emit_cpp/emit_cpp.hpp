@@ -26,11 +26,16 @@ struct CppBuild {
   ConstNames const_names;
 };
 
+struct ProjectOptions {
+  bool with_main = true;
+  std::string runtime_library;  // the runtime, compiled; linked where it exists, else the copies are compiled
+};
+
 /// Writes model.cpp, a CMakeLists.txt and copies of the runtime's sources and of the model's FFI files into
 /// `directory`, so that it builds alone, and elsewhere. `runtime_dir` is where the runtime's sources are; `cpp` what
 /// the model's C++ side adds to the build.
 [[nodiscard]] Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
                                         const std::string& runtime_dir, const std::string& program_name,
-                                        const CppBuild& cpp = {});
+                                        const CppBuild& cpp = {}, const ProjectOptions& options = {});
 
 }  // namespace bip::emit_cpp

@@ -44,7 +44,8 @@ std::string plain_name(const std::string& name) {
   return out.empty() ? "model" : out;
 }
 
-std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& program_name, const CppBuild& cpp) {
+std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& program_name, const CppBuild& cpp,
+                       const ProjectOptions& options) {
   std::ostringstream out;
   out << "# Emitted by bipc. Build: cmake -S . -B build && cmake --build build; run: build/" << plain_name(program_name)
       << "\n"
@@ -56,15 +57,26 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
       << "set(CMAKE_CXX_EXTENSIONS OFF)\n"
       << "set(CMAKE_CXX_FLAGS_RELEASE \"-O3\")\n"
       << "find_package(Threads REQUIRED)\n\n"
-      << "add_executable(bip_program\n  model.cpp\n";
+      << "# The runtime: compiled before, or as one source.\n"
+      << "set(BIP_RUNTIME_LIBRARY \"" << options.runtime_library << "\" CACHE FILEPATH \"the runtime as a library\")\n"
+      << "if(NOT EXISTS \"${BIP_RUNTIME_LIBRARY}\")\n"
+      << "  add_library(bip_runtime STATIC\n";
   for (const fs::path& file : runtime) {
-    if (file.extension() == ".cpp") out << "  runtime/" << file.generic_string() << "\n";
+    if (file.extension() == ".cpp") out << "    runtime/" << file.generic_string() << "\n";
   }
+  out << "  )\n"
+      << "  set_target_properties(bip_runtime PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)\n"
+      << "  target_include_directories(bip_runtime PRIVATE . runtime/include)\n"
+      << "  target_compile_options(bip_runtime PRIVATE -ffp-contract=off)\n"
+      << "  set(BIP_RUNTIME_LIBRARY bip_runtime)\n"
+      << "endif()\n\n"
+      << (options.with_main ? "add_executable(bip_program\n  model.cpp\n"
+                            : "add_library(bip_program STATIC\n  model.cpp\n");
   out << ")\n"
       << "target_include_directories(bip_program PRIVATE . runtime/include)\n"
       << "# Floats are rounded after each operation, as in every other executor.\n"
       << "target_compile_options(bip_program PRIVATE -ffp-contract=off)\n"
-      << "target_link_libraries(bip_program PRIVATE Threads::Threads)\n";
+      << "target_link_libraries(bip_program PRIVATE ${BIP_RUNTIME_LIBRARY} Threads::Threads)\n";
   if (!cpp.include_dirs.empty() || !cpp.sources.empty() || !cpp.objects.empty()) {
     out << "# The C++ side of the model: copies of what `@cpp` names.\n";
     const auto list = [&out](const char* command, const std::vector<std::string>& paths) {
@@ -95,7 +107,8 @@ Result<bool> write_file(const fs::path& path, const std::string& text) {
 }
 
 Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string& directory,
-                          const std::string& runtime_dir, const std::string& program_name, const CppBuild& cpp) {
+                          const std::string& runtime_dir, const std::string& program_name, const CppBuild& cpp,
+                          const ProjectOptions& project) {
   const Result<std::vector<fs::path>> runtime = runtime_files(runtime_dir);
   if (!runtime) return Failure{runtime.error()};
   const fs::path root(directory);
@@ -107,10 +120,11 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
   }
   const Result<CppBuild> copied = copy_ffi_files(cpp, root);
   if (!copied) return Failure{copied.error()};
-  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, *copied));
+  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, *copied, project));
   if (!written) return written;
   Options options;
   options.const_names = cpp.const_names;
+  options.with_main = project.with_main;
   return write_file(root / "model.cpp", emit(lowered, options));
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "bip/run.hpp"
 #include "runtime/engine/policies.hpp"
@@ -18,9 +19,9 @@ constexpr const char* kHelp =
     "usage: %s [options]\n"
     "runs the model %s\n\n"
     "  --seed N                    seed of the random choices (default: drawn at random and printed)\n"
-    "  --limit N                   stop the run after N steps (default: no limit)\n"
+    "  -l, --limit N               stop the run after N steps (default: no limit)\n"
     "  --policy P                  how the next step is chosen: %s\n"
-    "  --asap                      take each step at the earliest possible instant (always so with --policy first and "
+    "  -a, --asap                  take each step at the earliest possible instant (always so with --policy first and "
     "fair)\n"
     "  --real-time                 run in real time (default: logical time, which passes without waiting)\n"
     "  --speed F                   run in real time, with F seconds of model time per second\n"
@@ -31,12 +32,12 @@ constexpr const char* kHelp =
     "{\"time\":\"1s500ms\",\"port\":\"a.press\",\"values\":{\"x\":1}}\n"
     "  --record FILE               write the external events that arrive, as input of --replay\n"
     "  --replay FILE               repeat the recorded run, in logical time\n"
-    "  --silent                    print no steps, only the seed and how the run ended\n"
-    "  --debug                     print the candidates of each state\n"
+    "  -s, --silent                print no steps, only the seed and how the run ended\n"
+    "  -d, --debug                 print the candidates of each state\n"
     "  --stats                     print steps, seconds, time per step and memory at the end\n"
-    "  --interactive               choose each step by its number, read from standard input\n"
+    "  -i, --interactive           choose each step by its number, read from standard input\n"
     "  --explore                   count all reachable states (at most --limit), deadlocks and errors\n"
-    "  --first-enabled             same as --policy first\n"
+    "  -f, --first-enabled         same as --policy first\n"
     "  --trace FILE                write a trace of the run to FILE (default format: json)\n"
     "  --trace-format F            format of the trace: %s\n"
     "  --engine E                  engine: sequential (default), threads (for long actions) or batch (for large "
@@ -118,7 +119,20 @@ int run_main(const Image& image, int argc, char** argv) {
                   program);
       return 0;
     }
+    // Short names, and words for what a run does anyway: the published engine's.
+    static constexpr std::pair<const char*, const char*> kShort[] = {
+        {"-l", "--limit"}, {"-s", "--silent"},        {"-v", "--verbose"}, {"-V", "--version"},
+        {"-a", "--asap"},  {"-f", "--first-enabled"}, {"-d", "--debug"},   {"-i", "--interactive"}};
+    for (const auto& [brief, whole] : kShort) {
+      if (name == brief) name = whole;
+    }
+    if (name == "--version") {
+      std::printf("model %s, compiled by bipc\n", image.name);
+      return 0;
+    }
     if (name == "--silent") options.silent = true;
+    else if (name == "--verbose") options.silent = false;
+    else if (name == "--execute") options.explore = false;
     else if (name == "--debug") options.debug = true;
     else if (name == "--interactive") options.interactive = true;
     else if (name == "--explore") options.explore = true;

@@ -18,15 +18,19 @@ PUBLISHED = """
 
 | published | here |
 |---|---|
+| `-f FILE` | the file itself |
 | `-p a.b.C -I DIR …` | the file `a/b/C.bip` in the first folder that has it; its package must be `a.b.C` (B1062) |
 | `-d 'Root(1)'` | the root; without it every parameterless compound that nobody instantiates is checked |
 | no back end | checks: `bipc check` |
-| `--gencpp-output DIR` | writes C++: `bipc emit -o DIR`. The folder gets its own `CMakeLists.txt` and the runtime; no engine is linked |
+| `--gencpp-output DIR`, `--gencpp-output-dir DIR` | writes C++: `bipc emit -o DIR`. The folder gets its own `CMakeLists.txt` and the runtime, which is compiled if bipc's own library is not there |
+| `--gencpp-no-main` | the folder makes a library with `model::image()`, without `main` |
+| `--gencpp-cc-I DIR` | like `-I DIR` |
+| beginnings of options | `--gencpp-out` is `--gencpp-output` if no other option begins so |
 | `--Werr`, `--WError`, `-WError` | warnings count as errors: `--Werror` |
 | other `--gencpp-…` options | taken, and a note says that they have no effect: headers and sources are named by `@cpp` in the package |
 
 The options of the published engine are options of `bipc run` and of programs that `bipc build` makes: `--limit`, `--seed`, `--silent`,
-`--debug`, `--interactive`, `--explore`, `--first-enabled`, `--disable-maximal-progress`. With `--trace-format=bip2` the lines are the
+`--debug`, `--interactive`, `--explore`, `--first-enabled`, `--disable-maximal-progress`, with the short names `-l -s -d -i -f -a` (`--asap`), `-v -V --execute`. With `--trace-format=bip2` the lines are the
 published engine's, too. Random choices with the same seed differ from the published engine's: the generator is another one.
 """
 
