@@ -17,6 +17,7 @@
 #include "compiler/exchange/exchange.hpp"
 #include "compiler/exchange/plain_name.hpp"
 #include "compiler/exchange/promela_code.hpp"
+#include "compiler/system/inner_priorities.hpp"
 #include "compiler/system/uses_time.hpp"
 
 namespace bip::exchange {
@@ -503,6 +504,7 @@ void PromelaWriter::add_priorities() {
 
 Result<std::string> PromelaWriter::run() {
   if (const std::string timed = system::first_timed(system_); !timed.empty()) code_.refuse("time: " + timed);
+  if (const std::string inner = system::first_inner_priority(system_); !inner.empty()) code_.refuse(inner);
   std::string initial, alternatives;
   for (u32 row = 0; row < system_.atoms.size(); ++row) {
     const AtomId atom(row);

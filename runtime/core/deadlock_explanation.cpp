@@ -84,7 +84,7 @@ class Story {
     }
     append_rest(out, waiting_.size());
     for (std::size_t i = 0; i < guards_.size() && i < kLinesShown; ++i) {
-      out += "  connector " + image_.connectors[guards_[i]].path() + ": its guard is false";
+      out += "  connector " + image_.connectors[guards_[i]].path() + ": " + why_no_candidate(guards_[i]);
       append_place(out, image_.connectors[guards_[i]].loc);
       out += '\n';
     }
@@ -133,6 +133,13 @@ class Story {
       append_place(out, way_out(other));
     }
     out += '\n';
+  }
+
+  // Of a connector whose ports are available.
+  [[nodiscard]] std::string why_no_candidate(u32 connector) const {
+    const u32 plan = tables_.interactions[tables_.interaction_of(connector)].plan();
+    const bool has_inner_rules = plan != kNone && !tables_.plans[plan].witnesses.empty();
+    return has_inner_rules ? "a guard is false, or a priority hides what it binds" : "its guard is false";
   }
 
   // What is available, and what is missing where it is not; connectors come after those they are bound to.

@@ -68,7 +68,7 @@ class ShapeBuilder {
                "{} shapes of {} interactions", shapes_.interactions.size(), core_.tables().interactions.size());
     shapes_.interactions_of_atom = Csr::build(image_.atoms.size, pairs);
     shapes_.calls_cpp = image_.ffi != nullptr;
-    shapes_.needs_core = shapes_.calls_cpp;
+    shapes_.needs_core = shapes_.calls_cpp || !core_.tables().inner_rules.groups.empty();
     if (image_.priorities.size != 0 && !shapes_.needs_core && !add_rules()) shapes_.needs_core = true;
     add_watched();
     return std::move(shapes_);
@@ -115,7 +115,27 @@ class ShapeBuilder {
         }
       }
     }
+    add_witnesses(top, tree);
     add(tree, top);
+  }
+
+  // What decides about connectors that export a port: the atoms below the members of their groups, and those that the
+  // rules read.
+  void add_witnesses(u32 top, Tree& tree) const {
+    const Tables& tables = core_.tables();
+    const u32 plan_row = tables.interactions[tables.interaction_of(top)].plan();
+    if (tables.inner_rules.groups.empty() || plan_row == kNone) return;
+    const Plan& plan = tables.plans[plan_row];
+    const PlanNode* nodes = tables.plan_nodes.data() + plan.first_node;
+    for (const PlanWitness& witness : plan.witnesses) {
+      for (u32 i = witness.root; i < nodes[witness.root].end; ++i) {
+        if (nodes[i].kind == NodeKind::Leaf) tree.reads.push_back(tables.port_atom[nodes[i].ref]);
+      }
+      for (const u32 rule : tables.inner_rules.groups[witness.group].rules) {
+        const Priority& row = image_.priorities[rule];
+        for (u32 k = 0; k < row.bind_count; ++k) tree.reads.push_back(owner_[image_.binds[row.binds + k].cell]);
+      }
+    }
   }
 
   void add(const Tree& tree, u32 connector) {

@@ -42,7 +42,10 @@ Locations::Locations(Core& core, const ExploreOptions& options)
   is_ruled_.assign(shapes_.interactions.size(), false);
   const PriorityTables rules = link_priorities(core.tables());
   for (u32 interaction = 0; interaction < rules.is_involved.size(); ++interaction) {
-    if (rules.is_involved[interaction] == 0) continue;
+    const bool is_connector = interaction < core.tables().connector_interactions;
+    const u32 plan = is_connector ? core.tables().interactions[interaction].plan() : kNone;
+    const bool has_witnesses = plan != kNone && !core.tables().plans[plan].witnesses.empty();
+    if (rules.is_involved[interaction] == 0 && !has_witnesses) continue;
     is_ruled_[interaction] = true;
     for (const u32 atom : shapes_.atoms_of(interaction)) ruled_atoms_.push_back(atom);
   }

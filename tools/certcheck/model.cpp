@@ -29,6 +29,16 @@ class ModelReader {
     m_.first_port.push_back(m_.nodes.size());
     for (const Tree* row : m_.tree.all("connector")) connector(*row, *connector_types_.at(row->at(3).row()));
     m_.priorities = m_.tree.all("priority");
+    // Hidden below another connector: then an interaction that is offered need not be a step.
+    for (const Tree* row : m_.priorities) {
+      for (const Tree* side : {&(*row)["low"], &(*row)["high"]}) {
+        for (std::size_t c : shown_) {
+          const bool is_any = side->at(1).text == "any";
+          if (is_any ? m_.connectors.at(c).compound == (*row)["in"].at(1).row() : side->at(1).row() == c)
+            throw NotCheckable("a priority orders connectors that export a port");
+        }
+      }
+    }
     for (std::size_t row = 0; row < m_.nodes.size(); ++row) {
       for (const Edge& edge : m_.nodes[row].children) m_.nodes[edge.node].parents.push_back(row);
     }
@@ -90,6 +100,7 @@ class ModelReader {
   Edge binding(const Tree& b) {
     const Text head = b.head();
     const std::size_t row = b.at(1).row();
+    if (head == "maximal") shown_.insert(row);
     if (head == "connector" || head == "maximal") return {m_.connectors.at(row).root, false, head == "maximal"};
     if (head == "atom") {
       const std::size_t port = m_.first_port.at(row) + b.at(2).row();
@@ -164,6 +175,7 @@ class ModelReader {
   Model& m_;
   const std::vector<const Tree*> port_types_ = m_.tree.all("port-type"),
                                  connector_types_ = m_.tree.all("connector-type"), choices_ = m_.tree.all("choice");
+  std::set<std::size_t> shown_;  // connectors whose ports compounds export
   Rows choice_node_ = Rows(choices_.size(), kNone);
 };
 

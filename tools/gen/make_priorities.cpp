@@ -39,7 +39,7 @@ class PriorityMaker {
 
   void make() {
     for (const Connector& c : compound_.connectors) {
-      if (c.size.empty() && !type_of(c).exports) ranked_.push_back(&c);
+      if (c.size.empty() && (!type_of(c).exports || is_top_level(c))) ranked_.push_back(&c);
     }
     if (ranked_.empty()) return;
     random_.shuffle(ranked_);
@@ -56,6 +56,15 @@ class PriorityMaker {
 
  private:
   const ConnectorType& type_of(const Connector& c) const { return *find_named(model_.connector_types, c.type); }
+  // No connector of this compound binds it. Half of them: they need the search, and the fast ways want rules, too.
+  bool is_top_level(const Connector& exporting) {
+    for (const Connector& c : compound_.connectors) {
+      for (const PortPath& path : c.ports) {
+        if (path.component == exporting.name) return false;
+      }
+    }
+    return random_.percent(50);
+  }
   Pattern side(const Connector& c) {
     Pattern pattern;
     pattern.connector = c.name;

@@ -28,7 +28,7 @@ NaiveEngine::NaiveEngine(const Description& model, std::size_t limit) : model_(m
   for (std::size_t c = 0; c < world_.connectors.size(); ++c) {
     std::vector<Node> nodes = structural_interactions(world_, static_cast<int>(c), limit);
     if (nodes.size() > limit) too_large_ = true;
-    if (!world_.connectors[c].type->exports) nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+    if (world_.connectors[c].is_top_level()) nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     if (too_large_ || nodes_.size() > limit) {
       too_large_ = true;
       return;
@@ -178,7 +178,11 @@ Lookup NaiveEngine::lookup_in(Choice& choice) {
 /// Adds the choice if its guard holds, after its `up`.
 void NaiveEngine::complete(Choice choice, std::vector<Choice>& result) {
   const ConnectorType& type = *world_.connectors[static_cast<std::size_t>(choice.connector)].type;
-  for (const Var& var : type.data) choice.own[var.name] = zero_of(var.type);
+  for (const Var& var : type.data) {
+    choice.own[var.name] = zero_of(var.type);
+    Place code{.is_const = true};
+    if (var.init) choice.own[var.name] = converted(evaluate(*var.init, lookup_in(choice), code), var.type);
+  }
   for (const Clause& clause : type.clauses) {
     std::vector<int> params = clause.params;
     std::sort(params.begin(), params.end());
@@ -200,7 +204,16 @@ std::vector<Choice> NaiveEngine::options_of(const WorldPort& port) {
   for (const WorldOption& option : port) {
     if (option.connector >= 0) {
       std::vector<Choice> inner = choices_of(option.connector);
-      if (option.maximal_only) inner = maximal(inner);
+      if (option.maximal_only) {
+        inner = maximal(inner);
+        // Rules of the compound hide some, whatever becomes of what hides them.
+        const WorldConnector& below = world_.connectors[static_cast<std::size_t>(option.connector)];
+        const int compound = below.compound;
+        const bool has_rules =
+            below.is_top_level() && std::any_of(world_.rules.begin(), world_.rules.end(),
+                                                [&](const WorldRule& rule) { return rule.compound == compound; });
+        if (has_rules) inner = unhidden(std::move(inner), offered_in(compound));
+      }
       result.insert(result.end(), inner.begin(), inner.end());
     } else if (states_[static_cast<std::size_t>(option.atom)].enabled.contains(option.port)) {
       Choice choice;

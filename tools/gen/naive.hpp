@@ -96,12 +96,16 @@ class NaiveEngine {
   enum class RuleSide : std::uint8_t { Low, High };
   [[nodiscard]] bool matches(const WorldRule& rule, RuleSide side, const Node& node) const;
   [[nodiscard]] std::vector<bool> active_rules();
+  /// All enabled choices of the top-level connectors of a compound; of all that export no port if it is -1.
+  [[nodiscard]] std::vector<Choice> offered_in(int compound);
+  /// Those choices above which no enabled one is.
+  [[nodiscard]] std::vector<Choice> unhidden(std::vector<Choice> choices, const std::vector<Choice>& enabled);
   void trouble(Trouble t) { trouble_ = std::max(trouble_, t); }
 
   const Description& model_;
   World world_;
   std::vector<AtomState> states_;
-  std::vector<Node> nodes_;  // of all connectors that export no port
+  std::vector<Node> nodes_;  // of all top-level connectors
   bool too_large_ = false;
   int depth_ = 0;  // internal transitions in a row
   std::int64_t now_ = 0;

@@ -47,12 +47,17 @@ std::vector<bool> NaiveEngine::active_rules() {
   return active;
 }
 
-std::vector<Choice> NaiveEngine::candidates() {
-  std::vector<Choice> enabled;
+std::vector<Choice> NaiveEngine::offered_in(int compound) {
+  std::vector<Choice> offered;
   for (std::size_t c = 0; c < world_.connectors.size(); ++c) {
-    if (world_.connectors[c].type->exports) continue;
-    for (Choice& choice : choices_of(static_cast<int>(c))) enabled.push_back(std::move(choice));
+    const WorldConnector& row = world_.connectors[c];
+    if (compound < 0 ? row.type->exports : row.compound != compound || !row.is_top_level()) continue;
+    for (Choice& choice : choices_of(static_cast<int>(c))) offered.push_back(std::move(choice));
   }
+  return offered;
+}
+
+std::vector<Choice> NaiveEngine::unhidden(std::vector<Choice> choices, const std::vector<Choice>& enabled) {
   std::vector<bool> active = active_rules();
   auto node_of = [&](const Choice& choice) {
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
@@ -64,7 +69,7 @@ std::vector<Choice> NaiveEngine::candidates() {
   for (const Choice& choice : enabled) enabled_nodes.insert(node_of(choice));
 
   std::vector<Choice> result;
-  for (Choice& choice : enabled) {
+  for (Choice& choice : choices) {
     // Everything above the choice, by search; it is hidden if something enabled is there.
     std::vector<std::size_t> work = {node_of(choice)};
     std::vector<bool> above(nodes_.size(), false), used(active.size(), false);
@@ -90,6 +95,20 @@ std::vector<Choice> NaiveEngine::candidates() {
     }
     if (!hidden) result.push_back(std::move(choice));
   }
+  return result;
+}
+
+std::vector<Choice> NaiveEngine::candidates() {
+  // Rules relate interactions of one compound: what hides a step may be one that is offered below another connector.
+  std::vector<Choice> enabled = offered_in(-1), all = enabled;
+  std::set<int> with_rules;
+  for (const WorldRule& rule : world_.rules) with_rules.insert(rule.compound);
+  for (const int compound : with_rules) {
+    for (Choice& choice : offered_in(compound)) {
+      if (world_.connectors[static_cast<std::size_t>(choice.connector)].type->exports) all.push_back(std::move(choice));
+    }
+  }
+  std::vector<Choice> result = unhidden(std::move(enabled), all);
 
   for (std::size_t a = 0; a < states_.size(); ++a) {
     for (const Port& port : world_.atoms[a].type->ports) {

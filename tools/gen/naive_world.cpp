@@ -113,6 +113,12 @@ class NaiveWorldBuilder {
     row.compound = at.number;
     for (const PortPath& path : connector.ports) {
       row.ports.push_back(resolve(at, path, loop));
+      for (const WorldOption& option : row.ports.back()) {
+        if (option.connector < 0) continue;
+        WorldConnector& below = world_.connectors[static_cast<std::size_t>(option.connector)];
+        below.bound = true;
+        below.bound_by_sibling = below.bound_by_sibling || below.compound == at.number;
+      }
     }
     at.connectors[name] = static_cast<int>(world_.connectors.size());
     world_.connectors.push_back(row);

@@ -25,6 +25,9 @@ struct WorldConnector {
   const ConnectorType* type = nullptr;
   std::vector<WorldPort> ports;
   int compound = 0;  // the instance that declares it
+  bool bound = false, bound_by_sibling = false;
+  /// Rules of its compound are about its interactions.
+  [[nodiscard]] bool is_top_level() const { return !type->exports || (bound && !bound_by_sibling); }
 };
 /// A side of a rule: connector -1 is *:*.
 struct WorldPattern {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/base/assert.hpp"
+#include "compiler/system/inner_priorities.hpp"
 
 namespace bip::verify {
 
@@ -15,7 +16,9 @@ constexpr std::size_t kMaxValues = 100'000'000, kMaxWords = 1'000'000;
 
 }  // namespace
 
-StateCollector::StateCollector(const System& system, const rt::Image& image) {
+// The checker cannot follow priorities below connectors.
+StateCollector::StateCollector(const System& system, const rt::Image& image)
+    : is_listable_(system::first_inner_priority(system).empty()) {
   u32 mark_word = 0;
   for (std::size_t a = 0; a < system.atoms.size(); ++a) {
     const Atom& instance = system.atoms[AtomId(a)];

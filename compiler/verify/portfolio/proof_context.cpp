@@ -2,12 +2,18 @@
 #include "compiler/verify/portfolio/proof_context.hpp"
 
 #include "compiler/base/assert.hpp"
+#include "compiler/system/inner_priorities.hpp"
 
 namespace bip::verify {
 
 SystemParts::SystemParts(const System& system, const rt::Image& image, StateAccess access,
                          std::function<bool()> prepare_code)
-    : system_(system), image_(image), access_(access), prepare_code_(std::move(prepare_code)), net_(build_net(system)) {
+    : system_(system),
+      image_(image),
+      access_(access),
+      prepare_code_(std::move(prepare_code)),
+      net_(build_net(system)),
+      inner_priority_(system::first_inner_priority(system)) {
   BIP_ASSERT(system.atoms.size() == image.atoms.size, "{} atoms in the system, {} in the image", system.atoms.size(),
              image.atoms.size);
 }

@@ -30,7 +30,10 @@ class SystemParts {
   [[nodiscard]] const rt::Image& image() const { return image_; }
   [[nodiscard]] const Net& net() const { return net_; }
   /// Are the atoms' local states few enough for reasoning about the net?
-  [[nodiscard]] bool has_usable_net() const { return net_.too_large_atom == kNoRow; }
+  /// And does every interaction that is offered, hidden or not, mean that there is a step?
+  [[nodiscard]] bool has_usable_net() const { return net_.too_large_atom == kNoRow && inner_priority_.empty(); }
+  /// The first priority that orders connectors that export a port; empty: none.
+  [[nodiscard]] const std::string& inner_priority() const { return inner_priority_; }
   [[nodiscard]] bool is_searchable() const { return access_ == StateAccess::Searchable; }
   /// Prepares the code on first use. Returns whether states can be visited and counterexamples replayed.
   [[nodiscard]] bool has_code();
@@ -48,6 +51,7 @@ class SystemParts {
   StateAccess access_;
   std::function<bool()> prepare_code_;
   Net net_;
+  std::string inner_priority_;
   std::optional<TransitionSystem> transition_system_;
   Code code_ = Code::NotPrepared;
 };

@@ -116,6 +116,11 @@ EngineResult search_all(ProofContext& context, const Budget& budget, const Cance
 
 EngineResult search_local_deadlock(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
   EngineResult result;
+  // Who waits for whom is read from the net.
+  if (!context.parts.inner_priority().empty()) {
+    result.reason = context.parts.inner_priority();
+    return result;
+  }
   if (!context.parts.has_code()) return result;
   LocalDeadlockResult found = find_local_deadlock(context.parts.net(), context.parts.image(),
                                                   search_limits(context, cancellation.within(budget.seconds)));

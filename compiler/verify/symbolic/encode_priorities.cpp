@@ -2,6 +2,7 @@
 // put together.
 #include <algorithm>
 
+#include "compiler/system/inner_priorities.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
 
 namespace bip::verify {
@@ -76,6 +77,8 @@ void TransitionSystemBuilder::apply_priorities() {
 }
 
 TransitionSystem TransitionSystemBuilder::build() {
+  transition_system_.unsupported = system::first_inner_priority(system_);
+  if (!transition_system_.unsupported.empty()) return std::move(transition_system_);
   add_state();
   add_ports();
   add_connectors();

@@ -9,6 +9,7 @@
 
 #include "compiler/base/assert.hpp"
 #include "compiler/system/bsys.hpp"
+#include "compiler/system/inner_priorities.hpp"
 #include "compiler/verify/timed/time_divergence.hpp"
 #include "compiler/verify/invariants/mode_facts.hpp"
 #include "compiler/verify/timed/localization.hpp"
@@ -373,6 +374,7 @@ TimeProof prove_time(const System& system, const ExplorePart& explore, const Can
                      const PartLimits& limits) {
   TimeProof proof;
   proof.reason = obstacle_to_time_divergent_limit(system);
+  if (proof.reason.empty()) proof.reason = system::first_inner_priority(system);
   if (!proof.reason.empty()) return proof;
   return TimeProver(system, {}, explore, cancellation, limits).prove();
 }

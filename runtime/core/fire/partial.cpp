@@ -26,6 +26,7 @@ bool is_plain(const Tables& tables, const InteractionInfo& info) {
   if (info.kind == InteractionKind::Flat) return !can_fault(tables, info.row);
   if (info.kind != InteractionKind::Planned || !tables.plans[info.plan()].rigid) return false;
   const Plan& plan = tables.plans[info.plan()];
+  if (!plan.witnesses.empty()) return false;
   const auto first = tables.plan_uses.begin() + plan.first_use;
   return std::none_of(first, first + plan.use_count,
                       [&](const PlanUse& use) { return can_fault(tables, use.connector); });
@@ -75,6 +76,14 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
     is_strict.push_back(info.searched ? 1 : 0);
     interaction_groups.push_back({interaction, group});
     for (const u32 atom : atoms) atom_groups.push_back({atom, group});
+    // Rules that decide about connectors below it read data of others.
+    const u32 plan = interaction < tables.connector_interactions ? info.plan() : kNone;
+    if (plan == kNone || tables.plans[plan].witnesses.empty()) continue;
+    for (u32 atom = 0; atom < tables.image->atoms.size; ++atom) {
+      const Span<u32> watchers = tables.atom_watch[atom];
+      if (std::find(watchers.begin(), watchers.end(), interaction) != watchers.end())
+        atom_groups.push_back({atom, group});
+    }
   }
   p.atoms_of_interaction = Csr::build(interaction_count, interaction_atoms);
 

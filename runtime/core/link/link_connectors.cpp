@@ -47,6 +47,39 @@ std::int32_t group_start(const ConnectorType& type, u32 row) {
   return by_trigger || children.size == 0 ? -1 : -static_cast<std::int32_t>(children.size);
 }
 
+// Groups of inner rules that decide about the connector's interactions, or about those of connectors below it, those
+// of outer compounds first.
+std::vector<u32> groups_below(const Tables& tables, u32 top) {
+  const Image& image = *tables.image;
+  std::vector<u32> groups;
+  if (tables.inner_rules.groups.empty()) return groups;
+  std::vector<bool> seen(image.connectors.size, false);
+  std::vector<u32> todo{top};
+  const auto visit = [&](const PortRef& ref) {
+    if (ref.connector != kNone) todo.push_back(ref.connector);
+  };
+  while (!todo.empty()) {
+    const u32 connector = todo.back();
+    todo.pop_back();
+    if (seen[connector]) continue;
+    seen[connector] = true;
+    const u32 group = tables.inner_rules.of_connector(connector);
+    if (group != kNone && std::find(groups.begin(), groups.end(), group) == groups.end()) {
+      groups.push_back(group);
+      for (u32 member : tables.inner_rules.groups[group].members) todo.push_back(member);
+    }
+    for (u32 param = 0; param < tables.connector_type(connector).params.size; ++param) {
+      const PortRef ref = tables.port_ref(connector, param);
+      visit(ref);
+      if (ref.choice == kNone) continue;
+      for (const PortRef& port : image.choices[ref.choice].ports) visit(port);
+    }
+  }
+  const auto key = [&](u32 group) { return std::pair(tables.inner_rules.groups[group].depth, group); };
+  std::sort(groups.begin(), groups.end(), [&](u32 a, u32 b) { return key(a) < key(b); });
+  return groups;
+}
+
 // The plan of an interaction that is Planned: the connector with what lies below.
 void add_plan(Tables& tables, InteractionInfo& info) {
   // What is still to be added, last first: a define node of a use, below a node of the plan.
@@ -73,8 +106,22 @@ void add_plan(Tables& tables, InteractionInfo& info) {
     const u32 use = static_cast<u32>(tables.plan_uses.size()) - 1 - plan.first_use;
     todo.push_back({use, 0, link, false, nullptr});
   };
+  // Members of groups of inner rules get trees of their own, once the connector's is complete: what they offer decides
+  // what is hidden.
+  std::vector<std::pair<u32, u32>> witnesses;  // group and connector, last first
+  for (u32 group : groups_below(tables, info.row)) {
+    for (u32 member : tables.inner_rules.groups[group].members) witnesses.emplace_back(group, member);
+  }
+  std::reverse(witnesses.begin(), witnesses.end());
   add_use(info.row, kNone);
-  while (!todo.empty()) {
+  while (!todo.empty() || !witnesses.empty()) {
+    if (todo.empty()) {
+      const auto [group, member] = witnesses.back();
+      witnesses.pop_back();
+      const u32 root = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
+      plan.witnesses.push_back({group, member, static_cast<u32>(tables.plan_uses.size()) - plan.first_use, root});
+      add_use(member, kNone);
+    }
     const Todo next = todo.back();
     todo.pop_back();
     PlanUse& use = tables.plan_uses[plan.first_use + next.use];
@@ -147,8 +194,10 @@ void add_plan(Tables& tables, InteractionInfo& info) {
     BIP_ASSERT(use.first_leaf <= use.end_leaf && use.end_leaf <= plan.leaves, "leaves {} to {} of {}", use.first_leaf,
                use.end_leaf, plan.leaves);
   }
-  BIP_ASSERT(plan.use_count != 0 && nodes[0].end == plan.node_count, "a plan of {} nodes, its root ends at {}",
-             plan.node_count, nodes[0].end);
+  // Trees of witnesses come behind the connector's own.
+  BIP_ASSERT(
+      plan.use_count != 0 && nodes[0].end == (plan.witnesses.empty() ? plan.node_count : plan.witnesses.front().root),
+      "a plan of {} nodes, its root ends at {}", plan.node_count, nodes[0].end);
   std::sort(connectors.begin(), connectors.end());
   plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
   plan.has_ranges = plan.guarded && !plan.rigid && !plan.has_choice && plan.is_tree;
@@ -157,7 +206,7 @@ void add_plan(Tables& tables, InteractionInfo& info) {
       plan.has_ranges &= clause.has_ranges;
   }
   // Alternatives of one parameter are several candidates: they are listed.
-  info.searched |= plan.guarded || plan.has_choice;
+  info.searched |= plan.guarded || plan.has_choice || !plan.witnesses.empty();
   info.ref = static_cast<u32>(tables.plans.size());
   tables.plans.push_back(plan);
 }
@@ -198,10 +247,11 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
     interaction.first = static_cast<u32>(tables.flat_ports.size());
     // A group under a trigger that may be chosen in several ways is listed when maximal progress is off, or by name.
     const bool listed = shape.trigger && (progress == MaximalProgress::Off || named[connector]);
-    if (shape.one_level && !shape.trigger) {
+    const bool is_ruled = tables.inner_rules.of_connector(connector) != kNone;
+    if (shape.one_level && !shape.trigger && !is_ruled) {
       interaction.kind = InteractionKind::Flat;
       interaction.searched = shape.guard;
-    } else if (shape.one_level && !shape.guard && !listed) {
+    } else if (shape.one_level && !shape.guard && !listed && !is_ruled) {
       interaction.kind = InteractionKind::Star;
     } else {
       interaction.kind = InteractionKind::Planned;
@@ -357,6 +407,13 @@ void link_watches(Tables& tables) {
       if (node.kind != NodeKind::Leaf) continue;
       ports.push_back({node.ref, interaction});
       if (plan.guarded) watch_data(node.ref, interaction);
+    }
+    for (const PlanWitness& witness : plan.witnesses) {
+      for (const u32 rule : tables.inner_rules.groups[witness.group].rules) {
+        const Priority& row = image.priorities[rule];
+        for (u32 k = 0; row.guard != kNone && k < row.bind_count; ++k)
+          atoms.push_back({atom_of(image.binds[row.binds + k].cell), interaction});
+      }
     }
     if (!plan.guarded) continue;
     for (u32 i = 0; i < plan.use_count; ++i) watch_reads(tables.plan_uses[plan.first_use + i].connector, interaction);

@@ -177,6 +177,10 @@ PriorityTables link_priorities(const Tables& tables) {
   std::vector<u32> wildcard_low;
   for (u32 row = 0; row < rules.count; ++row) {
     const Priority& rule = image.priorities[row];
+    if (rule.low.any_connector) wildcard_low.push_back(row);
+    else by_low.push_back({rule.low.connector, row});
+    // The search of interactions decides about those: here only their guards and chains count.
+    if (tables.inner_rules.of_rule(row) != kNone) continue;
     for (u32 interaction : interactions_of(tables, rule, rule.low, rule.high)) {
       low.push_back({interaction, row});
       low_back.push_back({row, interaction});
@@ -186,8 +190,6 @@ PriorityTables link_priorities(const Tables& tables) {
       rules.high_edges.push_back({interaction, row});
       rules.is_involved[interaction] = 1;
     }
-    if (rule.low.any_connector) wildcard_low.push_back(row);
-    else by_low.push_back({rule.low.connector, row});
   }
   std::stable_sort(rules.high_edges.begin(), rules.high_edges.end(),
                    [](const HighEdge& a, const HighEdge& b) { return a.interaction < b.interaction; });
@@ -226,6 +228,9 @@ PriorityTables link_priorities(const Tables& tables) {
       } else if (next.parent == rule.parent) {
         for (u32 interaction = 0; interaction < tables.connector_interactions && !met; ++interaction)
           met = meet_at(tables, rule, next, tables.connector_of(interaction));
+        if (const u32 group = tables.inner_rules.of_rule(from); group != kNone) {
+          for (u32 member : tables.inner_rules.groups[group].members) met = met || meet_at(tables, rule, next, member);
+        }
       }
       if (met) add_chain(from, to);
     }

@@ -35,6 +35,7 @@ Tables link(const Image& image, MaximalProgress progress) {
   Tables tables;
   tables.image = &image;
   link_atoms(tables);
+  link_inner_rules(tables);
   link_interactions(tables, progress);
   link_network(tables);
   link_watches(tables);

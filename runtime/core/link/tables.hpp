@@ -88,6 +88,12 @@ struct PlanUse {
   bool has_choice = false;  // a parameter is bound to a merged port: where its variables are depends on the alternative
   u32 first_leaf = 0, end_leaf = 0;  // of its part of the plan
 };
+/// A member of a group of inner rules that a plan watches: a tree of its own, behind the plan's.
+struct PlanWitness {
+  u32 group = 0;
+  u32 connector = 0;
+  u32 use = 0, root = 0;  // rows in the plan
+};
 struct Plan {
   u32 connector = 0;
   u32 first_node = 0, node_count = 0;
@@ -96,9 +102,29 @@ struct Plan {
   bool guarded = false;       // a clause in its tree has a guard, or an `up` that may fault
   bool rigid = true;          // no triggers and no choices: one configuration, everybody
   bool has_choice = false;
-  bool is_tree = true;  // no connector has two uses
+  bool is_tree = true;                 // no connector has two uses
+  std::vector<PlanWitness> witnesses;  // by depth of the group's compound, deepest last
   bool has_ranges =
       false;  // what its clauses do is known over ranges of values, and it has configurations to choose from
+};
+
+/// Compounds in whose priorities connectors take part that export a port. Such a connector is no interaction of its
+/// own: its candidates are what it offers to the connectors above, so that rules decide while those are searched. All
+/// rules of such a compound are decided there (search/interaction_search.cpp).
+struct InnerRules {
+  struct Group {
+    u32 compound = 0;
+    u32 depth = 0;             // of the compound
+    std::vector<u32> members;  // connectors that its rules may name, in image order
+    std::vector<u32> rules;
+  };
+  std::vector<Group> groups;
+  std::vector<u32> group_of_connector;  // kNone: none. Empty: there are no groups
+  std::vector<u32> group_of_rule;       // the same
+  [[nodiscard]] u32 of_connector(u32 connector) const {
+    return group_of_connector.empty() ? kNone : group_of_connector[connector];
+  }
+  [[nodiscard]] u32 of_rule(u32 rule) const { return group_of_rule.empty() ? kNone : group_of_rule[rule]; }
 };
 
 struct Tables {
@@ -137,6 +163,7 @@ struct Tables {
   std::vector<PlanUse> plan_uses;
   std::vector<u32> plan_params;
   std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
+  InnerRules inner_rules;
 
   [[nodiscard]] const AtomType& atom_type(u32 atom) const { return image->atom_types[atoms[atom].type]; }
   [[nodiscard]] u32 port_base(u32 atom) const { return atoms[atom].port_base; }
@@ -187,6 +214,7 @@ enum class MaximalProgress : std::uint8_t { On, Off };
 
 // The parts of link, in this order.
 void link_atoms(Tables& tables);
+void link_inner_rules(Tables& tables);
 void link_interactions(Tables& tables, MaximalProgress progress);
 void link_network(Tables& tables);
 void link_watches(Tables& tables);

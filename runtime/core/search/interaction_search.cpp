@@ -6,6 +6,7 @@
 
 #include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
+#include "runtime/core/link/priorities.hpp"
 #include "runtime/core/search/range_search.hpp"
 
 namespace bip::rt {
@@ -84,12 +85,19 @@ void InteractionSearch::direct_params(u32 interaction, u32 config, std::vector<u
     return;
   }
   const Plan& plan = core_.tables.plans[plan_row];
-  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
   BIP_ASSERT((std::size_t{config} + 1) * plan.words <= listings_[listing_of(interaction)].configs.size(),
              "configuration {} of interaction {}", config, interaction);
-  const u64* bits = listings_[listing_of(interaction)].configs.data() + std::size_t{config} * plan.words;
+  params_of_use(plan, 0, listings_[listing_of(interaction)].configs.data() + std::size_t{config} * plan.words, out);
+}
+
+// The parameters of the use's connector that take part in a configuration.
+void InteractionSearch::params_of_use(const Plan& plan, u32 use_row, const u64* bits, std::vector<u32>& out) const {
+  out.clear();
+  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+  const PlanUse& use = core_.tables.plan_uses[plan.first_use + use_row];
+  const u32 count = core_.tables.connector_type(use.connector).params.size;
   for (u32 param = 0; param < count; ++param) {
-    const u32 node = core_.tables.plan_params[core_.tables.plan_uses[plan.first_use].first_param + param];
+    const u32 node = core_.tables.plan_params[use.first_param + param];
     if (node == kNone) continue;
     const u32 end = nodes[node].end == plan.node_count ? plan.leaves : nodes[nodes[node].end].leaf;
     bool chosen = false;
@@ -148,6 +156,7 @@ bool InteractionSearch::list(u32 interaction) {
   const bool listed = core_.options.progress == MaximalProgress::Off ? enumerate(plan, found) : search(plan, 0, found);
   link_alternatives_.clear();
   if (!listed) return false;
+  hide_by_inner_rules(plan, 0, found);
   for (const Bits& bits : found) listing.configs.insert(listing.configs.end(), bits.begin(), bits.end());
   listing.count = static_cast<u32>(found.size());
   BIP_ASSERT(listing.configs.size() == found.size() * plan.words, "{} words of {} configurations",
@@ -478,17 +487,84 @@ bool InteractionSearch::search(const Plan& plan, u32 root, std::vector<Bits>& fo
 bool InteractionSearch::search_links(const Plan& plan) {
   const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
   link_alternatives_.assign(plan.node_count, {});
+  witness_configs_.assign(plan.witnesses.size(), {});
+  inner_active_.assign(plan.witnesses.empty() ? 0 : core_.tables.image->priorities.size, 0);
+  u32 witness = static_cast<u32>(plan.witnesses.size());
   for (u32 i = plan.node_count; i-- > 0;) {
+    if (witness != 0 && plan.witnesses[witness - 1].root == i) {
+      --witness;
+      if (!search(plan, i, witness_configs_[witness])) return false;
+      const bool is_first = witness == 0 || plan.witnesses[witness - 1].group != plan.witnesses[witness].group;
+      if (is_first && !decide_inner_rules(plan, witness)) return false;
+    }
     if (!nodes[i].maximal_only) continue;
     std::vector<Bits> found;
     if (nodes[i].kind == NodeKind::Link) {
       if (!search(plan, i + 1, found)) return false;
+      hide_by_inner_rules(plan, nodes[i].use, found);
     } else if (!choice_alternatives(plan, i, found)) {
       return false;
     }
     link_alternatives_[i] = std::move(found);
   }
   return true;
+}
+
+// Which rules of the group hide: those with a true guard from which a chain of such rules leads to an interaction that
+// a member of the group offers. A chain that closes is told when the rules' guards are settled (priority_state.hpp).
+bool InteractionSearch::decide_inner_rules(const Plan& plan, u32 first_witness) {
+  const Image& image = *core_.tables.image;
+  const u32 group = plan.witnesses[first_witness].group;
+  std::vector<std::uint8_t> holds(image.priorities.size, 0);
+  std::vector<u32> todo;
+  for (const u32 rule : core_.tables.inner_rules.groups[group].rules) {
+    const Priority& row = image.priorities[rule];
+    holds[rule] = 1;
+    if (row.guard != kNone) {
+      const Code guard = image.codes[row.guard];
+      const std::int32_t status =
+          guard.fn(guard.context, nullptr, core_.memory.cells.data(), core_.memory.binds.rows + row.binds);
+      if (status >= 2) return core_.faults.fail_code(status, kNone, kNone, nullptr);
+      holds[rule] = status != 0 ? 1 : 0;
+    }
+    bool is_met = false;
+    for (u32 w = first_witness; w < plan.witnesses.size() && plan.witnesses[w].group == group && holds[rule] != 0;
+         ++w) {
+      for (const Bits& bits : witness_configs_[w]) {
+        params_of_use(plan, plan.witnesses[w].use, bits.data(), params_);
+        is_met = is_met || matches_high(core_.tables, row, plan.witnesses[w].connector, params_);
+      }
+    }
+    if (!is_met) continue;
+    inner_active_[rule] = 1;
+    todo.push_back(rule);
+  }
+  while (!todo.empty()) {
+    const u32 rule = todo.back();
+    todo.pop_back();
+    for (const u32 before : core_.priorities.tables().previous[rule]) {
+      if (holds[before] == 0 || inner_active_[before] != 0) continue;
+      inner_active_[before] = 1;
+      todo.push_back(before);
+    }
+  }
+  return true;
+}
+
+// Takes away what rules of the connector's own compound hide.
+void InteractionSearch::hide_by_inner_rules(const Plan& plan, u32 use, std::vector<Bits>& found) {
+  if (plan.witnesses.empty()) return;
+  const u32 connector = core_.tables.plan_uses[plan.first_use + use].connector;
+  const u32 group = core_.tables.inner_rules.of_connector(connector);
+  if (group == kNone) return;
+  std::erase_if(found, [&](const Bits& bits) {
+    params_of_use(plan, use, bits.data(), params_);
+    const std::vector<u32>& rules = core_.tables.inner_rules.groups[group].rules;
+    return std::any_of(rules.begin(), rules.end(), [&](u32 rule) {
+      return inner_active_[rule] != 0 &&
+             matches_low(core_.tables, core_.tables.image->priorities[rule], connector, params_);
+    });
+  });
 }
 
 // Those of its ports, in their order: what differs between them differs in leaves.
@@ -516,7 +592,7 @@ bool InteractionSearch::enumerate(const Plan& plan, std::vector<Bits>& found) {
   look_at_availability(plan, 0);
   const auto too_many = [&] { return core_.faults.fail_connector(FaultCode::TooManyInteractions, plan.connector); };
   std::vector<std::vector<Bits>> choices(plan.node_count);
-  for (u32 i = plan.node_count; i-- > 0;) {
+  for (u32 i = nodes[0].end; i-- > 0;) {
     const PlanNode& node = nodes[i];
     if (available_[i] == 0) continue;
     if (node.kind == NodeKind::Leaf) {

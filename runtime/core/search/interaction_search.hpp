@@ -120,6 +120,9 @@ class InteractionSearch {
   u32 chosen_clause(const Plan& plan, u32 use);
   bool search(const Plan& plan, u32 root, std::vector<Bits>& found);
   bool search_links(const Plan& plan);
+  bool decide_inner_rules(const Plan& plan, u32 first_witness);
+  void hide_by_inner_rules(const Plan& plan, u32 use, std::vector<Bits>& found);
+  void params_of_use(const Plan& plan, u32 use, const u64* bits, std::vector<u32>& out) const;
   bool choice_alternatives(const Plan& plan, u32 choice, std::vector<Bits>& found);
   bool initial_configurations(const Plan& plan, u32 root, std::vector<Bits>& out);
   void smaller(const Plan& plan, u32 root, u32 failed, const Bits& bits, std::vector<Bits>& out);
@@ -141,6 +144,8 @@ class InteractionSearch {
   std::vector<u32> use_clause_;                   // by use
   std::vector<u32> params_;
   std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links and choices
+  std::vector<std::vector<Bits>> witness_configs_;    // by witness of the plan at hand
+  std::vector<std::uint8_t> inner_active_;            // by rule: it hides what it matches
   EvaluatedUses evaluated_;
 };
 

@@ -40,7 +40,8 @@ void RememberedSearches::link(const CoreParts& core) {
   for (std::size_t row = 0; row < tables.plans.size(); ++row) {
     const Plan& plan = tables.plans[row];
     PlanMemory& memory = plans_[row];
-    if (!plan.guarded || plan.rigid || !is_pure(core, plan)) continue;
+    // Guards of rules that decide below connectors read data by their paths, too.
+    if (!plan.guarded || plan.rigid || !plan.witnesses.empty() || !is_pure(core, plan)) continue;
     memory.is_used = true;
     memory.first_leaf = static_cast<u32>(leaves_.size());
     for (u32 i = 0; i < plan.node_count; ++i) {
