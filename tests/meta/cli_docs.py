@@ -25,7 +25,7 @@ PUBLISHED = """
 | `--gencpp-output DIR`, `--gencpp-output-dir DIR` | writes C++: `bipc emit -o DIR`. The folder gets its own `CMakeLists.txt` and the runtime, which is compiled if bipc's own library is not there |
 | `--gencpp-no-main` | the folder makes a library with `model::image()`, without `main` |
 | `--gencpp-cc-I DIR` | like `-I DIR` |
-| beginnings of options | `--gencpp-out` is `--gencpp-output` if no other option begins so |
+| beginnings of options | `--gencpp-no-m` is `--gencpp-no-main`: no other option begins so |
 | `--Werr`, `--WError`, `-WError` | warnings count as errors: `--Werror` |
 | other `--gencpp-…` options | taken, and a note says that they have no effect: headers and sources are named by `@cpp` in the package |
 
