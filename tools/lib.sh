@@ -17,13 +17,19 @@ release_lock() {
   if command -v flock >/dev/null; then exec 9>&-; fi
 }
 
+# Configures with the preset `release` (ccache, mold, warnings are errors) and what the array `configure_options` adds.
+configure_options=()
+configure() {
+  (cd "$root" && cmake --preset release -B "$build_dir" "${configure_options[@]}")
+}
+
 # configure_and_build [target...]: quiet if all is up to date, ninja's progress while there is work.
 configure_and_build() {
   local log=$build_dir/configure.log
   # Also if the tests were left out for want of packages that are there now.
   if [[ ! -f $build_dir/build.ninja ]] || { grep -q 'tests are left out' "$log" 2>/dev/null && dpkg-query -W catch2 >/dev/null 2>&1; }; then
     echo "configuring $build_dir" >&2
-    if ! cmake -G Ninja -S "$root" -B "$build_dir" >"$log" 2>&1 9>&-; then
+    if ! configure >"$log" 2>&1 9>&-; then
       cat "$log" >&2
       return 1
     fi
