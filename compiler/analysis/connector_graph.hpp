@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/system/system.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::analysis {
 

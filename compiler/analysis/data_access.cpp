@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/code_uses.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::analysis {
 

@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/result.hpp"
 #include "compiler/system/system.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::analysis {
 

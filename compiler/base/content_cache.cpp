@@ -10,9 +10,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/content_hash.hpp"
 #include "compiler/base/read_file.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 

@@ -63,15 +63,15 @@ ScreenLine on_screen(std::string_view line) {
   std::size_t column = 0;
   for (std::size_t at = 0; at < line.size();) {
     const std::size_t length = std::max<std::size_t>(1, utf8_length(line.substr(at)));
-    const std::string_view one = line.substr(at, length);
+    const std::string_view character = line.substr(at, length);
     for (std::size_t i = 0; i < length; ++i) screen.column[at + i] = column;
-    if (one == "\t") {
+    if (character == "\t") {
       const std::size_t stop = (column / kTabStop + 1) * kTabStop;
       screen.text.append(stop - column, ' ');
       column = stop;
     } else {
-      screen.text += printable(one);
-      column += utf8_columns(one);
+      screen.text += printable(character);
+      column += utf8_columns(character);
     }
     at += length;
   }

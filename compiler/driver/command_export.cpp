@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/exit_codes.hpp"
@@ -18,6 +17,7 @@
 #include "compiler/verify/property/property.hpp"
 #include "compiler/verify/symbolic/aiger.hpp"
 #include "compiler/verify/symbolic/mode_signals.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 

@@ -3,7 +3,7 @@
 // Formatting in place is safe: the new text must parse and print as itself, and replaces the old file by renaming.
 #include <cstdio>
 
-#include "compiler/base/assert.hpp"
+#include "compiler/base/stage_scope.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"

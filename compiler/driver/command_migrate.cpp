@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "compiler/base/assert.hpp"
+#include "compiler/base/stage_scope.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"

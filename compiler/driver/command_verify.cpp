@@ -51,8 +51,9 @@ class ProofProgressLine {
       phase_ = phase;
       phase_start_ = now;
     }
-    const double here = std::chrono::duration<double>(now - phase_start_).count();
-    const std::string rate = here > 0.5 ? fmt::format(", {:.0f} a second", static_cast<double>(count) / here) : "";
+    const double in_phase = std::chrono::duration<double>(now - phase_start_).count();
+    const std::string rate =
+        in_phase > 0.5 ? fmt::format(", {:.0f} a second", static_cast<double>(count) / in_phase) : "";
     std::fputs(
         fmt::format("\r\x1b[K{}: {} {}{}   {:.1f} s (Ctrl-C ends it)", phase, count, unit, rate, seconds).c_str(),
         stderr);

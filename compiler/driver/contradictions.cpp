@@ -8,12 +8,12 @@
 #include <functional>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/reduce.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {

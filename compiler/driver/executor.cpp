@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "bip/ffi.hpp"
-#include "compiler/base/assert.hpp"
+#include "compiler/base/stage_scope.hpp"
 #include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/ffi_build.hpp"
 #include "compiler/steps/derive_steps.hpp"

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/syntax/print.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {

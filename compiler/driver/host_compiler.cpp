@@ -105,15 +105,15 @@ RuntimeLocation find_runtime() {
   RuntimeLocation found;
   std::error_code ignored;
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  const fs::path here = program.parent_path();
+  const fs::path folder = program.parent_path();
   // In a build tree CMake leaves a link `runtime` to the sources beside the program.
   for (const fs::path& candidate :
-       {here / "runtime", here.parent_path() / "share/bipc/runtime", here.parent_path() / "runtime"}) {
+       {folder / "runtime", folder.parent_path() / "share/bipc/runtime", folder.parent_path() / "runtime"}) {
     found.tried.push_back(candidate.string());
     if (!fs::exists(candidate / "include/bip/run.hpp", ignored)) continue;
     found.directory = candidate.string();
 #ifdef BIPC_PREBUILT_RUNTIME
-    for (const fs::path& library : {here / "libbip_runtime.a", here.parent_path() / "lib/libbip_runtime.a"}) {
+    for (const fs::path& library : {folder / "libbip_runtime.a", folder.parent_path() / "lib/libbip_runtime.a"}) {
       if (found.library.empty() && fs::exists(library, ignored)) found.library = library.string();
     }
 #endif

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {
@@ -220,10 +220,10 @@ bool load_packages(Compilation& c) {
 
 std::string find_stdlib() {
   std::error_code ignored;
-  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
   // In a build tree CMake leaves a link `stdlib` to the sources beside the program.
   for (const fs::path& candidate :
-       {here / "stdlib", here.parent_path() / "share/bipc/stdlib", here.parent_path() / "stdlib"}) {
+       {folder / "stdlib", folder.parent_path() / "share/bipc/stdlib", folder.parent_path() / "stdlib"}) {
     if (fs::is_directory(candidate / "std", ignored)) return candidate.string();
   }
   return {};

@@ -9,7 +9,7 @@
 #include <chrono>
 #include <iterator>
 
-#include "compiler/base/assert.hpp"
+#include "compiler/base/stage_scope.hpp"
 #include "compiler/driver/check_rest.hpp"
 #include "compiler/driver/load_packages.hpp"
 #include "compiler/driver/report.hpp"

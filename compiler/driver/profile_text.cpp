@@ -53,7 +53,7 @@ class Tables {
   double total = 0, in_steps = 0;
 
  private:
-  [[nodiscard]] std::string place_of(rt::Loc loc) const {
+  [[nodiscard]] std::string place_of(rt::SourceLine loc) const {
     std::string text;
     rt::append_line(text, image_, loc);
     return text;
@@ -115,7 +115,7 @@ class Tables {
       const bool is_guard = unit.kind == lower::CodeKind::Guard;
       const double part =
           is_guard && count.calls != 0 ? static_cast<double>(count.holds) / static_cast<double>(count.calls) : -1;
-      const rt::Loc loc{unit.loc.file, unit.loc.line, unit.loc.column};
+      const rt::SourceLine loc{unit.loc.file, unit.loc.line, unit.loc.column};
       code.push_back({seconds, count.calls, part, type, words_[k].empty() ? unit.name : words_[k], place_of(loc)});
       const std::uint32_t row = is_rule ? 0 : unit.owner_row;
       const auto same = std::find_if(owners.begin(), owners.end(),
@@ -124,7 +124,9 @@ class Tables {
       if (same == owners.end()) {
         owners.push_back({unit.owner, row});
         const bool is_atom = unit.owner == lower::CodeOwner::Atom;
-        const rt::Loc at = is_atom ? image_.atom_types[row].loc : is_rule ? rt::Loc{} : image_.connector_types[row].loc;
+        const rt::SourceLine at = is_atom   ? image_.atom_types[row].loc
+                                  : is_rule ? rt::SourceLine{}
+                                            : image_.connector_types[row].loc;
         types.push_back({0, 0, -1, is_atom ? "atom type" : is_rule ? "" : "connector type", type, place_of(at)});
         line = &types.back();
       } else {

@@ -6,8 +6,8 @@
 
 #include <chrono>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/steps/derive_steps.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 

@@ -12,7 +12,7 @@
 
 #include "compiler/driver/jit_loader.hpp"
 #include "compiler/lower/lower.hpp"
-#include "runtime/engine/new_code.hpp"
+#include "runtime/engine/code_replacement.hpp"
 
 namespace bip::driver {
 

@@ -25,15 +25,15 @@ std::vector<Include> includes_of(const std::string& text) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     const auto skip_blanks = [&](std::size_t from) { return std::min(text.find_first_not_of(" \t", from), end); };
-    std::size_t here = skip_blanks(at);
+    std::size_t next = skip_blanks(at);
     at = end + 1;
-    if (here >= end || text[here] != '#') continue;
-    here = skip_blanks(here + 1);
-    if (text.compare(here, 7, "include") != 0) continue;
-    here = skip_blanks(here + 7);
-    if (here >= end || (text[here] != '"' && text[here] != '<')) continue;
-    const std::size_t close = text.find(text[here] == '"' ? '"' : '>', here + 1);
-    if (close < end) found.push_back({text.substr(here + 1, close - here - 1), text[here] == '"'});
+    if (next >= end || text[next] != '#') continue;
+    next = skip_blanks(next + 1);
+    if (text.compare(next, 7, "include") != 0) continue;
+    next = skip_blanks(next + 7);
+    if (next >= end || (text[next] != '"' && text[next] != '<')) continue;
+    const std::size_t close = text.find(text[next] == '"' ? '"' : '>', next + 1);
+    if (close < end) found.push_back({text.substr(next + 1, close - next - 1), text[next] == '"'});
   }
   return found;
 }

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/model/code_uses.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {
 

@@ -3,9 +3,9 @@
 // int arithmetic uses wrap_add … and divide/modulo; other operators are C++'s. C++ does not specify the order in which
 // the operands of a binary operator are evaluated. The order is observable only if both can fault or one calls C++;
 // then the operands are bound to names left to right first.
-#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/model/print_expr.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {
 

@@ -1,10 +1,10 @@
 // See ffi_text.hpp. Wrappers are named `call_f`, so that they never hide the function `f` that they call.
 #include "compiler/emit_cpp/ffi_text.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/unit_names.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {
 

@@ -4,10 +4,10 @@
 // about a second. Linear in the image.
 #include "compiler/emit_cpp/image_tables.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/ffi_text.hpp"
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {
 

@@ -21,7 +21,7 @@ namespace bip::emit_cpp {
 [[nodiscard]] inline std::string row_text(std::uint32_t row) {
   return row == rt::kNone ? "kNone" : std::to_string(row);
 }
-[[nodiscard]] inline std::string loc_text(const rt::Loc& loc) {
+[[nodiscard]] inline std::string loc_text(const rt::SourceLine& loc) {
   return braces({std::to_string(loc.file), std::to_string(loc.line), std::to_string(loc.column)});
 }
 

@@ -2,10 +2,10 @@
 // priorities.
 //
 // One row per line; rows without a path name their owner in a comment.
-#include "compiler/base/assert.hpp"
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 #include "compiler/emit_cpp/image_tables.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {
 

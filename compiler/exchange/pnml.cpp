@@ -2,8 +2,8 @@
 // parameters, that have priorities, or in which a larger interaction hides a smaller one. Each place is a place of an
 // atom, each transition an interaction with one transition for each of its ports. Internal transitions are folded into
 // the transitions that lead to them. The format is the PT net schema of ISO/IEC 15909-2.
-#include "compiler/base/assert.hpp"
 #include "compiler/exchange/exchange.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 #include <algorithm>
 

@@ -13,12 +13,12 @@
 
 #include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/analysis/interaction_tree.hpp"
-#include "compiler/base/assert.hpp"
 #include "compiler/exchange/exchange.hpp"
 #include "compiler/exchange/plain_name.hpp"
 #include "compiler/exchange/promela_code.hpp"
 #include "compiler/system/inner_priorities.hpp"
 #include "compiler/system/uses_time.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::exchange {
 
@@ -80,7 +80,8 @@ class PromelaWriter {
   [[nodiscard]] std::string told(const Step& step) const;
 
   // Priorities.
-  [[nodiscard]] bool matches(const Priority& rule, bool high, const Step& step) const;
+  enum class RuleSide : std::uint8_t { Low, High };
+  [[nodiscard]] bool matches(const Priority& rule, RuleSide side, const Step& step) const;
   void add_priorities();
   [[nodiscard]] bool has_cycle(const std::vector<std::set<std::size_t>>& next) const;
 
@@ -120,8 +121,9 @@ std::string PromelaWriter::marked(AtomId atom, const std::vector<u32>& places) c
 }
 
 std::string PromelaWriter::enabled(AtomId atom, const Transition& t) {
-  const std::string here = marked(atom, t.from);
-  return t.guard.is_valid() ? fmt::format("({} && {})", here, code_.text(t.guard, names_of(atom))) : '(' + here + ')';
+  const std::string is_marked = marked(atom, t.from);
+  return t.guard.is_valid() ? fmt::format("({} && {})", is_marked, code_.text(t.guard, names_of(atom)))
+                            : '(' + is_marked + ')';
 }
 
 // Both at once; empty if their places exclude each other.
@@ -220,19 +222,19 @@ void PromelaWriter::add_settle(AtomId atom) {
   if (!type.invariants.empty()) {
     inlines_ += fmt::format("inline keep{}() {{\n", atom.value);
     for (const Invariant& row : type.invariants) {
-      std::string here = "true";
+      std::string places = "true";
       if (row.scope != InvariantScope::Always && !type.is_automaton())
-        here = row.places.empty() ? "true" : marked(atom, row.places);
+        places = row.places.empty() ? "true" : marked(atom, row.places);
       else if (row.scope != InvariantScope::Always)
-        here = row.places.size() > 1 ? "false"
-               : row.places.empty()  ? (row.scope == InvariantScope::At ? "false" : "true")
-                                     : marked(atom, row.places);
+        places = row.places.size() > 1 ? "false"
+                 : row.places.empty()  ? (row.scope == InvariantScope::At ? "false" : "true")
+                                       : marked(atom, row.places);
       for (u32 place = 0; row.scope == InvariantScope::At && !type.is_automaton() && place < type.places.size();
            ++place) {
         if (!std::binary_search(row.places.begin(), row.places.end(), place))
-          here += fmt::format(" && !m{}_{}", atom.value, place);
+          places += fmt::format(" && !m{}_{}", atom.value, place);
       }
-      inlines_ += fmt::format("  if\n  :: ({}) && !({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", here,
+      inlines_ += fmt::format("  if\n  :: ({}) && !({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", places,
                               code_.text(row.condition, names_of(atom)));
     }
     inlines_ += "}\n";
@@ -453,18 +455,18 @@ std::string PromelaWriter::told(const Step& step) const {
 
 // ---- priorities, and the whole --------------------------------------------------------------------------------------
 
-bool PromelaWriter::matches(const Priority& rule, bool high, const Step& step) const {
-  const Pattern& pattern = high ? rule.high : rule.low;
-  const Pattern& other = high ? rule.low : rule.high;
+bool PromelaWriter::matches(const Priority& rule, RuleSide side, const Step& step) const {
+  const Pattern& pattern = side == RuleSide::High ? rule.high : rule.low;
+  const Pattern& other = side == RuleSide::High ? rule.low : rule.high;
   if (pattern.any_connector)
     return system_.connectors[step.connector].parent == rule.parent &&
-           (other.any_connector || !matches(rule, !high, step));
+           (other.any_connector || !matches(rule, side == RuleSide::High ? RuleSide::Low : RuleSide::High, step));
   BIP_ASSERT(std::is_sorted(step.params.begin(), step.params.end()) &&
                  std::is_sorted(pattern.params.begin(), pattern.params.end()),
              "parameters of step `{}` are not in order", step.name);
   if (pattern.connector != step.connector) return false;
-  const std::vector<u32>& outer = high ? step.params : pattern.params;
-  const std::vector<u32>& inner = high ? pattern.params : step.params;
+  const std::vector<u32>& outer = side == RuleSide::High ? step.params : pattern.params;
+  const std::vector<u32>& inner = side == RuleSide::High ? pattern.params : step.params;
   return pattern.any_interaction || std::includes(outer.begin(), outer.end(), inner.begin(), inner.end());
 }
 
@@ -489,10 +491,10 @@ void PromelaWriter::add_priorities() {
     names.bind = [&](u32 k) { return variable_name(rule.data[k].atom, rule.data[k].variable); };
     std::string above = "false";
     for (const Step& step : steps_) {
-      if (!matches(rule, true, step)) continue;
+      if (!matches(rule, RuleSide::High, step)) continue;
       above += " || is" + step.name;
       for (std::size_t s = 0; s < count; ++s) {
-        if (matches(system_.priorities[PriorityId(s)], false, step)) next[r].insert(s);
+        if (matches(system_.priorities[PriorityId(s)], RuleSide::Low, step)) next[r].insert(s);
       }
     }
     for (std::size_t s : next[r]) above += fmt::format(" || hides{}", s);
@@ -525,7 +527,7 @@ Result<std::string> PromelaWriter::run() {
   for (const Step& step : steps_) {
     std::string guard = "!fault && is" + step.name;
     for (std::size_t r = 0; r < system_.priorities.size(); ++r) {
-      if (matches(system_.priorities[PriorityId(r)], false, step)) guard += fmt::format(" && !hides{}", r);
+      if (matches(system_.priorities[PriorityId(r)], RuleSide::Low, step)) guard += fmt::format(" && !hides{}", r);
     }
     alternatives +=
         fmt::format("  :: d_step {{ {} ->\n     printf(\"{}\\n\");\n{}     }}\n", guard, told(step), effect(step));

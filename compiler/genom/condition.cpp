@@ -40,9 +40,9 @@ class Evaluator {
 
   std::int64_t binary(int lowest, int depth) {
     std::int64_t left = unary(depth);
-    for (int here = level(); !failed_ && here >= lowest && here > 0; here = level()) {
+    for (int rank = level(); !failed_ && rank >= lowest && rank > 0; rank = level()) {
       const std::string_view op = tokens_[at_++].text;
-      left = apply(op, left, binary(here + 1, depth + 1));
+      left = apply(op, left, binary(rank + 1, depth + 1));
     }
     return left;
   }

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/genom/condition.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 

@@ -1,9 +1,9 @@
 // One pass over the bytes. A backslash before a line break joins lines, as C has it.
 #include <cctype>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/genom/tokens.hpp"
 #include "compiler/base/ascii.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {

@@ -76,11 +76,11 @@ std::size_t find_state(const Activity& activity, std::string_view name) {
 std::vector<bool> reached(const Activity& activity, std::vector<std::size_t> from) {
   std::vector<bool> seen(activity.states.size(), false);
   while (!from.empty()) {
-    const std::size_t here = from.back();
+    const std::size_t state = from.back();
     from.pop_back();
-    if (here >= seen.size() || seen[here]) continue;
-    seen[here] = true;
-    for (const Yield& y : activity.states[here].yields) {
+    if (state >= seen.size() || seen[state]) continue;
+    seen[state] = true;
+    for (const Yield& y : activity.states[state].yields) {
       if (y.next == Next::State || y.next == Next::Pause) from.push_back(y.state);
     }
   }

@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/genom/names.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -35,15 +35,15 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
   std::vector<std::size_t> todo{activity.start};
   if (can_be_stopped) todo.push_back(activity.stop);
   while (!todo.empty()) {
-    const std::size_t here = todo.back();
+    const std::size_t row = todo.back();
     todo.pop_back();
-    if (a.used[here]) continue;
-    BIP_ASSERT(here < activity.states.size(), "state {} of {}", here, activity.states.size());
-    a.used[here] = true;
-    const State& state = activity.states[here];
-    const bool is_stop = can_be_stopped && here == activity.stop;
-    a.async[here] = can_be_stopped && state.codel.is_async;
-    a.has_async = a.has_async || a.async[here];
+    if (a.used[row]) continue;
+    BIP_ASSERT(row < activity.states.size(), "state {} of {}", row, activity.states.size());
+    a.used[row] = true;
+    const State& state = activity.states[row];
+    const bool is_stop = can_be_stopped && row == activity.stop;
+    a.async[row] = can_be_stopped && state.codel.is_async;
+    a.has_async = a.has_async || a.async[row];
     bool ends = false;
     for (const Yield& y : state.yields) {
       if (y.next == Next::State || y.next == Next::Pause) todo.push_back(y.state);

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {

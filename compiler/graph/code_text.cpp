@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/quote.hpp"
 #include "compiler/model/print_expr.hpp"
 #include "compiler/system/bsys_text.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {
 namespace {

@@ -61,8 +61,8 @@ std::string IndexBuilder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) 
     while (line > 0 && (text[line - 1] == ' ' || text[line - 1] == '\t')) --line;
     const bool is_alone = line == 0 || text[line - 1] == '\n';
     if (!touches || !is_alone || doc.size() > kLongestDoc) break;
-    const std::string here = words(text.substr(at.begin, at.end - at.begin));
-    doc = doc.empty() ? here : here + "\n" + doc;
+    const std::string paragraph = words(text.substr(at.begin, at.end - at.begin));
+    doc = doc.empty() ? paragraph : paragraph + "\n" + doc;
     upper = line;
     --next;
   }

@@ -7,9 +7,9 @@
 
 #include <vector>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/fold.hpp"
 #include "runtime/include/bip/arith.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::interp {
 

@@ -11,9 +11,9 @@
 #include <limits>
 #include <optional>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/jit/debug_info.hpp"
 #include "compiler/model/operators.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::jit {
 namespace {

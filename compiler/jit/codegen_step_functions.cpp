@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <optional>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/codegen_steps.hpp"
 #include "compiler/jit/debug_info.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::jit {
 namespace {

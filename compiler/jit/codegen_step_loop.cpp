@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "compiler/base/assert.hpp"
 #include "bip/prng.hpp"
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/codegen_steps.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::jit {
 namespace {

@@ -9,9 +9,9 @@
 #include <functional>
 #include <utility>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/jit/codegen.hpp"
 #include "compiler/jit/debug_info.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::jit {
 namespace {

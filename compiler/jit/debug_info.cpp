@@ -11,7 +11,7 @@ namespace bip::jit {
 
 namespace {
 
-Loc to_model(rt::Loc loc) { return {.file = loc.file, .line = loc.line, .column = loc.column}; }
+Loc to_model(rt::SourceLine loc) { return {.file = loc.file, .line = loc.line, .column = loc.column}; }
 
 }  // namespace
 

@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "compiler/base/assert.hpp"
 #include "bip/prng.hpp"
 #include "compiler/base/content_cache.hpp"
 #include "compiler/base/content_hash.hpp"
@@ -25,6 +24,7 @@
 #include "compiler/jit/debug_info.hpp"
 #include "compiler/jit/target.hpp"
 #include "compiler/jit/watchers.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::jit {
 namespace {

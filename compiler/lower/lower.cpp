@@ -4,9 +4,9 @@
 // are null until an executor fills `codes`.
 #include "compiler/lower/lower.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/lower/check_image.hpp"
 #include "compiler/lower/pools.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/lower/pools.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {
 

@@ -1,6 +1,6 @@
 // Lowers the timed part of types: clocks, bounds, urgency, `resume`. Types without time get no tables.
-#include "compiler/base/assert.hpp"
 #include "compiler/lower/pools.hpp"
+#include "runtime/include/bip/assert.hpp"
 #include "runtime/include/bip/image_time.hpp"
 
 namespace bip::lower {

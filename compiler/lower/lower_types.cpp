@@ -1,11 +1,11 @@
 // Lowers types to runtime tables, with one code unit per guard, action and transfer of a type.
 //
 // Linear in the size of the types, independent of the instances.
-#include "compiler/base/assert.hpp"
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/pools.hpp"
 #include "compiler/lower/range_code.hpp"
 #include "compiler/model/model.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {
 

@@ -9,7 +9,7 @@
 
 #include "compiler/base/arena.hpp"
 #include "compiler/lower/event_classes.hpp"
-#include "compiler/lower/fold.hpp"
+#include "compiler/lower/fold_tables.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/lower/unit_names.hpp"
 
@@ -58,7 +58,7 @@ struct Lowering {
   std::uint32_t action(CodeOwner owner, std::uint32_t row, const std::string& name, StmtId body);
 };
 
-[[nodiscard]] inline rt::Loc loc_of(const Loc& loc) { return {loc.file, loc.line, loc.column}; }
+[[nodiscard]] inline rt::SourceLine loc_of(const Loc& loc) { return {loc.file, loc.line, loc.column}; }
 [[nodiscard]] inline rt::CellType cell_type_of(Type type) { return static_cast<rt::CellType>(type); }
 
 /// Port, atom and connector types, and the units of their code.

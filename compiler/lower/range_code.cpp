@@ -1,8 +1,8 @@
 // See range_code.hpp. Recursion follows the nesting of code, which the parser limits.
 #include "compiler/lower/range_code.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/lower/code_facts.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {
 

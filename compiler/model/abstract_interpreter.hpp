@@ -13,8 +13,8 @@
 // An operator that a domain forgets does not compile: its switches over Op have no `default:`.
 // Recursion follows the code's trees, whose depth the parser and the .bsys reader bound.
 #pragma once
-#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 

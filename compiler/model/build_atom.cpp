@@ -1,10 +1,10 @@
 // Atom types: variables, ports, places, transitions with their code.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/build_time.hpp"
 #include "compiler/model/code_uses.hpp"
 #include "compiler/model/ffi_declarations.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

@@ -2,10 +2,10 @@
 // contains.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/compound_builder.hpp"
 #include "compiler/model/packages.hpp"
 #include "compiler/model/ffi_declarations.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

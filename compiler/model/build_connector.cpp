@@ -1,8 +1,8 @@
 // Connector bodies, typed and inline: own data, exported port, `define`, and one clause an interaction with its code.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/ffi_declarations.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

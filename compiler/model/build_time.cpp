@@ -7,9 +7,9 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "compiler/model/ffi_declarations.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

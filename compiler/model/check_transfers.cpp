@@ -125,10 +125,10 @@ struct Modified {
       for (const std::uint32_t p : clause.params) {
         if (!type.params[p].type.is_valid()) continue;
         const auto first = changed.begin() + type.params[p].first_bind;
-        const std::vector<bool> here(
+        const std::vector<bool> bound(
             first, first + static_cast<std::ptrdiff_t>(self.b.model.port_types[type.params[p].type].variables.size()));
-        if (std::find(here.begin(), here.end(), true) != here.end())
-          visit(self.out.components, row.ports[p], here, body.clauses[c]);
+        if (std::find(bound.begin(), bound.end(), true) != bound.end())
+          visit(self.out.components, row.ports[p], bound, body.clauses[c]);
       }
     }
   }

@@ -4,8 +4,8 @@
 // Interning scans the table: models have tens of string constants, not thousands.
 #include "compiler/model/code.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 

@@ -5,10 +5,10 @@
 #include <charconv>
 #include <utility>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/model/packages.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

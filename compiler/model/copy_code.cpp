@@ -3,9 +3,9 @@
 //
 // Constants are folded once, so a chain of them in which each is twice the one before costs nothing; arguments are
 // counted by whoever asks for the copy.
-#include "compiler/base/assert.hpp"
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

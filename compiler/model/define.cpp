@@ -1,7 +1,7 @@
 // Questions about a `define` tree, answered without listing interactions: linear in the tree.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 #include "compiler/model/model_builder.hpp"
 

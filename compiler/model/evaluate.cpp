@@ -1,8 +1,8 @@
 // Constant evaluation with the arithmetic of code.hpp.
 #include "compiler/model/evaluate.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/fold.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

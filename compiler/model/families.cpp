@@ -1,8 +1,8 @@
 // Names of components and connectors in a compound: one family a name, an array if it is declared with an index.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/compound_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

@@ -7,8 +7,8 @@
 #pragma once
 #include <cstdint>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 

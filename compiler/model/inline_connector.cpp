@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/compound_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/code.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 

@@ -2,9 +2,9 @@
 // needs no stack; right operands, parentheses and arguments recurse and are bounded by check_depth.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/parse.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 

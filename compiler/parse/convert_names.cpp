@@ -1,7 +1,7 @@
 // Converts ranges, names, paths, strings, annotations, parameters and data declarations.
-#include "compiler/base/assert.hpp"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/unescape.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 

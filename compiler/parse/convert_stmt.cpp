@@ -14,9 +14,9 @@ Block Converter::block(BipParser::BlockContext* ctx) {
 Block Converter::action(BipParser::ActionContext* ctx) {
   if (failed(ctx)) return {.present = true, .stmts = {}, .range = {}};
   if (ctx->block() != nullptr) return block(ctx->block());
-  std::vector<const Stmt*> one;
-  if (const Stmt* stmt = simple(ctx->simple())) one.push_back(stmt);
-  return {.present = true, .stmts = arena_.list(one), .range = range(ctx->simple())};
+  std::vector<const Stmt*> action;
+  if (const Stmt* stmt = simple(ctx->simple())) action.push_back(stmt);
+  return {.present = true, .stmts = arena_.list(action), .range = range(ctx->simple())};
 }
 
 std::span<const Stmt* const> Converter::stmts(BipParser::StmtsContext* ctx) {

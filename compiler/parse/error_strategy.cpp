@@ -234,11 +234,11 @@ bool ReportingStrategy::report_missing_closer(antlr4::Parser* parser, std::size_
 }
 
 antlr4::Token* ReportingStrategy::conjure(antlr4::Parser* parser, std::size_t type) {
-  const antlr4::Token* here = parser->getTokenStream()->LT(1);
+  const antlr4::Token* next = parser->getTokenStream()->LT(1);
   auto token = std::make_unique<antlr4::CommonToken>(type);
-  token->setStartIndex(here->getStartIndex());
-  token->setStopIndex(here->getStartIndex());
-  token->setLine(here->getLine());
+  token->setStartIndex(next->getStartIndex());
+  token->setStopIndex(next->getStartIndex());
+  token->setLine(next->getLine());
   conjured_.push_back(std::move(token));
   return conjured_.back().get();
 }
@@ -282,14 +282,14 @@ antlr4::Token* ReportingStrategy::recoverInline(antlr4::Parser* parser) {
 void ReportingStrategy::sync(antlr4::Parser* parser) {
   const auto* state = parser->getATN().states[parser->getState()];
   const std::size_t next = parser->getTokenStream()->LA(1);
-  const IntervalSet here = parser->getATN().nextTokens(const_cast<antlr4::atn::ATNState*>(state));
-  if (here.contains(static_cast<ssize_t>(next))) return;
+  const IntervalSet in_rule = parser->getATN().nextTokens(const_cast<antlr4::atn::ATNState*>(state));
+  if (in_rule.contains(static_cast<ssize_t>(next))) return;
   const IntervalSet expected = parser->getExpectedTokens();
   if (expected.contains(static_cast<ssize_t>(next))) return;
   if (expected.contains(static_cast<ssize_t>(BipParser::END)) && begins_declaration(next)) return;
   // A missing closer is told by recoverInline, which can also assume it.
-  const bool can_leave = here.contains(antlr4::Token::EPSILON) ||
-                         is_closer(static_cast<std::size_t>(here.isEmpty() ? 0 : here.getMaxElement()));
+  const bool can_leave = in_rule.contains(antlr4::Token::EPSILON) ||
+                         is_closer(static_cast<std::size_t>(in_rule.isEmpty() ? 0 : in_rule.getMaxElement()));
   const bool closes = expected.contains(static_cast<ssize_t>(BipParser::RPAREN)) ||
                       expected.contains(static_cast<ssize_t>(BipParser::RBRACK)) ||
                       expected.contains(static_cast<ssize_t>(BipParser::RBRACE));

@@ -3,8 +3,8 @@
 // A file without errors and warnings is parsed in pieces (read_in_pieces.cpp). Any other file is parsed whole: stage
 // one predicts without context (SLL) and gives up at the first error; it accepts every correct file. Only if it gives
 // up does stage two predict with full context and report errors. No exception of ANTLR leaves this file.
-#include "compiler/base/assert.hpp"
 #include "compiler/parse/parse.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 #include <algorithm>
 

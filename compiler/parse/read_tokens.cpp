@@ -5,8 +5,8 @@
 
 #include "BipLexer.h"
 #include "antlr4-runtime.h"
-#include "compiler/base/assert.hpp"
 #include "compiler/parse/token_list.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 namespace {

@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/rules/scope.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::rules {
 namespace {
@@ -133,7 +133,7 @@ class Checker {
     BIP_ASSERT(left.size() == r.left.size() && right.size() == r.right.size(), "{} of {} services are found",
                left.size(), r.left.size());
     for (std::size_t i = 0; i < left.size(); ++i) {
-      if (right.empty()) one(r, r.left[i], left[i]);
+      if (right.empty()) check_service(r, r.left[i], left[i]);
       for (std::size_t k = 0; k < right.size(); ++k) {
         if (left[i] == right[k] && r.verb != Verb::AtLeast) {
           diags_.report(Diag::kB6102, r.right[k].range(), names_.text(left[i])).label(r.left[i].range(), "here too");
@@ -145,7 +145,7 @@ class Checker {
   }
 
   // A rule about one service and a condition.
-  void one(const Rule& r, const Path& path, ServiceRef s) {
+  void check_service(const Rule& r, const Path& path, ServiceRef s) {
     const std::string name = bare(s) + (r.verb == Verb::Requires    ? "_requires"
                                         : r.verb == Verb::Maintains ? "_maintains"
                                                                     : "_at_most");

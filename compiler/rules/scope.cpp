@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::rules {
 namespace {

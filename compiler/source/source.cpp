@@ -12,8 +12,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/source/utf8.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 namespace {

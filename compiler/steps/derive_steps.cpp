@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <map>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/steps/check_steps.hpp"
 #include "compiler/steps/columns.hpp"
 #include "compiler/steps/deriver.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
 

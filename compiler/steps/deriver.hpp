@@ -68,7 +68,8 @@ class Deriver {
   bool add_connector_codes(const rt::InteractionInfo& info, Instance& out);
   bool add_plan_codes(const rt::Plan& plan, Instance& out);
   bool order_uses(const rt::Plan& plan);
-  [[nodiscard]] u32 unit_of(u32 use, bool is_up) const;
+  enum class Transfer : std::uint8_t { Up, Down };
+  [[nodiscard]] u32 unit_of(u32 use, Transfer transfer) const;
   void evaluate_uses();
   bool list_assigned();
   [[nodiscard]] u32 home_of(u32 value) const;

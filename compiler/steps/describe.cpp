@@ -8,8 +8,8 @@
 // result. Hierarchies: transfers.cpp.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/steps/deriver.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
 

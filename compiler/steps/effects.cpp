@@ -2,8 +2,8 @@
 // over data of atoms that move, and those that are hidden by one of these.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/steps/deriver.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
 

@@ -12,8 +12,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/steps/deriver.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
 
@@ -30,8 +30,8 @@ bool Deriver::order_uses(const rt::Plan& plan) {
     // It reads data of bystanders: those might have moved by then.
     if (image_.connectors[uses_[i].connector].bind_count > bound) return false;
     if (uses_[i].link != kNone) depth[i] = depth[nodes[nodes[uses_[i].link].parent].use] + 1;
-    for (const bool is_up : {true, false}) {
-      const u32 unit = unit_of(i, is_up);
+    for (const Transfer transfer : {Transfer::Up, Transfer::Down}) {
+      const u32 unit = unit_of(i, transfer);
       if (unit != kNone && facts_[unit].may_fault) return false;
     }
   }
@@ -53,30 +53,30 @@ bool Deriver::order_uses(const rt::Plan& plan) {
   return true;
 }
 
-u32 Deriver::unit_of(u32 use, bool is_up) const {
+u32 Deriver::unit_of(u32 use, Transfer transfer) const {
   if (uses_[use].clause == kNone) return kNone;
   const rt::Clause& clause = tables_.connector_type(uses_[use].connector).clauses[uses_[use].clause];
-  return is_up ? clause.up : clause.down;
+  return transfer == Transfer::Up ? clause.up : clause.down;
 }
 
 // Values of cells after all `up`s, where they are then, and after all `down`s.
 void Deriver::evaluate_uses() {
   values_.begin();
-  const auto run = [&](u32 use, bool is_up) {
+  const auto run = [&](u32 use, Transfer transfer) {
     const rt::Connector& row = image_.connectors[uses_[use].connector];
-    if (const u32 unit = unit_of(use, is_up); unit != kNone)
+    if (const u32 unit = unit_of(use, transfer); unit != kNone)
       values_.run(lowered_.units[unit].body, row.first_cell, binds_.rows + row.binds);
   };
   for (const u32 use : ups_) {
     values_.zero(image_.connectors[uses_[use].connector].first_cell,
                  tables_.connector_type(uses_[use].connector).variables.size);
-    run(use, true);
+    run(use, Transfer::Up);
   }
   homes_.assign(values_.count(), kNone);
   for (const u32 cell : values_.cells()) {
     if (cell >= tables_.atom_cells) homes_[values_.in(cell)] = cell;
   }
-  for (const u32 use : downs_) run(use, false);
+  for (const u32 use : downs_) run(use, Transfer::Down);
 }
 
 u32 Deriver::home_of(u32 value) const { return value < homes_.size() ? homes_[value] : kNone; }
@@ -155,7 +155,7 @@ bool Deriver::add_joined(Instance& out) {
 bool Deriver::add_moved(Instance& out) {
   copies_.clear();
   for (const u32 use : ups_) {
-    const u32 unit = unit_of(use, true);
+    const u32 unit = unit_of(use, Transfer::Up);
     if (unit != kNone && facts_[unit].writes_binds) return false;
   }
   for (const auto& [cell, value] : assigned_) {
@@ -173,7 +173,7 @@ bool Deriver::add_ups(Instance& out) {
     const rt::Connector& row = image_.connectors[uses_[use].connector];
     const bool needs_zeroes = !values_.is_known() || values_.has_read_zero();
     const u32 zeroed = needs_zeroes ? tables_.connector_type(uses_[use].connector).variables.size : 0;
-    const u32 unit = unit_of(use, true);
+    const u32 unit = unit_of(use, Transfer::Up);
     if ((unit != kNone || zeroed != 0) && !add_code(unit, zeroed, row.first_cell, row.binds, out)) return false;
   }
   return true;
@@ -200,7 +200,7 @@ bool Deriver::add_plan_codes(const rt::Plan& plan, Instance& out) {
   if (!add_ups(out)) return false;
   for (const u32 use : downs_) {
     const rt::Connector& row = image_.connectors[uses_[use].connector];
-    const u32 unit = unit_of(use, false);
+    const u32 unit = unit_of(use, Transfer::Down);
     if (unit != kNone && !add_code(unit, 0, row.first_cell, row.binds, out)) return false;
   }
   return true;

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
 

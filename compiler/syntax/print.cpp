@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/syntax/printer.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::syntax {
 

@@ -1,7 +1,7 @@
 // Prints files, packages and their declarations.
-#include "compiler/base/assert.hpp"
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::syntax {
 namespace {

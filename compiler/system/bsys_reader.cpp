@@ -2,8 +2,8 @@
 //
 // Types of operators and loads follow from their operands and from the scope. Only ids and shapes are checked here;
 // `validate` checks types. Code is read recursively; its depth is limited by kMaxParentheses.
-#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys_reader.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 #include <fmt/format.h>
 

@@ -38,14 +38,14 @@ std::vector<DataRef> BsysRowParser::data(List& list) {
   std::vector<DataRef> out;
   std::optional<List> found = reader_.sub(list, "data");
   while (found && reader_.more(*found)) {
-    List one = reader_.need(*found, "of");
-    const AtomId atom = atom_ref(one);
+    List row_list = reader_.need(*found, "of");
+    const AtomId atom = atom_ref(row_list);
     if (reader_.failed()) return out;
     const std::vector<DataVariable>& variables = system_.atom_types[system_.atoms[atom].type].variables;
     out.push_back({.atom = atom,
-                   .variable = reader_.ref(one, variables.size(), "slot",
+                   .variable = reader_.ref(row_list, variables.size(), "slot",
                                            [&](std::uint32_t k) -> const std::string& { return variables[k].name; })});
-    reader_.close(one);
+    reader_.close(row_list);
   }
   if (found) reader_.close(*found);
   return out;
@@ -100,30 +100,30 @@ TimeGuard BsysRowParser::when(List& list, const AtomType& type, const CodeScope&
     return reader_.ref(from, type.clocks.size(), "clock",
                        [&](std::uint32_t k) -> const std::string& { return type.clocks[k].name; });
   };
-  while (std::optional<List> one = reader_.sub(list, "bound")) {
+  while (std::optional<List> row_list = reader_.sub(list, "bound")) {
     Bound bound;
     const BoundOp ops[] = {BoundOp::Lt, BoundOp::Le, BoundOp::Gt, BoundOp::Ge, BoundOp::Eq};
     bool is_known = false;
     for (const BoundOp op : ops) {
-      if (is_known || !reader_.flag(*one, name_of(op))) continue;
+      if (is_known || !reader_.flag(*row_list, name_of(op))) continue;
       bound.op = op;
       is_known = true;
     }
-    if (!is_known) reader_.fail(one->node, "expected lt, le, gt, ge or eq");
-    bound.clock = clock_ref(*one);
-    if (std::optional<List> minus = reader_.sub(*one, "minus")) {
+    if (!is_known) reader_.fail(row_list->node, "expected lt, le, gt, ge or eq");
+    bound.clock = clock_ref(*row_list);
+    if (std::optional<List> minus = reader_.sub(*row_list, "minus")) {
       bound.minus = clock_ref(*minus);
       reader_.close(*minus);
     }
-    if (std::optional<List> variable = reader_.sub(*one, "slot")) {
+    if (std::optional<List> variable = reader_.sub(*row_list, "slot")) {
       bound.variable = reader_.ref(*variable, type.variables.size(), "slot",
                                    [&](std::uint32_t k) -> const std::string& { return type.variables[k].name; });
       reader_.close(*variable);
     } else {
-      bound.ticks = ticks(reader_, tree_, *one);
+      bound.ticks = ticks(reader_, tree_, *row_list);
     }
-    reader_.close(*one);
-    bound.loc = one->loc;
+    reader_.close(*row_list);
+    bound.loc = row_list->loc;
     row.bounds.push_back(bound);
   }
   row.measure = body(list, "measure", scope);
@@ -132,28 +132,28 @@ TimeGuard BsysRowParser::when(List& list, const AtomType& type, const CodeScope&
 
 Resume BsysRowParser::resume(List& list, const AtomType& type, const CodeScope& scope) {
   Resume row;
-  std::optional<List> one = reader_.sub(list, "resume");
-  if (!one) return row;
+  std::optional<List> row_list = reader_.sub(list, "resume");
+  if (!row_list) return row;
   row.present = true;
-  row.guard = guard(*one, scope);
-  row.when = when(*one, type, scope);
-  reader_.close(*one);
-  row.loc = one->loc;
+  row.guard = guard(*row_list, scope);
+  row.when = when(*row_list, type, scope);
+  reader_.close(*row_list);
+  row.loc = row_list->loc;
   return row;
 }
 
 Async BsysRowParser::async(List& list, const AtomType& type) {
   Async row;
-  std::optional<List> one = reader_.sub(list, "async");
-  if (!one) return row;
+  std::optional<List> row_list = reader_.sub(list, "async");
+  if (!row_list) return row;
   row.present = true;
-  if (reader_.more(*one)) row.budget = ticks(reader_, tree_, *one);
-  if (std::optional<List> port = reader_.sub(*one, "overrun")) {
+  if (reader_.more(*row_list)) row.budget = ticks(reader_, tree_, *row_list);
+  if (std::optional<List> port = reader_.sub(*row_list, "overrun")) {
     row.overrun = reader_.ref(*port, type.ports.size(), "port",
                               [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
     reader_.close(*port);
   }
-  reader_.close(*one);
+  reader_.close(*row_list);
   return row;
 }
 
@@ -185,15 +185,15 @@ PortType BsysRowParser::port_type(List& list) {
 
 std::vector<DataVariable> BsysRowParser::variables(List& list) {
   std::vector<DataVariable> out;
-  while (std::optional<List> one = reader_.sub(list, "slot")) {
+  while (std::optional<List> row_list = reader_.sub(list, "slot")) {
     DataVariable variable;
-    reader_.row(*one, out.size());
-    variable.name = reader_.name(*one);
-    variable.type = reader_.type(*one);
-    variable.is_param = reader_.flag(*one, "param");
-    variable.exported = reader_.flag(*one, "export");
-    reader_.close(*one);
-    variable.loc = one->loc;
+    reader_.row(*row_list, out.size());
+    variable.name = reader_.name(*row_list);
+    variable.type = reader_.type(*row_list);
+    variable.is_param = reader_.flag(*row_list, "param");
+    variable.exported = reader_.flag(*row_list, "export");
+    reader_.close(*row_list);
+    variable.loc = row_list->loc;
     out.push_back(std::move(variable));
   }
   return out;
@@ -204,36 +204,36 @@ AtomType BsysRowParser::atom_type(List& list) {
   reader_.row(list, system_.atom_types.size());
   row.name = reader_.name(list);
   row.variables = variables(list);
-  while (std::optional<List> one = reader_.sub(list, "port")) {
+  while (std::optional<List> row_list = reader_.sub(list, "port")) {
     Port port;
-    reader_.row(*one, row.ports.size());
-    port.name = reader_.name(*one);
-    port.type = port_type_ref(*one);
-    port.exported = reader_.flag(*one, "export");
-    if (std::optional<List> extern_list = reader_.sub(*one, "extern")) event(*extern_list, port);
-    port.variables = sub_refs(*one, "slots", row.variables, "slot");
-    reader_.close(*one);
-    port.loc = one->loc;
+    reader_.row(*row_list, row.ports.size());
+    port.name = reader_.name(*row_list);
+    port.type = port_type_ref(*row_list);
+    port.exported = reader_.flag(*row_list, "export");
+    if (std::optional<List> extern_list = reader_.sub(*row_list, "extern")) event(*extern_list, port);
+    port.variables = sub_refs(*row_list, "slots", row.variables, "slot");
+    reader_.close(*row_list);
+    port.loc = row_list->loc;
     row.ports.push_back(std::move(port));
   }
-  while (std::optional<List> one = reader_.sub(list, "place")) {
-    reader_.row(*one, row.places.size());
-    row.places.push_back(reader_.name(*one));
-    reader_.close(*one);
+  while (std::optional<List> row_list = reader_.sub(list, "place")) {
+    reader_.row(*row_list, row.places.size());
+    row.places.push_back(reader_.name(*row_list));
+    reader_.close(*row_list);
   }
-  while (std::optional<List> one = reader_.sub(list, "clock")) row.clocks.push_back(clock(*one, row));
+  while (std::optional<List> row_list = reader_.sub(list, "clock")) row.clocks.push_back(clock(*row_list, row));
   const CodeScope scope = scope_of(row);
   row.initial = sub_refs(list, "initial", row.places, "place");
   row.initial_action = body(list, "do", scope);
   row.initial_resume = resume(list, row, scope);
-  while (std::optional<List> one = reader_.sub(list, "transition")) {
-    row.transitions.push_back(transition(*one, row, scope));
+  while (std::optional<List> row_list = reader_.sub(list, "transition")) {
+    row.transitions.push_back(transition(*row_list, row, scope));
   }
-  while (std::optional<List> one = reader_.sub(list, "priority"))
-    row.priorities.push_back(atom_priority(*one, row, scope));
-  while (std::optional<List> one = reader_.sub(list, "invariant"))
-    row.invariants.push_back(invariant(*one, row, scope));
-  while (std::optional<List> one = reader_.sub(list, "merged")) row.merged.push_back(merged(*one, row));
+  while (std::optional<List> row_list = reader_.sub(list, "priority"))
+    row.priorities.push_back(atom_priority(*row_list, row, scope));
+  while (std::optional<List> row_list = reader_.sub(list, "invariant"))
+    row.invariants.push_back(invariant(*row_list, row, scope));
+  while (std::optional<List> row_list = reader_.sub(list, "merged")) row.merged.push_back(merged(*row_list, row));
   reader_.close(list);
   row.loc = list.loc;
   return row;
@@ -267,12 +267,12 @@ AtomPriority BsysRowParser::atom_priority(List& list, const AtomType& type, cons
   reader_.row(list, type.priorities.size());
   row.name = reader_.name(list);
   const auto side = [&](const char* head) {
-    List one = reader_.need(list, head);
+    List row_list = reader_.need(list, head);
     std::uint32_t port = AtomPriority::kAnyPort;
-    if (!reader_.flag(one, "any"))
-      port = reader_.ref(one, type.ports.size(), "port",
+    if (!reader_.flag(row_list, "any"))
+      port = reader_.ref(row_list, type.ports.size(), "port",
                          [&](std::uint32_t k) -> const std::string& { return type.ports[k].name; });
-    reader_.close(one);
+    reader_.close(row_list);
     return port;
   };
   row.low = side("low");
@@ -316,50 +316,50 @@ ConnectorType BsysRowParser::connector_type(List& list) {
   std::uint32_t bind = 0;
   reader_.row(list, system_.connector_types.size());
   row.name = reader_.name(list);
-  while (std::optional<List> one = reader_.sub(list, "param")) {
+  while (std::optional<List> row_list = reader_.sub(list, "param")) {
     ConnectorParam param;
-    reader_.row(*one, row.params.size());
-    param.name = reader_.name(*one);
-    param.type = port_type_ref(*one);
+    reader_.row(*row_list, row.params.size());
+    param.name = reader_.name(*row_list);
+    param.type = port_type_ref(*row_list);
     param.first_bind = bind;
-    reader_.close(*one);
-    param.loc = one->loc;
+    reader_.close(*row_list);
+    param.loc = row_list->loc;
     if (reader_.failed()) return row;
     bind += static_cast<std::uint32_t>(system_.port_types[param.type].variables.size());
     row.params.push_back(std::move(param));
   }
-  while (std::optional<List> one = reader_.sub(list, "read")) {
-    reader_.row(*one, row.data_reads.size());
-    DataRead read{.path = reader_.name(*one), .type = reader_.type(*one)};
-    reader_.close(*one);
+  while (std::optional<List> row_list = reader_.sub(list, "read")) {
+    reader_.row(*row_list, row.data_reads.size());
+    DataRead read{.path = reader_.name(*row_list), .type = reader_.type(*row_list)};
+    reader_.close(*row_list);
     row.data_reads.push_back(std::move(read));
   }
   row.variables = variables(list);
   List define_list = reader_.need(list, "define");
   if (!reader_.failed()) define(define_list, row);
   reader_.close(define_list);
-  if (std::optional<List> one = reader_.sub(list, "resume")) {
-    if (reader_.flag(*one, "sync")) row.resume = ResumeMode::Sync;
-    reader_.close(*one);
+  if (std::optional<List> row_list = reader_.sub(list, "resume")) {
+    if (reader_.flag(*row_list, "sync")) row.resume = ResumeMode::Sync;
+    reader_.close(*row_list);
   }
   const CodeScope scope = scope_of(system_, row);
-  while (std::optional<List> one = reader_.sub(list, "clause")) {
+  while (std::optional<List> row_list = reader_.sub(list, "clause")) {
     Clause clause;
-    reader_.row(*one, row.clauses.size());
-    clause.params = sub_refs(*one, "params", row.params, "parameter");
-    clause.guard = guard(*one, scope);
-    clause.up = body(*one, "up", scope);
-    clause.down = body(*one, "down", scope);
-    reader_.close(*one);
-    clause.loc = one->loc;
+    reader_.row(*row_list, row.clauses.size());
+    clause.params = sub_refs(*row_list, "params", row.params, "parameter");
+    clause.guard = guard(*row_list, scope);
+    clause.up = body(*row_list, "up", scope);
+    clause.down = body(*row_list, "down", scope);
+    reader_.close(*row_list);
+    clause.loc = row_list->loc;
     row.clauses.push_back(std::move(clause));
   }
-  if (std::optional<List> one = reader_.sub(list, "export")) {
+  if (std::optional<List> row_list = reader_.sub(list, "export")) {
     row.exports = true;
-    row.export_name = reader_.name(*one);
-    row.export_type = port_type_ref(*one);
-    row.export_variables = sub_refs(*one, "slots", row.variables, "slot");
-    reader_.close(*one);
+    row.export_name = reader_.name(*row_list);
+    row.export_type = port_type_ref(*row_list);
+    row.export_variables = sub_refs(*row_list, "slots", row.variables, "slot");
+    reader_.close(*row_list);
   }
   reader_.close(list);
   row.loc = list.loc;
@@ -494,17 +494,17 @@ PortRef BsysRowParser::port_ref(std::uint32_t node, PortPlace place) {
 
 Pattern BsysRowParser::pattern(List& list, const char* head) {
   Pattern p;
-  List one = reader_.need(list, head);
-  if (reader_.flag(one, "any")) {
+  List row_list = reader_.need(list, head);
+  if (reader_.flag(row_list, "any")) {
     p.any_connector = true;
   } else {
-    p.connector = connector_ref(one);
+    p.connector = connector_ref(row_list);
     if (reader_.failed()) return p;
     const std::vector<ConnectorParam>& params = system_.connector_types[system_.connectors[p.connector].type].params;
-    p.any_interaction = reader_.flag(one, "any");
-    if (!p.any_interaction) p.params = refs(one, params, "parameter");
+    p.any_interaction = reader_.flag(row_list, "any");
+    if (!p.any_interaction) p.params = refs(row_list, params, "parameter");
   }
-  reader_.close(one);
+  reader_.close(row_list);
   return p;
 }
 

@@ -1,6 +1,6 @@
 // S-expressions of .bsys: see bsys_tree.hpp.
-#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys_tree.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Takes the types of used packages that no instance needs out of a System: `use std.sync` brings a dozen connector
 // types, of which a model has one. The compiled file's own types stay, used or not. Linear in the tables; ids keep
 // their order.
-#include "compiler/base/assert.hpp"
 #include "compiler/system/instantiator.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::system {
 namespace {

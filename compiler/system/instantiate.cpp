@@ -1,6 +1,6 @@
 // Unfolding the root: components depth first, in declaration order; then each compound's connectors and priorities.
-#include "compiler/base/assert.hpp"
 #include "compiler/system/instantiate.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 #include <algorithm>
 #include <string_view>

@@ -6,10 +6,10 @@
 
 #include <array>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/bsys_row_parser.hpp"
 #include "compiler/system/validate_problems.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::system {
 namespace {

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "compiler/system/instantiator.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::system {
 

@@ -13,7 +13,7 @@
 
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/memory_use.hpp"
-#include "runtime/core/programs/new_code.hpp"
+#include "runtime/core/programs/take_new_code.hpp"
 
 namespace bip::rt {
 

@@ -98,7 +98,7 @@ class Story {
     append_number(out, count - kLinesShown);
     out += " more\n";
   }
-  void append_place(std::string& out, Loc loc) const {
+  void append_place(std::string& out, SourceLine loc) const {
     if (loc.line == 0) return;
     out += "  ";
     append_line(out, image_, loc);
@@ -109,7 +109,7 @@ class Story {
     out += " at `" + places_of(core_, atom) + '`';
   }
   // Where the atom could go from here.
-  [[nodiscard]] Loc way_out(u32 atom) const {
+  [[nodiscard]] SourceLine way_out(u32 atom) const {
     for (const Transition& transition : tables_.atom_type(atom).transitions) {
       const bool leaves = std::all_of(transition.from.begin(), transition.from.end(),
                                       [&](u32 place) { return core_.is_marked(atom, place); });
@@ -122,7 +122,7 @@ class Story {
     out += "  ";
     append_atom(out, atom);
     const u32 row = core_.enabled_transition(atom, want.port);
-    append_place(out, row == kNone ? Loc{} : type.transitions[row].loc);
+    append_place(out, row == kNone ? SourceLine{} : type.transitions[row].loc);
     out += std::string("   wants ") + type.ports[want.port].name;
     if (want.missing == kNone) {
       out += bound_[tables_.instance(atom, want.port)] ? ", which is ready" : ", which no connector binds";

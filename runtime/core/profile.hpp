@@ -17,7 +17,7 @@ namespace bip::rt {
 /// All interactions that one declaration of the model makes.
 struct InteractionProfile {
   std::string name;  // "ROOT.table.take[*]"; one instance: its path
-  Loc loc;
+  SourceLine loc;
   std::uint32_t connector_type = kNone;  // kNone: an internal port
   std::uint32_t atom_type = kNone, port = kNone;
   std::uint64_t instances = 0;

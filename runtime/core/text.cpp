@@ -68,7 +68,7 @@ void append_value(std::string& out, const Image& image, CellType type, Cell valu
   }
 }
 
-void append_line(std::string& out, const Image& image, Loc loc) {
+void append_line(std::string& out, const Image& image, SourceLine loc) {
   if (loc.line == 0 || loc.file >= image.files.size) return;
   out += image.files[loc.file];
   out += ':';

@@ -15,7 +15,7 @@ void append_quoted(std::string& out, const char* text);
 /// `1`, `true`, `2.5`, `"text"`.
 void append_value(std::string& out, const Image& image, CellType type, Cell value);
 /// `dine.bip:21`; nothing if there is no location.
-void append_line(std::string& out, const Image& image, Loc loc);
+void append_line(std::string& out, const Image& image, SourceLine loc);
 /// A name with the index where `#` is (rows.hpp).
 void append_name(std::string& out, const char* name, u32 index);
 /// The path without "ROOT.".

@@ -55,7 +55,7 @@ void EventFeed::open_pool(Core& core) {
 }
 
 bool EventFeed::read(const std::string& path, std::string& error) {
-  const bool sound = read_events(path, ports_, false, script_, error);
+  const bool sound = read_events(path, ports_, EventSource::Script, script_, error);
   for (Event& event : script_) event.look = kAnyLook;
   return sound;
 }

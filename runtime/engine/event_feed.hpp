@@ -29,7 +29,7 @@ class EventFeed {
   [[nodiscard]] bool read(const std::string& path, std::string& error);
   /// Those of a record, each after the look after which it came.
   [[nodiscard]] bool replay(const std::string& path, std::string& error) {
-    return read_events(path, ports_, true, script_, error);
+    return read_events(path, ports_, EventSource::Record, script_, error);
   }
   /// Makes the objects of the model's classes. False: a fault.
   [[nodiscard]] bool open_sources(Core& core);

@@ -85,7 +85,7 @@ void read_values(JsonLine& json, const EventPorts& ports, Event& event) {
 }
 
 // False: it is the first or the last line of a record.
-bool read_event(JsonLine& json, const EventPorts& ports, bool is_record, Event& event) {
+bool read_event(JsonLine& json, const EventPorts& ports, EventSource source, Event& event) {
   bool has_time = false, has_port = false, has_values = false;
   for (bool more = json.open('{'); more; more = json.next('}')) {
     const std::string key = json.string();
@@ -102,7 +102,7 @@ bool read_event(JsonLine& json, const EventPorts& ports, bool is_record, Event& 
       event.row = ports.find(path);
       has_port = event.row != kNone;
       if (!has_port) json.fail("there is no port `" + path + "` for events from outside");
-    } else if (is_record && (key == "return" || key == "overrun")) {
+    } else if (source == EventSource::Record && (key == "return" || key == "overrun")) {
       const std::string path = json.string();
       event.kind = key == "return" ? EventKind::Return : EventKind::Overrun;
       event.row = ports.find_atom(path);
@@ -247,11 +247,11 @@ void append_record_end(std::string& out, const Record& record) {
   out += "}\n";
 }
 
-bool read_events(const std::string& path, const EventPorts& ports, bool is_record, std::vector<Event>& out,
+bool read_events(const std::string& path, const EventPorts& ports, EventSource source, std::vector<Event>& out,
                  std::string& error) {
   return read_lines(path, error, [&](JsonLine& json, std::size_t) {
     Event event;
-    if (!read_event(json, ports, is_record, event)) return;
+    if (!read_event(json, ports, source, event)) return;
     if (json.ok() && !out.empty() && event.time < out.back().time) json.fail("events come in the order of their time");
     out.push_back(std::move(event));
   });

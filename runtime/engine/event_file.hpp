@@ -39,8 +39,9 @@ struct Record {
 void append_record_head(std::string& out, const Record& record);
 void append_record_end(std::string& out, const Record& record);
 
+enum class EventSource : std::uint8_t { Script, Record };
 /// All events of the file; only records tell of actions. False: `error` says in which line what is wrong.
-[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, bool is_record,
+[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, EventSource source,
                                std::vector<Event>& out, std::string& error);
 /// A line with its newline.
 void append_event(std::string& out, const EventPorts& ports, const Event& event);

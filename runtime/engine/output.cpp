@@ -84,16 +84,22 @@ void Output::append_step(std::string& out, std::string& trace, Core& core, Enabl
   if (to_trace_) sink_->step(trace, core, at, number, k);
 }
 
-void Output::drain(bool is_timed) {
+void Output::drain() {
   // What C++ prints comes after the line of its step.
   out_.drain(image_calls_cpp_ ? 0 : kPiece);
-  if (is_timed && options_.speed > 0) out_.flush();
   trace_.drain(kPiece);
+}
+
+// A run against the clock is watched: its lines are shown when their steps happen.
+void Output::drain_timed() {
+  drain();
+  if (options_.speed > 0) out_.flush();
 }
 
 void Output::step(Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k) {
   append_step(out_.text, trace_.text, core, at, number, k);
-  drain(core.is_timed());
+  if (core.is_timed()) drain_timed();
+  else drain();
 }
 
 void Output::describe(StepText& text, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k) {
@@ -103,7 +109,7 @@ void Output::describe(StepText& text, Core& core, EnabledSet::Position at, std::
 void Output::put(const StepText& text) {
   out_.text += text.out;
   trace_.text += text.trace;
-  drain(false);
+  drain();
 }
 
 void Output::record(const std::vector<u32>& interactions) {

@@ -77,7 +77,8 @@ class Output {
   void append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at, std::uint64_t number,
                    std::uint64_t k);
   void append_end(const Core& core, End how, std::uint64_t number);
-  void drain(bool is_timed);
+  void drain();
+  void drain_timed();
 
   const RunOptions& options_;
   const TraceFormatRow& format_;

@@ -10,7 +10,7 @@
 #include "bip/assert.hpp"
 #include "runtime/core/profile.hpp"
 #include "runtime/engine/ask.hpp"
-#include "runtime/engine/new_code.hpp"
+#include "runtime/engine/code_replacement.hpp"
 
 namespace bip::rt {
 

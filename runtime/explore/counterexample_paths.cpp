@@ -6,7 +6,7 @@
 
 #include "bip/assert.hpp"
 
-#include "runtime/explore/search.hpp"
+#include "runtime/explore/exploration.hpp"
 
 namespace bip::rt {
 
@@ -19,7 +19,7 @@ constexpr std::size_t kShareOfPaths = 4;  // of the memory that is allowed: a qu
 
 // Adds the level's states of which is_hit(worker, state) holds. False: no time left, or a number that does not fit.
 template <class IsHit>
-bool Search::collect(u32 level, StateStore& hits, const IsHit& is_hit) {
+bool Exploration::collect(u32 level, StateStore& hits, const IsHit& is_hit) {
   const u64 size = frontier_size(level);
   cursor_ = 0;
   is_batch_full_ = false;
@@ -49,7 +49,7 @@ bool Search::collect(u32 level, StateStore& hits, const IsHit& is_hit) {
   return has_room && !is_batch_full_.load();
 }
 
-bool Search::find_path(Goal goal, u32 level, Path& path) {
+bool Exploration::find_path(Goal goal, u32 level, Path& path) {
   std::vector<std::unique_ptr<StateStore>> near(level + 1);
   std::size_t used = 0;
   for (u32 at = level + 1; at-- > 0;) {
@@ -74,27 +74,27 @@ bool Search::find_path(Goal goal, u32 level, Path& path) {
   return walk(goal, near, path);
 }
 
-bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& near, Path& path) {
+bool Exploration::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& near, Path& path) {
   BIP_ASSERT(!near.empty() && near[0]->size() == 1, "paths from {} initial states", near[0]->size());
   Core core(image_, {.progress = options_.progress});
-  State here = space_.initial;
-  if (!core.restore(here)) return false;
+  State state = space_.initial;
+  if (!core.restore(state)) return false;
   Expander& expander = *workers_[0].expander;
-  std::vector<u64> state(space_.layout.words()), scratch;
+  std::vector<u64> packed(space_.layout.words()), scratch;
   path.clear();
   for (std::size_t level = 1; level < near.size(); ++level) {
     const u64 count = core.candidate_count();
     u64 k = 0;
     for (; k < count; ++k) {
-      if (core.fire(k) && expander.pack(core, state.data())) {
-        if (symmetry_ != nullptr) symmetry_->normalize(state.data(), space_.layout, scratch);
-        if (near[level]->contains(state.data())) break;
+      if (core.fire(k) && expander.pack(core, packed.data())) {
+        if (symmetry_ != nullptr) symmetry_->normalize(packed.data(), space_.layout, scratch);
+        if (near[level]->contains(packed.data())) break;
       }
-      if (!core.restore(here)) return false;
+      if (!core.restore(state)) return false;
     }
     if (k == count) return false;
     path.push_back(k);
-    here = core.snapshot();
+    state = core.snapshot();
   }
   if (goal == Goal::Deadlock) return core.candidate_count() == 0;
   if (goal == Goal::Match) return options_.predicate(core);
@@ -104,12 +104,12 @@ bool Search::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>& nea
       path.push_back(k);
       return true;
     }
-    if (!core.restore(here)) return false;
+    if (!core.restore(state)) return false;
   }
   return false;
 }
 
-void Search::find_paths() {
+void Exploration::find_paths() {
   // The level after the last one may have been begun; only whole levels are looked at.
   const auto find = [&](Goal goal, u32 level, Path& path) {
     while (!find_path(goal, level, path)) {

@@ -44,12 +44,12 @@ std::vector<std::vector<bool>> Stubborn::ports_that_lead(const AtomType& type) {
     std::fill(seen.begin(), seen.end(), false);
     std::vector<u32> todo{step.to[0]};
     while (!todo.empty()) {
-      const u32 here = todo.back();
+      const u32 place = todo.back();
       todo.pop_back();
-      if (seen[here]) continue;
-      seen[here] = true;
+      if (seen[place]) continue;
+      seen[place] = true;
       for (const Transition& t : type.transitions) {
-        if (t.from[0] != here) continue;
+        if (t.from[0] != place) continue;
         if (t.port == kNone) todo.push_back(t.to[0]);
         else leads[step.port][t.port] = true;
       }

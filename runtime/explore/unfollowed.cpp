@@ -6,7 +6,7 @@ namespace bip::rt {
 
 namespace {
 
-std::string at(const Image& image, const Loc& loc) {
+std::string at(const Image& image, const SourceLine& loc) {
   return " (" + std::string(image.files[loc.file]) + ":" + std::to_string(loc.line) + ")";
 }
 

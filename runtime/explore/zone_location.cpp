@@ -119,10 +119,10 @@ void Locations::append(u32 atom, const MeasuredGuard& guard, Bounds& out) {
   for (const ClockBound& bound : guard.bounds) {
     const u32 i = first + bound.clock;
     const u32 j = bound.minus == kNone ? 0 : first + bound.minus;
-    for (const ZoneBound& one : {ZoneBound{i, j, bound.high}, ZoneBound{j, i, -bound.low}}) {
-      if (one.limit == kNoBound) continue;
-      out.push_back(one);
-      note(one);
+    for (const ZoneBound& side : {ZoneBound{i, j, bound.high}, ZoneBound{j, i, -bound.low}}) {
+      if (side.limit == kNoBound) continue;
+      out.push_back(side);
+      note(side);
     }
   }
 }

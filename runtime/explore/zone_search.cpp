@@ -55,7 +55,7 @@ bool ZoneSearch::follow_clocks(Zone& zone) {
       const ClockState& clock = core_.time().clock_state(row);
       const bool is_far = std::max(clock.value, -clock.value) > kFarLimit;
       if (clock.speed == kUnitSpeed && !is_far) continue;
-      const Loc& loc = time->clocks[k].loc;
+      const SourceLine& loc = time->clocks[k].loc;
       report_.inexact = "clock `" + std::string(time->clocks[k].name) + "` of `" + image_.atoms[atom].path() + "` (" +
                         image_.files[loc.file] + ":" + std::to_string(loc.line) + ") " +
                         (is_far ? "is set to a value beyond 18 years" : "runs at another speed than 1");
@@ -126,7 +126,9 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
     if (!locations_.measure(at, zone.least_point())) {
       // The fault shows wherever the step led.
       if (label.parent == kNone) ++report_.errors, report_.has_error = true;
-      else note_error(label.parent, label.origin, label.edge == ZoneEdge::Step, label.interaction, label.config);
+      else
+        note_error(label.parent, label.origin, label.edge == ZoneEdge::Step ? ErrorIn::Step : ErrorIn::State,
+                   label.interaction, label.config);
       return;
     }
   }
@@ -176,10 +178,10 @@ void ZoneSearch::insert(ZoneNode&& node) {
   ++report_.zones;
 }
 
-void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 interaction, u32 config) {
+void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, ErrorIn where, u32 interaction, u32 config) {
   if (!is_node_faulty_) ++report_.errors;
   is_node_faulty_ = report_.has_error = true;
-  if (error_.node == kNone) error_ = {node, point, true, is_step, interaction, config, false, false};
+  if (error_.node == kNone) error_ = {node, point, true, where == ErrorIn::Step, interaction, config, false, false};
 }
 
 // Takes a candidate from a cell of the node. False: the search has to end.
@@ -214,7 +216,7 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
   }
   ++report_.steps;
   if (!core_.time().take(position)) {
-    note_error(node, point, true, candidate.interaction, candidate.config);
+    note_error(node, point, ErrorIn::Step, candidate.interaction, candidate.config);
     return true;
   }
   Zone zone = cell;
@@ -245,7 +247,7 @@ bool ZoneSearch::step_from(u32 node, const InteractionCondition& condition, std:
   for (const Zone& cell : cells) {
     const std::vector<i64> point = cell.least_point();
     if (!enter_core(locations_[nodes_[node].location], point)) {
-      note_error(node, point, false, condition.interaction, 0);
+      note_error(node, point, ErrorIn::State, condition.interaction, 0);
       continue;
     }
     u64 first = 0, end = 0;

@@ -53,7 +53,8 @@ class ZoneSearch {
   bool fire(u32 node, const Zone& cell, const std::vector<i64>& point, u64 k);
   void pass_time(u32 node);
   void go_on(u32 node);
-  void note_error(u32 node, const std::vector<i64>& point, bool is_step, u32 interaction, u32 config);
+  enum class ErrorIn : std::uint8_t { Step, State };  // while firing, or already when the core looks at the state
+  void note_error(u32 node, const std::vector<i64>& point, ErrorIn where, u32 interaction, u32 config);
   [[nodiscard]] bool is_over();
   bool follow_clocks(Zone& zone);
   [[nodiscard]] bool enter_core(const Location& at, const std::vector<i64>& point) {

@@ -44,7 +44,7 @@ std::vector<FutureCandidate> future_candidates(Core& core,
   Last until;
   for (int instants = 0; instants < kMaxInstants; ++instants) {
     const i64 now = core.now();
-    if (const Last here = last_instant(core); here.at < until.at) until = here;
+    if (const Last last = last_instant(core); last.at < until.at) until = last;
     const i64 next = core.time().next_change();
     const i64 end = std::min(until.at, next == kForever ? kForever : next - 1);
     const bool ended = has_just_ended(all, now);
@@ -59,16 +59,17 @@ std::vector<FutureCandidate> future_candidates(Core& core,
         all.push_back({std::move(text), candidate.connector == kNone, candidate.interaction, {}});
         known = all.end() - 1;
       }
-      Interval here = core.time().time_of(candidate).interval;
+      Interval interval = core.time().time_of(candidate).interval;
       // It may have been one before, or go on after the next change; a dominating one may end it there.
       const bool goes_on = !known->intervals.empty() && known->intervals.back().high == now - 1;
       // What begins because something else ended, or ends because something else begins, leaves that instant out.
-      here.low_open = instants > 0 && (here.low_open || ended);
-      here.low = now;
-      if (here.high > end) here.high = end, here.high_open = end < until.at || until.is_open;
-      BIP_ASSERT(known->intervals.empty() || known->intervals.back().low <= here.low, "an interval before the last");
-      if (goes_on) known->intervals.back().high = here.high, known->intervals.back().high_open = here.high_open;
-      else known->intervals.push_back(here);
+      interval.low_open = instants > 0 && (interval.low_open || ended);
+      interval.low = now;
+      if (interval.high > end) interval.high = end, interval.high_open = end < until.at || until.is_open;
+      BIP_ASSERT(known->intervals.empty() || known->intervals.back().low <= interval.low,
+                 "an interval before the last");
+      if (goes_on) known->intervals.back().high = interval.high, known->intervals.back().high_open = interval.high_open;
+      else known->intervals.push_back(interval);
     }
     if (next > until.at || next == kForever || !core.time().advance(next)) break;
   }

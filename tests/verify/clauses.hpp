@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/verify/portfolio/search.hpp"
+#include "compiler/verify/portfolio/search_bad_state.hpp"
 
 namespace bip::verify::test {
 

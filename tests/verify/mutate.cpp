@@ -24,7 +24,7 @@
 #include "tests/verify/mutation.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/small_net.hpp"
-#include "tools/certcheck/model.hpp"
+#include "tools/certcheck/checked_model.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/description.hpp"
 

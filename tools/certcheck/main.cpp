@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tools/certcheck/model.hpp"
+#include "tools/certcheck/checked_model.hpp"
 
 static std::string read_file(const char* path) {
   std::ifstream in(path, std::ios::binary);

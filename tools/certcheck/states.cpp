@@ -1,6 +1,6 @@
 // The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad.
 // All at once, as terms with the rows as facts.
-#include "tools/certcheck/system.hpp"
+#include "tools/certcheck/successors.hpp"
 
 namespace certcheck {
 namespace {
@@ -63,8 +63,9 @@ class States {
           for (const auto& [fact, cases] : facts_of_[atom]) touched[fact].insert(cases.begin(), cases.end());
       }
       const View from{now, &step.now}, after{now, &step.next};
-      expr leaves = terms_.some(touched, [&](const auto& one) {
-        return no(c_.facts[one.first].total ? stays(one.second, from, after) : says(c_.facts[one.first], after));
+      expr leaves = terms_.some(touched, [&](const auto& cases_of_fact) {
+        return no(c_.facts[cases_of_fact.first].total ? stays(cases_of_fact.second, from, after)
+                                                      : says(c_.facts[cases_of_fact.first], after));
       });
       if (can(both(goes_on, leaves))) throw Rejected("a step leads out of what the certificate allows");
     };
@@ -103,24 +104,24 @@ class States {
     }
   };
   [[nodiscard]] expr says(const Fact& fact, const View& view) const {
-    if (!fact.total) return terms_.some(fact.cases, [&](const Case& one) { return holds(one, view); });
+    if (!fact.total) return terms_.some(fact.cases, [&](const Case& row) { return holds(row, view); });
     expr sum = zero_;
-    for (const Case& one : fact.cases) add(one, view, one.weight, sum);
+    for (const Case& row : fact.cases) add(row, view, row.weight, sum);
     return equals(sum.simplify(), *fact.total);
   }
   // A sum does if these of its cases are all that a step may change.
   [[nodiscard]] expr stays(const std::set<const Case*>& cases, const View& from, const View& after) const {
     expr change = zero_;
-    for (const Case* one : cases) add(*one, after, one->weight, change), add(*one, from, -one->weight, change);
+    for (const Case* row : cases) add(*row, after, row->weight, change), add(*row, from, -row->weight, change);
     return z3::eq(change, zero_) ? terms_.truth(true) : equals(change.simplify(), 0);
   }
-  void add(const Case& one, const View& view, int weight, expr& sum) const {
-    if (one.is_value) sum = sum + terms_.constant("int", weight) * view.of(one.literals[0]);
-    else if (const expr is_so = holds(one, view); !is(is_so, false))
+  void add(const Case& row, const View& view, int weight, expr& sum) const {
+    if (row.is_value) sum = sum + terms_.constant("int", weight) * view.of(row.literals[0]);
+    else if (const expr is_so = holds(row, view); !is(is_so, false))
       sum = sum + choose(is_so, terms_.constant("int", weight), zero_);
   }
-  [[nodiscard]] expr holds(const Case& one, const View& view) const {
-    return terms_.all(one.literals, [&](const Literal& l) {
+  [[nodiscard]] expr holds(const Case& row, const View& view) const {
+    return terms_.all(row.literals, [&](const Literal& l) {
       const expr& v = view.of(l);
       const auto within = [&](int value) { return l.low <= value && value <= l.high; };
       expr result = v;
@@ -136,12 +137,12 @@ class States {
     z3::expr_vector all(z_);
     std::vector<int> weights;
     std::int64_t total = fact.total.value_or(0), most = 0;
-    for (const Case& one : fact.cases) {
-      const expr is_so = one.is_value ? terms_.truth(true) : holds(one, view);
-      all.push_back(one.weight < 0 ? no(is_so) : is_so);
-      weights.push_back(std::abs(one.weight));
-      total += one.weight < 0 ? weights.back() : 0;
-      most += one.is_value ? kMostWeight : weights.back();
+    for (const Case& row : fact.cases) {
+      const expr is_so = row.is_value ? terms_.truth(true) : holds(row, view);
+      all.push_back(row.weight < 0 ? no(is_so) : is_so);
+      weights.push_back(std::abs(row.weight));
+      total += row.weight < 0 ? weights.back() : 0;
+      most += row.is_value ? kMostWeight : weights.back();
     }
     if (!fact.total || most >= kMostWeight || std::abs(total) >= kMostWeight)
       return terms_.assume(says(fact, view), atom);
@@ -187,8 +188,8 @@ class States {
     for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
     for (std::size_t k = 0; k < c_.facts.size(); ++k) {
       std::set<std::size_t> atoms;
-      for (const Case& one : c_.facts[k].cases)
-        for (const Literal& l : one.literals) atoms.insert(l.atom), facts_of_[l.atom][k].insert(&one);
+      for (const Case& row : c_.facts[k].cases)
+        for (const Literal& l : row.literals) atoms.insert(l.atom), facts_of_[l.atom][k].insert(&row);
       assume(c_.facts[k], {now}, atoms.size() == 1 ? *atoms.begin() : kNone);
     }
     return now;

@@ -90,11 +90,11 @@ class Structure {
         Values said = row.modes[mode];
         if (is_whole)
           std::fill(said.begin() + static_cast<long>(m_.atom_types[row.type].places), said.end(), std::nullopt);
-        const expr here = both(other, terms_.has(local, said));
-        if ((is_whole && !reachable.contains(mode)) || !terms_.may_be(here)) continue;
-        if (is_whole && terms_.may_be(both(here, no(terms_.has(local, row.modes[mode]))))) continue;
+        const expr in_mode = both(other, terms_.has(local, said));
+        if ((is_whole && !reachable.contains(mode)) || !terms_.may_be(in_mode)) continue;
+        if (is_whole && terms_.may_be(both(in_mode, no(terms_.has(local, row.modes[mode]))))) continue;
         result.insert(mode);
-        other = both(other, no(here));
+        other = both(other, no(in_mode));
       }
     }
     if (terms_.may_be(other)) result.insert(kNone);
@@ -135,7 +135,7 @@ class Structure {
   void check_set(const Fact& set) {
     const bool is_trap = !set.total;
     std::map<std::size_t, std::map<std::size_t, long>> weights;  // by atom and mode
-    for (const Case& one : set.cases) weights[one.literals[0].atom][one.literals[0].variable] += one.weight;
+    for (const Case& row : set.cases) weights[row.literals[0].atom][row.literals[0].variable] += row.weight;
     const auto weight = [](const std::map<std::size_t, long>& its, std::size_t mode) {
       return its.contains(mode) ? its.at(mode) : 0;
     };
@@ -172,10 +172,10 @@ class Structure {
 
   [[nodiscard]] Effects combine(bool is_trap, const Node& node, const std::map<std::size_t, Effects>& effects) const {
     const auto join = [&](const Effects& some, const Effects& more, Effects into) {
-      for (long one : some) {
+      for (long weight : some) {
         for (long other : more) {
           // Two changes of a sum that differ do so whatever else takes part, and are enough to know.
-          if (is_trap || into.size() < 3) into.insert(is_trap ? std::max(one, other) : one + other);
+          if (is_trap || into.size() < 3) into.insert(is_trap ? std::max(weight, other) : weight + other);
         }
       }
       return into;

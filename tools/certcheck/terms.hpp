@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "tools/certcheck/model.hpp"
+#include "tools/certcheck/checked_model.hpp"
 
 namespace certcheck {
 
@@ -76,7 +76,7 @@ class Terms {
   [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>& alone) {
     expr whole = e;
     for (const auto& [atom, local] : alone)
-      for (const expr& one : assumed_[atom]) whole = both(whole, one);
+      for (const expr& fact : assumed_[atom]) whole = both(whole, fact);
     z3::solver few(z_, "QF_BV");
     return is(whole, true) || (!is(whole, false) && can_solve(few, whole));
   }
@@ -109,12 +109,12 @@ class Terms {
   template <class Range, class Of>
   [[nodiscard]] expr all(const Range& range, const Of& of) const {
     expr result = truth(true);
-    for (auto one = range.begin(); one != range.end() && !is(result, false); ++one) result = both(result, of(*one));
+    for (auto item = range.begin(); item != range.end() && !is(result, false); ++item) result = both(result, of(*item));
     return result;
   }
   template <class Range, class Of>
   [[nodiscard]] expr some(const Range& range, const Of& of) const {
-    return no(all(range, [&](const auto& one) { return no(of(one)); }));
+    return no(all(range, [&](const auto& item) { return no(of(item)); }));
   }
   /// A constant of its own, of a type of variables.
   [[nodiscard]] expr fresh(Text type) const {
@@ -409,10 +409,10 @@ class Terms {
     for (const Tree* row : type.invariants) {
       const Rows places = (*row)["places"].rows();
       const Text scope = row->at(3).text;
-      expr here = scope == "always" ? when : both(when, marked(local, places));
+      expr applies = scope == "always" ? when : both(when, marked(local, places));
       for (std::size_t p = 0; p < type.places && scope == "at"; ++p)
-        here = contains(places, p) ? here : both(here, no(local[p]));
-      fault = either(fault, both(here, no(holds((*row)["guard"], own(type, local), here, fault))));
+        applies = contains(places, p) ? applies : both(applies, no(local[p]));
+      fault = either(fault, both(applies, no(holds((*row)["guard"], own(type, local), applies, fault))));
     }
   }
 

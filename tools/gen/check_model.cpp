@@ -38,10 +38,10 @@ std::string check_formatted(const Compiled& c) {
     if (again.formatted[k] != c.formatted[k])
       return "fmt: not idempotent, " + first_difference(c.formatted[k], again.formatted[k]);
   }
-  System one = *c.system, two = *again.system;
-  forget_places(one);
-  forget_places(two);
-  std::string before = system::print(one), after = system::print(two);
+  System first = *c.system, second = *again.system;
+  forget_places(first);
+  forget_places(second);
+  std::string before = system::print(first), after = system::print(second);
   return before == after ? "" : "fmt: changes the system, " + first_difference(before, after);
 }
 

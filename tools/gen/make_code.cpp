@@ -126,10 +126,10 @@ Expr CodeMaker::float_operation(const std::vector<Known>& known, int depth) {
   Expr a = expression(Ty::Float, known, depth - 1), b = expression(Ty::Float, known, depth - 1);
   if (op == "/") {  // a divisor of at least 1
     Expr square = binary("*", b, b, b.type);
-    Expr one;
-    one.type = Ty::Float;
-    one.text = "1.0";
-    b = b.type == Ty::Int ? std::move(one) : binary("+", std::move(square), std::move(one), Ty::Float);
+    Expr number;
+    number.type = Ty::Float;
+    number.text = "1.0";
+    b = b.type == Ty::Int ? std::move(number) : binary("+", std::move(square), std::move(number), Ty::Float);
   }
   // Two int operands make an int operation, whose value is then converted.
   Ty result = a.type == Ty::Float || b.type == Ty::Float ? Ty::Float : Ty::Int;

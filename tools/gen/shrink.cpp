@@ -15,8 +15,8 @@ class Editor {
   [[nodiscard]] bool done() const { return done_; }
 
   void walk(Description& model) {
-    if (model.split != Split::One && here()) model.split = Split::One;
-    if (model.qualified && here()) model.qualified = false;
+    if (model.split != Split::One && still_fails_here()) model.split = Split::One;
+    if (model.qualified && still_fails_here()) model.qualified = false;
     for (std::size_t c = model.compound_types.size(); c-- > 0 && !done_;) {
       CompoundType& type = model.compound_types[c];
       remove_one(type.priorities);
@@ -57,21 +57,21 @@ class Editor {
   }
 
  private:
-  bool here() {
+  bool still_fails_here() {
     if (done_ || left_-- > 0) return false;
     return done_ = true;
   }
   template <class T>
   void remove_one(std::vector<T>& items) {
     for (std::size_t k = items.size(); k-- > 0 && !done_;) {
-      if (here()) items.erase(items.begin() + static_cast<std::ptrdiff_t>(k));
+      if (still_fails_here()) items.erase(items.begin() + static_cast<std::ptrdiff_t>(k));
     }
   }
   void drop(std::optional<Expr>& e) {
-    if (e && here()) e.reset();
+    if (e && still_fails_here()) e.reset();
   }
   void drop(Body& body) {
-    if (body.size() > 1 && here()) body.clear();
+    if (body.size() > 1 && still_fails_here()) body.clear();
     remove_one(body);
   }
   void walk(ConnectorType& type) {
@@ -84,11 +84,11 @@ class Editor {
     walk(type.define);
   }
   void walk(Define& define) {
-    if (define.trigger && here()) define.trigger = false;
+    if (define.trigger && still_fails_here()) define.trigger = false;
     for (Define& child : define.children) walk(child);
   }
   void walk(AtomType& type) {
-    if (type.paper && here()) type.paper = false;
+    if (type.paper && still_fails_here()) type.paper = false;
     remove_one(type.rules);
     remove_one(type.invariants);
     remove_one(type.transitions);
@@ -96,9 +96,9 @@ class Editor {
     for (Transition& t : type.transitions) {
       remove_one(t.when);
       remove_one(t.sets);
-      if (!t.urgency.empty() && here()) t.urgency.clear();
-      if (t.resumes && here()) t.resumes = false;
-      if (t.is_async && here()) t.is_async = false, t.budget = 0;
+      if (!t.urgency.empty() && still_fails_here()) t.urgency.clear();
+      if (t.resumes && still_fails_here()) t.resumes = false;
+      if (t.is_async && still_fails_here()) t.is_async = false, t.budget = 0;
     }
     for (AtomRule& r : type.rules) drop(r.guard);
     for (Transition& t : type.transitions) {
@@ -119,7 +119,7 @@ class Editor {
   }
   void remove_param(Description& model, ConnectorType& type) {
     for (std::size_t k = type.params.size(); k-- > 0 && type.params.size() > 1 && !done_;) {
-      if (!here()) continue;
+      if (!still_fails_here()) continue;
       int param = static_cast<int>(k);
       type.params.erase(type.params.begin() + param);
       forget_leaf(type.define, param);
@@ -151,14 +151,14 @@ class Editor {
   void each(Expr& e) {
     const std::size_t count = e.args.size() - (e.kind == ExprKind::Inline ? 1 : 0);
     for (std::size_t k = 0; k < count; ++k) {
-      if (e.args[k].type != e.type || !here()) continue;
+      if (e.args[k].type != e.type || !still_fails_here()) continue;
       Expr operand = e.args[k];
       e = std::move(operand);
       return;
     }
     // A constant's value and a function's body stand elsewhere, too; what a call changes stays a variable.
     if (e.kind == ExprKind::Constant) return;
-    if (e.kind != ExprKind::Literal && e.type < Ty::Pair && here()) {
+    if (e.kind != ExprKind::Literal && e.type < Ty::Pair && still_fails_here()) {
       static const char* const kSimple[] = {"1", "true", "1.5", "\"a\""};
       Expr literal;
       literal.type = e.type;
@@ -166,13 +166,13 @@ class Editor {
       e = literal;
       return;
     }
-    if (e.extra_parens && here()) e.extra_parens = false;
+    if (e.extra_parens && still_fails_here()) e.extra_parens = false;
     const bool changes = e.kind == ExprKind::Call && !ffi_functions()[static_cast<std::size_t>(e.row)].is_pure();
     for (std::size_t k = 0; k < count && !changes; ++k) each(e.args[k]);
   }
   void each(Body& body) {
     for (std::size_t k = 0; k < body.size() && !done_; ++k) {
-      if (body[k].is_if && here()) {
+      if (body[k].is_if && still_fails_here()) {
         Body inner = body[k].then_body;
         body.erase(body.begin() + static_cast<std::ptrdiff_t>(k));
         body.insert(body.begin() + static_cast<std::ptrdiff_t>(k), inner.begin(), inner.end());

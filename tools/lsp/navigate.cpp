@@ -47,9 +47,9 @@ std::vector<Found> all_uses(Workspace& w, const Document& d, const Symbol& symbo
   std::set<std::pair<std::string, std::uint32_t>> seen;
   for (const auto& [path, document] : w.documents()) {
     const Analysis& a = document->analysis;
-    const SymbolId here = same_symbol(a, *declared_in, symbol);
-    if (!here.is_valid()) continue;
-    for (const Use& u : a.index.uses_of(here)) {
+    const SymbolId declared = same_symbol(a, *declared_in, symbol);
+    if (!declared.is_valid()) continue;
+    for (const Use& u : a.index.uses_of(declared)) {
       const std::string* in = a.path_of(u.range.file);
       if (in == nullptr || (open_only && !w.documents().contains(*in))) continue;
       if (seen.emplace(*in, u.range.begin).second) found.push_back({document.get(), u});

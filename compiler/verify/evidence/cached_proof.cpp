@@ -12,7 +12,7 @@
 #include <map>
 #include <tuple>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

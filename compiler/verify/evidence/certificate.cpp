@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

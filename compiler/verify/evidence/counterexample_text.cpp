@@ -1,9 +1,9 @@
 // See counterexample_text.hpp.
 #include "compiler/verify/evidence/counterexample_text.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/include/bip/assert.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::verify {

@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/invariants/token_invariant_checker.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -131,7 +131,8 @@ class ProofProjection {
   // them apart.
   bool add_row(u32 atom, u32 place, const Weighted& modes, bool is_trap, std::string& row) {
     const std::int64_t base = most_common(modes);
-    const auto others = std::count_if(modes.begin(), modes.end(), [&](const auto& one) { return one.second != base; });
+    const auto others =
+        std::count_if(modes.begin(), modes.end(), [&](const auto& mode) { return mode.second != base; });
     const Atom& instance = distinguishing_.system->atoms[AtomId(std::size_t{atom})];
     const AtomType& type = distinguishing_.system->atom_types[distinguishing_.class_at(atom).type];
     const std::string at = instance.path + '@' + type.places[place];

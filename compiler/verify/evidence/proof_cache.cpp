@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/content_hash.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/system/inner_priorities.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/log.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
 #include "compiler/verify/invariants/sparse_system.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -120,7 +120,7 @@ class AffineEncoder {
     for (bool is_new = true; is_new;) {
       // Of the equations of a round the weakest counts.
       std::map<std::pair<u32, u32>, std::int64_t> found;
-      for (const AffineEquation& one : equations) add_largest(one, most, found);
+      for (const AffineEquation& equation : equations) add_largest(equation, most, found);
       is_new = !found.empty();
       most.merge(found);
     }
@@ -260,10 +260,10 @@ class InductionQuery {
 
 AffineInvariants with_totals(TransitionSystem& transition_system, const rt::Image& image, AffineInvariants facts) {
   const AffineEncoder encoder(transition_system, image);
-  std::erase_if(facts.equations, [&](AffineEquation& one) {
-    const bool has_words = std::all_of(one.terms.begin(), one.terms.end(),
+  std::erase_if(facts.equations, [&](AffineEquation& equation) {
+    const bool has_words = std::all_of(equation.terms.begin(), equation.terms.end(),
                                        [&](const AffineEquation::Term& term) { return !encoder.now(term).empty(); });
-    return !has_words || !encoder.set_total(one);
+    return !has_words || !encoder.set_total(equation);
   });
   return facts;
 }
@@ -290,7 +290,7 @@ AffineInvariants with_bounds(const Net& net, TransitionSystem& transition_system
   for (bool is_fixpoint = false; !is_fixpoint && !facts.bounds.empty();) {
     if (!query) {
       std::vector<std::vector<Signal>> all = assumed;
-      for (const PlaceValue& one : facts.places) all.push_back(place_clause(one, transition_system, image));
+      for (const PlaceValue& value : facts.places) all.push_back(place_clause(value, transition_system, image));
       query.emplace(transition_system, all);
     }
     is_fixpoint = true;

@@ -22,7 +22,7 @@ std::optional<AffineForm> AffineCode::sum(const AffineForm& a, std::int64_t time
   };
   bool fits = add(result.constant, b.constant);
   for (const auto& [variable, factor] : b.factors) fits = add(result.factors[variable], factor) && fits;
-  std::erase_if(result.factors, [](const auto& one) { return one.second == 0; });
+  std::erase_if(result.factors, [](const auto& term) { return term.second == 0; });
   return fits ? std::optional(std::move(result)) : std::nullopt;
 }
 
@@ -108,19 +108,19 @@ std::vector<Substitution> substitutions(const std::vector<AffineForm>& zeros) {
       form.factors.erase(found);
       add(times, known.by);
     }
-    std::erase_if(form.factors, [](const auto& one) { return one.second == 0; });
+    std::erase_if(form.factors, [](const auto& term) { return term.second == 0; });
     if (!is_small(form.constant) ||
-        !std::all_of(form.factors.begin(), form.factors.end(), [](const auto& one) { return is_small(one.second); }))
+        !std::all_of(form.factors.begin(), form.factors.end(), [](const auto& term) { return is_small(term.second); }))
       continue;
     const auto given = std::find_if(form.factors.begin(), form.factors.end(),
-                                    [](const auto& one) { return one.second == 1 || one.second == -1; });
+                                    [](const auto& term) { return term.second == 1 || term.second == -1; });
     if (given == form.factors.end()) continue;
-    Substitution one{given->first, {}};
+    Substitution substitution{given->first, {}};
     const std::int64_t sign = given->second;
     form.factors.erase(given);
-    one.by.constant = -sign * form.constant;
-    for (const auto& [variable, factor] : form.factors) one.by.factors[variable] = -sign * factor;
-    result.push_back(std::move(one));
+    substitution.by.constant = -sign * form.constant;
+    for (const auto& [variable, factor] : form.factors) substitution.by.factors[variable] = -sign * factor;
+    result.push_back(std::move(substitution));
   }
   return result;
 }

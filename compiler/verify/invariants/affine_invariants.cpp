@@ -6,10 +6,10 @@
 #include <set>
 #include <span>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/invariants/affine_code.hpp"
 #include "compiler/verify/invariants/step_equations.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -81,9 +81,9 @@ class AffineAnalysis {
     Proof proof;
     spread_from_initial(net_, reachable, proof);
     places_ = find_place_values(net_, transition_system_.is_automaton);
-    std::erase_if(places_.rows, [&](const PlaceValue& one) {
-      return is_counter_[image_.atoms[one.atom].first_cell + one.variable] == 0 ||
-             std::abs(std::int64_t{one.value}) > AffineForm::kMaxNumber;
+    std::erase_if(places_.rows, [&](const PlaceValue& row) {
+      return is_counter_[image_.atoms[row.atom].first_cell + row.variable] == 0 ||
+             std::abs(std::int64_t{row.value}) > AffineForm::kMaxNumber;
     });
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) add_atom(atom, reachable);
     for (std::size_t c = 0; c < system_.connectors.size(); ++c) {
@@ -149,15 +149,15 @@ class AffineAnalysis {
       rows[unknown].push_back({unknown, -1});
       constant.push_back({unknown, form->constant});
     }
-    for (const Substitution& one : substitutions(zeros)) {
-      const auto found = rows.find(one.variable);
+    for (const Substitution& substitution : substitutions(zeros)) {
+      const auto found = rows.find(substitution.variable);
       if (found == rows.end()) continue;
       const std::vector<Term> taken = std::move(found->second);
       rows.erase(found);
       for (const Term& term : taken) {
-        for (const auto& [variable, factor] : one.by.factors)
+        for (const auto& [variable, factor] : substitution.by.factors)
           rows[variable].push_back({term.unknown, term.factor * factor});
-        constant.push_back({term.unknown, term.factor * one.by.constant});
+        constant.push_back({term.unknown, term.factor * substitution.by.constant});
       }
     }
     for (auto& [variable, terms] : rows) add(SparseSystem::row_of_terms(std::move(terms)));
@@ -174,19 +174,19 @@ class AffineAnalysis {
     if (!row.empty()) equations_.push_back(std::move(row));
   }
 
-  [[nodiscard]] AffineForm zero_of(const PlaceValue& one) const {
-    return {{{unknown_of(one.atom, one.variable), 1}}, -std::int64_t{one.value}};
+  [[nodiscard]] AffineForm zero_of(const PlaceValue& row) const {
+    return {{{unknown_of(row.atom, row.variable), 1}}, -std::int64_t{row.value}};
   }
   [[nodiscard]] std::span<const PlaceValue> values_at(u32 atom, u32 place) const {
-    const auto before = [](const PlaceValue& one, const std::pair<u32, u32>& key) {
-      return std::pair(one.atom, one.place) < key;
+    const auto before = [](const PlaceValue& value, const std::pair<u32, u32>& key) {
+      return std::pair(value.atom, value.place) < key;
     };
     const auto first = std::lower_bound(places_.rows.begin(), places_.rows.end(), std::pair(atom, place), before);
     const auto last = std::lower_bound(first, places_.rows.end(), std::pair(atom, place + 1), before);
     return {first, last};
   }
   void assume_place(u32 atom, u32 place, AffinePath& path) const {
-    for (const PlaceValue& one : values_at(atom, place)) path.zeros.push_back(zero_of(one));
+    for (const PlaceValue& value : values_at(atom, place)) path.zeros.push_back(zero_of(value));
   }
   // Assumes what holds at every place in which the port may be enabled.
   void assume_port(u32 atom, u32 port, AffinePath& path) const {
@@ -195,12 +195,13 @@ class AffineAnalysis {
     bool is_first = true;
     for (const Transition& t : type_of(atom).transitions) {
       if (t.port != port || places_.is_reached[atom][t.from[0]] == 0) continue;
-      std::map<u32, std::int32_t> here;
-      for (const PlaceValue& one : values_at(atom, t.from[0])) here.emplace(one.variable, one.value);
-      if (is_first) values = std::move(here);
+      std::map<u32, std::int32_t> known;
+      for (const PlaceValue& row : values_at(atom, t.from[0])) known.emplace(row.variable, row.value);
+      if (is_first) values = std::move(known);
       else
-        std::erase_if(values,
-                      [&](const auto& one) { return !here.contains(one.first) || here.at(one.first) != one.second; });
+        std::erase_if(values, [&](const auto& value) {
+          return !known.contains(value.first) || known.at(value.first) != value.second;
+        });
       is_first = false;
     }
     for (const auto& [variable, value] : values) path.zeros.push_back(zero_of({atom, 0, variable, value}));
@@ -253,7 +254,7 @@ class AffineAnalysis {
   }
   void leave_out(const PortRef& ref) {
     if (ref.kind == PortRef::Kind::Choice) {
-      for (const PortRef& one : system_.choices[ref.choice].ports) leave_out(one);
+      for (const PortRef& port : system_.choices[ref.choice].ports) leave_out(port);
     } else if (ref.kind == PortRef::Kind::Atom) {
       for (u32 variable : net_.access[net_.class_at(ref.atom.value).type.value].written[ref.port])
         add({{unknown_of(ref.atom.value, variable), 1}});

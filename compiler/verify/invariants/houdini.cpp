@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/log.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

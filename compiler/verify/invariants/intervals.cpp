@@ -7,7 +7,7 @@
 #include <functional>
 #include <set>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

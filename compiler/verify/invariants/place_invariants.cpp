@@ -5,9 +5,9 @@
 #include <map>
 #include <numeric>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/log.hpp"
 #include "compiler/verify/invariants/step_equations.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

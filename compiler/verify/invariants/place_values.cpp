@@ -124,7 +124,7 @@ class PlaceValueAnalysis {
   // What a connector does to the ports that it takes, as far as that is known beforehand.
   void add_ways(const PortRef& ref, bool is_plain, bool writes) {
     if (ref.kind == PortRef::Kind::Choice) {
-      for (const PortRef& one : system_.choices[ref.choice].ports) add_ways(one, is_plain, writes);
+      for (const PortRef& port : system_.choices[ref.choice].ports) add_ways(port, is_plain, writes);
     } else if (ref.kind == PortRef::Kind::Atom) {
       const u32 port = net_.graph.port_base[ref.atom.value] + ref.port;
       has_connector_[port] = 1;
@@ -236,10 +236,10 @@ class PlaceValueAnalysis {
     if (at_[atom].empty()) return;
     for (const Transition& t : type_of(atom).transitions) {
       if (!at_[atom][t.from[0]]) continue;
-      Values here = *at_[atom][t.from[0]];
-      if (!assume(t.guard, here)) continue;
+      Values before = *at_[atom][t.from[0]];
+      if (!assume(t.guard, before)) continue;
       const auto go = [&](const Writes& writes) {
-        Values values = here;
+        Values values = before;
         for (const auto& [variable, value] : writes) values[variable] = value;
         execute(code_, t.action, values);
         forget(atom, values);

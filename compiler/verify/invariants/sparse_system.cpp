@@ -5,7 +5,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -58,10 +58,10 @@ bool build_weighted_sum(const Net& net, const TokenInvariant& invariant, const s
     least += low->second;
     most += high->second;
   }
-  std::map<std::int64_t, u32> here{{0, 0}};
+  std::map<std::int64_t, u32> nodes{{0, 0}};
   for (const Level& level : levels) {
     std::map<std::int64_t, u32> next;
-    for (const auto& [value, node] : here) {
+    for (const auto& [value, node] : nodes) {
       for (const auto& [mode, weight] : level.modes) {
         const std::int64_t after = value + weight;
         u32 to = kNoRow;
@@ -74,7 +74,7 @@ bool build_weighted_sum(const Net& net, const TokenInvariant& invariant, const s
       }
       if (sum.edges.size() > WeightedSum::kMaxEdges) return false;
     }
-    here = std::move(next);
+    nodes = std::move(next);
   }
   return true;
 }
@@ -102,10 +102,10 @@ Signal weighted_sum_signal(const WeightedSum& sum, const std::vector<Signal>& si
   for (std::size_t k = sum.edges.size(); k-- > 0;) {
     const WeightedSum::Edge& edge = sum.edges[k];
     if (edge.next == kNoRow) continue;
-    Signal here = edge.mode == kNoRow ? kTrue : signals[edge.mode];
+    Signal on_edge = edge.mode == kNoRow ? kTrue : signals[edge.mode];
     for (u32 j = 0; edge.mode == kNoRow && j < edge.but; ++j)
-      here = aig.make_and(here, negated(signals[sum.buts[edge.first_but + j]]));
-    good[edge.node] = aig.make_or(good[edge.node], aig.make_and(here, good[edge.next]));
+      on_edge = aig.make_and(on_edge, negated(signals[sum.buts[edge.first_but + j]]));
+    good[edge.node] = aig.make_or(good[edge.node], aig.make_and(on_edge, good[edge.next]));
   }
   return good[0];
 }

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -60,7 +60,7 @@ std::optional<Lit> GuardLiterals::comparison(const Expr& e, const Locate& locate
   const auto [found, is_new] = orders_.try_emplace({std::move(a), std::move(b)});
   std::array<Lit, 3>& order = found->second;
   if (is_new) {
-    for (Lit& one : order) one = solver_.new_variable();
+    for (Lit& literal : order) literal = solver_.new_variable();
     solver_.add(order);
     add_at_most_one(solver_, order);
     if (is_same) solver_.add({order[1]});

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

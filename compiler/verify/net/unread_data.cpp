@@ -26,7 +26,7 @@ class DataReaders {
  private:
   void mark(const PortRef& ref, std::uint32_t variable) {
     if (ref.kind == PortRef::Kind::Choice) {
-      for (const PortRef& one : system_.choices[ref.choice].ports) mark(one, variable);
+      for (const PortRef& port : system_.choices[ref.choice].ports) mark(port, variable);
     } else if (ref.kind == PortRef::Kind::Atom) {
       const AtomTypeId type = system_.atoms[ref.atom].type;
       const std::vector<std::uint32_t>& variables = system_.atom_types[type].ports[ref.port].variables;

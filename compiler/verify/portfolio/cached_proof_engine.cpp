@@ -1,8 +1,8 @@
 // See cached_proof_engine.hpp.
 #include "compiler/verify/portfolio/cached_proof_engine.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

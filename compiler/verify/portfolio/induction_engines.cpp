@@ -1,12 +1,12 @@
 // See induction_engines.hpp.
 #include "compiler/verify/portfolio/induction_engines.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/invariants/houdini.hpp"
 #include "compiler/verify/invariants/refine_invariants.hpp"
 #include "compiler/verify/symbolic/mode_signals.hpp"
 #include "compiler/verify/symbolic/replay_steps.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -1,7 +1,7 @@
 // See local_deadlock.hpp.
 #include "compiler/verify/portfolio/local_deadlock.hpp"
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -6,8 +6,8 @@
 #include <unordered_map>
 
 #include "compiler/analysis/graph_algorithms.hpp"
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/portfolio/local_deadlock.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

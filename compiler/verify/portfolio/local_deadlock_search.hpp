@@ -7,7 +7,7 @@
 // one that moves its participants. Cost: the visit's, and for each step one bit an atom; memory two bits an atom and
 // state, and four bytes a step.
 #pragma once
-#include "compiler/verify/portfolio/search.hpp"
+#include "compiler/verify/portfolio/search_bad_state.hpp"
 
 namespace bip::verify {
 

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/portfolio/cached_proof_engine.hpp"
 #include "compiler/verify/portfolio/check_evidence.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
 #include "compiler/verify/portfolio/structural_engines.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -163,12 +163,12 @@ Decision Portfolio::decide(const Question& question, const PortfolioLimits& limi
 
 std::string imprecision_text(const TransitionSystem& machine, const System& system, std::size_t count) {
   std::string text;
-  for (const Imprecision& one : machine.imprecisions) {
+  for (const Imprecision& imprecision : machine.imprecisions) {
     if (count-- == 0) return text + "  …\n";
     text += "  ";
-    if (one.loc.line != 0 && one.loc.file < system.files.size())
-      text += system.files[one.loc.file] + ':' + std::to_string(one.loc.line) + ": ";
-    text += one.what + '\n';
+    if (imprecision.loc.line != 0 && imprecision.loc.file < system.files.size())
+      text += system.files[imprecision.loc.file] + ':' + std::to_string(imprecision.loc.line) + ": ";
+    text += imprecision.what + '\n';
   }
   return text;
 }

@@ -1,8 +1,8 @@
 // See proof_context.hpp.
 #include "compiler/verify/portfolio/proof_context.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/system/inner_priorities.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

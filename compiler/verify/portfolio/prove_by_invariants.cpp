@@ -3,12 +3,12 @@
 
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/net/net_encoding.hpp"
 #include "compiler/verify/invariants/place_invariants.hpp"
 #include "compiler/verify/invariants/state_machine_components.hpp"
 #include "compiler/verify/invariants/token_invariant_checker.hpp"
 #include "compiler/verify/invariants/traps.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -65,7 +65,7 @@ Proof prove_deadlock_freedom(const Net& net, const CancellationToken& cancellati
     wants_small = false;
     std::vector<TokenInvariant> small = sums.find_small();
     const std::set<TokenInvariant> there(proof.invariants.begin(), proof.invariants.end());
-    std::erase_if(small, [&](const TokenInvariant& one) { return there.contains(one); });
+    std::erase_if(small, [&](const TokenInvariant& invariant) { return there.contains(invariant); });
     return add_all(std::move(small));
   };
   if (wants_small && proof.reused == 0) (void)add_small();

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "compiler/verify/portfolio/search.hpp"
+#include "compiler/verify/portfolio/search_bad_state.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "compiler/verify/solver/cancellation.hpp"
 

@@ -3,10 +3,10 @@
 
 #include <atomic>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/evidence/reached_states.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
 #include "runtime/explore/explore.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -1,5 +1,5 @@
-// Engines that visit states: with the engine's core one by one (search.hpp), or all of them with the explorer on
-// several threads. Complete for finite systems, given time and memory; they need the image's code.
+// Engines that visit states: with the engine's core one by one (search_bad_state.hpp), or all of them with the explorer
+// on several threads. Complete for finite systems, given time and memory; they need the image's code.
 #pragma once
 #include "compiler/verify/portfolio/engine.hpp"
 

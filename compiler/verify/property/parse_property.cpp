@@ -5,10 +5,10 @@
 #include <charconv>
 #include <unordered_map>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "compiler/base/ascii.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -119,7 +119,7 @@ class PropertyParser {
   static RowsByPath rows_by_path(const Rows& rows) {
     RowsByPath found;
     std::uint32_t row = 0;
-    for (const auto& one : rows) found.try_emplace(one.path, row++);
+    for (const auto& row_of_path : rows) found.try_emplace(row_of_path.path, row++);
     return found;
   }
   static std::uint32_t find_path(const RowsByPath& rows, const std::string& path) {

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/model/fold.hpp"
 #include "compiler/verify/symbolic/symbolic_code.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

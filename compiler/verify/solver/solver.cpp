@@ -5,7 +5,7 @@
 
 #include <cadical.hpp>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

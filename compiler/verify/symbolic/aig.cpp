@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -1,7 +1,7 @@
 // See cnf.hpp.
 #include "compiler/verify/symbolic/cnf.hpp"
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -191,16 +191,16 @@ void TransitionSystemBuilder::hide_ports(u32 a) {
 void TransitionSystemBuilder::check_invariants(u32 a, Local& local, Signal when, Signal& fault) {
   const AtomType& type = type_of(a);
   for (const Invariant& invariant : type.invariants) {
-    Signal here = when;
-    if (invariant.scope != InvariantScope::Always) here = aig_.make_and(here, marked(local, invariant.places));
+    Signal applies = when;
+    if (invariant.scope != InvariantScope::Always) applies = aig_.make_and(applies, marked(local, invariant.places));
     if (invariant.scope == InvariantScope::At) {
       for (u32 p = 0; p < type.places.size(); ++p) {
         if (std::find(invariant.places.begin(), invariant.places.end(), p) == invariant.places.end())
-          here = aig_.make_and(here, negated(local.marks[p]));
+          applies = aig_.make_and(applies, negated(local.marks[p]));
       }
     }
-    const Signal holds = code_.test(invariant.condition, variables_of(local), here, fault);
-    fault = aig_.make_or(fault, aig_.make_and(here, negated(holds)));
+    const Signal holds = code_.test(invariant.condition, variables_of(local), applies, fault);
+    fault = aig_.make_or(fault, aig_.make_and(applies, negated(holds)));
   }
 }
 
@@ -284,7 +284,7 @@ void TransitionSystemBuilder::finish_state() {
     for (u32 port = tables_.port_base(a); port < tables_.port_base(a + 1); ++port) {
       if (fired_plainly_[port] != kFalse) merge(fired_plainly_[port], posts_[port]->local, next);
     }
-    for (const Move& one : moves_[a]) merge(one.when, one.to, next);
+    for (const Move& move : moves_[a]) merge(move.when, move.to, next);
     const AtomType& type = type_of(a);
     for (u32 k = 0; k < type.variables.size(); ++k) {
       if (!is_followed(type.variables[k].type)) continue;

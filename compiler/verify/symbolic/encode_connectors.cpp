@@ -2,9 +2,9 @@
 // `down`s top down, ports in parameter order.
 #include <algorithm>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -89,17 +89,17 @@ std::vector<Signal> TransitionSystemBuilder::largest_choice(const Tree& tree) {
   }
   for (std::size_t k = order.size(); k-- > 0;) {
     const Node& node = tree.nodes[order[k]];
-    Signal& here = available[order[k]];
+    Signal& node_is_on = available[order[k]];
     if (node.kind == Kind::Leaf) {
-      here = transition_system_.port_is_on[port_of(node)];
+      node_is_on = transition_system_.port_is_on[port_of(node)];
       continue;
     }
     const bool needs_one = node.has_trigger || node.kind == Kind::Choice;
-    here = needs_one ? kFalse : kTrue;
+    node_is_on = needs_one ? kFalse : kTrue;
     for (u32 child : node.children) {
-      if (node.kind == Kind::Choice) here = aig_.make_or(here, available[child]);
-      else if (!node.has_trigger) here = aig_.make_and(here, available[child]);
-      else if (tree.nodes[child].is_trigger) here = aig_.make_or(here, available[child]);
+      if (node.kind == Kind::Choice) node_is_on = aig_.make_or(node_is_on, available[child]);
+      else if (!node.has_trigger) node_is_on = aig_.make_and(node_is_on, available[child]);
+      else if (tree.nodes[child].is_trigger) node_is_on = aig_.make_or(node_is_on, available[child]);
     }
   }
   chosen[order[0]] = available[order[0]];
@@ -180,25 +180,26 @@ std::vector<Signal> TransitionSystemBuilder::clause_choice(const Tree& tree, con
   const ConnectorType& type = system_.connector_types[system_.connectors[use.connector].type];
   std::vector<Signal> result;
   for (const Clause& clause : type.clauses) {
-    Signal here = chosen[use.root];
+    Signal is_chosen = chosen[use.root];
     for (u32 p = 0; p < type.params.size(); ++p) {
       const bool wanted = std::binary_search(clause.params.begin(), clause.params.end(), p);
       const Signal is = use.param_nodes[p] == kNoRow ? kFalse : chosen[use.param_nodes[p]];
-      here = aig_.make_and(here, wanted ? is : negated(is));
+      is_chosen = aig_.make_and(is_chosen, wanted ? is : negated(is));
     }
-    result.push_back(here);
+    result.push_back(is_chosen);
   }
   (void)tree;
   return result;
 }
 
-// Ports, guards bottom up with their `up`s, and that what shows only its maximal interactions shows one. `fixed`: the
-// choice is `leaves`; else `chosen` is a function of the state. Leaves the connectors' own data in the store.
-Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Leaves& leaves, bool fixed,
+// Ports, guards bottom up with their `up`s, and that what shows only its maximal interactions shows one.
+// Participants::Given: the choice is `leaves`; else `chosen` is a function of the state. Leaves the connectors' own data in
+// the store.
+Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Leaves& leaves, Participants participants,
                                            const std::vector<Signal>& chosen, Store& store) {
   Signal result = chosen[root];
   Signal there = kTrue;
-  if (fixed) {
+  if (participants == Participants::Given) {
     for (u32 leaf : leaves) there = aig_.make_and(there, transition_system_.port_is_on[port_of(tree.nodes[leaf])]);
     result = there;
   }
@@ -228,7 +229,7 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
       result = aig_.make_and(result, aig_.make_or(negated(clauses[k]), holds));
     }
   }
-  if (!fixed) return result;
+  if (participants != Participants::Given) return result;
   for (u32 row = 0; row < tree.nodes.size(); ++row) {
     if (tree.nodes[row].kind != Kind::Link || !tree.nodes[row].maximal_only || chosen[row] == kFalse || row == root ||
         !tree.is_below(root, row))
@@ -243,7 +244,8 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
       const Leaves& larger = (*all)[k];
       if (larger.size() <= own.size() || !std::includes(larger.begin(), larger.end(), own.begin(), own.end())) continue;
       Store other;
-      result = aig_.make_and(result, negated(is_enabled(tree, below, larger, true, fixed_choice(tree, larger), other)));
+      result = aig_.make_and(
+          result, negated(is_enabled(tree, below, larger, Participants::Given, fixed_choice(tree, larger), other)));
     }
   }
   return result;
@@ -322,7 +324,7 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
   if (is_plain(tree) && has_free_choices(tree)) {
     const std::vector<Signal> chosen = largest_choice(tree);
     Store store;
-    const Signal candidate = is_enabled(tree, tree.uses[0].root, {}, false, chosen, store);
+    const Signal candidate = is_enabled(tree, tree.uses[0].root, {}, Participants::OfState, chosen, store);
     add_step(interaction, tree, chosen, std::move(store), candidate);
     return;
   }
@@ -337,7 +339,7 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
   std::vector<Store> stores;
   for (const Leaves& leaves : all) {
     Store store;
-    enabled.push_back(is_enabled(tree, tree.uses[0].root, leaves, true, fixed_choice(tree, leaves), store));
+    enabled.push_back(is_enabled(tree, tree.uses[0].root, leaves, Participants::Given, fixed_choice(tree, leaves), store));
     stores.push_back(std::move(store));
   }
   for (std::size_t k = 0; k < all.size(); ++k) {

@@ -8,22 +8,24 @@
 namespace bip::verify {
 
 // Does the step's interaction match that side of the rule?
-Signal TransitionSystemBuilder::matches(const rt::Priority& rule, bool high, const SystemStep& step,
+Signal TransitionSystemBuilder::matches(const rt::Priority& rule, RuleSide side, const SystemStep& step,
                                         const std::vector<Signal>& params) {
   const u32 connector = tables_.interactions[step.interaction].row;
-  const rt::Pattern& pattern = high ? rule.high : rule.low;
-  const rt::Pattern& other = high ? rule.low : rule.high;
+  const rt::Pattern& pattern = side == RuleSide::High ? rule.high : rule.low;
+  const rt::Pattern& other = side == RuleSide::High ? rule.low : rule.high;
   if (pattern.any_connector) {
     if (image_.connectors[connector].parent != rule.parent) return kFalse;
-    return other.any_connector ? kTrue : negated(matches(rule, !high, step, params));
+    return other.any_connector
+               ? kTrue
+               : negated(matches(rule, side == RuleSide::High ? RuleSide::Low : RuleSide::High, step, params));
   }
   if (pattern.connector != connector) return kFalse;
   if (pattern.any_interaction) return kTrue;
   Signal result = kTrue;
   for (u32 p = 0; p < params.size(); ++p) {
     const bool named = std::binary_search(pattern.params.begin(), pattern.params.end(), p);
-    if (high && named) result = aig_.make_and(result, params[p]);
-    if (!high && !named) result = aig_.make_and(result, negated(params[p]));
+    if (side == RuleSide::High && named) result = aig_.make_and(result, params[p]);
+    if (side == RuleSide::Low && !named) result = aig_.make_and(result, negated(params[p]));
   }
   return result;
 }
@@ -44,8 +46,9 @@ void TransitionSystemBuilder::apply_priorities() {
     Signal above = kFalse;
     for (std::size_t s = 0; s < transition_system_.steps.size(); ++s) {
       if (is_connector(transition_system_.steps[s]))
-        above = aig_.make_or(above, aig_.make_and(transition_system_.steps[s].possible,
-                                                  matches(rule, true, transition_system_.steps[s], params_[s])));
+        above =
+            aig_.make_or(above, aig_.make_and(transition_system_.steps[s].possible,
+                                              matches(rule, RuleSide::High, transition_system_.steps[s], params_[s])));
     }
     hides.push_back(aig_.make_and(guard[r], above));
   }
@@ -66,12 +69,13 @@ void TransitionSystemBuilder::apply_priorities() {
   state_fault_ = aig_.make_or(state_fault_, aig_.make_or_of(on_cycle));
   std::vector<Signal> visible;
   for (std::size_t s = 0; s < transition_system_.steps.size(); ++s) {
-    Signal here = transition_system_.steps[s].possible;
+    Signal is_visible = transition_system_.steps[s].possible;
     for (u32 r = 0; r < rules.count && is_connector(transition_system_.steps[s]); ++r) {
-      here = aig_.make_and(here, negated(aig_.make_and(hides[r], matches(image_.priorities[r], false,
-                                                                         transition_system_.steps[s], params_[s]))));
+      is_visible =
+          aig_.make_and(is_visible, negated(aig_.make_and(hides[r], matches(image_.priorities[r], RuleSide::Low,
+                                                                            transition_system_.steps[s], params_[s]))));
     }
-    visible.push_back(here);
+    visible.push_back(is_visible);
   }
   for (std::size_t s = 0; s < transition_system_.steps.size(); ++s) transition_system_.steps[s].possible = visible[s];
 }

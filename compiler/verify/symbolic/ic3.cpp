@@ -17,9 +17,9 @@
 #include <algorithm>
 #include <queue>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/log.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

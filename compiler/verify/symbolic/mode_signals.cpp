@@ -1,9 +1,9 @@
 // See mode_signals.hpp.
 #include "compiler/verify/symbolic/mode_signals.hpp"
 
-#include "compiler/base/assert.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
 #include "compiler/verify/invariants/weighted_sum.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -57,7 +57,7 @@ ModeSignals mode_signals(const Net& net, const Proof& proof, TransitionSystem& t
   ModeSignals result;
   for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
     const bool overlaps = may_overlap(net.class_at(atom));
-    std::vector<Signal> here;
+    std::vector<Signal> modes;
     for (u32 mode = net.mode_base[atom]; mode < net.mode_base[atom + 1]; ++mode) {
       result.modes.push_back(kFalse);
       if (proof.reachable[mode] == 0) continue;
@@ -65,14 +65,14 @@ ModeSignals mode_signals(const Net& net, const Proof& proof, TransitionSystem& t
       if (overlaps) {
         const Signal is_it = transition_system.aig.make_input();
         result.clauses.push_back({negated(is_it), signal});
-        for (Signal other : here) result.clauses.push_back({negated(other), negated(is_it)});
+        for (Signal other : modes) result.clauses.push_back({negated(other), negated(is_it)});
         signal = is_it;
       }
-      here.push_back(signal);
+      modes.push_back(signal);
       result.modes.back() = signal;
     }
     BIP_ASSERT(result.modes.size() == net.mode_base[atom + 1], "{} modes up to atom {}", result.modes.size(), atom);
-    result.clauses.push_back(std::move(here));
+    result.clauses.push_back(std::move(modes));
   }
   return result;
 }

@@ -30,7 +30,7 @@ class TransitionSystemBuilder {
     std::vector<Signal> marks;
     std::vector<Word> variables;
   };
-  /// What firing a port leads to.
+  /// What firing a port participants to.
   struct Post {
     Local local;
     Signal fault = kFalse, lost = kFalse;
@@ -68,6 +68,8 @@ class TransitionSystemBuilder {
     std::map<u32, Local> atoms;
     std::map<u32, Word> frames;  // by row among all variables
   };
+  enum class Participants : std::uint8_t { Given, OfState };  // OfState: a function of the state
+  enum class RuleSide : std::uint8_t { Low, High };
   void add_connectors();
   void add_internal_ports();
   void add_connector(u32 variable, u32 connector);
@@ -78,7 +80,7 @@ class TransitionSystemBuilder {
                   std::vector<Signal>& chosen);
   [[nodiscard]] std::vector<Signal> fixed_choice(const Tree& tree, const Leaves& leaves) const;
   [[nodiscard]] std::vector<Signal> largest_choice(const Tree& tree);
-  [[nodiscard]] Signal is_enabled(const Tree& tree, u32 root, const Leaves& leaves, bool fixed,
+  [[nodiscard]] Signal is_enabled(const Tree& tree, u32 root, const Leaves& leaves, Participants participants,
                                   const std::vector<Signal>& chosen, Store& store);
   [[nodiscard]] std::vector<Signal> clause_choice(const Tree& tree, const Use& use, const std::vector<Signal>& chosen);
   [[nodiscard]] Variables variables_of(const Tree& tree, const Use& use, const std::vector<Signal>& chosen,
@@ -91,7 +93,7 @@ class TransitionSystemBuilder {
 
   // encode_priorities.cpp
   void apply_priorities();
-  [[nodiscard]] Signal matches(const rt::Priority& rule, bool high, const SystemStep& step,
+  [[nodiscard]] Signal matches(const rt::Priority& rule, RuleSide side, const SystemStep& step,
                                const std::vector<Signal>& params);
 
   const System& system_;

@@ -5,9 +5,9 @@
 #include <map>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/base/log.hpp"
 #include "compiler/verify/timed/localize_guard.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -87,9 +87,9 @@ class Localizer {
     for (const Neighbours::Leaf& leaf : top.leaves) {
       if (new_atom_.count(leaf.atom) != 0) inside.push_back(leaf);
     }
-    const bool writes = std::any_of(top.written.begin(), top.written.end(), [&](const std::pair<u32, u32>& one) {
-      return new_atom_.count(one.first) != 0 &&
-             is_read_[whole_.atoms[AtomId(std::size_t{one.first})].type.value][one.second] != 0;
+    const bool writes = std::any_of(top.written.begin(), top.written.end(), [&](const std::pair<u32, u32>& cell) {
+      return new_atom_.count(cell.first) != 0 &&
+             is_read_[whole_.atoms[AtomId(std::size_t{cell.first})].type.value][cell.second] != 0;
     });
     if (inside.empty()) return;
     BIP_ASSERT(inside.size() < top.leaves.size() || top.atoms.size() > inside.size(), "all of {} ports are inside",
@@ -249,9 +249,9 @@ void Neighbours::walk(const System& system, Top& top) {
       top.is_plain = false;
       if (ref.kind == PortRef::Kind::Connector) todo.push_back(ref.connector);
       for (std::size_t k = 0; ref.kind == PortRef::Kind::Choice && k < system.choices[ref.choice].ports.size(); ++k) {
-        const PortRef& one = system.choices[ref.choice].ports[k];
-        if (one.kind == PortRef::Kind::Atom) see_atom(one);
-        else todo.push_back(one.connector);
+        const PortRef& port = system.choices[ref.choice].ports[k];
+        if (port.kind == PortRef::Kind::Atom) see_atom(port);
+        else todo.push_back(port.connector);
       }
     }
     for (const DataRef& data : connector.data) top.atoms.push_back(data.atom.value);

@@ -7,13 +7,13 @@
 #include <memory>
 #include <set>
 
-#include "compiler/base/assert.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/inner_priorities.hpp"
 #include "compiler/verify/timed/time_divergence.hpp"
 #include "compiler/verify/invariants/mode_facts.hpp"
 #include "compiler/verify/timed/localization.hpp"
 #include "compiler/verify/net/unread_data.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -168,7 +168,7 @@ class TimeProver {
       for (const u32 place : only->places) key += ' ' + std::to_string(place);
       for (const std::int32_t value : only->values) key += ',' + std::to_string(value);
     }
-    for (const std::uint8_t one : part.is_whole) key += one != 0 ? 'w' : 'c';
+    for (const std::uint8_t whole : part.is_whole) key += whole != 0 ? 'w' : 'c';
     if (const auto earlier = explored_parts_.find(key); earlier != explored_parts_.end()) {
       const std::vector<std::vector<LocalState>>& impossible = earlier->second.impossible;
       BIP_ASSERT(
@@ -333,8 +333,8 @@ class TimeProver {
       for (const auto& [port, rows] : tops) {
         for (const u32 top : rows) {
           const std::vector<u32>& atoms = neighbours_.tops()[top].atoms;
-          const auto others = static_cast<std::size_t>(std::count_if(atoms.begin(), atoms.end(), [&](u32 one) {
-            return std::find(joined.begin(), joined.end(), one) == joined.end();
+          const auto others = static_cast<std::size_t>(std::count_if(atoms.begin(), atoms.end(), [&](u32 member) {
+            return std::find(joined.begin(), joined.end(), member) == joined.end();
           }));
           if (others != 0) choices.insert({order, rows.size(), others, top});
         }

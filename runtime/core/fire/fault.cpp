@@ -57,7 +57,7 @@ int published_exit_code(FaultCode code) {
 
 namespace {
 
-void append_position(std::string& out, const Image& image, Loc loc) {
+void append_position(std::string& out, const Image& image, SourceLine loc) {
   append_line(out, image, loc);
   if (loc.line == 0 || loc.column == 0) return;
   out += ':';

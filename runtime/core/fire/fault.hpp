@@ -36,8 +36,8 @@ struct Fault {
   std::uint32_t atom = kNone;
   std::uint32_t connector = kNone;
   std::uint32_t port = kNone;  // of the atom's type
-  Loc loc{};                   // line 0: none
-  Loc other{};                 // the second transition
+  SourceLine loc{};            // line 0: none
+  SourceLine other{};          // the second transition
   std::string what;            // one line, names paths, ports and places
   std::string rule;            // the invariant, or the priorities of a cycle
   std::string places;          // of the atom, "A, B"

@@ -28,9 +28,9 @@ u32 StepPrograms::code_row(Code code, u32 zeroed) {
 }
 
 // Code of a connector's clause; what runs first zeroes the connector's own data.
-void StepPrograms::list_code(u32 connector, Code code, bool zeroes, Codes& out) {
+void StepPrograms::list_code(u32 connector, Code code, OwnData own, Codes& out) {
   const Connector& row = core_.tables.image->connectors[connector];
-  const u32 size = zeroes ? core_.tables.connector_type(connector).variables.size : 0;
+  const u32 size = own == OwnData::Zeroed ? core_.tables.connector_type(connector).variables.size : 0;
   if (code.fn == nullptr && size == 0) return;
   out.words.insert(out.words.end(), {code_row(code, size), row.first_cell, row.binds});
   out.owners.push_back({false, connector});
@@ -54,21 +54,22 @@ void StepPrograms::list_port(u32 instance, Parts& parts) {
 
 // The plan's codes and ports in the order in which fire_planned would run them.
 void StepPrograms::list_plan(const Plan& plan, Parts& parts) {
-  const auto clause_code = [&](const PlanUse& use, bool up) {
+  const auto clause_code = [&](const PlanUse& use, u32 Clause::*transfer) {
     if (use.clause == kNone) return Code{};
     const Clause& clause = core_.tables.connector_type(use.connector).clauses[use.clause];
-    return core_.tables.code(up ? clause.up : clause.down);
+    return core_.tables.code(clause.*transfer);
   };
   for (u32 i = plan.use_count; i-- > 0;) {
     const PlanUse& use = core_.tables.plan_uses[plan.first_use + i];
-    list_code(use.connector, clause_code(use, true), true, parts.before);
+    list_code(use.connector, clause_code(use, &Clause::up), OwnData::Zeroed, parts.before);
   }
   std::vector<std::pair<u32, u32>> stack{{0, 0}};
   while (!stack.empty()) {
     const PlanUse& use = core_.tables.plan_uses[plan.first_use + stack.back().first];
     const u32 param = stack.back().second++;
     if (param == 0)
-      list_code(use.connector, clause_code(use, false), false, parts.instances.empty() ? parts.before : parts.after);
+      list_code(use.connector, clause_code(use, &Clause::down), OwnData::Kept,
+                parts.instances.empty() ? parts.before : parts.after);
     if (param == core_.tables.connector_type(use.connector).params.size) {
       stack.pop_back();
       continue;
@@ -132,8 +133,9 @@ bool StepPrograms::list_program(u32 interaction, Parts& parts) {
       if (!core_.memory.ffi_data.empty()) return false;
       const Clause& clause = core_.tables.connector_type(info.row).clauses[info.clause()];
       const Code up = core_.tables.code(clause.up), down = core_.tables.code(clause.down);
-      if (up.fn != nullptr) list_code(info.row, up, true, parts.before);
-      if (down.fn != nullptr) list_code(info.row, down, up.fn == nullptr, parts.before);
+      if (up.fn != nullptr) list_code(info.row, up, OwnData::Zeroed, parts.before);
+      if (down.fn != nullptr)
+        list_code(info.row, down, up.fn == nullptr ? OwnData::Zeroed : OwnData::Kept, parts.before);
     }
     for (u32 i = 0; i < info.count; ++i) list_port(core_.tables.flat_ports[info.first + i], parts);
   } else {
@@ -202,17 +204,17 @@ void StepPrograms::drop() {
 }
 
 // Whose code it was is looked up by listing the program once more: faults are rare.
-bool StepPrograms::fail_program(std::int32_t status, u32 interaction, bool is_before, u32 index) {
+bool StepPrograms::fail_program(std::int32_t status, u32 interaction, Half half, u32 index) {
   Parts parts;
   (void)list_program(interaction, parts);
-  const auto [is_port, row] = (is_before ? parts.before : parts.after).owners[index];
+  const auto [is_port, row] = (half == Half::Before ? parts.before : parts.after).owners[index];
   BIP_ASSERT(status >= 2, "no fault: {}", status);
   if (!is_port) return core_.faults.fail_code(status, kNone, row, nullptr);
   return core_.faults.fail_code(status, core_.tables.port_atom[row], kNone,
                                 core_.tables.transitions[core_.ports.port(row).transition].source);
 }
 
-inline bool StepPrograms::run_codes(const u32* word, u32 count, u32 interaction, bool is_before) {
+inline bool StepPrograms::run_codes(const u32* word, u32 count, u32 interaction, Half half) {
   // Locals: a call might change members, for all that the compiler knows.
   Cell* all = core_.memory.cells.data();
   const u32* binds = core_.memory.binds.rows;
@@ -225,7 +227,7 @@ inline bool StepPrograms::run_codes(const u32* word, u32 count, u32 interaction,
     for (u32 k = 0; k < row.zeroed; ++k) own[k] = Cell{0};
     if (row.code.fn == nullptr) continue;
     const std::int32_t status = row.code.fn(row.code.context, own, all, binds + word[2]);
-    if (status >= 2) return fail_program(status, interaction, is_before, i);
+    if (status >= 2) return fail_program(status, interaction, half, i);
   }
   return true;
 }
@@ -241,13 +243,13 @@ bool StepPrograms::run(const u32* word, u32 interaction) {
     word += 3;
   }
   if (before != 0) {
-    if (!run_codes(word, before, interaction, true)) return false;
+    if (!run_codes(word, before, interaction, Half::Before)) return false;
     word += std::size_t{before} * 3;
   }
   BIP_ASSERT(!core_.partial.is_on(), "a program in a partial state");
   for (; places > 0; --places, word += 2) core_.memory.places[word[0]] = word[1];
   if (after != 0) {
-    if (!run_codes(word, after, interaction, false)) return false;
+    if (!run_codes(word, after, interaction, Half::After)) return false;
     word += std::size_t{after} * 3;
   }
   const u32* touched = word;

@@ -64,19 +64,21 @@ class StepPrograms {
     std::vector<u32> words;                    // three a code
     std::vector<std::pair<bool, u32>> owners;  // by code: a port instance (true) or a connector
   };
+  enum class OwnData : std::uint8_t { Zeroed, Kept };  // of a connector, before its code runs
+  enum class Half : std::uint8_t { Before, After };    // the places change
   struct Parts {
     Codes before, after;  // the places
     std::vector<u32> places, touched, instances;
     std::vector<std::pair<u32, std::int32_t>> deltas;
   };
   void build();
-  void list_code(u32 connector, Code code, bool zeroes, Codes& out);
+  void list_code(u32 connector, Code code, OwnData own, Codes& out);
   void list_port(u32 instance, Parts& parts);
   void list_plan(const Plan& plan, Parts& parts);
   bool list_effects(Parts& parts);
   bool list_program(u32 interaction, Parts& parts);
-  bool run_codes(const u32* word, u32 count, u32 interaction, bool is_before);
-  bool fail_program(std::int32_t status, u32 interaction, bool is_before, u32 index);
+  bool run_codes(const u32* word, u32 count, u32 interaction, Half half);
+  bool fail_program(std::int32_t status, u32 interaction, Half half, u32 index);
 
   CoreParts& core_;
   std::vector<u32> rows_;      // by interaction, row_words_ each: its program; kNone: it has none. Made when needed

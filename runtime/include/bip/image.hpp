@@ -47,12 +47,12 @@ constexpr std::int32_t fault_status(std::uint32_t site, FaultKind kind) {
   return static_cast<std::int32_t>(2 + 2 * site + static_cast<std::uint32_t>(kind));
 }
 
-struct Loc {  // file: row of Image::files; line 0: none
+struct SourceLine {  // file: row of Image::files; line 0: none
   std::uint32_t file = 0, line = 0, column = 0;
 };
 /// A division or modulo in the source, or the call of a C++ function, whose fault is an exception.
 struct Site {
-  Loc loc;
+  SourceLine loc;
   const char* function = nullptr;
 };
 /// What the runtime does with objects of a C++ type. Nothing throws.
@@ -82,20 +82,20 @@ struct Port {
   std::uint32_t type;
   Span<std::uint32_t> variables;  // one a variable of the port type
   bool exported;
-  Loc loc;
+  SourceLine loc;
 };
 struct Transition {
   std::uint32_t port;  // kNone: internal
   Span<std::uint32_t> from, to;
   std::uint32_t guard, action;  // rows of Image::codes or kNone
-  Loc loc;
+  SourceLine loc;
 };
 /// low is hidden while high is enabled and the guard holds, through chains of such rules.
 struct AtomPriority {
   const char* name;
   std::uint32_t low, high;  // ports of the type; kNone: all but the one on the other side
   std::uint32_t guard;      // row of Image::codes or kNone
-  Loc loc;
+  SourceLine loc;
 };
 enum class InvariantScope : std::uint8_t { Always, At, From };
 /// Holds after each firing: always, while the marking is exactly `places` (At), while it includes them (From).
@@ -104,7 +104,7 @@ struct Invariant {
   InvariantScope scope;
   Span<std::uint32_t> places;
   std::uint32_t condition;  // row of Image::codes, or kNone if it bounds clocks only
-  Loc loc;
+  SourceLine loc;
 };
 struct AtomTime;  // image_time.hpp
 struct AtomType {
@@ -115,7 +115,7 @@ struct AtomType {
   Span<std::uint32_t> initial;
   std::uint32_t initial_action;  // code or kNone; data variables are zero before it
   Span<Transition> transitions;
-  Loc loc;
+  SourceLine loc;
   Span<AtomPriority> priorities = {};
   Span<Invariant> invariants = {};
   const AtomTime* time = nullptr;  // null: it has nothing to do with time
@@ -161,7 +161,7 @@ struct RangeOp {
 struct Clause {
   Span<std::uint32_t> params;  // sorted
   std::uint32_t guard, up, down;
-  Loc loc;
+  SourceLine loc;
   bool may_fault = false;  // its `up` can end in a fault: it runs while interactions are computed
   bool guard_may_fault = false;
   bool has_ranges = false;  // guard_ranges and up_ranges say what the code does; else it may fault
@@ -177,7 +177,7 @@ struct ConnectorType {
   const char* export_name;
   std::uint32_t export_type;
   Span<std::uint32_t> export_variables;
-  Loc loc;
+  SourceLine loc;
   bool resume_sync = false;  // the ports of an interaction resume together
   bool is_total = false;     // each interaction has a clause
 };
@@ -191,7 +191,7 @@ struct Atom {
   std::uint32_t type;
   std::uint32_t first_cell;  // row in `all` of its variable 0
   std::uint32_t args;        // first row of Image::args; one a parameter
-  Loc loc;
+  SourceLine loc;
   std::uint32_t index = kNone;
   [[nodiscard]] std::string path() const { return path_text(name, index); }  // "ROOT.phil[3]"
 
@@ -229,7 +229,7 @@ struct Connector {
   std::uint32_t binds;       // first row of Image::binds; bind_count rows
   std::uint32_t bind_count;
   bool bound;  // its exported port is bound by another connector
-  Loc loc;
+  SourceLine loc;
   std::uint32_t parent = 0;  // row of Image::compounds: the compound that declares it
   std::uint32_t index = kNone;
   [[nodiscard]] std::string path() const { return path_text(name, index); }
@@ -271,7 +271,7 @@ struct Priority {
   Pattern low, high;
   std::uint32_t guard;  // code or kNone
   std::uint32_t binds, bind_count;
-  Loc loc;
+  SourceLine loc;
 };
 
 struct Image {

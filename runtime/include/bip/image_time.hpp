@@ -13,7 +13,7 @@ struct Clock {
   const char* name;
   std::int64_t unit;       // ticks
   std::uint32_t variable;  // float: what it is set to; the next, bool: that it is; the one after, float: its speed
-  Loc loc;
+  SourceLine loc;
 };
 enum class BoundOp : std::uint8_t { Lt, Le, Gt, Ge, Eq };
 /// clock - minus op limit

@@ -38,7 +38,7 @@ struct RunOptions {
   std::string replay_path;      // such a record: repeats the run in logical time, its seed and policy too
   bool silent = false;          // no step lines; the seed and the end are still told
   bool stats = false;           // steps, seconds, ns/step, bytes at the end
-  NewCode* new_code = nullptr;  // the image's code is replaced when it is ready (runtime/engine/new_code.hpp)
+  NewCode* new_code = nullptr;  // the image's code is replaced when it is ready (runtime/engine/code_replacement.hpp)
   Profile* profile = nullptr;   // measures the steps (runtime/core/profile.hpp)
   bool debug = false;           // every state's candidates
   bool interactive = false;     // the candidates are listed and a number is read for each step

@@ -1,5 +1,5 @@
 // A broken assertion ends with code 70 and says what was being done.
-#include "compiler/base/assert.hpp"
+#include "compiler/base/stage_scope.hpp"
 
 #include <sys/wait.h>
 #include <unistd.h>

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "compiler/lower/fold.hpp"
+#include "compiler/lower/fold_tables.hpp"
 #include "compiler/lower/lower.hpp"
 #include "tests/unit/lower/hand_built.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/verify/portfolio/prove_by_invariants.hpp"
-#include "compiler/verify/portfolio/search.hpp"
+#include "compiler/verify/portfolio/search_bad_state.hpp"
 #include "tests/verify/small_net.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/description.hpp"

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "compiler/interp/interp.hpp"
-#include "compiler/verify/portfolio/search.hpp"
+#include "compiler/verify/portfolio/search_bad_state.hpp"
 #include "compiler/verify/evidence/reached_states.hpp"
 #include "tools/gen/compiled.hpp"
 

@@ -1,5 +1,5 @@
 // Reads a certificate line by line (compiler/docs/certificate.md), strictly: every word counts.
-#include "tools/certcheck/model.hpp"
+#include "tools/certcheck/checked_model.hpp"
 
 #include <limits>
 #include <ranges>
@@ -33,7 +33,7 @@ class CertificateReader {
         if (line_ != 1) row(line);
         else need(line == "bipc-certificate 1", "not a certificate of version 1");
       } catch (const Rejected& e) {
-        throw Rejected(here() + ": " + e.what());
+        throw Rejected(place() + ": " + e.what());
       }
     }
     if (c_.claim.empty()) throw Rejected("the certificate does not say what it proves");
@@ -100,22 +100,22 @@ class CertificateReader {
     const Text head = words_[0];
     const bool is_equation = head == "equation", is_sum = head == "sum" || is_equation,
                is_set = !is_equation && head != "lemma";
-    Fact& fact = (is_set ? c_.sets : c_.facts).emplace_back(Fact{here(), {}, {}});
+    Fact& fact = (is_set ? c_.sets : c_.facts).emplace_back(Fact{place(), {}, {}});
     if (is_sum) fact.total = number(words_[1]);
     else if (head == "one-token") fact.total = 1;
     for (std::size_t k = is_sum ? 2 : 1; k < words_.size(); ++k) {
-      Case& one = fact.cases.emplace_back();
+      Case& row = fact.cases.emplace_back();
       const auto [text, weight] =
           is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
-      one.weight = number(weight, -kMostWeight, kMostWeight);
-      one.is_value = is_equation && text.find_first_of("@=:&!") == Text::npos;
+      row.weight = number(weight, -kMostWeight, kMostWeight);
+      row.is_value = is_equation && text.find_first_of("@=:&!") == Text::npos;
       if (is_set) {
         const auto [path, number] = split(text, text.rfind(':'));
-        one.literals.push_back({atom_of(path), mode(atom_of(path), number)});
+        row.literals.push_back({atom_of(path), mode(atom_of(path), number)});
         continue;
       }
       for (const auto part : std::views::split(text, '&'))
-        one.literals.push_back(literal(Text(part.begin(), part.end()), one.is_value));
+        row.literals.push_back(literal(Text(part.begin(), part.end()), row.is_value));
     }
   }
 
@@ -144,30 +144,30 @@ class CertificateReader {
     if (is_negated) name.remove_prefix(1);
     const std::size_t at = std::min(name.substr(0, name.find_first_of("=:")).find_last_of(".@"), name.size());
     const std::size_t atom = atom_of(name.substr(0, at));
-    Literal one = said(m_.type_of(atom), name.substr(at), is_value);
-    one.atom = atom;
-    one.is_negated = is_negated;
-    return one;
+    Literal literal = said(m_.type_of(atom), name.substr(at), is_value);
+    literal.atom = atom;
+    literal.is_negated = is_negated;
+    return literal;
   }
   // "@PLACE", ".n=-5", ".n=1..4", ".n:3"; a variable's value is ".n"
   [[nodiscard]] Literal said(const AtomType& type, Text what, bool is_value = false) const {
     const std::size_t mark = std::min(what.find_first_of("=:"), what.size());
     const bool is_place = what.starts_with('@');
     need((is_place || what.starts_with('.')) && (mark == what.size()) == (is_place || is_value), "says nothing", what);
-    Literal one;
-    one.variable = type.find(what.substr(1, mark - 1), is_place);
-    const Variable& variable = type.variables[one.variable];
+    Literal literal;
+    literal.variable = type.find(what.substr(1, mark - 1), is_place);
+    const Variable& variable = type.variables[literal.variable];
     need(is_value ? variable.type == "int" : is_exact(variable.type), "cannot be followed", what);
-    if (mark == what.size()) return one;
+    if (mark == what.size()) return literal;
     const Text told = what.substr(mark + 1);
     const std::size_t dots = told.find("..");
-    if (what[mark] == ':') one.bit = static_cast<unsigned>(number(told, 0, variable.type == "bool" ? 0 : 31));
-    else one.low = value(variable, told.substr(0, dots));
-    one.high = dots == Text::npos ? one.low : value(variable, told.substr(dots + 2));
-    return one;
+    if (what[mark] == ':') literal.bit = static_cast<unsigned>(number(told, 0, variable.type == "bool" ? 0 : 31));
+    else literal.low = value(variable, told.substr(0, dots));
+    literal.high = dots == Text::npos ? literal.low : value(variable, told.substr(dots + 2));
+    return literal;
   }
 
-  [[nodiscard]] std::string here() const { return "line " + std::to_string(line_); }
+  [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
   void need(bool is_so, Text why, Text what = {}) const {
     if (!is_so) throw Rejected((what.empty() ? "" : quoted(what) + ' ') + std::string(why));
   }

@@ -1,5 +1,5 @@
 // From the rows of .bsys to the model. Trusts nothing: a row that points nowhere is rejected (`at` throws).
-#include "tools/certcheck/model.hpp"
+#include "tools/certcheck/checked_model.hpp"
 
 namespace certcheck {
 namespace {
@@ -63,7 +63,7 @@ class ModelReader {
       type.ports.push_back({port->at(2).text, port->has_word("export", 4), (*port)["slots"].rows(), {}});
       for (std::size_t& variable : type.ports.back().variables) variable += type.places;
     }
-    for (const Tree* one : type.invariants) (void)places((*one)["places"]);
+    for (const Tree* invariant : type.invariants) (void)places((*invariant)["places"]);
     type.initial = {kNone, {}, places(row["initial"]), nullptr, &row["do"]};
     type.is_automaton = type.initial.to.size() == 1;
     for (const Tree* t : row.all("transition")) {
@@ -148,9 +148,9 @@ class ModelReader {
     c.root = define.at(1).is_list ? whole.node : add(Kind::All, {whole});
     m_.nodes[c.root].connector = m_.connectors.size();
     m_.nodes[c.root].is_step = type["export"].items.empty();
-    for (const Tree* one : type.all("clause")) {
+    for (const Tree* row : type.all("clause")) {
       const Clause& clause =
-          c.clauses.emplace_back(Clause{(*one)["params"].rows(), &(*one)["guard"], &(*one)["up"], &(*one)["down"]});
+          c.clauses.emplace_back(Clause{(*row)["params"].rows(), &(*row)["guard"], &(*row)["up"], &(*row)["down"]});
       if (!clause.up->find({"set-bind"}).empty()) throw Rejected("an `up` writes to a port");
       for (const Tree* set : clause.down->find({"set-bind"})) {
         const auto& [param, variable, of_type] = c.bound.at(set->at(1).row());

@@ -1,8 +1,8 @@
-// Folds tables, see fold.hpp. A range of rows is a series if, from period to period, each number grows by the same
-// difference, and one index in each name by one.
-#include "compiler/lower/fold.hpp"
-#include "compiler/base/assert.hpp"
+// Folds tables, see fold_tables.hpp. A range of rows is a series if, from period to period, each number grows by the
+// same difference, and one index in each name by one.
+#include "compiler/lower/fold_tables.hpp"
 #include "compiler/base/ascii.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 #include <charconv>
 #include <cstring>
@@ -18,7 +18,7 @@ using u32 = std::uint32_t;
 constexpr u32 kMostPeriod = 64;
 constexpr u32 kLeastTimes = 8;  // fewer are not worth a row of Repeat
 
-bool is_same(const rt::Loc& a, const rt::Loc& b) {
+bool is_same(const rt::SourceLine& a, const rt::SourceLine& b) {
   return a.file == b.file && a.line == b.line && a.column == b.column;
 }
 bool is_same(const rt::Atom& a, const rt::Atom& b) {
@@ -114,18 +114,18 @@ class Folder {
   bool holds(u32 row, u32 period, u32 first, u32 times) const {
     BIP_ASSERT(std::size_t{row} + std::size_t{times - 1} * period < all_.size(), "row {} and {} further ones, of {}",
                row, times, all_.size());
-    const T& one = all_[row];
-    const T& two = all_[row + period];
-    const auto by = slope(one, two);
+    const T& base = all_[row];
+    const T& next = all_[row + period];
+    const auto by = slope(base, next);
     std::optional<IndexedName> name;
     if constexpr (kHasName<T>) {
-      if (one.type != two.type) return false;
-      name = indexed(one.name, two.name);
+      if (base.type != next.type) return false;
+      name = indexed(base.name, next.name);
       if (!name) return false;
     }
     for (u32 k = first; k < times; ++k) {
       const T& there = all_[row + k * period];
-      if (!is_same(one.after(by, k), there)) return false;
+      if (!is_same(base.after(by, k), there)) return false;
       if constexpr (kHasName<T>) {
         if (!name->is(there.name, k)) return false;
       }
@@ -171,9 +171,9 @@ class Folder {
     if (table_.repeats.empty() || table_.repeats.back().slope != rt::kNone)
       table_.repeats.push_back({row, 0, at, rt::kNone});
     ++table_.repeats.back().period;
-    T one = all_[row];
-    if constexpr (kHasName<T>) one.name = kept(one.name, arena_);
-    table_.rows.push_back(one);
+    T kept_row = all_[row];
+    if constexpr (kHasName<T>) kept_row.name = kept(kept_row.name, arena_);
+    table_.rows.push_back(kept_row);
   }
 
   Table<T>& table_;

@@ -1,5 +1,5 @@
-// Levels and batches; see search.hpp.
-#include "runtime/explore/search.hpp"
+// Levels and batches; see exploration.hpp.
+#include "runtime/explore/exploration.hpp"
 
 #include <algorithm>
 
@@ -21,14 +21,14 @@ u64 count_of(const std::vector<std::unique_ptr<StateStore>>& owners) {
 
 }  // namespace
 
-Search::Search(const Image& image, const ExploreOptions& options)
+Exploration::Exploration(const Image& image, const ExploreOptions& options)
     : image_(image),
       options_(options),
       team_(image.ffi != nullptr || options.limit != ~u64{0} ? 1 : std::max(1u, options.threads)) {}
 
-u64 Search::states() const { return count_of(owners_); }
+u64 Exploration::states() const { return count_of(owners_); }
 
-std::size_t Search::kept_bytes() const {
+std::size_t Exploration::kept_bytes() const {
   std::size_t sum = space_.locals->bytes();
   for (const auto& owner : owners_) sum += owner->bytes();
   for (const Worker& worker : workers_) {
@@ -38,14 +38,14 @@ std::size_t Search::kept_bytes() const {
   return sum;
 }
 
-void Search::make_owners() {
+void Exploration::make_owners() {
   owners_.clear();
   for (u32 k = 0; k < team_.size(); ++k) {
     owners_.push_back(std::make_unique<StateStore>(space_.layout.words(), options_.bytes / team_.size()));
   }
 }
 
-void Search::begin() {
+void Exploration::begin() {
   Core core(image_, {.progress = options_.progress});
   if (!core.initialize()) {
     report_.errors = 1;
@@ -82,7 +82,7 @@ void Search::begin() {
 
 // Every state anew in a wider layout, level by level: which level a state belongs to stays. The current level's steps
 // are taken again, for its states may have other owners now.
-bool Search::widen() {
+bool Exploration::widen() {
   bool is_done = true;
   const Layout before = space_.layout;
   std::vector<std::unique_ptr<StateStore>> old = std::move(owners_);
@@ -118,7 +118,7 @@ bool Search::widen() {
   return is_done;
 }
 
-u64 Search::frontier_size(u32 level) const {
+u64 Exploration::frontier_size(u32 level) const {
   u64 sum = 0;
   const std::size_t count = owners_.size();
   for (std::size_t owner = 0; owner < count; ++owner)
@@ -126,13 +126,13 @@ u64 Search::frontier_size(u32 level) const {
   return sum;
 }
 
-ExploreEnd Search::end_by_now() const {
+ExploreEnd Exploration::end_by_now() const {
   if (options_.is_stopped && options_.is_stopped()) return ExploreEnd::Stopped;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   return options_.seconds > 0 && spent.count() > options_.seconds ? ExploreEnd::Time : ExploreEnd::Complete;
 }
 
-bool Search::is_over() {
+bool Exploration::is_over() {
   if (report_.end != ExploreEnd::Complete) return true;
   report_.end = end_by_now();
   if (report_.end != ExploreEnd::Complete) return true;
@@ -140,7 +140,7 @@ bool Search::is_over() {
   return report_.end != ExploreEnd::Complete;
 }
 
-bool Search::insert(bool is_small) {
+bool Exploration::insert(bool is_small) {
   std::atomic<bool> is_done{true};
   const auto job = [&](u32 owner) {
     for (const Worker& worker : workers_) {
@@ -158,7 +158,7 @@ bool Search::insert(bool is_small) {
 
 // One state's successors, in the order of the candidates; a new one beyond the limit ends it, and its step does not
 // count.
-bool Search::insert_up_to_limit() {
+bool Exploration::insert_up_to_limit() {
   BIP_ASSERT(workers_.size() == 1, "a limit of states with {} threads", workers_.size());
   const std::vector<u64>& list = workers_[0].out.words[0];
   const u32 words = space_.layout.words();
@@ -176,7 +176,7 @@ bool Search::insert_up_to_limit() {
 }
 
 // Expands states of the frontier from `done` on. False: the search is over.
-bool Search::run_batch(u64 frontier, u64& done) {
+bool Exploration::run_batch(u64 frontier, u64& done) {
   BIP_ASSERT(done < frontier, "{} of {} states are expanded", done, frontier);
   const u64 end = is_one_by_one_ ? done + 1 : frontier;
   const bool is_small = end - done <= kSmall || team_.size() == 1;
@@ -244,7 +244,7 @@ bool Search::run_batch(u64 frontier, u64& done) {
   return report_.end == ExploreEnd::Complete;
 }
 
-void Search::report_progress(u64 expanded_of_level) const {
+void Exploration::report_progress(u64 expanded_of_level) const {
   if (!options_.on_progress) return;
   std::size_t bytes = 0;
   for (const auto& owner : owners_) bytes += owner->bytes();
@@ -258,7 +258,7 @@ void Search::report_progress(u64 expanded_of_level) const {
                         .bytes = bytes});
 }
 
-void Search::run_levels() {
+void Exploration::run_levels() {
   for (;; ++level_) {
     for (const auto& owner : owners_) level_first_.push_back(owner->size());
     const u64 frontier = frontier_size(level_);
@@ -274,7 +274,7 @@ void Search::run_levels() {
   }
 }
 
-ExploreReport Search::run() {
+ExploreReport Exploration::run() {
   begin();
   if (!report_.has_error) {
     run_levels();
@@ -294,6 +294,8 @@ ExploreReport Search::run() {
   return std::move(report_);
 }
 
-ExploreReport explore_states(const Image& image, const ExploreOptions& options) { return Search(image, options).run(); }
+ExploreReport explore_states(const Image& image, const ExploreOptions& options) {
+  return Exploration(image, options).run();
+}
 
 }  // namespace bip::rt

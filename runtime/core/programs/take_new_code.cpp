@@ -1,5 +1,5 @@
-// See new_code.hpp.
-#include "runtime/core/programs/new_code.hpp"
+// See take_new_code.hpp.
+#include "runtime/core/programs/take_new_code.hpp"
 
 #include <map>
 #include <utility>

@@ -22,9 +22,9 @@ namespace bip::rt {
 /// States that a thread takes at a time.
 inline constexpr u64 kStatesPerPiece = 128;
 
-class Search {
+class Exploration {
  public:
-  Search(const Image& image, const ExploreOptions& options);
+  Exploration(const Image& image, const ExploreOptions& options);
   ExploreReport run();
 
  private:
@@ -41,7 +41,7 @@ class Search {
   };
   enum class Goal : std::uint8_t { Deadlock, Error, Match };
 
-  // search.cpp
+  // exploration.cpp
   void begin();
   void run_levels();
   bool run_batch(u64 frontier, u64& done);
@@ -87,7 +87,7 @@ class Search {
 };
 
 template <class Visit>
-void Search::each_state(Worker& worker, u32 level, u64 begin, u64 end, const Visit& visit) {
+void Exploration::each_state(Worker& worker, u32 level, u64 begin, u64 end, const Visit& visit) {
   const u32 count = static_cast<u32>(owners_.size());
   BIP_ASSERT(std::size_t{level + 1} * count < level_first_.size(), "level {} is not complete", level);
   worker.state.resize(space_.layout.words());

@@ -38,8 +38,8 @@ class System {
       Scope reads;
       for (const Tree* of : (*row)["data"].all("of")) reads.bind.push_back(&data(*of, store));
       Rule& rule = rules.emplace_back(Rule{t_.holds((*row)["guard"], reads, t_.truth(true), state_fault_), {}, {}});
-      for (const Candidate& c : all_) rule.low.push_back(matches(*row, false, c));
-      for (const Candidate& c : all_) rule.high.push_back(matches(*row, true, c));
+      for (const Candidate& c : all_) rule.low.push_back(matches(*row, RuleSide::Low, c));
+      for (const Candidate& c : all_) rule.high.push_back(matches(*row, RuleSide::High, c));
     }
     if (rules.empty()) return;
     // A chain goes through interactions that need not be enabled: here through those that are candidates' own, and for
@@ -68,7 +68,7 @@ class System {
   /// What a claim says of the state.
   [[nodiscard]] expr claim(const Tree& e) {
     expr fault = t_.truth(false);
-    return t_.evaluate(e, {{}, {}, [this](const Tree& one) { return about(one); }}, t_.truth(true), fault);
+    return t_.evaluate(e, {{}, {}, [this](const Tree& leaf) { return about(leaf); }}, t_.truth(true), fault);
   }
   /// The run has ended with an error in this state; with one in a connector's guard, too.
   [[nodiscard]] expr state_fault() const { return state_fault_; }
@@ -185,16 +185,16 @@ class System {
       expr open = chosen.at(row);
       const std::vector<Edge>& children = m_.nodes[row].children;
       for (auto edge = children.begin(); edge != children.end(); ++edge) {
-        expr here = m_.nodes[row].kind == Kind::Trigger ? both(open, available.at(edge->node)) : open;
+        expr joins = m_.nodes[row].kind == Kind::Trigger ? both(open, available.at(edge->node)) : open;
         if (m_.nodes[row].kind == Kind::Any) {
           expr others = t_.truth(false);
           for (auto other = edge + 1; other != children.end(); ++other)
             others = either(others, available.at(other->node));
-          here = both(open, both(available.at(edge->node), either(no(others), t_.fresh("bool"))));
-          open = both(open, no(here));
+          joins = both(open, both(available.at(edge->node), either(no(others), t_.fresh("bool"))));
+          open = both(open, no(joins));
         }
-        const auto [at, is_new] = chosen.emplace(edge->node, here);
-        if (!is_new) at->second = either(at->second, here);
+        const auto [at, is_new] = chosen.emplace(edge->node, joins);
+        if (!is_new) at->second = either(at->second, joins);
       }
     }
     return chosen;
@@ -232,16 +232,16 @@ class System {
       for (Text variable : c.variables)
         frame.push_back(is_exact(variable) ? t_.constant(variable, 0) : t_.fresh(variable));
       for (const Clause& clause : c.clauses) {
-        const expr here = clause_is(c, clause, chosen);
-        if (is(here, false) || clause.guard->items.size() + clause.up->items.size() == 0) continue;
+        const expr is_taken = clause_is(c, clause, chosen);
+        if (is(is_taken, false) || clause.guard->items.size() + clause.up->items.size() == 0) continue;
         const Scope read = scope_of(connector, chosen, store);
-        expr fault = t_.truth(false), holds = t_.holds(*clause.guard, read, here, fault);
-        t_.execute(*clause.up, read, here, fault);
+        expr fault = t_.truth(false), holds = t_.holds(*clause.guard, read, is_taken, fault);
+        t_.execute(*clause.up, read, is_taken, fault);
         if (!is(fault, false)) {
           guard_fault_ = either(guard_fault_, both(there, fault));
           holds = z3::ite(fault, t_.fresh("bool"), holds);
         }
-        result = both(result, either(no(here), holds));
+        result = both(result, either(no(is_taken), holds));
       }
     }
     // Where only the largest configurations of an inner connector are seen, none that is larger there is enabled.
@@ -263,12 +263,12 @@ class System {
   }
 
   [[nodiscard]] expr clause_is(const Connector& c, const Clause& clause, const Chosen& chosen) const {
-    expr here = chosen.at(c.root);
+    expr is_taken = chosen.at(c.root);
     for (std::size_t p = 0; p < c.params.size(); ++p) {
       const expr& part = chosen.at(c.params[p].node);
-      here = both(here, contains(clause.params, p) ? part : no(part));
+      is_taken = both(is_taken, contains(clause.params, p) ? part : no(part));
     }
-    return here;
+    return is_taken;
   }
   Local& local_of(std::size_t atom, Store& store) { return store.atoms.try_emplace(atom, now_.at(atom)).first->second; }
   // (of ATOM VARIABLE)
@@ -299,12 +299,15 @@ class System {
     return scope;
   }
 
-  [[nodiscard]] expr matches(const Tree& rule, bool is_high, const Candidate& c) const {
-    const Tree &pattern = rule[is_high ? "high" : "low"], &other = rule[is_high ? "low" : "high"];
+  enum class RuleSide : unsigned char { Low, High };
+  [[nodiscard]] expr matches(const Tree& rule, RuleSide side, const Candidate& c) const {
+    const Tree &pattern = rule[side == RuleSide::High ? "high" : "low"],
+               &other = rule[side == RuleSide::High ? "low" : "high"];
     const std::size_t connector = m_.nodes[c.node].connector;
     if (pattern.at(1).text == "any") {
       if (connector == kNone || m_.connectors[connector].compound != rule["in"].at(1).row()) return t_.truth(false);
-      return other.at(1).text == "any" ? t_.truth(true) : no(matches(rule, !is_high, c));
+      return other.at(1).text == "any" ? t_.truth(true)
+                                       : no(matches(rule, side == RuleSide::High ? RuleSide::Low : RuleSide::High, c));
     }
     if (pattern.at(1).row() != connector) return t_.truth(false);
     expr result = t_.truth(true);
@@ -313,7 +316,7 @@ class System {
     const std::vector<Edge>& params = m_.connectors[connector].params;
     for (std::size_t p = 0; p < params.size(); ++p) {
       const bool is_named = contains(std::span(named).subspan(1), p);
-      if (is_high == is_named)
+      if ((side == RuleSide::High) == is_named)
         result = both(result, is_high ? c.chosen.at(params[p].node) : no(c.chosen.at(params[p].node)));
     }
     return result;
@@ -342,7 +345,7 @@ class System {
     for (const Edge& edge : c.params) {
       if (m_.nodes[edge.node].kind != Kind::Any) part(edge.node, edge.node);
       else
-        for (const Edge& one : m_.nodes[edge.node].children) part(one.node, m_.nodes[one.node].children[0].node);
+        for (const Edge& child : m_.nodes[edge.node].children) part(child.node, m_.nodes[child.node].children[0].node);
     }
   }
   // (at PATH PLACE), (data PATH VARIABLE), (can-port PATH PORT), (can CONNECTOR)

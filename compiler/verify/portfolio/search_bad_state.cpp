@@ -1,5 +1,6 @@
-// See search.hpp. Distance of a state: the sum over atoms of the steps that its modes are away from the candidate's.
-#include "compiler/verify/portfolio/search.hpp"
+// See search_bad_state.hpp. Distance of a state: the sum over atoms of the steps that its modes are away from the
+// candidate's.
+#include "compiler/verify/portfolio/search_bad_state.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -7,7 +8,7 @@
 #include <queue>
 #include <unordered_map>
 
-#include "compiler/base/assert.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 

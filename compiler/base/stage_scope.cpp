@@ -1,6 +1,6 @@
 // The stack of stages that a failed assertion prints. It is thread-local and read by nothing else, so two compilations
 // in one process do not interfere.
-#include "compiler/base/assert.hpp"
+#include "compiler/base/stage_scope.hpp"
 
 #include <cstdio>
 #include <string_view>
