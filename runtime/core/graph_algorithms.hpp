@@ -157,6 +157,20 @@ template <class Enter, class Next, class IsEdge>
   return Path{};
 }
 
+/// The main step of Kahn's algorithm: appends to `order`, which has the nodes without predecessor, each node whose
+/// predecessors are all in it. `missing`: by node, the number of predecessors; it becomes the number of those that are
+/// not in the order. each_next: as below.
+template <class EachNext>
+void extend_topological_order(std::vector<std::uint32_t>& missing, std::vector<std::uint32_t>& order,
+                              EachNext&& each_next) {
+  for (std::size_t at = 0; at < order.size(); ++at) {
+    each_next(order[at], [&](std::uint32_t next) {
+      BIP_ASSERT(missing[next] != 0, "node {} has more predecessors than were counted", next);
+      if (--missing[next] == 0) order.push_back(next);
+    });
+  }
+}
+
 /// Orders nodes so that each comes after its predecessors, by Kahn's algorithm; nodes that become ready at the same
 /// time come in the order of the enumeration. `missing` has the number of predecessors of each node, a pair as often as
 /// `each_next(node, see)` calls see(successor) for it; it becomes the number of those that are not in the order.
@@ -167,12 +181,7 @@ bool topological_order(std::vector<std::uint32_t>& missing, std::vector<std::uin
   for (std::uint32_t node = 0; node < missing.size(); ++node) {
     if (missing[node] == 0) order.push_back(node);
   }
-  for (std::size_t at = 0; at < order.size(); ++at) {
-    each_next(order[at], [&](std::uint32_t next) {
-      BIP_ASSERT(missing[next] != 0, "node {} has more predecessors than were counted", next);
-      if (--missing[next] == 0) order.push_back(next);
-    });
-  }
+  extend_topological_order(missing, order, each_next);
   return order.size() == missing.size();
 }
 

@@ -148,9 +148,9 @@ class ModelReader {
     c.root = define.at(1).is_list ? whole.node : add(Kind::All, {whole});
     m_.nodes[c.root].connector = m_.connectors.size();
     m_.nodes[c.root].is_step = type["export"].items.empty();
-    for (const Tree* row : type.all("clause")) {
+    for (const Tree* list : type.all("clause")) {
       const Clause& clause =
-          c.clauses.emplace_back(Clause{(*row)["params"].rows(), &(*row)["guard"], &(*row)["up"], &(*row)["down"]});
+          c.clauses.emplace_back(Clause{(*list)["params"].rows(), &(*list)["guard"], &(*list)["up"], &(*list)["down"]});
       if (!clause.up->find({"set-bind"}).empty()) throw Rejected("an `up` writes to a port");
       for (const Tree* set : clause.down->find({"set-bind"})) {
         const auto& [param, variable, of_type] = c.bound.at(set->at(1).row());

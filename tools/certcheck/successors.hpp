@@ -38,8 +38,8 @@ class System {
       Scope reads;
       for (const Tree* of : (*row)["data"].all("of")) reads.bind.push_back(&data(*of, store));
       Rule& rule = rules.emplace_back(Rule{t_.holds((*row)["guard"], reads, t_.truth(true), state_fault_), {}, {}});
-      for (const Candidate& c : all_) rule.low.push_back(matches(*row, RuleSide::Low, c));
-      for (const Candidate& c : all_) rule.high.push_back(matches(*row, RuleSide::High, c));
+      for (const Candidate& c : all_) rule.low.push_back(matches(*row, "low", "high", c));
+      for (const Candidate& c : all_) rule.high.push_back(matches(*row, "high", "low", c));
     }
     if (rules.empty()) return;
     // A chain goes through interactions that need not be enabled: here through those that are candidates' own, and for
@@ -299,15 +299,13 @@ class System {
     return scope;
   }
 
-  enum class RuleSide : unsigned char { Low, High };
-  [[nodiscard]] expr matches(const Tree& rule, RuleSide side, const Candidate& c) const {
-    const Tree &pattern = rule[side == RuleSide::High ? "high" : "low"],
-               &other = rule[side == RuleSide::High ? "low" : "high"];
+  // Does the candidate match that side of the rule? The sides are `low` and `high`.
+  [[nodiscard]] expr matches(const Tree& rule, Text side, Text other_side, const Candidate& c) const {
+    const Tree &pattern = rule[side], &other = rule[other_side];
     const std::size_t connector = m_.nodes[c.node].connector;
     if (pattern.at(1).text == "any") {
       if (connector == kNone || m_.connectors[connector].compound != rule["in"].at(1).row()) return t_.truth(false);
-      return other.at(1).text == "any" ? t_.truth(true)
-                                       : no(matches(rule, side == RuleSide::High ? RuleSide::Low : RuleSide::High, c));
+      return other.at(1).text == "any" ? t_.truth(true) : no(matches(rule, other_side, side, c));
     }
     if (pattern.at(1).row() != connector) return t_.truth(false);
     expr result = t_.truth(true);
@@ -316,8 +314,8 @@ class System {
     const std::vector<Edge>& params = m_.connectors[connector].params;
     for (std::size_t p = 0; p < params.size(); ++p) {
       const bool is_named = contains(std::span(named).subspan(1), p);
-      if ((side == RuleSide::High) == is_named)
-        result = both(result, is_high ? c.chosen.at(params[p].node) : no(c.chosen.at(params[p].node)));
+      const expr& is_chosen = c.chosen.at(params[p].node);
+      if ((side == "high") == is_named) result = both(result, is_named ? is_chosen : no(is_chosen));
     }
     return result;
   }

@@ -193,8 +193,8 @@ std::vector<Signal> TransitionSystemBuilder::clause_choice(const Tree& tree, con
 }
 
 // Ports, guards bottom up with their `up`s, and that what shows only its maximal interactions shows one.
-// Participants::Given: the choice is `leaves`; else `chosen` is a function of the state. Leaves the connectors' own data in
-// the store.
+// Participants::Given: the choice is `leaves`; else `chosen` is a function of the state. Leaves the connectors' own
+// data in the store.
 Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Leaves& leaves, Participants participants,
                                            const std::vector<Signal>& chosen, Store& store) {
   Signal result = chosen[root];
@@ -339,7 +339,8 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
   std::vector<Store> stores;
   for (const Leaves& leaves : all) {
     Store store;
-    enabled.push_back(is_enabled(tree, tree.uses[0].root, leaves, Participants::Given, fixed_choice(tree, leaves), store));
+    enabled.push_back(
+        is_enabled(tree, tree.uses[0].root, leaves, Participants::Given, fixed_choice(tree, leaves), store));
     stores.push_back(std::move(store));
   }
   for (std::size_t k = 0; k < all.size(); ++k) {

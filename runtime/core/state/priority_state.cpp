@@ -3,6 +3,7 @@
 
 #include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
+#include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::rt {
 
@@ -72,23 +73,21 @@ bool PriorityState::recompute_component(u32 component) {
   if (tables_.cyclic[component] != 0) {
     // Take away true rules that no other true rule leads to; what stays is a closed cycle, or behind one.
     std::vector<u32> missing(tables_.count, 0);
-    u32 left = 0;
+    std::size_t count = 0;
     for (u32 rule : members) {
       if (!rule_states_[rule].guard) continue;
-      ++left;
+      ++count;
       for (u32 before : tables_.previous[rule]) missing[rule] += rule_states_[before].guard ? 1u : 0u;
       if (missing[rule] == 0) todo.push_back(rule);
     }
-    while (!todo.empty()) {
-      const u32 rule = todo.back();
-      BIP_ASSERT(left != 0 && rule_states_[rule].guard && missing[rule] == 0, "rule {} is taken away", rule);
-      todo.pop_back();
-      --left;
+    extend_topological_order(missing, todo, [&](u32 rule, const auto& see) {
       for (u32 next : tables_.next[rule]) {
-        if (rule_states_[next].guard && --missing[next] == 0) todo.push_back(next);
+        if (rule_states_[next].guard) see(next);
       }
-    }
-    if (left != 0) {
+    });
+    const bool has_cycle = todo.size() != count;
+    todo.clear();
+    if (has_cycle) {
       for (u32 rule : members) {
         if (rule_states_[rule].guard && missing[rule] != 0) todo.push_back(rule);
       }
