@@ -53,6 +53,7 @@ int log_level(LogArea area) { return log_levels()[static_cast<std::size_t>(area)
 std::string set_log_levels(std::string_view list) {
   LogLevels levels = log_levels();
   std::string problem = read_log_levels(list, levels);
+  if (problem.empty() && !kHasLog) problem = "this build has no log lines: configure it with -DBIPC_LOG=ON";
   if (problem.empty()) log_levels() = levels;
   return problem;
 }

@@ -1,9 +1,9 @@
 // Log lines for work on an algorithm: BIP_LOG(Ic3, 1, "frame {}: {} lemmas", frame, count) writes "[ic3] …" to stderr.
 //
 // Compiled in with the CMake option BIPC_LOG and in the presets debug and checked (BIP_CHECKED), and to nothing
-// elsewhere: arguments are type-checked and never evaluated. The environment variable BIPC_LOG=ic3:2,traps chooses
-// areas and levels; level 1 is one line per phase, 2 one per query or invariant, 3 one per lemma. Process-wide, set
-// before any thread starts: no result depends on it.
+// elsewhere: arguments are type-checked and never evaluated. `bipc verify --log=ic3:2,traps` or the environment
+// variable BIPC_LOG chooses areas and levels; level 1 is one line per phase, 2 one per query or invariant, 3 one per
+// lemma. Process-wide, set before any thread starts: no result depends on it.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -37,8 +37,8 @@ inline constexpr bool kHasLog = false;
 
 /// 0: the area is silent.
 [[nodiscard]] int log_level(LogArea area);
-/// Turns areas on by a list "AREA[:LEVEL],…" (level 1 if none is given). Returns what is wrong with the list, or
-/// nothing; then no level has changed.
+/// Turns areas on by a list "AREA[:LEVEL],…" (level 1 if none is given). Returns what is wrong with the list or that
+/// this build has no log lines; then no level has changed. Empty: done.
 [[nodiscard]] std::string set_log_levels(std::string_view list);
 /// Writes one line to stderr.
 void write_log(LogArea area, const std::string& line);

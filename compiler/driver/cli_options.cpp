@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "compiler/base/log.hpp"
 #include "runtime/engine/policies.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
@@ -316,6 +317,12 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->excludes("--property")
       ->excludes("--certificate");
   command->add_flag("--why", a.why, "print the invariants that the proof uses");
+  command
+      ->add_option("--log",
+                   "write what the algorithms do to standard error: AREA[:LEVEL],... of affine, components, houdini, "
+                   "ic3, places, portfolio, time, traps; level 1 (default) to 3; only in a build with BIPC_LOG")
+      ->check(CLI::Validator([](std::string& list) { return set_log_levels(list); }, ""))
+      ->type_name("AREAS");
   command->add_flag("--json", a.json, "print the verdict as JSON");
   command->add_flag("--stats", a.stats, "print the processor time and how much was reused from earlier proofs");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",

@@ -7,6 +7,7 @@
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/image_tables.hpp"
+#include "compiler/model/operators.hpp"
 
 namespace bip::emit_cpp {
 
@@ -45,9 +46,10 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.
-  for (const char* name : {"BoolVar", "divide", "CodeFault", "FloatVar", "IntVar", "modulo", "Cell", "StringVar",
-                           "wrap_add", "wrap_mul", "wrap_neg", "wrap_sub"}) {
+  for (const char* name : {"BoolVar", "CodeFault", "FloatVar", "IntVar", "Cell", "StringVar"})
     out.line(std::string("using bip::rt::") + name + ";");
+  for (const OperatorInfo& op : kOperators) {
+    if (op.function != nullptr) out.line(std::string("using bip::rt::") + op.function + ";");
   }
   if (has_ffi) out.line("using bip::rt::FfiVariable;");
   emit_functions(lowered, out);

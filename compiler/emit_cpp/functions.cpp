@@ -15,6 +15,9 @@ namespace bip::emit_cpp {
 
 LocalNames::LocalNames() {
   for (const std::string_view word : reserved_words()) names_.reserve(word);
+  for (const OperatorInfo& op : kOperators) {
+    if (op.function != nullptr) names_.reserve(op.function);
+  }
 }
 
 std::string LocalNames::make(std::string_view name) {

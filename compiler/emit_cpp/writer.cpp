@@ -98,8 +98,7 @@ const std::vector<std::string_view>& reserved_words() {
       "assert", "errno", "linux", "stderr", "stdin", "stdout", "unix",
       // what emitted functions call
       "all", "bind", "self", "Cell", "IntVar", "BoolVar", "FloatVar", "StringVar", "ColumnCell", "IntCell", "BoolCell",
-      "StringCell", "CodeFault", "divide", "modulo", "FfiVariable", "ffi", "wrap_add", "wrap_sub", "wrap_mul",
-      "wrap_neg"};
+      "StringCell", "CodeFault", "FfiVariable", "ffi"};
   return kWords;
 }
 
