@@ -190,6 +190,11 @@ void add_compile(CLI::App& app, CompileOptions& options) {
          "--root", options.root,
          "root component, for example 'Ring(10)' (default: the only parameterless compound that nothing instantiates)")
       ->type_name("TYPE(ARGS)");
+  app.add_option("--max-instances", options.max_instances,
+                 "refuse a system of more than N atoms, or as many compounds, connectors or priorities (default: what "
+                 "half of the free memory holds, at least 2000000)")
+      ->check(is_number())
+      ->type_name("N");
   add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp|dot|json",
              "print the product of this stage of the compiler and stop");
   add_choice(app, "--print-after", options.print_after, kPrintAfter, "parse|build-model|instantiate",
@@ -304,7 +309,9 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command->add_option("--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)")
       ->check(is_number())
       ->type_name("SECONDS");
-  command->add_option("--memory", a.megabytes, "memory limit for the states that a search stores (default: 2048)")
+  command
+      ->add_option("--memory", a.megabytes,
+                   "memory limit for the states that a search stores, and for the circuit (default: 2048)")
       ->check(is_number())
       ->type_name("MB");
   command

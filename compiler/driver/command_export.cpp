@@ -10,6 +10,7 @@
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/read_question.hpp"
 #include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -57,15 +58,14 @@ Result<std::string> aiger(const Compilation& c, const ExportArguments& arguments
   const auto is_float = [](const verify::PropertyNode& node) { return node.type == Type::Float; };
   if (std::any_of(question.property.nodes.begin(), question.property.nodes.end(), is_float))
     return Failure{"the property has a float"};
-  verify::TransitionSystem made = verify::build_transition_system(*c.system, c.lowered->image);
+  verify::TransitionSystem made =
+      verify::build_transition_system(*c.system, c.lowered->image, available_memory() / 2000000);
   if (!made.unsupported.empty()) return Failure{made.unsupported};
   if (made.starts_with_fault) return Failure{"the initial state is a run-time error"};
   if (!verify::ranges_hold(made, {})) return Failure{"the ranges of its data could not be confirmed"};
   const verify::Signal bad = made.aig.make_or(bad_states(c, question, made), made.lost);
   if (!made.imprecisions.empty()) return Failure{"it depends on " + imprecision(*made.imprecisions.begin(), *c.system)};
-  std::string text = verify::aiger_text(made, bad, *c.system);
-  if (made.aig.is_full()) return Failure{"its circuit is too large"};
-  return text;
+  return verify::aiger_text(made, bad, *c.system);
 }
 
 Result<std::string> net(const Compilation& c) {

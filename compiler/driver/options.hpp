@@ -44,6 +44,7 @@ struct CompileOptions {
   bool time_passes = false;
   CacheOptions cache;
   bool verify_each = false;
+  std::uint64_t max_instances = 0;  // of atoms, of connectors ...; 0: what the memory allows
 };
 struct RunArguments {
   CompileOptions compile;

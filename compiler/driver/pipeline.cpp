@@ -12,6 +12,7 @@
 #include "compiler/base/stage_scope.hpp"
 #include "compiler/driver/check_rest.hpp"
 #include "compiler/driver/load_packages.hpp"
+#include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/roots.hpp"
 #include "compiler/model/validate_model.hpp"
@@ -61,6 +62,15 @@ bool build_model(Compilation& c) {
   return c.model.has_value() && !c.diags.has_errors();
 }
 
+// What fits into half of the free memory, at the 512 bytes that an instance needs from here to its first step.
+system::UnfoldingLimits unfolding_limits(const CompileOptions& options) {
+  system::UnfoldingLimits limits;
+  limits.instances = options.max_instances != 0 ? options.max_instances
+                                                : std::max<std::uint64_t>(limits.instances, available_memory() / 1024);
+  limits.instances = std::min(limits.instances, system::kMostInstances);
+  return limits;
+}
+
 bool instantiate(Compilation& c) {
   if (c.is_bsys()) {
     Result<System> system = system::parse_bsys(c.sources.text(c.file));
@@ -73,7 +83,7 @@ bool instantiate(Compilation& c) {
   }
   static const std::vector<const syntax::Expr*> kNoArguments;
   c.system = system::instantiate(*c.model, c.root ? c.root->type : "", c.root ? c.root->args : kNoArguments, c.diags,
-                                 c.root_range);
+                                 c.root_range, unfolding_limits(c.options));
   return c.system.has_value() && !c.diags.has_errors();
 }
 
@@ -187,7 +197,7 @@ bool check(Compilation& c, const std::string& path) {
     for (const std::string& root : root_candidates(*c.model)) {
       // `instantiate` may take the model's code with it, so each root gets a model of its own.
       c.model = model::build_model(c.packages, c.sources, c.diags);
-      c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range);
+      c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range, unfolding_limits(c.options));
       if (c.system) inspect_product(c, instantiation);
     }
     return !c.diags.has_errors();

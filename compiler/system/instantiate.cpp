@@ -25,9 +25,10 @@ std::optional<Value> Instantiator::value(ExprId expr, const std::vector<Value>& 
   return std::nullopt;
 }
 
-bool Instantiator::too_many(std::size_t count, const char* what, SourceRange at) {
-  if (count < kMaxInstances || stopped) return stopped;
-  diags.report(Diag::kB4006, at, kMaxInstances, what);
+bool Instantiator::is_beyond(std::size_t limit, std::size_t count, const char* what, SourceRange at) {
+  if (count < limit || stopped) return stopped;
+  diags.report(Diag::kB4006, at, limit, what)
+      .help("the limit follows the memory that is free; `--max-instances` sets another one");
   return stopped = true;
 }
 
@@ -141,7 +142,9 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
         // A round may declare nothing, so rounds are counted, too.
         for (std::int32_t i = low->int_value; i < high->int_value && !stopped && diags.error_count() < kEnoughErrors;
              ++i) {
-          if (too_many(rounds++, "rounds of loops", item.syntax->high->range)) break;
+          if (is_beyond(limits.instances * limits.rounds_per_instance, rounds++, "rounds of loops",
+                        item.syntax->high->range))
+            break;
           self.back() = {Type::Int, i, 0};
           const std::size_t scope = self.size();
           items(instance, item.items, self, depth);
@@ -246,7 +249,8 @@ std::optional<CompoundTypeId> find_root(const Model& model, const std::string& n
 
 std::optional<System> instantiate(Model& model, const std::string& root_type,
                                   const std::vector<const syntax::Expr*>& args, Diagnostics& diags,
-                                  SourceRange root_range) {
+                                  SourceRange root_range, const UnfoldingLimits& limits) {
+  BIP_ASSERT(limits.instances <= kMostInstances, "{} instances have no numbers", limits.instances);
   const std::optional<CompoundTypeId> root = find_root(model, root_type, diags, root_range);
   if (!root) return std::nullopt;
   const CompoundType& type = model.compound_types[*root];
@@ -255,7 +259,7 @@ std::optional<System> instantiate(Model& model, const std::string& root_type,
                  fmt::format("compound type `{}`", type.name), type.params.size());
     return std::nullopt;
   }
-  Instantiator unfold{model, diags};
+  Instantiator unfold{model, diags, limits};
   std::vector<Value> params;
   const model::Scope empty{.names = {}, .owner = "the root's arguments"};
   for (std::size_t i = 0; i < args.size(); ++i) {

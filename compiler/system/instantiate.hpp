@@ -10,14 +10,21 @@
 
 namespace bip::system {
 
-/// Largest number of atoms, and of connectors, that is unfolded.
-inline constexpr std::size_t kMaxInstances = 2'000'000;
+/// Bounds on what is unfolded, since a slip in a size or a loop's bound would otherwise fill the memory.
+struct UnfoldingLimits {
+  /// Of atoms, of compounds, of connectors, of priorities, of alternatives below one connector.
+  std::size_t instances = 2'000'000;
+  /// A round of a loop may declare nothing: all rounds, for each instance that is allowed.
+  std::size_t rounds_per_instance = 100;
+};
+/// Largest limit: instances are numbered with 32 bits, and some numbers have a meaning of their own.
+inline constexpr std::size_t kMostInstances = 1'000'000'000;
 inline constexpr std::size_t kMaxDepth = 200;
 
 /// `root_type` empty: the one parameterless compound that nobody instantiates. `args` are constant expressions, one a
 /// parameter; `root_range` is where problems of the root itself are reported.
 [[nodiscard]] std::optional<System> instantiate(Model& model, const std::string& root_type,
                                                 const std::vector<const syntax::Expr*>& args, Diagnostics& diags,
-                                                SourceRange root_range);
+                                                SourceRange root_range, const UnfoldingLimits& limits = {});
 
 }  // namespace bip::system

@@ -48,6 +48,7 @@ inline constexpr std::size_t kEnoughErrors = 50;
 struct Instantiator {
   Model& model;
   Diagnostics& diags;
+  const UnfoldingLimits& limits;
   System out{};
   std::vector<Instance> instances{};
   std::map<std::pair<const CompoundItem*, std::vector<std::uint32_t>>, ConnectorTypeId> expanded{};
@@ -65,7 +66,10 @@ struct Instantiator {
                  std::size_t depth);
   void declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   void declare_priority(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
-  bool too_many(std::size_t count, const char* what, SourceRange at);
+  bool too_many(std::size_t count, const char* what, SourceRange at) {
+    return is_beyond(limits.instances, count, what, at);
+  }
+  bool is_beyond(std::size_t limit, std::size_t count, const char* what, SourceRange at);
 
   // resolve_bindings.cpp
   enum class ElementKind : std::uint8_t { Component, Connector };

@@ -19,7 +19,10 @@ enum class Effort : std::uint8_t { FactsOnly, Lemmas };
 class Induction {
  public:
   Induction(ProofContext& context, const CancellationToken& share, const CancellationToken& whole)
-      : context_(context), whole_(whole), machine_(context.parts.transition_system()), image_(context.parts.image()) {
+      : context_(context),
+        whole_(whole),
+        machine_(context.parts.transition_system(context.limits.megabytes)),
+        image_(context.parts.image()) {
     problem_.system = &machine_;
     problem_.cancellation = share;
     problem_.report = [this](u32 frame, std::size_t lemmas) {
@@ -213,7 +216,7 @@ EngineResult attempt_induction(ProofContext& context, const Budget& budget, cons
                                Effort effort) {
   if (cancellation.is_over() || !is_inductive(context)) return {};
   // The circuit is not part of the attempt's share: it is built once for all attempts.
-  (void)context.parts.transition_system();
+  (void)context.parts.transition_system(context.limits.megabytes);
   return Induction(context, cancellation.within(budget.seconds), cancellation).run(effort);
 }
 

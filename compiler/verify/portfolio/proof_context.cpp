@@ -24,8 +24,8 @@ bool SystemParts::has_code() {
   return code_ == Code::Ready;
 }
 
-TransitionSystem& SystemParts::transition_system() {
-  if (!transition_system_) transition_system_ = build_transition_system(system_, image_);
+TransitionSystem& SystemParts::transition_system(std::size_t megabytes) {
+  if (!transition_system_) transition_system_ = build_transition_system(system_, image_, megabytes);
   return *transition_system_;
 }
 

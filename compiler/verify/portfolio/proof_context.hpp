@@ -37,8 +37,9 @@ class SystemParts {
   [[nodiscard]] bool is_searchable() const { return access_ == StateAccess::Searchable; }
   /// Prepares the code on first use. Returns whether states can be visited and counterexamples replayed.
   [[nodiscard]] bool has_code();
-  /// Builds the transition system on first use; it may be unsupported (TransitionSystem::unsupported).
-  [[nodiscard]] TransitionSystem& transition_system();
+  /// Builds the transition system on first use; it may be unsupported (TransitionSystem::unsupported), for example
+  /// because its circuit takes more than `megabytes`.
+  [[nodiscard]] TransitionSystem& transition_system(std::size_t megabytes);
   /// Returns null if no engine has needed it.
   [[nodiscard]] const TransitionSystem* built_transition_system() const {
     return transition_system_ ? &*transition_system_ : nullptr;

@@ -3,7 +3,8 @@
 //
 // An int is a word of signals in two's complement, as wide as it needs to be: arithmetic widens its result up to 32
 // bits and wraps there, as the language does. Constants fold, so code over known values costs no nodes. Cost: amortised
-// constant time per node. After kMaxNodes the graph is full and returns constants; test `is_full` before use.
+// constant time per node. A graph with a bound on its nodes returns constants once it is full: test
+// `is_full` before use.
 //
 // A. Kuehlmann, V. Paruthi, F. Krohm, M. Ganai: Robust Boolean Reasoning for Equivalence Checking and Functional
 // Property Verification (2002), section III.
@@ -25,7 +26,9 @@ using Word = std::vector<Signal>;
 
 class Aig {
  public:
-  static constexpr std::size_t kMaxNodes = 12'000'000;
+  /// Signals are 32 bits wide. A node takes about kBytesPerNode with its entry in the hash table.
+  static constexpr std::size_t kMostNodes = std::size_t{1} << 31;
+  static constexpr std::size_t kBytesPerNode = 64;
   struct Node {
     Signal a = kFalse, b = kFalse;  // an input has both kTrue
   };
@@ -39,7 +42,9 @@ class Aig {
   [[nodiscard]] Signal make_and_of(const std::vector<Signal>& signals);
   [[nodiscard]] Signal make_or_of(const std::vector<Signal>& signals);
 
-  [[nodiscard]] bool is_full() const { return nodes_.size() > kMaxNodes; }
+  /// Bounds what is built from here on, for graphs whose size no caller can tell; kMostNodes ends the bound.
+  void set_bound(std::size_t nodes) { bound_ = nodes; }
+  [[nodiscard]] bool is_full() const { return nodes_.size() > bound_; }
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] const Node& node(std::uint32_t row) const { return nodes_[row]; }
   [[nodiscard]] bool is_input(std::uint32_t row) const {
@@ -48,6 +53,7 @@ class Aig {
 
  private:
   std::vector<Node> nodes_;
+  std::size_t bound_ = kMostNodes;
   std::unordered_map<std::uint64_t, std::uint32_t> node_of_operands_;  // structural hashing
 };
 

@@ -109,12 +109,17 @@ TransitionSystem TransitionSystemBuilder::build() {
   transition_system_.error = aig_.make_or_of({state_fault_, fault, guard_fault_});
   finish_state();
   transition_system_.imprecisions = code_.imprecisions();
-  if (aig_.is_full()) transition_system_.unsupported = "the system is too large for a circuit";
+  if (aig_.is_full()) {
+    transition_system_.unsupported =
+        "its circuit takes more than " + std::to_string(megabytes_) + " MB (--memory allows more)";
+  }
+  // What proofs add later is small beside it, and they do not ask whether it is full.
+  aig_.set_bound(Aig::kMostNodes);
   return std::move(transition_system_);
 }
 
-TransitionSystem build_transition_system(const System& system, const rt::Image& image) {
-  return TransitionSystemBuilder(system, image).build();
+TransitionSystem build_transition_system(const System& system, const rt::Image& image, std::size_t megabytes) {
+  return TransitionSystemBuilder(system, image, megabytes).build();
 }
 
 }  // namespace bip::verify

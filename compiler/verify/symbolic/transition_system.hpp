@@ -54,7 +54,9 @@ struct TransitionSystem {
   std::set<Imprecision> imprecisions;
 };
 
-/// `system` and `image` are of one compilation. Code of the image is not called.
-[[nodiscard]] TransitionSystem build_transition_system(const System& system, const rt::Image& image);
+/// `system` and `image` are of one compilation. Code of the image is not called. A circuit that takes more than
+/// `megabytes` is unsupported.
+[[nodiscard]] TransitionSystem build_transition_system(const System& system, const rt::Image& image,
+                                                       std::size_t megabytes = 2048);
 
 }  // namespace bip::verify

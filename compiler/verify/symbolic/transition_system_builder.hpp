@@ -1,5 +1,6 @@
 // The work of build_transition_system, shared by its files: atoms, connectors, priorities.
 #pragma once
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,12 +14,15 @@ namespace bip::verify {
 
 class TransitionSystemBuilder {
  public:
-  TransitionSystemBuilder(const System& system, const rt::Image& image)
+  TransitionSystemBuilder(const System& system, const rt::Image& image, std::size_t megabytes)
       : system_(system),
         image_(image),
         tables_(rt::link(image, rt::MaximalProgress::On)),
         aig_(transition_system_.aig),
-        code_(aig_, system.code) {}
+        code_(aig_, system.code),
+        megabytes_(megabytes) {
+    aig_.set_bound(std::min(Aig::kMostNodes, megabytes * 1000000 / Aig::kBytesPerNode));
+  }
   TransitionSystem build();
 
  private:
@@ -102,6 +106,7 @@ class TransitionSystemBuilder {
   TransitionSystem transition_system_;
   Aig& aig_;
   SymbolicCode code_;
+  std::size_t megabytes_;
   std::vector<Local> now_;                      // by atom
   std::vector<std::vector<Signal>> enabled_;    // by atom, by transition
   std::vector<std::optional<Post>> posts_;      // by port: fired from the state as it is
