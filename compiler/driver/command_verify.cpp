@@ -17,6 +17,7 @@
 #include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/error_sources.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
@@ -29,6 +30,7 @@
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/proof_cache.hpp"
+#include "compiler/verify/portfolio/search_bad_state.hpp"
 
 namespace bip::driver {
 
@@ -70,6 +72,35 @@ class ProofProgressLine {
   WallClock::time_point start_ = WallClock::now(), next_ = start_ + std::chrono::milliseconds(300),
                         phase_start_ = start_;
 };
+
+// Seconds of the processor for a question that nobody asked.
+constexpr double kErrorSeconds = 0.5;
+
+// What a verdict that holds is told with: its runs may end in errors. Decided by the same engines, as far as they come.
+std::string error_remark(const Compilation& c, const verify::Question& question, const verify::Decision& decision,
+                         verify::Portfolio& portfolio, const verify::PortfolioLimits& limits) {
+  const bool asked_else =
+      question.what == verify::QuestionKind::DeadlockFreedom || question.what == verify::QuestionKind::State;
+  // Who visited all states has met the errors.
+  if (!asked_else || decision.outcome != verify::Outcome::Holds || verify::is_exhaustive(decision.evidence) ||
+      !decision.fault.empty() || !can_end_in_error(*c.system))
+    return {};
+  verify::Question errors;
+  errors.what = verify::QuestionKind::NoErrors;
+  verify::PortfolioLimits few;
+  few.cancellation = limits.cancellation.within(kErrorSeconds);
+  few.threads = limits.threads;
+  few.megabytes = limits.megabytes;
+  portfolio.use_cache(nullptr);
+  const verify::Decision found = portfolio.decide(errors, few);
+  switch (found.outcome) {
+    case verify::Outcome::Holds: return {};
+    case verify::Outcome::Violated:
+      return error_note(verify::fault_of(c.lowered->image, found.counterexample()->choices));
+    case verify::Outcome::Unknown: return kErrorsNotAsked;
+  }
+  BIP_UNREACHABLE("an outcome");
+}
 
 }  // namespace
 
@@ -126,6 +157,7 @@ int command_verify(const VerifyArguments& arguments) {
           write_file(arguments.certificate, verify::certificate(portfolio, question, decision, *c.system, c.root_name));
       if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
     }
+    if (is_ready) verdict.text += error_remark(c, question, decision, portfolio, limits);
   }
   if (const int code = report(c); code != 0 || !is_ready) return code;
   const VerifyStats stats{seconds, decision.candidates(), arguments.reuses && cache.is_on() ? &proofs : nullptr};

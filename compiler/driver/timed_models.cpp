@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/driver/error_sources.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/host_compiler.hpp"
@@ -15,6 +16,7 @@
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
+#include "compiler/driver/verify_text.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/timed/prove_time.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
@@ -241,7 +243,8 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
       json["parts"] = parts_json(proof);
     }
     if (proof.is_proved) {
-      const std::string text = proof_text(proof, question);
+      std::string text = proof_text(proof, question);
+      if (can_end_in_error(*c.system)) text += kErrorsNotAsked;
       json["verdict"] = asks_state ? "holds" : "deadlock-free";
       json["method"] = "parts";
       json["text"] = text;
@@ -290,7 +293,7 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     json["method"] = "exhaustive";
     text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size)
                       : name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
-    if (found.has_error) text += "note: a run-time error can occur\n";
+    if (found.has_error) text += "note: this holds, but a run can end with an error: `--property errors` shows it\n";
     exit_code = kOk;
   } else {
     const std::string reason =

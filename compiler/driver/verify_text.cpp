@@ -42,11 +42,6 @@ const char* found_by_visit(verify::QuestionKind asked) {
   BIP_UNREACHABLE("a question of no kind");
 }
 
-bool has_invariants(const System& system) {
-  return std::any_of(system.atoms.begin(), system.atoms.end(),
-                     [&](const Atom& atom) { return !system.atom_types[atom.type].invariants.empty(); });
-}
-
 // At most kInvariantsShown lines, and how many more there are.
 template <class Rows, class Line>
 void add_lines(std::string& text, const Rows& rows, const Line& line) {
@@ -121,6 +116,10 @@ std::string unknown_text(const Compilation& c, const verify::Decision& d, const 
 
 }  // namespace
 
+std::string error_note(const std::string& fault) {
+  return fmt::format("note: this holds, but a run can end with an error: {}\n", fault);
+}
+
 VerdictText verdict_text(const Compilation& c, const verify::Question& question, const verify::Decision& d,
                          const verify::Portfolio& portfolio, Explanation explanation) {
   VerdictText v;
@@ -134,15 +133,7 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
       break;
     case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, portfolio)}; break;
   }
-  if (!d.fault.empty() && d.outcome != verify::Outcome::Violated)
-    v.text += fmt::format("note: a run-time error can occur: {}\n", d.fault);
-  // Who visited all states has seen whether they hold.
-  const bool asked_else =
-      question.what == verify::QuestionKind::DeadlockFreedom || question.what == verify::QuestionKind::State;
-  if (asked_else && d.outcome == verify::Outcome::Holds && !verify::is_exhaustive(d.evidence) &&
-      has_invariants(*c.system)) {
-    v.text += "note: the model's own invariants were not asked for: `--property errors` does\n";
-  }
+  if (!d.fault.empty() && d.outcome != verify::Outcome::Violated) v.text += error_note(d.fault);
   return v;
 }
 

@@ -15,6 +15,11 @@ struct VerdictText {
 /// Evidence: after the verdict the invariants, equations and lemmas of the proof.
 enum class Explanation : std::uint8_t { None, Evidence };
 
+/// What a verdict that holds says of errors that it was not about.
+inline constexpr const char* kErrorsNotAsked =
+    "note: errors were not asked for: `--property errors` shows whether a run can end with one\n";
+[[nodiscard]] std::string error_note(const std::string& fault);
+
 /// Says the verdict, with the counterexample's steps or the reason of an unknown. The image has its code if the
 /// decision is Violated.
 [[nodiscard]] VerdictText verdict_text(const Compilation& c, const verify::Question& question,

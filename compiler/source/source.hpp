@@ -46,6 +46,7 @@ class SourceMap {
   Result<FileId> load_text(std::string name, std::string text);
 
   [[nodiscard]] std::string_view text(FileId id) const;
+  /// What of the range lies in the text.
   [[nodiscard]] std::string_view text(SourceRange r) const;
   [[nodiscard]] const std::string& name(FileId id) const;
   [[nodiscard]] std::size_t size() const { return files_.size(); }

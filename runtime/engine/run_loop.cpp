@@ -256,10 +256,14 @@ RunLoop::Choice RunLoop::choose(EnabledSet::Position& at) {
 bool RunLoop::is_in_time(EnabledSet::Position at) {
   const i64 late = wall_.in_model(wall_.note_late(core_.now()));
   if (!wall_.is_too_late(core_.now() + late, timed_.latest(core_))) return true;
-  (void)core_.time().fail_late(core_.candidate(at), timed_.latest(core_), core_.now() + late);
-  if (options_.relaxed) std::fprintf(files_.err, "warning: %s\n", core_.fault().what.c_str());
-  else is_sound_ = false;
-  return options_.relaxed;
+  const i64 last = timed_.latest(core_), actual = core_.now() + late;
+  if (options_.relaxed) {
+    const Fault violation = core_.time().late_step(core_.candidate(at), last, actual);
+    std::fprintf(files_.err, "warning: %s\n", violation.what.c_str());
+    return true;
+  }
+  is_sound_ = core_.time().fail_late(core_.candidate(at), last, actual);
+  return false;
 }
 
 void RunLoop::fire(EnabledSet::Position at) {

@@ -309,4 +309,12 @@ bool reaches(const rt::Image& image, const SearchGoal& goal, const std::vector<s
   return (goal.stuck && core.candidate_count() == 0) || (goal.state && goal.state(core));
 }
 
+std::string fault_of(const rt::Image& image, const std::vector<std::uint64_t>& choices) {
+  rt::Core core(image);
+  bool goes_on = core.initialize();
+  for (std::size_t k = 0; k < choices.size() && goes_on; ++k)
+    goes_on = choices[k] < core.candidate_count() && core.fire(choices[k]);
+  return goes_on ? std::string() : std::string(core.fault().what);
+}
+
 }  // namespace bip::verify

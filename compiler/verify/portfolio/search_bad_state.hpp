@@ -47,5 +47,7 @@ struct SearchLimits {
 /// Replays the choices: do they lead from the initial state to the goal? Choices may come from anywhere, a cache file
 /// included. The image must have its code.
 [[nodiscard]] bool reaches(const rt::Image& image, const SearchGoal& goal, const std::vector<std::uint64_t>& choices);
+/// Replays the choices: the text of the fault in which they end; empty if they end in none.
+[[nodiscard]] std::string fault_of(const rt::Image& image, const std::vector<std::uint64_t>& choices);
 
 }  // namespace bip::verify

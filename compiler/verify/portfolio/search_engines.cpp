@@ -31,15 +31,6 @@ SearchLimits search_limits(const ProofContext& context, const CancellationToken&
           .report = [&context](std::uint64_t count) { context.report("search", count, "states"); }};
 }
 
-// Empty if the steps end in no fault.
-std::string fault_at(const rt::Image& image, const std::vector<std::uint64_t>& choices) {
-  rt::Core core(image);
-  bool goes_on = core.initialize();
-  for (std::size_t k = 0; k < choices.size() && goes_on; ++k)
-    goes_on = choices[k] < core.candidate_count() && core.fire(choices[k]);
-  return goes_on ? std::string() : std::string(core.fault().what);
-}
-
 EngineResult search_first(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
   EngineResult result;
   if (!context.parts.has_code()) return result;
@@ -89,7 +80,7 @@ EngineResult search_all(ProofContext& context, const Budget& budget, const Cance
   options.is_stopped = [&] { return is_found || share.is_over(); };
   rt::ExploreReport all = rt::explore_states(image, options);
   result.states = all.states;
-  if (!asks_errors && all.has_error) result.fault = fault_at(image, all.error);
+  if (!asks_errors && all.has_error) result.fault = fault_of(image, all.error);
   const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_match : all.has_deadlock;
   if (has_bad && all.are_paths_known) {
     std::vector<std::uint64_t> choices = std::move(asks_errors ? all.error : asks_state ? all.match : all.deadlock);

@@ -492,25 +492,30 @@ bool Clocks::fail_clock(u32 atom, const Clock& clock, const Transition* fired, c
   return false;
 }
 
-bool Clocks::fail_late(const Candidate& candidate, i64 last, i64 actual) {
-  core_.fault = {};
-  core_.fault.code = FaultCode::LateStep;
-  core_.fault.connector = candidate.connector;
-  core_.fault.atom = candidate.atom;
+Fault Clocks::late_step(const Candidate& candidate, i64 last, i64 actual) const {
+  Fault fault;
+  fault.code = FaultCode::LateStep;
+  fault.connector = candidate.connector;
+  fault.atom = candidate.atom;
   if (candidate.connector != kNone) {
-    core_.fault.loc = core_.image().connectors[candidate.connector].loc;
-    core_.fault.what = "connector `" + core_.image().connectors[candidate.connector].path();
+    fault.loc = core_.image().connectors[candidate.connector].loc;
+    fault.what = "connector `" + core_.image().connectors[candidate.connector].path();
   } else {
-    core_.fault.loc = core_.tables.atom_type(candidate.atom).ports[candidate.port].loc;
-    core_.fault.what = "port `" + core_.image().atoms[candidate.atom].path() + '.' +
-                       core_.tables.atom_type(candidate.atom).ports[candidate.port].name;
+    fault.loc = core_.tables.atom_type(candidate.atom).ports[candidate.port].loc;
+    fault.what = "port `" + core_.image().atoms[candidate.atom].path() + '.' +
+                 core_.tables.atom_type(candidate.atom).ports[candidate.port].name;
   }
-  core_.fault.what += "`, planned for ";
-  append_time(core_.fault.what, now());
-  core_.fault.what += " and possible until ";
-  append_time(core_.fault.what, last);
-  core_.fault.what += ", starts at ";
-  append_time(core_.fault.what, actual);
+  fault.what += "`, planned for ";
+  append_time(fault.what, now());
+  fault.what += " and possible until ";
+  append_time(fault.what, last);
+  fault.what += ", starts at ";
+  append_time(fault.what, actual);
+  return fault;
+}
+
+bool Clocks::fail_late(const Candidate& candidate, i64 last, i64 actual) {
+  core_.fault = late_step(candidate, last, actual);
   return false;
 }
 

@@ -14,6 +14,7 @@
 #pragma once
 #include <vector>
 
+#include "runtime/core/fire/fault.hpp"
 #include "runtime/core/link/tables.hpp"
 #include "runtime/core/state/enabled_set.hpp"
 #include "runtime/core/state/state.hpp"
@@ -90,7 +91,9 @@ class Clocks {
   bool take(EnabledSet::Position at);
   /// Makes a fault of a state in which neither a step nor time can go on. Always false.
   bool fail_time_lock();
-  /// Real time: the step was planned for now, could start until `last`, and starts at `actual`. Always false.
+  /// Real time: says of a step that it was planned for now, could start until `last`, and starts at `actual`.
+  [[nodiscard]] Fault late_step(const Candidate& candidate, i64 last, i64 actual) const;
+  /// Makes that the fault in which the run ends. Always false.
   bool fail_late(const Candidate& candidate, i64 last, i64 actual);
 
   // ---- clocks
