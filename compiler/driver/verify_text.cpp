@@ -111,6 +111,8 @@ std::string unknown_text(const Compilation& c, const verify::Decision& d, const 
     text += "what is not followed here, and may be anything:\n" +
             verify::imprecision_text(*machine, *c.system, kPlacesShown);
   }
+  if (machine != nullptr && machine->lost != verify::kFalse)
+    text += fmt::format("more than {} internal transitions in a row are not followed\n", verify::kMaxInternals);
   return text;
 }
 

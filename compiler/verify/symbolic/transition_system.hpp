@@ -32,6 +32,9 @@ struct SystemStep {
   Signal fine = kFalse;                                 // possible, and it ends in no fault
   std::vector<std::pair<std::uint32_t, Signal>> parts;  // port instances, and when they take part
 };
+/// As many internal transitions of an atom in a row are followed; a state after more is `lost`.
+inline constexpr std::uint32_t kMaxInternals = 24;
+
 struct TransitionSystem {
   Aig aig;
   std::vector<StateBit> bits;

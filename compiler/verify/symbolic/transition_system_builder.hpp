@@ -27,7 +27,6 @@ class TransitionSystemBuilder {
 
  private:
   static constexpr std::size_t kMaxInteractions = 512, kMaxTree = 50000;
-  static constexpr u32 kMaxInternals = 24;
 
   /// The state of one atom.
   struct Local {
