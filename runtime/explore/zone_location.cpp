@@ -162,7 +162,7 @@ bool Locations::measure_variable(Location& at, u32 interaction) {
     }
   }
   sort_unique(condition.bounds);
-  if (is_urgent) at.cells.insert(at.cells.end(), condition.bounds.begin(), condition.bounds.end());
+  if (is_urgent || is_cut_by_all_) at.cells.insert(at.cells.end(), condition.bounds.begin(), condition.bounds.end());
   at.has_urgent = at.has_urgent || is_urgent;
   at.interactions.push_back(std::move(condition));
   return true;

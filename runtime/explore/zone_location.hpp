@@ -70,6 +70,13 @@ class Locations {
   /// Has a constant grown since? What was forgotten before may matter then.
   [[nodiscard]] bool take_growth() { return std::exchange(has_grown_, false); }
   void note_set(u32 clock, i64 value);
+  /// A guard faults at some instants of a location: from now on all conditions cut zones into cells, so that the time
+  /// that passes ends where the run would.
+  void cut_by_all() {
+    has_grown_ = has_grown_ || !is_cut_by_all_;
+    is_cut_by_all_ = true;
+  }
+  [[nodiscard]] bool is_cut_by_all() const { return is_cut_by_all_; }
   [[nodiscard]] bool has_differences() const { return has_differences_; }
   [[nodiscard]] const Shapes& shapes() const { return shapes_; }
 
@@ -87,7 +94,7 @@ class Locations {
   std::vector<u32> ruled_atoms_;  // of all those interactions
   std::vector<u32> asked_interactions_, asked_atoms_;
   std::vector<i64> max_, min_;
-  bool has_grown_ = false, has_differences_ = false;
+  bool has_grown_ = false, has_differences_ = false, is_cut_by_all_ = false;
   std::vector<Location> rows_;
   std::unordered_map<std::string, u32> index_;
   std::size_t bytes_ = 0;

@@ -118,6 +118,11 @@ bool ZoneSearch::is_eager(const Location& at, const std::vector<i64>& point) {
   return false;
 }
 
+// Does a run end in an error at these clock values? Known only once a guard has faulted.
+bool ZoneSearch::is_faulty(const Location& at, const std::vector<i64>& point) {
+  return locations_.is_cut_by_all() && !enter_core(at, point);
+}
+
 // Zones with these points become nodes: cut into cells, each with the time that may pass in it.
 void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
   label.location = row;
@@ -140,7 +145,8 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
     ZoneNode node = label;
     const bool is_inside_now = is_inside(at, cell);
     node.is_waking = wakes(at, cell);
-    node.is_still = !is_inside_now || node.is_waking || is_eager(at, cell.least_point());
+    node.is_faulty = is_faulty(at, cell.least_point());
+    node.is_still = !is_inside_now || node.is_waking || node.is_faulty || is_eager(at, cell.least_point());
     if (!node.is_still) {
       const Zone part = cell;
       cell.let_time_pass();
@@ -248,6 +254,8 @@ bool ZoneSearch::step_from(u32 node, const InteractionCondition& condition, std:
     const std::vector<i64> point = cell.least_point();
     if (!enter_core(locations_[nodes_[node].location], point)) {
       note_error(node, point, ErrorIn::State, condition.interaction, 0);
+      // A part steps on, as if there were no fault: that is more than the whole does.
+      if (part_ == nullptr) locations_.cut_by_all();
       continue;
     }
     u64 first = 0, end = 0;
@@ -354,6 +362,10 @@ void ZoneSearch::expand(u32 node) {
   }
   if (nodes_[node].is_waking) {
     go_on(node);
+    return;
+  }
+  if (nodes_[node].is_faulty) {
+    note_error(node, nodes_[node].zone.least_point(), ErrorIn::State, 0, 0);
     return;
   }
   std::vector<Zone> rest{nodes_[node].zone};

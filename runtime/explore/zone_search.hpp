@@ -19,6 +19,7 @@ struct ZoneNode {
   ZoneEdge edge = ZoneEdge::Initial;
   u32 interaction = 0, config = 0;  // Step
   bool is_still = false;            // no time passes in it
+  bool is_faulty = false;           // a run that comes here ends in an error
   bool is_waking = false;           // busy atoms may go on
   bool is_covered = false;          // by a later one, before it was expanded
   std::vector<i64> origin;          // Step: a point of the parent's zone at which it was taken
@@ -63,6 +64,7 @@ class ZoneSearch {
   [[nodiscard]] bool is_inside(const Location& at, const Zone& zone) const;
   [[nodiscard]] bool wakes(const Location& at, const Zone& zone) const;
   [[nodiscard]] bool is_eager(const Location& at, const std::vector<i64>& point);
+  [[nodiscard]] bool is_faulty(const Location& at, const std::vector<i64>& point);
   [[nodiscard]] Bounds deadlines(const Location& at, const std::vector<i64>& point);
 
   // zone_predicate.cpp
