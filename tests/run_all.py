@@ -98,6 +98,10 @@ def unit_jobs():
         yield from needs(program.name, Job(folder, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "driver"))
 
 
+def is_sanitized():
+    return re.search(r"^BIPC_SANITIZE:STRING=.", (BUILD / "CMakeCache.txt").read_text(), re.M) is not None
+
+
 def groups(options):
     """(name, jobs) in the order in which they are reported."""
     os.environ["BIPC_BUILD_DIR"] = str(BUILD)
@@ -118,6 +122,8 @@ def groups(options):
         ("serve", [script("serve", "tests/serve/test_serve.py", alone=True)]),
         ("traces", [script("traces", "tests/traces/test_traces.py", weight=3)]),
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
+        # A sanitized build cannot be installed.
+        *([("package", [script("package", "tests/package/test_package.py", weight=25)])] if not is_sanitized() else []),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
         ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), weight=300),

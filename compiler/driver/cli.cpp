@@ -97,17 +97,19 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("migrate")) return command_migrate(arguments.migrate);
   if (app.got_subcommand("fmt")) return command_fmt(arguments.fmt);
   if (app.got_subcommand("explain")) return command_explain(arguments.explain_code, arguments.explain_color);
-  return command_version();
+  if (app.got_subcommand("completion")) return command_completion(app, arguments.shell);
+  return command_version(arguments.version);
 }
 
 }  // namespace
 
-int run_command_line(int argc, char** argv) {
+int run_command_line(int argc, char** argv, const char* commit) {
   CLI::App app{"bipc: compiler and runtime for BIP models", "bipc"};
   app.require_subcommand(0, 1);
   app.set_help_flag("-h,--help", "print this help");
   app.footer("Example:\n  bipc run model.bip\nEach command has its own --help.");
   Arguments arguments;
+  arguments.version.commit = commit;
   add_commands(app, arguments);
   for (CLI::App* command : app.get_subcommands(nullptr)) {
     // Options of -O and --color kind may be repeated: the last one counts, as compilers do.
@@ -118,7 +120,7 @@ int run_command_line(int argc, char** argv) {
     }
   }
   if (argc > 1 && argv[1][0] != '-' && !is_command(app, argv[1])) return unknown_command(app, argv[1]);
-  if (argc > 1 && std::string_view(argv[1]) == "--version") return command_version();
+  if (argc > 1 && std::string_view(argv[1]) == "--version") return command_version({});
   try {
     // The published compiler's call has no command. Words come last first.
     if (argc > 1 && argv[1][0] == '-') {
@@ -131,7 +133,7 @@ int run_command_line(int argc, char** argv) {
   } catch (const CLI::CallForHelp& e) {
     return app.exit(e);
   } catch (const CLI::CallForVersion&) {
-    return command_version();
+    return command_version({});
   } catch (const CLI::ExtrasError&) {
     return unexpected_word(app, help_of(app, argc, argv));
   } catch (const CLI::ParseError& e) {

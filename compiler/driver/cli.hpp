@@ -3,7 +3,8 @@
 
 namespace bip::driver {
 
-/// Reads the arguments, runs the command, returns the exit code (exit_codes.hpp). The whole of main().
-[[nodiscard]] int run_command_line(int argc, char** argv);
+/// Reads the arguments, runs the command, returns the exit code (exit_codes.hpp). The whole of main(). `commit` is what
+/// the program was built from, empty if that is not known.
+[[nodiscard]] int run_command_line(int argc, char** argv, const char* commit);
 
 }  // namespace bip::driver

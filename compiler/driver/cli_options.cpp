@@ -27,6 +27,7 @@ const Names<PrintAfter> kPrintAfter{
 const Names<EmitKind> kGraphFormats{{"dot", EmitKind::Dot}, {"json", EmitKind::Json}};
 const Names<graph::Show> kShows{
     {"all", graph::Show::All}, {"structure", graph::Show::Structure}, {"automata", graph::Show::Automata}};
+const Names<Shell> kShells{{"bash", Shell::Bash}, {"zsh", Shell::Zsh}, {"fish", Shell::Fish}};
 const Names<Backend> kBackends{{"jit", Backend::Jit}, {"interp", Backend::Interp}};
 
 // The policies and trace formats of the runtime's tables: which are choices of an option, and how the help shows them.
@@ -81,6 +82,24 @@ CLI::Validator is_number() {
         return digits && fits ? std::string() : fmt::format("`{}` is not a whole number from 0 to 2^64 - 1", text);
       },
       "");
+}
+
+// Identifiers with `::` between them.
+bool is_namespace(const std::string& text) {
+  bool begins = true;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+    if (c == ':' && !begins && text.compare(i, 2, "::") == 0) {
+      ++i;
+      begins = true;
+    } else if (is_letter || (!begins && c >= '0' && c <= '9')) {
+      begins = false;
+    } else {
+      return false;
+    }
+  }
+  return !begins;
 }
 
 // ---- machine code and who runs it: how it is made, kept and watched, and its priority
@@ -456,6 +475,17 @@ void add_emit(CLI::App& app, EmitArguments& a) {
   command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
   command->add_option("-o,--output", a.directory, "write model.cpp, CMakeLists.txt and the runtime's sources to DIR")
       ->type_name("DIR");
+  command
+      ->add_option("--namespace", a.compile.cpp_namespace,
+                   "put the C++ code into namespace NAME, without main(), so that several models fit into one program; "
+                   "NAME::image() is the model, NAME_image() in C")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return is_namespace(text) ? std::string() : fmt::format("`{}` is not the name of a C++ namespace", text);
+          },
+          ""))
+      ->excludes("--output")
+      ->type_name("NAME");
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
                    "optimisation level for --emit=llvm and --emit=asm (default: 2)");
   add_compile(*command, a.compile);
@@ -519,8 +549,24 @@ void add_explain(CLI::App& app, Arguments& a) {
   command->footer("Example:\n  bipc explain R0005");
 }
 
-void add_version(CLI::App& app) {
-  app.add_subcommand("version", "print the version and the available back ends")->footer("Example:\n  bipc version");
+void add_completion(CLI::App& app, Shell& shell) {
+  CLI::App* command = app.add_subcommand("completion", "print the completion script of a shell");
+  command
+      ->add_option_function<std::string>(
+          "SHELL", [&shell](const std::string& text) { shell = kShells.at(text); }, "bash, zsh or fish")
+      ->check(CLI::Validator(
+          [](std::string& text) { return kShells.contains(text) ? "" : not_one_of(text, "bash|zsh|fish"); }, ""))
+      ->required()
+      ->type_name("");
+  command->footer("Example:\n  source <(bipc completion bash)");
+}
+
+void add_version(CLI::App& app, VersionArguments& a) {
+  CLI::App* command = app.add_subcommand("version", "print the version and the available back ends");
+  command->add_flag_callback(
+      "--json", [&a] { a.format = VersionFormat::Json; },
+      "print version, commit, version of LLVM and the paths of all parts as JSON");
+  command->footer("Example:\n  bipc version --json");
 }
 
 // The published tools' call has no command word; its options stand on the program itself.
@@ -724,7 +770,8 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_genom(app, arguments.genom);
   add_rules(app, arguments.rules);
   add_explain(app, arguments);
-  add_version(app);
+  add_completion(app, arguments.shell);
+  add_version(app, arguments.version);
 }
 
 }  // namespace bip::driver

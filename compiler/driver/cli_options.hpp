@@ -21,6 +21,8 @@ struct Arguments {
   FmtArguments fmt;
   MigrateArguments migrate;
   GenomArguments genom, rules;
+  VersionArguments version;
+  Shell shell = Shell::Bash;
   PublishedArguments published;
   std::string explain_code;
   ColorChoice explain_color = ColorChoice::Auto;
@@ -28,5 +30,8 @@ struct Arguments {
 
 /// Adds all commands to `app`, in the order of the help.
 void add_commands(CLI::App& app, Arguments& arguments);
+
+/// Prints the completion script of the commands of `app`.
+[[nodiscard]] int command_completion(const CLI::App& app, Shell shell);
 
 }  // namespace bip::driver

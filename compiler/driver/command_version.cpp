@@ -1,17 +1,57 @@
-// `bipc version`: prints one fact per line, for bug reports.
+// `bipc version`: what this program is and where it found its parts, for bug reports and for programs that start it.
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/jit_loader.hpp"
+#include "compiler/driver/load_packages.hpp"
 
 #ifndef BIPC_VERSION
 #define BIPC_VERSION "unknown"
 #endif
+#ifndef BIPC_LLVM_VERSION
+#define BIPC_LLVM_VERSION ""
+#endif
 
 namespace bip::driver {
+namespace {
 
-int command_version() {
+// Absent parts are null.
+nlohmann::ordered_json text_or_null(const std::string& text) {
+  return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
+}
+
+std::string as_json(const std::string& commit) {
+  const RuntimeLocation runtime = find_runtime();
+  const std::string plugin = find_jit_plugin();
+  const bool has_jit = static_cast<bool>(load_jit());
+  nlohmann::ordered_json back_ends = nlohmann::ordered_json::array();
+  if (has_jit) back_ends.push_back("jit");
+  back_ends.push_back("interp");
+  back_ends.push_back("c++");
+  const nlohmann::ordered_json json{{"format", "bipc-version"},
+                                    {"version", BIPC_VERSION},
+                                    {"commit", text_or_null(commit)},
+                                    {"llvm", text_or_null(has_jit ? BIPC_LLVM_VERSION : "")},
+                                    {"back_ends", std::move(back_ends)},
+                                    {"paths",
+                                     {{"program", text_or_null(program_path())},
+                                      {"jit", text_or_null(plugin)},
+                                      {"runtime", text_or_null(runtime.directory)},
+                                      {"runtime_library", text_or_null(runtime.library)},
+                                      {"stdlib", text_or_null(find_stdlib())}}}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace
+
+int command_version(const VersionArguments& arguments) {
+  switch (arguments.format) {
+    case VersionFormat::Json: std::fputs(as_json(arguments.commit).c_str(), stdout); return kOk;
+    case VersionFormat::Text: break;
+  }
   std::printf("bipc %s\n", BIPC_VERSION);
   std::printf("back ends: %sinterp, c++\n", load_jit() ? "jit, " : "");
   return kOk;

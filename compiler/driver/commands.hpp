@@ -28,7 +28,7 @@ namespace bip::driver {
 [[nodiscard]] int command_migrate(const MigrateArguments& arguments);
 /// `code` empty: the list of codes.
 [[nodiscard]] int command_explain(const std::string& code, ColorChoice color);
-[[nodiscard]] int command_version();
+[[nodiscard]] int command_version(const VersionArguments& arguments);
 /// The published tools' call: checks, or writes C++ if an output folder is given.
 [[nodiscard]] int command_published(const PublishedArguments& arguments);
 

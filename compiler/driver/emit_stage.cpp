@@ -52,6 +52,11 @@ Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisa
       if (!find_ffi_files(c, cpp)) return std::string();
       emit_cpp::Options options_of_text;
       options_of_text.const_names = cpp.const_names;
+      if (!c.options.cpp_namespace.empty()) {
+        options_of_text.namespace_name = c.options.cpp_namespace;
+        options_of_text.with_main = false;
+        options_of_text.with_c_image = true;
+      }
       steps::derive_steps(*c.lowered);
       return emit_cpp::emit(*c.lowered, options_of_text);
     }

@@ -101,11 +101,15 @@ Result<int> run_program(const std::vector<std::string>& command, const std::stri
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+std::string program_path() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).string();
+}
+
 RuntimeLocation find_runtime() {
   RuntimeLocation found;
   std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  const fs::path folder = program.parent_path();
+  const fs::path folder = fs::path(program_path()).parent_path();
   // In a build tree CMake leaves a link `runtime` to the sources beside the program.
   for (const fs::path& candidate :
        {folder / "runtime", folder.parent_path() / "share/bipc/runtime", folder.parent_path() / "runtime"}) {
@@ -113,7 +117,7 @@ RuntimeLocation find_runtime() {
     if (!fs::exists(candidate / "include/bip/run.hpp", ignored)) continue;
     found.directory = candidate.string();
 #ifdef BIPC_PREBUILT_RUNTIME
-    for (const fs::path& library : {folder / "libbip_runtime.a", folder.parent_path() / "lib/libbip_runtime.a"}) {
+    for (const fs::path& library : {folder / "libbip_runtime.a", folder.parent_path() / "lib/bipc/libbip_runtime.a"}) {
       if (found.library.empty() && fs::exists(library, ignored)) found.library = library.string();
     }
 #endif

@@ -25,6 +25,8 @@ struct RuntimeLocation {
   std::vector<std::string> tried;
 };
 [[nodiscard]] RuntimeLocation find_runtime();
+/// The running program's file, through links; empty if the system does not say.
+[[nodiscard]] std::string program_path();
 
 /// A directory that disappears with the object.
 class TemporaryDirectory {

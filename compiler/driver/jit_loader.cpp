@@ -10,7 +10,6 @@ namespace {
 
 constexpr const char* kFileName = "libbipc_jit.so";
 
-/// The plug-in's path, empty if there is none.
 std::filesystem::path find_plugin() {
   std::error_code error;
   const std::filesystem::path executable = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -27,6 +26,8 @@ F* function_of(void* library, const char* name) {
 }
 
 }  // namespace
+
+std::string find_jit_plugin() { return find_plugin().string(); }
 
 Result<JitPlugin> load_jit() {
   const std::filesystem::path path = find_plugin();

@@ -36,6 +36,9 @@ class JitPlugin {
   jit::EmitFn* emit_ = nullptr;
 };
 
+/// The plug-in's path, empty if there is none.
+[[nodiscard]] std::string find_jit_plugin();
+
 /// Fails with a reason and what to do instead if the plug-in is not there, does not load, or is of another build.
 [[nodiscard]] Result<JitPlugin> load_jit();
 

@@ -40,6 +40,7 @@ struct CompileOptions {
   std::vector<std::string> fatal_warnings;  // --Werror=CODE; "true" is all of them
   bool explain = false;                     // the page of the first error follows
   EmitKind emit = EmitKind::None;
+  std::string cpp_namespace;  // of C++ code without main(); empty: a program's code
   PrintAfter print_after = PrintAfter::None;
   bool time_passes = false;
   CacheOptions cache;
@@ -189,5 +190,13 @@ struct PublishedArguments {
   bool has_no_main = false;
   std::vector<std::string> ignored;  // options that are taken and mean nothing here
 };
+
+enum class VersionFormat : std::uint8_t { Text, Json };
+struct VersionArguments {
+  VersionFormat format = VersionFormat::Text;
+  std::string commit;
+};
+
+enum class Shell : std::uint8_t { Bash, Zsh, Fish };
 
 }  // namespace bip::driver

@@ -20,6 +20,19 @@ bool has_places(const lower::LoweredSystem& lowered) {
   return false;
 }
 
+// "robot::base": robot_base.
+std::string c_name(const std::string& namespace_name) {
+  std::string name;
+  for (const char c : namespace_name) {
+    if (c != ':') {
+      name += c;
+    } else if (!name.empty() && name.back() != '_') {
+      name += '_';
+    }
+  }
+  return name;
+}
+
 }  // namespace
 
 std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
@@ -35,6 +48,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   const bool has_ffi = lowered.image.ffi != nullptr;
   out.line("#include \"bip/emitted.hpp\"");
   if (options.with_main) out.line("#include \"bip/run.hpp\"");
+  if (options.with_c_image) out.line("#include \"bip/bip.h\"");
   if (!lowered.steps.shapes.empty()) out.line("#include \"bip/step_loop.hpp\"");
   out.line();
   if (has_ffi) out.line(ffi_includes(code));
@@ -69,6 +83,13 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   out.line("const bip::rt::Image& image() { return kImage; }");
   out.line();
   out.line("}  // namespace " + options.namespace_name);
+  if (options.with_c_image) {
+    out.line();
+    out.line("// For C, with bip/bip.h.");
+    out.line("extern \"C\" const bip_image* " + c_name(options.namespace_name) + "_image(void) {");
+    out.line("  return reinterpret_cast<const bip_image*>(&" + options.namespace_name + "::image());");
+    out.line("}");
+  }
   if (options.with_main) {
     out.line();
     out.line("// A program around the model has a main of its own.");

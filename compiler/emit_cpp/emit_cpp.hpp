@@ -14,6 +14,7 @@ struct Options {
   bool with_main = true;                 // main() that calls bip::rt::run_main(image, argc, argv)
   bool line_directives = true;           // #line to the .bip
   ConstNames const_names{};              // C++ functions with a `const_` variant
+  bool with_c_image = false;             // const bip_image* <namespace>_image(void), for C
   bool mark_ffi = false;  // what a compiler says about calls of C++ names their prototypes (ffi_text.hpp)
 };
 /// The text of one .cpp file that needs runtime/ only. With Options::with_main false it defines

@@ -1,5 +1,5 @@
-// Writes a directory that can be built by itself: model.cpp, CMakeLists.txt, copies of the runtime and of the model's
-// C++ files.
+// Writes a directory that can be built by itself: model.cpp, CMakeLists.txt, copies of the runtime with its licence,
+// and of the model's C++ files.
 //
 // Files whose text is unchanged are not written, so that a second emission rebuilds only what changed.
 #include <algorithm>
@@ -117,6 +117,14 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
     if (!text) return Failure{"cannot read " + (fs::path(runtime_dir) / file).string()};
     Result<bool> written = write_file(root / "runtime" / file, *text);
     if (!written) return written;
+  }
+  // Beside the runtime's sources in an installation, one folder up in ours.
+  for (const char* licence : {"LICENSE", "../LICENSE"}) {
+    const std::optional<std::string> text = read_file(fs::path(runtime_dir) / licence);
+    if (!text) continue;
+    Result<bool> written = write_file(root / "runtime/LICENSE", *text);
+    if (!written) return written;
+    break;
   }
   const Result<CppBuild> copied = copy_ffi_files(cpp, root);
   if (!copied) return Failure{copied.error()};

@@ -54,8 +54,9 @@ int main(int argc, char** argv) {
     if (std::strcmp(argv[i], "--stdio") == 0) continue;
     const bool wants_help = std::strcmp(argv[i], "--help") == 0;
     std::fputs(
-        "bipc-lsp [--stdio]: the language server of BIP, to be started by an editor; it talks on standard input and "
-        "output\n",
+        "Usage: bipc-lsp [--stdio]\n\nThe language server of BIP, to be started by an editor; it talks on standard "
+        "input "
+        "and output.\n\nOptions:\n  --stdio  as editors write it; there is no other way to talk\n",
         wants_help ? stdout : stderr);
     return wants_help ? 0 : 2;
   }

@@ -1,0 +1,36 @@
+# Runs help2man on PROGRAM: writes PAGE, and for bipc a page bipc-COMMAND.1 beside it for each command of its --help.
+get_filename_component(name ${PROGRAM} NAME)
+get_filename_component(folder ${PAGE} DIRECTORY)
+
+function(write_page command page description)
+  execute_process(
+    COMMAND ${HELP2MAN} --no-info --no-discard-stderr "--version-string=${VERSION}" "--name=${description}" --output=${page} ${command}
+    RESULT_VARIABLE code ERROR_VARIABLE said)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "help2man ${command}: ${said}")
+  endif()
+endfunction()
+
+set(about_bipc "compile, run and prove models written in BIP")
+set(about_bipc-lsp "language server of BIP")
+write_page(${PROGRAM} ${PAGE} "${about_${name}}")
+if(NOT name STREQUAL "bipc")
+  return()
+endif()
+execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help)
+string(REGEX REPLACE ".*\nSubcommands:\n" "" commands "${help}")
+string(REGEX REPLACE "\n\n.*" "" commands "${commands}")
+string(REPLACE ";" "," commands "${commands}")
+string(REPLACE "\n" ";" commands "${commands}")
+foreach(line IN LISTS commands)
+  if(line MATCHES "^  ([a-z]+) +(.*)$")
+    set(command ${CMAKE_MATCH_1})
+    set(about "${CMAKE_MATCH_2}")
+    # help2man runs one word: a script of the name that the page shall have.
+    set(script ${folder}/bipc-${command})
+    file(WRITE ${script} "#!/bin/sh\nexec '${PROGRAM}' ${command} \"$@\"\n")
+    file(CHMOD ${script} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+    write_page(${script} ${folder}/bipc-${command}.1 "${about}")
+    file(REMOVE ${script})
+  endif()
+endforeach()
