@@ -57,14 +57,5 @@ struct World {
 int main(int argc, char** argv) {
   const limit::Arguments arguments = limit::read_arguments(argc, argv);
   World world(arguments.n);
-  limit::Random random(arguments.seed);
-  u64 candidates = 0;
-  const double start = limit::cpu_seconds();
-  for (u64 step = 0; step < arguments.steps; ++step) {
-    if (arguments.naive) world.list_naive();
-    else world.list_limit();
-    candidates += world.found.size();
-    world.apply(world.found[random.below(static_cast<u32>(world.found.size()))]);
-  }
-  limit::report(arguments.steps, limit::cpu_seconds() - start, candidates);
+  return limit::run_listed(world, arguments);
 }

@@ -127,4 +127,20 @@ int run(World& world, const Arguments& arguments) {
   return 0;
 }
 
+/// Of a world that lists its candidates at each step: list_limit() or list_naive() fill `found`, apply(row) takes one.
+template <class World>
+int run_listed(World& world, const Arguments& arguments) {
+  Random random(arguments.seed);
+  u64 candidates = 0;
+  const double start = cpu_seconds();
+  for (u64 step = 0; step < arguments.steps; ++step) {
+    if (arguments.naive) world.list_naive();
+    else world.list_limit();
+    candidates += world.found.size();
+    world.apply(world.found[random.below(static_cast<u32>(world.found.size()))]);
+  }
+  report(arguments.steps, cpu_seconds() - start, candidates);
+  return 0;
+}
+
 }  // namespace limit
