@@ -19,6 +19,7 @@
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/timed_models.hpp"
 #include "compiler/system/uses_time.hpp"
+#include "compiler/verify/net/unread_data.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/explore/counterexample.hpp"
 
@@ -119,7 +120,7 @@ bool is_explorable(const ExploreArguments& a, Compilation& c) {
   return false;
 }
 
-rt::ExploreReport search(const ExploreArguments& a, const rt::Image& image) {
+rt::ExploreReport search(const ExploreArguments& a, const System& system, const rt::Image& image) {
   const rt::InterruptGuard guard;
   const bool is_bip2 = a.format == rt::TraceFormat::Bip2 && !a.json;
   rt::ExploreOptions options = a.explore;
@@ -127,6 +128,7 @@ rt::ExploreReport search(const ExploreArguments& a, const rt::Image& image) {
   options.seconds = static_cast<double>(a.seconds);
   options.bytes = a.megabytes == 0 ? available_memory() / 4 * 3 : a.megabytes * kMega;
   options.is_stopped = rt::is_interrupted;
+  options.unread_cells = verify::find_unread_cells(system, image);
   ExploreProgressLine progress(!is_bip2);
   std::uint64_t dots = 0;
   if (is_bip2) write_now(stdout, rt::kPublishedBegin);
@@ -155,7 +157,7 @@ int command_explore(const ExploreArguments& arguments) {
   if (const int code = report(c); code != 0 || !ready) return code;
   if (system::is_timed(*c.system)) return explore_timed(arguments, c);
   const rt::Image& image = c.lowered->image;
-  const rt::ExploreReport found = search(arguments, image);
+  const rt::ExploreReport found = search(arguments, *c.system, image);
   const rt::MaximalProgress maximal = arguments.explore.progress;
   Ways ways;
   if (found.has_deadlock && found.are_paths_known)

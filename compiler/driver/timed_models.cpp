@@ -18,6 +18,7 @@
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/verify_text.hpp"
 #include "compiler/system/uses_time.hpp"
+#include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/timed/prove_time.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "runtime/explore/counterexample.hpp"
@@ -178,6 +179,7 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
     options.seconds = static_cast<double>(arguments.seconds);
     options.bytes = arguments.megabytes == 0 ? available_memory() / 4 * 3 : arguments.megabytes * kMega;
     options.is_stopped = [cancellation = interrupt.token()] { return cancellation.is_cancelled(); };
+    options.unread_cells = verify::find_unread_cells(*c.system, image);
     found = rt::explore_zones(image, options);
   }
   const rt::MaximalProgress maximal = arguments.explore.progress;
@@ -260,6 +262,8 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     rt::ExploreOptions options;
     options.bytes = arguments.megabytes * kMega;
     options.is_stopped = [&] { return cancellation.is_over(); };
+    options.unread_cells = verify::find_unread_cells(
+        *c.system, image, asks_state ? verify::data_of(question.property) : std::vector<DataRef>());
     if (asks_state) ask(question.property, options);
     found = rt::explore_zones(image, options);
   }

@@ -55,7 +55,7 @@ void Exploration::begin() {
   space_.image = &image_;
   space_.progress = options_.progress;
   space_.shapes = shapes_of(core, options_.progress);
-  space_.locals = std::make_unique<Locals>(core);
+  space_.locals = std::make_unique<Locals>(core, options_.unread_cells);
   space_.initial = core.snapshot();
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) (void)space_.locals->number(atom, core);
   space_.layout = Layout(*space_.locals);

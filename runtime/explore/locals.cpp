@@ -26,8 +26,10 @@ u64 hash_of(const u64* key, u32 width) {
 
 }  // namespace
 
-Locals::Locals(const Core& core) : image_(core.image()) {
+Locals::Locals(const Core& core, const std::vector<u32>& unread_cells) : image_(core.image()) {
   const Tables& tables = core.tables();
+  std::vector<bool> is_unread(image_.cell_count, false);
+  for (const u32 cell : unread_cells) is_unread[cell] = true;
   std::map<std::vector<u64>, u32> rows;
   u32 objects = 0;
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
@@ -51,7 +53,7 @@ Locals::Locals(const Core& core) : image_(core.image()) {
     made->mark_words = tables.types[row.type].mark_words;
     for (u32 cell = 0; cell < type.variables.size; ++cell) {
       if (is_ffi(type.variables[cell].type)) made->objects.push_back(cell);
-      else if (!type.variables[cell].is_param) made->cells.push_back(cell);
+      else if (!type.variables[cell].is_param && !is_unread[row.first_cell + cell]) made->cells.push_back(cell);
     }
     made->is_direct = made->mark_words == 0 && made->cells.empty() && made->objects.empty();
     made->width = std::max(1u, made->mark_words) + static_cast<u32>(made->cells.size());

@@ -1,10 +1,10 @@
 // Local states of atoms as small numbers, and where these lie in the words of a state.
 //
-// What an atom is in (its marking and data, parameters apart) is numbered as it is first seen. An automaton without
-// data needs no table: its number is its place. Atoms of one type with the same arguments share the numbers. A state is
-// one number an atom, side by side in as few bits as the numbers need; when a table outgrows its bits, a wider layout
-// is made. Numbering is thread-safe; reading a number needs no lock once the number was handed over (a barrier, a
-// mutex).
+// What an atom is in (its marking and data, parameters and unread data apart) is numbered as it is first seen. An
+// automaton without data needs no table: its number is its place. Atoms of one type with the same arguments share the
+// numbers. A state is one number an atom, side by side in as few bits as the numbers need; when a table outgrows its
+// bits, a wider layout is made. Numbering is thread-safe; reading a number needs no lock once the number was handed
+// over (a barrier, a mutex).
 #pragma once
 #include <array>
 #include <memory>
@@ -19,8 +19,9 @@ namespace bip::rt {
 
 class Locals {
  public:
-  /// core: of the image, initialized or not. At most 2^31 local states a class.
-  explicit Locals(const Core& core);
+  /// core: of the image, initialized or not. At most 2^31 local states a class. unread_cells: of no local state; all
+  /// atoms of a type agree about them.
+  explicit Locals(const Core& core, const std::vector<u32>& unread_cells = {});
 
   [[nodiscard]] u32 atoms() const { return static_cast<u32>(class_of_.size()); }
   [[nodiscard]] u32 class_of(u32 atom) const { return class_of_[atom]; }
@@ -47,7 +48,7 @@ class Locals {
   struct Class {
     u32 type = 0, places = 0, mark_words = 0, width = 0;  // width: words of an entry
     bool is_direct = false;
-    std::vector<u32> cells;    // of data that is no parameter and no object
+    std::vector<u32> cells;    // of data that is read, and is no parameter and no object
     std::vector<u32> objects;  // of FFI types
     mutable std::mutex lock;
     u32 size = 0;

@@ -27,7 +27,10 @@ void sort_unique(Bounds& bounds) {
 
 // Constants that can be known are noted at once, in the initial state: most limits are constants or parameters.
 Locations::Locations(Core& core, const ExploreOptions& options)
-    : core_(core), shapes_(shapes_of(core, options.progress)), asked_atoms_(options.predicate_atoms) {
+    : core_(core),
+      shapes_(shapes_of(core, options.progress)),
+      asked_atoms_(options.predicate_atoms),
+      unread_cells_(options.unread_cells) {
   for (const u32 connector : options.predicate_connectors)
     asked_interactions_.push_back(core.tables().interaction_of(connector));
   const Image& image = core.image();
@@ -76,6 +79,7 @@ void Locations::clear() {
 u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders) {
   BIP_ASSERT(waits.size() == is_timed_.size() && leaders.size() == is_timed_.size(), "{} waits", waits.size());
   BIP_ASSERT(index_.size() == rows_.size(), "{} keys of {} locations", index_.size(), rows_.size());
+  for (const u32 cell : unread_cells_) state.data[cell] = 0;
   std::string key;
   append_all(key, state.places);
   append_all(key, state.marks);

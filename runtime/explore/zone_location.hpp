@@ -93,6 +93,7 @@ class Locations {
   std::vector<bool> is_ruled_;    // by interaction: priorities compare it with others
   std::vector<u32> ruled_atoms_;  // of all those interactions
   std::vector<u32> asked_interactions_, asked_atoms_;
+  std::vector<u32> unread_cells_;
   std::vector<i64> max_, min_;
   bool has_grown_ = false, has_differences_ = false, is_cut_by_all_ = false;
   std::vector<Location> rows_;

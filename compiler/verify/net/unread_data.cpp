@@ -1,6 +1,7 @@
 // See unread_data.hpp. By type, over all its instances.
 #include "compiler/verify/net/unread_data.hpp"
 
+#include "compiler/model/operators.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 
 namespace bip::verify {
@@ -9,7 +10,8 @@ namespace {
 
 class DataReaders {
  public:
-  DataReaders(const System& system, const std::vector<DataRef>& asked) : system_(system), code_(system.code) {
+  DataReaders(const System& system, const std::vector<DataRef>& asked, FaultyAssignments faulty)
+      : system_(system), code_(system.code), faulty_(faulty) {
     for (const AtomType& type : system.atom_types) {
       rows_.emplace_back(type.variables.size(), 0);
       for (std::size_t k = type.visible_variables(); k < type.variables.size(); ++k) rows_.back()[k] = 1;
@@ -19,6 +21,9 @@ class DataReaders {
 
   std::vector<std::vector<std::uint8_t>> all() {
     for (const Connector& connector : system_.connectors) look_at(connector);
+    for (const Priority& rule : system_.priorities) {
+      for (const DataRef& ref : rule.data) rows_[system_.atoms[ref.atom].type.value][ref.variable] = 1;
+    }
     for (std::size_t k = 0; k < rows_.size(); ++k) look_at(system_.atom_types[AtomTypeId(k)], rows_[k]);
     return std::move(rows_);
   }
@@ -80,7 +85,7 @@ class DataReaders {
     for (const AtomPriority& rule : type.priorities) reads(rule.guard);
     const auto close = [&](StmtId body) {
       for_each_stmt(code_, body, [&](const Stmt& s) {
-        if (s.op != StmtOp::StoreSelf || row[s.index] != 0) reads(s.value);
+        if (has_effect(s, row)) reads(s.value);
       });
     };
     do {
@@ -90,8 +95,38 @@ class DataReaders {
     } while (is_changed);
   }
 
+  // Does it matter that the statement is executed? An `if` does not whose statements do not.
+  [[nodiscard]] bool has_effect(const Stmt& s, const std::vector<std::uint8_t>& row) const {
+    if (counts(s.value)) return true;
+    if (s.op == StmtOp::StoreSelf) return row[s.index] != 0;
+    if (s.op != StmtOp::If) return true;
+    bool result = false;
+    for (const StmtId body : {s.then_body, s.else_body}) {
+      for_each_stmt(code_, body, [&](const Stmt& inner) {
+        result |=
+            counts(inner.value) || (inner.op == StmtOp::StoreSelf ? row[inner.index] != 0 : inner.op != StmtOp::If);
+      });
+    }
+    return result;
+  }
+
+  [[nodiscard]] bool counts(ExprId value) const {
+    bool divides = false, calls = false;
+    for_each_expr(code_, value, [&](const Expr& e) {
+      divides |= is_division(e.op) && e.type == Type::Int;
+      calls |= e.op == Op::Call;
+    });
+    switch (faulty_) {
+      case FaultyAssignments::Read: return divides || calls;
+      case FaultyAssignments::DivisionsRead: return divides;
+      case FaultyAssignments::Ignored: break;
+    }
+    return false;
+  }
+
   const System& system_;
   const CodeTable& code_;
+  FaultyAssignments faulty_;
   std::vector<std::vector<std::uint8_t>> rows_;
 };
 
@@ -117,8 +152,24 @@ StmtId strip(CodeTable& code, StmtId body, const std::vector<std::uint8_t>& is_r
 
 }  // namespace
 
-std::vector<std::vector<std::uint8_t>> find_read_data(const System& system, const std::vector<DataRef>& asked) {
-  return DataReaders(system, asked).all();
+std::vector<std::vector<std::uint8_t>> find_read_data(const System& system, const std::vector<DataRef>& asked,
+                                                      FaultyAssignments faulty) {
+  return DataReaders(system, asked, faulty).all();
+}
+
+std::vector<std::uint32_t> find_unread_cells(const System& system, const rt::Image& image,
+                                             const std::vector<DataRef>& asked) {
+  const std::vector<std::vector<std::uint8_t>> is_read = find_read_data(system, asked, FaultyAssignments::Read);
+  std::vector<std::uint32_t> cells;
+  for (std::uint32_t atom = 0; atom < system.atoms.size(); ++atom) {
+    const AtomTypeId type = system.atoms[AtomId(std::size_t{atom})].type;
+    const std::vector<DataVariable>& variables = system.atom_types[type].variables;
+    for (std::uint32_t k = 0; k < variables.size(); ++k) {
+      const bool is_number = !is_ffi(variables[k].type) && variables[k].type != Type::String;
+      if (is_number && is_read[type.value][k] == 0) cells.push_back(image.atoms[atom].first_cell + k);
+    }
+  }
+  return cells;
 }
 
 System without_unread_data(const System& system, const std::vector<std::vector<std::uint8_t>>& is_read) {

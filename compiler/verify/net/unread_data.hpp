@@ -6,13 +6,22 @@
 #include <vector>
 
 #include "compiler/system/system.hpp"
+#include "runtime/include/bip/image.hpp"
 
 namespace bip::verify {
 
+/// Which assignments count as readers although nobody reads what they assign: those that may end in a run-time error,
+/// those that divide, none.
+enum class FaultyAssignments : std::uint8_t { Read, DivisionsRead, Ignored };
 /// By atom type, by variable: is it read? Hidden variables of time are, and those that are `asked` for. Linear in the
 /// code, times the longest chain of assignments.
-[[nodiscard]] std::vector<std::vector<std::uint8_t>> find_read_data(const System& system,
-                                                                    const std::vector<DataRef>& asked = {});
+[[nodiscard]] std::vector<std::vector<std::uint8_t>> find_read_data(
+    const System& system, const std::vector<DataRef>& asked = {},
+    FaultyAssignments faulty = FaultyAssignments::Ignored);
+/// Rows of the cells of numbers that nobody reads, ascending: whatever they hold, the same steps are possible, now and
+/// later, and the same run-time errors. Strings and C++ objects are not among them.
+[[nodiscard]] std::vector<std::uint32_t> find_unread_cells(const System& system, const rt::Image& image,
+                                                           const std::vector<DataRef>& asked = {});
 /// The same system without assignments to data that is not read. Faults that they would have ended in do not occur.
 [[nodiscard]] System without_unread_data(const System& system, const std::vector<std::vector<std::uint8_t>>& is_read);
 

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "compiler/verify/evidence/reached_states.hpp"
+#include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
 #include "runtime/explore/explore.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -31,11 +32,20 @@ SearchLimits search_limits(const ProofContext& context, const CancellationToken&
           .report = [&context](std::uint64_t count) { context.report("search", count, "states"); }};
 }
 
+// A certificate speaks of all data.
+std::vector<u32> unread_cells(const ProofContext& context) {
+  if (context.limits.wants_certificate) return {};
+  const Question& question = context.question;
+  return find_unread_cells(context.parts.system(), context.parts.image(),
+                           question.what == QuestionKind::State ? data_of(question.property) : std::vector<DataRef>());
+}
+
 EngineResult search_first(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
   EngineResult result;
   if (!context.parts.has_code()) return result;
   const rt::Image& image = context.parts.image();
   SearchLimits limits = search_limits(context, cancellation.within(budget.seconds));
+  limits.unread_cells = unread_cells(context);
   limits.states = std::min(kFirstStates, kFirstValues / (image.atoms.size + image.cell_count + 1) + 1);
   const std::vector<u32> candidate = context.facts.proof ? context.facts.proof->candidate : std::vector<u32>();
   SearchResult found = search(context.parts.net(), image, goal_of(context.question), candidate, limits);
@@ -66,6 +76,7 @@ EngineResult search_all(ProofContext& context, const Budget& budget, const Cance
   const CancellationToken share = cancellation.within(budget.seconds);
   rt::ExploreOptions options;
   options.threads = context.limits.threads;
+  options.unread_cells = unread_cells(context);
   // 0 would be no limit.
   options.bytes = std::max<std::size_t>(context.limits.megabytes * 1000000, 1);
   options.on_progress = [&](const rt::ExploreProgress& so_far) {

@@ -138,6 +138,14 @@ std::vector<std::uint32_t> connectors_of(const Property& property) {
   return owners_of(property, [](PropertyKind kind) { return kind == PropertyKind::CanConnector; });
 }
 
+std::vector<DataRef> data_of(const Property& property) {
+  std::vector<DataRef> data;
+  for (const PropertyNode& node : property.nodes) {
+    if (node.kind == PropertyKind::Data) data.push_back({AtomId(std::size_t{node.owner}), node.row});
+  }
+  return data;
+}
+
 std::string certificate_text(const Property& property, const System& system) {
   const std::string expr = node_text(property, property.root, system);
   return property.is_never ? expr : "(not " + expr + ')';

@@ -47,6 +47,8 @@ struct Property {
 [[nodiscard]] Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
 /// Returns the rows of the atoms that the property is about, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const Property& property);
+/// The data that it reads.
+[[nodiscard]] std::vector<DataRef> data_of(const Property& property);
 /// Returns the rows of the connectors in `can CONNECTOR`, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> connectors_of(const Property& property);
 /// Returns the expression of violating states as certificates have it: "(and (at ROOT.a EATS) (lt (data ROOT.a n) 3))".

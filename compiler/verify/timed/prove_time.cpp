@@ -383,15 +383,13 @@ TimeProof prove_state_in_time(const System& system, const Property& property, co
                               const CancellationToken& cancellation, const PartLimits& limits) {
   TimeProof proof;
   proof.reason = obstacle_to_time_divergent_limit(system);
-  std::vector<DataRef> asked;
   for (const PropertyNode& node : property.nodes) {
-    if (node.kind == PropertyKind::Data) asked.push_back({AtomId(std::size_t{node.owner}), node.row});
     if (node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort)
       proof.reason = "what `can` asks depends on the instant";
   }
   if (atoms_of(property).empty()) proof.reason = "the property speaks of no component";
   if (!proof.reason.empty()) return proof;
-  return TimeProver(system, asked, explore, cancellation, limits).prove(property);
+  return TimeProver(system, data_of(property), explore, cancellation, limits).prove(property);
 }
 
 }  // namespace bip::verify
