@@ -20,7 +20,9 @@
 #include "compiler/driver/error_sources.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/first_runs.hpp"
 #include "compiler/driver/host_compiler.hpp"
+#include "compiler/driver/initial_fault.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/read_question.hpp"
@@ -30,6 +32,7 @@
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/proof_cache.hpp"
+#include "compiler/verify/net/unread_cpp.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
 
 namespace bip::driver {
@@ -38,6 +41,43 @@ namespace {
 
 // What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
 bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.ffi_types.empty(); }
+
+// Of the time, for runs before the proof.
+constexpr std::uint64_t kShareOfRuns = 8;
+
+// Models with C++: what decides about no state is taken out, so that they can be searched. Returns a note, empty if
+// the system is as before.
+std::string remove_unread_cpp(Compilation& c, const verify::Question& question) {
+  const bool asks_state = question.what == verify::QuestionKind::State;
+  std::optional<System> simple =
+      verify::without_unread_cpp(*c.system, asks_state ? verify::data_of(question.property) : std::vector<DataRef>());
+  if (!simple) return {};
+  c.lowered.reset();
+  c.system = std::move(*simple);
+  c.lowered = lower::lower(*c.system, c.root_name);
+  return "note: the model's C++ is taken to return; nothing that it computes decides about a state\n";
+}
+
+// A deadlock or an error that a run meets, of a model whose C++ nothing else follows.
+std::optional<VerdictText> first_runs(const VerifyArguments& arguments, Compilation& c,
+                                      const verify::Question& question) {
+  const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
+  if (!asks_errors && question.what != verify::QuestionKind::DeadlockFreedom) return std::nullopt;
+  const auto seconds = static_cast<unsigned>(arguments.timeout / kShareOfRuns + 1);
+  const std::optional<std::string> run =
+      run_to_end(c, arguments.backend, asks_errors ? rt::End::Fault : rt::End::Deadlock, seconds);
+  if (!run) return std::nullopt;
+  return VerdictText{kViolated, asks_errors ? "error" : "deadlock", *run};
+}
+
+// A verdict that needed no proof.
+int write(const VerifyArguments& arguments, const verify::Question& question, const VerdictText& verdict) {
+  verify::Decision none;
+  none.outcome = verify::Outcome::Violated;
+  const std::string text = arguments.json ? verdict_json(verdict, question, none, nullptr) : verdict.text;
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return verdict.exit_code;
+}
 
 // One line on a terminal, rewritten at most ten times a second; nothing elsewhere.
 class ProofProgressLine {
@@ -116,7 +156,17 @@ int command_verify(const VerifyArguments& arguments) {
   if (!asked) return kUsage;
   verify::Question question = std::move(*asked);
   if (arguments.partial) question.what = verify::QuestionKind::NoLocalDeadlock;
-  if (system::is_timed(*c.system)) return verify_timed(arguments, c, question);
+  const std::string note =
+      calls_cpp(*c.system) && arguments.certificate.empty() ? remove_unread_cpp(c, question) : std::string();
+  if (!calls_cpp(*c.system) && question.what != verify::QuestionKind::NoErrors) {
+    if (const std::string fault = initial_fault(*c.system); !fault.empty())
+      return write(arguments, question, {kModelErrors, "no-state", fmt::format("no run reaches a state: {}\n", fault)});
+  }
+  if (calls_cpp(*c.system)) {
+    if (const std::optional<VerdictText> met = first_runs(arguments, c, question))
+      return write(arguments, question, *met);
+  }
+  if (system::is_timed(*c.system)) return verify_timed(arguments, c, question, note);
 
   verify::PortfolioLimits limits;
   const InterruptCancellation interrupt;
@@ -152,6 +202,7 @@ int command_verify(const VerifyArguments& arguments) {
     if (is_ready)
       verdict =
           verdict_text(c, question, decision, portfolio, arguments.why ? Explanation::Evidence : Explanation::None);
+    verdict.text += note;
     if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Holds) {
       const Result<bool> written =
           write_file(arguments.certificate, verify::certificate(portfolio, question, decision, *c.system, c.root_name));

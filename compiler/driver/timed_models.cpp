@@ -97,8 +97,6 @@ bool is_answerable(const VerifyArguments& a, Compilation& c, const verify::Quest
   const char* refused = nullptr;
   if (question.what == verify::QuestionKind::NoLocalDeadlock) refused = "`--partial` for a model with time";
   else if (!a.certificate.empty()) refused = "a certificate for a model with time";
-  else if (!c.system->code.functions.empty() || !c.system->code.ffi_types.empty())
-    refused = "a proof about a model with time that calls C++";
   if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
   return refused == nullptr;
 }
@@ -227,8 +225,18 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
   return exit_code_of(found);
 }
 
-int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question) {
+int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question,
+                 const std::string& note) {
   if (!is_answerable(arguments, c, question)) return report(c);
+  if (!c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) {
+    const std::string reason = "zones cannot follow what the model's C++ computes";
+    const nlohmann::ordered_json json{{"format", "bipc-verdict"},
+                                      {"version", 1},
+                                      {"verdict", "unknown"},
+                                      {"reason", reason},
+                                      {"text", "unknown: " + reason + '\n'}};
+    return write_verdict(arguments, json, "unknown: " + reason + '\n', kUnknown);
+  }
   const InterruptCancellation interrupt;
   const verify::CancellationToken cancellation = interrupt.token().within(static_cast<double>(arguments.timeout));
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
@@ -247,6 +255,7 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     if (proof.is_proved) {
       std::string text = proof_text(proof, question);
       if (can_end_in_error(*c.system)) text += kErrorsNotAsked;
+      text += note;
       json["verdict"] = asks_state ? "holds" : "deadlock-free";
       json["method"] = "parts";
       json["text"] = text;
@@ -305,6 +314,7 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     json["reason"] = reason;
     text = "unknown: " + reason + ", after " + size + '\n';
   }
+  text += note;
   json["text"] = text;
   return write_verdict(arguments, json, text + stats, exit_code);
 }

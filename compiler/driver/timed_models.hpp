@@ -10,7 +10,8 @@ namespace bip::driver {
 [[nodiscard]] int explore_timed(const ExploreArguments& arguments, Compilation& c);
 
 /// Decides by the zone graph whether a model with time has a deadlock or time lock, a run-time error, or violates a
-/// property of places and data, and prints the verdict. Returns the exit code.
-[[nodiscard]] int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question);
+/// property of places and data, and prints the verdict, with the note. Returns the exit code.
+[[nodiscard]] int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question,
+                               const std::string& note);
 
 }  // namespace bip::driver

@@ -1,0 +1,19 @@
+// C++ on which no state depends: calls whose result nobody uses, as those of `printf`, and assignments from C++ to data
+// that nobody reads.
+//
+// Without it a model has the same states and steps, and they can be visited. C++ is taken to return, without an
+// exception, and to change nothing but what it gets by reference. Linear in the code, times the longest chain of
+// assignments.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "compiler/system/system.hpp"
+
+namespace bip::verify {
+
+/// The system without calls of C++; nothing if it has none, or if what C++ computes decides about states. `asked`: data
+/// that is read elsewhere.
+[[nodiscard]] std::optional<System> without_unread_cpp(const System& system, const std::vector<DataRef>& asked);
+
+}  // namespace bip::verify
