@@ -51,11 +51,24 @@ std::string place_of_error(const std::string& said) {
   return first == std::string::npos ? "" : name.substr(0, name.find(':', first + 1)) + ": ";
 }
 
-// What stands behind the first "error: ".
+// Where the first error of a compiler or linker begins, behind its "error: ". "collect2: error: ld returned 1 exit
+// status" and clang's "linker command failed" come after what was wrong.
+std::size_t first_problem(const std::string& said) {
+  constexpr std::string_view kMark = "error: ";
+  for (std::size_t at = said.find(kMark); at != std::string::npos; at = said.find(kMark, at + 1)) {
+    const std::size_t line = said.rfind('\n', at) + 1;  // 0 at the beginning
+    const std::string_view before = std::string_view(said).substr(line, at - line);
+    const std::string_view behind = std::string_view(said).substr(at + kMark.size());
+    if (!before.starts_with("collect2:") && !behind.starts_with("linker command failed")) return at + kMark.size();
+  }
+  for (const char* words : {"undefined reference", "multiple definition", "cannot find"}) {
+    if (const std::size_t at = said.find(words); at != std::string::npos) return at;
+  }
+  return 0;
+}
+
 std::string first_error(const std::string& said) {
-  std::size_t at = said.find("error: ");
-  if (at == std::string::npos) return said.substr(0, said.find('\n'));
-  at += 7;
+  const std::size_t at = first_problem(said);
   const std::string error = said.substr(at, said.find('\n', at) - at);
   // It would suggest our wrapper.
   return error.substr(0, error.find("; did you mean"));
@@ -167,7 +180,16 @@ void report_missing_file(Compilation& c, const std::string& name) { missing_file
 
 void report_cpp_failure(Compilation& c, const std::string& said) {
   if (report_prototype(c, said)) return;
-  c.diags.report(Diag::kB5012, {}, "does not compile").note("C++: " + place_of_error(said) + first_error(said));
+  const std::string error = first_error(said);
+  auto problem = c.diags.report(Diag::kB5012, {}, "does not compile");
+  problem.note("C++: " + place_of_error(said) + error);
+  // Headers of the published engine.
+  for (const char* header : {"AtomExternalPort.hpp", "AtomExternalPortItf.hpp", "Atom.hpp", "TimeValue.hpp"}) {
+    if (!error.starts_with(std::string(header) + ": ") && !error.starts_with("'" + std::string(header) + "'")) continue;
+    problem.help(
+        "derive the class of an external port from `bip::EventSource` of `bip/event_source.hpp`, with `hasEvent()`, "
+        "`popEvent()` and `get_x()` for each variable x");
+  }
 }
 
 void report_build_failure(Compilation& c, const std::string& compiler, const std::string& how, std::string said,

@@ -58,11 +58,19 @@ std::string local(const std::string& qualified) {
   return qualified.starts_with("ffi::") ? qualified.substr(5) : qualified;
 }
 
+// "`int f(int)`, declared at model.bip:3", as a literal.
+std::string note_text(const CodeTable& code, const Function& function, const FfiTextOptions& options) {
+  std::string text = "`" + signature_text(code, function) + "`";
+  if (function.loc.line != 0 && function.loc.file < options.files.size())
+    text += ", declared at " + options.files[function.loc.file] + ":" + std::to_string(function.loc.line);
+  return string_literal(text);
+}
+
 }  // namespace
 
 FfiNames::FfiNames(const CodeTable& code) {
   lower::UniqueNames names;
-  for (const char* taken : {"bip_context", "own_context"}) names.reserve(taken);
+  for (const char* taken : {"bip_context", "own_context", "names_crashes"}) names.reserve(taken);
   for (const FfiType& type : code.ffi_types) types_.push_back("ffi::" + names.make(type.name + "_type"));
   for (const Function& function : code.functions) {
     std::string name = "call_" + function.name;
@@ -101,6 +109,7 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
   line("// The C++ that the model calls. An exception is a fault of the call at its site.");
   line("namespace ffi {");
   line("using namespace std;");
+  if (options.names_crashes) line("inline const bool names_crashes = bip::rt::name_crashes();");
   if (options.own_context) line("inline bip::rt::FfiContext own_context;");
   line(std::string("inline bip::rt::FfiContext* bip_context = ") +
        (options.own_context ? "&own_context;" : "nullptr;"));
@@ -124,6 +133,7 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
     line(head + "[[maybe_unused]] std::uint32_t site) try {");
     if (options.mark) line("#line 1 \"bip-prototype-" + std::to_string(k) + "\"");
     const std::string call = call_text(function, const_names, result);
+    if (options.names_crashes) line("  const bip::rt::CallNote note(" + note_text(code, function, options) + ");");
     if (!function.has_result) line("  " + call + ";");
     else if (function.result == Type::String) line("  return bip_context->intern(" + call + ");");
     else if (is_ffi(function.result)) line("  return " + call + ";");
@@ -143,7 +153,8 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
   const std::vector<lower::EventClassUse> classes = lower::event_class_uses(system);
   std::string out = ffi_includes(code);
   if (!classes.empty()) out += "#include \"bip/event_source.hpp\"\n";
-  out += "\n" + ffi_text(code, const_names, {.own_context = false, .mark = true});
+  out += "\n" + ffi_text(code, const_names,
+                         {.own_context = false, .mark = true, .names_crashes = true, .files = system.files});
   if (!classes.empty()) out += event_class_text(system, classes, true);
   const auto line = [&](const std::string& text) { out += text + "\n"; };
   for (std::size_t k = 0; k < code.functions.size(); ++k) {

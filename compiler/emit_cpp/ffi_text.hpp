@@ -40,6 +40,8 @@ using ConstNames = std::set<std::string>;
 struct FfiTextOptions {
   bool own_context = true;
   bool mark = false;
+  bool names_crashes = false;        // a signal in C++ says in which function
+  std::vector<std::string> files{};  // rows of Loc::file
 };
 [[nodiscard]] std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const FfiTextOptions& options);
 

@@ -1,12 +1,77 @@
 // What emitted code and the shared object of `bipc run` need around calls of C++: faults from exceptions, variables
 // that are C++ objects. Not part of emitted programs that call nothing.
 #pragma once
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstring>
 #include <exception>
 
 #include "bip/emitted.hpp"
 #include "bip/ffi.hpp"
 
 namespace bip::rt {
+
+/// The C++ function that a thread is in, named when a signal ends the process. A literal, or null.
+inline thread_local const char* called_now = nullptr;
+class CallNote {
+ public:
+  explicit CallNote(const char* what) : before_(called_now) { called_now = what; }
+  CallNote(const CallNote&) = delete;
+  CallNote& operator=(const CallNote&) = delete;
+  ~CallNote() { called_now = before_; }
+
+ private:
+  const char* before_;
+};
+
+namespace crash {
+
+inline void say(const char* text) {
+  // A failure cannot be reported anywhere.
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
+}
+// Calls only what a signal handler may call.
+inline void handle(int signal) {
+  const char* name = signal == SIGSEGV   ? "SIGSEGV (a bad address, or the stack is full)"
+                     : signal == SIGFPE  ? "SIGFPE (a division)"
+                     : signal == SIGBUS  ? "SIGBUS"
+                     : signal == SIGABRT ? "SIGABRT (abort)"
+                                         : "SIGILL";
+  if (called_now != nullptr) {
+    say("\nerror: signal ");
+    say(name);
+    say(" in the model's C++, ");
+    say(called_now);
+    say("\n");
+  }
+  // SA_RESETHAND removed the handler: now the signal ends the process.
+  ::raise(signal);
+}
+
+}  // namespace crash
+
+/// From now on a signal that ends the process says in which C++ function of the model that was.
+inline bool name_crashes() {
+  alignas(16) static char stack[1 << 16];
+  stack_t own{};
+  if (::sigaltstack(nullptr, &own) == 0 && (own.ss_flags & SS_DISABLE) != 0) {
+    own = {};
+    own.ss_sp = stack;
+    own.ss_size = sizeof stack;
+    (void)::sigaltstack(&own, nullptr);
+  }
+  struct sigaction action {};
+  action.sa_handler = crash::handle;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER | SA_ONSTACK);
+  for (const int signal : {SIGSEGV, SIGFPE, SIGBUS, SIGABRT, SIGILL}) {
+    struct sigaction before {};
+    // A handler that is there stays: a sanitizer's, an embedding program's.
+    if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_DFL)
+      (void)::sigaction(signal, &action, nullptr);
+  }
+  return true;
+}
 
 /// In a handler: the exception becomes the fault of the call at `site`.
 [[noreturn]] inline void raise(FfiContext& ffi, std::uint32_t site) {
