@@ -11,7 +11,9 @@ tokens {
   // the `else` of `else if` in a chain that one `fi` closes
   ELSE_CHAIN,
   // PARAMS-OR-SPEED-NOT-SET in the paper's notation
-  REPORT
+  REPORT,
+  // `reset c` of a transition, in the older spelling of time; its `when (…)` is PROVIDED
+  RESET
 }
 
 // ---- reserved -------------------------------------------------------------------------------------------------------

@@ -61,12 +61,13 @@ provided: PROVIDED expr;
 // ---- atoms ----------------------------------------------------------------------------------------------------------------
 portDecl: (EXPORT | EXTERN)? PORT typeName? portItem (COMMA portItem)* (AS (id | STRING))? (REMEMBER | IGNORE | ERROR)?;
 portItem: id (LPAREN idList? RPAREN)?;
-clockDecl: CLOCK id (COMMA id)* (UNIT id)?;
+clockDecl: CLOCK id (COMMA id)* (UNIT INT? id)?;
 places: PLACE idList;
-initial: INITIAL (to | action | resume)*;
+initial: INITIAL (to | clockReset | action | resume)*;
 behavior: BEHAVIOR (initial | annotation* transition | state)* END;
 state: STATE id (annotation* transition)*;
-transition: (ON id | INTERNAL) (from | to | provided | urgency | action | resume)*;
+transition: (ON id | INTERNAL) (from | to | provided | clockReset | urgency | action | resume)*;
+clockReset: RESET idList;
 from: FROM idList;
 to: TO idList;
 urgency: LAZY | DELAYABLE | EAGER;

@@ -76,7 +76,11 @@ class Classifier {
         if (!begins_component()) break;
         enter(Region::Component, 1);
         return push(row, BipLexer::COMPONENT_DECL);
+      case BipLexer::ON:
+        if (on_is_name()) return push(row, BipLexer::ID);
+        break;
       case BipLexer::END:
+        if (end_is_name()) return push(row, BipLexer::ID);
         if (open_ > 0) --open_;
         if (open_ == 0) region_ = Region::None;
         break;
@@ -93,6 +97,13 @@ class Classifier {
       case BipLexer::IN: return push(row, in_of_for_ == at_ && at_ > 0 ? BipLexer::IN : BipLexer::ID);
       case BipLexer::NOT_WORD: return push(row, negates() ? BipLexer::NOT_WORD : BipLexer::ID);
       case BipLexer::DASHED: return push_dashed(row);
+      case BipLexer::LBRACE: ++braces_; break;
+      case BipLexer::RBRACE: --braces_; break;
+      case BipLexer::ID:
+        if (word_of(row) == "when" && ahead(1) == BipLexer::LPAREN && follows_part())
+          return push(row, BipLexer::PROVIDED);
+        if (word_of(row) == "reset" && may_be_name(ahead(1)) && follows_part()) return push(row, BipLexer::RESET);
+        break;
       case BipLexer::INT_RANGE:
         push({0, row.begin, row.end - 2, row.line}, BipLexer::INT);
         return push({0, row.end - 2, row.end, row.line}, BipLexer::DOTDOT);
@@ -101,6 +112,49 @@ class Classifier {
     out_.push_back(row);
   }
 
+  /// What follows `on` and a port.
+  [[nodiscard]] static bool continues_clause(std::size_t type) {
+    return is_one_of(type, {BipLexer::FROM, BipLexer::TO, BipLexer::PROVIDED, BipLexer::UP, BipLexer::DOWN,
+                            BipLexer::DO, BipLexer::COMMA, BipLexer::DOT}) ||
+           may_be_name(type);
+  }
+  /// Older models name ports, their variables and places `on` and `end`: a keyword is followed by no punctuation and
+  /// stands behind none that a name must follow.
+  [[nodiscard]] bool stands_as_name() const {
+    if (is_one_of(ahead(1), {BipLexer::LPAREN, BipLexer::RPAREN, BipLexer::COMMA, BipLexer::DOT, BipLexer::PRIME,
+                             BipLexer::LT, BipLexer::ASSIGN}))
+      return true;
+    if (is_one_of(previous(), {BipLexer::DOT, BipLexer::LT, BipLexer::COLON})) return true;
+    if (previous() == BipLexer::DEFINE) return may_be_name(ahead(1));
+    // The interaction of a clause ends with it.
+    return region_ == Region::Connector && is_name(previous()) &&
+           is_one_of(ahead(1), {BipLexer::UP, BipLexer::DOWN, BipLexer::PROVIDED});
+  }
+  [[nodiscard]] bool on_is_name() const {
+    if (stands_as_name() || previous() == BipLexer::AS) return true;
+    if (previous() == BipLexer::ON)
+      return continues_clause(ahead(1)) || is_one_of(ahead(1), {BipLexer::ON, BipLexer::END});
+    return is_one_of(previous(), {BipLexer::FROM, BipLexer::TO, BipLexer::PLACE, BipLexer::COMMA}) &&
+           !may_be_name(ahead(1));
+  }
+  [[nodiscard]] bool end_is_name() const {
+    if (stands_as_name()) return true;
+    if (previous() == BipLexer::ON) return continues_clause(ahead(1));
+    return previous() == BipLexer::AS && is_one_of(ahead(1), {BipLexer::END, BipLexer::EXPORT, BipLexer::PRIORITY});
+  }
+  [[nodiscard]] std::string_view word_of(const TokenRow& row) const {
+    return text_.substr(row.begin, row.end - row.begin);
+  }
+  /// Behind the places, a condition, the urgency or the action of a transition or an invariant.
+  [[nodiscard]] bool follows_part() const {
+    if (braces_ != 0 || (region_ != Region::Atom && region_ != Region::Component) || out_.size() < 2) return false;
+    if (is_one_of(previous(),
+                  {BipLexer::RPAREN, BipLexer::RBRACE, BipLexer::LAZY, BipLexer::DELAYABLE, BipLexer::EAGER}))
+      return true;
+    return is_name(previous()) &&
+           is_one_of(out_[out_.size() - 2].type, {BipLexer::FROM, BipLexer::TO, BipLexer::COMMA, BipLexer::AT,
+                                                  BipLexer::INVARIANT, BipLexer::RESET});
+  }
   /// `component Name` of the paper, as opposed to `component Type name(…)` in a compound.
   [[nodiscard]] bool begins_component() const {
     if (open_ == 0) return true;
@@ -157,6 +211,7 @@ class Classifier {
   std::size_t in_of_for_ = 0;
   Region region_ = Region::None;
   int open_ = 0;
+  int braces_ = 0;
 };
 
 /// Marks the `else` of each `else if` that has no `fi` of its own. BIP2 closes every `if`; the short spelling closes a

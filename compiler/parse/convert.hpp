@@ -61,6 +61,9 @@ class Converter {
   Built build_primary(BipParser::PrimaryContext* ctx, Assigning assigning);
   Built limited(Built built, SourceRange range);
   const syntax::Expr* guard(BipParser::ProvidedContext* ctx);
+  [[nodiscard]] bool is_when(BipParser::ProvidedContext* ctx) const;
+  const syntax::Expr* both(BipParser::ProvidedContext* first, BipParser::ProvidedContext* second);
+  void add_resets(BipParser::ClockResetContext* ctx, syntax::Block& action);
   const syntax::Expr* value(BipParser::ExprContext* ctx);
   std::span<const syntax::NamedArg> named_args(BipParser::ArgsContext* ctx);
   void check_operator(const syntax::Expr& e, Assigning assigning, bool is_assign_sign);

@@ -34,6 +34,11 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
   } else if (BipParser::ClockDeclContext* clock = ctx->clockDecl()) {
     std::vector<BipParser::IdContext*> ids = clock->id();
     ClockDecl made{.annotations = marks, .range = range(clock)};
+    if (clock->INT() != nullptr && text(range(clock->INT()->getSymbol())) != "1")
+      diags_
+          .report(Diag::kB0021, range(clock->INT()->getSymbol()),
+                  std::string(text(range(clock->INT()->getSymbol()))) + " " + std::string(name(ids.back()).text))
+          .note("a unit is one of `nanosecond` to `day`, such as `unit 1 second`");
     if (clock->UNIT() != nullptr) {
       made.unit = name(ids.back());
       ids.pop_back();
@@ -149,11 +154,41 @@ Initial Converter::initial(BipParser::InitialContext* ctx) {
     made.to = names(ctx->to(0)->idList());
   }
   if (!ctx->action().empty()) made.action = action(ctx->action(0));
+  for (BipParser::ClockResetContext* reset : ctx->clockReset()) add_resets(reset, made.action);
   if (!ctx->resume().empty()) {
     made.resumes = true;
     made.resume = value(ctx->resume(0)->expr());
   }
   return made;
+}
+
+// The older spelling of time: `provided (data) when (clocks)` is one guard, `reset c` sets c before the action does.
+bool Converter::is_when(BipParser::ProvidedContext* ctx) const { return text(range(ctx->start)) == "when"; }
+
+const Expr* Converter::both(BipParser::ProvidedContext* first, BipParser::ProvidedContext* second) {
+  const Expr *left = guard(first), *right = guard(second);
+  if (left == nullptr || right == nullptr) return left == nullptr ? right : left;
+  Expr e{.kind = ExprKind::Binary, .range = {file_, left->range.begin, right->range.end}};
+  e.binary = BinaryOp::And;
+  e.op_range = range((is_when(second) ? second : first)->start);
+  e.operands = arena_.list(std::vector<const Expr*>{left, right});
+  return arena_.make(e);
+}
+
+void Converter::add_resets(BipParser::ClockResetContext* ctx, Block& action) {
+  if (failed(ctx)) return;
+  std::vector<const Stmt*> list;
+  for (BipParser::IdContext* id : ctx->idList()->id()) {
+    const Name clock = name(id);
+    Stmt stmt{.kind = StmtKind::Assign, .range = clock.range};
+    stmt.target = {arena_.list(std::vector<PathPart>{{.name = clock}}), clock.range};
+    stmt.value = arena_.make(Expr{.kind = ExprKind::Int, .range = clock.range, .text = "0"});
+    list.push_back(arena_.make(stmt));
+  }
+  list.insert(list.end(), action.stmts.begin(), action.stmts.end());
+  if (!action.present) action.range = range(ctx);
+  action.present = true;
+  action.stmts = arena_.list(list);
 }
 
 void Converter::missing_from_or_to(BipParser::TransitionContext* ctx, std::string_view word) {
@@ -186,7 +221,10 @@ void Converter::transition(BipParser::TransitionContext* ctx, Annotations marks,
   if (!t.internal) t.port = name(ctx->id());
   for (std::size_t i = 1; i < ctx->from().size(); ++i) repeated("`from`", kWhole, range(ctx->from(i)));
   for (std::size_t i = 1; i < ctx->to().size(); ++i) repeated("`to`", kWhole, range(ctx->to(i)));
-  for (std::size_t i = 1; i < ctx->provided().size(); ++i) repeated("`provided`", kWhole, range(ctx->provided(i)));
+  for (std::size_t i = 1; i < ctx->provided().size(); ++i) {
+    if (is_when(ctx->provided(i)) == is_when(ctx->provided(0)) || i > 1)
+      repeated(is_when(ctx->provided(i)) ? "`when`" : "`provided`", kWhole, range(ctx->provided(i)));
+  }
   for (std::size_t i = 1; i < ctx->urgency().size(); ++i) repeated("urgency", kWhole, range(ctx->urgency(i)));
   for (std::size_t i = 1; i < ctx->action().size(); ++i) repeated("`do`", kWhole, range(ctx->action(i)));
   for (std::size_t i = 1; i < ctx->resume().size(); ++i) repeated("`resume`", kWhole, range(ctx->resume(i)));
@@ -199,9 +237,11 @@ void Converter::transition(BipParser::TransitionContext* ctx, Annotations marks,
   }
   if (ctx->to().empty()) return missing_from_or_to(ctx, "to");
   t.to = names(ctx->to(0)->idList());
-  if (!ctx->provided().empty()) t.guard = guard(ctx->provided(0));
+  if (ctx->provided().size() == 1) t.guard = guard(ctx->provided(0));
+  if (ctx->provided().size() > 1) t.guard = both(ctx->provided(0), ctx->provided(1));
   if (!ctx->urgency().empty()) t.urgency = name(ctx->urgency(0)->start);
   if (!ctx->action().empty()) t.action = action(ctx->action(0));
+  for (BipParser::ClockResetContext* reset : ctx->clockReset()) add_resets(reset, t.action);
   if (!ctx->resume().empty()) {
     t.resumes = true;
     t.resume = value(ctx->resume(0)->expr());

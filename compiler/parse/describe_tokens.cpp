@@ -61,6 +61,7 @@ constexpr Spelling kSpellings[] = {
     {BipParser::DELAYABLE, "delayable"},
     {BipParser::EAGER, "eager"},
     {BipParser::RESUME, "resume"},
+    {BipParser::RESET, "reset"},
     {BipParser::REMEMBER, "remember"},
     {BipParser::IGNORE, "ignore"},
     {BipParser::ERROR, "error"},

@@ -108,7 +108,9 @@ std::string SyntaxPrinter::text(const Expr* e, Parentheses parentheses) const {
       }
       out = text(at);
       while (!spine.empty()) {
-        out.append(" ").append(source(spine.back()->op_range)).append(" ");
+        // The older spelling of time writes `provided (data) when (clocks)`.
+        const std::string_view sign = source(spine.back()->op_range);
+        out.append(" ").append(sign == "when" ? "&&" : sign).append(" ");
         out += text(spine.back()->operands[1]);
         spine.pop_back();
       }
