@@ -40,10 +40,11 @@ class Compiled {
     const std::filesystem::path object = dir_.path() / "model.so";
     std::ofstream(source) << text;
     const char* compiler = std::getenv("CXX");
-    const std::string command =
-        std::string(compiler != nullptr ? compiler : "c++") + " -std=c++20 " + level +
-        " -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -ffp-contract=off -shared -fPIC -I" +
-        (repository() / "runtime/include").string() + " -o " + object.string() + " " + source.string();
+    const std::string command = std::string(compiler != nullptr ? compiler : "c++") + " -std=c++20 " + level +
+                                " -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -Wno-xor-used-as-pow "
+                                "-ffp-contract=off -shared -fPIC -I" +
+                                (repository() / "runtime/include").string() + " -o " + object.string() + " " +
+                                source.string();
     if (std::system(command.c_str()) != 0) return;
     handle_ = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL);
   }
