@@ -4,6 +4,10 @@
 // contain all of them without a closing line.
 #include "compiler/diag/render.hpp"
 
+#include <algorithm>
+
+#include "compiler/source/utf8.hpp"
+
 namespace bip {
 namespace {
 
@@ -38,15 +42,17 @@ Palette palette(Color color) {
 std::string printable(std::string_view text) {
   std::string out;
   out.reserve(text.size());
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
+  while (!text.empty()) {
+    const auto byte = static_cast<unsigned char>(text.front());
+    const std::size_t length = std::max<std::size_t>(1, utf8_length(text));
     if (byte == '\n') {
       out += "\\n";
-    } else if (byte < 0x20 || byte == 0x7f) {
+    } else if (byte < 0x20 || byte == 0x7f || is_c1_control(text) || is_bidi_control(text)) {
       out += "\xEF\xBF\xBD";
     } else {
-      out += c;
+      out += text.substr(0, length);
     }
+    text.remove_prefix(length);
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include "BipLexer.h"
 #include "antlr4-runtime.h"
 #include "compiler/parse/token_list.hpp"
+#include "compiler/source/utf8.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
@@ -34,6 +35,24 @@ void report_stray(std::string_view sign, SourceRange range, Diagnostics& diags) 
   auto diagnostic = diags.report(Diag::kB0002, range, sign);
   if (sign == "#") diagnostic.help("comments begin with `//`");
   if (sign == "$") diagnostic.help("names consist of letters, digits and `_`");
+}
+
+// Once for each line that has such a character, so that a text written from right to left gives few warnings.
+void warn_of_bidi_controls(std::string_view text, FileId file, Diagnostics& diags) {
+  std::size_t next = 0;
+  // All of them begin with one of these bytes.
+  for (std::size_t at = text.find_first_of("\xD8\xE2"); at != std::string_view::npos;
+       at = text.find_first_of("\xD8\xE2", at + 1)) {
+    if (at < next || !is_bidi_control(text.substr(at))) continue;
+    const std::size_t length = utf8_length(text.substr(at));
+    const std::string_view bytes = text.substr(at, length);
+    std::uint32_t code = static_cast<unsigned char>(bytes[0]) & (length == 2 ? 0x1Fu : 0x0Fu);
+    for (const char byte : bytes.substr(1)) code = (code << 6u) | (static_cast<unsigned char>(byte) & 0x3Fu);
+    diags.report(Diag::kB0022,
+                 SourceRange{file, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(at + length)},
+                 fmt::format("{:04X}", code));
+    next = std::min(text.find('\n', at), text.size());
+  }
 }
 
 }  // namespace
@@ -92,6 +111,7 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
         .label("not UTF-8");
     return list;
   }
+  warn_of_bidi_controls(text, file, diags);
   // ANTLR would swallow a byte order mark and count positions from after it.
   const std::uint32_t skipped = text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
   text.remove_prefix(skipped);

@@ -17,4 +17,11 @@ namespace bip {
 /// `text` must not be empty; a malformed byte counts as 1.
 [[nodiscard]] unsigned utf8_columns(std::string_view text);
 
+/// Returns whether `text` begins with a control character of the block C1 (U+0080 to U+009F), which terminals obey.
+[[nodiscard]] bool is_c1_control(std::string_view text);
+
+/// Returns whether `text` begins with a character that changes the direction in which the text after it is shown
+/// (Unicode's property Bidi_Control): what a reader sees is then not what the compiler reads.
+[[nodiscard]] bool is_bidi_control(std::string_view text);
+
 }  // namespace bip
