@@ -24,6 +24,7 @@ class Client:
         self.inbox = queue.Queue()
         self.pending = []
         self.next_id = 0
+        self.checked = 0  # diagnostics that were looked at
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self):
@@ -87,6 +88,7 @@ class Client:
         while True:
             message = self.pending.pop(0) if self.pending else self.receive()
             params = message.get("params", {})
+            self.checked += message.get("method") == "textDocument/publishDiagnostics"
             if message.get("method") == "textDocument/publishDiagnostics" and params["uri"] == uri and version in (None, params.get("version")):
                 return params["diagnostics"]
 

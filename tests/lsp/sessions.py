@@ -1,4 +1,5 @@
 """Scripted sessions: every request with its expected answer, the protocol's order, positions, several documents."""
+import json
 import pathlib
 import tempfile
 
@@ -107,6 +108,22 @@ def test_diagnostics_with_versions():
     c.notify("textDocument/didSave", {"textDocument": {"uri": URI}})
     c.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
     equal(c.error("textDocument/documentSymbol", {"textDocument": {"uri": URI}}), BAD_PARAMS)
+    equal(c.stop(), 0)
+
+
+def test_queued_changes_are_merged():
+    c = started()
+    equal(c.diagnostics(URI, 1), [])
+    # What a fast typist sends while a check runs, in one piece: checked once, after the last one.
+    bodies = [json.dumps({"jsonrpc": "2.0", "method": "textDocument/didChange", "params": {
+        "textDocument": {"uri": URI, "version": 2 + k}, "contentChanges": [{"text": MODEL + "// " + "x" * k + "\n"}]}}).encode() for k in range(100)]
+    c.raw(b"".join(b"Content-Length: %d\r\n\r\n" % len(body) + body for body in bodies))
+    equal(c.diagnostics(URI, 101), [])
+    assert c.checked < 60, f"{c.checked} checks of 100 changes"
+    # An answer counts all changes before it.
+    c.raw(b"".join(b"Content-Length: %d\r\n\r\n" % len(body) + body for body in bodies[:3]))
+    edits = c.result("textDocument/formatting", {"textDocument": {"uri": URI}, "options": {}})
+    assert edits == [] or edits[0]["newText"].rstrip().endswith("// xx"), edits
     equal(c.stop(), 0)
 
 

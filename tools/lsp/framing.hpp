@@ -25,6 +25,8 @@ class Framing {
   void feed(std::string_view bytes) { buffer_.append(bytes); }
   /// The next complete message, or the news that something was skipped. nullopt: more bytes are needed.
   [[nodiscard]] std::optional<Frame> next();
+  /// Returns whether a message, or a part of one, has come that was not taken.
+  [[nodiscard]] bool has_more() const { return !buffer_.empty(); }
   /// Bytes that a reader should ask for: what is known to be missing, at least 1.
   [[nodiscard]] std::size_t missing() const;
 

@@ -1,7 +1,9 @@
 // The protocol: which messages are valid in which state, and which function answers them.
 #include "tools/lsp/language_server.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "tools/lsp/features.hpp"
 #include "tools/lsp/uri.hpp"
@@ -41,9 +43,9 @@ void Server::fail(const Json& id, ErrorCode code, const std::string& message) {
   send({{"jsonrpc", "2.0"}, {"id", id}, {"error", {{"code", static_cast<int>(code)}, {"message", message}}}});
 }
 
-void Server::handle(const Framing::Frame& frame) {
+void Server::handle(const Framing::Frame& frame, Queue queue) {
   switch (frame.kind) {
-    case Framing::Kind::Message: return handle(frame.body);
+    case Framing::Kind::Message: return handle(frame.body, queue);
     case Framing::Kind::BadHeader:
       return fail(nullptr, ErrorCode::ParseError, "a message begins with `Content-Length: N` and an empty line");
     case Framing::Kind::TooLong:
@@ -51,11 +53,28 @@ void Server::handle(const Framing::Frame& frame) {
   }
 }
 
-void Server::handle(std::string_view body) {
+void Server::handle(std::string_view body, Queue queue) {
   if (is_finished()) return;
   const Json message = Json::parse(body, nullptr, /*allow_exceptions=*/false);
   if (message.is_discarded()) return fail(nullptr, ErrorCode::ParseError, "the message is not JSON");
+  const std::string* method = string_member(message, "method");
+  // Answers come after the diagnostics of all changes before them.
+  if (method == nullptr || *method != "textDocument/didChange") check_changed();
   dispatch(message);
+  if (queue == Queue::Empty) check_changed();
+}
+
+void Server::check_later(const std::string& path) {
+  if (std::find(changed_.begin(), changed_.end(), path) == changed_.end()) changed_.push_back(path);
+}
+
+void Server::check_changed() {
+  const std::vector<std::string> paths = std::exchange(changed_, {});
+  try {
+    for (const std::string& path : paths) check(path);
+  } catch (const std::exception& e) {
+    log(std::string("a check failed: ") + e.what());
+  }
 }
 
 void Server::dispatch(const Json& message) {

@@ -3,9 +3,11 @@
 // Whatever a message holds, the answer is a result or a JSON-RPC error; a notification that makes no sense is reported
 // to the client's log and has no effect.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tools/lsp/framing.hpp"
 #include "tools/lsp/workspace.hpp"
@@ -17,8 +19,11 @@ class Server {
   /// `send` gets one message's JSON at a time, without header.
   explicit Server(std::function<void(std::string_view)> send) : send_(std::move(send)) {}
 
-  void handle(std::string_view body);
-  void handle(const Framing::Frame& frame);
+  /// Whether more messages are there already. Then the documents are checked after the last of several changes, and a
+  /// client that types faster than a check lasts is not answered ever later.
+  enum class Queue : std::uint8_t { Empty, HasMore };
+  void handle(std::string_view body, Queue queue = Queue::Empty);
+  void handle(const Framing::Frame& frame, Queue queue = Queue::Empty);
   [[nodiscard]] bool is_finished() const { return state_ == State::Finished; }
   /// 0 after an orderly shutdown, 1 if `exit` came without.
   [[nodiscard]] int exit_code() const { return exit_code_; }
@@ -39,6 +44,8 @@ class Server {
   void did_save(const Json& params);
 
   void check(const std::string& path);
+  void check_later(const std::string& path);
+  void check_changed();
   void log(const std::string& text);
   void fail(const Json& id, ErrorCode code, const std::string& message);
   void notify(const char* method, Json params);
@@ -46,6 +53,7 @@ class Server {
 
   std::function<void(std::string_view)> send_;
   Workspace workspace_;
+  std::vector<std::string> changed_;  // paths that are to be checked, in the order of their first change
   State state_ = State::Fresh;
   int exit_code_ = 0;
 };

@@ -53,8 +53,7 @@ void Server::did_change(const Json& params) {
   }
   d->text = std::move(text);
   d->version = int_member(*document, "version").value_or(d->version);
-  const std::string path = d->path;
-  check(path);
+  check_later(d->path);
 }
 
 void Server::did_close(const Json& params) {
