@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """A client of `bipc serve` (compiler/docs/serve.md), as a library and on the command line. Python's library only.
 
-    tools/serve_client.py SOCKET|PORT '{"do":"hello"}' ...    sends the requests, prints the answers
-    tools/serve_client.py SOCKET|PORT --watch                 subscribes and prints notes until the server ends
+    tools/serve_client.py SOCKET|PORT:TOKEN '{"do":"hello"}' ...    sends the requests, prints the answers
+    tools/serve_client.py SOCKET|PORT:TOKEN --watch                 subscribes and prints notes until the server ends
+
+The server of a port prints its token when it begins.
 
     with Client("/tmp/model.sock") as model:
         model.ask("post", port="panel.turn", values={"level": 3})
@@ -14,13 +16,18 @@ import sys
 
 class Client:
     def __init__(self, where, timeout=10):
-        is_port = str(where).isdigit()
+        port, _, token = str(where).partition(":")
+        is_port = port.isdigit()
         self.socket = socket.socket(socket.AF_INET if is_port else socket.AF_UNIX)
         self.socket.settimeout(timeout)
-        self.socket.connect(("127.0.0.1", int(where)) if is_port else where)
+        self.socket.connect(("127.0.0.1", int(port)) if is_port else where)
         self.lines = self.socket.makefile("rb")
         self.next_id = 0
         self.notes = []  # that came while an answer was waited for
+        if is_port:
+            answer = self.ask("hello", token=token)
+            if not answer["ok"]:
+                raise ConnectionError(answer["error"])
 
     def __enter__(self):
         return self
@@ -40,7 +47,8 @@ class Client:
         self.socket.sendall(json.dumps({"id": self.next_id, "do": do, **more}).encode() + b"\n")
         while True:
             answer = self.read()
-            if answer.get("id") == self.next_id:
+            # A connection that is refused is answered without a number.
+            if answer.get("id") == self.next_id or answer.get("ok") is False and "id" not in answer:
                 return answer
             self.notes.append(answer)
 

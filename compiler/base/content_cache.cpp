@@ -2,16 +2,16 @@
 // rest.
 #include "compiler/base/content_cache.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 #include "compiler/base/content_hash.hpp"
 #include "compiler/base/read_file.hpp"
+#include "compiler/base/write_file.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip {
@@ -46,10 +46,24 @@ bool is_kept_file(const fs::path& path) {
 // The name counts: a sound file under another name says something about another thing.
 std::string hash_of(const std::string& name, std::string_view bytes) { return content_hash({name, bytes}); }
 
+// Whoever can write to the folder can have us execute machine code: it is to be the user's, and nobody else's.
+bool is_private(const fs::path& folder) {
+  struct stat status {};
+  return ::stat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid() &&
+         (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+// With the folders above it that are missing. False: it cannot be made.
+bool make_private_folder(const fs::path& folder) {
+  if (::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST) return true;
+  if (errno != ENOENT || !folder.has_relative_path() || folder.parent_path() == folder) return false;
+  return make_private_folder(folder.parent_path()) && (::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST);
+}
+
 }  // namespace
 
 std::optional<std::string> ContentCache::load(const std::string& name) {
-  if (!is_on()) return std::nullopt;
+  if (!is_on() || !is_private(folder_)) return std::nullopt;
   const fs::path path = folder_ / (name + extension_of(kind_));
   std::error_code error;
   // A pipe would wait for a writer, and what is larger than all that may be kept is none of ours.
@@ -75,28 +89,12 @@ std::optional<std::string> ContentCache::load(const std::string& name) {
 
 bool ContentCache::store(const std::string& name, std::string_view bytes) {
   if (!is_on()) return false;
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  // A name that nobody else writes to.
-  std::string fresh = (folder_ / (name + ".XXXXXX.new")).string();
-  const int file = ::mkstemps(fresh.data(), 4);
-  if (file < 0) return false;
-  ::close(file);
-  {
-    std::ofstream out(fresh, std::ios::binary);
-    out << magic_of(kind_) << hash_of(name, bytes);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out) {
-      fs::remove(fresh, error);
-      return false;
-    }
-  }
-  fs::rename(fresh, folder_ / (name + extension_of(kind_)), error);
-  if (error) {
-    fs::remove(fresh, error);
-    return false;
-  }
+  if (!make_private_folder(folder_) || !is_private(folder_)) return false;
+  std::string contents(magic_of(kind_));
+  contents += hash_of(name, bytes);
+  contents += bytes;
+  // After a power failure the hash tells a file that is not complete.
+  if (!write_file(folder_ / (name + extension_of(kind_)), contents, Durability::Unsynced)) return false;
   has_stored_ = true;
   return true;
 }

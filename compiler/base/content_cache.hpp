@@ -2,9 +2,9 @@
 //
 // A look-up returns the bytes that were stored under the name, or nothing: a truncated, changed or renamed file is
 // detected by the hash of name and contents at its beginning and counts as absent. (Whoever can write to the folder can
-// forge the hash as well, so a user of the contents trusts the owner of the folder, or checks them.) Several processes
-// may use a folder at the same time, since files are renamed into place. No function fails: a folder that cannot be
-// written is an empty cache. Cost: reading and hashing the file.
+// forge the hash as well: it is made with mode 0700, and used only if it is the user's and not writable by others.)
+// Several processes may use a folder at the same time, since files are renamed into place. No function fails: a folder
+// that cannot be written is an empty cache. Cost: reading and hashing the file.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,18 +1,22 @@
 // The bytes of a file.
 #pragma once
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <memory>
 #include <optional>
 #include <string>
 
 namespace bip {
 
-/// Nothing: it cannot be opened.
+/// Nothing: it cannot be opened, is a folder, or an error ended reading; errno says which.
 [[nodiscard]] inline std::optional<std::string> read_file(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return std::nullopt;
-  return std::string{std::istreambuf_iterator<char>(in), {}};
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rbe"), std::fclose);
+  if (in == nullptr) return std::nullopt;
+  std::string text;
+  char piece[1 << 14];
+  while (const std::size_t got = std::fread(piece, 1, sizeof piece, in.get())) text.append(piece, got);
+  if (std::ferror(in.get()) != 0) return std::nullopt;
+  return text;
 }
 
 }  // namespace bip

@@ -1,10 +1,9 @@
 // See cache_folder.hpp.
 #include "compiler/driver/cache_folder.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cstdlib>
+
+#include "compiler/base/build_id.hpp"
 
 namespace bip::driver {
 
@@ -15,10 +14,14 @@ fs::path cache_folder(const CacheOptions& options) {
   if (!options.folder.empty()) return options.folder;
   const char* cache = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");
-  std::error_code error;
-  if (cache != nullptr && *cache != '\0') return fs::path(cache) / "bipc";
-  if (home != nullptr && *home != '\0') return fs::path(home) / ".cache" / "bipc";
-  return fs::temp_directory_path(error) / fmt::format("bipc-cache-{}", ::getuid());
+  // A relative path would be another folder for every working directory, perhaps of somebody else.
+  if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "bipc";
+  if (home != nullptr && fs::path(home).is_absolute()) return fs::path(home) / ".cache" / "bipc";
+  return {};
+}
+
+std::string cache_version() {
+  return std::string(BIPC_VERSION) + "+" + build_id_of(reinterpret_cast<const void*>(&cache_version));
 }
 
 }  // namespace bip::driver

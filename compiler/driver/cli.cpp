@@ -2,12 +2,14 @@
 #include "compiler/driver/cli.hpp"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <string_view>
 
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/exit_codes.hpp"
+#include "compiler/driver/host_compiler.hpp"
 
 namespace bip::driver {
 namespace {
@@ -101,6 +103,16 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   return command_version(arguments.version);
 }
 
+// A signal that came while a compiler ran has ended the compiler only: temporary files are removed by now.
+int end_by_signal(int code) {
+  const int signal = signal_during_program();
+  if (signal == 0) return code;
+  std::fflush(stdout);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+  return 128 + signal;
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv, const char* commit) {
@@ -141,7 +153,7 @@ int run_command_line(int argc, char** argv, const char* commit) {
   }
   if (!arguments.published.package.empty() || !arguments.published.file.empty()) {
     if (!app.get_subcommands().empty()) return usage_error("`-p` and `-f` go without a command", "`bipc --help`");
-    return command_published(arguments.published);
+    return end_by_signal(command_published(arguments.published));
   }
   if (app.get_subcommands().empty()) {
     std::fputs(app.help().c_str(), stdout);
@@ -151,7 +163,7 @@ int run_command_line(int argc, char** argv, const char* commit) {
       arguments.replay.recorded_trace.empty()) {
     return usage_error("a trace is needed: --published or --recorded", help_of(app, argc, argv));
   }
-  return dispatch(app, arguments);
+  return end_by_signal(dispatch(app, arguments));
 }
 
 }  // namespace bip::driver

@@ -102,6 +102,17 @@ bool is_namespace(const std::string& text) {
   return !begins;
 }
 
+// CLI11's ranges let NaN pass.
+CLI::Validator is_speed() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double speed = 0;
+        const bool is_good = CLI::detail::lexical_cast(text, speed) && speed >= 1e-6 && speed <= 1e6;
+        return is_good ? std::string() : fmt::format("`{}` is not a number from 0.000001 to 1000000", text);
+      },
+      "");
+}
+
 // ---- machine code and who runs it: how it is made, kept and watched, and its priority
 
 void add_cache_options(CLI::App& command, CacheOptions& cache) {
@@ -115,6 +126,12 @@ void add_cache_options(CLI::App& command, CacheOptions& cache) {
                   "size limit of the cache; the least recently used entries are removed (default: 256)")
       ->check(CLI::Range(1, 1 << 20))
       ->type_name("MB");
+}
+
+// Of commands that compile and load what a model brings.
+void add_no_cpp(CLI::App& command, CompileOptions& options) {
+  command.add_flag("--no-cpp", options.refuses_cpp,
+                   "refuse models that call C++: nothing that a model brings is compiled or loaded");
 }
 
 // -O; -O1 is for the C++ compiler only.
@@ -257,6 +274,7 @@ void add_run(CLI::App& app, RunArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: jit if it is built in)");
   add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
                    "compile with this optimisation level before the first step (default: begin interpreted and change "
                    "to -O2 code during the run)");
@@ -278,7 +296,7 @@ void add_run(CLI::App& app, RunArguments& a) {
       "--real-time", [&a] { a.run.speed = a.run.speed > 0 ? a.run.speed : 1; },
       "run in real time (default: logical time, which passes without waiting)");
   command->add_option("--speed", a.run.speed, "run in real time, with F seconds of model time per second")
-      ->check(CLI::Range(1e-6, 1e6))
+      ->check(is_speed())
       ->type_name("F");
   command->add_flag("--relaxed", a.run.relaxed,
                     "in real time, report a step that starts too late as a warning instead of an error");
@@ -356,6 +374,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command->add_flag_callback(
       "--no-reuse", [&a] { a.reuses = false; }, "neither read nor write the proof cache");
   add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
   add_compile(*command, a.compile);
   command->footer(
       "EXPR is a condition on stable states: a@PLACE, a.data, can connector, can a.port, and the operators of guards.\n"
@@ -401,6 +420,7 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: jit if it is built in)");
   add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
                    "optimisation level of the JIT (default: 2 for at most 32 functions, else 0)");
   command->add_flag_callback(
@@ -429,7 +449,7 @@ void add_serve(CLI::App& app, ServeArguments& a) {
             a.port = port;
             a.has_port = true;
           },
-          "accept clients at TCP port N of 127.0.0.1; 0 selects a free port and prints it to standard error")
+          "accept clients at TCP port N of 127.0.0.1 (0: a free one) that know the token printed to standard error")
       ->check(is_number())
       ->type_name("N");
   command->add_flag("--paused", a.paused, "start paused, until a client sends `resume` or `step`");
@@ -439,9 +459,10 @@ void add_serve(CLI::App& app, ServeArguments& a) {
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: jit if it is built in)");
   add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
   command->add_flag("--asap", a.asap, "take each step at the earliest instant at which it is possible");
   command->add_option("--speed", a.speed, "seconds of model time per second (default: 1)")
-      ->check(CLI::Range(1e-6, 1e6))
+      ->check(is_speed())
       ->type_name("F");
   add_real_time_priority(*command, a.real_time_priority);
   command
@@ -464,6 +485,7 @@ void add_build(CLI::App& app, BuildArguments& a) {
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O1O2,
                    "optimisation level of the C++ compiler (default: 3)");
   add_compile(*command, a.compile);
+  add_no_cpp(*command, a.compile);
   command->footer(
       "The compiler is $CXX, else c++, g++ or clang++.\nExample:\n  bipc build model.bip -o model && ./model --seed "
       "42");
@@ -641,6 +663,7 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
       "--disable-maximal-progress", [&a] { a.maximal_progress = false; },
       "the recorded run had maximal progress disabled");
   add_compile(*command, a.compile);
+  add_no_cpp(*command, a.compile);
   command->footer(
       "--published takes the steps of TRACE and compares the candidates of each state, in any order: names, values, "
       "intervals.\n--recorded checks that each step is a candidate where it is taken and that the last state is the "

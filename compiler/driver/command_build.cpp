@@ -4,9 +4,10 @@
 // of the compiler are reported at locations of the model (compiler_errors.hpp).
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "compiler/base/read_file.hpp"
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/compiler_errors.hpp"
 #include "compiler/driver/ffi_build.hpp"
@@ -52,6 +53,11 @@ std::string joined(const std::vector<std::string>& words, std::string_view betwe
 }
 
 bool build_program(Compilation& c, const BuildArguments& arguments) {
+  if (!check_outputs(c, {arguments.output})) return false;
+  if (c.options.refuses_cpp && uses_ffi(c)) {
+    c.diags.report(Diag::kB5014, {}, "compile");
+    return false;
+  }
   std::string tried;
   std::vector<std::string> command = find_host_compiler(tried);
   if (command.empty()) {
@@ -97,27 +103,22 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   for (const std::string& dir : cpp.include_dirs) command.push_back("-I" + dir);
   for (const auto* files : {&cpp.sources, &cpp.objects}) command.insert(command.end(), files->begin(), files->end());
   // Beside the goal, then renamed over it: a program that runs just now is replaced, not written into.
-  const std::string fresh = arguments.output + ".bipc-new";
-  command.insert(command.end(), {"-o", fresh});
+  Result<NewFile> program = NewFile::create(arguments.output);
+  if (!program) {
+    c.diags.report(Diag::kB5004, {}, arguments.output, program.error());
+    return false;
+  }
+  command.insert(command.end(), {"-o", (*program).path().string()});
   const std::string said = (*work).path() + "/said";
   const Result<int> status = run_program(command, said);
-  std::error_code error;
   if (!status || *status != 0) {
-    std::filesystem::remove(fresh, error);
-    std::ifstream in(said, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    report_build_failure(c, compiler, status ? fmt::format("exit code {}", *status) : status.error(), text.str(),
-                         (*work).path());
+    report_build_failure(c, compiler, status ? fmt::format("exit code {}", *status) : status.error(),
+                         read_file(said).value_or(""), (*work).path());
     return false;
   }
-  std::filesystem::rename(fresh, arguments.output, error);
-  if (error) {
-    c.diags.report(Diag::kB5004, {}, arguments.output, error.message());
-    std::filesystem::remove(fresh, error);
-    return false;
-  }
-  return true;
+  const Result<bool> placed = program->commit(Durability::Synced);
+  if (!placed) c.diags.report(Diag::kB5004, {}, arguments.output, placed.error());
+  return static_cast<bool>(placed);
 }
 
 }  // namespace
@@ -146,6 +147,8 @@ int command_emit(const EmitArguments& arguments) {
     const std::string program = std::filesystem::path(arguments.file).stem().string();
     emit_cpp::CppBuild cpp;
     if (!find_ffi_files(c, cpp)) return report(c);
+    const std::filesystem::path folder(arguments.directory);
+    if (!check_outputs(c, {folder / "model.cpp", folder / "CMakeLists.txt"})) return report(c);
     steps::derive_steps(*c.lowered);
     const auto written =
         emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp,

@@ -9,11 +9,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
-#include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
@@ -151,9 +152,10 @@ int command_explore(const ExploreArguments& arguments) {
     emit_stage(c, arguments.file, arguments.optimisation);
     return report(c);
   }
-  if (!compile(c, arguments.file, Stage::Image)) return report(c);
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.trace_path})) return report(c);
   Executor executor(MachineCode::Fresh);
-  const bool ready = executor.prepare(c, arguments.backend, arguments.optimisation) && is_explorable(arguments, c);
+  // What is refused anyway needs none of the model's C++.
+  const bool ready = is_explorable(arguments, c) && executor.prepare(c, arguments.backend, arguments.optimisation);
   if (const int code = report(c); code != 0 || !ready) return code;
   if (system::is_timed(*c.system)) return explore_timed(arguments, c);
   const rt::Image& image = c.lowered->image;

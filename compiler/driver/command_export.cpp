@@ -5,11 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/read_question.hpp"
-#include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
@@ -98,7 +99,7 @@ int command_export(const ExportArguments& arguments) {
     return report(c);
   }
   std::string text;
-  if (compile(c, arguments.file, Stage::Image)) {
+  if (compile(c, arguments.file, Stage::Image) && check_outputs(c, {arguments.output})) {
     const std::optional<verify::Question> question = read_question("export", arguments.property, *c.system);
     if (!question) return kUsage;
     Result<std::string> made = exported(c, arguments, *question);

@@ -4,9 +4,9 @@
 #include <cstdio>
 
 #include "compiler/base/stage_scope.hpp"
+#include "compiler/base/write_file.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/exit_codes.hpp"
-#include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/syntax/print.hpp"
 

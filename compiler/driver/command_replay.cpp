@@ -9,10 +9,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
 
+#include "compiler/base/read_file.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
@@ -240,20 +239,22 @@ class Replay {
   bool ends_with_fault_ = false;
 };
 
-int replay_recorded(Compilation& c, const ReplayArguments& arguments) {
-  std::ifstream file(arguments.recorded_trace, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file) {
+int replay_recorded(Compilation& c, const ReplayArguments& arguments, Executor& executor) {
+  const std::optional<std::string> bytes = read_file(arguments.recorded_trace);
+  if (!bytes) {
     c.diags.report(Diag::kB0090, {}, arguments.recorded_trace, std::strerror(errno));
     return report(c);
   }
+  if (const std::string problem = rt::recorded_problem(c.lowered->image, *bytes); !problem.empty()) {
+    c.diags.report(Diag::kB0090, {}, arguments.recorded_trace, problem);
+    return report(c);
+  }
+  if (!executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
   rt::RunOptions options;
   options.silent = arguments.silent;
   options.format = arguments.format;
-  const rt::Followed followed = rt::follow(c.lowered->image, bytes, options, stdout);
-  if (!followed.is_trace) {
-    c.diags.report(Diag::kB0090, {}, arguments.recorded_trace, followed.problem);
-  } else if (!followed.problem.empty()) {
+  const rt::Followed followed = rt::follow(c.lowered->image, *bytes, options, stdout);
+  if (!followed.problem.empty()) {
     auto d = c.diags.report(Diag::kB5021, {}, followed.problem);
     if (!followed.candidates.empty()) d.note("the model has" + followed.candidates);
   } else {
@@ -274,8 +275,7 @@ int command_replay(const ReplayArguments& arguments) {
         .note(port);
     return report(c);
   }
-  if (!executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
-  if (!arguments.recorded_trace.empty()) return replay_recorded(c, arguments);
+  if (!arguments.recorded_trace.empty()) return replay_recorded(c, arguments, executor);
   SourceMap traces;
   const Result<FileId> file = traces.load(arguments.published_trace);
   if (!file) {
@@ -287,6 +287,7 @@ int command_replay(const ReplayArguments& arguments) {
     c.diags.report(Diag::kB5020, {}, arguments.published_trace, trace.error());
     return report(c);
   }
+  if (!executor.prepare(c, arguments.backend, Optimisation::Auto)) return report(c);
   Replay replay(c, arguments.published_trace, arguments.maximal_progress);
   const bool agree = replay.follow(*trace);
   if (agree) {

@@ -9,12 +9,13 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/ffi_build.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
-#include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/profile_text.hpp"
 #include "compiler/driver/report.hpp"
 #include "runtime/trace/trace_formats.hpp"
@@ -94,7 +95,11 @@ void release_instances(Compilation& c) {
 }  // namespace
 
 int command_run(const RunArguments& arguments) {
-  if (has_own_program(arguments.file)) return run_folder(arguments);
+  if (has_own_program(arguments.file)) {
+    if (!arguments.compile.refuses_cpp) return run_folder(arguments);
+    std::fprintf(stderr, "error: `%s` has its own program, and `--no-cpp` refuses it\n", arguments.file.c_str());
+    return kUsage;
+  }
   Compilation c(arguments.compile);
   if (arguments.compile.emit != EmitKind::None) {
     emit_stage(c, arguments.file, arguments.optimisation);
@@ -102,7 +107,8 @@ int command_run(const RunArguments& arguments) {
   }
   Executor executor;
   const bool profiles = arguments.profile || !arguments.profile_path.empty();
-  bool ready = compile(c, arguments.file, Stage::Image);
+  bool ready = compile(c, arguments.file, Stage::Image) &&
+               check_outputs(c, {arguments.run.trace_path, arguments.run.record_path, arguments.profile_path});
   if (ready) c.lowered->calls_rows = profiles;
   const bool tiered = ready && !profiles && begins_interpreted(c, arguments);
   ready = ready && (tiered ? executor.prepare_tiered(c)

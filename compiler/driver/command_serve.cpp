@@ -1,6 +1,8 @@
 // `bipc serve`: runs a model in real time while clients communicate with it (compiler/docs/serve.md).
 #include <cstdio>
 
+#include "bip/process.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
@@ -12,8 +14,8 @@ namespace bip::driver {
 int command_serve(const ServeArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
-  const bool ready =
-      compile(c, arguments.file, Stage::Image) && executor.prepare(c, arguments.backend, Optimisation::Auto);
+  const bool ready = compile(c, arguments.file, Stage::Image) && check_outputs(c, {arguments.trace_path}) &&
+                     executor.prepare(c, arguments.backend, Optimisation::Auto);
   if (const int code = report(c); code != 0 || !ready) return code;
   ExecutionOptions options;
   options.seed = arguments.seed;
@@ -33,15 +35,15 @@ int command_serve(const ServeArguments& arguments) {
   server.socket_path = arguments.socket;
   server.uses_tcp = arguments.has_port;
   server.tcp_port = arguments.port;
-  if (std::string error; !serve::serve(controller, server, error)) {
-    std::fprintf(stderr, "error: %s\n", error.c_str());
-    return kUsage;
-  }
+  std::string error;
+  const serve::ServeEnd end = serve::serve(controller, server, error);
+  if (end != serve::ServeEnd::Done) std::fprintf(stderr, "error: %s\n", error.c_str());
+  if (end == serve::ServeEnd::NotOpened) return kUsage;
   if (!controller.end_trace()) {
     std::fprintf(stderr, "error: not all of `%s` could be written\n", arguments.trace_path.c_str());
-    return kUsage;
+    return kOutputLost;
   }
-  return kOk;
+  return end == serve::ServeEnd::Done ? kOk : kOutputLost;
 }
 
 }  // namespace bip::driver

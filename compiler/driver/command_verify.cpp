@@ -8,20 +8,22 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "compiler/base/content_cache.hpp"
+#include "compiler/base/write_file.hpp"
 #include "compiler/driver/cache_folder.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/error_sources.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/first_runs.hpp"
-#include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/initial_fault.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/driver/machine.hpp"
@@ -142,6 +144,17 @@ std::string error_remark(const Compilation& c, const verify::Question& question,
   BIP_UNREACHABLE("an outcome");
 }
 
+// A certificate of an earlier run says what this one refutes.
+void remove_certificate(Compilation& c, const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return;
+  if (std::filesystem::remove(path, error)) {
+    std::fprintf(stderr, "note: `%s` held an earlier certificate and was removed\n", path.c_str());
+  } else {
+    c.diags.report(Diag::kB5004, {}, path, error.message());
+  }
+}
+
 }  // namespace
 
 int command_verify(const VerifyArguments& arguments) {
@@ -150,7 +163,7 @@ int command_verify(const VerifyArguments& arguments) {
     emit_stage(c, arguments.file, Optimisation::Auto);
     return report(c);
   }
-  if (!compile(c, arguments.file, Stage::Image)) return report(c);
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.certificate})) return report(c);
   const std::string property = arguments.partial ? std::string() : arguments.property;
   std::optional<verify::Question> asked = read_question("verify", property, *c.system);
   if (!asked) return kUsage;
@@ -183,7 +196,7 @@ int command_verify(const VerifyArguments& arguments) {
   };
   ContentCache cache(KeptKind::Proof, cache_folder(arguments.compile.cache).string(),
                      arguments.compile.cache.megabytes << 20);
-  verify::ProofCache proofs(cache, BIPC_VERSION);
+  verify::ProofCache proofs(cache, cache_version());
   verify::Decision decision;
   VerdictText verdict;
   double seconds = 0;
@@ -207,6 +220,8 @@ int command_verify(const VerifyArguments& arguments) {
       const Result<bool> written =
           write_file(arguments.certificate, verify::certificate(portfolio, question, decision, *c.system, c.root_name));
       if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
+    } else if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Violated) {
+      remove_certificate(c, arguments.certificate);
     }
     if (is_ready) verdict.text += error_remark(c, question, decision, portfolio, limits);
   }

@@ -35,7 +35,7 @@ jit::JitOptions jit_options(const CacheOptions& cache, jit::OptLevel level) {
   options.level = level;
   options.cache_folder = cache_folder(cache).string();
   options.cache_bytes = cache.megabytes << 20;
-  options.version = BIPC_VERSION;
+  options.version = cache_version();
   return options;
 }
 

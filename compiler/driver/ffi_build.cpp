@@ -13,6 +13,7 @@
 #include "compiler/base/content_cache.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/base/content_hash.hpp"
+#include "compiler/base/write_file.hpp"
 #include "compiler/driver/cache_folder.hpp"
 #include "compiler/driver/compiler_errors.hpp"
 #include "compiler/driver/ffi_cache.hpp"
@@ -118,7 +119,7 @@ class LibraryBuild {
     command.emplace_back("--version");
     const std::string version = work_ + "/version";
     (void)run_program(command, version);
-    std::vector<std::string> texts{BIPC_VERSION, shim_, text_of(version)};
+    std::vector<std::string> texts{cache_version(), shim_, text_of(version)};
     for (const std::vector<std::string>* words :
          std::initializer_list<const std::vector<std::string>*>{&compiler_, &flags_, &cpp_.sources, &cpp_.objects}) {
       texts.insert(texts.end(), words->begin(), words->end());
@@ -219,6 +220,10 @@ bool find_ffi_files(Compilation& c, emit_cpp::CppBuild& out) {
 
 bool load_ffi(Compilation& c, const CacheOptions& cache) {
   if (!uses_ffi(c)) return true;
+  if (c.options.refuses_cpp) {
+    c.diags.report(Diag::kB5014, {}, "compile and load");
+    return false;
+  }
   emit_cpp::CppBuild cpp;
   if (!find_ffi_files(c, cpp)) return false;
   const Result<TemporaryDirectory> work = TemporaryDirectory::make();

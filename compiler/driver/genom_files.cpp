@@ -4,7 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "compiler/driver/host_compiler.hpp"
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/syntax/print.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -104,7 +105,7 @@ void write_translation(Compilation& c, const GenomArguments& a, const genom::Tra
   const std::string text = formatted(translation.bip);
   if (a.output.empty()) {
     std::fwrite(text.data(), 1, text.size(), stdout);
-  } else {
+  } else if (check_outputs(c, {a.output})) {
     write(c, a.output, text);
     if (a.skeleton) write_skeleton(c, a, translation, package);
   }

@@ -7,13 +7,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
+
+#include "runtime/engine/interrupt.hpp"
 
 extern char** environ;
 
@@ -39,21 +41,58 @@ bool is_program(const std::string& name) {
   return false;
 }
 
-// Our parent stays deaf to Ctrl-C while the child runs; the child gets the default back.
-class IgnoreInterrupts {
+// The process group of the program that runs, for the handler of signals, and what the handler was called with.
+std::atomic<pid_t> running_group{0};
+std::atomic<int> forwarded_signal{0};
+extern "C" void bip_forward_signal(int signal) {
+  forwarded_signal.store(signal);
+  if (const pid_t group = running_group.load(); group != 0) ::kill(-group, signal);
+}
+
+// Blocks the ending signals of this thread while it lives: between the start of a program and the note of its number.
+class BlockedSignals {
  public:
-  IgnoreInterrupts() {
-    struct sigaction ignore {};
-    ignore.sa_handler = SIG_IGN;
-    ::sigaction(SIGINT, &ignore, &before_);
+  BlockedSignals() {
+    sigset_t ending;
+    ::sigemptyset(&ending);
+    for (const int signal : rt::kEndingSignals) ::sigaddset(&ending, signal);
+    ::pthread_sigmask(SIG_BLOCK, &ending, &before_);
   }
-  ~IgnoreInterrupts() { ::sigaction(SIGINT, &before_, nullptr); }
-  IgnoreInterrupts(const IgnoreInterrupts&) = delete;
-  IgnoreInterrupts& operator=(const IgnoreInterrupts&) = delete;
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+  [[nodiscard]] const sigset_t& before() const { return before_; }
 
  private:
-  struct sigaction before_ {};
+  sigset_t before_{};
 };
+
+// Starts the program in a process group of its own. Returns the error's number.
+int start_program(const std::vector<std::string>& command, const std::string& output, pid_t& child) {
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&actions);
+  if (!output.empty())
+    ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+  ::posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  ::sigemptyset(&defaults);
+  for (const int signal : rt::kEndingSignals) ::sigaddset(&defaults, signal);
+  ::posix_spawnattr_setsigdefault(&attributes, &defaults);
+  ::posix_spawnattr_setpgroup(&attributes, 0);
+  const BlockedSignals blocked;
+  ::posix_spawnattr_setsigmask(&attributes, &blocked.before());
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
+  const int error = ::posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  if (error == 0) running_group.store(child);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::posix_spawnattr_destroy(&attributes);
+  return error;
+}
 
 }  // namespace
 
@@ -73,31 +112,14 @@ std::vector<std::string> find_host_compiler(std::string& tried) {
 }
 
 Result<int> run_program(const std::vector<std::string>& command, const std::string& output) {
-  const IgnoreInterrupts quiet;
-  std::vector<char*> arguments;
-  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  ::posix_spawn_file_actions_init(&actions);
-  if (!output.empty())
-    ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-  ::posix_spawnattr_init(&attributes);
-  sigset_t defaults;
-  ::sigemptyset(&defaults);
-  ::sigaddset(&defaults, SIGINT);
-  ::posix_spawnattr_setsigdefault(&attributes, &defaults);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  const rt::EndingSignals forwarded(bip_forward_signal);
   pid_t child = 0;
-  const int error = ::posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
-  ::posix_spawn_file_actions_destroy(&actions);
-  ::posix_spawnattr_destroy(&attributes);
-  if (error != 0) return Failure{std::strerror(error)};
+  if (const int error = start_program(command, output, child); error != 0) return Failure{std::strerror(error)};
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return Failure{std::strerror(errno)};
-  }
+  int error = 0;
+  while (::waitpid(child, &status, 0) < 0 && error == 0) error = errno == EINTR ? 0 : errno;
+  running_group.store(0);
+  if (error != 0) return Failure{std::strerror(error)};
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -105,6 +127,8 @@ std::string program_path() {
   std::error_code ignored;
   return fs::read_symlink("/proc/self/exe", ignored).string();
 }
+
+int signal_during_program() { return forwarded_signal.load(); }
 
 RuntimeLocation find_runtime() {
   RuntimeLocation found;
@@ -137,34 +161,6 @@ Result<TemporaryDirectory> TemporaryDirectory::make() {
 TemporaryDirectory::~TemporaryDirectory() {
   std::error_code ignored;
   if (!path_.empty()) fs::remove_all(path_, ignored);
-}
-
-Result<bool> write_file(const std::string& path, const std::string& text) {
-  std::error_code ignored;
-  // Through a link, the file it points to is what changes.
-  const fs::path target = fs::is_symlink(path, ignored) ? fs::canonical(path, ignored) : fs::path(path);
-  const bool is_plain = !fs::exists(target, ignored) || fs::is_regular_file(target, ignored);
-  const fs::path written = is_plain ? fs::path(target.string() + ".bipc-new") : target;
-  {
-    std::ofstream out(written, std::ios::binary);
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    out.close();
-    if (!out) {
-      const std::string reason = std::strerror(errno);
-      if (is_plain) fs::remove(written, ignored);
-      return Failure{reason};
-    }
-  }
-  if (!is_plain) return true;
-  if (const fs::file_status old = fs::status(target, ignored); fs::exists(old))
-    fs::permissions(written, old.permissions(), ignored);
-  std::error_code error;
-  fs::rename(written, target, error);
-  if (error) {
-    fs::remove(written, ignored);
-    return Failure{error.message()};
-  }
-  return true;
 }
 
 }  // namespace bip::driver

@@ -13,9 +13,12 @@ namespace bip::driver {
 [[nodiscard]] std::vector<std::string> find_host_compiler(std::string& tried);
 
 /// Runs a program with its output on our standard error, or in the file `output`. The exit code; 128 + signal if a
-/// signal ended it; a Failure if it could not be started. Ctrl-C ends the child, not us, so that the caller can tidy
-/// up.
+/// signal ended it; a Failure if it could not be started. SIGINT, SIGTERM and SIGHUP end the program with all that it
+/// started, and not us, so that the caller can tidy up.
 [[nodiscard]] Result<int> run_program(const std::vector<std::string>& command, const std::string& output = {});
+
+/// The signal that came while a program ran, or 0. A command that was asked to end so ends by this signal.
+[[nodiscard]] int signal_during_program();
 
 /// Where the runtime is: `include`, `core`, `engine`, `trace` below `directory`, and the library made by our own build
 /// (empty: compile the sources). Looked for beside the bipc program: in a build tree and in an installation.
@@ -41,8 +44,5 @@ class TemporaryDirectory {
   explicit TemporaryDirectory(std::string path) : path_(std::move(path)) {}
   std::string path_;
 };
-
-/// Writes a whole file through a neighbour that is renamed over it: readers see the old text or the new one.
-[[nodiscard]] Result<bool> write_file(const std::string& path, const std::string& text);
 
 }  // namespace bip::driver

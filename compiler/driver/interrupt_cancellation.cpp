@@ -1,8 +1,6 @@
 // See interrupt_cancellation.hpp.
 #include "compiler/driver/interrupt_cancellation.hpp"
 
-#include <csignal>
-
 namespace bip::driver {
 
 namespace {
@@ -20,11 +18,11 @@ static void bip_cancel_on_interrupt(int) {
 
 InterruptCancellation::InterruptCancellation() {
   interrupted_source.store(&source_);
-  handler_before_ = std::signal(SIGINT, bip_cancel_on_interrupt);
+  signals_.emplace(bip_cancel_on_interrupt);
 }
 
 InterruptCancellation::~InterruptCancellation() {
-  if (handler_before_ != SIG_ERR) std::signal(SIGINT, handler_before_);
+  signals_.reset();
   interrupted_source.store(nullptr);
 }
 

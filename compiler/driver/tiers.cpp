@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <string>
+#include <system_error>
 
 #include "compiler/steps/derive_steps.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -18,7 +20,11 @@ Tiers::Tiers(lower::LoweredSystem& lowered, jit::JitOptions options, unsigned pa
     return !is_stopped_;
   };
   new_code_.install = [this] { return install(); };
-  thread_ = std::thread([this, patience_ms] { work(patience_ms); });
+  try {
+    thread_ = std::thread([this, patience_ms] { work(patience_ms); });
+  } catch (const std::system_error& error) {
+    problem_ = std::string("no thread for the compiler: ") + error.what();
+  }
 }
 
 Tiers::~Tiers() { end(); }

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/write_file.hpp"
 #include "compiler/driver/error_sources.hpp"
 #include "compiler/driver/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
-#include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"

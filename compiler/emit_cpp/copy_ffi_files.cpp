@@ -82,7 +82,7 @@ Result<CppBuild> copy_ffi_files(const CppBuild& cpp, const fs::path& project) {
     return (fs::path("ffi") / path.lexically_relative(top)).lexically_normal();
   };
   for (const auto& [path, text] : texts) {
-    const Result<bool> written = write_file(project / moved(path), text);
+    const Result<bool> written = update_file(project / moved(path), text);
     if (!written) return Failure{written.error()};
   }
   CppBuild out{.include_dirs = {}, .sources = {}, .objects = {}, .headers = {}, .const_names = cpp.const_names};

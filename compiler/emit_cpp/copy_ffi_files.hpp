@@ -13,6 +13,6 @@ namespace bip::emit_cpp {
 
 // project.cpp
 /// A file that has this text already is left untouched.
-[[nodiscard]] Result<bool> write_file(const std::filesystem::path& path, const std::string& text);
+[[nodiscard]] Result<bool> update_file(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace bip::emit_cpp

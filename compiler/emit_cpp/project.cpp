@@ -4,10 +4,11 @@
 // Files whose text is unchanged are not written, so that a second emission rebuilds only what changed.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "compiler/base/read_file.hpp"
+#include "compiler/base/write_file.hpp"
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
 
 namespace bip::emit_cpp {
@@ -95,14 +96,12 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
 
 }  // namespace
 
-Result<bool> write_file(const fs::path& path, const std::string& text) {
+Result<bool> update_file(const fs::path& path, const std::string& text) {
   if (read_file(path) == text) return true;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (!out) return Failure{"cannot write " + path.string()};
+  const Result<bool> written = write_file(path, text);
+  if (!written) return Failure{path.string() + ": " + written.error()};
   return true;
 }
 
@@ -115,7 +114,7 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
   for (const fs::path& file : *runtime) {
     const std::optional<std::string> text = read_file(fs::path(runtime_dir) / file);
     if (!text) return Failure{"cannot read " + (fs::path(runtime_dir) / file).string()};
-    Result<bool> written = write_file(root / "runtime" / file, *text);
+    Result<bool> written = update_file(root / "runtime" / file, *text);
     if (!written) return written;
   }
   // Beside the runtime's sources in an installation, one folder up in ours.
@@ -128,12 +127,12 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
   }
   const Result<CppBuild> copied = copy_ffi_files(cpp, root);
   if (!copied) return Failure{copied.error()};
-  Result<bool> written = write_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, *copied, project));
+  Result<bool> written = update_file(root / "CMakeLists.txt", cmake_text(*runtime, program_name, *copied, project));
   if (!written) return written;
   Options options;
   options.const_names = cpp.const_names;
   options.with_main = project.with_main;
-  return write_file(root / "model.cpp", emit(lowered, options));
+  return update_file(root / "model.cpp", emit(lowered, options));
 }
 
 }  // namespace bip::emit_cpp

@@ -2,11 +2,10 @@
 #include "compiler/genom/preprocess.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 
+#include "compiler/base/read_file.hpp"
 #include "compiler/genom/condition.hpp"
 #include "compiler/source/utf8.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -266,10 +265,9 @@ Result<FileId> load_description(SourceMap& sources, const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return Failure{fs::exists(path, error) ? "not a file" : "no such file"};
   if (fs::file_size(path, error) > kMaxFileBytes) return Failure{"larger than 16 MB"};
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return Failure{"not readable"};
-  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  return sources.add(path, as_utf8(std::move(bytes)));
+  std::optional<std::string> bytes = read_file(path);
+  if (!bytes) return Failure{"not readable"};
+  return sources.add(path, as_utf8(std::move(*bytes)));
 }
 
 }  // namespace bip::genom

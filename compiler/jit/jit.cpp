@@ -7,17 +7,22 @@
 // modules that are not in the cache.
 #include "compiler/jit/jit.hpp"
 
-#include <dlfcn.h>
 #include <llvm/Bitcode/BitcodeWriter.h>
 #include <llvm/Config/llvm-config.h>
 #include <llvm/ExecutionEngine/Orc/CompileUtils.h>
 #include <llvm/ExecutionEngine/Orc/LLJIT.h>
-#include <sys/stat.h>
+#include <llvm/Support/ErrorHandling.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <new>
 #include <optional>
+#include <string_view>
 
 #include "bip/prng.hpp"
+#include "bip/process.hpp"
+#include "compiler/base/build_id.hpp"
 #include "compiler/base/content_cache.hpp"
 #include "compiler/base/content_hash.hpp"
 #include "compiler/jit/codegen.hpp"
@@ -32,13 +37,7 @@ namespace {
 constexpr std::size_t kUnitsPerModule = 256;
 
 // The library that holds this function, as built: another build's passes may be others.
-std::string own_build() {
-  Dl_info info{};
-  struct stat file {};
-  if (::dladdr(reinterpret_cast<const void*>(&own_build), &info) == 0 || ::stat(info.dli_fname, &file) != 0) return {};
-  return std::to_string(file.st_size) + "." + std::to_string(file.st_mtim.tv_sec) + "." +
-         std::to_string(file.st_mtim.tv_nsec);
-}
+std::string own_build() { return build_id_of(reinterpret_cast<const void*>(&own_build)); }
 
 // For the loop over steps.
 std::uint64_t draw(rt::Prng* prng, std::uint64_t below) { return prng->below(below); }
@@ -184,6 +183,32 @@ struct Compiler {
   [[nodiscard]] bool goes_on() const { return !options.goes_on || options.goes_on(); }
 };
 
+// LLVM is compiled without exceptions: one that passes through it leaves locks and half-made objects behind. So a lack
+// of memory ends the process here, as it ends a command elsewhere (bip/process.hpp).
+[[noreturn]] void end_without_memory() {
+  constexpr std::string_view kText = "error: out of memory\n";
+  if (::write(STDERR_FILENO, kText.data(), kText.size()) < 0) std::_Exit(kNoResources);
+  std::_Exit(kNoResources);
+}
+
+class EndWithoutMemory {
+ public:
+  EndWithoutMemory() : before_(std::set_new_handler(end_without_memory)) {
+    // Of what LLVM allocates by malloc.
+    static const bool is_installed = [] {
+      llvm::install_bad_alloc_error_handler([](void*, const char*, bool) { end_without_memory(); });
+      return true;
+    }();
+    (void)is_installed;
+  }
+  ~EndWithoutMemory() { std::set_new_handler(before_); }
+  EndWithoutMemory(const EndWithoutMemory&) = delete;
+  EndWithoutMemory& operator=(const EndWithoutMemory&) = delete;
+
+ private:
+  std::new_handler before_;
+};
+
 }  // namespace
 
 struct Jit::Impl {
@@ -195,6 +220,7 @@ Jit::~Jit() = default;
 
 Result<std::unique_ptr<Jit>> Jit::compile(const lower::LoweredSystem& lowered, const JitOptions& options,
                                           MadeCode& made) {
+  const EndWithoutMemory end_without_memory_here;
   Result<llvm::orc::JITTargetMachineBuilder> target = host_target(options.level);
   if (!target) return Failure{target.error()};
   // As the linker wants it.

@@ -7,6 +7,8 @@
 #include <llvm/ExecutionEngine/Orc/EPCDebugObjectRegistrar.h>
 #include <llvm/ExecutionEngine/Orc/ObjectLinkingLayer.h>
 #include <llvm/ExecutionEngine/Orc/TargetProcess/JITLoaderGDB.h>
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -38,8 +40,18 @@ class PerfMap : public ObjectLinkingLayer::Plugin {
  private:
   // Several compilations of one process add to one file.
   void write(llvm::jitlink::LinkGraph& graph) const {
-    std::FILE* const file = std::fopen(("/tmp/perf-" + std::to_string(::getpid()) + ".map").c_str(), "a");
-    if (file == nullptr) return;
+    // perf prescribes the name, in a folder where everybody can lay a link or a file.
+    const std::string path = "/tmp/perf-" + std::to_string(::getpid()) + ".map";
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
+    if (descriptor < 0) return;
+    struct stat status {};
+    const bool is_ours = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == ::geteuid() &&
+                         status.st_nlink == 1;
+    std::FILE* const file = is_ours ? ::fdopen(descriptor, "a") : nullptr;
+    if (file == nullptr) {
+      ::close(descriptor);
+      return;
+    }
     for (const llvm::jitlink::Symbol* symbol : graph.defined_symbols()) {
       if (!symbol->isCallable() || !symbol->hasName() || symbol->getSize() == 0) continue;
       const std::string name = symbol->getName().str();

@@ -2,6 +2,8 @@
 // of a closed connection does nothing. A client is removed when no operation on its buffers is pending.
 #include "compiler/serve/model_server.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +18,7 @@
 #include <optional>
 #include <vector>
 
+#include "compiler/serve/access.hpp"
 #include "compiler/serve/protocol.hpp"
 
 namespace bip::serve {
@@ -28,8 +31,18 @@ using Stream = net::posix::stream_descriptor;
 constexpr std::size_t kMaxAsked = 256;
 // When no more connections can be opened: until one may have ended.
 constexpr std::chrono::milliseconds kBreath{50};
+// A connection that has said nothing sound for so long is closed.
+constexpr std::chrono::seconds kSilence{10};
+// When all places are taken, one that was idle for so long makes room.
+constexpr std::chrono::seconds kIdle{60};
+// How long the answers that are due at the end may take.
+constexpr std::chrono::seconds kLastAnswers{2};
 // Notes on their way from the engine to the clients; what comes faster is dropped.
 constexpr int kMaxNotes = 10000;
+
+using ServerClock = std::chrono::steady_clock;
+/// Where a client comes from. Peers of a Unix socket are checked by the system, those of TCP by their token.
+enum class Origin : std::uint8_t { Stdio, Local, Tcp };
 
 struct Client {
   Client(net::io_context& io, int from, int to) : in(io, from), out(io, to) {}
@@ -40,22 +53,44 @@ struct Client {
   std::size_t asked = 0;  // requests without an answer so far
   std::uint64_t dropped = 0;
   bool is_subscribed = false;
-  bool reads = false, writes = false, has_finished = false, is_closing = false, is_stdio = false;
+  bool reads = false, writes = false, has_finished = false, is_closing = false;
+  Origin origin = Origin::Stdio;
+  bool is_known = false;    // its requests are executed; a client of TCP is by its token
+  bool has_spoken = false;  // a request was understood
+  ServerClock::time_point last_request = ServerClock::now();
+};
+
+// Reading from a terminal must not stay non-blocking for the shell after us.
+class KeptFlags {
+ public:
+  explicit KeptFlags(int descriptor) : descriptor_(descriptor), flags_(::fcntl(descriptor, F_GETFL)) {}
+  ~KeptFlags() {
+    if (flags_ >= 0) ::fcntl(descriptor_, F_SETFL, flags_);
+  }
+  KeptFlags(const KeptFlags&) = delete;
+  KeptFlags& operator=(const KeptFlags&) = delete;
+
+ private:
+  int descriptor_, flags_;
 };
 
 class Server {
  public:
   Server(Controller& controller, const ServerOptions& options)
-      : controller_(controller), options_(options), signals_(io_, SIGINT, SIGTERM) {}
+      : controller_(controller), options_(options), signals_(io_, SIGINT, SIGTERM, SIGHUP), sweep_(io_) {}
+
+  ~Server() { socket_path_.release(); }
+  /// After run(): what went wrong on standard input or output; empty: nothing.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
 
   bool open(std::string& error) {
     std::error_code failed;
     if (!options_.socket_path.empty()) {
-      ::unlink(options_.socket_path.c_str());
-      local_.emplace(io_);
-      const net::local::stream_protocol::endpoint at(options_.socket_path);
-      if (!listen(*local_, at, failed)) {
-        error = "cannot listen at `" + options_.socket_path + "`: " + failed.message();
+      const std::string problem = open_local();
+      if (!problem.empty()) {
+        error = "cannot listen at `" + options_.socket_path + "`: " + problem;
         return false;
       }
       std::fprintf(stderr, "bipc: listening at %s\n", options_.socket_path.c_str());
@@ -68,14 +103,23 @@ class Server {
         error = "cannot listen at port " + std::to_string(options_.tcp_port) + ": " + failed.message();
         return false;
       }
-      std::fprintf(stderr, "bipc: listening at 127.0.0.1:%u\n",
-                   static_cast<unsigned>(tcp_->local_endpoint(failed).port()));
+      token_ = make_token();
+      if (token_.empty()) {
+        error = "the system has no random numbers for a token";
+        return false;
+      }
+      std::fprintf(stderr, "bipc: listening at 127.0.0.1:%u\nbipc: token %s\n",
+                   static_cast<unsigned>(tcp_->local_endpoint(failed).port()), token_.c_str());
       accept(*tcp_);
     }
     if (options_.uses_stdio) {
-      Client& client = add(::dup(STDIN_FILENO), ::dup(STDOUT_FILENO));
-      client.is_stdio = true;
+      for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO}) kept_flags_.emplace_back(descriptor);
+      add(::dup(STDIN_FILENO), ::dup(STDOUT_FILENO), Origin::Stdio);
+    } else {
+      watches_parent_ = is_open_pipe(STDIN_FILENO);
     }
+    sweep();
+    notify_ready();
     return true;
   }
 
@@ -92,6 +136,61 @@ class Server {
   }
 
  private:
+  // The file has the mode of the socket's descriptor from its first moment on. Empty, or what is wrong.
+  std::string open_local() {
+    if (std::string problem = socket_path_.claim(options_.socket_path); !problem.empty()) return problem;
+    std::error_code failed;
+    local_.emplace(io_);
+    try {
+      const net::local::stream_protocol::endpoint at(options_.socket_path);
+      local_->open(at.protocol(), failed);
+      if (!failed && ::fchmod(local_->native_handle(), 0600) != 0)
+        failed = std::error_code(errno, std::generic_category());
+      if (!failed) local_->bind(at, failed);
+      if (!failed) local_->listen(16, failed);
+    } catch (const std::system_error& error) {
+      failed = error.code();
+    }
+    if (failed) return failed.message();
+    socket_path_.note_bound();
+    return {};
+  }
+
+  // Ends with the parent that started us with a pipe and is gone, and closes connections that have said nothing for too
+  // long. Nothing is read from the pipe.
+  void sweep() {
+    if (watches_parent_ && !is_open_pipe(STDIN_FILENO)) return io_.stop();
+    const ServerClock::time_point now = ServerClock::now();
+    std::vector<std::uint64_t> silent;
+    for (const auto& [number, client] : clients_) {
+      if (client->origin != Origin::Stdio && !client->has_spoken && now - client->last_request > kSilence)
+        silent.push_back(number);
+    }
+    for (const std::uint64_t number : silent) close(number, *clients_.at(number));
+    sweep_.expires_after(std::chrono::seconds(1));
+    sweep_.async_wait([this](const std::error_code& failed) {
+      if (!failed) sweep();
+    });
+  }
+
+  // Makes a place for a newcomer: who has never spoken goes first, then who was idle for long. False: all are at work.
+  bool make_room() {
+    const ServerClock::time_point now = ServerClock::now();
+    std::optional<std::uint64_t> idlest;
+    for (const auto& [number, client] : clients_) {
+      const bool may_go = client->origin != Origin::Stdio && !client->is_closing && !client->is_subscribed &&
+                          client->asked == 0 && (!client->has_spoken || now - client->last_request > kIdle);
+      if (!may_go) continue;
+      const Client* const best = idlest ? clients_.at(*idlest).get() : nullptr;
+      if (best == nullptr ||
+          std::pair(client->has_spoken, client->last_request) < std::pair(best->has_spoken, best->last_request))
+        idlest = number;
+    }
+    if (!idlest) return false;
+    close(*idlest, *clients_.at(*idlest));
+    return true;
+  }
+
   template <class Acceptor, class Endpoint>
   static bool listen(Acceptor& acceptor, const Endpoint& at, std::error_code& failed) {
     acceptor.open(at.protocol(), failed);
@@ -106,27 +205,31 @@ class Server {
       if (failed == net::error::operation_aborted) return;
       if (failed) {
         // Too many open files, as a rule: to ask again at once would be all that this thread does.
+        (void)make_room();
         auto breath = std::make_unique<net::steady_timer>(io_, kBreath);
         breath->async_wait([this, &acceptor, held = std::move(breath)](const std::error_code&) { accept(acceptor); });
         return;
       }
-      if (clients_.size() < options_.max_clients) {
+      constexpr bool is_local = std::is_same_v<Acceptor, net::local::stream_protocol::acceptor>;
+      const bool may_enter = !is_local || is_own_peer(socket.native_handle());
+      if (may_enter && (clients_.size() < options_.max_clients || make_room())) {
         std::error_code ignored;
         const int file = socket.release(ignored);
-        if (const int copy = ::dup(file); copy >= 0) add(file, copy);
+        if (const int copy = ::dup(file); copy >= 0) add(file, copy, is_local ? Origin::Local : Origin::Tcp);
         else ::close(file);
       }
       accept(acceptor);
     });
   }
 
-  Client& add(int in, int out) {
+  void add(int in, int out, Origin origin) {
     const std::uint64_t number = next_++;
     Client& client = *clients_.emplace(number, std::make_unique<Client>(io_, in, out)).first->second;
+    client.origin = origin;
+    client.is_known = origin != Origin::Tcp;
     client.in.non_blocking(true);
     client.out.non_blocking(true);
     read(number);
-    return client;
   }
 
   // On the engine's thread: a step that nobody wants costs no line.
@@ -183,13 +286,18 @@ class Server {
     net::async_write(client.out, net::buffer(client.waiting.front()),
                      [this, number, &client](const std::error_code& failed, std::size_t) {
                        client.writes = false;
+                       // Whoever reads our standard output is gone, and with it the only client.
+                       ends_ = ends_ || (failed && is_only_client(client));
+                       if (failed != net::error::broken_pipe)
+                         note_stream_failure(client, "write standard output", failed);
                        client.waiting_bytes -= client.waiting.front().size();
                        client.waiting.pop_front();
                        if (failed) return close(number, client);
                        if (!client.waiting.empty()) return write(number, client);
                        // Its answers are read: so are its lines again.
-                       if (client.is_closing) close(number, client);
-                       else read_on(number, client);
+                       if (client.is_closing) return close(number, client);
+                       read_on(number, client);
+                       if (ends_) try_stop();
                      });
   }
 
@@ -205,6 +313,7 @@ class Server {
             send(number, error_line("a line is no longer than " + std::to_string(options_.max_line) + " bytes"));
             return finish(number, client);
           }
+          if (failed != net::error::eof) note_stream_failure(client, "read standard input", failed);
           if (failed) return finish(number, client);
           const std::string line = client.received.substr(0, size - 1);
           client.received.erase(0, size);
@@ -227,11 +336,41 @@ class Server {
     --found->second->asked;
     send(number, std::move(text));
     read_on(number, *found->second);
+    if (ends_) try_stop();
+  }
+
+  // Of standard input and output; connections of others fail as they like.
+  void note_stream_failure(const Client& client, const char* what, const std::error_code& failed) {
+    if (!failed || failed == net::error::operation_aborted || client.origin != Origin::Stdio || !problem_.empty())
+      return;
+    problem_ = std::string("cannot ") + what + ": " + failed.message();
+  }
+
+  [[nodiscard]] bool is_only_client(const Client& client) const {
+    return client.origin == Origin::Stdio && !local_ && !tcp_;
+  }
+
+  // A client of TCP begins with `hello` and the token; what is no protocol of ours, such as a web page's, ends it.
+  bool may_ask(std::uint64_t number, Client& client, const std::string& line) {
+    if (client.origin != Origin::Tcp) return true;
+    const LineKind kind = kind_of_line(line);
+    if (kind == LineKind::NoObject) {
+      close(number, client);
+      return false;
+    }
+    if (client.is_known || is_token(token_of_hello(line), token_)) return client.is_known = true;
+    send(number, error_line("the first request is `hello` with the `token` that the server printed"));
+    finish(number, client);
+    return false;
   }
 
   void handle(std::uint64_t number, const std::string& line) {
+    Client& client = *clients_.at(number);
+    if (!may_ask(number, client, line)) return;
+    client.last_request = ServerClock::now();
+    client.has_spoken = client.has_spoken || kind_of_line(line) == LineKind::Object;
     Reply reply;
-    ++clients_.at(number)->asked;
+    ++client.asked;
     reply.send = [this, number](std::string text) {
       net::post(io_, [this, number, said = std::move(text)] { answer(number, said); });
     };
@@ -241,10 +380,8 @@ class Server {
       const std::lock_guard<std::mutex> hold(subscriptions_lock_);
       if (subscription.is_on) subscriptions_[number] = subscription;
     };
-    reply.shut_down = [this] {
-      ends_ = true;
-      net::post(io_, [this] { net::post(io_, [this] { try_stop(); }); });
-    };
+    // After the answers to all requests that the engine has before this one.
+    reply.shut_down = [this] { controller_.ask([this](Controller&) { net::post(io_, [this] { begin_end(); }); }); };
     handle_line(controller_, line, std::move(reply));
   }
 
@@ -252,10 +389,10 @@ class Server {
   // first.
   void finish(std::uint64_t number, Client& client) {
     client.has_finished = true;
-    const bool ends_all = client.is_stdio && !local_ && !tcp_;
+    const bool ends_all = is_only_client(client);
     controller_.ask([this, number, ends_all](Controller&) {
       net::post(io_, [this, number, ends_all] {
-        ends_ = ends_ || ends_all;
+        if (ends_all) begin_end();
         if (const auto found = clients_.find(number); found != clients_.end()) {
           found->second->is_closing = true;
           close(number, *found->second);
@@ -281,15 +418,21 @@ class Server {
     subscriptions_.erase(number);
   }
 
-  // Answers on their way are written first, if their clients read them at once. The answer to `shutdown` itself may
-  // still be queued when another client's end comes here.
+  // Answers on their way are written first, if their clients read them in time.
+  void begin_end() {
+    if (!last_answers_) {
+      last_answers_.emplace(io_, kLastAnswers);
+      last_answers_->async_wait([this](const std::error_code&) { io_.stop(); });
+    }
+    ends_ = true;
+    try_stop();
+  }
+
+  // Called again whenever an answer was written.
   void try_stop() {
     for (const auto& [number, client] : clients_) {
       const bool is_answered = client->asked == 0 && !client->writes;
-      if (!is_answered && client->waiting_bytes < options_.max_waiting && ++patience_ < 1000) {
-        net::post(io_, [this] { try_stop(); });
-        return;
-      }
+      if (!is_answered && client->waiting_bytes < options_.max_waiting) return;
     }
     io_.stop();
   }
@@ -298,6 +441,12 @@ class Server {
   const ServerOptions& options_;
   net::io_context io_{1};
   net::signal_set signals_;
+  net::steady_timer sweep_;
+  std::optional<net::steady_timer> last_answers_;
+  std::deque<KeptFlags> kept_flags_;
+  SocketPath socket_path_;
+  std::string token_;  // of TCP
+  std::string problem_;
   std::optional<net::local::stream_protocol::acceptor> local_;
   std::optional<net::ip::tcp::acceptor> tcp_;
   std::map<std::uint64_t, std::unique_ptr<Client>> clients_;
@@ -307,20 +456,20 @@ class Server {
   std::atomic<int> notes_{0};
   std::atomic<std::uint64_t> lost_{0};
   bool ends_ = false;
-  int patience_ = 0;
+  bool watches_parent_ = false;
 };
 
 }  // namespace
 
-bool serve(Controller& controller, const ServerOptions& options, std::string& error) {
+ServeEnd serve(Controller& controller, const ServerOptions& options, std::string& error) {
   // A client that is gone is told by a failed write.
   std::signal(SIGPIPE, SIG_IGN);
   Server server(controller, options);
-  if (!server.open(error)) return false;
+  if (!server.open(error)) return ServeEnd::NotOpened;
   server.run();
   controller.halt();
-  if (!options.socket_path.empty()) ::unlink(options.socket_path.c_str());
-  return true;
+  error = server.problem();
+  return error.empty() ? ServeEnd::Done : ServeEnd::StreamFailed;
 }
 
 }  // namespace bip::serve

@@ -3,7 +3,7 @@
 //
 // One thread serves all clients and never blocks on one of them. Output that a client does not read is buffered up to a
 // limit; beyond it notes are dropped and counted, and the client's requests are not read until it has read the answers.
-// The length of a line is limited.
+// The length of a line is limited. Connections that say nothing are closed; a client of TCP needs a token (access.hpp).
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -23,8 +23,12 @@ struct ServerOptions {
   std::size_t max_clients = 64;
 };
 
-/// Until a client says `shutdown`, standard input ends (if it is served and nothing else is), or SIGINT or SIGTERM
-/// come. False: `error` says what could not be opened. Tells where it listens on standard error.
-[[nodiscard]] bool serve(Controller& controller, const ServerOptions& options, std::string& error);
+/// StreamFailed: an error ended standard input or output, over which the model was served.
+enum class ServeEnd : std::uint8_t { Done, NotOpened, StreamFailed };
+
+/// Until a client says `shutdown`, standard input ends (if it is served and nothing else is, or if it is a pipe), or
+/// SIGINT, SIGTERM or SIGHUP come. `error` says what could not be opened, or what failed. Tells on standard error where
+/// it listens, and the token of TCP clients.
+[[nodiscard]] ServeEnd serve(Controller& controller, const ServerOptions& options, std::string& error);
 
 }  // namespace bip::serve

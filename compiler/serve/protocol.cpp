@@ -180,6 +180,19 @@ void ask(Controller& controller, const Reply& reply, const Json& id,
 
 }  // namespace
 
+LineKind kind_of_line(const std::string& line) {
+  return is_too_deep(line) || Json::parse(line, nullptr, false).is_object() ? LineKind::Object : LineKind::NoObject;
+}
+
+std::string token_of_hello(const std::string& line) {
+  if (is_too_deep(line)) return {};
+  const Json request = Json::parse(line, nullptr, false);
+  if (!request.is_object()) return {};
+  const auto what = request.find("do"), token = request.find("token");
+  if (what == request.end() || *what != "hello" || token == request.end() || !token->is_string()) return {};
+  return token->get<std::string>();
+}
+
 void handle_line(Controller& controller, const std::string& line, Reply reply) {
   if (is_too_deep(line))
     return reply.send(refusal_of(

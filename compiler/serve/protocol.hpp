@@ -30,6 +30,13 @@ struct Reply {
   std::function<void()> shut_down;
 };
 
+/// Object: JSON, or too deep to be looked at.
+enum class LineKind : std::uint8_t { Object, NoObject };
+[[nodiscard]] LineKind kind_of_line(const std::string& line);
+
+/// Returns the token of a line that is a sound `hello`; empty: it is none, or has none.
+[[nodiscard]] std::string token_of_hello(const std::string& line);
+
 /// Does what the line says.
 void handle_line(Controller& controller, const std::string& line, Reply reply);
 

@@ -1,13 +1,28 @@
 // See ask.hpp. Lines are read whole, whatever their length, so that a wrong one costs one answer.
 #include "runtime/engine/ask.hpp"
 
+#include <poll.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <string>
+
+#include "runtime/engine/interrupt.hpp"
 
 namespace bip::rt {
 
 namespace {
+
+// Waits until there is input, or its end. Returns false if a signal ends the run before.
+bool wait_for_input(std::FILE* in) {
+  struct pollfd input {
+    .fd = ::fileno(in), .events = POLLIN, .revents = 0
+  };
+  while (input.fd >= 0 && ::poll(&input, 1, -1) < 0 && errno == EINTR) {
+    if (is_interrupted()) return false;
+  }
+  return !is_interrupted();
+}
 
 // Without the white space around it. False at the end of input before any character.
 bool read_word(std::FILE* in, std::string& word) {
@@ -34,13 +49,15 @@ bool parse_below(const std::string& word, std::uint64_t count, std::uint64_t& k)
 }  // namespace
 
 bool ask_candidate(std::FILE* in, std::FILE* out, std::uint64_t count, std::uint64_t& k) {
+  // What is in no buffer can be waited for.
+  std::setvbuf(in, nullptr, _IONBF, 0);
   const bool is_terminal = ::isatty(::fileno(in)) == 1;
   const auto last = static_cast<unsigned long long>(count - 1);
   std::string word;
   while (true) {
     if (is_terminal) std::fprintf(out, "choose 0 to %llu (q ends): ", last);
     std::fflush(out);
-    if (!read_word(in, word) || word == "q") return false;
+    if (!wait_for_input(in) || !read_word(in, word) || word == "q") return false;
     if (parse_below(word, count, k)) return true;
     if (!word.empty()) std::fprintf(out, "`%.80s` is not a number from 0 to %llu\n", word.c_str(), last);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/engine/collect_strings.hpp"
 #include "runtime/engine/overrun.hpp"
 
 namespace bip::rt {
@@ -208,6 +209,8 @@ bool EventFeed::deliver(Core& core) {
     if (is_open_ && held_[event.row]++ == 0) active_.push_back(event.row);
     if (!sources_.delivered(core, event.row)) return fail(core);
   }
+  // Events that nobody takes make no step.
+  collect_strings(core);
   return true;
 }
 
@@ -230,7 +233,7 @@ bool EventFeed::deliver(Core& core, const Event& event) {
   if (record_ != nullptr) {
     std::string line;
     append_event(line, ports_, {core.now(), event.row, looks_, event.values, event.kind, 0});
-    std::fwrite(line.data(), 1, line.size(), record_);
+    record_->write(line);
   }
   if (event.kind == EventKind::Overrun) return overrun(core, event.row);
   BIP_ASSERT(event.kind == EventKind::Return || event.row < ports_.size(), "port {} of {}", event.row, ports_.size());

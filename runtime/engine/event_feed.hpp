@@ -16,6 +16,7 @@
 #include "runtime/engine/event_sources.hpp"
 #include "runtime/engine/inbox.hpp"
 #include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/run_file.hpp"
 
 namespace bip::rt {
 
@@ -43,7 +44,7 @@ class EventFeed {
   /// From now on waiting sleeps.
   void follow(RealTime& wall);
   /// Each event that is delivered is written as a line; the file stays the caller's.
-  void record(std::FILE* file) { record_ = file; }
+  void record(RunFile* file) { record_ = file; }
 
   /// Any thread, after open_inbox. Values as EventPorts::check wants them. False: too many wait for the port.
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values) {
@@ -96,7 +97,7 @@ class EventFeed {
   u64 looks_ = 0;
   u32 stalls_ = 0;
   RealTime* wall_ = nullptr;
-  std::FILE* record_ = nullptr;
+  RunFile* record_ = nullptr;
   bool is_open_ = false, failed_ = false;
   bool gave_up_ = false;
   std::atomic<bool> wants_stop_{false};

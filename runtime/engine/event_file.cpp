@@ -152,26 +152,37 @@ i64 parse_time(std::string_view text) {
 
 namespace {
 
-// Calls on_line(json) for each line that is not empty, until one is wrong.
+// A last line without its newline that cannot be read is where the writer of a record was ended.
+enum class TornEnd : std::uint8_t { IsCut, IsError };
+
+// Calls on_line(json) for each line that is not empty, until one is wrong. is_torn: the last one was cut off.
 template <class OnLine>
-bool read_lines(const std::string& path, std::string& error, const OnLine& on_line) {
+bool read_lines(const std::string& path, TornEnd torn, bool& is_torn, std::string& error, const OnLine& on_line) {
   std::ifstream in(path, std::ios::binary);
   if (!in) {
     error = "cannot read `" + path + "`: " + std::strerror(errno);
     return false;
   }
   std::string line;
+  errno = 0;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     JsonLine json(line.size() > kMaxLine ? std::string_view() : std::string_view(line));
     on_line(json, number);
     if (json.ok()) continue;
+    if (in.eof() && torn == TornEnd::IsCut) {
+      is_torn = true;
+      return true;
+    }
     error = path + ":";
     append_number(error, number);
     error += ": " + json.error();
     return false;
   }
-  return true;
+  if (!in.bad()) return true;
+  // Streams report a lack of memory in the same way.
+  error = "cannot read `" + path + "`: " + (errno != 0 ? std::strerror(errno) : "out of memory");
+  return false;
 }
 
 template <class Word>
@@ -218,13 +229,14 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
 
 bool read_record(const std::string& path, Record& out, std::string& error) {
   bool is_record = false;
-  const bool sound = read_lines(path, error, [&](JsonLine& json, std::size_t number) {
+  const bool sound = read_lines(path, TornEnd::IsCut, out.is_torn, error, [&](JsonLine& json, std::size_t number) {
     if (number != 1 && json.first_key() != "end") return;
     if (number == 1 && json.first_key() != "format")
       return json.fail("this is no record of a run: --record writes one");
     read_record_line(json, out, is_record);
     if (number == 1 && !is_record) json.fail("this is no record of a run: --record writes one");
   });
+  if (out.is_torn) out.has_end = false;
   if (sound && !is_record) error = path + ": this is no record of a run: --record writes one";
   return sound && is_record;
 }
@@ -249,12 +261,15 @@ void append_record_end(std::string& out, const Record& record) {
 
 bool read_events(const std::string& path, const EventPorts& ports, EventSource source, std::vector<Event>& out,
                  std::string& error) {
-  return read_lines(path, error, [&](JsonLine& json, std::size_t) {
-    Event event;
-    if (!read_event(json, ports, source, event)) return;
-    if (json.ok() && !out.empty() && event.time < out.back().time) json.fail("events come in the order of their time");
-    out.push_back(std::move(event));
-  });
+  bool is_torn = false;
+  return read_lines(path, source == EventSource::Record ? TornEnd::IsCut : TornEnd::IsError, is_torn, error,
+                    [&](JsonLine& json, std::size_t) {
+                      Event event;
+                      if (!read_event(json, ports, source, event)) return;
+                      if (json.ok() && !out.empty() && event.time < out.back().time)
+                        json.fail("events come in the order of their time");
+                      if (json.ok()) out.push_back(std::move(event));
+                    });
 }
 
 void append_event(std::string& out, const EventPorts& ports, const Event& event) {

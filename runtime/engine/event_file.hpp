@@ -33,6 +33,7 @@ struct Record {
   bool tells_returns = false;  // of actions that run beside the others
   End end = End::Limit;
   u64 steps = 0, looks = 0;
+  bool is_torn = false;  // the last line is incomplete: the run was cut off while it was written
 };
 /// False: `error` says what is wrong.
 [[nodiscard]] bool read_record(const std::string& path, Record& out, std::string& error);

@@ -12,21 +12,25 @@
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/engine/collect_strings.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
 namespace bip {
 
 /// A trace on its way to its file.
 struct Execution::TraceFile {
-  TraceFile(std::FILE* opened, const rt::TraceFormatRow& row) : format(row.make()), file(opened), out(opened) {}
+  TraceFile(std::FILE* opened, const rt::TraceFormatRow& row) : format(row.make()), file(opened) {}
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
   ~TraceFile() { (void)close(); }
   bool close() {
     if (file == nullptr) return true;
-    out.flush();
+    drain(0);
     const bool is_sound = std::ferror(file) == 0;
     return std::fclose(std::exchange(file, nullptr)) == 0 && is_sound;
+  }
+  void drain(std::size_t threshold) {
+    out.drain(threshold, [this](std::string_view text) { std::fwrite(text.data(), 1, text.size(), file); });
   }
   static constexpr std::size_t kPiece = 1 << 16;
   std::unique_ptr<rt::TraceSink> format;
@@ -108,12 +112,13 @@ struct Execution::Impl {
     }
     if (trace) {
       trace->format->step(trace->out.text, core, at, steps, core.enabled().number(at));
-      trace->out.drain(TraceFile::kPiece);
+      trace->drain(TraceFile::kPiece);
     }
     if (!(core.is_timed() ? core.time().take(at) : core.take(at))) return outcome = Outcome::Fault;
     BIP_ASSERT(!core.fault(), "a step without a fault left one");
     scheduler.fired(at.interaction);
     ++steps;
+    rt::collect_strings(core);
     if (callback) callback(step);
     return outcome = Outcome::Stepped;
   }
@@ -256,7 +261,7 @@ void Execution::on_step(std::function<void(const Step&)> callback) { impl_->call
 bool Execution::trace(const std::string& path, rt::TraceFormat format) {
   const rt::TraceFormatRow& row = rt::row_of(format);
   if (!row.can_embed) return false;
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = std::fopen(path.c_str(), "wbe");
   if (file == nullptr) return false;
   rt::RunOptions options;
   options.policy = impl_->policy;
@@ -304,6 +309,7 @@ bool Execution::read(const std::string& path, std::string& value) const {
 }
 
 Execution::Snapshot Execution::snapshot() const {
+  if (impl_->core.image().ffi != nullptr) impl_->core.image().ffi->pin();
   Snapshot snapshot;
   snapshot.impl_ = std::make_unique<Snapshot::Impl>(Snapshot::Impl{
       impl_->core.snapshot(), impl_->core.enabled().list_order(), impl_->scheduler, impl_->steps, impl_->outcome});

@@ -25,13 +25,13 @@ TraceHead head_of(const Image& image, const RunOptions& options, std::uint64_t s
           .is_interactive = options.interactive};
 }
 
-Output::Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, std::FILE* trace, const Image& image)
+Output::Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, RunFile& trace, const Image& image)
     : options_(options),
       format_(row_of(options.format)),
       head_(head_of(image, options, seed)),
-      out_(out),
-      trace_(trace),
-      to_trace_(trace != nullptr),
+      out_file_(out),
+      trace_file_(trace),
+      to_trace_(trace.is_open()),
       image_calls_cpp_(image.ffi != nullptr),
       sink_(format_.make()),
       console_sink_(format_.console == Console::Steps ? format_.make() : nullptr) {}
@@ -46,7 +46,7 @@ void Output::begin() {
     step_lines_.begin(out_.text, head_);
     if (to_trace_) sink_->begin(trace_.text, head_);
   }
-  out_.flush();
+  flush();
 }
 
 void Output::foresee(Core& core) {
@@ -63,7 +63,7 @@ void Output::list(Core& core, std::uint64_t number) {
     out_.text += ":\n";
     step_lines_.state(out_.text, core);
   }
-  out_.flush();
+  flush();
 }
 
 void Output::append_step(std::string& out, std::string& trace, Core& core, EnabledSet::Position at,
@@ -84,16 +84,25 @@ void Output::append_step(std::string& out, std::string& trace, Core& core, Enabl
   if (to_trace_) sink_->step(trace, core, at, number, k);
 }
 
+// A failure stays in the file's state: the program reports it at its end (bip/process.hpp).
+void Output::drain_out(std::size_t threshold) {
+  out_.drain(threshold, [this](std::string_view text) { std::fwrite(text.data(), 1, text.size(), out_file_); });
+}
+
+void Output::drain_trace(std::size_t threshold) {
+  trace_.drain(threshold, [this](std::string_view text) { trace_file_.write(text); });
+}
+
 void Output::drain() {
   // What C++ prints comes after the line of its step.
-  out_.drain(image_calls_cpp_ ? 0 : kPiece);
-  trace_.drain(kPiece);
+  drain_out(image_calls_cpp_ ? 0 : kPiece);
+  drain_trace(kPiece);
 }
 
 // A run against the clock is watched: its lines are shown when their steps happen.
 void Output::drain_timed() {
   drain();
-  if (options_.speed > 0) out_.flush();
+  if (options_.speed > 0) flush();
 }
 
 void Output::step(Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k) {
@@ -115,15 +124,15 @@ void Output::put(const StepText& text) {
 void Output::record(const std::vector<u32>& interactions) {
   BIP_ASSERT(records_only(), "interactions alone are not enough for the format `{}`", format_.name);
   sink_->steps(trace_.text, interactions);
-  trace_.drain(kPiece);
+  drain_trace(kPiece);
 }
 
 void Output::end(const Core& core, End how, std::uint64_t number) {
   if (is_everything()) write_both([&](std::string& text) { sink_->end(text, core, how, number); });
   else if (to_trace_) sink_->end(trace_.text, core, how, number);
   if (!is_everything() || options_.silent) append_end(core, how, number);
-  out_.flush();
-  if (to_trace_) trace_.flush();
+  flush();
+  if (to_trace_) drain_trace(0);
 }
 
 void Output::append_end(const Core& core, End how, std::uint64_t number) {

@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bip/run.hpp"
+#include "runtime/engine/run_file.hpp"
 #include "runtime/trace/trace.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
@@ -18,21 +20,15 @@ namespace bip::rt {
 /// written in two goes cost the kernel twice as much.
 class Sink {
  public:
-  explicit Sink(std::FILE* file) : file_(file) {}
   std::string text;
-  void drain(std::size_t threshold) {
+  /// Calls write(std::string_view) with what exceeds the threshold.
+  template <class Write>
+  void drain(std::size_t threshold, const Write& write) {
     if (text.size() <= threshold) return;
     const std::size_t whole = threshold == 0 ? text.size() : text.size() / threshold * threshold;
-    std::fwrite(text.data(), 1, whole, file_);
+    write(std::string_view(text).substr(0, whole));
     text.erase(0, whole);
   }
-  void flush() {
-    drain(0);
-    std::fflush(file_);
-  }
-
- private:
-  std::FILE* file_;
 };
 
 /// A step's text for both places.
@@ -42,8 +38,8 @@ struct StepText {
 
 class Output {
  public:
-  /// trace: null if none is written. `options` and the files must outlive the output.
-  Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, std::FILE* trace, const Image& image);
+  /// A trace is written if its file is open. `options` and the files must outlive the output.
+  Output(const RunOptions& options, std::uint64_t seed, std::FILE* out, RunFile& trace, const Image& image);
 
   [[nodiscard]] bool writes_steps() const { return !options_.silent || options_.debug || to_trace_; }
   /// The only thing written about steps is a trace to which interactions are enough.
@@ -64,7 +60,10 @@ class Output {
   void record(const std::vector<u32>& interactions);
   void end(const Core& core, End how, std::uint64_t number);
   /// Without an end.
-  void flush() { out_.flush(); }
+  void flush() {
+    drain_out(0);
+    std::fflush(out_file_);
+  }
 
  private:
   // Calls write(text) for standard output and for the trace, where both have the same text.
@@ -79,10 +78,14 @@ class Output {
   void append_end(const Core& core, End how, std::uint64_t number);
   void drain();
   void drain_timed();
+  void drain_out(std::size_t threshold);
+  void drain_trace(std::size_t threshold);
 
   const RunOptions& options_;
   const TraceFormatRow& format_;
   TraceHead head_;
+  std::FILE* out_file_;
+  RunFile& trace_file_;
   Sink out_;
   Sink trace_;
   bool to_trace_;

@@ -27,33 +27,32 @@ std::string compare_ends(const Core& core, bool sound, const RecordedEnd& end, s
   return "";
 }
 
+// Reads the head of the trace. Returns why it is none of this model; empty: it is one.
+std::string open_trace(const Image& image, std::string_view bytes, RecordedReader& reader, RecordedBegin& begin) {
+  if (std::string problem = reader.open(bytes, begin); !problem.empty()) return problem;
+  if (find_policy(begin.policy) == nullptr) return "its policy is none of this bipc's";
+  if (begin.name != image.name) return std::string("it is a run of ") + begin.name + ", not of " + image.name;
+  if (has_time(image)) return "models with time have no such traces";
+  return {};
+}
+
 }  // namespace
+
+std::string recorded_problem(const Image& image, std::string_view bytes) {
+  RecordedReader reader;
+  RecordedBegin begin;
+  return open_trace(image, bytes, reader, begin);
+}
 
 Followed follow(const Image& image, std::string_view bytes, RunOptions options, std::FILE* out) {
   Followed result;
   RecordedReader reader;
-  if (result.problem = reader.open(bytes, result.begin); !result.problem.empty()) {
-    result.is_trace = false;
-    return result;
-  }
-  const PolicyRow* const policy = find_policy(result.begin.policy);
-  if (policy == nullptr) {
-    result.is_trace = false;
-    result.problem = "its policy is none of this bipc's";
-    return result;
-  }
-  if (result.begin.name != image.name) {
-    result.is_trace = false;
-    result.problem = "it is a run of " + result.begin.name + ", not of " + image.name;
-    return result;
-  }
-  if (has_time(image)) {
-    result.is_trace = false;
-    result.problem = "models with time have no such traces";
-    return result;
-  }
-  options.policy = policy->policy;
-  Output output(options, result.begin.seed, out, nullptr, image);
+  result.problem = open_trace(image, bytes, reader, result.begin);
+  result.is_trace = result.problem.empty();
+  if (!result.is_trace) return result;
+  options.policy = find_policy(result.begin.policy)->policy;
+  RunFile no_trace({}, stderr);
+  Output output(options, result.begin.seed, out, no_trace, image);
   output.begin();
   Core core(image, {.progress = result.begin.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   if (image.ffi != nullptr) std::srand(static_cast<unsigned>(result.begin.seed));
@@ -92,6 +91,9 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
       result.problem = numbered("the trace is cut off after ", result.steps, " steps");
     } else {
       result.problem = compare_ends(core, sound, end, result.steps);
+      if (result.problem.empty() && reader.rest() != 0)
+        result.problem =
+            numbered("the end of the trace is followed by ", reader.rest(), " bytes that are no part of it");
       result.end = end.how;
       output.end(core, end.how, result.steps);
       return result;

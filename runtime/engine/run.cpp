@@ -1,6 +1,8 @@
 // `run`: checks what was asked for, opens the files, runs the loop (run_loop.hpp).
 #include "bip/run.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 
 #include "runtime/engine/run_loop.hpp"
@@ -21,6 +23,9 @@ bool begin_replay(const Image& image, RunOptions& options, Record& record, std::
                  record.model.c_str(), image.name);
     return false;
   }
+  if (record.is_torn)
+    std::fprintf(err, "warning: %s: the last line is incomplete: the run was cut off there\n",
+                 options.replay_path.c_str());
   options.seed = record.seed;
   options.has_seed = true;
   options.policy = record.policy;
@@ -46,6 +51,32 @@ std::string format_refusal(const Image& image, const RunOptions& options) {
   return {};
 }
 
+bool is_same_file(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) return false;
+  struct stat first {
+  }, second{};
+  if (::stat(a.c_str(), &first) != 0 || ::stat(b.c_str(), &second) != 0) return a == b;
+  return S_ISREG(first.st_mode) && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+}
+
+// Two options that name one file, of which at least one would write it; empty: there are none.
+std::string file_conflict(const RunOptions& options) {
+  struct Named {
+    const char* option;
+    const std::string& path;
+  };
+  const Named outputs[] = {{"--trace", options.trace_path}, {"--record", options.record_path}};
+  const Named inputs[] = {{"--events", options.events_path}, {"--replay", options.replay_path}};
+  for (const Named& output : outputs) {
+    for (const Named& input : inputs) {
+      if (is_same_file(output.path, input.path))
+        return std::string(output.option) + " would overwrite the file of " + input.option + ", `" + input.path + '`';
+    }
+  }
+  if (is_same_file(options.trace_path, options.record_path)) return "--trace and --record name the same file";
+  return {};
+}
+
 // Why such a run cannot be; empty: it can.
 std::string refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
@@ -55,6 +86,7 @@ std::string refusal(const Image& image, const RunOptions& options) {
     if (!options.record_path.empty() || !options.replay_path.empty())
       return "--record and --replay need the sequential engine";
   }
+  if (std::string conflict = file_conflict(options); !conflict.empty()) return conflict;
   return format_refusal(image, options);
 }
 
@@ -75,10 +107,8 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
   }
   RunFile trace_file(options.trace_path, err), record_file(options.record_path, err);
   if (!trace_file.open() || !record_file.open()) return kRefused;
-  // The output has its own, larger buffer.
-  if (trace_file.get() != nullptr) std::setvbuf(trace_file.get(), nullptr, _IONBF, 0);
   const std::uint64_t seed = options.has_seed ? options.seed : draw_seed();
-  Output output(options, seed, out, trace_file.get(), image);
+  Output output(options, seed, out, trace_file, image);
   output.begin();
   return RunLoop(image, options, record, seed, output, {out, err, trace_file, record_file}).run();
 }

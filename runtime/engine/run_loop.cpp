@@ -3,14 +3,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 
 #include "bip/assert.hpp"
+#include "bip/process.hpp"
 #include "runtime/core/profile.hpp"
 #include "runtime/engine/ask.hpp"
 #include "runtime/engine/code_replacement.hpp"
+#include "runtime/engine/collect_strings.hpp"
 
 namespace bip::rt {
 
@@ -22,19 +23,6 @@ constexpr u64 kStepsPerSample = u64{1} << 20;
 void write_text(std::FILE* file, const std::string& text) { std::fwrite(text.data(), 1, text.size(), file); }
 
 }  // namespace
-
-bool RunFile::open() {
-  if (path_.empty()) return true;
-  file_ = std::fopen(path_.c_str(), "wb");
-  if (file_ == nullptr) std::fprintf(err_, "error: cannot write `%s`: %s\n", path_.c_str(), std::strerror(errno));
-  return file_ != nullptr;
-}
-
-bool RunFile::close() {
-  if (file_ == nullptr || std::fclose(std::exchange(file_, nullptr)) == 0) return true;
-  std::fprintf(err_, "error: cannot write `%s`: %s\n", path_.c_str(), std::strerror(errno));
-  return false;
-}
 
 RunLoop::RunLoop(const Image& image, const RunOptions& options, const Record& recorded, std::uint64_t seed,
                  Output& output, const RunFiles& files)
@@ -85,12 +73,18 @@ bool RunLoop::open_events() {
 }
 
 void RunLoop::begin_record() {
-  if (files_.record.get() == nullptr) return;
+  if (!files_.record.is_open()) return;
   std::string text;
-  append_record_head(text, {false, image_.name, seed_, options_.policy, options_.asap, options_.maximal_progress,
-                            options_.speed > 0 && core_.actions().any()});
-  write_text(files_.record.get(), text);
-  feed_.record(files_.record.get());
+  Record record;
+  record.model = image_.name;
+  record.seed = seed_;
+  record.policy = options_.policy;
+  record.asap = options_.asap;
+  record.maximal_progress = options_.maximal_progress;
+  record.tells_returns = options_.speed > 0 && core_.actions().any();
+  append_record_head(text, record);
+  files_.record.write(text);
+  feed_.record(&files_.record);
 }
 
 void RunLoop::initialize() {
@@ -277,6 +271,7 @@ void RunLoop::fire(EnabledSet::Position at) {
   }
   if (!is_sound_) return;
   if (options_.profile != nullptr) options_.profile->end_step(at.interaction);
+  collect_strings(core_);
   ++result_.steps;
 }
 
@@ -299,24 +294,24 @@ void RunLoop::report_end() {
     // Scripts made for the published engine look at its numbers.
     result_.exit_code = options_.format == TraceFormat::Bip2 ? published_exit_code(core_.fault().code) : 1;
   }
-  // As a shell says of a program that SIGINT ended; the end of --interactive's input is none.
-  if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + SIGINT;
+  // As a shell says of a program that the signal ended; the end of --interactive's input is none.
+  if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + interrupting_signal();
 }
 
 void RunLoop::end_record() {
-  if (files_.record.get() == nullptr) return;
+  if (!files_.record.is_open()) return;
   Record record;
   record.end = result_.end;
   record.steps = result_.steps;
   record.looks = feed_.looks();
   std::string text;
   append_record_end(text, record);
-  write_text(files_.record.get(), text);
+  files_.record.write(text);
 }
 
 void RunLoop::close_files() {
   const bool is_trace_written = files_.trace.close();
-  if (!files_.record.close() || !is_trace_written) result_.exit_code = 2;
+  if (!files_.record.close() || !is_trace_written) result_.exit_code = kOutputLost;
 }
 
 void RunLoop::compare_with_recorded_end() {

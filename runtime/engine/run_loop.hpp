@@ -19,32 +19,13 @@
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/real_time.hpp"
+#include "runtime/engine/run_file.hpp"
 #include "runtime/engine/run_statistics.hpp"
 #include "runtime/engine/scheduler.hpp"
 #include "runtime/engine/threads.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 
 namespace bip::rt {
-
-/// A file that a run writes. An empty path is no file: nothing is opened, and closing it succeeds.
-class RunFile {
- public:
-  RunFile(std::string path, std::FILE* err) : path_(std::move(path)), err_(err) {}
-  RunFile(const RunFile&) = delete;
-  RunFile& operator=(const RunFile&) = delete;
-  ~RunFile() { (void)close(); }
-  /// Returns false after a report to `err`.
-  [[nodiscard]] bool open();
-  /// Closes the file, once. Returns false after a report to `err` if not all of it could be written.
-  bool close();
-  /// Returns null if there is no file.
-  [[nodiscard]] std::FILE* get() const { return file_; }
-
- private:
-  std::string path_;
-  std::FILE* err_;
-  std::FILE* file_ = nullptr;
-};
 
 struct RunFiles {
   std::FILE* out;

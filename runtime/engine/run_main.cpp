@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "bip/process.hpp"
 #include "bip/run.hpp"
 #include "runtime/engine/policies.hpp"
 #include "runtime/trace/trace_formats.hpp"
@@ -100,7 +101,9 @@ bool parse_small(const char* text, std::uint64_t most, Number& number) {
 
 }  // namespace
 
-int run_main(const Image& image, int argc, char** argv) {
+namespace {
+
+int run_arguments(const Image& image, int argc, char** argv) {
   RunOptions options;
   const char* program = argc > 0 ? argv[0] : "model";
   for (int i = 1; i < argc; ++i) {
@@ -169,6 +172,17 @@ int run_main(const Image& image, int argc, char** argv) {
     }
   }
   return run(image, options, stdout, stderr).exit_code;
+}
+
+// What run_process() hands on is a function without context.
+const Image* image_of_program = nullptr;
+
+}  // namespace
+
+int run_main(const Image& image, int argc, char** argv) {
+  image_of_program = &image;
+  return run_process([](int count, char** words) { return run_arguments(*image_of_program, count, words); }, argc,
+                     argv);
 }
 
 }  // namespace bip::rt

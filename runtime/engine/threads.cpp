@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "runtime/core/start_thread.hpp"
 #include "runtime/engine/interrupt.hpp"
 
 namespace bip::rt {
@@ -53,7 +54,9 @@ class ThreadedRun {
     ThreadedResult result;
     result.threads = options_.threads != 0 ? options_.threads : std::max(1u, std::thread::hardware_concurrency());
     std::vector<std::thread> others;
-    for (u32 k = 1; k < result.threads; ++k) others.emplace_back([this, k] { work(k); });
+    for (u32 k = 1; k < result.threads; ++k) {
+      if (!start_thread(others, [this, k] { work(k); })) result.threads = k;
+    }
     work(0);
     for (std::thread& thread : others) thread.join();
     const PartialState& partial = *core_.partial().state();

@@ -50,6 +50,8 @@ class RecordedReader {
   enum class Next : std::uint8_t { Step, End, Cut };
   /// Reads a step into `position`, or the end into `end`. Cut: the bytes end before.
   Next next(EnabledSet::Position& position, RecordedEnd& end);
+  /// After Next::End: bytes that follow the trace.
+  [[nodiscard]] std::size_t rest() const { return bytes_.size() - at_; }
 
  private:
   bool number(std::uint64_t& value);

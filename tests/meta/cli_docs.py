@@ -83,12 +83,13 @@ def page():
     commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
     text = ("# The command line\n\nGenerated from `--help` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
             "Exit codes: 0 success, 1 errors in the model or at run time, 2 wrong command line, 3 a violated property or a deadlock that `verify` or\n"
-            "`explore` found, 4 no verdict or a limit reached, 70 an error of bipc itself. Ctrl-C ends a run as a limit does.\n"
+            "`explore` found, 4 no verdict or a limit reached, 70 an error of bipc itself, 71 no memory or no thread, 74 not all of standard output, a trace or a record could be\n"
+            "written (emitted programs: alike). SIGINT (Ctrl-C), SIGTERM and SIGHUP end a run as a limit does, with exit code 128 + the signal's number. [SECURITY.md](../../SECURITY.md) says what is trusted.\n"
             "Errors and warnings are written to standard error, everything else to standard output.\n\n"
             "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ code once.\n"
-            "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`) together with hashes of all files that the compiler read for it, as are the JIT's machine code and the proofs of `verify`.\n"
+            "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`; without a home nothing is cached) together with hashes of all files that the compiler read for it, as are the JIT's machine code and the proofs of `verify`.\n"
             "A file under another name or with other contents counts as none. `verify` and `explore` execute nothing from the cache: they compile anew, and prove again what a kept proof says;\n"
-            "`--cache DIR` selects another folder, `--no-cache` none. The folder may be removed at any time; when it exceeds 256 MB (`--cache-size`), the least\n"
+            "`--cache DIR` selects another folder, `--no-cache` none. The folder is made with mode 0700, and not used if it is another user's or writable by others. It may be removed at any time; when it exceeds 256 MB (`--cache-size`), the least\n"
             "recently used entries are removed.\n\n"
             f"## bipc\n\n```text\n{top}\n```\n")
     text += PUBLISHED

@@ -8,11 +8,14 @@ Another client asks all the while and is answered each time; at the end the engi
 with 0, without files left open and without having grown: its memory once all kinds of lines have come is compared with that at the end.
 """
 import atexit
+import fcntl
 import json
 import os
 import pathlib
 import random
+import re
 import resource
+import signal
 import socket
 import subprocess
 import sys
@@ -214,12 +217,39 @@ server = subprocess.Popen([BIPC, "serve", "--backend", "interp", "--port", "0", 
 told = server.stderr.readline()
 port = int(told.rsplit(":", 1)[1])
 assert told == f"bipc: listening at 127.0.0.1:{port}\n", told
+told = server.stderr.readline()
+token = told.removeprefix("bipc: token ").strip()
+assert re.fullmatch("[0-9a-f]{32}", token), told
 assert listening(server) == [f"0100007F:{port:04X}"], listening(server)
+def told_by(data):
+    """What a new connection that sends the bytes is told until the server ends it."""
+    with socket.create_connection(("127.0.0.1", port), 5) as s:
+        s.sendall(data)
+        told = b""
+        try:
+            while piece := s.recv(4096):
+                told += piece
+        except ConnectionResetError:
+            pass
+        return told
+# Nothing without the token; a web page's request ends at its first line, before the body is read.
+for first in (b'{"do":"shutdown"}\n', b'{"do":"hello"}\n', b'{"do":"hello","token":"%s"}\n' % (b"0" * 32), b'{"do":"hello","token":7}\n'):
+    answer = told_by(first + b'{"do":"shutdown"}\n')
+    assert answer.count(b"\n") == 1 and b'"ok":false' in answer and b"token" in answer, answer
+page = b"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n" + b'{"do":"hello","token":"%s"}\n{"do":"shutdown"}\n' % token.encode()
+assert told_by(page) == b"", "a web page is answered"
 good = socket.create_connection(("127.0.0.1", port), 20); reader = good.makefile("rb")
-assert ask(do="hello")["ok"]
+assert ask(do="hello", token=token)["ok"]
 other = socket.create_connection(("127.0.0.1", port), 20)
-other.sendall(b'{"do":"post","port":"c.add","values":[1]')
+other.sendall(b'{"do":"hello","token":"%s"}\n{"do":"post","port":"c.add","values":[1]' % token.encode())
 other.close()
+# Ninety who say nothing do not keep out who has the token.
+silent = [socket.create_connection(("127.0.0.1", port), 20) for _ in range(90)]
+late = socket.create_connection(("127.0.0.1", port), 20)
+late.sendall(b'{"do":"hello","id":1,"token":"%s"}\n' % token.encode())
+assert json.loads(late.makefile("rb").readline())["ok"]
+assert ask(do="hello")["ok"]
+for s in silent + [late]: s.close()
 assert ask(do="post", port="c.add", values=[1])["ok"]
 assert ask(do="shutdown")["ok"]
 assert server.wait(10) == 0, server.returncode
@@ -230,6 +260,85 @@ assert json.loads(server.stdout.readline())["ok"]
 assert listening(server) == [], listening(server)
 server.stdin.close()
 assert server.wait(10) == 0, server.returncode
+# Texts of events are freed when no state refers to them any more: 100,000 of them took 61 MB.
+TEXTS = HERE / "texts.bip"
+server = subprocess.Popen([BIPC, "serve", "--backend", "interp", str(TEXTS)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+def say(first, last):
+    for k in range(first, last):
+        server.stdin.write(b'{"do":"post","port":"c.add","values":["%s"]}\n' % (str(k) * 40).encode())
+        if k % 100 == 0:
+            server.stdin.flush()
+            for _ in range(100 if k else 1): server.stdout.readline()
+    server.stdin.flush()
+say(0, 10001)
+before = memory()
+say(10001, 60001)
+grown = memory() - before
+assert grown < 8 * 1024, f"{grown} kB more after 50,000 texts"
+server.stdin.write(b'{"do":"state","id":"s","atoms":["ROOT.c"]}\n')
+server.stdin.flush()
+answer = {}
+while answer.get("id") != "s": answer = json.loads(server.stdout.readline())
+text = answer["atoms"]["ROOT.c"]["data"]["text"]
+assert text == text[:len(text) // 40] * 40 and text[:len(text) // 40].isdigit(), text
+server.stdin.close()
+server.stdout.read()
+assert server.wait(20) == 0, server.returncode
+# The socket is the user's alone; what is there already is not removed, unless it is a socket at which nobody listens.
+def serve_at(path, **more):
+    return subprocess.Popen([BIPC, "serve", "--backend", "interp", "--socket", path, str(HERE / "counter.bip")], stderr=subprocess.PIPE, text=True, **more)
+folder = tempfile.mkdtemp()
+path = os.path.join(folder, "s")
+for content in ("file", "listener", "link"):
+    if content == "file": open(path, "w").write("mine")
+    if content == "listener":
+        busy = socket.socket(socket.AF_UNIX)
+        busy.bind(path)
+        busy.listen(1)
+    if content == "link": os.symlink("/dev/null", path)
+    before = os.lstat(path)
+    server = serve_at(path)
+    said = server.communicate(timeout=20)[1]
+    assert server.returncode == 2 and "cannot listen" in said, (content, server.returncode, said)
+    assert os.lstat(path).st_ino == before.st_ino, content
+    if content == "listener": busy.close()
+    os.unlink(path)
+dead = socket.socket(socket.AF_UNIX)
+dead.bind(path)
+dead.close()
+notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+notify.bind(os.path.join(folder, "notify"))
+notify.settimeout(20)
+server = serve_at(path, stdin=subprocess.PIPE, env={**os.environ, "NOTIFY_SOCKET": os.path.join(folder, "notify")})
+assert notify.recv(100) == b"READY=1"
+assert os.stat(path).st_mode & 0o777 == 0o600, oct(os.stat(path).st_mode)
+# It ends with the pipe of the parent that started it.
+good = connect(); reader = good.makefile("rb")
+assert ask(do="hello")["ok"]
+server.stdin.close()
+assert server.wait(10) == 0, server.returncode
+assert not os.path.exists(path)
+# A client that cannot be told anything any more is gone: nothing is left that runs for nobody.
+for _ in range(5):
+    server = subprocess.Popen([BIPC, "serve", "--backend", "interp", str(HERE / "counter.bip")], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    server.stdout.close()
+    server.stdin.write(b'{"do":"subscribe"}\n' * 9)
+    server.stdin.flush()
+    assert server.wait(10) == 0, server.returncode
+# Answers to what was asked before `shutdown` come, and a terminal's flags are as before.
+first, second = socket.socketpair()
+server = subprocess.Popen([BIPC, "serve", "--backend", "interp", str(HERE / "counter.bip")], stdin=second, stdout=second, stderr=subprocess.DEVNULL)
+first.settimeout(20)
+first.sendall(b"".join(b'{"do":"state","id":%d}\n' % k for k in range(100)) + b'{"do":"shutdown","id":100}\n')
+assert server.wait(10) == 0, server.returncode
+assert not fcntl.fcntl(second, fcntl.F_GETFL) & os.O_NONBLOCK
+second.close()
+assert sorted(json.loads(line)["id"] for line in first.makefile("rb")) == list(range(101))
+for signal_ in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+    server = serve_at(path)
+    server.stderr.readline()
+    server.send_signal(signal_)
+    assert server.wait(10) == 0 and not os.path.exists(path), (signal_, server.returncode)
 # Other clients end while the answer to `shutdown` is on its way: it comes all the same. It was lost in 4 of 100 rounds.
 for _ in range(60):
     os.path.exists(path) and os.unlink(path)

@@ -1,4 +1,7 @@
 // bipc: the program. All of it is in compiler/driver.
+#include "bip/process.hpp"
 #include "compiler/driver/cli.hpp"
 
-int main(int argc, char** argv) { return bip::driver::run_command_line(argc, argv, BIPC_COMMIT); }
+static int run_bipc(int argc, char** argv) { return bip::driver::run_command_line(argc, argv, BIPC_COMMIT); }
+
+int main(int argc, char** argv) { return bip::run_process(run_bipc, argc, argv); }

@@ -1,8 +1,10 @@
-// certcheck SYSTEM.bsys CERTIFICATE: exit code 0 accepted, 1 rejected, 2 usage, 4 not checkable.
+// certcheck SYSTEM.bsys CERTIFICATE: exit code 0 accepted, 1 rejected, 2 usage, 4 not checkable, 71 out of memory, 74
+// standard output cannot be written.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <new>
 
 #include "tools/certcheck/checked_model.hpp"
 
@@ -10,6 +12,12 @@ static std::string read_file(const char* path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw certcheck::Rejected("cannot read " + certcheck::quoted(path));
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// A verdict that nobody can read is none.
+static int finish(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  return std::perror("certcheck: cannot write standard output"), 74;
 }
 
 int main(int argc, char** argv) {
@@ -20,11 +28,12 @@ int main(int argc, char** argv) {
     certcheck::read_model(read_file(argv[1]), model);
     std::printf("accepted: %s\n", certcheck::check(model, read_file(argv[2]), z).c_str());
     // What is left need not be taken apart.
-    std::fflush(stdout);
-    std::_Exit(0);
+    std::_Exit(finish(0));
   } catch (const certcheck::NotCheckable& e) {
-    return std::printf("not checkable: %s\n", e.what()), 4;
+    return std::printf("not checkable: %s\n", e.what()), finish(4);
+  } catch (const std::bad_alloc&) {
+    return std::fputs("certcheck: out of memory\n", stderr), 71;
   } catch (const std::exception& e) {
-    return std::printf("rejected: %s\n", e.what()), 1;
+    return std::printf("rejected: %s\n", e.what()), finish(1);
   }
 }

@@ -1,6 +1,7 @@
 // bipc-lsp: the language server on standard input and output. Nothing else is ever written to standard output.
 //
 // Ends after `exit`, or with 1 when the input ends without it.
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "bip/process.hpp"
 #include "tools/lsp/language_server.hpp"
 
 namespace {
@@ -26,7 +28,13 @@ bool write_all(std::string_view bytes) {
   return true;
 }
 
+bool has_input() {
+  pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+  return ::poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0;
+}
+
 int serve() {
+  using Queue = bip::lsp::Server::Queue;
   bool is_heard = true;
   bip::lsp::Server server(
       [&is_heard](std::string_view message) { is_heard = is_heard && write_all(bip::lsp::framed(message)); });
@@ -34,7 +42,7 @@ int serve() {
   std::string chunk;
   while (is_heard) {
     while (auto frame = framing.next()) {
-      server.handle(*frame);
+      server.handle(*frame, framing.has_more() || has_input() ? Queue::HasMore : Queue::Empty);
       if (server.is_finished()) return server.exit_code();
     }
     chunk.resize(std::clamp<std::size_t>(framing.missing(), 4096, kMostAtOnce));
@@ -48,7 +56,7 @@ int serve() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run_server(int argc, char** argv) {
   // Editors pass `--stdio`; there is no other way to talk, so it says nothing.
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--stdio") == 0) continue;
@@ -62,3 +70,5 @@ int main(int argc, char** argv) {
   }
   return serve();
 }
+
+int main(int argc, char** argv) { return bip::run_process(run_server, argc, argv); }

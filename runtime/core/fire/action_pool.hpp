@@ -53,6 +53,8 @@ class ActionPool {
     ActionJob job;
   };
   void work();
+  /// Runs the first job that waits; unlocked meanwhile.
+  void run_first(std::unique_lock<std::mutex>& hold);
 
   std::uint32_t most_;
   std::function<void(std::uint32_t, std::uint64_t)> on_done_;

@@ -4,6 +4,7 @@
 // those of the image come first, C++ results are interned above them, so that equal texts stay equal rows. Several
 // threads may call functions at a time; each sees the exception of its own last call.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <exception>
@@ -13,6 +14,7 @@
 #include <string_view>
 #include <thread>
 #include <unordered_map>
+#include <vector>
 
 #include "bip/image.hpp"
 
@@ -28,19 +30,48 @@ class FfiContext {
   void attach(Span<const char*> strings) {
     if (is_attached_) return;
     is_attached_ = true;
-    for (const char* text : strings) add(text);
+    for (const char* text : strings) {
+      texts_.emplace_back(text);
+      rows_.try_emplace(texts_.back(), next_++);
+    }
   }
   [[nodiscard]] const char* text(std::int32_t row) const {
     const std::lock_guard guard(lock_);
-    return texts_[static_cast<std::size_t>(row)].c_str();
+    if (row < static_cast<std::int32_t>(texts_.size())) return texts_[static_cast<std::size_t>(row)].c_str();
+    const auto it = made_.find(row);
+    return it != made_.end() ? it->second.c_str() : "";
   }
   [[nodiscard]] std::int32_t intern(std::string_view text) {
     const std::lock_guard guard(lock_);
     const auto it = rows_.find(text);
-    return it != rows_.end() ? it->second : add(text);
+    return it != rows_.end() ? it->second : make(text);
   }
   /// A null pointer is the empty string.
   [[nodiscard]] std::int32_t intern(const char* text) { return intern(std::string_view(text == nullptr ? "" : text)); }
+  /// Returns whether so many strings were made since the last keep_only() that looking for unused ones pays.
+  [[nodiscard]] bool wants_collection() const {
+    const std::lock_guard guard(lock_);
+    return made_.size() >= enough_;
+  }
+  /// Frees the strings made at run time whose rows are not in `live`, which is sorted. Rows are never used again, so
+  /// that what compares old rows with new ones finds no false equality. Requires that no row exists outside of `live`.
+  void keep_only(const std::vector<std::int32_t>& live) {
+    const std::lock_guard guard(lock_);
+    for (auto it = made_.begin(); it != made_.end();) {
+      if (it->first < pinned_ || std::binary_search(live.begin(), live.end(), it->first)) {
+        ++it;
+        continue;
+      }
+      rows_.erase(it->second);
+      it = made_.erase(it);
+    }
+    enough_ = std::max(kFewStrings, 2 * made_.size());
+  }
+  /// Keeps the strings of now for ever: copies of states refer to them.
+  void pin() {
+    const std::lock_guard guard(lock_);
+    pinned_ = next_;
+  }
   /// What the exception that ended the last call said.
   [[nodiscard]] std::string message() const {
     const std::lock_guard guard(lock_);
@@ -53,15 +84,21 @@ class FfiContext {
   }
 
  private:
-  std::int32_t add(std::string_view text) {
-    const auto row = static_cast<std::int32_t>(texts_.size());
-    texts_.emplace_back(text);
-    rows_.try_emplace(texts_.back(), row);
+  static constexpr std::size_t kFewStrings = 4096;
+
+  std::int32_t make(std::string_view text) {
+    const std::int32_t row = next_++;
+    const auto made = made_.emplace(row, text).first;
+    rows_.try_emplace(made->second, row);
     return row;
   }
 
   bool is_attached_ = false;
-  std::deque<std::string> texts_;  // never moves
+  std::deque<std::string> texts_;                       // of the image; never moves
+  std::unordered_map<std::int32_t, std::string> made_;  // at run time, by row; nodes never move
+  std::int32_t next_ = 0;                               // the next row
+  std::int32_t pinned_ = 0;                             // rows below stay
+  std::size_t enough_ = kFewStrings;
   std::unordered_map<std::string_view, std::int32_t> rows_;
   std::unordered_map<std::thread::id, std::string> messages_;
   mutable std::mutex lock_;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "compiler/base/write_file.hpp"
 #include "compiler/driver/host_compiler.hpp"
 #include "compiler/driver/roots.hpp"
 

@@ -1,0 +1,140 @@
+// See write_file.hpp.
+#include "compiler/base/write_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace bip {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kMaxLinks = 40;
+// Names that are tried before the folder counts as unusable.
+constexpr int kMaxNames = 100;
+// File systems have names of at most 255 bytes; ours adds less than 55 to the target's.
+constexpr std::size_t kMaxStem = 200;
+
+Failure failure_of(int error) { return Failure{std::strerror(error)}; }
+
+// The file at the end of links; it need not exist.
+fs::path follow_links(fs::path path) {
+  std::error_code error;
+  for (int k = 0; k < kMaxLinks && fs::is_symlink(path, error); ++k) {
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) break;
+    path = path.parent_path() / next;
+  }
+  return path;
+}
+
+// Writes everything, or returns the error's number.
+int write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t done = ::write(file, text.data(), text.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) return errno;
+    text.remove_prefix(static_cast<std::size_t>(done));
+  }
+  return 0;
+}
+
+// A file system that cannot sync the file says EINVAL.
+int sync_file(int file) { return ::fsync(file) != 0 && errno != EINVAL && errno != EROFS ? errno : 0; }
+
+Result<bool> write_directly(const fs::path& path, std::string_view text) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+  if (file < 0) return failure_of(errno);
+  int error = write_all(file, text);
+  if (::close(file) != 0 && error == 0) error = errno;
+  if (error != 0) return failure_of(error);
+  return true;
+}
+
+}  // namespace
+
+NewFile::NewFile(fs::path target, fs::path path, int file)
+    : target_(std::move(target)), path_(std::move(path)), file_(file) {}
+
+NewFile::NewFile(NewFile&& other) noexcept
+    : target_(std::move(other.target_)), path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {
+  other.path_.clear();
+}
+
+NewFile::~NewFile() {
+  close();
+  if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+void NewFile::close() {
+  if (file_ >= 0) ::close(std::exchange(file_, -1));
+}
+
+Result<NewFile> NewFile::create(const fs::path& target) {
+  static std::atomic<unsigned> next{0};
+  const fs::path final = follow_links(target);
+  const std::string stem = final.filename().string().substr(0, kMaxStem);
+  for (int k = 0; k < kMaxNames; ++k) {
+    const std::string name = "." + stem + "." + std::to_string(::getpid()) + "-" + std::to_string(next++) + ".new";
+    fs::path path = final.parent_path() / name;
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) return NewFile(final, std::move(path), file);
+    if (errno != EEXIST) return failure_of(errno);
+  }
+  return failure_of(EEXIST);
+}
+
+Result<bool> NewFile::write(std::string_view text) {
+  if (const int error = write_all(file_, text); error != 0) return failure_of(error);
+  return true;
+}
+
+Result<bool> NewFile::commit(Durability durability) {
+  // A program that wrote the file may have replaced it by another of the same name.
+  close();
+  if (durability == Durability::Synced) {
+    const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) return failure_of(errno);
+    const int error = sync_file(file);
+    ::close(file);
+    if (error != 0) return failure_of(error);
+  }
+  if (::rename(path_.c_str(), target_.c_str()) != 0) return failure_of(errno);
+  path_.clear();
+  if (durability == Durability::Unsynced) return true;
+  // The new name, too. The contents are safe by now, so a folder that cannot be synced is no failure.
+  const fs::path folder = target_.parent_path().empty() ? fs::path(".") : target_.parent_path();
+  if (const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); file >= 0) {
+    (void)sync_file(file);
+    ::close(file);
+  }
+  return true;
+}
+
+Result<bool> write_file(const fs::path& path, std::string_view text, Durability durability) {
+  struct stat old {};
+  const bool exists = ::stat(path.c_str(), &old) == 0;
+  if (exists && S_ISDIR(old.st_mode)) return failure_of(EISDIR);
+  if (exists && !S_ISREG(old.st_mode)) return write_directly(path, text);
+  Result<NewFile> file = NewFile::create(path);
+  if (!file) return Failure{file.error()};
+  if (Result<bool> written = file->write(text); !written) return written;
+  if (exists) (void)::chmod(file->path().c_str(), old.st_mode & 07777);
+  return file->commit(durability);
+}
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  struct stat first {
+  }, second{};
+  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && first.st_dev == second.st_dev &&
+         first.st_ino == second.st_ino;
+}
+
+}  // namespace bip

@@ -1,0 +1,47 @@
+// Writes files so that readers see the old contents or the new ones, and never a part.
+//
+// The new contents are written to a new file beside the target (opened with O_EXCL, so no file or link of somebody else
+// is followed), brought to the disk (fsync) and renamed over the target. A target that is no regular file (a pipe, a
+// device) is written directly. After a failure the old file is as it was and the new one is removed.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "compiler/base/result.hpp"
+
+namespace bip {
+
+/// Synced: a file that is there after the call survives a power failure. Unsynced: for what can be made again.
+enum class Durability : std::uint8_t { Synced, Unsynced };
+
+/// A new file beside its target, which takes the target's place with commit(); otherwise it is removed.
+class NewFile {
+ public:
+  [[nodiscard]] static Result<NewFile> create(const std::filesystem::path& target);
+  NewFile(NewFile&& other) noexcept;
+  NewFile& operator=(NewFile&&) = delete;
+  ~NewFile();
+
+  /// The path to write to, for a program that writes the file.
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] Result<bool> write(std::string_view text);
+  /// Renames the file over its target.
+  [[nodiscard]] Result<bool> commit(Durability durability);
+
+ private:
+  NewFile(std::filesystem::path target, std::filesystem::path path, int file);
+  void close();
+
+  std::filesystem::path target_, path_;  // path_: empty after commit
+  int file_;                             // negative: closed
+};
+
+/// Replaces the contents of `path`. An existing file keeps its permissions; a link is followed.
+[[nodiscard]] Result<bool> write_file(const std::filesystem::path& path, std::string_view text,
+                                      Durability durability = Durability::Synced);
+
+/// Returns whether both paths name the same existing file, by whatever links.
+[[nodiscard]] bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+}  // namespace bip

@@ -1,0 +1,48 @@
+// See check_outputs.hpp. Files are compared by device and number, so links are seen through.
+#include "compiler/driver/check_outputs.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/ffi_build.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+std::vector<std::string> inputs_of(Compilation& c) {
+  std::vector<std::string> inputs{c.path};
+  for (const auto& [file, path] : c.paths) inputs.push_back(path);
+  for (std::uint32_t file = 0; file < c.sources.size(); ++file) inputs.push_back(c.sources.name(FileId(file)));
+  if (c.system) {
+    emit_cpp::CppBuild cpp;
+    if (find_ffi_files(c, cpp)) {
+      for (const auto* files : {&cpp.sources, &cpp.headers, &cpp.objects})
+        inputs.insert(inputs.end(), files->begin(), files->end());
+    }
+  }
+  return inputs;
+}
+
+}  // namespace
+
+bool check_outputs(Compilation& c, const std::vector<std::string>& outputs) {
+  std::error_code error;
+  const auto is_file = [&](const std::string& path) {
+    return !path.empty() && std::filesystem::is_regular_file(path, error);
+  };
+  if (std::none_of(outputs.begin(), outputs.end(), is_file)) return true;
+  const std::vector<std::string> inputs = inputs_of(c);
+  bool is_sound = !c.diags.has_errors();
+  for (const std::string& output : outputs) {
+    if (!is_file(output)) continue;
+    if (std::none_of(inputs.begin(), inputs.end(), [&](const std::string& in) { return is_same_file(in, output); }))
+      continue;
+    c.diags.report(Diag::kB5013, {}, output);
+    is_sound = false;
+  }
+  return is_sound;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,14 @@
+// No output of a command replaces one of its inputs.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compiler/driver/pipeline.hpp"
+
+namespace bip::driver {
+
+/// Compares the files that the command will write with those that it has read: sources, packages, files of `@cpp`.
+/// Empty paths are none; devices may be both. Returns false after a report (B5013).
+[[nodiscard]] bool check_outputs(Compilation& c, const std::vector<std::string>& outputs);
+
+}  // namespace bip::driver

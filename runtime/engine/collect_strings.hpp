@@ -1,0 +1,13 @@
+// Frees strings that were made at run time and that no state refers to any more.
+#pragma once
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+/// Frees strings if enough were made since the last time. Conservative: every number in a cell or in a queue of events
+/// that could be the row of a string keeps it. Requires that no step and no evaluation is under way. Copies of states
+/// do not count: whoever makes one pins the strings (FfiContext::pin). Cost: a comparison; amortised constant per
+/// string.
+void collect_strings(Core& core);
+
+}  // namespace bip::rt
