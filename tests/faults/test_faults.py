@@ -1,0 +1,420 @@
+#!/usr/bin/env python3
+"""Faults of the machine around bipc: what cannot be written, read, allocated or started is told, and nothing is lost.
+
+    tests/faults/test_faults.py [--all] [--seed N] [GROUP ...]
+
+Without --all a sample of about half a minute; with it, every system call and every allocation of each command.
+
+| group | what happens |
+|---|---|
+| `output` | standard output is full or closed in every command and in an emitted program; traces of all formats on a full disk |
+| `input` | events that are a folder, records that are cut off, outputs that are inputs |
+| `calls` | the k-th system call fails (fail_system_call.c) |
+| `memory` | the k-th allocation fails, once or for ever (fail_allocation.c) |
+| `limits` | a small stack, few files, small files, no home |
+| `kill` | SIGKILL, SIGTERM, SIGINT or SIGHUP at a random moment, then the same command with the same cache |
+
+A disturbed command must end by itself and not by a signal of its own, without an internal error. If it says 0, its output and its files are
+those of the undisturbed command; otherwise it says why on standard error. Afterwards no temporary file is left, and the same command with
+the same cache gives what it gave before. Needs a C compiler; `calls` runs on Linux for x86-64.
+"""
+import argparse
+import concurrent.futures
+import os
+import pathlib
+import platform
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or HERE.parent.parent / "build")
+BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+CERTCHECK = str(BUILD / "certcheck")
+TIMEOUT = 120
+OUTPUT_LOST, NO_RESOURCES, INTERNAL_ERROR = 74, 71, 70
+OWN_SIGNALS = {signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE}
+
+MODEL = """package m
+  port type Signal()
+  port type Number(int n)
+  connector type One(Signal p) define p end
+  connector type Two(Signal a, Signal b) define a b end
+  atom type Lamp()
+    data int n = 0
+    export port Signal on_switch(), off_switch()
+    place OFF, ON
+    initial to OFF
+    on on_switch from OFF to ON do { n = (n + 1) % 7; }
+    on off_switch from ON to OFF
+  end
+  atom type Finger()
+    export port Signal push()
+    place S
+    initial to S
+    on push from S to S
+  end
+  compound type Root()
+    component Lamp a(), b()
+    component Finger finger()
+    connector Two turn_on(finger.push, a.on_switch), turn_off(finger.push, a.off_switch)
+    connector One on_b(b.on_switch), off_b(b.off_switch)
+  end
+end
+"""
+EVENTS_MODEL = """package e
+  port type N(int n)
+  atom type Counter()
+    data int n = 0, count = 0
+    extern port N add(n) remember
+    place P
+    initial to P
+    on add from P to P eager do { count = count + 1; }
+  end
+  compound type Root()
+    component Counter c()
+  end
+end
+"""
+EVENTS = "".join('{"time":"%dms","port":"c.add","values":[%d]}\n' % (k, k) for k in range(20))
+REQUESTS = "".join('{"id":%d,"do":"%s"}\n' % (k, what) for k, what in enumerate(("hello", "pause", "state", "snapshot", "state")))
+
+# name: (words, standard input). Files are made anew in the working directory each time.
+COMMANDS = {
+    "run": ("run --backend interp --seed 1 --limit 300 --trace out.json m.bip", ""),
+    "run_record": ("run --backend interp --seed 1 --limit 15 --events events --record out.record e.bip", ""),
+    "run_jit": ("run --backend jit -O2 --cache cache --seed 1 --limit 300 --trace-format binary --trace out.bin m.bip", ""),
+    "verify": ("verify --cache cache --certificate out.certificate m.bip", ""),
+    "explore": ("explore --backend interp --threads 2 --trace out.trace m.bip", ""),
+    "emit": ("emit -o out m.bip", ""),
+    "fmt": ("fmt -i m.bip", ""),
+    "export": ("export --format pnml -o out.pnml m.bip", ""),
+    "serve": ("serve --paused --backend interp e.bip", REQUESTS),
+    "build": ("build -O0 -o out m.bip", ""),
+}
+SLOW = {"build", "emit"}
+# Commands that write to standard output, for the group `output`.
+TALKING = [
+    "run --seed 1 --limit 9 m.bip", "run --seed 1 --limit 99999 --backend interp m.bip", "run --explore m.bip", "verify m.bip", "verify --json m.bip", "explore m.bip",
+    "explore --json m.bip", "explore --trace-format bip2 m.bip", "graph m.bip", "graph --format json m.bip", "emit m.bip", "export m.bip", "export --format pnml m.bip",
+    "fmt m.bip", "fmt --check ugly.bip", "migrate m.bip", "explain B0001", "explain", "version", "--version", "--help", "run --help", "check --emit=tokens m.bip", "check --emit=system m.bip",
+    "run --seed 1 --limit 9 --trace-format bip2 m.bip", "run --seed 1 --limit 9 --trace-format json m.bip", "verify timed.bip", "explore timed.bip", "replay --recorded rec.bin m.bip",
+]
+TIMED = """package timed
+  port type P()
+  connector type One(P p) define p end
+  atom type T()
+    clock x unit nanosecond
+    export port P tick()
+    place S
+    initial to S
+    on tick from S to S provided (x == 5) do { x = 0; }
+  end
+  compound type Root()
+    component T t()
+    connector One k(t.tick)
+  end
+end
+"""
+
+parser = argparse.ArgumentParser()
+parser.add_argument("--all", action="store_true")
+parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("groups", nargs="*")
+options = parser.parse_args()
+rng = random.Random(options.seed)
+work = pathlib.Path(tempfile.mkdtemp(prefix="bipc-faults-"))
+failures, passed = [], 0
+
+
+def fail(what, text):
+    failures.append(what)
+    print(f"FAILED {what}: {text}", flush=True)
+
+
+def good(what, is_good, text):
+    global passed
+    if is_good: passed += 1
+    else: fail(what, text)
+
+
+class Place:
+    """A working directory with the models, its own folder for temporary files and its own home."""
+
+    def __init__(self):
+        self.path = pathlib.Path(tempfile.mkdtemp(dir=work))
+        self.tmp = self.path / "tmp"
+        self.files = self.path / "files"
+        self.environment = {**os.environ, "TMPDIR": str(self.tmp), "HOME": str(self.path / "home"), "LC_ALL": "C.UTF-8"}
+        self.environment.pop("XDG_CACHE_HOME", None)
+        for folder in (self.tmp, self.files, self.path / "home"): folder.mkdir()
+        self.renew()
+
+    def renew(self):
+        """As at first, but for the cache."""
+        for path in self.files.iterdir():
+            if path.name == "cache": continue
+            shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
+        for name, text in (("m.bip", MODEL), ("e.bip", EVENTS_MODEL), ("timed.bip", TIMED), ("ugly.bip", MODEL.replace("  ", "    ")), ("events", EVENTS)):
+            (self.files / name).write_text(text)
+
+    def run(self, words, stdin="", prefix=(), preexec=None, env=(), **more):
+        words = words.split() if isinstance(words, str) else words
+        return subprocess.run([*prefix, BIPC, *words], cwd=self.files, input=stdin.encode(), capture_output="stdout" not in more, timeout=TIMEOUT,
+                              env={**self.environment, **dict(env)}, preexec_fn=preexec, **more)
+
+    def outputs(self):
+        return {str(p.relative_to(self.files)): p.read_bytes() for p in sorted(self.files.rglob("*")) if p.is_file() and "cache" not in p.relative_to(self.files).parts}
+
+    def litter(self):
+        return [str(p) for p in list(self.files.rglob("*.new")) + list(self.tmp.iterdir())]
+
+
+def sorted_answers(name, out):
+    return b"\n".join(sorted(out.split(b"\n"))) if name == "serve" else out
+
+
+class Reference:
+    """What a command does undisturbed; its number of system calls or allocations."""
+
+    def __init__(self, name, prefix=(), env=()):
+        self.place, self.name = Place(), name
+        self.words, self.stdin = COMMANDS[name]
+        self.count = 0
+        count = self.place.path / "count"
+        done = self.place.run(self.words, self.stdin, prefix, env=[*env, ("FAIL_COUNT", str(count))])
+        if done.returncode != 0:
+            fail(name, f"undisturbed: {done.returncode} {done.stderr.decode()}")
+            return
+        self.stdout, self.files = sorted_answers(name, done.stdout), self.place.outputs()
+        # With what is now in the cache.
+        self.place.renew()
+        self.place.run(self.words, self.stdin, prefix, env=[*env, ("FAIL_COUNT", str(count))])
+        self.count = int(count.read_text()) if count.exists() else 0
+
+    def is_same(self, done, place):
+        return done.returncode == 0 and sorted_answers(self.name, done.stdout) == self.stdout and place.outputs() == self.files
+
+    def check(self, what, done, place):
+        """A disturbed run, whatever it made."""
+        problem = ""
+        if done.returncode < 0: problem = f"ended by signal {-done.returncode}"
+        elif done.returncode == INTERNAL_ERROR: problem = "internal error"
+        elif done.returncode == 0 and not self.is_same(done, place): problem = "0, and something is lost: " + self.difference(done, place)
+        elif done.returncode != 0 and not done.stderr: problem = f"{done.returncode} without a word"
+        elif place.litter(): problem = f"left behind: {place.litter()}"
+        if not problem:
+            place.renew()
+            again = place.run(self.words, self.stdin)
+            if not self.is_same(again, place): problem = f"afterwards: {again.returncode} {again.stderr.decode('utf-8', 'replace')[-300:]} {self.difference(again, place)}"
+        good(what, not problem, f"{problem}; {done.stderr.decode('utf-8', 'replace')[-300:]}")
+
+    def difference(self, done, place):
+        files = place.outputs()
+        changed = [name for name in {*files, *self.files} if files.get(name) != self.files.get(name)]
+        return ("standard output " if sorted_answers(self.name, done.stdout) != self.stdout else "") + " ".join(changed[:5])
+
+
+def side_by_side(jobs):
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for job in [pool.submit(job) for job in jobs]: job.result()
+
+
+def compile_tool(name, *flags):
+    tool = work / name.replace(".c", "")
+    subprocess.run(["cc", "-O1", *flags, "-o", str(tool), str(HERE / name)], check=True)
+    return tool
+
+
+def chosen(count, sample):
+    if options.all or count <= sample: return list(range(1, count + 1))
+    return sorted(rng.sample(range(1, count + 1), sample))
+
+
+def disturbed(reference, what, prefix=(), env=()):
+    place = Place()
+    if (reference.place.files / "cache").exists(): shutil.copytree(reference.place.files / "cache", place.files / "cache")
+    try:
+        done = place.run(reference.words, reference.stdin, prefix, env=env)
+    except subprocess.TimeoutExpired:
+        return fail(what, f"hangs: nothing after {TIMEOUT} s")
+    reference.check(what, done, place)
+    shutil.rmtree(place.path)
+
+
+def calls():
+    if platform.machine() != "x86_64": return print("skipped: faults of system calls need x86-64")
+    tool = compile_tool("fail_system_call.c")
+    jobs = []
+    for name in COMMANDS:
+        if name in SLOW and not options.all: continue
+        reference = Reference(name, prefix=(str(tool), "0"))
+        for k in chosen(reference.count, 12):
+            jobs.append(lambda r=reference, k=k: disturbed(r, f"calls {r.name} {k}", (str(tool), str(k))))
+    side_by_side(jobs)
+
+
+def memory():
+    tool = compile_tool("fail_allocation.c", "-shared", "-fPIC")
+    load = ("LD_PRELOAD", str(tool))
+    jobs = []
+    for name in COMMANDS:
+        if name in SLOW and not options.all: continue
+        reference = Reference(name, env=[load])
+        for k in chosen(reference.count, 6 if not options.all else 400):
+            for how in ("", "+"):
+                jobs.append(lambda r=reference, k=k, how=how: disturbed(r, f"memory {r.name} {k}{how}", env=[load, ("FAIL_ALLOCATION", f"{k}{how}")]))
+    side_by_side(jobs)
+
+
+def output():
+    place = Place()
+    assert place.run("run --seed 1 --limit 9 --trace-format binary --trace rec.bin m.bip").returncode == 0
+    programs = [(words, [BIPC, *words.split()]) for words in TALKING]
+    built = place.run("build -O0 -o program m.bip")
+    good("output build", built.returncode == 0, built.stderr.decode())
+    certified = place.run("verify --certificate m.certificate m.bip").returncode == 0 and place.run("check --emit=system m.bip")
+    (place.files / "m.bsys").write_bytes(certified.stdout)
+    programs += [("program", ["./program", "--seed", "1", "--limit", "9"]), ("program --help", ["./program", "--help"])]
+    if os.path.exists(CERTCHECK): programs.append(("certcheck", [CERTCHECK, "m.bsys", "m.certificate"]))
+    def one(name, command, how):
+        target = open("/dev/full", "wb") if how == "full" else subprocess.PIPE
+        shut = (lambda: os.close(1)) if how == "closed" else None
+        done = subprocess.run(command, cwd=place.files, stdout=target, stderr=subprocess.PIPE, env=place.environment, timeout=TIMEOUT, preexec_fn=shut)
+        good(f"output {how} {name}", done.returncode == OUTPUT_LOST and b"cannot write" in done.stderr, f"{done.returncode} {done.stderr.decode()}")
+    side_by_side([lambda n=n, c=c, h=h: one(n, c, h) for n, c in programs for h in ("full", "closed")])
+    for form in ("json", "bip2", "binary", "mcap", "perfetto", "steps"):
+        for command in ([BIPC, "run", "m.bip"], ["./program"]):
+            words = command + ["--seed", "1", "--limit", "5000", "--silent", "--trace", "/dev/full", "--trace-format", form]
+            done = subprocess.run(words, cwd=place.files, capture_output=True, env=place.environment, timeout=TIMEOUT)
+            if form == "steps" and done.returncode == 2: continue  # no such format of a trace
+            good(f"output trace {form} {command[0]}", done.returncode == OUTPUT_LOST and b"cannot write `/dev/full`: No space" in done.stderr, f"{done.returncode} {done.stderr}")
+    # The trace does not become descriptor 1, and what is printed does not come into it.
+    def close_all():
+        for descriptor in (0, 1, 2): os.close(descriptor)
+    place.run("run --seed 1 --limit 9 --trace good.json m.bip")
+    subprocess.run([BIPC, *"run --seed 1 --limit 9 --trace bad.json m.bip".split()], cwd=place.files, env=place.environment, preexec_fn=close_all)
+    good("output closed descriptors", (place.files / "good.json").read_bytes() == (place.files / "bad.json").read_bytes(), (place.files / "bad.json").read_text()[:300])
+    for words in ("build -O0 -o", "emit -o", "export -o", "verify --certificate"):
+        done = place.run(words.split() + ["/dev/full/x", "m.bip"])
+        good(f"output {words}", done.returncode == 1 and b"B5004" in done.stderr, f"{done.returncode} {done.stderr}")
+
+
+def inputs():
+    place = Place()
+    def told(what, words, code, text):
+        before = place.outputs()
+        done = place.run(words)
+        good(f"input {what}", done.returncode == code and text.encode() in done.stderr and place.outputs() == before, f"{done.returncode} {done.stderr} {done.stdout[-200:]}")
+    (place.files / "folder").mkdir()
+    place.run("run --seed 1 --limit 15 --events events --record rec e.bip")
+    place.run("run --seed 1 --limit 9 --trace-format binary --trace rec.bin m.bip")
+    whole = (place.files / "rec").read_bytes()
+    (place.files / "torn").write_bytes(whole[:-30])
+    (place.files / "junk.bin").write_bytes((place.files / "rec.bin").read_bytes() + b"more")
+    os.link(place.files / "m.bip", place.files / "same.bip")
+    told("events are a folder", "run --events folder --seed 1 e.bip", 2, "cannot read `folder`: Is a directory")
+    told("events in an I/O error", "run --events /proc/self/mem --seed 1 e.bip", 2, "cannot read `/proc/self/mem`: Input/output error")
+    told("a record that is cut off", "run --silent --limit 15 --replay torn e.bip", 0, "the run was cut off there")
+    told("junk behind a binary trace", "replay --recorded junk.bin m.bip", 1, "is followed by 4 bytes")
+    told("the trace is the model", "run --seed 1 --limit 9 --trace m.bip m.bip", 1, "B5013")
+    told("the trace is the model by a link", "run --seed 1 --limit 9 --trace same.bip m.bip", 1, "B5013")
+    told("the program is the model", "build -o m.bip m.bip", 1, "B5013")
+    told("the export is the model", "export -o m.bip m.bip", 1, "B5013")
+    told("the certificate is the model", "verify --certificate m.bip m.bip", 1, "B5013")
+    told("the counterexample is the model", "explore --trace m.bip m.bip", 1, "B5013")
+    told("the record is the events", "run --seed 1 --events events --record events e.bip", 2, "would overwrite the file of --events")
+    told("the record is what is replayed", "run --replay rec --record rec e.bip", 2, "would overwrite the file of --replay")
+    told("trace and record are one", "run --seed 1 --limit 1 --trace t --record t e.bip", 2, "name the same file")
+    # A link that somebody laid where the old fixed name was is not followed.
+    (place.files / "victim").write_text("mine")
+    os.symlink("victim", place.files / "out.pnml.bipc-new")
+    place.run("export --format pnml -o out.pnml m.bip")
+    good("input fixed name", (place.files / "victim").read_text() == "mine", "somebody else's file was written")
+    # What was proved yesterday and is refuted today has no certificate.
+    place.run("verify --certificate c m.bip")
+    before = (place.files / "c").exists()
+    text = MODEL.replace("from ON to OFF", "from OFF to OFF provided (n > 9)")
+    (place.files / "m.bip").write_text(text)
+    done = place.run("verify --certificate c m.bip")
+    good("input refuted certificate", before and done.returncode != 0 and not (place.files / "c").exists(), f"{before} {done.returncode} {done.stderr}")
+
+
+def limits():
+    place = Place()
+    deep = MODEL.replace("(n + 1) % 7", "(" * 490 + "n" + ")" * 490)
+    (place.files / "deep.bip").write_text(deep)
+    def limited(what, words, kind, value, codes):
+        done = place.run(words, preexec=lambda: resource.setrlimit(kind, (value, value)))
+        good(f"limits {what}", done.returncode in codes and (done.returncode == 0 or done.stderr), f"{done.returncode} {done.stderr.decode('utf-8', 'replace')[-300:]}")
+    for words in ("check deep.bip", "fmt deep.bip", "run --seed 1 --limit 9 deep.bip", "run --backend jit -O2 --seed 1 --limit 9 deep.bip", "verify deep.bip", "emit deep.bip"):
+        limited(f"small stack {words}", words, resource.RLIMIT_STACK, 256 << 10, {0})
+    limited("small file", "run --seed 1 --limit 5000 --silent --trace t m.bip", resource.RLIMIT_FSIZE, 4096, {OUTPUT_LOST})
+    limited("small program", "build -O0 -o p m.bip", resource.RLIMIT_FSIZE, 4096, {1})
+    limited("few files", "run --seed 1 --limit 5 --trace t m.bip", resource.RLIMIT_NOFILE, 4, {0, 1, 2, 127})
+    for megabytes in (30, 60, 120, 250):
+        for words in ("run --seed 1 --limit 9 m.bip", "verify m.bip", "explore m.bip"):
+            limited(f"{megabytes} MB {words}", words, resource.RLIMIT_AS, megabytes << 20, {0, 1, 2, NO_RESOURCES, 127})
+    # No home, no cache; a relative one is none; one that others can write to is none.
+    place.environment.pop("HOME")
+    done = place.run("run --backend jit -O2 --seed 1 --limit 9 m.bip")
+    good("limits no home", done.returncode == 0 and not list(place.tmp.iterdir()), f"{done.returncode} {done.stderr} {list(place.tmp.iterdir())}")
+    place.run("run --backend jit -O2 --seed 1 --limit 9 m.bip", env=[("XDG_CACHE_HOME", "relative")])
+    good("limits relative cache", not (place.files / "relative").exists(), "it was made")
+    place.run("run --backend jit -O2 --seed 1 --limit 9 m.bip", env=[("XDG_CACHE_HOME", str(place.path / "private"))])
+    folders = [place.path / "private", place.path / "private/bipc"]
+    good("limits cache mode", [p.stat().st_mode & 0o777 for p in folders] == [0o700] * 2, "not 0700")
+    (place.path / "open").mkdir()
+    (place.path / "open").chmod(0o777)
+    place.run(["run", "--backend", "jit", "-O2", "--cache", str(place.path / "open"), "--seed", "1", "--limit", "9", "m.bip"])
+    good("limits open cache", not list((place.path / "open").iterdir()), "a folder that others can write to is used")
+
+
+def kill():
+    jobs = []
+    names = [name for name in COMMANDS if options.all or name not in SLOW] + ["build"] * (not options.all)
+    for name in names:
+        reference = Reference(name)
+        began = time.monotonic()
+        reference.place.run(reference.words, reference.stdin)
+        spent = time.monotonic() - began
+        for k in range(40 if options.all else 4):
+            how = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP][k % 4]
+            if name == "build" and how == signal.SIGKILL: continue  # then nobody can end the compiler
+            jobs.append(lambda r=reference, how=how, after=rng.random() * spent: killed(r, how, after))
+    side_by_side(jobs)
+
+
+def killed(reference, how, after):
+    what = f"kill {reference.name} {how.name} after {after:.3f}"
+    place = Place()
+    child = subprocess.Popen([BIPC, *reference.words.split()], cwd=place.files, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=place.environment)
+    child.stdin.write(reference.stdin.encode())
+    child.stdin.flush()
+    time.sleep(after)
+    child.send_signal(how)
+    began = time.monotonic()
+    child.communicate(timeout=TIMEOUT)
+    good(what + " ends", how == signal.SIGKILL or time.monotonic() - began < 20, f"{time.monotonic() - began:.0f} s later")
+    good(what + " code", child.returncode in {0, 4, -how, 128 + how}, str(child.returncode))
+    if how != signal.SIGKILL: good(what + " tidy", not list(place.tmp.iterdir()), str(place.litter()))
+    place.renew()
+    again = place.run(reference.words, reference.stdin)
+    good(what + " again", reference.is_same(again, place), f"{again.returncode} {again.stderr.decode()} {reference.difference(again, place)}")
+    shutil.rmtree(place.path)
+
+
+GROUPS = {"output": output, "input": inputs, "limits": limits, "kill": kill, "calls": calls, "memory": memory}
+started = time.time()
+for name in options.groups or GROUPS:
+    before = time.time()
+    GROUPS[name]()
+    print(f"{name}: {time.time() - before:.1f} s", flush=True)
+shutil.rmtree(work, ignore_errors=True)
+print(f"faults: {passed} passed, {len(failures)} failed")
+sys.exit(1 if failures else 0)
