@@ -1,0 +1,75 @@
+// Files are replaced whole or not at all, and nothing is left beside them; a cache is private or not used.
+#include "compiler/base/write_file.hpp"
+
+#include "compiler/base/build_id.hpp"
+#include "compiler/base/content_cache.hpp"
+#include "compiler/base/read_file.hpp"
+#include "tests/unit/base/scratch_folder.hpp"
+
+namespace fs = std::filesystem;
+
+namespace bip {
+namespace {
+
+std::size_t files_in(const std::string& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
+}
+
+}  // namespace
+
+TEST_CASE("a new file that is not committed leaves the old one and nothing else") {
+  const testing::ScratchFolder folder;
+  const std::string path = folder.path() + "/a";
+  REQUIRE(write_file(path, "old"));
+  {
+    Result<NewFile> file = NewFile::create(path);
+    REQUIRE(file);
+    CHECK(files_in(folder.path()) == 2);
+    REQUIRE(file->write("new"));
+    CHECK(read_file(path) == "old");
+  }
+  CHECK(read_file(path) == "old");
+  CHECK(files_in(folder.path()) == 1);
+}
+
+TEST_CASE("links are followed, also those that lead nowhere yet") {
+  const testing::ScratchFolder folder;
+  fs::create_symlink("target", folder.path() + "/link");
+  REQUIRE(write_file(folder.path() + "/link", "text"));
+  CHECK(fs::is_symlink(folder.path() + "/link"));
+  CHECK(read_file(folder.path() + "/target") == "text");
+  CHECK(is_same_file(folder.path() + "/link", folder.path() + "/target"));
+  CHECK_FALSE(is_same_file(folder.path() + "/link", folder.path()));
+  CHECK_FALSE(is_same_file(folder.path() + "/none", folder.path() + "/none"));
+}
+
+TEST_CASE("what cannot be written or read is a failure with its reason") {
+  const testing::ScratchFolder folder;
+  CHECK(write_file("/dev/full", "x").error() == "No space left on device");
+  CHECK(write_file(folder.path(), "x").error() == "Is a directory");
+  CHECK(write_file(folder.path() + "/no/file", "x").error() == "No such file or directory");
+  CHECK_FALSE(read_file(folder.path()));
+  CHECK(files_in(folder.path()) == 0);
+}
+
+TEST_CASE("a cache is made private, and one that others can write to is not used") {
+  const testing::ScratchFolder folder;
+  const std::string path = folder.path() + "/above/cache";
+  CHECK(ContentCache(KeptKind::Object, path, 1 << 20).store("a", "bytes"));
+  for (const char* part : {"/above", "/above/cache"})
+    CHECK((fs::status(folder.path() + part).permissions() & fs::perms::mask) == fs::perms::owner_all);
+  ContentCache cache(KeptKind::Object, path, 1 << 20);
+  CHECK(cache.load("a") == "bytes");
+  fs::permissions(path, fs::perms::group_write, fs::perm_options::add);
+  CHECK_FALSE(cache.load("a"));
+  CHECK_FALSE(cache.store("b", "bytes"));
+}
+
+TEST_CASE("a program has a build id") {
+  const std::string id = build_id_of(reinterpret_cast<const void*>(&build_id_of));
+  CHECK(id.size() >= 16);
+  CHECK(id.find_first_not_of("0123456789abcdef") == std::string::npos);
+  CHECK(build_id_of(nullptr).empty());
+}
+
+}  // namespace bip
