@@ -46,7 +46,7 @@ struct CompileOptions {
   CacheOptions cache;
   bool verify_each = false;
   std::uint64_t max_instances = 0;  // of atoms, of connectors ...; 0: what the memory allows
-  bool refuses_cpp = false;  // the model's C++ is neither compiled nor loaded
+  bool refuses_cpp = false;         // the model's C++ is neither compiled nor loaded
 };
 struct RunArguments {
   CompileOptions compile;

@@ -1,10 +1,8 @@
-// certcheck SYSTEM.bsys CERTIFICATE: exit code 0 accepted, 1 rejected, 2 usage, 4 not checkable, 71 out of memory, 74
-// standard output cannot be written.
+// certcheck SYSTEM.bsys CERTIFICATE: exit code 0 accepted, 1 rejected, 2 usage, 4 not checkable, 71 memory, 74 output.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <new>
 
 #include "tools/certcheck/checked_model.hpp"
 
@@ -16,8 +14,8 @@ static std::string read_file(const char* path) {
 
 // A verdict that nobody can read is none.
 static int finish(int code) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  return std::perror("certcheck: cannot write standard output"), 74;
+  const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  return is_written ? code : (std::perror("certcheck: cannot write standard output"), 74);
 }
 
 int main(int argc, char** argv) {
@@ -31,9 +29,8 @@ int main(int argc, char** argv) {
     std::_Exit(finish(0));
   } catch (const certcheck::NotCheckable& e) {
     return std::printf("not checkable: %s\n", e.what()), finish(4);
-  } catch (const std::bad_alloc&) {
-    return std::fputs("certcheck: out of memory\n", stderr), 71;
   } catch (const std::exception& e) {
-    return std::printf("rejected: %s\n", e.what()), finish(1);
+    const bool is_memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
+    return std::printf("%s: %s\n", is_memory ? "out of memory" : "rejected", e.what()), finish(is_memory ? 71 : 1);
   }
 }
