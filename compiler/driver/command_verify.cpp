@@ -175,7 +175,7 @@ int command_verify(const VerifyArguments& arguments) {
     if (const std::string fault = initial_fault(*c.system); !fault.empty())
       return write(arguments, question, {kModelErrors, "no-state", fmt::format("no run reaches a state: {}\n", fault)});
   }
-  if (calls_cpp(*c.system)) {
+  if (calls_cpp(*c.system) && !c.options.refuses_cpp) {
     if (const std::optional<VerdictText> met = first_runs(arguments, c, question))
       return write(arguments, question, *met);
   }

@@ -121,7 +121,7 @@ Result<bool> emit_project(const lower::LoweredSystem& lowered, const std::string
   for (const char* licence : {"LICENSE", "../LICENSE"}) {
     const std::optional<std::string> text = read_file(fs::path(runtime_dir) / licence);
     if (!text) continue;
-    Result<bool> written = write_file(root / "runtime/LICENSE", *text);
+    Result<bool> written = update_file(root / "runtime/LICENSE", *text);
     if (!written) return written;
     break;
   }
