@@ -186,7 +186,13 @@ void Converter::add_resets(BipParser::ClockResetContext* ctx, Block& action) {
     list.push_back(arena_.make(stmt));
   }
   list.insert(list.end(), action.stmts.begin(), action.stmts.end());
-  if (!action.present) action.range = range(ctx);
+  const SourceRange resets = range(ctx);
+  if (action.present) {
+    action.range.begin = std::min(action.range.begin, resets.begin);
+    action.range.end = std::max(action.range.end, resets.end);
+  } else {
+    action.range = resets;
+  }
   action.present = true;
   action.stmts = arena_.list(list);
 }
