@@ -226,9 +226,9 @@ void add_compile(CLI::App& app, CompileOptions& options) {
          "--root", options.root,
          "root component, for example 'Ring(10)' (default: the only parameterless compound that nothing instantiates)")
       ->type_name("TYPE(ARGS)");
-  app.add_option("--max-instances", options.max_instances,
-                 "refuse a system of more than N atoms, or as many compounds, connectors or priorities (default: what "
-                 "half of the free memory holds, at least 2000000)")
+  app.add_option(
+         "--max-instances", options.max_instances,
+         "refuse a system of more than N atoms, or as many compounds, connectors or priorities (default: 2000000)")
       ->check(is_number())
       ->type_name("N");
   add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp|dot|json",

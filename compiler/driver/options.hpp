@@ -45,7 +45,7 @@ struct CompileOptions {
   bool time_passes = false;
   CacheOptions cache;
   bool verify_each = false;
-  std::uint64_t max_instances = 0;  // of atoms, of connectors ...; 0: what the memory allows
+  std::uint64_t max_instances = 0;  // of atoms, of connectors ...; 0: the default limit
   bool refuses_cpp = false;         // the model's C++ is neither compiled nor loaded
 };
 struct RunArguments {

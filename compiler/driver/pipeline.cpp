@@ -12,7 +12,6 @@
 #include "compiler/base/stage_scope.hpp"
 #include "compiler/driver/check_rest.hpp"
 #include "compiler/driver/load_packages.hpp"
-#include "compiler/driver/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/roots.hpp"
 #include "compiler/model/validate_model.hpp"
@@ -62,12 +61,10 @@ bool build_model(Compilation& c) {
   return c.model.has_value() && !c.diags.has_errors();
 }
 
-// What fits into half of the free memory, at the 512 bytes that an instance needs from here to its first step.
 system::UnfoldingLimits unfolding_limits(const CompileOptions& options) {
   system::UnfoldingLimits limits;
-  limits.instances = options.max_instances != 0 ? options.max_instances
-                                                : std::max<std::uint64_t>(limits.instances, available_memory() / 1024);
-  limits.instances = std::min(limits.instances, system::kMostInstances);
+  if (options.max_instances != 0)
+    limits.instances = std::min<std::uint64_t>(options.max_instances, system::kMostInstances);
   return limits;
 }
 

@@ -27,8 +27,7 @@ std::optional<Value> Instantiator::value(ExprId expr, const std::vector<Value>& 
 
 bool Instantiator::is_beyond(std::size_t limit, std::size_t count, const char* what, SourceRange at) {
   if (count < limit || stopped) return stopped;
-  diags.report(Diag::kB4006, at, limit, what)
-      .help("the limit follows the memory that is free; `--max-instances` sets another one");
+  diags.report(Diag::kB4006, at, limit, what).help("`--max-instances` sets another limit");
   return stopped = true;
 }
 

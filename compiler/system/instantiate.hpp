@@ -15,7 +15,7 @@ struct UnfoldingLimits {
   /// Of atoms, of compounds, of connectors, of priorities, of alternatives below one connector.
   std::size_t instances = 2'000'000;
   /// A round of a loop may declare nothing: all rounds, for each instance that is allowed.
-  std::size_t rounds_per_instance = 100;
+  std::size_t rounds_per_instance = 10;
 };
 /// Largest limit: instances are numbered with 32 bits, and some numbers have a meaning of their own.
 inline constexpr std::size_t kMostInstances = 1'000'000'000;
