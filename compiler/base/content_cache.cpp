@@ -46,7 +46,7 @@ bool is_kept_file(const fs::path& path) {
 // The name counts: a sound file under another name says something about another thing.
 std::string hash_of(const std::string& name, std::string_view bytes) { return content_hash({name, bytes}); }
 
-// Whoever can write to the folder can have us execute machine code: it is to be the user's, and nobody else's.
+// bipc executes machine code from the folder, so only the user may be able to write to it.
 bool is_private(const fs::path& folder) {
   struct stat status {};
   return ::stat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid() &&

@@ -14,7 +14,7 @@ fs::path cache_folder(const CacheOptions& options) {
   if (!options.folder.empty()) return options.folder;
   const char* cache = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");
-  // A relative path would be another folder for every working directory, perhaps of somebody else.
+  // A relative path would name another folder in each working directory, which may belong to another user.
   if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "bipc";
   if (home != nullptr && fs::path(home).is_absolute()) return fs::path(home) / ".cache" / "bipc";
   return {};

@@ -115,10 +115,11 @@ class ProofProgressLine {
                         phase_start_ = start_;
 };
 
-// Seconds of the processor for a question that nobody asked.
+// Processor time for the question about errors, which the user did not ask, in seconds.
 constexpr double kErrorSeconds = 0.5;
 
-// What a verdict that holds is told with: its runs may end in errors. Decided by the same engines, as far as they come.
+// The note of a verdict that holds: whether a run can end in an error. The same engines decide it, within
+// kErrorSeconds.
 std::string error_remark(const Compilation& c, const verify::Question& question, const verify::Decision& decision,
                          verify::Portfolio& portfolio, const verify::PortfolioLimits& limits) {
   const bool asked_else =

@@ -17,7 +17,7 @@ namespace bip::driver {
 namespace {
 
 constexpr std::uint64_t kRuns = 16, kStepsOfRun = 10'000;
-// A longer run is cut: nobody reads it.
+// The text of a longer run is cut.
 constexpr std::size_t kMostText = 1 << 20;
 
 struct CloseFile {
