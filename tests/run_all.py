@@ -92,10 +92,10 @@ def unit_jobs():
     if re.search(r"^BIPC_JIT:BOOL=(OFF|0|FALSE|NO)$", (BUILD / "CMakeCache.txt").read_text(), re.M):
         print("unit_jit and all runs by machine code are left out: the build has no LLVM (BIPC_JIT=OFF)", flush=True)
         folders.remove("jit")
-    weights = {"runtime": 40, "verify": 60, "explore": 50, "driver": 30, "jit": 30}
+    weights = {"runtime": 40, "verify": 60, "explore": 50, "pipeline": 30, "jit": 30}
     for folder in folders:
         program = BUILD / f"unit_{folder}"
-        yield from needs(program.name, Job(folder, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "driver"))
+        yield from needs(program.name, Job(folder, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "pipeline"))
 
 
 def is_sanitized():

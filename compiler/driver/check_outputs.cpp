@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "compiler/base/write_file.hpp"
-#include "compiler/driver/ffi_build.hpp"
+#include "compiler/pipeline/ffi_build.hpp"
 
 namespace bip::driver {
 

@@ -3,7 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/driver/options.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 
 namespace bip::driver {
 

@@ -9,7 +9,7 @@
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/exit_codes.hpp"
-#include "compiler/driver/host_compiler.hpp"
+#include "compiler/pipeline/host_compiler.hpp"
 
 namespace bip::driver {
 namespace {

@@ -11,7 +11,7 @@
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/read_question.hpp"
-#include "compiler/driver/machine.hpp"
+#include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
 #include "compiler/system/uses_time.hpp"

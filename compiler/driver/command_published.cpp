@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/load_packages.hpp"
+#include "compiler/pipeline/load_packages.hpp"
 
 namespace bip::driver {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "compiler/base/read_file.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/executor.hpp"
+#include "compiler/pipeline/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/driver/report.hpp"

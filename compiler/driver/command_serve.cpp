@@ -4,7 +4,7 @@
 #include "bip/process.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/executor.hpp"
+#include "compiler/pipeline/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/serve/model_server.hpp"

@@ -4,9 +4,9 @@
 
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/exit_codes.hpp"
-#include "compiler/driver/host_compiler.hpp"
-#include "compiler/driver/jit_loader.hpp"
-#include "compiler/driver/load_packages.hpp"
+#include "compiler/pipeline/host_compiler.hpp"
+#include "compiler/pipeline/jit_loader.hpp"
+#include "compiler/pipeline/load_packages.hpp"
 
 #ifndef BIPC_VERSION
 #define BIPC_VERSION "unknown"

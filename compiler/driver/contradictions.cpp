@@ -8,7 +8,7 @@
 #include <functional>
 #include <set>
 
-#include "compiler/driver/executor.hpp"
+#include "compiler/pipeline/executor.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/reduce.hpp"

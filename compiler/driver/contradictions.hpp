@@ -5,7 +5,8 @@
 // each service that is never admitted one more question per rule. Time is abstracted: a limit may be reached or not. If
 // the time limit is reached, nothing is reported.
 #pragma once
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/driver/options.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/rules/check_rules.hpp"
 
 namespace bip::driver {

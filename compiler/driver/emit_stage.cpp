@@ -3,9 +3,9 @@
 
 #include <cstdio>
 
-#include "compiler/driver/ffi_build.hpp"
-#include "compiler/driver/executor.hpp"
-#include "compiler/driver/jit_loader.hpp"
+#include "compiler/pipeline/ffi_build.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/jit_loader.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"
 #include "compiler/steps/derive_steps.hpp"
 #include "compiler/syntax/print.hpp"
@@ -68,12 +68,6 @@ Result<std::string> text_of(Compilation& c, EmitKind kind, Optimisation optimisa
 }
 
 }  // namespace
-
-const char* name_of(EmitKind kind) {
-  static constexpr const char* kNames[] = {"none", "tokens", "syntax", "model", "system",
-                                           "llvm", "asm",    "cpp",    "dot",   "json"};
-  return kNames[static_cast<std::size_t>(kind)];
-}
 
 void emit_stage(Compilation& c, const std::string& path, Optimisation optimisation) {
   const EmitKind kind = c.options.emit;

@@ -1,6 +1,7 @@
 // --emit=KIND: prints the product of one stage to standard output, instead of executing the command.
 #pragma once
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/driver/options.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 
 namespace bip::driver {
 

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "compiler/driver/executor.hpp"
+#include "compiler/pipeline/executor.hpp"
 
 namespace bip::driver {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "compiler/driver/options.hpp"
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "runtime/include/bip/run.hpp"
 
 namespace bip::driver {

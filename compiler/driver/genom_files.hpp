@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/driver/options.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/genom/translate.hpp"
 
 namespace bip::driver {

@@ -65,6 +65,7 @@ bool wants_color(ColorChoice choice, int file_descriptor) {
 int report(const Compilation& c) {
   RenderOptions options = c.options.render;
   options.color = wants_color(c.options.color, STDERR_FILENO) ? Color::On : Color::Off;
+  print_error_text(c.printed);
   print_error_text(render(c.diags, c.sources, options));
   if (c.options.time_passes) print_error_text(time_table(c.times));
   const bool is_for_people = options.format == DiagnosticFormat::Frame || options.format == DiagnosticFormat::Short;

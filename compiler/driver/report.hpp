@@ -1,6 +1,7 @@
 // The output of commands for a compilation, and the resulting exit code.
 #pragma once
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/driver/options.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 
 namespace bip::driver {
 

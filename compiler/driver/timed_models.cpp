@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/base/write_file.hpp"
-#include "compiler/driver/error_sources.hpp"
-#include "compiler/driver/executor.hpp"
+#include "compiler/pipeline/error_sources.hpp"
+#include "compiler/pipeline/executor.hpp"
 #include "compiler/driver/exit_codes.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
-#include "compiler/driver/machine.hpp"
+#include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/verify_text.hpp"

@@ -1,7 +1,7 @@
 // `bipc explore` and `bipc verify` for models with clocks: explores their zone graph (runtime/explore/zones.hpp).
 #pragma once
 #include "compiler/driver/options.hpp"
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
 
 namespace bip::driver {

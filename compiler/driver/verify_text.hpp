@@ -2,7 +2,8 @@
 #pragma once
 #include <string>
 
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/driver/options.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
 
 namespace bip::driver {

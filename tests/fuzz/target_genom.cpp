@@ -1,5 +1,5 @@
 // Descriptions of robot modules: errors that can be read, or a text that is BIP without a single warning.
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/genom/translate.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -18,9 +18,9 @@ Verdict try_genom(std::string_view input) {
   if (diags.has_errors()) return {"genom: a product and errors", true};
   const std::string text = genom::write_package(*modules, options.generate).bip;
   if (text.size() > kMaxBip) return {"", true};
-  driver::Compilation c{driver::CompileOptions{}};
+  pipeline::Compilation c{pipeline::CompileOptions{}};
   c.open_texts["/nowhere/fuzz.bip"] = text;
-  if (!driver::check(c, "/nowhere/fuzz.bip") || c.diags.warning_count() > 0) {
+  if (!pipeline::check(c, "/nowhere/fuzz.bip") || c.diags.warning_count() > 0) {
     return {"genom: what was written is not clean: " +
                 first_line(render(c.diags, c.sources, {.format = DiagnosticFormat::Short})),
             true};

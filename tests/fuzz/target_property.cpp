@@ -1,5 +1,5 @@
 // Properties of a fixed system: an error with its column, or a property that can be evaluated, encoded and written.
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/interp/interp.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/system/bsys.hpp"
@@ -34,12 +34,12 @@ constexpr const char* kModel =
     "end\n";
 
 struct FixedSystem {
-  driver::Compilation compilation{driver::CompileOptions{}};
+  pipeline::Compilation compilation{pipeline::CompileOptions{}};
   std::unique_ptr<interp::Interpreter> interpreter;
 
   FixedSystem() {
     compilation.open_texts["/nowhere/fuzz.bip"] = kModel;
-    if (driver::compile(compilation, "/nowhere/fuzz.bip", driver::Stage::Image))
+    if (pipeline::compile(compilation, "/nowhere/fuzz.bip", pipeline::Stage::Image))
       interpreter = std::make_unique<interp::Interpreter>(*compilation.lowered);
   }
 };

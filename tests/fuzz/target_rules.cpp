@@ -1,5 +1,5 @@
 // Rules over fixed modules: errors that can be read, or a functional level that is BIP without a single warning.
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/check_rules.hpp"
 #include "compiler/rules/parse_rules.hpp"
@@ -41,9 +41,9 @@ Verdict try_rules(std::string_view input) {
   options.generate.constraints = checked->constraints;
   const std::string text = genom::write_package(*modules, options.generate).bip;
   if (text.size() > kMaxBip) return {"", true};
-  driver::Compilation c{driver::CompileOptions{}};
+  pipeline::Compilation c{pipeline::CompileOptions{}};
   c.open_texts["/nowhere/fuzz.bip"] = text;
-  if (!driver::check(c, "/nowhere/fuzz.bip") || c.diags.warning_count() > 0) {
+  if (!pipeline::check(c, "/nowhere/fuzz.bip") || c.diags.warning_count() > 0) {
     return {"rules: what was written is not clean: " +
                 first_line(render(c.diags, c.sources, {.format = DiagnosticFormat::Short})),
             true};

@@ -2,8 +2,8 @@
 // nothing between two inputs.
 #include "tests/fuzz/targets.hpp"
 
-#include "compiler/driver/pipeline.hpp"
-#include "compiler/driver/roots.hpp"
+#include "compiler/pipeline/pipeline.hpp"
+#include "compiler/pipeline/roots.hpp"
 #include "compiler/parse/parse.hpp"
 #include "compiler/syntax/print.hpp"
 #include "compiler/system/bsys.hpp"
@@ -31,16 +31,16 @@ std::string changed_by_print(const System& system) {
 Verdict try_text(std::string_view input) {
   // The folder does not exist: what other packages say is another test's affair.
   static const std::string kPath = "/nowhere/fuzz.bip";
-  driver::Compilation c({});
+  pipeline::Compilation c({});
   c.open_texts.emplace(kPath, std::string(input));
-  const bool is_accepted = driver::check(c, kPath);
+  const bool is_accepted = pipeline::check(c, kPath);
   const std::string text = render(c.diags, c.sources, {});
   if (is_accepted == c.diags.has_errors()) return {is_accepted ? "accepted with errors" : "refused without an error"};
   if (!is_accepted) return {text.empty() ? "errors that nobody can read" : ""};
   // As `check` does, but each root's system is kept for a look.
   const std::optional<Model> known = model::build_model(c.packages, c.sources, c.diags);
   if (!known) return {"accepted once, refused the second time"};
-  for (const std::string& root : driver::root_candidates(*known)) {
+  for (const std::string& root : pipeline::root_candidates(*known)) {
     std::optional<Model> model = model::build_model(c.packages, c.sources, c.diags);
     const std::optional<System> system = system::instantiate(*model, root, {}, c.diags, c.root_range);
     if (!system) return {"accepted once, refused the second time"};

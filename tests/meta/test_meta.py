@@ -37,6 +37,7 @@ MAY_INCLUDE = {
     "emit_cpp": LOWER | {"emit_cpp"}, "steps": LOWER | {"analysis", "steps"}, "graph": ANALYSIS | {"graph"}, "verify": LOWER | {"analysis", "verify"},
     "genom": DIAG | SYNTAX | {"parse", "genom"}, "rules": DIAG | SYNTAX | {"genom", "rules"},
     "exchange": ANALYSIS | {"exchange", "verify"},
+    "pipeline": LOWER | {"parse", "steps", "interp", "jit", "emit_cpp", "verify", "pipeline"},
     "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
     "runtime": {"runtime"},
 }

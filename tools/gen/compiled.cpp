@@ -1,4 +1,4 @@
-// The stages in the order of the driver's pipeline (compiler/driver/pipeline.cpp), applied to a text in memory.
+// The stages in the order of the driver's pipeline (compiler/pipeline/pipeline.cpp), applied to a text in memory.
 #include "tools/gen/compiled.hpp"
 
 #include "compiler/model/model.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "compiler/driver/load_packages.hpp"
+#include "compiler/pipeline/load_packages.hpp"
 #include "tools/lsp/uri.hpp"
 
 namespace bip::lsp {
@@ -36,18 +36,18 @@ Document* Workspace::find_path(const std::string& path) {
 }
 
 void Workspace::analyse(Document& d) {
-  driver::CompileOptions options;
+  pipeline::CompileOptions options;
   options.folders = folders;
-  auto c = std::make_unique<driver::Compilation>(std::move(options));
+  auto c = std::make_unique<pipeline::Compilation>(std::move(options));
   for (const auto& [path, other] : documents_) c->open_texts.emplace(path, other->text.str());
-  (void)driver::check(*c, d.path);
+  (void)pipeline::check(*c, d.path);
   Analysis a;
   a.diagnostics = c->diags.sorted();
   a.file = c->file;
   // `check` stops at the first stage with errors; names are wanted whatever it found. Sorted before, so nothing is
   // added.
   const bool has_tree = c->syntax.has_value() && c->syntax->package != nullptr;
-  if (has_tree && c->packages.empty()) (void)driver::load_packages(*c);
+  if (has_tree && c->packages.empty()) (void)pipeline::load_packages(*c);
   if (has_tree && c->packages.empty()) c->packages.push_back(&*c->syntax);
   a.index = index::build_index(c->packages, c->sources);
   // The index needs texts only, and an instantiated system may be large.

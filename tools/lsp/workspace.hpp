@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/driver/pipeline.hpp"
+#include "compiler/pipeline/pipeline.hpp"
 #include "compiler/index/index.hpp"
 #include "tools/lsp/json_rpc.hpp"
 
@@ -16,7 +16,7 @@ namespace bip::lsp {
 
 /// One check of one document. Files of the compilation are found by id in `compilation->paths`.
 struct Analysis {
-  std::unique_ptr<driver::Compilation> compilation;
+  std::unique_ptr<pipeline::Compilation> compilation;
   std::vector<const Diagnostic*> diagnostics;  // as `bipc check` lists them
   index::Index index;
   FileId file;  // the document's; none if its text was refused
@@ -32,7 +32,7 @@ struct Document {
   Analysis analysis;
   /// Names as they were when the text could last be read: for completion while it cannot.
   index::Index last_names;
-  std::unique_ptr<driver::Compilation> last_compilation;
+  std::unique_ptr<pipeline::Compilation> last_compilation;
 };
 
 class Workspace {

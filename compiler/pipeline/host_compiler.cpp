@@ -1,0 +1,166 @@
+// Finds and runs the host's C++ compiler, finds the runtime's sources, and manages temporary files. POSIX only.
+#include "compiler/pipeline/host_compiler.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+#include "runtime/engine/interrupt.hpp"
+
+extern char** environ;
+
+namespace bip::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+bool is_program(const std::string& name) {
+  if (name.find('/') != std::string::npos) return ::access(name.c_str(), X_OK) == 0;
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (::access(((folder.empty() ? "." : folder) + "/" + name).c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+// The process group of the program that runs, for the handler of signals, and what the handler was called with.
+std::atomic<pid_t> running_group{0};
+std::atomic<int> forwarded_signal{0};
+extern "C" void bip_forward_signal(int signal) {
+  forwarded_signal.store(signal);
+  if (const pid_t group = running_group.load(); group != 0) ::kill(-group, signal);
+}
+
+// Blocks the ending signals of this thread while it lives: between the start of a program and the note of its number.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t ending;
+    ::sigemptyset(&ending);
+    for (const int signal : rt::kEndingSignals) ::sigaddset(&ending, signal);
+    ::pthread_sigmask(SIG_BLOCK, &ending, &before_);
+  }
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+  [[nodiscard]] const sigset_t& before() const { return before_; }
+
+ private:
+  sigset_t before_{};
+};
+
+// Starts the program in a process group of its own. Returns the error's number.
+int start_program(const std::vector<std::string>& command, const std::string& output, pid_t& child) {
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&actions);
+  if (!output.empty())
+    ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+  ::posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  ::sigemptyset(&defaults);
+  for (const int signal : rt::kEndingSignals) ::sigaddset(&defaults, signal);
+  ::posix_spawnattr_setsigdefault(&attributes, &defaults);
+  ::posix_spawnattr_setpgroup(&attributes, 0);
+  const BlockedSignals blocked;
+  ::posix_spawnattr_setsigmask(&attributes, &blocked.before());
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
+  const int error = ::posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  if (error == 0) running_group.store(child);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::posix_spawnattr_destroy(&attributes);
+  return error;
+}
+
+}  // namespace
+
+std::vector<std::string> find_host_compiler(std::string& tried) {
+  const char* cxx = std::getenv("CXX");
+  if (cxx != nullptr && *cxx != '\0') {
+    tried = std::string("`") + cxx + "` of $CXX";
+    std::vector<std::string> command = words_of(cxx);
+    if (!command.empty() && is_program(command.front())) return command;
+    return {};
+  }
+  tried = "`c++`, `g++`, `clang++`";
+  for (const char* name : {"c++", "g++", "clang++"}) {
+    if (is_program(name)) return {name};
+  }
+  return {};
+}
+
+Result<int> run_program(const std::vector<std::string>& command, const std::string& output) {
+  const rt::EndingSignals forwarded(bip_forward_signal);
+  pid_t child = 0;
+  if (const int error = start_program(command, output, child); error != 0) return Failure{std::strerror(error)};
+  int status = 0;
+  int error = 0;
+  while (::waitpid(child, &status, 0) < 0 && error == 0) error = errno == EINTR ? 0 : errno;
+  running_group.store(0);
+  if (error != 0) return Failure{std::strerror(error)};
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+std::string program_path() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).string();
+}
+
+int signal_during_program() { return forwarded_signal.load(); }
+
+RuntimeLocation find_runtime() {
+  RuntimeLocation found;
+  std::error_code ignored;
+  const fs::path folder = fs::path(program_path()).parent_path();
+  // In a build tree CMake leaves a link `runtime` to the sources beside the program.
+  for (const fs::path& candidate :
+       {folder / "runtime", folder.parent_path() / "share/bipc/runtime", folder.parent_path() / "runtime"}) {
+    found.tried.push_back(candidate.string());
+    if (!fs::exists(candidate / "include/bip/run.hpp", ignored)) continue;
+    found.directory = candidate.string();
+#ifdef BIPC_PREBUILT_RUNTIME
+    for (const fs::path& library : {folder / "libbip_runtime.a", folder.parent_path() / "lib/bipc/libbip_runtime.a"}) {
+      if (found.library.empty() && fs::exists(library, ignored)) found.library = library.string();
+    }
+#endif
+    break;
+  }
+  return found;
+}
+
+Result<TemporaryDirectory> TemporaryDirectory::make() {
+  std::error_code error;
+  std::string name = (fs::temp_directory_path(error) / "bipc-XXXXXX").string();
+  if (error || ::mkdtemp(name.data()) == nullptr)
+    return Failure{"no temporary directory: " + std::string(std::strerror(errno))};
+  return TemporaryDirectory(std::move(name));
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+}
+
+}  // namespace bip::pipeline

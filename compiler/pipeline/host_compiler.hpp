@@ -1,0 +1,48 @@
+// The C++ compiler of the host, for `bipc build`.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/base/result.hpp"
+
+namespace bip::pipeline {
+
+/// $CXX (may hold arguments, e.g. "ccache g++"), else the first of c++, g++, clang++ on PATH; as an argument vector.
+/// Empty if there is none; `tried` says what was looked for.
+[[nodiscard]] std::vector<std::string> find_host_compiler(std::string& tried);
+
+/// Runs a program with its output on our standard error, or in the file `output`. The exit code; 128 + signal if a
+/// signal ended it; a Failure if it could not be started. SIGINT, SIGTERM and SIGHUP end the program with all that it
+/// started, and not us, so that the caller can tidy up.
+[[nodiscard]] Result<int> run_program(const std::vector<std::string>& command, const std::string& output = {});
+
+/// The signal that came while a program ran, or 0. A command that was asked to end so ends by this signal.
+[[nodiscard]] int signal_during_program();
+
+/// Where the runtime is: `include`, `core`, `engine`, `trace` below `directory`, and the library made by our own build
+/// (empty: compile the sources). Looked for beside the bipc program: in a build tree and in an installation.
+struct RuntimeLocation {
+  std::string directory;
+  std::string library;
+  std::vector<std::string> tried;
+};
+[[nodiscard]] RuntimeLocation find_runtime();
+/// The running program's file, through links; empty if the system does not say.
+[[nodiscard]] std::string program_path();
+
+/// A directory that disappears with the object.
+class TemporaryDirectory {
+ public:
+  [[nodiscard]] static Result<TemporaryDirectory> make();
+  TemporaryDirectory(TemporaryDirectory&& other) noexcept : path_(std::move(other.path_)) { other.path_.clear(); }
+  TemporaryDirectory& operator=(TemporaryDirectory&&) = delete;
+  ~TemporaryDirectory();
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  explicit TemporaryDirectory(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+};
+
+}  // namespace bip::pipeline

@@ -1,0 +1,121 @@
+// The JIT's loop over steps takes the steps that the core takes one by one, with the same random numbers: also where a
+// draw may be repeated, where it draws a step that it does not know, and when the ring of recent interactions is full.
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <bit>
+#include <memory>
+#include <string>
+
+#include "compiler/pipeline/jit_loader.hpp"
+#include "compiler/pipeline/pipeline.hpp"
+#include "compiler/steps/derive_steps.hpp"
+#include "runtime/core/core.hpp"
+
+using namespace bip;
+using namespace bip::pipeline;
+
+namespace {
+
+// Moves with guards around a ring of `cells`, a broadcast, and rendezvous of two to five: more kinds of steps than the
+// loop asks for.
+std::string cells(int count) {
+  std::string text =
+      "package m\n  port type S()\n  port type L(int x)\n"
+      "  connector type Move(L a, L b)\n    define a b\n"
+      "    on a b provided (a.x > 0 && b.x < 9) down { a.x = a.x - 1; b.x = b.x + 1; }\n  end\n"
+      "  connector type Call(S c, S d, S e, S f, S g)\n    define c' d e f g\n  end\n";
+  const std::string names = "abcde";
+  for (std::size_t parts = 2; parts <= 5; ++parts) {
+    std::string parameters, joined;
+    for (std::size_t k = 0; k < parts; ++k) {
+      parameters += std::string(k == 0 ? "" : ", ") + "S " + names[k];
+      joined += std::string(" ") + names[k];
+    }
+    text += "  connector type All" + std::to_string(parts) + "(" + parameters + ")\n    define" + joined + "\n  end\n";
+  }
+  text +=
+      "  atom type Cell(int x0)\n    data int x = x0, turns = 0\n"
+      "    export port L give(x), take(x)\n    export port S turn(), odd(), even()\n"
+      "    place P, Q\n    initial to P\n"
+      "    on give from P to P\n    on take from P to P\n    on turn from P to P do { turns = turns + 1; }\n"
+      "    on odd from P to Q do { turns = turns + x; }\n    on even from Q to P\n  end\n"
+      "  compound type R(int n)\n    component Cell c[n](5)\n"
+      "    for i in 0..n connector Move m[i](c[i].give, c[(i + 1) % n].take)\n"
+      "    connector Call call(c[0].turn, c[1].odd, c[2].odd, c[3].odd, c[4].odd)\n";
+  for (int parts = 2; parts <= 5; ++parts) {
+    for (const char* port : {"odd", "even"}) {
+      text += "    connector All" + std::to_string(parts) + " " + port + std::to_string(parts) + "(";
+      for (int k = 0; k < parts; ++k)
+        text += std::string(k == 0 ? "" : ", ") + "c[" + std::to_string(3 * k + parts) + "]." + port;
+      text += ")\n";
+    }
+  }
+  return text + "  end\n  compound type Root()\n    component R r(" + std::to_string(count) + ")\n  end\nend\n";
+}
+
+bool never_stopped() { return false; }
+
+struct LoopRun {
+  rt::u64 steps = 0;
+  std::vector<rt::u32> interactions;
+  rt::Prng prng;
+};
+
+LoopRun run(const rt::Image& image, const rt::Prng& prng, rt::u64 limit) {
+  rt::Core core(image);
+  REQUIRE(core.initialize());
+  core.keep_list();
+  REQUIRE(core.steps().has_steps());
+  LoopRun result{0, {}, prng};
+  bool sound = true;
+  result.steps = core.steps().run(result.prng, limit, never_stopped, sound);
+  REQUIRE(sound);
+  result.interactions = core.history().recent(std::min<rt::u64>(result.steps, rt::Core::kHistory));
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the loop over steps draws and takes what the core does") {
+  const Result<JitPlugin> plugin = load_jit();
+  if (!plugin) {
+#ifdef BIP_TEST_HAS_JIT
+    FAIL("the build has LLVM, but its plug-in did not load");
+#else
+    WARN("the build has no LLVM: left out");
+#endif
+    return;
+  }
+  const int count = GENERATE(80, 119);
+  Compilation c{CompileOptions{.root = "Root()"}};
+  c.open_texts["m.bip"] = cells(count);
+  REQUIRE(compile(c, "m.bip", Stage::Image));
+  steps::derive_steps(*c.lowered);
+  jit::MadeCode made;
+  const Result<JitCode> code = (*plugin).compile(*c.lowered, {}, made);
+  REQUIRE(code);
+  jit::install(*c.lowered, made);
+  REQUIRE(c.lowered->image.steps_fn != nullptr);
+  REQUIRE(c.lowered->steps.loop.size() < c.lowered->steps.runs.size());
+  rt::Image stepwise = c.lowered->image;
+  stepwise.steps_fn = nullptr;
+  // The first number of the second is 0, which may be drawn again.
+  const auto odd = std::bit_cast<rt::Prng>(std::array<std::uint64_t, 4>{0, 3, 5, 0});
+  for (const rt::Prng& prng : {rt::Prng(7), odd}) {
+    for (const rt::u64 limit : {1u, 2u, 300u, 4097u, 40'000u}) {
+      const LoopRun looped = run(c.lowered->image, prng, limit), expected = run(stepwise, prng, limit);
+      CHECK(looped.steps == limit);
+      CHECK(expected.steps == limit);
+      CHECK(looped.interactions == expected.interactions);
+      CHECK(looped.prng == expected.prng);
+    }
+  }
+  // Who profiles looks between steps.
+  c.lowered->calls_rows = true;
+  jit::MadeCode pieces;
+  const Result<JitCode> again = (*plugin).compile(*c.lowered, {}, pieces);
+  REQUIRE(again);
+  CHECK(pieces.steps_fn == nullptr);
+  CHECK(pieces.step_fns.size() == made.step_fns.size());
+}
