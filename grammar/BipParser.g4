@@ -18,7 +18,7 @@ decl: annotation* (constData | externType | externFunction | externOperator | fu
 
 // ---- data and the outside -----------------------------------------------------------------------------------------------
 constData: (CONST DATA | DATA CONST) typeName var (COMMA var)*;
-externType: EXTERN_DECL DATA TYPE id (REFINE typeName (COMMA typeName)*)? (AS STRING)?;
+externType: EXTERN_DECL DATA TYPE (id | NATIVE) (REFINE typeName (COMMA typeName)*)? (AS STRING)?;
 externFunction: EXTERN_DECL FUNCTION (CONST? typeName)? id LPAREN (protoParam (COMMA protoParam)*)? RPAREN;
 externOperator: EXTERN_DECL OPERATOR CONST? typeName operatorSign LPAREN protoParam (COMMA protoParam)? RPAREN;
 functionDecl: FUNCTION typeName id LPAREN params? RPAREN ASSIGN expr;

@@ -33,7 +33,7 @@ void confirm_migrated(const std::string& text) {
   const FileId file = sources.add("migrated", text);
   const auto again = parse::parse_file(sources, file, diags);
   BIP_ENSURE(again.has_value() && !diags.has_errors());
-  BIP_ENSURE(syntax::deprecated_spellings(*again).empty());
+  BIP_ENSURE(syntax::deprecated_spellings(*again, text).empty());
 }
 
 int migrate_one(const MigrateArguments& arguments, const std::string& path) {
@@ -42,7 +42,7 @@ int migrate_one(const MigrateArguments& arguments, const std::string& path) {
     c.diags.report(Diag::kB5008, {}, path, "syntax");
   } else if (compile(c, path, Stage::Syntax)) {
     const StageScope doing("migrating", path);
-    const std::vector<syntax::Edit> edits = syntax::deprecated_spellings(*c.syntax);
+    const std::vector<syntax::Edit> edits = syntax::deprecated_spellings(*c.syntax, c.sources.text(c.file));
     const std::string text = edited(c.sources.text(c.file), edits);
     confirm_migrated(text);
     if (!arguments.in_place) {

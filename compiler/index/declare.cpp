@@ -34,6 +34,7 @@ SymbolKind kind_of(DeclKind kind) {
 
 SymbolId IndexBuilder::add(SymbolKind kind, const Name& name, SourceRange range, SymbolId owner, Annotations marks) {
   if (name.text.empty()) return {};
+  if (kind == SymbolKind::ExternType && syntax::is_native_type(name.text)) return {};
   for (const Annotation& mark : marks) range.begin = std::min(range.begin, mark.range.begin);
   const Key key{owner.is_valid() ? owner.value : files_[file_].scope, name.text};
   if (const auto known = names_.find(key); known != names_.end()) {

@@ -162,7 +162,14 @@ void declare_names(ModelBuilder& b) {
         if (!functions.declare(decl->name, "function")) continue;
         b.model.functions[b.key(*decl)] = decl;
         continue;
-      case DeclKind::ExternType: (void)types.declare(decl->name, "type"); continue;
+      case DeclKind::ExternType:
+        if (syntax::is_native_type(decl->name.text)) {
+          b.diags.report(Diag::kB1054, decl->name.range, decl->name.text)
+              .help("remove the declaration; `bipc migrate` does");
+        } else {
+          (void)types.declare(decl->name, "type");
+        }
+        continue;
       case DeclKind::ExternFunction:
       case DeclKind::ExternOperator: continue;
       case DeclKind::ConstData:

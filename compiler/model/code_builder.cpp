@@ -213,12 +213,20 @@ std::optional<Typed> CodeBuilder::path(const syntax::Expr* e) {
                b->type};
 }
 
-std::optional<Typed> CodeBuilder::type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants,
-                                             Type got) {
+std::optional<Typed> CodeBuilder::type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got,
+                                             std::string_view help) {
   const std::string_view op =
       e->kind == ExprKind::Unary ? model_.sources->text(e->op_range) : std::string_view(text_of(e->binary));
-  diags_.report(Diag::kB1013, at->range, op, wants, name_of(got)).label(fmt::format("this is {}", name_of(got)));
+  auto report = diags_.report(Diag::kB1013, at->range, op, wants, name_of(got));
+  report.label(fmt::format("this is {}", name_of(got)));
+  if (!help.empty()) report.help(std::string(help));
   return std::nullopt;
+}
+
+std::string CodeBuilder::operator_help(const syntax::Expr* e, const Typed& a, const Typed& b) const {
+  if (a.type != Type::String && b.type != Type::String) return "";
+  return fmt::format("C++ can define it: `extern operator const string {} (const {}, const {})`", text_of(e->binary),
+                     name_of(a.type), name_of(b.type));
 }
 
 std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
@@ -266,8 +274,10 @@ std::optional<Typed> CodeBuilder::binary(const syntax::Expr* e) {
       return std::nullopt;
     }
   } else {
-    if (!takes(operands, a->type)) return type_error(e, e->operands[0], text_of(operands), a->type);
-    if (!takes(operands, b->type)) return type_error(e, e->operands[1], text_of(operands), b->type);
+    if (!takes(operands, a->type))
+      return type_error(e, e->operands[0], text_of(operands), a->type, operator_help(e, *a, *b));
+    if (!takes(operands, b->type))
+      return type_error(e, e->operands[1], text_of(operands), b->type, operator_help(e, *a, *b));
   }
   const bool is_float = a->type == Type::Float || b->type == Type::Float;
   const Type result = result_of(op, is_float ? Type::Float : a->type);

@@ -108,7 +108,10 @@ class CodeBuilder {
   std::optional<Typed> ffi_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args,
                                     bool& handled);
   Typed cast(Typed v, Type to);
-  std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got);
+  std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got,
+                                  std::string_view help = "");
+  /// The prototype of an operator that takes a string, "" if neither operand is one.
+  [[nodiscard]] std::string operator_help(const syntax::Expr* e, const Typed& a, const Typed& b) const;
   StmtId statement(const syntax::Stmt* s, StmtId next);
   void warn_zero_divisor(const syntax::Expr* e, Typed divisor);
   const Binding* find(const syntax::Path& p, Lookup lookup);

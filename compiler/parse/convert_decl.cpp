@@ -135,7 +135,7 @@ Decl Converter::extern_decl(BipParser::DeclContext* ctx) {
   d.range = range(ctx);
   if (BipParser::ExternTypeContext* t = ctx->externType(); t != nullptr && !failed(t)) {
     d.kind = DeclKind::ExternType;
-    d.name = name(t->id());
+    d.name = t->id() != nullptr ? name(t->id()) : name(t->NATIVE()->getSymbol());
     std::vector<Path> refines;
     for (BipParser::TypeNameContext* r : t->typeName()) refines.push_back(type_ref(r, Constness::Mutable).name);
     d.refines = arena_.list(refines);

@@ -174,6 +174,15 @@ void ReportingStrategy::reportError(antlr4::Parser* parser, const antlr4::Recogn
   report_unexpected(parser, found, expected_by(parser, e));
 }
 
+// `extern function int Math.max(int, int)`, or `Math::max`.
+bool ReportingStrategy::names_class_of_function(antlr4::Parser* parser, const antlr4::Token* found) const {
+  const antlr4::RuleContext* context = parser->getContext();
+  const std::size_t index = found->getTokenIndex();
+  return context != nullptr && context->getRuleIndex() == BipParser::RuleExternFunction && index > 0 &&
+         parser->getTokenStream()->get(index - 1)->getType() == BipParser::ID &&
+         (found_phrase(found) == "`.`" || found_phrase(found) == "`:`");
+}
+
 // `port Signal up()`: the type alone could be a port's name, so no name is expected where one was meant.
 bool ReportingStrategy::is_like_named_port(antlr4::Parser* parser, const antlr4::Token* found) {
   antlr4::TokenStream* const input = parser->getTokenStream();
@@ -199,6 +208,9 @@ void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::
                                   describe_expected(expected), place, found_phrase(found));
   const SourceRange at = range(found);
   const std::string word(text_.substr(at.begin, at.end - at.begin));
+  if (names_class_of_function(parser, found))
+    diagnostic.note("a class before a function's name is for Java; C++ functions of BIP are in no class")
+        .help("declare it under one name, and call the class's function in C++ that `@cpp` names");
   if (found->getType() == BipParser::ID) {
     const std::vector<std::string> similar = similar_names(word, words_of(expected));
     if (!similar.empty()) diagnostic.help("there is a word `" + similar.front() + "`", at, similar.front());

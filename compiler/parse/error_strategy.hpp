@@ -26,6 +26,7 @@ class ReportingStrategy final : public antlr4::DefaultErrorStrategy {
 
  private:
   [[nodiscard]] static bool is_like_named_port(antlr4::Parser* parser, const antlr4::Token* found);
+  [[nodiscard]] bool names_class_of_function(antlr4::Parser* parser, const antlr4::Token* found) const;
   void report_unexpected(antlr4::Parser* parser, const antlr4::Token* found, const antlr4::misc::IntervalSet& expected);
   bool report_missing_closer(antlr4::Parser* parser, std::size_t closer);
   /// In the list of a declaration's items: reports what begins none of them and skips to one that does.

@@ -13,7 +13,7 @@ struct Edit {
   std::string with;
 };
 
-/// In source order, without overlaps. Today: `double`, which is `float`.
-[[nodiscard]] std::vector<Edit> deprecated_spellings(const Syntax& syntax);
+/// In source order, without overlaps. Today: `double`, which is `float`, and declarations of native types, which go.
+[[nodiscard]] std::vector<Edit> deprecated_spellings(const Syntax& syntax, std::string_view text);
 
 }  // namespace bip::syntax

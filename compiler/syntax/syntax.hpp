@@ -261,6 +261,10 @@ enum class DeclKind : std::uint8_t {
   AtomType,
   CompoundType
 };
+/// `int`, `bool`, `float` and `string` need no declaration.
+[[nodiscard]] inline bool is_native_type(std::string_view name) {
+  return name == "int" || name == "bool" || name == "float" || name == "string";
+}
 enum class Notation : std::uint8_t { Bip2, Paper };
 struct Decl {
   DeclKind kind = DeclKind::PortType;
