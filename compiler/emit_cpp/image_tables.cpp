@@ -232,6 +232,7 @@ void TableWriter::image() {
     field("step_fns", step_fns_);
     field("step_runs", step_runs_);
     field("step_operands", step_operands_);
+    field("step_entries", step_entries_);
     if (!steps_fn_.empty()) field("steps_fn", "&" + steps_fn_);
     if (!step_columns_.empty()) {
       field("step_columns", step_columns_);

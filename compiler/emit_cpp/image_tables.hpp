@@ -54,7 +54,7 @@ class TableWriter {
   std::vector<std::string> atom_rows_, connector_rows_;
   // Spans of the finished tables, for image().
   std::string port_types_, atom_types_, connector_types_, compounds_, atoms_, args_, connectors_, port_refs_, binds_,
-      priorities_, choices_, step_fns_, step_runs_, step_operands_, step_columns_, steps_fn_;
+      priorities_, choices_, step_fns_, step_runs_, step_operands_, step_entries_, step_columns_, steps_fn_;
 };
 
 }  // namespace bip::emit_cpp

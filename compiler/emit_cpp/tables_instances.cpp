@@ -131,7 +131,7 @@ void TableWriter::instances() {
 }
 
 void TableWriter::steps() {
-  std::vector<std::string> functions, runs, operands;
+  std::vector<std::string> functions, runs, operands, entries;
   for (std::size_t shape = 0; shape < lowered_.steps.shapes.size(); ++shape)
     functions.push_back("&" + step_name(shape));
   for (const rt::StepRun& run : lowered_.steps.runs) {
@@ -141,10 +141,15 @@ void TableWriter::steps() {
   for (const rt::StepOperand& operand : lowered_.steps.operands) {
     operands.push_back(braces({std::to_string(operand.base) + "u", std::to_string(operand.stride) + "u"}));
   }
+  for (const rt::StepEntry& entry : lowered_.steps.entries) {
+    entries.push_back(braces(
+        {row_text(entry.shape), row_text(entry.operand), row_text(entry.repeats), std::to_string(entry.stride) + "u"}));
+  }
   BIP_ASSERT(runs.size() == image_.step_runs.size && operands.size() == image_.step_operands.size,
              "{} runs, the image has {}", runs.size(), image_.step_runs.size);
   step_fns_ = table("StepFn", "step_fns", functions);
   step_runs_ = table("StepRun", "step_runs", runs);
+  step_entries_ = table("StepEntry", "step_entries", entries);
   step_operands_ = "{}";
   if (operands.empty()) return;
   const std::string rows = array("StepOperand", "step_operands", operands);

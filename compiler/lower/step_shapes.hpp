@@ -76,6 +76,7 @@ struct Steps {
       loop;         // those that a loop over steps (rt::StepsFn) knows, in the order in which it asks; empty: no loop
   StepCells cells;  // if not empty, shapes and operands of the rows of `loop` are those there
   std::vector<rt::StepOperand> operands;
+  std::vector<rt::StepEntry> entries;             // by shape
   std::vector<std::vector<std::uint32_t>> binds;  // by unit: its bound variables, as CodeFacts has them
 };
 

@@ -109,6 +109,24 @@ void split_by_strides(lower::Steps& steps) {
   steps.shapes = std::move(shapes);
 }
 
+// What operations may put into the list.
+void list_entries(lower::Steps& steps) {
+  for (u32 shape = 0; shape < steps.shapes.size(); ++shape) {
+    for (const StepOp& op : steps.shapes[shape].ops) {
+      const bool is_listed = op.kind == StepOpKind::Interaction || (op.kind == StepOpKind::Ready && op.delta != 0);
+      // A value that shrinks lets nothing in, unless something else is looked at as well.
+      const bool may_enter =
+          op.change == InteractionChange::Look &&
+          (op.delta > 0 || op.hiders != 0 || (op.kind == StepOpKind::Interaction && op.unit != kNone));
+      if (!is_listed || (!may_enter && op.change != InteractionChange::Enters)) continue;
+      const u32 operand =
+          op.kind == StepOpKind::Ready ? op.first_ref + op.refs - 1 : op.first_ref + (op.repeats ? 1 : 0);
+      steps.entries.push_back({shape, operand, op.repeats ? op.first_ref : rt::StepEntry::kOnce,
+                               static_cast<u32>(steps.shapes[shape].strides[operand])});
+    }
+  }
+}
+
 // The runs with the most interactions, unless there are so many that a loop over steps would know but few of the
 // interactions.
 std::vector<rt::StepRun> choose_loop(const lower::Steps& steps) {
@@ -167,6 +185,7 @@ void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std:
 void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.steps = {};
   lowered.image.step_runs = {};
+  lowered.image.step_entries = {};
   lowered.image.step_columns = {};
   lowered.image.step_cells = 0;
   // Objects of C++ types are no data of ours.
@@ -199,6 +218,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   }
   for (Runs& rest : runs) rest.close();
   split_by_strides(steps);
+  list_entries(steps);
   steps.loop = choose_loop(steps);
   for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
   if (has_all || columns == Columns::WherePossible) lay_out_columns(lowered, deriver.atom_cells(), columns, steps);
@@ -209,6 +229,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.image.step_cells = lowered.steps.cells.count;
   lowered.image.step_cells_pay = lowered.steps.cells.pay;
   lowered.image.step_operands = {lowered.steps.operands.data(), static_cast<u32>(lowered.steps.operands.size())};
+  lowered.image.step_entries = {lowered.steps.entries.data(), static_cast<u32>(lowered.steps.entries.size())};
   BIP_ASSERT(check_steps(lowered, deriver.interactions()), "steps of {} interactions", deriver.interactions());
 }
 

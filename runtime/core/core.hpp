@@ -37,9 +37,16 @@ class Core {
   [[nodiscard]] const EnabledSet& enabled() const { return parts_.enabled; }
   /// Keeps the list from now on, starting in canonical order; `initialize` and `restore` start it anew.
   void keep_list() { parts_.keep_list(); }
-  /// Puts the list into an order that it had in this state. Nothing if no list is kept.
+  /// Keeps the list and the order of its members from now on: for compiled steps that are chosen by order. Nothing if
+  /// they are kept.
+  void keep_ordered_list() {
+    if (!parts_.enabled.keeps_order()) parts_.keep_ordered_list();
+  }
+  /// Puts the list into an order that it had in this state. Nothing if no list is kept, or one whose own order nobody
+  /// sees.
   void set_list_order(const std::vector<u32>& order) {
-    if (parts_.keeps_list) parts_.enabled.list(order, static_cast<u32>(tables().interactions.size()));
+    if (parts_.keeps_list && !parts_.enabled.keeps_order())
+      parts_.enabled.list(order, static_cast<u32>(tables().interactions.size()));
   }
 
   // ---- steps

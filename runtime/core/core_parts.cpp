@@ -104,6 +104,11 @@ void CoreParts::keep_list() {
   enabled.list(static_cast<u32>(tables.interactions.size()));
 }
 
+void CoreParts::keep_ordered_list() {
+  enabled.keep_order();
+  keep_list();
+}
+
 Candidate CoreParts::candidate(EnabledSet::Position at) const {
   BIP_ASSERT(at.interaction < tables.interactions.size(), "interaction {} of {}", at.interaction,
              tables.interactions.size());

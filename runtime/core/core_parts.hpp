@@ -52,6 +52,8 @@ struct CoreParts {
   bool settle();
   /// Keeps the list of the enabled from now on, starting in canonical order.
   void keep_list();
+  /// Keeps the list and the order of its members from now on.
+  void keep_ordered_list();
   /// Is what the parts keep what the state says? For assertions between steps. Systems of more than 64 interactions or
   /// atoms are not looked at: true.
   [[nodiscard]] bool is_consistent() const;

@@ -125,14 +125,14 @@ struct Execution::Impl {
 
   // Compiled steps; the same ones as step by step. What precedes and follows them is worth it for many.
   static constexpr std::uint64_t kManySteps = 256;
-  [[nodiscard]] bool can_run_compiled(std::uint64_t n) const {
+  [[nodiscard]] bool can_run_compiled(std::uint64_t n) {
     return n >= kManySteps && !callback && !trace && outcome != Outcome::Fault && !core.is_timed() &&
-           core.steps().has_steps();
+           scheduler.untimed().knows_steps() && core.steps().has_steps();
   }
   std::uint64_t run_compiled(std::uint64_t n) {
     bool sound = true;
-    const std::uint64_t done = core.steps().run(
-        scheduler.prng(), n, [] { return false; }, sound);
+    const std::uint64_t done = scheduler.untimed().run_steps(
+        core, n, [] { return false; }, sound);
     BIP_ASSERT(done <= n, "{} steps of {}", done, n);
     steps += done;
     outcome = !sound ? Outcome::Fault : done < n ? Outcome::Deadlock : Outcome::Stepped;

@@ -13,25 +13,27 @@ namespace {
 class FirstPolicy final : public EnginePolicy {
  public:
   EnabledSet::Position choose(const Core& core, Prng&) override { return core.position(0); }
+  StepOrder* order() override { return &order_; }
   [[nodiscard]] std::unique_ptr<EnginePolicy> clone() const override { return std::make_unique<FirstPolicy>(*this); }
+
+ private:
+  StepOrder order_{0, false};
 };
 
 // The first candidate after the interaction that was fired last, cyclically.
 class FairPolicy final : public EnginePolicy {
  public:
   EnabledSet::Position choose(const Core& core, Prng&) override {
-    BIP_ASSERT(core.candidate_count() != 0, "a choice among no candidates, after interaction {}", last_);
-    return core.position(has_fired_ && core.candidate_count() > 1 ? core.enabled().next_after(last_) : 0);
+    BIP_ASSERT(core.candidate_count() != 0, "a choice among no candidates, from interaction {} on", order_.from);
+    return core.position(order_.from != 0 && core.candidate_count() > 1 ? core.enabled().next_after(order_.from - 1)
+                                                                        : 0);
   }
-  void fired(u32 interaction) override {
-    last_ = interaction;
-    has_fired_ = true;
-  }
+  void fired(u32 interaction) override { order_.from = interaction + 1; }
+  StepOrder* order() override { return &order_; }
   [[nodiscard]] std::unique_ptr<EnginePolicy> clone() const override { return std::make_unique<FairPolicy>(*this); }
 
  private:
-  u32 last_ = 0;
-  bool has_fired_ = false;
+  StepOrder order_{0, true};
 };
 
 template <class Chosen>

@@ -2,7 +2,7 @@
 // emitted programs, the C ABI, records and traces find policies here.
 //
 // A new policy is a value of Policy (bip/run.hpp), a class and a row in policies.cpp. `uniform` has no class: Scheduler
-// draws by itself, so that the default run makes no virtual call per step, and only uniform runs take compiled steps.
+// draws by itself, so that the default run makes no virtual call per step.
 #pragma once
 #include <memory>
 #include <span>
@@ -23,6 +23,9 @@ class EnginePolicy {
   [[nodiscard]] virtual EnabledSet::Position choose(const Core& core, Prng& prng) = 0;
   /// Notes that a step of the interaction was taken: the chosen one, or another if a person or a C++ program chose.
   virtual void fired(u32 interaction) { (void)interaction; }
+  /// If the choice is the first candidate from some interaction on: how compiled steps make it by themselves, changing
+  /// what the policy remembers. Null: all steps of a run are chosen one by one.
+  [[nodiscard]] virtual StepOrder* order() { return nullptr; }
   /// Returns a copy with the same memory, for snapshots.
   [[nodiscard]] virtual std::unique_ptr<EnginePolicy> clone() const = 0;
 };

@@ -205,7 +205,7 @@ void RunLoop::take_compiled_steps() {
   }
   if (writes_) most = std::min<u64>(most, Core::kHistory);
   BIP_ASSERT(can_be_compiled(), "steps of this run are taken one by one");
-  const u64 done = core_.steps().run(scheduler_.prng(), most, is_interrupted, is_sound_, options_.profile);
+  const u64 done = scheduler_.run_steps(core_, most, is_interrupted, is_sound_, options_.profile);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   result_.steps += done;
   if (writes_) output_.record(core_.history().recent(done + (is_sound_ ? 0 : 1)));
@@ -350,9 +350,9 @@ bool RunLoop::is_new_code_ready() const {
   return new_code_ != nullptr && new_code_->is_ready.load(std::memory_order_acquire);
 }
 
-// Compiled steps draw uniformly, know no time, and leave nothing behind but the numbers of their interactions.
+// Compiled steps know no time, and leave nothing behind but the numbers of their interactions.
 bool RunLoop::can_be_compiled() const {
-  return (!writes_ || output_.records_only()) && !options_.interactive && scheduler_.is_uniform() &&
+  return (!writes_ || output_.records_only()) && !options_.interactive && scheduler_.knows_steps() &&
          !core_.is_timed() && core_.steps().has_steps();
 }
 

@@ -36,9 +36,18 @@ class Scheduler {
     if (!is_uniform()) return policy_->choose(core, prng_);
     return core.enabled().drawn(count == 1 ? 0 : prng_.below(count));
   }
-  /// Every candidate is drawn with the same probability: such a run may take compiled steps.
+  /// Every candidate is drawn with the same probability.
   [[nodiscard]] bool is_uniform() const { return policy_ == nullptr; }
-  /// Returns the run's random numbers, for compiled steps, which draw by themselves.
+  /// May a run take compiled steps? They draw by themselves, or choose by order.
+  [[nodiscard]] bool knows_steps() const { return is_uniform() || policy_->order() != nullptr; }
+  /// Takes compiled steps (CompiledSteps::run). Requires that the policy knows_steps.
+  u64 run_steps(Core& core, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr) {
+    BIP_ASSERT(knows_steps(), "a policy that chooses step by step");
+    if (is_uniform()) return core.steps().run(prng_, limit, is_stopped, sound, profile);
+    core.keep_ordered_list();
+    return core.steps().run(*policy_->order(), limit, is_stopped, sound, profile);
+  }
+  /// Returns the run's random numbers.
   [[nodiscard]] Prng& prng() { return prng_; }
   void fired(u32 interaction) {
     if (!is_uniform()) policy_->fired(interaction);

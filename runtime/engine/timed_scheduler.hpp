@@ -31,8 +31,8 @@ class TimedScheduler {
   /// Once, after the initial state is known.
   void start(Core& core) const { scheduler_.start(core); }
   void fired(u32 interaction) { scheduler_.fired(interaction); }
-  /// The random numbers of `uniform` without time.
-  [[nodiscard]] Prng& prng() { return scheduler_.prng(); }
+  /// The scheduler of models without time.
+  [[nodiscard]] Scheduler& untimed() { return scheduler_; }
 
  private:
   /// What happens next if nothing comes from outside, at the instant at_: a step, a change of what is enabled, nothing

@@ -23,6 +23,40 @@ struct Unwatched {
   void end_step(u32) const {}
 };
 
+// ---- who chooses: copied into the loop, where nobody else can change it
+// Uniformly.
+struct Drawn {
+  static constexpr bool kTakesMany = true;  // by the image's function for many steps
+  Prng numbers;
+  [[nodiscard]] u32 choose(const StepState& s) { return s.members[s.count == 1 ? 0 : numbers.below(s.count)]; }
+  StepsTaken take_many(StepsFn take, StepState& s, StepHistory& history, u64 limit) {
+    return take(s, numbers, history, limit);
+  }
+  void took(u32) const {}
+};
+// By order; marks what the step has put into the list.
+struct InOrder {
+  static constexpr bool kTakesMany = false;
+  StepOrder order;
+  MemberOrder* members;
+  [[nodiscard]] u32 choose(const StepState& s) const {
+    return s.count == 1 ? s.members[0] : members->next(order.from, s.position);
+  }
+  static StepsTaken take_many(StepsFn, const StepState&, const StepHistory&, u64) { return {0, kAbsentInteraction}; }
+  void took(u32 interaction) {
+    if (order.follows) order.from = interaction + 1;
+  }
+  void mark(const StepState& s, const StepOperand* operands, u32 i, const StepEntry* entry, const StepEntry* end) {
+    for (; entry != end; ++entry) {
+      u32 interaction = operands[entry->operand].at(i);
+      u32 left = entry->repeats == StepEntry::kOnce ? 1 : operands[entry->repeats].at(i);
+      for (; left != 0; --left, interaction += entry->stride) {
+        if (s.position[interaction] != kAbsentInteraction) members->mark(interaction);
+      }
+    }
+  }
+};
+
 void fill_cells(const Image& image, const Cell* all, std::vector<ColumnCell>& cells) {
   cells.resize(image.step_cells);
   for (const StepColumn& column : image.step_columns) {
@@ -61,6 +95,9 @@ void CompiledSteps::link() {
   const Image& image = *core_.tables.image;
   runs_.clear();
   run_of_ = {};
+  first_entry_.assign(std::size_t{image.step_fns.size} + 1, 0);
+  for (const StepEntry& entry : image.step_entries) ++first_entry_[entry.shape + 1];
+  for (u32 shape = 0; shape < image.step_fns.size; ++shape) first_entry_[shape + 1] += first_entry_[shape];
   if (image.step_fns.size == 0 || core_.options.progress == MaximalProgress::Off || core_.search.is_weighted()) return;
   std::vector<u32> rows(core_.tables.interactions.size(), kNone);
   u32 most = 0;
@@ -101,13 +138,13 @@ StepState CompiledSteps::state_of(const EnabledSet::List& list) {
           *list.count};
 }
 
-template <class Watch>
-u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch) {
+template <class Choose, class Watch>
+u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch) {
   constexpr u64 kBetweenLooks = 4096;
   EnabledSet::List list = core_.enabled.open_list();
   StepState s = state_of(list);
   // Copies that nobody else can change.
-  Prng numbers = prng;
+  Choose choose = given;
   u32* const history = core_.history.ring();
   u32 history_at = core_.history.next();
   const u32* const blocks = run_of_.blocks.data();
@@ -118,8 +155,8 @@ u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool
   sound = true;
   const Image& image = *core_.tables.image;
   const bool has_cells = image.step_cells != 0;
-  const StepsFn takes_many =
-      std::is_same_v<Watch, Unwatched> && (!has_cells || limit >= image.step_cells_pay) ? image.steps_fn : nullptr;
+  constexpr bool kTakesMany = Choose::kTakesMany && std::is_same_v<Watch, Unwatched>;
+  const StepsFn takes_many = kTakesMany && (!has_cells || limit >= image.step_cells_pay) ? image.steps_fn : nullptr;
   std::vector<ColumnCell> cells;
   bool in_cells = false;  // are data there, and not in core_.memory.cells?
   while (done < limit && s.count != 0) {
@@ -135,7 +172,7 @@ u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool
         in_cells = true;
       }
       StepHistory recent{history, history_at};
-      const StepsTaken taken = takes_many(s, numbers, recent, std::min(limit, look) - done);
+      const StepsTaken taken = choose.take_many(takes_many, s, recent, std::min(limit, look) - done);
       history_at = recent.at;
       done += taken.count;
       interaction = taken.interaction;
@@ -143,7 +180,7 @@ u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool
       if (in_cells) empty_cells(image, cells, core_.memory.cells.data());
       in_cells = false;
     } else {
-      interaction = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+      interaction = choose.choose(s);
     }
     const u32 row = RunRows::find(blocks, rows, interaction);
     watch.begin_step();
@@ -152,7 +189,12 @@ u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool
       history[history_at] = interaction;
       history_at = (history_at + 1) % FiringHistory::kSize;
       BIP_ASSERT(interaction >= run.first, "interaction {} is no row of its run", interaction);
-      run.fn(s, run.operands, static_cast<u32>((interaction - run.first) * run.inverse >> 32));
+      const u32 i = static_cast<u32>((interaction - run.first) * run.inverse >> 32);
+      run.fn(s, run.operands, i);
+      if constexpr (!Choose::kTakesMany) {
+        const u32* const entries = first_entry_.data() + image.step_runs[row].shape;
+        choose.mark(s, run.operands, i, image.step_entries.data + entries[0], image.step_entries.data + entries[1]);
+      }
     } else {
       core_.enabled.close_list(s.count);
       core_.history.set_next(history_at);
@@ -161,11 +203,12 @@ u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool
       if (!sound) break;
       s.count = *list.count;
     }
+    choose.took(interaction);
     watch.end_step(interaction);
     ++done;
   }
   if (in_cells) empty_cells(image, cells, core_.memory.cells.data());
-  prng = numbers;
+  given = choose;
   core_.history.set_next(history_at);
   if (!sound) return done;
   core_.enabled.close_list(s.count);
@@ -179,8 +222,20 @@ u64 CompiledSteps::run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool
 
 u64 CompiledSteps::run(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile) {
   Unwatched nobody;
-  return profile == nullptr ? run_watched(prng, limit, is_stopped, sound, nobody)
-                            : run_watched(prng, limit, is_stopped, sound, *profile);
+  Drawn drawn{prng};
+  const u64 done = profile == nullptr ? run_watched(drawn, limit, is_stopped, sound, nobody)
+                                      : run_watched(drawn, limit, is_stopped, sound, *profile);
+  prng = drawn.numbers;
+  return done;
+}
+
+u64 CompiledSteps::run(StepOrder& order, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile) {
+  Unwatched nobody;
+  InOrder in_order{order, &core_.enabled.order()};
+  const u64 done = profile == nullptr ? run_watched(in_order, limit, is_stopped, sound, nobody)
+                                      : run_watched(in_order, limit, is_stopped, sound, *profile);
+  order = in_order.order;
+  return done;
 }
 
 void CompiledSteps::drop_programs() {
@@ -189,7 +244,7 @@ void CompiledSteps::drop_programs() {
   if (!core_.looks_at_binds()) core_.memory.binds = {};
 }
 
-bool CompiledSteps::has_steps() const { return !run_of_.blocks.empty() && core_.keeps_list; }
+bool CompiledSteps::has_steps() const { return !run_of_.blocks.empty(); }
 
 bool CompiledSteps::can_batch() const {
   if (!has_steps()) return false;

@@ -1,5 +1,5 @@
-// The short way: steps by the image's step functions (bip/steps.hpp), drawn uniformly from the list of the enabled; one
-// after the other, or on several threads in epochs.
+// The short way: steps by the image's step functions (bip/steps.hpp), drawn uniformly from the list of the enabled or
+// taken in its order; one after the other, or on several threads in epochs.
 //
 // A step costs a draw, two loads to find its run, one indirect call; less if the image has a function for many steps.
 // Meanwhile ranks and rules are not kept up to date; rules are brought up to date at the end, which costs as much as
@@ -25,6 +25,13 @@ struct BatchPlan;
 struct BatchPart;
 class Profile;
 class Team;
+
+/// Each step is the first candidate that is interaction `from` or greater, cyclically. `follows`: `from` is then the
+/// one after that.
+struct StepOrder {
+  u32 from = 0;
+  bool follows = false;
+};
 
 /// Interactions from `first` on with one compiled step.
 struct CompiledRun {
@@ -54,11 +61,13 @@ class CompiledSteps {
   /// Finds the runs. An interaction without one is fired by the core; if somebody might look at rules then, all
   /// interactions that can fire have one (derive_steps). Again after take_new_code.
   void link();
-  /// Has the image step functions for this system, and is the list kept?
+  /// Has the image step functions for this system? To run them the list must be kept.
   [[nodiscard]] bool has_steps() const;
   /// Takes up to `limit` steps, drawn as EnabledSet::drawn does; returns how many. Asks is_stopped now and then. sound:
   /// false after a fault.
   u64 run(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr);
+  /// The same, chosen by order. Needs the ordered list.
+  u64 run(StepOrder& order, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr);
   /// Has every interaction a step function?
   [[nodiscard]] bool can_batch() const;
   /// The same on the team's threads, in epochs (batch_plan.hpp), while there is enough to do for all; run must follow.
@@ -69,14 +78,15 @@ class CompiledSteps {
   void drop_programs();
   /// Of all rows.
   [[nodiscard]] std::size_t bytes() const {
-    return runs_.size() * sizeof(CompiledRun) + (run_of_.blocks.size() + run_of_.rows.size()) * sizeof(u32);
+    return runs_.size() * sizeof(CompiledRun) +
+           (run_of_.blocks.size() + run_of_.rows.size() + first_entry_.size()) * sizeof(u32);
   }
 
  private:
   /// The core's arrays as compiled steps change them, with the list of the enabled set.
   [[nodiscard]] StepState state_of(const EnabledSet::List& list);
-  template <class Watch>
-  u64 run_watched(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
+  template <class Choose, class Watch>
+  u64 run_watched(Choose& given, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
   void run_part(const BatchPlan& plan, BatchPart& part, bool records);
   void cut_list(const BatchPlan& plan, std::vector<BatchPart>& parts, u64 draws);
   void join_list(const std::vector<BatchPart>& parts);
@@ -85,6 +95,7 @@ class CompiledSteps {
   CoreParts& core_;
   std::vector<CompiledRun> runs_;  // the image's runs of step functions
   RunRows run_of_;                 // by interaction: row of runs_, or kNone
+  std::vector<u32> first_entry_;   // by shape: its rows of the image's entries, up to those of the next
   std::vector<u32> step_scratch_;
 };
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "runtime/core/state/member_order.hpp"
 
 namespace bip::rt {
 
@@ -49,7 +50,8 @@ class EnabledSet {
   /// Of all rows.
   [[nodiscard]] std::size_t bytes() const {
     return words_.size() * sizeof(std::uint64_t) + pending_.size() +
-           (counts_.size() + weights_.size() + members_.size() + position_.size()) * sizeof(std::uint32_t);
+           (counts_.size() + weights_.size() + members_.size() + position_.size()) * sizeof(std::uint32_t) +
+           order_.bytes();
   }
 
   // ---- the list
@@ -61,6 +63,7 @@ class EnabledSet {
     members_.assign(std::size_t{interactions} + 1, 0);
     listed_count_ = 0;
     changed_.clear();
+    if (ordered_) order_.reset(interactions);
     for (std::size_t entry = 0; entry < words_.size(); ++entry) {
       for (std::uint64_t word = words_[entry]; word != 0; word &= word - 1) {
         append(static_cast<std::uint32_t>(entry * 64) + static_cast<std::uint32_t>(std::countr_zero(word)));
@@ -85,6 +88,14 @@ class EnabledSet {
     for (std::uint32_t interaction = 0; interaction < interactions; ++interaction) {
       if (differs[interaction] != 0) note(interaction);
     }
+  }
+  /// Lists keep the order of their members from now on.
+  void keep_order() { ordered_ = true; }
+  [[nodiscard]] bool keeps_order() const { return ordered_; }
+  /// Requires a list that was started after keep_order. Who changes the open list marks what enters.
+  [[nodiscard]] MemberOrder& order() {
+    BIP_ASSERT(listed_ && ordered_, "a list without order");
+    return order_;
   }
   /// Back to ranks alone.
   void unlist() {
@@ -328,6 +339,7 @@ class EnabledSet {
   void append(std::uint32_t interaction) {
     position_[interaction] = listed_count_;
     members_[listed_count_++] = interaction;
+    if (ordered_) order_.mark(interaction);
   }
   void exchange(std::uint32_t interaction) {
     const std::uint32_t at = position_[interaction];
@@ -383,12 +395,14 @@ class EnabledSet {
   bool fast_pdep_ = has_fast_pdep();
 
   bool listed_ = false;
+  bool ordered_ = false;
   std::uint32_t listed_count_ = 0;
   std::vector<std::uint32_t>
       members_;  // the first listed_count_; one more than interactions, for who writes before it looks
   std::vector<std::uint32_t> position_;  // by interaction, in members_
   std::vector<std::uint8_t> pending_;    // by interaction: in or out, contrary to the list
   std::vector<std::uint32_t> changed_;   // those, and others
+  MemberOrder order_;                    // if ordered_
 };
 
 }  // namespace bip::rt

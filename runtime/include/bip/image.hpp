@@ -298,6 +298,7 @@ struct Image {
   Span<StepFn> step_fns = {};  // by shape; empty: no compiled steps
   Span<StepRun> step_runs = {};
   Span<StepOperand> step_operands = {};
+  Span<StepEntry> step_entries = {};   // by shape
   StepsFn steps_fn = nullptr;          // takes many steps; what it does step_fns do, too
   Span<StepColumn> step_columns = {};  // not empty: steps_fn works on cells, and knows all interactions that can fire
   std::uint32_t step_cells = 0;        // how many

@@ -1,7 +1,7 @@
 // Compiled steps: a whole interaction as one function. The compiler makes one for each shape of interaction (what runs,
 // what moves, whose being enabled changes) and lists, for runs of interactions that share a shape, where in the core's
 // arrays the pieces are: each place, row or interaction is an affine function of the number in the run, so tables grow
-// with types, not with instances. The core calls them in runs that only draw uniformly (core.hpp, run_steps); emitted
+// with types, not with instances. The core calls them in runs that nobody looks at (CompiledSteps::run); emitted
 // C++ and the JIT give the functions. No fault, no allocation, no call but of code that is inlined. A program that is
 // compiled with its tables may also give a function that takes step after step (step_loop.hpp).
 #pragma once
@@ -43,6 +43,13 @@ struct StepRun {
   std::uint32_t first, count, distance;
   std::uint32_t shape;
   std::uint32_t operands;
+};
+
+/// A step of the shape may put interactions into the list: the one of operand `operand`, or as many as operand
+/// `repeats` says, each `stride` after the one before.
+struct StepEntry {
+  static constexpr std::uint32_t kOnce = 0xffffffffu;  // no operand
+  std::uint32_t shape, operand, repeats, stride;
 };
 
 /// `count` column cells in a row are cells at equal distances: one variable of the atoms of one type.

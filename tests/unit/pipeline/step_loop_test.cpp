@@ -119,3 +119,60 @@ TEST_CASE("the loop over steps draws and takes what the core does") {
   CHECK(pieces.steps_fn == nullptr);
   CHECK(pieces.step_fns.size() == made.step_fns.size());
 }
+
+namespace {
+
+// What the policies `first` and `fair` choose, found in canonical order.
+std::vector<rt::u32> run_one_by_one(const rt::Image& image, bool follows, rt::u64 limit) {
+  rt::Core core(image);
+  REQUIRE(core.initialize());
+  std::vector<rt::u32> interactions;
+  while (interactions.size() < limit && core.candidate_count() != 0) {
+    const bool goes_on = follows && !interactions.empty();
+    const rt::EnabledSet::Position at = core.position(goes_on ? core.enabled().next_after(interactions.back()) : 0);
+    interactions.push_back(at.interaction);
+    REQUIRE(core.take(at));
+  }
+  return interactions;
+}
+
+std::vector<rt::u32> run_in_order(const rt::Image& image, bool follows, rt::u64 limit, rt::u64 part) {
+  rt::Core core(image);
+  REQUIRE(core.initialize());
+  core.keep_ordered_list();
+  rt::StepOrder order{0, follows};
+  std::vector<rt::u32> interactions;
+  bool sound = true;
+  while (interactions.size() < limit) {
+    const rt::u64 done = core.steps().run(order, part, never_stopped, sound);
+    REQUIRE(sound);
+    const std::vector<rt::u32> recent = core.history().recent(done);
+    interactions.insert(interactions.end(), recent.begin(), recent.end());
+    if (done < part) break;
+  }
+  return interactions;
+}
+
+}  // namespace
+
+TEST_CASE("compiled steps in order are those that the core takes") {
+  const Result<JitPlugin> plugin = load_jit();
+  if (!plugin) {
+    WARN("the build has no LLVM: left out");
+    return;
+  }
+  // Two levels of the order of members, and three.
+  const int count = GENERATE(20, 80, 4200);
+  Compilation c{CompileOptions{.root = "Root()"}};
+  c.open_texts["m.bip"] = cells(count);
+  REQUIRE(compile(c, "m.bip", Stage::Image));
+  steps::derive_steps(*c.lowered);
+  REQUIRE(!c.lowered->steps.entries.empty());
+  jit::MadeCode made;
+  const Result<JitCode> code = (*plugin).compile(*c.lowered, {}, made);
+  REQUIRE(code);
+  jit::install(*c.lowered, made);
+  for (const bool follows : {false, true}) {
+    CHECK(run_in_order(c.lowered->image, follows, 20'000, 1000) == run_one_by_one(c.lowered->image, follows, 20'000));
+  }
+}

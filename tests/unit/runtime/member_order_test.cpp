@@ -1,0 +1,38 @@
+// The order of a list's members against a plain set, with members that leave without a word.
+#include "runtime/core/state/member_order.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+
+#include "bip/prng.hpp"
+
+using namespace bip::rt;
+
+TEST_CASE("the next member in interaction order") {
+  const std::uint32_t size = GENERATE(1u, 63u, 64u, 65u, 4095u, 4096u, 4097u, 300'000u);
+  MemberOrder order;
+  order.reset(size);
+  std::vector<std::uint32_t> position(size, kAbsentInteraction);
+  std::set<std::uint32_t> members;
+  Prng prng(size);
+  for (int round = 0; round < 5000; ++round) {
+    const auto interaction = static_cast<std::uint32_t>(prng.below(size));
+    if (prng.below(5) < 3) {
+      position[interaction] = 0;
+      members.insert(interaction);
+      order.mark(interaction);
+    } else {
+      position[interaction] = kAbsentInteraction;
+      members.erase(interaction);
+    }
+    if (members.empty()) continue;
+    const auto from = static_cast<std::uint32_t>(prng.below(std::uint64_t{size} + 1));
+    const auto at = members.lower_bound(from);
+    REQUIRE(order.next(from, position.data()) == (at == members.end() ? *members.begin() : *at));
+  }
+  // The last one, from behind it.
+  position[size - 1] = 0;
+  order.mark(size - 1);
+  CHECK(order.next(size - 1, position.data()) == size - 1);
+}
