@@ -54,6 +54,8 @@ class ShapeWriter {
       out_.line("  const std::uint32_t v" + std::to_string(k) + " = " + text + ";");
     }
     for (const StepOp& op : shape_.ops) {
+      guard(op);
+      if (op.kind == StepOpKind::At || op.kind == StepOpKind::Away) test(op);
       if (op.kind == StepOpKind::Reduce) reduce(op);
       if (op.kind == StepOpKind::Copy) copy(op);
       if (op.kind == StepOpKind::Code) code(op);
@@ -61,6 +63,7 @@ class ShapeWriter {
       if (op.kind == StepOpKind::Ready) ready(op);
       if (op.kind == StepOpKind::Interaction && op.delta != 0) loop(op, grow(op, 0));
     }
+    guard({});
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Interaction) list(op);
     }
@@ -100,6 +103,23 @@ class ShapeWriter {
                    ? "  for (std::ptrdiff_t t = 0; t < std::ptrdiff_t{v" + std::to_string(op.first_ref) + "}; ++t) "
                    : "  ") +
               statement);
+  }
+
+  // What is executed only if atoms are where it says. Each group of tests has a variable of its own.
+  void test(const StepOp& op) {
+    if (holds_.empty()) {
+      holds_ = "holds" + std::to_string(op.first_ref);
+      out_.line("  bool " + holds_ + " = true;");
+    }
+    loop(op, holds_ + " &= s.places[" + at(op, 0) + "] " + (op.kind == StepOpKind::At ? "==" : "!=") + " " +
+                 std::to_string(op.from) + "u;");
+  }
+  void guard(const StepOp& op) {
+    if (op.guarded == is_guarded_) return;
+    is_guarded_ = op.guarded;
+    BIP_ASSERT(!holds_.empty(), "guarded operations without a test");
+    out_.line(op.guarded ? "  if (" + holds_ + ") {" : "  }");
+    if (!op.guarded) holds_.clear();
   }
 
   // The call of a unit whose self is ref k and whose bound variables follow. Their rows come in an array; if all move
@@ -218,7 +238,9 @@ class ShapeWriter {
   const lower::StepShape& shape_;
   CppWriter& out_;
   std::string all_, cell_;
-  std::string inlined_;  // copies, for the next code
+  std::string holds_;        // the variable of the tests before
+  bool is_guarded_ = false;  // among guarded operations
+  std::string inlined_;      // copies, for the next code
 };
 
 // The units that shapes on cells call, each at its own distance.

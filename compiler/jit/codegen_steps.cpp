@@ -46,6 +46,9 @@ class StepBuilder {
 
   void build() {
     for (const StepOp& op : shape_.ops) {
+      if (op.guarded) open_guarded();
+      else close_guarded();
+      if (op.kind == StepOpKind::At || op.kind == StepOpKind::Away) test(op);
       if (op.kind == StepOpKind::Reduce) reduce(op);
       if (op.kind == StepOpKind::Copy) copy(op);
       if (op.kind == StepOpKind::Code) loop(op, [&](Value* t) { code(op, t); });
@@ -54,6 +57,7 @@ class StepBuilder {
       if (op.kind == StepOpKind::Ready) ready(op);
       if (op.kind == StepOpKind::Interaction && op.delta != 0) loop(op, [&](Value* t) { grow(op, 0, t); });
     }
+    close_guarded();
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Interaction) loop(op, [&](Value* t) { list(op, t); });
     }
@@ -179,6 +183,35 @@ class StepBuilder {
       b_.CreateAlignedStore(llvm::ConstantInt::get(cell_type_, 0), b_.CreateConstInBoundsGEP1_64(cell_type_, self, n),
                             cell_align_);
     }
+  }
+  // ---- what is executed only if atoms are where it says
+  void test(const StepOp& op) {
+    if (holds_ == nullptr) {
+      llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
+      holds_ = start.CreateAlloca(b_.getInt1Ty());
+      b_.CreateStore(b_.getTrue(), holds_);
+    }
+    const llvm::CmpInst::Predicate as_said =
+        op.kind == StepOpKind::At ? llvm::CmpInst::ICMP_EQ : llvm::CmpInst::ICMP_NE;
+    loop(op, [&](Value* t) {
+      Value* is_so = b_.CreateICmp(as_said, b_.CreateLoad(i32_, cell(places_, op, 0, t)), constant(op.from));
+      b_.CreateStore(b_.CreateAnd(b_.CreateLoad(b_.getInt1Ty(), holds_), is_so), holds_);
+    });
+  }
+  void open_guarded() {
+    if (after_guarded_ != nullptr) return;
+    BIP_ASSERT(holds_ != nullptr, "guarded operations without a test");
+    llvm::BasicBlock* inside = new_block("guarded");
+    after_guarded_ = new_block("unguarded");
+    b_.CreateCondBr(b_.CreateLoad(b_.getInt1Ty(), holds_), inside, after_guarded_);
+    b_.SetInsertPoint(inside);
+  }
+  void close_guarded() {
+    if (after_guarded_ == nullptr) return;
+    b_.CreateBr(after_guarded_);
+    b_.SetInsertPoint(after_guarded_);
+    holds_ = nullptr;
+    after_guarded_ = nullptr;
   }
   // As wide as cells, or cells, are; of cells the largest and the least by the low half moved up, so that the sign is
   // in its place.
@@ -324,6 +357,8 @@ class StepBuilder {
   DebugInfo* debug_;
   Value *all_, *places_, *values_, *members_, *position_, *scratch_, *count_;
   const std::vector<StepOperandValue>& operands_;
+  Value* holds_ = nullptr;                                 // what the tests before said
+  llvm::BasicBlock* after_guarded_ = nullptr;              // among guarded operations: where the others go on
   std::vector<std::pair<std::uint32_t, Value*>> inlined_;  // copies, for the next code: which of its cells, what
 };
 

@@ -15,8 +15,10 @@ enum class StepOpKind : std::uint8_t {
   Reduce,  // refs to, from: from's value joins to's, by an operation on ints or bools that any order does with the same
            // bits; no `from` is a `to`
   Copy,    // refs to, from: all of the variable. If it is `inlined`, it is done in the loop of the next Code, whose
-           // self's variable `offset` is `to`; `from` stays where it is, and no code of that loop changes it
+           // self's variable `offset` is `to`; `from` stays where it is, and is read before
   Code,    // runs `unit`: refs self, then its bound variables (code_facts); zeroes so many of self's variables before
+  At,      // refs atom: the `guarded` operations that follow are executed only if the atom is at `from`,
+  Away,    // or elsewhere; one after the other: if all of that holds
   Place,   // refs atom, place: the atom is there now
   Ready,   // refs atom, self if there is a unit, interaction if delta != 0: if the atom is at `from`, runs `unit`, puts
            // it at `to`, the interaction's value grows by delta and it enters
@@ -32,6 +34,7 @@ struct StepOp {
   InteractionChange change = InteractionChange::Look;
   Reduction reduction = Reduction::Add;
   bool inlined = false;      // Copy
+  bool guarded = false;      // Reduce, Copy, Code: by At and Away
   std::uint32_t offset = 0;  // Copy that is inlined
   bool repeats = false;      // a first operand says how often; strides say how far the others move each time
   std::uint32_t unit = rt::kNone;
@@ -42,8 +45,8 @@ struct StepOp {
   std::uint32_t first_ref = 0, refs = 0;
 };
 struct StepShape {
-  std::vector<StepOp> ops;  // Reduces, Copies and Codes, then Places, Readys and Interactions; of Interactions first
-                            // all values, then the list, in order
+  std::vector<StepOp> ops;            // Ats, Aways, Reduces, Copies and Codes, then Places, Readys and Interactions; of
+                                      // Interactions first all values, then the list, in order
   std::vector<std::int32_t> strides;  // by operand; 0 unless its operation repeats
   std::vector<std::uint32_t>
       run_strides;  // by operand: what StepOperand::stride is in all runs of the shape; empty: it varies

@@ -23,6 +23,9 @@ void check_shape(const lower::LoweredSystem& lowered, const lower::StepShape& sh
                lowered.units.size());
     BIP_ASSERT(op.hiders == 0 || (op.kind == StepOpKind::Interaction && op.hiders < op.refs),
                "shape {} has {} interactions that hide another", row, op.hiders);
+    BIP_ASSERT(
+        !op.guarded || op.kind == StepOpKind::Reduce || op.kind == StepOpKind::Copy || op.kind == StepOpKind::Code,
+        "shape {} guards what is no transfer", row);
     BIP_ASSERT(!op.inlined || op.kind == StepOpKind::Copy, "shape {} inlines what is no copy", row);
     next += op.refs;
     for (u32 k = op.first_ref; k < next && !op.repeats; ++k)
@@ -49,6 +52,8 @@ void check_operands(const lower::LoweredSystem& lowered, const rt::StepRun& run,
         case StepOpKind::Code:
           BIP_ASSERT(at <= lowered.image.cell_count, "self at cell {} of {}", at, lowered.image.cell_count);
           break;
+        case StepOpKind::At:
+        case StepOpKind::Away:
         case StepOpKind::Place:
         case StepOpKind::Ready:
           BIP_ASSERT(at < lowered.image.atoms.size, "atom {} of {}", at, lowered.image.atoms.size);

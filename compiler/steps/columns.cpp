@@ -111,6 +111,8 @@ class Layout {
       case StepOpKind::Code: return {0, refs};
       case StepOpKind::Ready: return {1, op.unit != kNone ? 1u : 0u};
       case StepOpKind::Interaction: return {1, op.unit != kNone ? refs - 1 - op.hiders : 0};
+      case StepOpKind::At:
+      case StepOpKind::Away:
       case StepOpKind::Place: break;
     }
     return {0, 0};

@@ -22,7 +22,8 @@ constexpr std::size_t kMostShapes = 64;  // with strides in them
 
 bool alike(const StepOp& a, const StepOp& b) {
   return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta &&
-         a.from == b.from && a.to == b.to && a.hiders == b.hiders && a.refs == b.refs && a.reduction == b.reduction;
+         a.from == b.from && a.to == b.to && a.hiders == b.hiders && a.refs == b.refs && a.reduction == b.reduction &&
+         a.guarded == b.guarded;
 }
 
 std::vector<u32> key_of(const Instance& folded, const std::vector<std::int32_t>& strides) {
@@ -30,7 +31,7 @@ std::vector<u32> key_of(const Instance& folded, const std::vector<std::int32_t>&
   for (const StepOp& op : folded.ops) {
     key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit,
                            op.zeroed, static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs,
-                           static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset});
+                           static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset, op.guarded ? 1u : 0u});
   }
   for (const std::int32_t stride : strides) key.push_back(static_cast<u32>(stride));
   return key;
@@ -160,7 +161,8 @@ void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std:
       return true;
     };
     while (goes_on()) ++end;
-    const bool repeats = end - i >= least;
+    // Who is ready is always asked in a loop.
+    const bool repeats = end - i >= (op.kind == StepOpKind::Ready ? 1 : least);
     if (!repeats) end = i + 1;
     StepOp& made = out.add(op.kind);
     BIP_ASSERT(op.first_ref + op.refs <= in.refs.size(), "operands {} to {} of {}", op.first_ref,
@@ -201,8 +203,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   for (u32 interaction = 0; interaction < deriver.interactions(); ++interaction) {
     Deriver::Found found = deriver.describe(interaction, instance);
     if (found == Deriver::Found::Yes) {
-      const bool is_star = !instance.ops.empty() && instance.ops[0].kind == StepOpKind::Ready;
-      fold(instance, is_star ? 1 : kLeastRepeats, folded, strides);
+      fold(instance, kLeastRepeats, folded, strides);
       inline_copies(folded, strides, deriver.atom_cells());
       if (folded.ops.size() > kMostOps) found = Deriver::Found::No;
     }

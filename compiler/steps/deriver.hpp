@@ -35,6 +35,14 @@ struct Instance {
     refs.push_back(value);
     ++ops.back().refs;
   }
+  void append(const Instance& more) {
+    const u32 before = static_cast<u32>(refs.size());
+    for (const StepOp& op : more.ops) {
+      ops.push_back(op);
+      ops.back().first_ref += before;
+    }
+    refs.insert(refs.end(), more.refs.begin(), more.refs.end());
+  }
 };
 
 /// Operations that repeat with equal strides, `least` or more in a row, become one. strides: by operand.
@@ -67,7 +75,8 @@ class Deriver {
   bool add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out);
   bool add_connector_codes(const rt::InteractionInfo& info, Instance& out);
   bool add_plan_codes(const rt::Plan& plan, Instance& out);
-  bool order_uses(const rt::Plan& plan);
+  bool add_transfers(const rt::PlanUse* uses, u32 count, const rt::PlanNode* nodes, Instance& out);
+  bool order_uses(u32 count, const rt::PlanNode* nodes);
   enum class Transfer : std::uint8_t { Up, Down };
   [[nodiscard]] u32 unit_of(u32 use, Transfer transfer) const;
   void evaluate_uses();
@@ -80,7 +89,10 @@ class Deriver {
   bool add_actions(Instance& out);
   bool add_effects(u32 fired, Instance& out);
   bool add_interaction(Effect effect, u32 fired, Instance& out);
-  bool add_star(Instance& out);
+  bool add_star(u32 fired, const rt::InteractionInfo& info, Instance& out);
+  bool add_star_transfers(const rt::InteractionInfo& info, const std::vector<bool>& is_sure, Instance& out);
+  bool add_ready(const std::vector<u32>& ports, Instance& out, u32& last_changed);
+  [[nodiscard]] std::vector<bool> find_sure(u32 fired) const;
   [[nodiscard]] u32 transition_of(u32 instance) const;
   [[nodiscard]] bool have_distinct_atoms();
 

@@ -2,10 +2,10 @@
 // enable or disable.
 //
 // Supported: rendezvous of atoms of simple types (one transition per port, without guards), flat or in a hierarchy
-// without triggers; guards of flat connectors; internal ports; broadcasts of atoms without transfer; code that cannot
-// fault. Since nothing faults and the code of different atoms or connectors shares no variables, `up`s run bottom up,
-// `down`s top down, then actions: this order forms loops, unlike the core's depth-first order, and gives the same
-// result. Hierarchies: transfers.cpp.
+// without triggers; guards of flat connectors; internal ports; broadcasts of atoms; code that cannot fault. Since
+// nothing faults and the code of different atoms or connectors shares no variables, `up`s run bottom up, `down`s top
+// down, then actions: this order forms loops, unlike the core's depth-first order, and gives the same result.
+// Hierarchies: transfers.cpp.
 #include <algorithm>
 
 #include "compiler/steps/deriver.hpp"
@@ -127,9 +127,7 @@ Deriver::Found Deriver::describe(u32 interaction, Instance& out) {
       done = add_plan_codes(tables_.plans[info.plan()], out) && add_actions(out) && add_effects(interaction, out);
       break;
     case InteractionKind::Port: done = add_actions(out) && add_effects(interaction, out); break;
-    case InteractionKind::Star:
-      done = tables_.clause_order[image_.connectors[info.row].type].empty() && add_star(out);
-      break;
+    case InteractionKind::Star: done = add_star(interaction, info, out); break;
   }
   return done ? Found::Yes : Found::No;
 }

@@ -143,10 +143,77 @@ bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
   return true;
 }
 
-// Each parameter by itself: whoever is at the place from which its port can fire takes part.
-bool Deriver::add_star(Instance& out) {
-  Instance each;
+// By parameter: is the port ready whenever the broadcast can fire? The only trigger is, and an atom that has one place.
+std::vector<bool> Deriver::find_sure(u32 fired) const {
+  std::vector<bool> is_sure;
+  u32 triggers = 0, trigger = 0;
   for (const u32 port : ports_) {
+    const rt::Span<u32> above = tables_.port_out[port];
+    if (std::find(above.begin(), above.end(), fired) != above.end()) {
+      ++triggers;
+      trigger = static_cast<u32>(is_sure.size());
+    }
+    is_sure.push_back(tables_.atom_type(tables_.port_atom[port]).places.size == 1);
+  }
+  BIP_ASSERT(triggers != 0, "broadcast {} without a trigger", fired);
+  if (triggers == 1) is_sure[trigger] = true;
+  return is_sure;
+}
+
+// The data of each clause, if exactly its parameters are ready.
+bool Deriver::add_star_transfers(const rt::InteractionInfo& info, const std::vector<bool>& is_sure, Instance& out) {
+  const u32 type_row = image_.connectors[info.row].type;
+  Instance tests, codes;
+  for (const u32 row : tables_.clause_order[type_row]) {
+    const rt::Clause& clause = image_.connector_types[type_row].clauses[row];
+    if (clause.up == kNone && clause.down == kNone) continue;
+    if (clause.may_fault) return false;
+    tests.clear();
+    bool can_be = true;
+    for (u32 param = 0; param < ports_.size(); ++param) {
+      const bool takes_part = std::binary_search(clause.params.begin(), clause.params.end(), param);
+      if (is_sure[param]) {
+        can_be = can_be && takes_part;
+        continue;
+      }
+      tests.add(takes_part ? StepOpKind::At : StepOpKind::Away).from =
+          tables_.transitions[transition_of(ports_[param])].from;
+      tests.ref(tables_.port_atom[ports_[param]]);
+    }
+    if (!can_be) continue;
+    rt::PlanUse use;
+    use.connector = info.row;
+    use.clause = row;
+    codes.clear();
+    if (!add_transfers(&use, 1, nullptr, codes)) return false;
+    if (codes.ops.empty()) continue;
+    for (StepOp& op : codes.ops) op.guarded = !tests.ops.empty();
+    out.append(tests);
+    out.append(codes);
+  }
+  return true;
+}
+
+// Whoever is ready takes part. Those who are sure to be fire as in a rendezvous.
+bool Deriver::add_star(u32 fired, const rt::InteractionInfo& info, Instance& out) {
+  const std::vector<bool> is_sure = find_sure(fired);
+  if (!add_star_transfers(info, is_sure, out)) return false;
+  std::vector<u32> sure, others;
+  for (std::size_t param = 0; param < ports_.size(); ++param) (is_sure[param] ? sure : others).push_back(ports_[param]);
+  ports_ = sure;
+  u32 last_changed = kNone;
+  if (!add_actions(out) || !add_ready(others, out, last_changed)) return false;
+  const std::size_t effects = out.ops.size();
+  if (!add_effects(fired, out)) return false;
+  // The list changes in interaction order.
+  return last_changed == kNone || effects == out.ops.size() || out.refs[out.ops[effects].first_ref] > last_changed;
+}
+
+// Each parameter by itself: whoever is at the place from which its port can fire takes part. last_changed: the last
+// interaction that may enter or leave.
+bool Deriver::add_ready(const std::vector<u32>& ports, Instance& out, u32& last_changed) {
+  Instance each;
+  for (const u32 port : ports) {
     const u32 atom = tables_.port_atom[port];
     if (tables_.atom_watch[atom].size != 0) return false;
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
@@ -179,18 +246,20 @@ bool Deriver::add_star(Instance& out) {
     if (effect.interaction != kNone) each.ref(effect.interaction);
   }
   // The list changes in interaction order: one group of parameters changes it, in that order.
+  Instance folded;
   std::vector<std::int32_t> strides;
-  fold(each, 1, out, strides);
+  fold(each, 1, folded, strides);
   u32 changing = 0;
-  for (const StepOp& op : out.ops) {
+  for (const StepOp& op : folded.ops) {
     if (op.delta == 0) continue;
     ++changing;
     const u32 interaction = op.first_ref + op.refs - 1;
-    if (out.refs[op.first_ref] > 1 && strides[interaction] <= 0) return false;
+    if (folded.refs[op.first_ref] > 1 && strides[interaction] <= 0) return false;
+    last_changed = folded.refs[interaction] + (folded.refs[op.first_ref] - 1) * static_cast<u32>(strides[interaction]);
   }
   // Folded for good in derive_steps: here the parameters one by one.
-  out = each;
-  return changing <= 1 && out.ops.size() <= 0xffffffffu;
+  out.append(each);
+  return changing <= 1;
 }
 
 }  // namespace bip::steps

@@ -1,4 +1,4 @@
-// Data that move up and down a hierarchy of connectors in one step.
+// Data that move up and down a hierarchy of connectors, or through one connector, in one step.
 //
 // The variables of a connector are zero before each use and are not observed after the step. So only the values that
 // atoms receive matter:
@@ -18,11 +18,9 @@
 namespace bip::steps {
 
 // False: there is code that cannot be part of a step.
-bool Deriver::order_uses(const rt::Plan& plan) {
-  uses_ = tables_.plan_uses.data() + plan.first_use;
-  const rt::PlanNode* nodes = tables_.plan_nodes.data() + plan.first_node;
-  std::vector<u32> depth(plan.use_count, 0);
-  for (u32 i = 0; i < plan.use_count; ++i) {
+bool Deriver::order_uses(u32 count, const rt::PlanNode* nodes) {
+  std::vector<u32> depth(count, 0);
+  for (u32 i = 0; i < count; ++i) {
     const rt::ConnectorType& type = tables_.connector_type(uses_[i].connector);
     u32 bound = 0;
     for (const rt::ConnectorParam& param : type.params)
@@ -35,7 +33,7 @@ bool Deriver::order_uses(const rt::Plan& plan) {
       if (unit != kNone && facts_[unit].may_fault) return false;
     }
   }
-  downs_.resize(plan.use_count);
+  downs_.resize(count);
   std::iota(downs_.begin(), downs_.end(), 0u);
   const auto base = [&](u32 use) { return image_.connectors[uses_[use].connector].first_cell; };
   std::stable_sort(downs_.begin(), downs_.end(),
@@ -48,8 +46,7 @@ bool Deriver::order_uses(const rt::Plan& plan) {
     for (std::size_t i = first; i < end; ++i) ups_.push_back(downs_[i]);
     end = first;
   }
-  BIP_ASSERT(ups_.size() == plan.use_count && downs_.size() == plan.use_count, "{} and {} of {} uses", ups_.size(),
-             downs_.size(), plan.use_count);
+  BIP_ASSERT(ups_.size() == count && downs_.size() == count, "{} and {} of {} uses", ups_.size(), downs_.size(), count);
   return true;
 }
 
@@ -188,7 +185,14 @@ void Deriver::add_copies(Instance& out) {
 }
 
 bool Deriver::add_plan_codes(const rt::Plan& plan, Instance& out) {
-  if (!order_uses(plan)) return false;
+  return add_transfers(tables_.plan_uses.data() + plan.first_use, plan.use_count,
+                       tables_.plan_nodes.data() + plan.first_node, out);
+}
+
+// out: empty. nodes: only of uses that are linked.
+bool Deriver::add_transfers(const rt::PlanUse* uses, u32 count, const rt::PlanNode* nodes, Instance& out) {
+  uses_ = uses;
+  if (!order_uses(count, nodes)) return false;
   evaluate_uses();
   // Whoever counts calls sees each.
   if (values_.is_known() && !lowered_.calls_rows && list_assigned()) {
@@ -218,9 +222,9 @@ void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u
       StepOp& copy = folded.ops[i];
       if (copy.kind != StepOpKind::Copy || !copy.repeats || folded.refs[copy.first_ref] != folded.refs[op.first_ref])
         break;
-      const u32 to = folded.refs[copy.first_ref + 1], from = folded.refs[copy.first_ref + 2];
+      const u32 to = folded.refs[copy.first_ref + 1];
       const bool moves_along = strides[copy.first_ref + 1] == stride && to - self < static_cast<u32>(stride);
-      if (!moves_along || strides[copy.first_ref + 2] != 0 || from < atom_cells) break;
+      if (!moves_along || strides[copy.first_ref + 2] != 0 || copy.guarded != op.guarded) break;
       copy.inlined = true;
       copy.offset = to - self;
     }
