@@ -13,6 +13,7 @@ namespace {
 constexpr DiagInfo kInfos[] = {
 #define BIP_DIAG(code, severity, slug, message) {#code, Severity::severity, slug, message},
 #include "compiler/diag/kinds.def"
+#include "runtime/include/bip/assert.hpp"
 #undef BIP_DIAG
 };
 
@@ -35,12 +36,17 @@ std::string shortened(std::string message) {
   std::size_t tail = message.size() - kLongest / 2;
   while (is_inside(head)) --head;
   while (is_inside(tail)) ++tail;
+  BIP_ASSERT(head < tail, "the cut of a message keeps its bytes {} to {} twice", tail, head);
   return message.substr(0, head) + "…" + message.substr(tail);
 }
 
 }  // namespace
 
-const DiagInfo& info(Diag kind) { return kInfos[static_cast<std::size_t>(kind)]; }
+const DiagInfo& info(Diag kind) {
+  const auto row = static_cast<std::size_t>(kind);
+  BIP_ASSERT(row < std::size(kInfos), "there is no kind {} of diagnostics", row);
+  return kInfos[row];
+}
 
 const std::vector<Diag>& all_diags() {
   static const std::vector<Diag> all = [] {
@@ -59,6 +65,9 @@ std::optional<Diag> find_diag(std::string_view code) {
 }
 
 DiagnosticBuilder Diagnostics::add(Diag kind, SourceRange range, std::string message) {
+  BIP_ASSERT(!range.is_valid() || range.begin <= range.end, "{} has a range from {} to {}", info(kind).code,
+             range.begin, range.end);
+  BIP_ASSERT(!message.empty(), "{} says nothing", info(kind).code);
   Diagnostic d{};
   d.kind = kind;
   d.severity = info(kind).severity;
@@ -66,6 +75,8 @@ DiagnosticBuilder Diagnostics::add(Diag kind, SourceRange range, std::string mes
   d.message = shortened(std::move(message));
   ++(d.severity == Severity::Error ? error_count_ : warning_count_);
   all_.push_back(std::make_unique<Diagnostic>(std::move(d)));
+  BIP_ASSERT(error_count_ + warning_count_ == all_.size(), "{} errors and {} warnings of {} diagnostics", error_count_,
+             warning_count_, all_.size());
   return DiagnosticBuilder(*all_.back());
 }
 

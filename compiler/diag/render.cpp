@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "compiler/source/utf8.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 namespace {
@@ -57,6 +58,25 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+std::string with_hidden_escaped(std::string_view json) {
+  std::string out;
+  out.reserve(json.size());
+  while (!json.empty()) {
+    const std::size_t length = std::max<std::size_t>(1, utf8_length(json));
+    if (is_c1_control(json) || is_bidi_control(json)) {
+      // Two bytes (C1, U+061C) or three.
+      std::uint32_t character = static_cast<unsigned char>(json[0]) & (length == 2 ? 0x1fu : 0x0fu);
+      for (std::size_t k = 1; k < length; ++k)
+        character = character << 6u | (static_cast<unsigned char>(json[k]) & 0x3fu);
+      out += fmt::format("\\u{:04x}", character);
+    } else {
+      out += json.substr(0, length);
+    }
+    json.remove_prefix(length);
+  }
+  return out;
+}
+
 }  // namespace diag
 
 std::string render(const Diagnostics& diags, const SourceMap& sources, const RenderOptions& options) {
@@ -80,6 +100,8 @@ std::string render(const Diagnostics& diags, const SourceMap& sources, const Ren
       diag::render_short(out, *d, sources, colors);
     }
   }
+  BIP_ASSERT(shown[0] <= total[0] && shown[1] <= total[1], "{} of {} errors, {} of {} warnings are shown", shown[0],
+             total[0], shown[1], total[1]);
   if (options.format == DiagnosticFormat::Json || total[0] + total[1] == 0) return out;
   return out + closing_line(total[0], total[1], total[0] + total[1] - shown[0] - shown[1]);
 }

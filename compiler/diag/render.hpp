@@ -20,6 +20,10 @@ struct Palette {
 /// `text` on one line: control characters (which could drive the reader's terminal) are shown as U+FFFD.
 [[nodiscard]] std::string printable(std::string_view text);
 
+/// `json`, which must be UTF-8, with each control character of block C1 and of direction as `\uXXXX`: it says the same
+/// to a program, and nothing else to a terminal.
+[[nodiscard]] std::string with_hidden_escaped(std::string_view json);
+
 void render_frame(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
 void render_short(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
 void render_json(std::string& out, const Diagnostic& d, const SourceMap& sources);

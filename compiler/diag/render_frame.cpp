@@ -8,6 +8,7 @@
 
 #include "compiler/diag/render.hpp"
 #include "compiler/source/utf8.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::diag {
 namespace {
@@ -43,6 +44,7 @@ void add_mark(std::vector<File>& files, const SourceMap& sources, SourceRange ra
               std::string_view text) {
   if (!range.is_valid()) return;
   const Loc at = sources.loc(range);
+  BIP_ASSERT(at.line >= 1 && at.column >= 1, "a place at line {}, column {}", at.line, at.column);
   const std::size_t length = sources.line(range.file, at.line).size();
   const std::size_t begin = std::min<std::size_t>(at.column - 1, length);
   const std::size_t end =
@@ -76,6 +78,7 @@ ScreenLine on_screen(std::string_view line) {
     at += length;
   }
   screen.column[line.size()] = column;
+  BIP_ASSERT(std::ranges::is_sorted(screen.column), "columns of a line run backwards");
   return screen;
 }
 
@@ -121,6 +124,8 @@ class Frame {
     const ScreenLine screen = on_screen(cut(line, marks, cut_left, cut_right));
     const std::size_t shift = cut_left ? 1 : 0;
     for (Mark& m : marks) {
+      BIP_ASSERT(m.begin_byte <= m.end_byte && m.end_byte < screen.column.size(), "a mark from byte {} to {} of {}",
+                 m.begin_byte, m.end_byte, screen.column.size());
       m.begin = screen.column[m.begin_byte] + shift;
       m.end = std::max(screen.column[m.end_byte] + shift, m.begin + 1);
     }
@@ -143,6 +148,7 @@ class Frame {
     std::string text;
     std::size_t column = 0;
     for (const Mark& m : row) {
+      BIP_ASSERT(column <= m.begin, "marks overlap at column {}", m.begin);
       text.append(m.begin - column, ' ');
       text += color_of(m);
       text.append(m.end - m.begin, m.primary ? '^' : '-');

@@ -39,7 +39,7 @@ void render_json(std::string& out, const Diagnostic& d, const SourceMap& sources
     helps.push_back(std::move(entry));
   }
   object["helps"] = std::move(helps);
-  out += object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  out += with_hidden_escaped(object.dump(-1, ' ', false, Json::error_handler_t::replace));
   out += '\n';
 }
 

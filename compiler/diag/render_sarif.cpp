@@ -93,7 +93,7 @@ std::string render_sarif(const std::vector<const Diagnostic*>& diags, const Sour
   run["columnKind"] = "utf16CodeUnits";
   run["results"] = std::move(results);
   document["runs"] = Json::array({std::move(run)});
-  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return with_hidden_escaped(document.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 }  // namespace bip::diag

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "compiler/diag/diagnostics.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip {
 namespace {
@@ -28,6 +29,8 @@ std::size_t distance(std::string_view a, std::string_view b) {
     std::swap(before, previous);
     std::swap(previous, current);
   }
+  BIP_ASSERT(previous[b.size()] <= 2 * std::max(a.size(), b.size()),
+             "a distance of {} half edits between {} and {} characters", previous[b.size()], a.size(), b.size());
   return previous[b.size()];
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/index/index_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::index {
 
@@ -35,6 +36,8 @@ SymbolKind kind_of(DeclKind kind) {
 SymbolId IndexBuilder::add(SymbolKind kind, const Name& name, SourceRange range, SymbolId owner, Annotations marks) {
   if (name.text.empty()) return {};
   if (kind == SymbolKind::ExternType && syntax::is_native_type(name.text)) return {};
+  BIP_ASSERT(!owner.is_valid() || owner.value < out_.symbols.size(), "owner {} of `{}` is not declared yet",
+             owner.value, name.text);
   for (const Annotation& mark : marks) range.begin = std::min(range.begin, mark.range.begin);
   const Key key{owner.is_valid() ? owner.value : files_[file_].scope, name.text};
   if (const auto known = names_.find(key); known != names_.end()) {
@@ -54,6 +57,7 @@ SymbolId IndexBuilder::add(SymbolKind kind, const Name& name, SourceRange range,
   symbol.doc = doc_above(range.begin, range.end);
   symbol.detail = one_line(range);
   const SymbolId id = out_.symbols.push(std::move(symbol));
+  BIP_ASSERT(id.value < kFileScope - files_.size(), "symbol {} has the number of a file's scope", id.value);
   names_.emplace(key, id);
   if (owner.is_valid()) {
     out_.symbols[owner].members.push_back(id);
@@ -67,6 +71,7 @@ SymbolId IndexBuilder::add(SymbolKind kind, const Name& name, SourceRange range,
 void IndexBuilder::declare_file(std::size_t row) {
   file_ = row;
   File& file = files_[row];
+  BIP_ASSERT(row < kFileScope, "file {} has no scope of its own", row);
   file.scope = kFileScope - static_cast<std::uint32_t>(row);
   const Package& package = *file.syntax->package;
   for (const PathPart& part : package.name.parts)

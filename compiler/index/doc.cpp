@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "compiler/index/index_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::index {
 
@@ -42,6 +43,7 @@ std::string words(std::string_view comment) {
 std::string IndexBuilder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) const {
   const Syntax& syntax = *files_[file_].syntax;
   const std::string_view text = sources_.text(syntax.file);
+  BIP_ASSERT(begin <= text.size(), "a declaration begins at {}, behind the end {} of its file", begin, text.size());
   auto next = std::upper_bound(syntax.comments.begin(), syntax.comments.end(), begin,
                                [](std::uint32_t at, const Comment& c) { return at < c.range.begin; });
   // Only what begins a line is above; a word before it on its line (`for … connector`) is part of the declaration.

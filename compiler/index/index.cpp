@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "compiler/index/index_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::index {
 
@@ -45,6 +46,9 @@ Index build_index(std::span<const syntax::Syntax* const> files, const SourceMap&
   const auto last = std::unique(index.uses.begin(), index.uses.end(),
                                 [&](const Use& a, const Use& b) { return place(a) == place(b); });
   index.uses.erase(last, index.uses.end());
+  for (const Use& u : index.uses)
+    BIP_ASSERT(u.symbol.value < index.symbols.size() && u.range.begin <= u.range.end, "a use of symbol {} at {}",
+               u.symbol.value, u.range.begin);
   return index;
 }
 
@@ -65,6 +69,7 @@ std::vector<Use> Index::uses_of(SymbolId symbol) const {
 }
 
 SymbolId Index::member(SymbolId owner, std::string_view name) const {
+  BIP_ASSERT(owner.value < symbols.size(), "there is no symbol {}", owner.value);
   const Symbol& symbol = symbols[owner];
   const auto among = [&](const Symbol& in, bool hidden_too) -> SymbolId {
     for (const SymbolId m : in.members) {

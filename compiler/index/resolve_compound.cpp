@@ -1,5 +1,6 @@
 // Uses in connectors (types and inline ones), in the items of compounds and in their priorities.
 #include "compiler/index/index_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::index {
 
@@ -31,6 +32,7 @@ void IndexBuilder::resolve_items(std::span<const CompoundItem* const> items, Sym
       expr(item->high, scope);
       scope.loop_variables.push_back(loops_.at(item));
       resolve_items(item->items, owner, scope);
+      BIP_ASSERT(scope.loop_variables.back() == loops_.at(item), "a loop's variable is left in scope");
       scope.loop_variables.pop_back();
       continue;
     }
@@ -51,6 +53,7 @@ void IndexBuilder::resolve_items(std::span<const CompoundItem* const> items, Sym
     if (item->inline_body == nullptr || !symbol.is_valid()) continue;
     scope.owners.insert(scope.owners.begin(), symbol);
     resolve_connector(*item->inline_body, symbol, scope);
+    BIP_ASSERT(scope.owners.front() == symbol, "a connector's scope was changed inside of it");
     scope.owners.erase(scope.owners.begin());
   }
 }

@@ -1,5 +1,6 @@
 // Second and third pass: the types of what was declared, then the uses in atoms and declarations of a file.
 #include "compiler/index/index_builder.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::index {
 
@@ -18,6 +19,7 @@ SymbolId IndexBuilder::find(SymbolId owner, std::string_view name) const {
 }
 
 SymbolId IndexBuilder::find_in_files(std::string_view name, std::size_t file) const {
+  BIP_ASSERT(file < files_.size(), "there is no file {}", file);
   if (const auto own = names_.find({files_[file].scope, name}); own != names_.end()) return own->second;
   for (const std::size_t row : files_[file].used) {
     if (const auto used = names_.find({files_[row].scope, name}); used != names_.end()) return used->second;
@@ -26,6 +28,8 @@ SymbolId IndexBuilder::find_in_files(std::string_view name, std::size_t file) co
 }
 
 void IndexBuilder::use(SourceRange range, SymbolId symbol, UseKind kind) {
+  BIP_ASSERT(!symbol.is_valid() || symbol.value < out_.symbols.size(), "a use of symbol {}, which is not there",
+             symbol.value);
   if (symbol.is_valid() && range.is_valid()) out_.uses.push_back({range, symbol, kind});
 }
 
@@ -152,6 +156,7 @@ void IndexBuilder::resolve_atom(const Decl& d, SymbolId owner, const Scope& scop
   members(d.initial.to);
   block(d.initial.action, scope);
   expr(d.initial.resume, scope);
+  for (const FinalPlaces& f : d.finals) members(f.places);
   for (const Transition& t : d.transitions) {
     use_member(owner, t.port);
     members(t.from);

@@ -18,6 +18,7 @@
 #include <optional>
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "compiler/serve/access.hpp"
 #include "compiler/serve/protocol.hpp"
 
@@ -248,6 +249,7 @@ class Server {
       return;
     }
     net::post(io_, [this, to = std::move(receivers), line = step_line(step, now)] {
+      BIP_ASSERT(notes_.load() > 0, "a note that was not counted");
       notes_.fetch_sub(1);
       broadcast(&to, line);
     });
@@ -282,6 +284,7 @@ class Server {
   }
 
   void write(std::uint64_t number, Client& client) {
+    BIP_ASSERT(!client.writes && !client.waiting.empty(), "client {} is written to already, or nothing waits", number);
     client.writes = true;
     net::async_write(client.out, net::buffer(client.waiting.front()),
                      [this, number, &client](const std::error_code& failed, std::size_t) {
@@ -290,6 +293,8 @@ class Server {
                        ends_ = ends_ || (failed && is_only_client(client));
                        if (failed != net::error::broken_pipe)
                          note_stream_failure(client, "write standard output", failed);
+                       BIP_ASSERT(client.waiting_bytes >= client.waiting.front().size(),
+                                  "{} bytes wait, {} are written", client.waiting_bytes, client.waiting.front().size());
                        client.waiting_bytes -= client.waiting.front().size();
                        client.waiting.pop_front();
                        if (failed) return close(number, client);
@@ -303,6 +308,7 @@ class Server {
 
   void read(std::uint64_t number) {
     Client& client = *clients_.at(number);
+    BIP_ASSERT(!client.reads && !client.is_closing, "client {} is read already, or closes", number);
     client.reads = true;
     net::async_read_until(
         client.in, net::dynamic_buffer(client.received, options_.max_line), '\n',
@@ -333,6 +339,7 @@ class Server {
   void answer(std::uint64_t number, std::string text) {
     const auto found = clients_.find(number);
     if (found == clients_.end()) return;
+    BIP_ASSERT(found->second->asked > 0, "an answer that client {} has not asked for", number);
     --found->second->asked;
     send(number, std::move(text));
     read_on(number, *found->second);
@@ -409,6 +416,7 @@ class Server {
     std::error_code ignored;
     if (client.reads) client.in.cancel(ignored);
     if (client.reads || client.writes) return;
+    BIP_ASSERT(!subscriptions_.contains(number), "client {} leaves its subscription behind", number);
     clients_.erase(number);
     if (ends_) try_stop();
   }

@@ -2,6 +2,7 @@
 // whole intervals are checked at every instant at which a truth value may change.
 #include <algorithm>
 
+#include "runtime/include/bip/assert.hpp"
 #include "tools/gen/naive.hpp"
 
 namespace bip::gen {
@@ -50,6 +51,7 @@ void NaiveEngine::set_clocks(AtomState& state, const Transition& t) {
 
 void NaiveEngine::begin_resume(std::size_t atom, const Transition& t) {
   AtomState& state = states_[atom];
+  BIP_ASSERT(state.at_work == nullptr, "atom {} resumes while its action is at work", atom);
   if (!t.resumes) return;
   state.busy_until = holds_at(state, t.resume, now_) ? now_ : kForever;
   // Turning points of this condition are among all of them.
@@ -74,6 +76,7 @@ void NaiveEngine::finish(std::size_t atom, const Transition& t) {
 }
 
 void NaiveEngine::advance(std::int64_t to) {
+  BIP_ASSERT(to >= now_, "time goes back from {} to {}", now_, to);
   now_ = to;
   for (std::size_t a = 0; a < states_.size() && trouble_ == Trouble::None; ++a) {
     if (const Transition* work = states_[a].at_work; work != nullptr && states_[a].returns <= to) {
@@ -138,6 +141,7 @@ std::set<std::int64_t> NaiveEngine::turning_points() const {
     add(state.busy_until);
     if (state.at_work != nullptr) add(state.returns);
   }
+  BIP_ASSERT(result.empty() || *result.begin() > now_, "a turning point at {}, which is past", *result.begin());
   return result;
 }
 
@@ -180,6 +184,7 @@ std::int64_t NaiveEngine::limit(const std::vector<Choice>& choices, std::vector<
     }
     if (is_delayable) last = std::min(last, ends[k]);
   }
+  BIP_ASSERT(last >= now_, "the last instant {} is before {}", last, now_);
   return is_eager ? now_ : last;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/source/utf8.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::lsp {
 namespace {
@@ -29,6 +30,7 @@ void Text::find_lines() {
 }
 
 std::uint32_t Text::end_of_line(std::size_t line) const {
+  BIP_ASSERT(line < starts_.size(), "line {} of {}", line, starts_.size());
   if (line + 1 == starts_.size()) return static_cast<std::uint32_t>(text_.size());
   std::uint32_t end = starts_[line + 1] - 1;
   if (text_[end] == '\n' && end > starts_[line] && text_[end - 1] == '\r') --end;
@@ -46,6 +48,7 @@ std::optional<std::uint32_t> Text::offset(Position at, Encoding encoding) const 
     column += s.units;
     offset += s.bytes;
   }
+  BIP_ASSERT(offset <= end, "offset {} is behind the end {} of its line", offset, end);
   return offset;
 }
 
@@ -69,6 +72,7 @@ Position Text::position(std::uint32_t offset, Encoding encoding) const {
 }
 
 void Text::replace(std::uint32_t begin, std::uint32_t end, std::string_view with) {
+  BIP_ASSERT(begin <= end && end <= text_.size(), "bytes {} to {} of {} are replaced", begin, end, text_.size());
   text_.replace(begin, end - begin, with);
   find_lines();
 }

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cctype>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::lsp {
 namespace {
 
@@ -59,6 +61,7 @@ bool Framing::drop_skipped() {
   const std::size_t now = std::min(skip_, buffer_.size());
   buffer_.erase(0, now);
   skip_ -= now;
+  BIP_ASSERT(skip_ == 0 || buffer_.empty(), "{} bytes are to be skipped, {} are kept", skip_, buffer_.size());
   return skip_ == 0;
 }
 
@@ -78,6 +81,7 @@ void Framing::resynchronise(std::size_t from) {
     return;
   }
   buffer_.clear();
+  BIP_ASSERT(lost_, "no header was found");
 }
 
 std::optional<Framing::Frame> Framing::next() {
@@ -104,6 +108,7 @@ std::optional<Framing::Frame> Framing::next() {
     return Frame{Kind::TooLong, {}};
   }
   if (buffer_.size() - end->second < *length) return std::nullopt;
+  BIP_ASSERT(skip_ == 0 && !lost_, "a message is read while {} bytes are skipped", skip_);
   Frame frame{Kind::Message, buffer_.substr(end->second, *length)};
   buffer_.erase(0, end->second + *length);
   return frame;
