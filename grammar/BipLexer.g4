@@ -27,7 +27,7 @@ IF: 'if'; THEN: 'then'; ELSE: 'else'; FI: 'fi'; TRUE: 'true'; FALSE: 'false';
 NATIVE: 'int' | 'bool' | 'float' | 'string';
 
 // ---- contextual: names wherever the grammar has no use for the word ---------------------------------------------------
-CLOCK: 'clock'; UNIT: 'unit'; INVARIANT: 'invariant'; AT: 'at';
+CLOCK: 'clock'; UNIT: 'unit'; INVARIANT: 'invariant'; AT: 'at'; FINAL: 'final';
 LAZY: 'lazy'; DELAYABLE: 'delayable'; EAGER: 'eager'; RESUME: 'resume';
 REMEMBER: 'remember'; IGNORE: 'ignore'; ERROR: 'error';
 AND_WORD: 'and'; OR_WORD: 'or'; NOT_WORD: 'not';

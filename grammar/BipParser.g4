@@ -40,7 +40,7 @@ atomType: ATOM TYPE id LPAREN params? RPAREN bodyItem* END;
 compoundType: COMPOUND TYPE id LPAREN params? RPAREN bodyItem* END;
 component: COMPONENT_DECL id (LPAREN params? RPAREN)? bodyItem* END;
 
-bodyItem: annotation* (dataDecl | portDecl | compoundExport | clockDecl | places | initial | transition | priority
+bodyItem: annotation* (dataDecl | portDecl | compoundExport | clockDecl | places | initial | finals | transition | priority
   | invariant | behavior | contains | componentDecl | connectorDecl | inlineConnector | forItems);
 
 // ---- connectors -----------------------------------------------------------------------------------------------------------
@@ -64,6 +64,7 @@ portItem: id (LPAREN idList? RPAREN)?;
 clockDecl: CLOCK id (COMMA id)* (UNIT INT? id)?;
 places: PLACE idList;
 initial: INITIAL (to | clockReset | action | resume)*;
+finals: FINAL idList;
 behavior: BEHAVIOR (initial | annotation* transition | state)* END;
 state: STATE id (annotation* transition)*;
 transition: (ON id | INTERNAL) (from | to | provided | clockReset | urgency | action | resume)*;
@@ -116,4 +117,4 @@ path: pathPart (DOT pathPart)*;
 pathPart: id index?;
 index: (LBRACK | GROUP_OPEN) (expr | STAR) RBRACK;
 idList: id (COMMA id)*;
-id: ID | CLOCK | UNIT | INVARIANT | AT | LAZY | DELAYABLE | EAGER | RESUME | REMEMBER | IGNORE | ERROR | AND_WORD | OR_WORD;
+id: ID | CLOCK | UNIT | INVARIANT | AT | FINAL | LAZY | DELAYABLE | EAGER | RESUME | REMEMBER | IGNORE | ERROR | AND_WORD | OR_WORD;

@@ -88,6 +88,7 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("run")) return command_run(arguments.run);
   if (app.got_subcommand("verify")) return command_verify(arguments.verify);
   if (app.got_subcommand("explore")) return command_explore(arguments.explore);
+  if (app.got_subcommand("simulate")) return command_simulate(arguments.simulate);
   if (app.got_subcommand("serve")) return command_serve(arguments.serve);
   if (app.got_subcommand("build")) return command_build(arguments.build);
   if (app.got_subcommand("emit")) return command_emit(arguments.emit);

@@ -313,6 +313,7 @@ void add_run(CLI::App& app, RunArguments& a) {
                    "repeat the run recorded in PATH, in logical time, with the recorded seed and policy")
       ->type_name("PATH");
   command->add_flag("-s,--silent", a.run.silent, "print no steps, only the seed and how the run ended");
+  command->add_flag("--show-state", a.run.show_state, "print the places and data of each component at the end");
   // The published engine's words for what a run does anyway.
   command->add_flag_callback("-v,--verbose", [&a] { a.run.silent = false; })->group("");
   command->add_flag_callback("--execute", [&a] { a.run.explore = false; })->group("");
@@ -332,7 +333,8 @@ void add_run(CLI::App& app, RunArguments& a) {
       "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
   add_compile(*command, a.compile);
   command->footer(
-      "Exit code: 0 at the limit or at a deadlock, 1 after a run-time error (division by zero ...), 130 after Ctrl-C.\n"
+      "Exit code: 0 at the limit, at a final state or at a deadlock, 1 after a run-time error (division by zero ...), "
+      "130 after Ctrl-C.\n"
       "Example:\n  bipc run --seed 42 --limit 20 --root 'Ring(5)' model.bip");
 }
 
@@ -432,6 +434,69 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
       "Ctrl-C prints what is known.\n"
       "Example:\n  bipc explore --root 'Table(12)' --trace dead.txt --trace-format bip2 model.bip && bipc replay "
       "--published dead.txt --root 'Table(12)' model.bip");
+}
+
+void add_simulate(CLI::App& app, SimulateArguments& a) {
+  CLI::App* command =
+      app.add_subcommand("simulate", "make many runs and estimate numbers: counts, times, probabilities");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  command->add_option("--runs", a.simulate.runs, "number of runs (default: 1000)")->check(is_number())->type_name("N");
+  command
+      ->add_option("--within", a.within,
+                   "make so many runs that a probability is known within E, with confidence 95% (instead of --runs)")
+      ->check(CLI::Range(0.0001, 0.5))
+      ->type_name("E");
+  command
+      ->add_option_function<std::uint64_t>(
+          "--seed",
+          [&a](const std::uint64_t& seed) {
+            a.simulate.seed = seed;
+            a.has_seed = true;
+          },
+          "seed of the first run; each later run has the next number (default: drawn at random and printed)")
+      ->check(is_number())
+      ->type_name("N");
+  command->add_option("-l,--limit", a.simulate.limit, "steps of a run (default: 1000)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      ->add_option("--until", a.until, "end each run at this instant of the model, such as 1s500ms (default: no limit)")
+      ->type_name("TIME");
+  command
+      ->add_option("--observe", a.observers,
+                   "measure in each run: count NAME, reaches EXPR, time until EXPR, duration of EXPR, max EXPR, min "
+                   "EXPR, mean EXPR, last EXPR")
+      ->type_name("OBSERVER")
+      ->allow_extra_args(false);
+  command->add_option("--stop", a.stop, "end a run at the first state in which the condition EXPR holds")
+      ->type_name("EXPR");
+  add_choice(*command, "--policy", a.simulate.policy, kPolicies.names, kPolicies.shown,
+             "how the next step is chosen among the candidates (default: uniform)");
+  command->add_flag("-a,--asap", a.simulate.asap,
+                    "with time, take each step at the first instant at which one is possible");
+  command->add_option("--threads", a.threads, "number of worker threads (default: one per processor)")
+      ->check(is_number())
+      ->type_name("N");
+  command->add_flag("--histogram", a.shows_histogram, "print how often each value was observed, in 20 bins");
+  command->add_flag("--json", a.json, "print the result as JSON");
+  command->add_option("--csv", a.csv_path, "write a row for each run to PATH")->type_name("PATH");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
+             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
+                   "optimisation level of the JIT (default: 2 for at most 32 functions or many steps, else 0)");
+  command->add_flag_callback(
+      "--disable-maximal-progress", [&a] { a.simulate.progress = rt::MaximalProgress::Off; },
+      "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
+  add_compile(*command, a.compile);
+  command->footer(
+      "EXPR is an expression over stable states: a@PLACE, a.data, can connector, can a.port, and the operators of "
+      "guards. Times are in seconds; without clocks, in steps.\n"
+      "Run k is `bipc run --seed SEED+k`. The result does not depend on the number of threads.\n"
+      "Exit code: 0, or 1 if a run ended with a run-time error, 130 after Ctrl-C.\n"
+      "Example:\n  bipc simulate --runs 10000 --limit 100 --observe 'count table.eat[0]' --observe 'reaches "
+      "phil[0]@EATS' model.bip");
 }
 
 void add_serve(CLI::App& app, ServeArguments& a) {
@@ -782,6 +847,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_run(app, arguments.run);
   add_verify(app, arguments.verify);
   add_explore(app, arguments.explore);
+  add_simulate(app, arguments.simulate);
   add_serve(app, arguments.serve);
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);

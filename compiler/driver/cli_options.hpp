@@ -13,6 +13,7 @@ struct Arguments {
   ServeArguments serve;
   VerifyArguments verify;
   ExploreArguments explore;
+  SimulateArguments simulate;
   BuildArguments build;
   EmitArguments emit;
   GraphArguments graph;

@@ -76,6 +76,7 @@ void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const
                               {"states", found.states},       {"steps", found.steps},
                               {"deadlocks", found.deadlocks}, {"errors", found.errors},
                               {"depth", found.depth},         {"bits", found.bits}};
+  if (found.has_final_states) json["final_states"] = found.finals;
   if (!found.groups.empty()) json["interchangeable"] = found.groups;
   if (a.stats) {
     json["seconds"] = found.seconds;

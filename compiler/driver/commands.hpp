@@ -12,6 +12,8 @@ namespace bip::driver {
 [[nodiscard]] int command_verify(const VerifyArguments& arguments);
 /// All reachable states: 0, 1 run-time errors, 3 deadlocks, 4 a limit came first.
 [[nodiscard]] int command_explore(const ExploreArguments& arguments);
+/// Estimates from many runs: 0, 1 if a run ended with an error.
+[[nodiscard]] int command_simulate(const SimulateArguments& arguments);
 /// Until a client shuts it down or its input ends.
 [[nodiscard]] int command_serve(const ServeArguments& arguments);
 [[nodiscard]] int command_build(const BuildArguments& arguments);

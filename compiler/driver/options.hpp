@@ -6,8 +6,8 @@
 
 #include "bip/run.hpp"
 #include "compiler/graph/graph.hpp"
-#include "compiler/driver/options.hpp"
 #include "compiler/pipeline/options.hpp"
+#include "runtime/engine/simulate.hpp"
 #include "runtime/explore/explore.hpp"
 
 namespace bip::driver {
@@ -76,6 +76,21 @@ struct ExploreArguments {
   bool silent = false;  // only the last line
   bool stats = false;
   bool trusts_cpp = false;  // C++ functions depend on their arguments alone
+};
+struct SimulateArguments {
+  CompileOptions compile;
+  std::string file;
+  Backend backend = Backend::Auto;
+  Optimisation optimisation = Optimisation::Auto;
+  rt::SimulateOptions simulate;  // observers, stop and until are read from the texts below
+  std::vector<std::string> observers;
+  std::string stop, until;    // empty: none
+  double within = 0;          // runs enough for a probability to be so near; 0: simulate.runs
+  bool has_seed = false;      // else one is drawn
+  std::uint64_t threads = 0;  // 0: all processors
+  std::string csv_path;       // a row a run; empty: none
+  bool json = false;
+  bool shows_histogram = false;
 };
 struct CheckArguments {
   CompileOptions compile;

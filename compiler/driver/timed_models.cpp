@@ -61,6 +61,7 @@ void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const Pa
                               {"locations", found.locations}, {"steps", found.steps},
                               {"deadlocks", found.deadlocks}, {"time_locks", found.time_locks},
                               {"errors", found.errors},       {"depth", found.depth}};
+  if (found.has_final_states) json["final_states"] = found.finals;
   if (!found.inexact.empty()) json["inexact"] = found.inexact;
   if (a.stats) {
     json["seconds"] = found.seconds;

@@ -141,7 +141,9 @@ void TableWriter::atom_type(const rt::AtomType& type) {
   }
   const std::string invariants = table("Invariant", name + "_invariants", rows);
   const std::string time = atom_time(name, type.time);
-  const std::string rest = time.empty() ? invariants : invariants + ", " + time;
+  std::string rest = time.empty() ? invariants : invariants + ", " + time;
+  if (type.final_places.size != 0)
+    rest += (time.empty() ? ", nullptr, " : ", ") + list(name + "_final_places", type.final_places);
   atom_rows_.push_back(braces({string_literal(name), cells, ports, places, initial, row_text(type.initial_action),
                                transitions, loc_text(type.loc), priorities, rest}));
 }

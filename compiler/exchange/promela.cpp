@@ -55,6 +55,7 @@ class PromelaWriter {
   [[nodiscard]] std::string variable_name(AtomId atom, u32 variable) const;
   [[nodiscard]] Names names_of(AtomId atom) const;
   [[nodiscard]] std::string marked(AtomId atom, const std::vector<u32>& places) const;
+  [[nodiscard]] std::string end() const;
   [[nodiscard]] std::string enabled(AtomId atom, const Transition& t);
   [[nodiscard]] std::string both(AtomId atom, const Transition& a, const Transition& b);
   [[nodiscard]] std::string move(AtomId atom, const Transition& t, const std::string& indent);
@@ -504,6 +505,24 @@ void PromelaWriter::add_priorities() {
   if (has_cycle(next)) code_.refuse("priorities that only guards keep from being a cycle");
 }
 
+// Where the model may end: an end that SPIN takes for a valid one.
+std::string PromelaWriter::end() const {
+  std::string all;
+  for (u32 row = 0; row < system_.atoms.size(); ++row) {
+    const AtomId atom(row);
+    const AtomType& type = type_of(atom);
+    if (type.final_places.empty()) return {};
+    std::string here;
+    for (u32 place = 0; place < type.places.size(); ++place) {
+      const bool is_final = std::binary_search(type.final_places.begin(), type.final_places.end(), place);
+      if (type.is_automaton() && is_final) here += (here.empty() ? "" : " || ") + marked(atom, {place});
+      if (!type.is_automaton() && !is_final) here += (here.empty() ? "!" : " && !") + marked(atom, {place});
+    }
+    if (!here.empty()) all += (all.empty() ? "(" : " && (") + here + ")";
+  }
+  return "  :: " + (all.empty() ? "true" : all) + " -> break /* final */\n";
+}
+
 Result<std::string> PromelaWriter::run() {
   if (const std::string timed = system::first_timed(system_); !timed.empty()) code_.refuse("time: " + timed);
   if (const std::string inner = system::first_inner_priority(system_); !inner.empty()) code_.refuse(inner);
@@ -546,8 +565,8 @@ Result<std::string> PromelaWriter::run() {
       "/* {} by bipc export. Deadlocks are invalid end states:\n"
       "   spin -a m.pml && cc -O2 -fwrapv -DSAFETY -o pan pan.c && ./pan -m1000000, then spin -t m.pml */\n"
       "{}bool fault = false; /* a run-time error: the end, no deadlock */\n\n{}\n{}\n"
-      "init {{\n  d_step {{\n{}    skip;\n  }}\n  do\n  :: fault -> break\n{}  od\n}}\n",
-      plain_name(options_.root_name), declarations_, macros_, inlines_, initial, alternatives);
+      "init {{\n  d_step {{\n{}    skip;\n  }}\n  do\n  :: fault -> break\n{}{}  od\n}}\n",
+      plain_name(options_.root_name), declarations_, macros_, inlines_, initial, end(), alternatives);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // which has several places on one side, is a bar.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 
 #include "compiler/graph/code_text.hpp"
@@ -24,7 +25,8 @@ class Automaton {
   void run() {
     put("  subgraph cluster_{} {{\n    label={};\n", id_, dot_string(heading()));
     for (std::size_t p = 0; p < type_.places.size(); ++p)
-      put("    {}_p{} [shape=circle, label={}];\n", id_, p, dot_string(type_.places[p]));
+      put("    {}_p{} [shape={}, label={}];\n", id_, p, is_final(p) ? "doublecircle" : "circle",
+          dot_string(type_.places[p]));
     put("    {}_i [shape=point];\n", id_);
     const std::string action =
         lines_of({shortened(text_of(code_, type_.initial_action, names_)), resume(type_.initial_resume)});
@@ -40,6 +42,9 @@ class Automaton {
     fmt::format_to(std::back_inserter(out_), text, std::forward<Args>(args)...);
   }
 
+  [[nodiscard]] bool is_final(std::size_t row) const {
+    return std::binary_search(type_.final_places.begin(), type_.final_places.end(), row);
+  }
   [[nodiscard]] std::string place(std::uint32_t row) const { return fmt::format("{}_p{}", id_, row); }
 
   void edge(const std::string& from, const std::string& to, const std::string& label, const char* more = "") {

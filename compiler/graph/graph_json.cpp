@@ -86,6 +86,7 @@ class GraphJsonWriter {
     out["initial"] = {{"to", names(type.initial, type.places)}};
     put(out["initial"], "do", text_of(system_.code, type.initial_action, self));
     put_resume(out["initial"], type, type.initial_resume);
+    if (!type.final_places.empty()) out["final"] = names(type.final_places, type.places);
     out["transitions"] = list(type.transitions, [&](const Transition& t) { return transition(type, t, self); });
     if (!type.priorities.empty())
       out["priorities"] = list(type.priorities, [&](const AtomPriority& p) { return atom_priority(type, p, self); });

@@ -63,6 +63,8 @@ void check_atom_types(const rt::Image& image) {
                type.name);
     BIP_ASSERT(is_row(type.initial_action, image.codes.size), "code {} of atom type `{}`", type.initial_action,
                type.name);
+    BIP_ASSERT(are_rows(type.final_places, type.places.size), "atom type `{}` ends at a place that it lacks",
+               type.name);
     check_ports(image, type);
     for ([[maybe_unused]] const rt::Transition& t : type.transitions) {
       BIP_ASSERT(is_row(t.port, type.ports.size), "a transition of atom type `{}` at port {}", type.name, t.port);

@@ -57,6 +57,7 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   for (const std::string& place : type.places) places.push_back(place.c_str());
   to.places = l.pools.list(places);
   to.initial = l.pools.list(type.initial);
+  to.final_places = l.pools.list(type.final_places);
   to.initial_action = l.action(CodeOwner::Atom, row, type.name + "_initial", type.initial_action);
   std::vector<rt::Transition> transitions;
   for (const Transition& t : type.transitions) {

@@ -310,6 +310,13 @@ struct AtomBuilder {
     }
   }
 
+  void build_finals() {
+    std::vector<syntax::Name> all;
+    for (const syntax::FinalPlaces& f : decl.finals) all.insert(all.end(), f.places.begin(), f.places.end());
+    out.final_places = place_rows(all);
+    std::sort(out.final_places.begin(), out.final_places.end());
+  }
+
   std::vector<std::uint32_t> place_rows(std::span<const syntax::Name> list) {
     std::vector<std::uint32_t> rows;
     for (const syntax::Name& name : list) {
@@ -392,6 +399,7 @@ struct AtomBuilder {
         out.places.emplace_back(place.text);
     }
     out.initial = place_rows(decl.initial.to);
+    build_finals();
     out.initial_resume = time.resume(decl.initial.resumes, decl.initial.resume, decl.initial.range);
     CodeBuilder code(b.model, b.diags, scope);
     StmtId next = code.block(decl.initial.action.stmts);

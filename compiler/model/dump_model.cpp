@@ -106,6 +106,7 @@ struct Dumper {
     line("  places {}", places(t, all));
     for (const Clock& c : t.clocks) line("  clock {} of {}ns", c.name, c.unit);
     line("  initial to {} do {{{}}}{}", places(t, t.initial), stmts(t.initial_action), resume(t, t.initial_resume));
+    if (!t.final_places.empty()) line("  final {}", places(t, t.final_places));
     for (const Transition& x : t.transitions) {
       const std::string urgency = x.urgency == Urgency::Lazy ? "" : fmt::format(" {}", name_of(x.urgency));
       line("  on {} from {} to {} provided {}{}{} do {{{}}}{}",

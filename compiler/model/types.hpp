@@ -104,6 +104,7 @@ struct AtomType {
   Loc loc{};
   std::vector<Clock> clocks{};
   Resume initial_resume{};
+  std::vector<std::uint32_t> final_places{};  // sorted; where the atom may be when a run has reached its end
 
   /// Returns whether exactly one place is marked at any time: one initial place, one place on each side of each
   /// transition.

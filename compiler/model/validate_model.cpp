@@ -96,6 +96,7 @@ class ModelValidator {
     }
     rows(type.initial, type.places.size(), "an initial place is a place");
     expect(!type.initial.empty(), "an atom begins somewhere");
+    rows(type.final_places, type.places.size(), "a final place is a place");
     optional_stmt(type.initial_action, "the initial action is a row");
     for (const Transition& t : type.transitions) {
       expect(t.port == Transition::kInternal || t.port < type.ports.size(), "a transition has a port or is internal");

@@ -41,6 +41,7 @@ class Converter {
     syntax::Initial initial;
     std::vector<syntax::Transition> transitions;
     std::vector<syntax::AtomPriority> atom_priorities;
+    std::vector<syntax::FinalPlaces> finals;
     std::vector<syntax::Invariant> invariants;
     std::vector<const syntax::CompoundItem*> items;
     std::vector<syntax::CompoundPriority> priorities;

@@ -21,6 +21,7 @@ void Converter::body_item(BipParser::BodyItemContext* ctx, Items& to) {
   if (ctx->clockDecl() != nullptr) what = "a clock";
   if (ctx->places() != nullptr) what = "a `place` line";
   if (ctx->initial() != nullptr) what = "an `initial` line";
+  if (ctx->finals() != nullptr) what = "a `final` line";
   if (ctx->transition() != nullptr) what = "a transition";
   if (ctx->invariant() != nullptr) what = "an invariant";
   misplaced(what, range(ctx));
@@ -57,6 +58,8 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
   } else if (ctx->initial() != nullptr) {
     if (to.initial.present) repeated("`initial`", owner_.phrase, range(ctx->initial()));
     to.initial = initial(ctx->initial());
+  } else if (ctx->finals() != nullptr) {
+    to.finals.push_back({.places = names(ctx->finals()->idList()), .range = range(ctx->finals())});
   } else if (ctx->transition() != nullptr) {
     if (!failed(ctx->transition())) transition(ctx->transition(), marks, nullptr, to);
   } else if (ctx->priority() != nullptr) {

@@ -116,8 +116,8 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
     // The behavior makes a component an atom: known only after a look at its items.
     d.kind = DeclKind::CompoundType;
     for (BipParser::BodyItemContext* item : m->bodyItem()) {
-      if (item->behavior() != nullptr || item->initial() != nullptr || item->transition() != nullptr ||
-          item->places() != nullptr) {
+      if (item->behavior() != nullptr || item->initial() != nullptr || item->finals() != nullptr ||
+          item->transition() != nullptr || item->places() != nullptr) {
         d.kind = DeclKind::AtomType;
       }
     }
@@ -193,6 +193,7 @@ void Converter::close_body(Decl& d, const Items& items) {
   d.initial = items.initial;
   d.transitions = arena_.list(items.transitions);
   d.atom_priorities = arena_.list(items.atom_priorities);
+  d.finals = arena_.list(items.finals);
   d.invariants = arena_.list(items.invariants);
   d.items = arena_.list(items.items);
   d.priorities = arena_.list(items.priorities);

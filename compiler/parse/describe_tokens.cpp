@@ -53,6 +53,7 @@ constexpr Spelling kSpellings[] = {
     {BipParser::PLACE, "place"},
     {BipParser::INITIAL, "initial"},
     {BipParser::PRIORITY, "priority"},
+    {BipParser::FINAL, "final"},
     {BipParser::INVARIANT, "invariant"},
     {BipParser::CLOCK, "clock"},
     {BipParser::UNIT, "unit"},
@@ -113,7 +114,7 @@ constexpr Spelling kSpellings[] = {
 constexpr std::size_t kLateWords[] = {
     BipParser::CLOCK,     BipParser::UNIT,     BipParser::INVARIANT, BipParser::AT,       BipParser::LAZY,
     BipParser::DELAYABLE, BipParser::EAGER,    BipParser::RESUME,    BipParser::REMEMBER, BipParser::IGNORE,
-    BipParser::ERROR,     BipParser::AND_WORD, BipParser::OR_WORD};
+    BipParser::ERROR,     BipParser::AND_WORD, BipParser::OR_WORD,   BipParser::FINAL};
 #define BIP_OP_TOKEN_ITEM(name, family, text, word, symbol, precedence, operands, result, function, promela, token) \
   BipParser::token,
 constexpr std::size_t kBinarySigns[] = {BIP_BINARY_OPS(BIP_OP_TOKEN_ITEM) BipParser::ASSIGN, BipParser::AND_WORD,
@@ -127,7 +128,7 @@ constexpr std::size_t kItemStarts[] = {
     BipParser::DATA,      BipParser::EXPORT,   BipParser::PORT,     BipParser::EXTERN,    BipParser::CLOCK,
     BipParser::PLACE,     BipParser::INITIAL,  BipParser::ON,       BipParser::INTERNAL,  BipParser::PRIORITY,
     BipParser::INVARIANT, BipParser::BEHAVIOR, BipParser::CONTAINS, BipParser::COMPONENT, BipParser::CONNECTOR,
-    BipParser::FOR,       BipParser::AT_SIGN,  BipParser::DEFINE};
+    BipParser::FOR,       BipParser::AT_SIGN,  BipParser::DEFINE,   BipParser::FINAL};
 constexpr std::size_t kDeclStarts[] = {BipParser::ATOM,      BipParser::COMPOUND,    BipParser::CONNECTOR_DECL,
                                        BipParser::PORT_DECL, BipParser::EXTERN_DECL, BipParser::COMPONENT_DECL,
                                        BipParser::CONST,     BipParser::DATA,        BipParser::FUNCTION,
@@ -163,6 +164,7 @@ std::string_view construct(std::size_t rule) {
     case BipParser::RuleClockDecl: return "a clock declaration";
     case BipParser::RulePlaces: return "the list of places";
     case BipParser::RuleInitial: return "the `initial` line";
+    case BipParser::RuleFinals: return "the `final` line";
     case BipParser::RulePriority: return "a priority";
     case BipParser::RuleInvariant: return "an invariant";
     case BipParser::RuleContains: return "a `contains` line";

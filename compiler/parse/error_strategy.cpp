@@ -52,10 +52,10 @@ bool begins_item(std::size_t type) {
   }
 }
 
-/// `clock` and `invariant` may be names, but not at the beginning of a line.
+/// `clock`, `invariant` and `final` may be names, but not at the beginning of a line.
 bool begins_late_item(antlr4::TokenStream* input) {
   const std::size_t type = input->LA(1);
-  if (type != BipParser::CLOCK && type != BipParser::INVARIANT) return false;
+  if (type != BipParser::CLOCK && type != BipParser::INVARIANT && type != BipParser::FINAL) return false;
   const antlr4::Token* before = input->LT(-1);
   return before == nullptr || before->getLine() != input->LT(1)->getLine();
 }

@@ -64,6 +64,7 @@ bool is_name(std::size_t type) {
     case BipLexer::UNIT:
     case BipLexer::INVARIANT:
     case BipLexer::AT:
+    case BipLexer::FINAL:
     case BipLexer::LAZY:
     case BipLexer::DELAYABLE:
     case BipLexer::EAGER:

@@ -1,6 +1,7 @@
 // See controller.hpp.
 #include "compiler/serve/controller.hpp"
 
+#include "bip/assert.hpp"
 #include "bip/real_time_thread.hpp"
 
 namespace bip::serve {
@@ -21,6 +22,7 @@ void Controller::halt() {
 }
 
 void Controller::start() {
+  BIP_ASSERT(!thread_.joinable(), "the controller runs already");
   system_.on_step([this](const Step& step) {
     if (on_step) on_step(step, system_.now());
   });
@@ -79,9 +81,10 @@ void Controller::run() {
     for (Command& command : commands) command(*this);
     commands.clear();
     if (is_paused_ || has_ended_) continue;
+    BIP_ASSERT(commands.empty(), "{} commands were not carried out", commands.size());
     const Outcome outcome = system_.step();
     if (outcome == Outcome::Stepped && steps_left_ != 0 && --steps_left_ == 0) is_paused_ = true;
-    if (outcome == Outcome::Deadlock || outcome == Outcome::Fault) end(outcome);
+    if (outcome == Outcome::Deadlock || outcome == Outcome::Final || outcome == Outcome::Fault) end(outcome);
   }
 }
 

@@ -294,7 +294,11 @@ std::string step_line(const Step& step, std::int64_t now) {
 }
 
 std::string end_line(Outcome outcome, const std::string& text) {
-  return line_of({{"note", "end"}, {"outcome", outcome == Outcome::Fault ? "error" : "deadlock"}, {"text", text}});
+  return line_of({{"note", "end"},
+                  {"outcome", outcome == Outcome::Fault   ? "error"
+                              : outcome == Outcome::Final ? "final"
+                                                          : "deadlock"},
+                  {"text", text}});
 }
 
 std::string error_line(const std::string& what) { return refusal_of(Json(), what); }

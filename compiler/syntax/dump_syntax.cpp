@@ -168,6 +168,7 @@ void Dumper::atom(const Decl& d) {
     block("Do", d.initial.action);
     --indent_;
   }
+  for (const FinalPlaces& f : d.finals) line("Final", f.range, names(f.places));
   for (const Transition& t : d.transitions) {
     std::string details = t.internal ? "internal" : std::string(t.port.text);
     details += " " + names(t.from) + " -> " + names(t.to) + guard(t.guard);

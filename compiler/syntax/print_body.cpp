@@ -147,6 +147,14 @@ void SyntaxPrinter::atom(const Decl& d) {
     for (const Transition& t : d.transitions)
       pieces.push_back({t.range.begin, [this, &t] { transition(t, TransitionForm::Alone); }});
   }
+  for (const FinalPlaces& f : d.finals) {
+    pieces.push_back({f.range.begin, [this, &f] {
+                        lead_in(f.range.begin, f.range.end);
+                        begin_line();
+                        put("final " + text(f.places));
+                        end_line(f.range.end);
+                      }});
+  }
   for (const AtomPriority& p : d.atom_priorities) {
     pieces.push_back({p.range.begin, [this, &p] {
                         lead_in(p.range.begin, p.range.end);

@@ -193,6 +193,11 @@ struct AtomPriority {
   const Expr* guard = nullptr;
   SourceRange range{};
 };
+/// A line `final A, B`: where a run may end (an extension).
+struct FinalPlaces {
+  std::span<const Name> places{};
+  SourceRange range{};
+};
 enum class InvariantScope : std::uint8_t { Always, At, From };
 struct Invariant {
   Name name{};
@@ -294,6 +299,7 @@ struct Decl {
   std::span<const ClockDecl> clocks{};
   std::span<const Name> places{};
   Initial initial{};
+  std::span<const FinalPlaces> finals{};
   std::span<const Transition> transitions{};
   std::span<const AtomPriority> atom_priorities{};
   std::span<const Invariant> invariants{};

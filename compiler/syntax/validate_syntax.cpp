@@ -152,6 +152,9 @@ class SyntaxValidator {
       block(d.initial.action, d.initial.range);
       optional(d.initial.resume, d.initial.range);
     }
+    for (const FinalPlaces& f : d.finals) {
+      if (inside(f.range, d.range, "`final`")) names(f.places, f.range);
+    }
     for (const Transition& t : d.transitions) {
       if (!inside(t.range, d.range, "a transition")) continue;
       expect(t.internal == t.port.text.empty(), "a transition has a port or is internal", t.range);

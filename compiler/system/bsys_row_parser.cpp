@@ -226,6 +226,7 @@ AtomType BsysRowParser::atom_type(List& list) {
   row.initial = sub_refs(list, "initial", row.places, "place");
   row.initial_action = body(list, "do", scope);
   row.initial_resume = resume(list, row, scope);
+  row.final_places = sub_refs(list, "final", row.places, "place");
   while (std::optional<List> row_list = reader_.sub(list, "transition")) {
     row.transitions.push_back(transition(*row_list, row, scope));
   }

@@ -189,6 +189,7 @@ class BsysPrinter {
     refs(" (initial", row.initial, row.places);
     body(" (do", row.initial_action, scope);
     put_resume(out_, system_.code, row, row.initial_resume, scope);
+    refs(" (final", row.final_places, row.places);
     out_ += '\n';
     for (std::size_t t = 0; t < row.transitions.size(); ++t) transition(row, t, scope);
     for (std::size_t p = 0; p < row.priorities.size(); ++p) atom_priority(row, p, scope);

@@ -154,6 +154,10 @@ void check_atom_type(const System& system, const AtomType& type, Problems& probl
     for (const std::uint32_t place : places) problems.expect(place < type.places.size(), "a place is no row");
   };
   check_places(type.initial);
+  for (const std::uint32_t place : type.final_places)
+    problems.expect(place < type.places.size(), "a final place is no row");
+  problems.expect(std::is_sorted(type.final_places.begin(), type.final_places.end(), std::less_equal<>()),
+                  "final places are not in order");
   for (const Transition& transition : type.transitions) {
     check_loc(system, transition.loc, problems);
     problems.expect(transition.port == Transition::kInternal || transition.port < type.ports.size(),

@@ -131,8 +131,20 @@ class Story {
       out += "  <- ";
       append_atom(out, other);
       append_place(out, way_out(other));
+      append_guard_data(out, other, want.missing - tables_.port_base(other));
     }
     out += '\n';
+  }
+  // ": its guard is false (n = 6, square = 36)", where a guard is all that keeps the port from being offered.
+  void append_guard_data(std::string& out, u32 atom, u32 port) const {
+    const AtomType& type = tables_.atom_type(atom);
+    const bool is_guarded = std::any_of(type.transitions.begin(), type.transitions.end(), [&](const Transition& t) {
+      return t.port == port && t.guard != kNone &&
+             std::all_of(t.from.begin(), t.from.end(), [&](u32 place) { return core_.is_marked(atom, place); });
+    });
+    if (!is_guarded || type.time != nullptr) return;
+    out += std::string(": the guard of ") + type.ports[port].name + " is false";
+    if (const std::string data = data_of(core_, atom); !data.empty()) out += " (" + data + ")";
   }
 
   // Of a connector whose ports are available.

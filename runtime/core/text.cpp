@@ -119,4 +119,16 @@ std::string data_of(const CoreParts& core, u32 atom) {
   return out;
 }
 
+std::string state_text(const Core& core) {
+  std::string out;
+  for (u32 atom = 0; atom < core.image().atoms.size; ++atom) {
+    out += "  ";
+    append_relative(out, core.image().atoms[atom]);
+    out += " at `" + places_of(core, atom) + '`';
+    if (const std::string data = data_of(core, atom); !data.empty()) out += "   " + data;
+    out += '\n';
+  }
+  return out;
+}
+
 }  // namespace bip::rt

@@ -36,4 +36,7 @@ void append_relative(std::string& out, const Row& row) {
 [[nodiscard]] std::string data_of(const CoreParts& core, u32 atom);
 [[nodiscard]] inline std::string data_of(const Core& core, u32 atom) { return data_of(core.parts(), atom); }
 
+/// A line an atom: "  sum at `ADDING`   term = 25, total = 55".
+[[nodiscard]] std::string state_text(const Core& core);
+
 }  // namespace bip::rt

@@ -216,7 +216,8 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
     else if (key == "returns") out.tells_returns = json.boolean();
     else if (key == "maximal_progress") out.maximal_progress = json.boolean();
     else if (key == "end")
-      out.has_end = true, out.end = word_of(json, {End::Limit, End::Deadlock, End::Fault, End::Interrupted});
+      out.has_end = true,
+      out.end = word_of(json, {End::Limit, End::Deadlock, End::Fault, End::Interrupted, End::Final});
     else if (key == "steps") out.steps = static_cast<u64>(json.integer());
     else if (key == "looks") out.looks = static_cast<u64>(json.integer());
     else if (key == "time") (void)json.integer();

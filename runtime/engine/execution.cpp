@@ -8,6 +8,7 @@
 #include "bip/bip.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
@@ -123,6 +124,10 @@ struct Execution::Impl {
     return outcome = Outcome::Stepped;
   }
 
+  [[nodiscard]] Outcome end_without_candidates() const {
+    return rt::is_final_state(core) ? Outcome::Final : Outcome::Deadlock;
+  }
+
   // Compiled steps; the same ones as step by step. What precedes and follows them is worth it for many.
   static constexpr std::uint64_t kManySteps = 256;
   [[nodiscard]] bool can_run_compiled(std::uint64_t n) {
@@ -135,7 +140,7 @@ struct Execution::Impl {
         core, n, [] { return false; }, sound);
     BIP_ASSERT(done <= n, "{} steps of {}", done, n);
     steps += done;
-    outcome = !sound ? Outcome::Fault : done < n ? Outcome::Deadlock : Outcome::Stepped;
+    outcome = !sound ? Outcome::Fault : done < n ? end_without_candidates() : Outcome::Stepped;
     return done;
   }
 
@@ -204,7 +209,7 @@ Outcome Execution::step() {
     switch (impl_->scheduler.wait(impl_->core, impl_->feed)) {
       case rt::Due::Event: break;
       case rt::Due::Stopped: return impl_->outcome = Outcome::Stopped;
-      case rt::Due::Deadlock: return impl_->outcome = Outcome::Deadlock;
+      case rt::Due::Deadlock: return impl_->outcome = impl_->end_without_candidates();
       case rt::Due::Fault: return impl_->outcome = Outcome::Fault;
       case rt::Due::Step:
         return impl_->is_in_time() ? impl_->take(impl_->scheduler.choice()) : impl_->outcome = Outcome::Fault;
@@ -250,7 +255,8 @@ std::string Execution::candidate(std::uint64_t k) const {
 
 Outcome Execution::fire(std::uint64_t k) {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
-  if (k >= impl_->core.candidate_count()) return impl_->outcome = Outcome::Deadlock;
+  if (k >= impl_->core.candidate_count())
+    return impl_->outcome = impl_->core.candidate_count() == 0 ? impl_->end_without_candidates() : Outcome::Deadlock;
   BIP_ASSERT(impl_->core.enabled().number(impl_->core.position(k)) == k, "candidate {} has the number {}", k,
              impl_->core.enabled().number(impl_->core.position(k)));
   return impl_->take(impl_->core.position(k));
@@ -273,6 +279,7 @@ bool Execution::trace(const std::string& path, rt::TraceFormat format) {
 bool Execution::end_trace() {
   if (!impl_->trace) return true;
   const rt::End how = impl_->outcome == Outcome::Deadlock ? rt::End::Deadlock
+                      : impl_->outcome == Outcome::Final  ? rt::End::Final
                       : impl_->outcome == Outcome::Fault  ? rt::End::Fault
                                                           : rt::End::Interrupted;
   BIP_ASSERT(impl_->trace->format != nullptr && impl_->trace->file != nullptr, "a trace that was closed");
@@ -334,7 +341,8 @@ std::string Execution::fault() const {
 
 std::string Execution::story() const {
   if (impl_->outcome == Outcome::Fault || impl_->core.candidate_count() != 0) return {};
-  return rt::deadlock_story(impl_->core, impl_->steps, impl_->seed);
+  return rt::is_final_state(impl_->core) ? rt::final_line(impl_->steps, impl_->seed)
+                                         : rt::deadlock_story(impl_->core, impl_->steps, impl_->seed);
 }
 
 }  // namespace bip

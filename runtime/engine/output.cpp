@@ -3,6 +3,7 @@
 
 #include "bip/assert.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/policies.hpp"
 
@@ -140,6 +141,7 @@ void Output::append_end(const Core& core, End how, std::uint64_t number) {
     case End::Limit: out_.text += "limit: "; break;
     case End::Interrupted: out_.text += "interrupted: "; break;
     case End::Deadlock: out_.text += deadlock_story(core, number, head_.seed); return;
+    case End::Final: out_.text += final_line(number, head_.seed); return;
     case End::Fault: return;
   }
   append_number(out_.text, number);

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/policies.hpp"
 
@@ -21,8 +22,12 @@ std::string compare_ends(const Core& core, bool sound, const RecordedEnd& end, s
     return numbered("the trace has ", steps, " steps") + numbered(" and says that it has ", end.steps, "");
   if (end.how == End::Fault) return sound ? "the trace ends with a run-time error, the model does not" : "";
   if (!sound) return "a run-time error ends the model, and not the trace: " + core.fault().what;
-  if ((end.how == End::Deadlock) && core.candidate_count() != 0)
-    return "the trace ends in a deadlock, the model can go on";
+  if ((end.how == End::Deadlock || end.how == End::Final) && core.candidate_count() != 0)
+    return end.how == End::Deadlock ? "the trace ends in a deadlock, the model can go on"
+                                    : "the trace ends in a final state, the model can go on";
+  if (end.how == End::Final && !is_final_state(core)) return "the trace ends in a final state, the model in a deadlock";
+  if (end.how == End::Deadlock && is_final_state(core))
+    return "the trace ends in a deadlock, the model in a final state";
   if (end.digest != 0 && end.digest != digest_of(core)) return "the last state is another one";
   return "";
 }

@@ -8,6 +8,7 @@
 
 #include "bip/assert.hpp"
 #include "bip/process.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/core/profile.hpp"
 #include "runtime/engine/ask.hpp"
 #include "runtime/engine/code_replacement.hpp"
@@ -158,7 +159,7 @@ void RunLoop::advance() {
     case Due::Event: return;
     case Due::Fault: return end_with(End::Fault);
     case Due::Stopped: return end_with(End::Interrupted);
-    case Due::Deadlock: return end_with(End::Deadlock);
+    case Due::Deadlock: return end_with(is_final_state(core_) ? End::Final : End::Deadlock);
     case Due::Step: return take_steps();
   }
 }
@@ -289,6 +290,7 @@ void RunLoop::report_end() {
   BIP_ASSERT((result_.end == End::Fault) == static_cast<bool>(core_.fault()), "the end {}, and the fault {}",
              result_.end, core_.fault().code);
   output_.end(core_, result_.end, result_.steps);
+  if (options_.show_state) write_text(files_.out, state_text(core_));
   if (result_.end == End::Fault) {
     write_text(files_.err, fault_text(core_, seed_, result_.steps));
     // Scripts made for the published engine look at its numbers.

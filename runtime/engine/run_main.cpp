@@ -34,6 +34,7 @@ constexpr const char* kHelp =
     "  --record FILE               write the external events that arrive, as input of --replay\n"
     "  --replay FILE               repeat the recorded run, in logical time\n"
     "  -s, --silent                print no steps, only the seed and how the run ended\n"
+    "  --show-state                print the places and data of each component at the end\n"
     "  -d, --debug                 print the candidates of each state\n"
     "  --stats                     print steps, seconds, time per step and memory at the end\n"
     "  -i, --interactive           choose each step by its number, read from standard input\n"
@@ -136,6 +137,7 @@ int run_arguments(const Image& image, int argc, char** argv) {
     if (name == "--silent") options.silent = true;
     else if (name == "--verbose") options.silent = false;
     else if (name == "--execute") options.explore = false;
+    else if (name == "--show-state") options.show_state = true;
     else if (name == "--debug") options.debug = true;
     else if (name == "--interactive") options.interactive = true;
     else if (name == "--explore") options.explore = true;

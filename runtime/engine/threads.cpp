@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/core/start_thread.hpp"
 #include "runtime/engine/interrupt.hpp"
 
@@ -74,7 +75,7 @@ class ThreadedRun {
     } else if (steps_ == options_.limit) {
       result.end = End::Limit;
     } else {
-      result.end = core_.candidate_count() == 0 ? End::Deadlock : End::Interrupted;
+      result.end = core_.candidate_count() != 0 ? End::Interrupted : is_final_state(core_) ? End::Final : End::Deadlock;
     }
     return result;
   }

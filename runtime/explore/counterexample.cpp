@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "runtime/core/deadlock_explanation.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/trace/trace.hpp"
 #include "runtime/trace/trace_formats.hpp"
@@ -73,16 +74,23 @@ std::string counted(u64 n, const char* what) {
   return text;
 }
 
+// Only of models that declare how they end.
+template <class Report>
+static std::string finals_of(const Report& report) {
+  return report.has_final_states ? ", " + counted(report.finals, "final state") : "";
+}
+
 std::string summary_line(const ExploreReport& report) {
   return beginning_of(report.end) + counted(report.states, "reachable state") + ", " + counted(report.steps, "step") +
-         ", " + counted(report.deadlocks, "deadlock") + ", " + counted(report.errors, "error") + "\n";
+         ", " + counted(report.deadlocks, "deadlock") + ", " + counted(report.errors, "error") + finals_of(report) +
+         "\n";
 }
 
 std::string summary_line(const ZoneReport& report) {
   const char* beginning = report.inexact.empty() ? beginning_of(report.end) : "not exact: at least ";
   return beginning + counted(report.zones, "zone") + " of " + counted(report.locations, "location") + ", " +
          counted(report.steps, "step") + ", " + counted(report.deadlocks, "deadlock") + ", " +
-         counted(report.time_locks, "time lock") + ", " + counted(report.errors, "error") + "\n";
+         counted(report.time_locks, "time lock") + ", " + counted(report.errors, "error") + finals_of(report) + "\n";
 }
 
 CounterexampleText describe_counterexample(const Image& image, MaximalProgress progress, CounterexampleEnd end,
@@ -143,7 +151,10 @@ std::string trace_of_counterexample(const Image& image, MaximalProgress progress
   }
   if (is_sound) (void)let_time_pass(core, path.end);
   if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.time().fail_time_lock();
-  const End ended = core.fault() ? End::Fault : core.candidate_count() == 0 ? End::Deadlock : End::Limit;
+  const End ended = core.fault()                  ? End::Fault
+                    : core.candidate_count() != 0 ? End::Limit
+                    : is_final_state(core)        ? End::Final
+                                                  : End::Deadlock;
   sink->end(text, core, ended, taken);
   return text;
 }

@@ -6,6 +6,7 @@
 
 #include "bip/assert.hpp"
 
+#include "runtime/core/final_state.hpp"
 #include "runtime/explore/exploration.hpp"
 
 namespace bip::rt {
@@ -96,7 +97,7 @@ bool Exploration::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>
     path.push_back(k);
     state = core.snapshot();
   }
-  if (goal == Goal::Deadlock) return core.candidate_count() == 0;
+  if (goal == Goal::Deadlock) return is_deadlock(core);
   if (goal == Goal::Match) return options_.predicate(core);
   const u64 count = core.candidate_count();
   for (u64 k = 0; k < count; ++k) {

@@ -4,6 +4,7 @@
 
 #include "bip/assert.hpp"
 
+#include "runtime/core/final_state.hpp"
 #include "runtime/explore/expander.hpp"
 
 namespace bip::rt {
@@ -111,7 +112,9 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
   return result;
 }
 
-Expander::Result Expander::expand(const u64* state, Outbox& out) {
+bool Expander::is_final(const u64* state) { return enter(*core_, state) && is_final_state(*core_); }
+
+Expander::Result Expander::find_successors(const u64* state, Outbox& out) {
   if (only_moves_) return expand_moves(*state, out);
   if (space_.shapes.needs_core) return expand_by_core(state, out);
   Result result;

@@ -4,12 +4,17 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/explore/word_set.hpp"
 
 namespace bip::rt {
 
 Expander::Expander(StateSpace& space, u32 owners)
-    : space_(space), owners_(owners), plain_image_(*space.image), scratch_(space.initial) {
+    : space_(space),
+      has_final_states_(has_final_states(*space.image)),
+      owners_(owners),
+      plain_image_(*space.image),
+      scratch_(space.initial) {
   const CoreOptions options{.progress = space.progress};
   core_ = std::make_unique<Core>(*space.image, options);
   plain_ = core_.get();

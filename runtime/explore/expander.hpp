@@ -48,12 +48,17 @@ class Expander {
   void relayout();
 
   struct Result {
-    u64 steps = 0;  // that lead to a state
-    bool is_deadlock = false;
+    u64 steps = 0;             // that lead to a state
+    bool is_deadlock = false;  // no step at all
+    bool is_final = false;     // none either, but as the model declares
     bool has_error = false;
   };
   /// Adds the state's successors to `out`, in the order of the candidates.
-  Result expand(const u64* state, Outbox& out);
+  Result expand(const u64* state, Outbox& out) {
+    Result result = find_successors(state, out);
+    if (result.is_deadlock && has_final_states_ && is_final(state)) result.is_deadlock = false, result.is_final = true;
+    return result;
+  }
   [[nodiscard]] bool is_too_narrow() const { return is_too_narrow_; }
 
   /// The words of the state that a core is in; false: a number does not fit.
@@ -115,11 +120,14 @@ class Expander {
   bool is_sound(u32 interaction, const u64* state);
   void put(const u64* state, Outbox& out);
   void emit(u32 interaction, u32 outcome, const u64* state, Outbox& out, Result& result);
+  Result find_successors(const u64* state, Outbox& out);
+  [[nodiscard]] bool is_final(const u64* state);
   Result expand_moves(u64 state, Outbox& out);
   Result expand_by_core(const u64* state, Outbox& out);
   void forget_unkept(std::size_t outcomes, std::size_t effects, std::size_t pieces);
 
   StateSpace& space_;
+  const bool has_final_states_;
   u32 owners_;
   std::unique_ptr<Core> core_;        // of the image
   Image plain_image_;                 // without rules

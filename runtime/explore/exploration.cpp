@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
 
 namespace bip::rt {
 
@@ -46,6 +47,7 @@ void Exploration::make_owners() {
 }
 
 void Exploration::begin() {
+  report_.has_final_states = has_final_states(image_);
   Core core(image_, {.progress = options_.progress});
   if (!core.initialize()) {
     report_.errors = 1;
@@ -197,6 +199,7 @@ bool Exploration::run_batch(u64 frontier, u64& done) {
         const Expander::Result result = at.expander->expand(state, at.out);
         at.counts.steps += result.steps;
         at.counts.deadlocks += result.is_deadlock ? 1 : 0;
+        at.counts.finals += result.is_final ? 1 : 0;
         at.counts.errors += result.has_error ? 1 : 0;
         at.counts.matches += at.evaluator && at.evaluator->holds(state, *at.expander) ? 1 : 0;
         return !at.expander->is_too_narrow();
@@ -232,6 +235,7 @@ bool Exploration::run_batch(u64 frontier, u64& done) {
   for (Worker& worker : workers_) {
     counts_.steps += worker.counts.steps;
     counts_.deadlocks += worker.counts.deadlocks;
+    counts_.finals += worker.counts.finals;
     counts_.errors += worker.counts.errors;
     counts_.matches += worker.counts.matches;
     worker.counts = {};
@@ -282,6 +286,7 @@ ExploreReport Exploration::run() {
     BIP_ASSERT(report_.states <= options_.limit, "{} states, a limit of {}", report_.states, options_.limit);
     report_.steps = counts_.steps;
     report_.deadlocks = counts_.deadlocks;
+    report_.finals = counts_.finals;
     report_.errors = counts_.errors;
     report_.bits = space_.layout.bits();
     report_.words = space_.layout.words();

@@ -29,7 +29,7 @@ class Exploration {
 
  private:
   struct Counts {
-    u64 steps = 0, deadlocks = 0, errors = 0, matches = 0;
+    u64 steps = 0, deadlocks = 0, finals = 0, errors = 0, matches = 0;
   };
   struct Worker {
     std::unique_ptr<Expander> expander;

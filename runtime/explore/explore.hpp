@@ -50,8 +50,10 @@ using Path = std::vector<u64>;
 struct ExploreReport {
   ExploreEnd end = ExploreEnd::Complete;
   u64 states = 0, steps = 0, deadlocks = 0;
-  u64 errors = 0;  // states with a step that ends in a run-time error
-  u32 depth = 0;   // steps to the state that is farthest
+  u64 finals = 0;                 // final states: no step, and no deadlock
+  bool has_final_states = false;  // each atom declares final places
+  u64 errors = 0;                 // states with a step that ends in a run-time error
+  u32 depth = 0;                  // steps to the state that is farthest
   bool has_deadlock = false, has_error = false, has_match = false;
   Path deadlock;                // to the state
   Path error;                   // the last step ends in the fault; empty: the initial state does

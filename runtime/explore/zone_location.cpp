@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
 
 namespace bip::rt {
 
@@ -191,6 +192,7 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
   BIP_ASSERT(clocks.size() == clocks_ + 1, "{} clock values", clocks.size());
   if (at.is_measured) return true;
   if (!core_.restore(point(at, clocks))) return false;
+  at.is_final = is_final_state(core_);
   std::vector<MeasuredGuard> guards;
   for (u32 atom = 0; atom < is_timed_.size(); ++atom) {
     transitions_[atom].clear();

@@ -34,6 +34,7 @@ struct Location {
   std::vector<u32> leaders;  // by atom: with whom it goes on
   bool is_measured = false;
   enum class Asked : std::uint8_t { Not, Possible, Impossible } asked_whole = Asked::Not;  // of a part (PartQuestion)
+  bool is_final = false;  // each atom is at final places
   bool may_go_on = true;  // false: an invariant holds nowhere
   Bounds invariants;
   std::vector<InteractionCondition> interactions;

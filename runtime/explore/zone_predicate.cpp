@@ -10,7 +10,7 @@ namespace bip::rt {
 void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest) {
   BIP_ASSERT(part_ == nullptr, "a part of a system has no deadlocks of its own");
   const Location& at = locations_[nodes_[node].location];
-  bool has_deadlock = false, has_lock = false;
+  bool has_deadlock = false, has_lock = false, has_end = false;
   const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far) {
     has = true;
     if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far, false};
@@ -25,9 +25,12 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest) {
       Zone end = part;
       if (bound.j == 0 && end.meet({0, bound.i, -bound.limit})) note(time_lock_, has_lock, end.least_point(), false);
     }
-    if (part.is_unbounded()) note(deadlock_, has_deadlock, part.least_point(), true);
+    if (!part.is_unbounded()) continue;
+    if (at.is_final) has_end = true;
+    else note(deadlock_, has_deadlock, part.least_point(), true);
   }
   report_.deadlocks += has_deadlock ? 1 : 0;
+  report_.finals += has_end ? 1 : 0;
   report_.time_locks += has_lock ? 1 : 0;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -423,6 +424,7 @@ ZoneReport ZoneSearch::run() {
   report_.locations = locations_.size();
   report_.bytes = node_bytes_ + locations_.bytes();
   report_.has_deadlock = deadlock_.node != kNone;
+  report_.has_final_states = has_final_states(core_.image());
   report_.has_time_lock = time_lock_.node != kNone;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   report_.seconds = spent.count();

@@ -27,6 +27,9 @@ struct ZoneReport {
   ExploreEnd end = ExploreEnd::Complete;
   std::string inexact;  // what could not be followed, with its place; the exploration ended there
   u64 zones = 0, locations = 0, steps = 0;
+  u64 finals =
+      0;  // locations whose atoms are all at final places, and where time may pass for ever without a candidate
+  bool has_final_states = false;                  // each atom declares final places
   u64 deadlocks = 0, time_locks = 0, errors = 0;  // zones with such a point; with a step that ends in a run-time error
   u32 depth = 0;
   bool has_deadlock = false, has_time_lock = false, has_error = false;

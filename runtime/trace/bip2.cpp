@@ -241,6 +241,7 @@ void Bip2Writer::end(std::string& out, const Core& core, End end, std::uint64_t 
     case End::Limit: out += ": limit reached\n"; break;
     case End::Fault: out += ": error\n"; break;
     case End::Interrupted: out += ": interrupted\n"; break;
+    case End::Final: out += ": final state\n"; break;
   }
 }
 

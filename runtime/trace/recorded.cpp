@@ -69,7 +69,7 @@ void RecordedWriter::steps(std::string& out, const std::vector<u32>& interaction
 
 void RecordedWriter::end(std::string& out, const Core& core, End end, std::uint64_t steps) {
   append_leb(out, 0);
-  BIP_ASSERT(end <= End::Interrupted, "the end {}", end);
+  BIP_ASSERT(end <= End::Final, "the end {}", end);
   append_leb(out, static_cast<u64>(end));
   append_leb(out, steps);
   std::uint64_t digest = end == End::Fault ? 0 : digest_of(core);
@@ -152,7 +152,7 @@ RecordedReader::Next RecordedReader::next(EnabledSet::Position& position, Record
     position.rank = rank > kNone ? kNone : static_cast<u32>(rank);
     return Next::Step;
   }
-  if (!number(word) || word > static_cast<u64>(End::Interrupted) || !number(end.steps) || bytes_.size() - at_ < 8)
+  if (!number(word) || word > static_cast<u64>(End::Final) || !number(end.steps) || bytes_.size() - at_ < 8)
     return Next::Cut;
   end.how = static_cast<End>(word);
   end.digest = 0;

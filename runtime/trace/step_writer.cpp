@@ -12,6 +12,7 @@ const char* name_of(End end) {
     case End::Deadlock: return "deadlock";
     case End::Fault: return "error";
     case End::Interrupted: return "interrupted";
+    case End::Final: return "final";
   }
   return "";
 }

@@ -46,8 +46,8 @@ class ModelReader {
 
  private:
   void atom_type(const Tree& row) {
-    AtomType type{row.at(2).text, 0, {}, {}, {}, {}, row.all("priority"), row.all("invariant"), false};
-    only(row, {"slot", "port", "place", "initial", "do", "transition", "priority", "invariant", "merged"}, 3,
+    AtomType type{row.at(2).text, 0, {}, {}, {}, {}, row.all("priority"), row.all("invariant"), {}, false};
+    only(row, {"slot", "port", "place", "initial", "do", "final", "transition", "priority", "invariant", "merged"}, 3,
          type.name);
     for (const Tree* place : row.all("place")) type.variables.push_back({place->at(2).text, "bool"});
     type.places = type.variables.size();
@@ -65,6 +65,7 @@ class ModelReader {
     }
     for (const Tree* invariant : type.invariants) (void)places((*invariant)["places"]);
     type.initial = {kNone, {}, places(row["initial"]), nullptr, &row["do"]};
+    type.finals = places(row["final"]);
     type.is_automaton = type.initial.to.size() == 1;
     for (const Tree* t : row.all("transition")) {
       only(*t, {"on", "from", "to", "guard", "do"}, 2, type.name);

@@ -148,6 +148,7 @@ struct AtomType {
   Transition initial;  // from nowhere
   std::vector<Transition> transitions;
   std::vector<const Tree*> priorities, invariants;
+  Rows finals;                // places where a run may end
   bool is_automaton = false;  // always exactly one place is marked
 
   /// The place or data of that name.

@@ -53,6 +53,16 @@ class System {
   [[nodiscard]] expr has_step() const {
     return t_.some(all_, [](const Candidate& c) { return c.offered; });
   }
+  /// Is each atom at final places only?
+  [[nodiscard]] expr is_final() const {
+    expr final = t_.truth(true);
+    for (std::size_t atom = 0; atom < now_.size(); ++atom) {
+      const AtomType& type = m_.type_of(atom);
+      for (std::size_t place = 0; place < type.places; ++place)
+        if (!contains(type.finals, place)) final = both(final, no(now_[atom][place]));
+    }
+    return final;
+  }
   /// All steps, one by one.
   void each_step(const std::function<void(const Step&)>& visit) {
     for (const Candidate& c : all_) {

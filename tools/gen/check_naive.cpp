@@ -1,5 +1,6 @@
 // Compares the naive oracle with the runtime's core, state by state: every atom's places and data, every candidate. The
 // generator's own random numbers choose the steps, so that the test does not depend on a policy.
+#include "runtime/core/final_state.hpp"
 #include "tools/gen/comparison.hpp"
 
 namespace bip::gen {
@@ -30,6 +31,8 @@ std::string check_naive(const Description& model, const rt::Image& image, std::u
     std::string difference = compare.states();
     if (difference.empty()) difference = compare.candidates(choices);
     if (!difference.empty()) return at + difference;
+    if (naive.is_final() != rt::is_final_state(core))
+      return at + (naive.is_final() ? "the oracle says that it is final" : "the oracle says that it is not final");
     if (choices.empty() || step == steps) return "";
     std::uint64_t k = random.below(choices.size());
     for (const Choice& choice : choices) {

@@ -99,7 +99,7 @@ struct AtomType {
   std::string name;
   std::vector<Var> params, data;
   std::vector<Port> ports;
-  std::vector<std::string> places, initial;
+  std::vector<std::string> places, initial, finals;
   Body initial_action;
   std::vector<Transition> transitions;
   std::vector<AtomRule> rules;

@@ -4,6 +4,20 @@
 
 namespace bip::gen {
 
+namespace {
+
+// Most places of most atoms, so that some states are final.
+void make_finals(Prng& random, Description& model) {
+  for (AtomType& type : model.atom_types) {
+    if (random.percent(5)) continue;
+    for (const std::string& place : type.places) {
+      if (random.percent(70)) type.finals.push_back(place);
+    }
+  }
+}
+
+}  // namespace
+
 Description generate(std::uint64_t seed, Features features) {
   Prng random(seed);
   Style style;
@@ -62,6 +76,8 @@ Description generate(std::uint64_t seed, Features features) {
     make_compound(random, style, model, interfaces, "C" + std::to_string(k), CompoundLevel::Inner);
   }
   make_compound(random, style, model, interfaces, "Root", CompoundLevel::Root);
+  Prng of_ends(seed ^ 0x656e6473u);
+  if (of_ends.percent(25)) make_finals(of_ends, model);
   // As for `regular`.
   Prng of_time(seed ^ 0x74696d65u);
   if (features == Features::Timed && of_time.percent(30)) make_time(of_time, model);

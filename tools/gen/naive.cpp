@@ -38,6 +38,16 @@ NaiveEngine::NaiveEngine(const Description& model, std::size_t limit) : model_(m
   for (std::size_t a = 0; a < states_.size(); ++a) initialise(a);
 }
 
+bool NaiveEngine::is_final() const {
+  for (std::size_t a = 0; a < states_.size(); ++a) {
+    const std::vector<std::string>& finals = world_.atoms[a].type->finals;
+    for (const std::string& place : states_[a].marking) {
+      if (std::find(finals.begin(), finals.end(), place) == finals.end()) return false;
+    }
+  }
+  return true;
+}
+
 void NaiveEngine::initialise(std::size_t atom) {
   const AtomType& type = *world_.atoms[atom].type;
   AtomState& state = states_[atom];

@@ -34,6 +34,8 @@ class NaiveEngine {
   /// The maximal enabled interactions of connectors that export no port, and the enabled internal ports.
   [[nodiscard]] std::vector<Choice> candidates();
   void fire(Choice choice);
+  /// Each atom is at `final` places only.
+  [[nodiscard]] bool is_final() const;
   /// `ROOT.c: ROOT.a.p ROOT.b.q` with the leaves sorted; `ROOT.a.p` for an internal port.
   [[nodiscard]] std::string key_of(const Choice& choice) const;
 

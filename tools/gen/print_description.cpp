@@ -76,6 +76,7 @@ std::string print(const AtomType& atom) {
   text += "    place " + join(atom.places, ", ") + "\n    initial to " + join(atom.initial, ", ");
   if (!atom.initial_action.empty()) text += " do " + code(atom.initial_action);
   text += "\n";
+  if (!atom.finals.empty()) text += "    final " + join(atom.finals, ", ") + "\n";
   for (const Transition& t : atom.transitions) {
     text += async(t);
     text += t.port.empty() ? "    internal" : "    on " + t.port;

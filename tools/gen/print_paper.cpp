@@ -68,7 +68,9 @@ std::string print_paper(const AtomType& atom) {
       text += " to " + t.to.at(0) + "\n";
     }
   }
-  return text + "    end\n  end\n";
+  text += "    end\n";
+  for (const std::string& place : atom.finals) text += "    final " + place + "\n";
+  return text + "  end\n";
 }
 
 std::string print_paper(const Description& model, const CompoundType& compound) {

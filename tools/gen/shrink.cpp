@@ -93,6 +93,7 @@ class Editor {
     remove_one(type.invariants);
     remove_one(type.transitions);
     remove_one(type.ports);
+    remove_one(type.finals);
     for (Transition& t : type.transitions) {
       remove_one(t.when);
       remove_one(t.sets);

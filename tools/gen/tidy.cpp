@@ -60,6 +60,7 @@ class Tidier {
       return !std::all_of(i.places.begin(), i.places.end(), [&](const std::string& p) { return places.contains(p); });
     });
     for (const Invariant& i : type.invariants) names_in(i.condition, names);
+    drop_if(type.finals, [&](const std::string& p) { return !places.contains(p); });
     for (Port& port : type.ports) {
       names.insert(port.vars.begin(), port.vars.end());
       auto same = [&](const Port& p) { return p.merged == port.merged; };

@@ -8,13 +8,13 @@ namespace bip::lsp {
 namespace {
 
 constexpr std::string_view kKeywords[] = {
-    "and",      "as",        "at",       "atom",     "behavior", "behaviour", "bool",      "clock",   "component",
-    "compound", "connector", "const",    "contains", "data",     "define",    "delayable", "do",      "double",
-    "down",     "eager",     "else",     "end",      "error",    "export",    "extern",    "false",   "fi",
-    "float",    "for",       "from",     "function", "if",       "ignore",    "in",        "initial", "int",
-    "internal", "invariant", "lazy",     "not",      "on",       "operator",  "or",        "package", "place",
-    "port",     "priority",  "provided", "refine",   "remember", "resume",    "state",     "string",  "then",
-    "to",       "true",      "type",     "unit",     "up",       "use"};
+    "and",      "as",        "at",        "atom",     "behavior", "behaviour", "bool",      "clock", "component",
+    "compound", "connector", "const",     "contains", "data",     "define",    "delayable", "do",    "double",
+    "down",     "eager",     "else",      "end",      "error",    "export",    "extern",    "false", "fi",
+    "final",    "float",     "for",       "from",     "function", "if",        "ignore",    "in",    "initial",
+    "int",      "internal",  "invariant", "lazy",     "not",      "on",        "operator",  "or",    "package",
+    "place",    "port",      "priority",  "provided", "refine",   "remember",  "resume",    "state", "string",
+    "then",     "to",        "true",      "type",     "unit",     "up",        "use"};
 static_assert(std::ranges::is_sorted(kKeywords));
 
 }  // namespace

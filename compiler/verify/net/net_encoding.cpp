@@ -17,6 +17,7 @@ Encoding::Encoding(const Net& net, const ModeReachability& reachable, Encoded wh
     : net_(net), reachable_(reachable), guards_(net.system->code, solver_) {
   add_atoms();
   if (what == Encoded::Nothing) return;
+  add_no_end();
   lacking_.resize(net.graph.nodes.size());
   for (u32 row = 0; row < net.graph.nodes.size(); ++row) {
     const Node& node = net.graph.nodes[row];
@@ -52,6 +53,22 @@ void Encoding::add_atoms() {
     add_at_most_one(solver_, modes);
   }
   for (Lit literal : marked_) is_reachable_.push_back(literal != 0 ? 1 : 0);
+}
+
+// Final states are no deadlocks.
+void Encoding::add_no_end() {
+  std::vector<Lit> modes;
+  for (u32 atom = 0; atom + 1 < net_.mode_base.size(); ++atom) {
+    const ModeClass& row = net_.class_at(atom);
+    const std::vector<std::uint32_t>& finals = net_.system->atom_types[row.type].final_places;
+    if (finals.empty()) return;
+    for (u32 mode = net_.mode_base[atom]; mode < net_.mode_base[atom + 1]; ++mode) {
+      const std::vector<std::uint32_t>& places = row.modes[mode - net_.mode_base[atom]].places;
+      if (marked_[mode] != 0 && !std::includes(finals.begin(), finals.end(), places.begin(), places.end()))
+        modes.push_back(marked_[mode]);
+    }
+  }
+  solver_.add(modes);
 }
 
 // Is it a use of a port, told apart from the others?

@@ -1,5 +1,5 @@
 // The question as clauses: exactly one reachable mode an atom; no connector and no internal port has a step for sure;
-// the invariants found so far.
+// some atom is not at final places; the invariants found so far.
 //
 // One variable a reachable mode, one auxiliary variable a group of a connector's tree. What data decides is known only
 // where the values of the modes decide it, or guards together (guard_literals.hpp): a port counts as enabled only in
@@ -46,6 +46,7 @@ class Encoding {
     Lit literal = 0;
   };
   void add_atoms();
+  void add_no_end();
   [[nodiscard]] bool is_use(u32 row) const;
   [[nodiscard]] std::vector<u32> sources_of_moves(u32 row) const;
   [[nodiscard]] Lacking port(u32 row);

@@ -1,11 +1,13 @@
 // See local_deadlock.hpp.
 #include "compiler/verify/portfolio/local_deadlock.hpp"
 
+#include "runtime/core/final_state.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
 bool wants_to_move(const rt::Core& core, u32 atom) {
+  if (rt::is_at_final_places(core, atom)) return false;
   const rt::Image& image = core.image();
   for (u32 port = 0; port < image.atom_types[image.atoms[atom].type].ports.size; ++port) {
     if (core.enabled_transition(atom, port) != rt::kNone) return true;

@@ -8,6 +8,7 @@
 #include <queue>
 #include <unordered_map>
 
+#include "runtime/core/final_state.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -265,7 +266,7 @@ class Search {
   }
 
   [[nodiscard]] bool is_goal() const {
-    return (goal_.stuck && core_.candidate_count() == 0) || (goal_.state && goal_.state(core_));
+    return (goal_.stuck && rt::is_deadlock(core_)) || (goal_.state && goal_.state(core_));
   }
   // From the initial state, by a core of its own.
   bool confirmed() {
@@ -307,7 +308,7 @@ bool reaches(const rt::Image& image, const SearchGoal& goal, const std::vector<s
     if (choices[step] >= core.candidate_count()) return false;
     if (!core.fire(choices[step])) return goal.faults && step + 1 == choices.size();
   }
-  return (goal.stuck && core.candidate_count() == 0) || (goal.state && goal.state(core));
+  return (goal.stuck && rt::is_deadlock(core)) || (goal.state && goal.state(core));
 }
 
 std::string fault_of(const rt::Image& image, const std::vector<std::uint64_t>& choices) {

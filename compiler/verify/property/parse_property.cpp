@@ -54,16 +54,26 @@ class PropertyParser {
       return fail("a property starts with `never` or `always`");
     }
     property_.is_never = word == "never";
-    property_.root = parse_expression(1, 0);
-    skip_blanks();
-    if (problem_.empty() && at_ != text_.size()) set_problem("this does not belong to the property");
+    parse_whole("this does not belong to the property");
     if (problem_.empty() && type(property_.root) != Type::Bool)
       set_problem("a property is true or false, this is " + std::string(name_of(type(property_.root))));
     if (!problem_.empty()) return Failure{problem_};
     return std::move(property_);
   }
+  Result<Property> run_value() {
+    parse_whole("this does not belong to the expression");
+    if (problem_.empty() && !is_numeric(type(property_.root)) && type(property_.root) != Type::Bool)
+      set_problem("a number or a condition was expected, this is " + std::string(name_of(type(property_.root))));
+    if (!problem_.empty()) return Failure{problem_};
+    return std::move(property_);
+  }
 
  private:
+  void parse_whole(const char* about_the_rest) {
+    property_.root = parse_expression(1, 0);
+    skip_blanks();
+    if (problem_.empty() && at_ != text_.size()) set_problem(about_the_rest);
+  }
   Result<Property> fail(const std::string& why) {
     set_problem(why);
     return Failure{problem_};
@@ -307,6 +317,10 @@ class PropertyParser {
 
 Result<Property> parse_property(const std::string& text, const System& system) {
   return PropertyParser(text, system).run();
+}
+
+Result<Property> parse_value(const std::string& text, const System& system) {
+  return PropertyParser(text, system).run_value();
 }
 
 }  // namespace bip::verify

@@ -97,6 +97,13 @@ std::string node_text(const Property& property, std::uint32_t row, const System&
 
 }  // namespace
 
+bool is_condition(const Property& expression) { return expression.nodes[expression.root].type == Type::Bool; }
+
+double value_in(const Property& expression, const rt::Core& core) {
+  const Number value = evaluate(expression, expression.root, core);
+  return expression.nodes[expression.root].type == Type::Float ? value.f : static_cast<double>(value.i);
+}
+
 bool is_broken(const Property& property, const rt::Core& core) {
   return (evaluate(property, property.root, core).i != 0) == property.is_never;
 }

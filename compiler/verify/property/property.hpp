@@ -39,6 +39,13 @@ struct Property {
 /// linear in the text and the system; a property has at most 16,000 nodes.
 [[nodiscard]] Result<Property> parse_property(const std::string& text, const System& system);
 
+/// Parses an expression as those of properties, of any type but string, and resolves its names.
+[[nodiscard]] Result<Property> parse_value(const std::string& text, const System& system);
+/// Is it true or false, and no number?
+[[nodiscard]] bool is_condition(const Property& expression);
+/// The expression's value in the core's stable state; a truth value is 0 or 1. Cost as of is_broken.
+[[nodiscard]] double value_in(const Property& expression, const rt::Core& core);
+
 /// Does the core's stable state violate the property? Cost: linear in the expression, `can CONNECTOR` in the
 /// candidates.
 [[nodiscard]] bool is_broken(const Property& property, const rt::Core& core);

@@ -105,7 +105,7 @@ TransitionSystem TransitionSystemBuilder::build() {
     step.fine = aig_.make_and(step.possible, negated(aig_.make_or(step_fault_[s], step_lost_[s])));
   }
   transition_system_.state_fault = state_fault_;
-  transition_system_.stuck = aig_.make_and(negated(some), negated(state_fault_));
+  transition_system_.stuck = aig_.make_and(aig_.make_and(negated(some), negated(state_fault_)), negated(final_state()));
   transition_system_.error = aig_.make_or_of({state_fault_, fault, guard_fault_});
   finish_state();
   transition_system_.imprecisions = code_.imprecisions();
@@ -116,6 +116,20 @@ TransitionSystem TransitionSystemBuilder::build() {
   // What proofs add later is small beside it, and they do not ask whether it is full.
   aig_.set_bound(Aig::kMostNodes);
   return std::move(transition_system_);
+}
+
+// Each atom is at final places only.
+Signal TransitionSystemBuilder::final_state() {
+  Signal final = kTrue;
+  for (std::size_t atom = 0; atom < system_.atoms.size(); ++atom) {
+    const AtomType& type = system_.atom_types[system_.atoms[AtomId(atom)].type];
+    if (type.final_places.empty()) return kFalse;
+    for (u32 place = 0; place < type.places.size(); ++place) {
+      if (!std::binary_search(type.final_places.begin(), type.final_places.end(), place))
+        final = aig_.make_and(final, negated(transition_system_.marks[atom][place]));
+    }
+  }
+  return final;
 }
 
 TransitionSystem build_transition_system(const System& system, const rt::Image& image, std::size_t megabytes) {

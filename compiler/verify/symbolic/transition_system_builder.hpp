@@ -95,6 +95,7 @@ class TransitionSystemBuilder {
   void record(Signal when, u32 port, const Local& before, const Post& post);
 
   // encode_priorities.cpp
+  [[nodiscard]] Signal final_state();
   void apply_priorities();
   [[nodiscard]] Signal matches(const rt::Priority& rule, RuleSide side, const SystemStep& step,
                                const std::vector<Signal>& params);

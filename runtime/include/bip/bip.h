@@ -29,7 +29,7 @@ enum bip_policy { BIP_UNIFORM = 0, BIP_FIRST = 1, BIP_FAIR = 2 };
    policies of the command line, also those without a constant above. */
 int bip_find_policy(const char* name);
 /* How a call ended: a step was taken; there is no candidate; a run-time error, see bip_fault; the wait was ended. */
-enum bip_outcome { BIP_STEPPED = 0, BIP_DEADLOCK = 1, BIP_FAULT = 2, BIP_STOPPED = 3 };
+enum bip_outcome { BIP_STEPPED = 0, BIP_DEADLOCK = 1, BIP_FAULT = 2, BIP_STOPPED = 3, BIP_FINAL = 4 };
 
 /* Creates an execution of `image` and initializes it: initial actions, then internal transitions. The image must
    outlive the execution. Returns null if the image is null or `policy` is no policy. If the initialization ends

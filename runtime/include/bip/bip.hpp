@@ -34,7 +34,7 @@ struct ExecutionOptions {
   std::uint32_t event_capacity = 65536;  // greatest number of events that wait for one port
 };
 /// How a call ended: a step was taken, there is no candidate, a run-time error (see fault()), or stop() was called.
-enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault, Stopped };
+enum class Outcome : std::uint8_t { Stepped, Deadlock, Fault, Stopped, Final };
 /// The result of post(). Full: event_capacity events wait for this port already. BadValues: number or types of the
 /// values are not those of the port's type.
 enum class Posted : std::uint8_t { Taken, Full, NoSuchPort, BadValues };

@@ -118,7 +118,8 @@ struct AtomType {
   SourceLine loc;
   Span<AtomPriority> priorities = {};
   Span<Invariant> invariants = {};
-  const AtomTime* time = nullptr;  // null: it has nothing to do with time
+  const AtomTime* time = nullptr;         // null: it has nothing to do with time
+  Span<std::uint32_t> final_places = {};  // where the atom may be when a run has reached its end
 };
 /// Preorder; node 0 is the root group. children are rows of the same array.
 struct DefineNode {

@@ -37,6 +37,7 @@ struct RunOptions {
   std::string record_path;      // where they are written as they come; empty: nowhere
   std::string replay_path;      // such a record: repeats the run in logical time, its seed and policy too
   bool silent = false;          // no step lines; the seed and the end are still told
+  bool show_state = false;      // where each atom is at the end, and its data
   bool stats = false;           // steps, seconds, ns/step, bytes at the end
   NewCode* new_code = nullptr;  // the image's code is replaced when it is ready (runtime/engine/code_replacement.hpp)
   Profile* profile = nullptr;   // measures the steps (runtime/core/profile.hpp)
@@ -48,7 +49,8 @@ struct RunOptions {
   std::string trace_path;  // JSON lines, or as `format` says if it is none of Steps and Json; empty: none
 };
 
-enum class End : std::uint8_t { Limit, Deadlock, Fault, Interrupted };
+/// Final: no step is possible any more, and each atom is at a final place.
+enum class End : std::uint8_t { Limit, Deadlock, Fault, Interrupted, Final };
 struct RunResult {
   End end = End::Limit;
   std::uint64_t steps = 0;
@@ -60,9 +62,9 @@ RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std
 
 /// How options.explore ends.
 struct ExploreResult {
-  std::uint64_t states = 0, deadlocks = 0, errors = 0;
-  bool complete = true;  // false: the limit or Ctrl-C came first
-  int exit_code = 0;     // 1 if a state has a run-time error
+  std::uint64_t states = 0, deadlocks = 0, errors = 0;  // deadlocks: final states are none
+  bool complete = true;                                 // false: the limit or Ctrl-C came first
+  int exit_code = 0;                                    // 1 if a state has a run-time error
 };
 /// Fires every candidate of every reachable stable state, breadth first; with --silent only the last line is written.
 ExploreResult explore(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err);

@@ -1,0 +1,285 @@
+// `bipc simulate`: many runs in one process, and estimates of what observers saw in them.
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/estimate.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/ffi_build.hpp"
+#include "compiler/pipeline/machine.hpp"
+#include "compiler/driver/read_observer.hpp"
+#include "compiler/driver/report.hpp"
+#include "compiler/driver/terminal.hpp"
+#include "runtime/engine/event_file.hpp"
+#include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/scheduler.hpp"
+#include "runtime/engine/simulate.hpp"
+
+namespace bip::driver {
+namespace {
+
+constexpr double kLevel = 0.95;
+const std::vector<double> kShares{0.05, 0.5, 0.95};
+constexpr std::size_t kBins = 20;
+constexpr std::uint32_t kMostThreads = 256;
+
+using Json = nlohmann::ordered_json;
+using EndCounts = std::array<std::uint64_t, rt::kSimulatedEnds>;
+
+struct Histogram {
+  double first = 0, width = 0;
+  std::vector<std::uint64_t> counts;
+};
+
+// Of equal widths from the least to the greatest value; one bin if they are equal.
+Histogram histogram_of(const std::vector<double>& values, const Estimate& of) {
+  Histogram made{of.least, (of.greatest - of.least) / kBins, {}};
+  if (of.count == 0) return made;
+  made.counts.assign(made.width > 0 ? kBins : 1, 0);
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    const double bin = made.width > 0 ? std::floor((value - made.first) / made.width) : 0;
+    ++made.counts[std::min(static_cast<std::size_t>(bin), made.counts.size() - 1)];
+  }
+  return made;
+}
+
+bool is_probability(const rt::Observer& observer) { return observer.kind == rt::ObserverKind::Reaches; }
+
+Interval interval_of(const rt::Observer& observer, const Estimate& of) {
+  if (!is_probability(observer)) return of.mean_interval;
+  const auto successes = static_cast<std::uint64_t>(std::llround(of.mean * static_cast<double>(of.count)));
+  return clopper_pearson(successes, of.count, kLevel);
+}
+
+std::string number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.6g}", value); }
+
+std::uint64_t total_of(const std::vector<std::uint64_t>& steps) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t count : steps) sum += count;
+  return sum;
+}
+
+EndCounts ends_of(const rt::SimulateReport& report) {
+  EndCounts counts{};
+  for (const rt::SimulatedEnd end : report.ends) {
+    if (end != rt::SimulatedEnd::NotRun) ++counts[static_cast<std::size_t>(end)];
+  }
+  return counts;
+}
+
+std::string ends_text(const EndCounts& counts) {
+  std::string text;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (counts[k] != 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts[k], name_of(static_cast<rt::SimulatedEnd>(k)));
+  }
+  return text;
+}
+
+std::string text_of(const rt::SimulateReport& report, const rt::SimulateOptions& options, bool shows_bins) {
+  const EndCounts ends = ends_of(report);
+  std::uint64_t runs = 0;
+  for (const std::uint64_t count : ends) runs += count;
+  std::string text =
+      fmt::format("{}: {} run{}, seeds from {}, {} steps; ends: {}\n", report.is_complete ? "simulated" : "interrupted",
+                  runs, runs == 1 ? "" : "s", options.seed, total_of(report.steps), ends_text(ends));
+  std::size_t width = std::string_view("observer").size();
+  for (const rt::Observer& o : options.observers) width = std::max(width, o.text.size());
+  if (!options.observers.empty())
+    text +=
+        fmt::format("{:<{}}  {:>8}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  95% interval of the mean\n",
+                    "observer", width, "runs", "mean", "deviation", "least", "5%", "median", "95%", "greatest");
+  for (std::size_t k = 0; k < options.observers.size(); ++k) {
+    const Estimate of = estimate(report.values[k], kShares, kLevel);
+    const Interval interval = interval_of(options.observers[k], of);
+    text += fmt::format("{:<{}}  {:>8}", options.observers[k].text, width, of.count);
+    if (of.count == 0) {
+      text += "  in no run\n";
+      continue;
+    }
+    for (const double value :
+         {of.mean, of.deviation, of.least, of.quantiles[0], of.quantiles[1], of.quantiles[2], of.greatest})
+      text += fmt::format("  {:>10}", number(value));
+    text += fmt::format("  [{}, {}]\n", number(interval.low), number(interval.high));
+    if (!shows_bins) continue;
+    const Histogram bins = histogram_of(report.values[k], of);
+    const std::uint64_t most = *std::max_element(bins.counts.begin(), bins.counts.end());
+    constexpr std::uint64_t kLongestBar = 50;
+    for (std::size_t bin = 0; bin < bins.counts.size(); ++bin) {
+      text += fmt::format("  {:>12}  {:>8}  {}\n", number(bins.first + static_cast<double>(bin) * bins.width),
+                          bins.counts[bin], std::string(bins.counts[bin] * kLongestBar / most, '#'));
+    }
+  }
+  if (!report.first_fault.empty()) text += "the first error:\n" + report.first_fault;
+  return text;
+}
+
+Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& options) {
+  Json json{{"format", "bipc-simulation"},
+            {"version", 1},
+            {"complete", report.is_complete},
+            {"seed", options.seed},
+            {"steps", total_of(report.steps)}};
+  const EndCounts ends = ends_of(report);
+  std::uint64_t runs = 0;
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    json["ends"][name_of(static_cast<rt::SimulatedEnd>(k))] = ends[k];
+    runs += ends[k];
+  }
+  json["runs"] = runs;
+  json["observers"] = Json::array();
+  for (std::size_t k = 0; k < options.observers.size(); ++k) {
+    const Estimate of = estimate(report.values[k], kShares, kLevel);
+    Json row{{"observer", options.observers[k].text}, {"runs", of.count}};
+    if (of.count != 0) {
+      const Interval interval = interval_of(options.observers[k], of);
+      const Histogram bins = histogram_of(report.values[k], of);
+      row.update({{"mean", of.mean},
+                  {"deviation", of.deviation},
+                  {"least", of.least},
+                  {"q05", of.quantiles[0]},
+                  {"median", of.quantiles[1]},
+                  {"q95", of.quantiles[2]},
+                  {"greatest", of.greatest},
+                  {"confidence", kLevel},
+                  {"interval", {interval.low, interval.high}},
+                  {"histogram", {{"first", bins.first}, {"width", bins.width}, {"counts", bins.counts}}}});
+    }
+    json["observers"].push_back(std::move(row));
+  }
+  if (!report.first_fault.empty()) json["first_error"] = report.first_fault;
+  return json;
+}
+
+// RFC 4180: a field with a comma or a quote is quoted.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+std::string csv_of(const rt::SimulateReport& report, const rt::SimulateOptions& options) {
+  std::string text = "seed,end,steps";
+  if (!report.times.empty()) text += ",time";
+  for (const rt::Observer& o : options.observers) text += "," + csv_field(o.text);
+  text += "\n";
+  for (std::size_t run = 0; run < report.ends.size(); ++run) {
+    if (report.ends[run] == rt::SimulatedEnd::NotRun) continue;
+    text += fmt::format("{},{},{}", options.seed + run, name_of(report.ends[run]), report.steps[run]);
+    if (!report.times.empty()) text += fmt::format(",{}", report.times[run]);
+    for (const std::vector<double>& values : report.values)
+      text += std::isnan(values[run]) ? "," : fmt::format(",{}", values[run]);
+    text += "\n";
+  }
+  return text;
+}
+
+// One line on a terminal, ten times a second at most.
+class RunsProgressLine {
+ public:
+  explicit RunsProgressLine(std::uint64_t runs) : runs_(runs), is_on_(::isatty(STDERR_FILENO) != 0) {}
+  void tell(std::uint64_t done) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!is_on_ || now < next_) return;
+    next_ = now + std::chrono::milliseconds(100);
+    is_shown_ = true;
+    write_now(stderr, fmt::format("\r{} of {} runs   ", done, runs_));
+  }
+  void clear() const {
+    if (is_shown_) write_now(stderr, "\r\x1b[K");
+  }
+
+ private:
+  std::uint64_t runs_;
+  bool is_on_, is_shown_ = false;
+  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+};
+
+bool refuse(const char* option, const std::string& why) {
+  std::fputs(fmt::format("bipc simulate: {}, {}\n", option, why).c_str(), stderr);
+  return false;
+}
+
+// The words of the command line with the model's names. False: told.
+bool read_questions(const SimulateArguments& a, const System& system, rt::SimulateOptions& options) {
+  for (const std::string& text : a.observers) {
+    Result<rt::Observer> observer = read_observer(text, system);
+    if (!observer) return refuse("--observe", observer.error());
+    options.observers.push_back(std::move(*observer));
+  }
+  if (a.stop.empty()) return true;
+  Result<std::function<bool(const rt::Core&)>> stop = read_condition(a.stop, system);
+  if (!stop) return refuse("--stop", stop.error());
+  options.stop = std::move(*stop);
+  return true;
+}
+
+// Compiled steps are worth their milliseconds where there are many.
+Optimisation optimisation_of(const SimulateArguments& a, const rt::SimulateOptions& options) {
+  constexpr std::uint64_t kManySteps = 1'000'000;
+  const bool are_many = options.limit != 0 && options.runs > kManySteps / options.limit;
+  return a.optimisation == Optimisation::Auto && are_many ? Optimisation::O2 : a.optimisation;
+}
+
+// False: the values of all runs do not fit into half of what is free.
+bool fits_memory(const rt::SimulateOptions& options) {
+  const std::uint64_t bytes = (options.observers.size() + 4) * sizeof(double);
+  if (options.runs <= available_memory() / 2 / bytes) return true;
+  return refuse("--runs", fmt::format("{} runs of {} bytes each are more than the free memory", options.runs, bytes));
+}
+
+}  // namespace
+
+int command_simulate(const SimulateArguments& arguments) {
+  Compilation c(arguments.compile);
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.csv_path})) return report(c);
+  rt::SimulateOptions options = arguments.simulate;
+  if (arguments.within > 0) options.runs = runs_for(arguments.within, kLevel);
+  if (!read_questions(arguments, *c.system, options)) return kUsage;
+  if (!arguments.until.empty()) {
+    if (!system::is_timed(*c.system)) return refuse("--until", "the model has no clocks"), kUsage;
+    options.until = rt::parse_time(arguments.until);
+    if (options.until < 0)
+      return refuse("--until", fmt::format("`{}` is no duration such as 1s500ms", arguments.until)), kUsage;
+  }
+  if (!fits_memory(options)) return kUsage;
+  Executor executor;
+  const bool ready = executor.prepare(c, arguments.backend, optimisation_of(arguments, options));
+  if (const int code = report(c); code != 0 || !ready) return code;
+  if (!arguments.has_seed) options.seed = rt::draw_seed();
+  // The model's C++ may keep what no core knows of.
+  options.threads = uses_ffi(c) ? 1
+                    : arguments.threads == 0
+                        ? processors()
+                        : static_cast<std::uint32_t>(std::min<std::uint64_t>(arguments.threads, kMostThreads));
+  RunsProgressLine progress(options.runs);
+  options.on_progress = [&](std::uint64_t done) { progress.tell(done); };
+  const rt::InterruptGuard guard;
+  const rt::SimulateReport found = rt::simulate(c.lowered->image, options);
+  progress.clear();
+  if (!arguments.csv_path.empty()) {
+    if (const Result<bool> written = write_file(arguments.csv_path, csv_of(found, options)); !written) {
+      c.diags.report(Diag::kB5004, {}, arguments.csv_path, written.error());
+      return report(c);
+    }
+  }
+  write_now(stdout, arguments.json ? json_of(found, options).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'
+                                   : text_of(found, options, arguments.shows_histogram));
+  if (!found.is_complete) return 128 + rt::interrupting_signal();
+  return found.first_fault.empty() ? kOk : kModelErrors;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,24 @@
+// The end that a model declares: each atom is at `final` places. Whether there is a candidate is the caller's to know.
+#pragma once
+#include <string>
+
+#include "runtime/core/core.hpp"
+
+namespace bip::rt {
+
+/// Returns whether each atom has a final place, so that a state can be final at all. Linear in the atoms.
+[[nodiscard]] bool has_final_states(const Image& image);
+
+/// Returns whether the atom is marked at final places only.
+[[nodiscard]] bool is_at_final_places(const Core& core, u32 atom);
+
+/// Returns whether each atom is marked at final places only. Linear in the places of all atoms, or less.
+[[nodiscard]] bool is_final_state(const Core& core);
+
+/// Returns whether the state, of an image without time, has no candidate and is not final.
+[[nodiscard]] inline bool is_deadlock(const Core& core) { return core.candidate_count() == 0 && !is_final_state(core); }
+
+/// One line: `final: each component is at a final place   (5 steps, seed 4)`.
+[[nodiscard]] std::string final_line(std::uint64_t steps, std::uint64_t seed);
+
+}  // namespace bip::rt
