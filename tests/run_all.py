@@ -126,6 +126,7 @@ def groups(options):
         # A sanitized build cannot be installed.
         *([("package", [script("package", "tests/package/test_package.py", weight=25)])] if not is_sanitized() else []),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
+        ("dap", [script("dap", "tests/dap/test_dap.py", weight=20)]),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
         ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), weight=300),
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20),

@@ -89,6 +89,8 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("verify")) return command_verify(arguments.verify);
   if (app.got_subcommand("explore")) return command_explore(arguments.explore);
   if (app.got_subcommand("simulate")) return command_simulate(arguments.simulate);
+  if (app.got_subcommand("step")) return command_step(arguments.step);
+  if (app.got_subcommand("dap")) return command_dap();
   if (app.got_subcommand("serve")) return command_serve(arguments.serve);
   if (app.got_subcommand("build")) return command_build(arguments.build);
   if (app.got_subcommand("emit")) return command_emit(arguments.emit);

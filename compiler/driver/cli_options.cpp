@@ -8,6 +8,11 @@
 #include "runtime/trace/trace_formats.hpp"
 
 namespace bip::driver {
+
+std::string not_one_of(const std::string& text, const std::string& shown) {
+  return fmt::format("`{}` is not one of {}", text, shown);
+}
+
 namespace {
 
 template <class T>
@@ -67,10 +72,6 @@ const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela},
                                          {"net", ExportFormat::Net}};
 const Names<rt::StateReduction> kReductions{
     {"none", rt::StateReduction::None}, {"por", rt::StateReduction::Por}, {"symmetry", rt::StateReduction::Symmetry}};
-
-std::string not_one_of(const std::string& text, const std::string& shown) {
-  return fmt::format("`{}` is not one of {}", text, shown);
-}
 
 // CLI11 alone would take "5x" and "-1" for a number, or call them inconvertible.
 CLI::Validator is_number() {
@@ -196,6 +197,8 @@ void add_color(CLI::App& app, ColorChoice& color) {
              "coloured diagnostics (default: auto, which means on a terminal unless NO_COLOR is set)");
 }
 
+}  // namespace
+
 void add_diagnostics(CLI::App& app, CompileOptions& options) {
   add_choice(app, "--diagnostics", options.render.format, kFormats, "frame|short|json|sarif",
              "format of errors and warnings (default: frame)");
@@ -212,6 +215,8 @@ void add_diagnostics(CLI::App& app, CompileOptions& options) {
   app.add_flag("--explain", options.explain,
                "print the explain page of the first error, or of the first warning if there is no error");
 }
+
+namespace {
 
 void add_folders(CLI::App& app, CompileOptions& options) {
   app.add_option("-I", options.folders,
@@ -362,6 +367,10 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
                  "decide whether some components can wait forever while others move (local deadlock)")
       ->excludes("--property")
       ->excludes("--certificate");
+  command
+      ->add_option("--trace", a.trace_path,
+                   "write a trace (JSON lines) of the run that violates the property to PATH, for `bipc step`")
+      ->type_name("PATH");
   command->add_flag("--why", a.why, "print the invariants that the proof uses");
   command
       ->add_option("--log",
@@ -497,6 +506,62 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
       "Exit code: 0, or 1 if a run ended with a run-time error, 130 after Ctrl-C.\n"
       "Example:\n  bipc simulate --runs 10000 --limit 100 --observe 'count table.eat[0]' --observe 'reaches "
       "phil[0]@EATS' model.bip");
+}
+
+void add_step(CLI::App& app, StepArguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "step", "step through a model, forward and back, with breakpoints: commands are read from the terminal");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  CLI::Option* trace = command->add_option("--trace", a.trace_path,
+                                           "begin at the end of the run in TRACE: a trace in JSON lines, binary or "
+                                           "bip2, or a record of `bipc run --record`");
+  trace->type_name("TRACE");
+  command
+      ->add_option_function<std::uint64_t>(
+          "--at",
+          [&a](const std::uint64_t& at) {
+            a.at = at;
+            a.has_at = true;
+          },
+          "begin after N moves of the trace")
+      ->check(is_number())
+      ->needs(trace)
+      ->type_name("N");
+  command->add_option("--seed", a.session.seed, "seed of the random choices (default: 0)")
+      ->check(is_number())
+      ->type_name("N");
+  add_choice(*command, "--policy", a.session.policy, kPolicies.names, kPolicies.shown,
+             "how the next step is chosen among the candidates (default: uniform)");
+  command->add_flag("-a,--asap", a.session.asap,
+                    "take each step at the earliest instant at which it is possible (for models with clocks)");
+  command
+      ->add_option("--events", a.events_path,
+                   "read external events from PATH, one JSON object per line, ordered by time")
+      ->excludes(trace)
+      ->type_name("PATH");
+  command->add_flag("--trust-cpp", a.session.trusts_cpp,
+                    "assume that the model's C++ functions depend on their arguments only, so that the session can go "
+                    "back");
+  command->add_flag_callback(
+      "--disable-maximal-progress", [&a] { a.session.progress = rt::MaximalProgress::Off; },
+      "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
+             "executor of guards, actions and transfers (default: interp)");
+  add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
+  add_compile(*command, a.compile);
+  command->footer(
+      "The command `h` lists all commands. Input that is no terminal is repeated before each answer; a command that is "
+      "refused then gives exit code 2.\n"
+      "Example:\n  bipc verify --trace dead.json model.bip; bipc step --trace dead.json model.bip");
+}
+
+void add_dap(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("dap", "serve an editor as a debug adapter, on standard input and output");
+  command->footer(
+      "An editor starts it and names the model in the request `launch`, see compiler/docs/dap.md; the session is that "
+      "of `bipc step`.\n"
+      "Exit code: 0 after `disconnect`, 1 if the input ends before.\nExample:\n  bipc dap");
 }
 
 void add_serve(CLI::App& app, ServeArguments& a) {
@@ -748,97 +813,6 @@ void add_migrate(CLI::App& app, MigrateArguments& a) {
   command->footer("Layout and comments are kept.\nExample:\n  bipc migrate -i model.bip");
 }
 
-// How modules become BIP.
-void add_generation(CLI::App* command, GenomArguments& a) {
-  command->add_option("-o,--output", a.output, "output file, a .bip file (default: standard output)")
-      ->type_name("FILE");
-  command
-      ->add_option("--package", a.package,
-                   "name of the package (default: name of the output file, or of the first module)")
-      ->type_name("NAME");
-  command
-      ->add_option("--yields", a.side_file,
-                   "file with additional facts: results of codels, waiting triggers, readers of posters")
-      ->type_name("FILE");
-  command
-      ->add_option("--flavour", a.flavour,
-                   "model of codels: any result is possible (verification, default), or C++ functions of the same "
-                   "names are called (execution)")
-      ->check(CLI::Validator(
-          [](std::string& text) {
-            return text == "verification" || text == "execution" ? "" : not_one_of(text, "verification|execution");
-          },
-          ""))
-      ->type_name("verification|execution");
-  auto* executive = command->add_flag("--executive", a.executive,
-                                      "use the execution flavour and take requests from the C++ functions "
-                                      "executive_request, executive_answer and executive_reply");
-  command
-      ->add_flag("--served", a.served,
-                 "use the execution flavour in real time and take requests from clients of `bipc serve`")
-      ->excludes(executive);
-  command->add_flag("--skeleton", a.skeleton,
-                    "use the execution flavour and write empty C++ codels beside the output; existing files are kept");
-  command
-      ->add_option("--instances", a.instances,
-                   "activities of a service that may run at the same time (default: 1; one more for a service that "
-                   "interrupts itself)")
-      ->check(CLI::Range(1, 16))
-      ->type_name("N");
-  command
-      ->add_option("--lock", a.lock,
-                   "mutual exclusion of codels: one lock per module, or by the data that each codel uses (default: as "
-                   "the GenoM version prescribes)")
-      ->check(CLI::Validator(
-          [](std::string& text) { return text == "module" || text == "codel" ? "" : not_one_of(text, "module|codel"); },
-          ""))
-      ->type_name("module|codel");
-  command->add_option("--tick", a.tick_ms, "length of a tick in milliseconds (default: clock period of the module)")
-      ->check(CLI::PositiveNumber)
-      ->type_name("MS");
-  command->add_option("--control-period", a.control_period, "ticks between two reads of the message box (default: 1)")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("TICKS");
-  command->add_option("--poster-period", a.poster_period, "ticks between two increments of PosterAge (default: 1)")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("TICKS");
-  command->add_option("--oldest", a.oldest, "greatest value of PosterAge (default: 100)")
-      ->check(CLI::Range(1, 1000000))
-      ->type_name("N");
-  command->add_option("-I", a.compile.folders, "search DIR for headers, after the folder of the file; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("DIR");
-  command->add_option("-D", a.defines, "define a preprocessor macro; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME[=VALUE]");
-  add_diagnostics(*command, a.compile);
-}
-
-void add_genom(CLI::App& app, GenomArguments& a) {
-  CLI::App* command = app.add_subcommand("genom", "translate descriptions of robot modules (GenoM 2 and 3) to BIP");
-  command->add_option("FILE", a.files, "module descriptions (.gen); all files together form one functional level")
-      ->required()
-      ->type_name("");
-  add_generation(command, a);
-  command->footer("Example:\n  bipc genom demo.gen -o demo.bip && bipc verify demo.bip");
-}
-
-void add_rules(CLI::App& app, GenomArguments& a) {
-  CLI::App* command =
-      app.add_subcommand("rules", "translate safety rules over robot modules to a functional level that enforces them");
-  command->add_option("FILE", a.files, "rules file (.rules), which names the module descriptions")
-      ->required()
-      ->expected(1)
-      ->type_name("");
-  command->add_flag("--prove", a.prove,
-                    "first search for services that the rules never admit, and name the rules responsible");
-  command->add_option("--timeout", a.timeout, "time limit of --prove in seconds (default: 60)")
-      ->check(CLI::Range(1, 100000000))
-      ->type_name("S");
-  add_generation(command, a);
-  command->footer("Example:\n  bipc rules --prove rover.rules -o rover.bip && bipc verify rover.bip");
-}
-
 }  // namespace
 
 void add_commands(CLI::App& app, Arguments& arguments) {
@@ -848,6 +822,8 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_verify(app, arguments.verify);
   add_explore(app, arguments.explore);
   add_simulate(app, arguments.simulate);
+  add_step(app, arguments.step);
+  add_dap(app);
   add_serve(app, arguments.serve);
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);

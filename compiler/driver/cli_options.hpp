@@ -10,6 +10,7 @@ namespace bip::driver {
 struct Arguments {
   CheckArguments check;
   RunArguments run;
+  StepArguments step;
   ServeArguments serve;
   VerifyArguments verify;
   ExploreArguments explore;
@@ -31,6 +32,14 @@ struct Arguments {
 
 /// Adds all commands to `app`, in the order of the help.
 void add_commands(CLI::App& app, Arguments& arguments);
+
+// Parts of it, in other files than the rest.
+void add_genom(CLI::App& app, GenomArguments& a);
+void add_rules(CLI::App& app, GenomArguments& a);
+/// The options about errors and warnings.
+void add_diagnostics(CLI::App& app, CompileOptions& options);
+/// The refusal of a value that an option does not take.
+[[nodiscard]] std::string not_one_of(const std::string& text, const std::string& shown);
 
 /// Prints the completion script of the commands of `app`.
 [[nodiscard]] int command_completion(const CLI::App& app, Shell shell);

@@ -36,6 +36,7 @@
 #include "compiler/verify/evidence/proof_cache.hpp"
 #include "compiler/verify/net/unread_cpp.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
+#include "runtime/explore/counterexample.hpp"
 
 namespace bip::driver {
 
@@ -156,6 +157,16 @@ void remove_certificate(Compilation& c, const std::string& path) {
   }
 }
 
+// The run that violates the property, if one was found and a file was asked for.
+void write_counterexample(const VerifyArguments& arguments, Compilation& c, const verify::Decision& decision) {
+  const verify::Counterexample* const found = decision.counterexample();
+  if (arguments.trace_path.empty() || decision.outcome != verify::Outcome::Violated || found == nullptr) return;
+  const std::string trace =
+      rt::trace_of_counterexample(c.lowered->image, rt::MaximalProgress::On, found->choices, rt::TraceFormat::Json);
+  if (const Result<bool> written = write_file(arguments.trace_path, trace); !written)
+    c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
+}
+
 }  // namespace
 
 int command_verify(const VerifyArguments& arguments) {
@@ -164,7 +175,8 @@ int command_verify(const VerifyArguments& arguments) {
     emit_stage(c, arguments.file, Optimisation::Auto);
     return report(c);
   }
-  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.certificate})) return report(c);
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.certificate, arguments.trace_path}))
+    return report(c);
   const std::string property = arguments.partial ? std::string() : arguments.property;
   std::optional<verify::Question> asked = read_question("verify", property, *c.system);
   if (!asked) return kUsage;
@@ -224,6 +236,7 @@ int command_verify(const VerifyArguments& arguments) {
     } else if (!arguments.certificate.empty() && decision.outcome == verify::Outcome::Violated) {
       remove_certificate(c, arguments.certificate);
     }
+    if (is_ready) write_counterexample(arguments, c, decision);
     if (is_ready) verdict.text += error_remark(c, question, decision, portfolio, limits);
   }
   if (const int code = report(c); code != 0 || !is_ready) return code;

@@ -14,6 +14,10 @@ namespace bip::driver {
 [[nodiscard]] int command_explore(const ExploreArguments& arguments);
 /// Estimates from many runs: 0, 1 if a run ended with an error.
 [[nodiscard]] int command_simulate(const SimulateArguments& arguments);
+/// Until the person quits or the input ends.
+[[nodiscard]] int command_step(const StepArguments& arguments);
+/// The debug adapter, until its client disconnects.
+[[nodiscard]] int command_dap();
 /// Until a client shuts it down or its input ends.
 [[nodiscard]] int command_serve(const ServeArguments& arguments);
 [[nodiscard]] int command_build(const BuildArguments& arguments);

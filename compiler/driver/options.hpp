@@ -8,6 +8,7 @@
 #include "compiler/graph/graph.hpp"
 #include "compiler/pipeline/options.hpp"
 #include "runtime/engine/simulate.hpp"
+#include "runtime/debug/session.hpp"
 #include "runtime/explore/explore.hpp"
 
 namespace bip::driver {
@@ -23,6 +24,17 @@ struct RunArguments {
   bool for_debuggers = false;  // gdb and perf see machine code and its lines
   bool profile = false;        // a table of where the time went follows
   std::string profile_path;    // the same as JSON; empty: none
+};
+/// A debugging session on the console.
+struct StepArguments {
+  CompileOptions compile;
+  std::string file;
+  Backend backend = Backend::Interp;
+  rt::SessionOptions session;
+  std::string trace_path;  // empty: none
+  std::string events_path;
+  bool has_at = false;
+  std::uint64_t at = 0;
 };
 /// A model that clients talk to.
 struct ServeArguments {
@@ -55,6 +67,7 @@ struct VerifyArguments {
   std::uint64_t megabytes = 2048;  // of the states that a search keeps
   std::string certificate;         // empty: none is written
   std::string property;            // empty: deadlock-freedom
+  std::string trace_path;          // of the run that violates it; empty: none is written
   bool partial = false;            // local deadlocks
   bool json = false;
   bool why = false;

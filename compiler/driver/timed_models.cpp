@@ -301,6 +301,14 @@ int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify:
     json["steps"] = first.path->steps.size();
     text = described.steps + described.error;
     exit_code = kViolated;
+    if (!arguments.trace_path.empty()) {
+      const std::string trace =
+          rt::trace_of_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, rt::TraceFormat::Json);
+      if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
+        c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
+        return report(c);
+      }
+    }
   } else if (is_complete && !is_violated) {
     const std::string name = asks_errors ? "error-free" : asks_state ? "holds" : "deadlock-free";
     json["verdict"] = name;

@@ -235,6 +235,19 @@ bool EventFeed::deliver(Core& core, const Event& event) {
     append_event(line, ports_, {core.now(), event.row, looks_, event.values, event.kind, 0});
     record_->write(line);
   }
+  if (noted_ != nullptr) noted_->push_back(event);
+  return redeliver(core, event);
+}
+
+void EventFeed::rewind(std::size_t delivered) {
+  BIP_ASSERT(delivered <= script_.size(), "{} events of {}", delivered, script_.size());
+  next_ = delivered;
+  failed_ = false;
+  // A record tells after which look an event came: of the run that was recorded, not of one that left it.
+  for (std::size_t k = next_; k < script_.size(); ++k) script_[k].look = kAnyLook;
+}
+
+bool EventFeed::redeliver(Core& core, const Event& event) {
   if (event.kind == EventKind::Overrun) return overrun(core, event.row);
   BIP_ASSERT(event.kind == EventKind::Return || event.row < ports_.size(), "port {} of {}", event.row, ports_.size());
   if (event.kind == EventKind::Return) {

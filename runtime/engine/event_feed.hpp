@@ -45,6 +45,12 @@ class EventFeed {
   void follow(RealTime& wall);
   /// Each event that is delivered is written as a line; the file stays the caller's.
   void record(RunFile* file) { record_ = file; }
+  /// Each event that is delivered is appended; null: nowhere.
+  void note_into(std::vector<Event>* delivered) { noted_ = delivered; }
+  /// Delivers an event again that was noted, in the state in which it was delivered. False: a fault.
+  [[nodiscard]] bool redeliver(Core& core, const Event& event);
+  /// The events of the file or record after the first `delivered` ones are still to come, each at its instant.
+  void rewind(std::size_t delivered);
 
   /// Any thread, after open_inbox. Values as EventPorts::check wants them. False: too many wait for the port.
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values) {
@@ -98,6 +104,7 @@ class EventFeed {
   u32 stalls_ = 0;
   RealTime* wall_ = nullptr;
   RunFile* record_ = nullptr;
+  std::vector<Event>* noted_ = nullptr;
   bool is_open_ = false, failed_ = false;
   bool gave_up_ = false;
   std::atomic<bool> wants_stop_{false};

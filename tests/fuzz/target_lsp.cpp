@@ -57,7 +57,7 @@ class Client {
 };
 
 void feed_stream(lsp::Server& server, std::string_view input) {
-  lsp::Framing framing;
+  Framing framing;
   for (std::size_t piece = 1; !input.empty() && !server.is_finished(); piece = piece * 3 + 1) {
     const std::string_view now = input.substr(0, std::min(piece, input.size()));
     input.remove_prefix(now.size());

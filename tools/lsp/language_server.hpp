@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/lsp/framing.hpp"
+#include "compiler/base/framing.hpp"
 #include "tools/lsp/workspace.hpp"
 
 namespace bip::lsp {

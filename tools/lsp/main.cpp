@@ -37,8 +37,8 @@ int serve() {
   using Queue = bip::lsp::Server::Queue;
   bool is_heard = true;
   bip::lsp::Server server(
-      [&is_heard](std::string_view message) { is_heard = is_heard && write_all(bip::lsp::framed(message)); });
-  bip::lsp::Framing framing;
+      [&is_heard](std::string_view message) { is_heard = is_heard && write_all(bip::framed(message)); });
+  bip::Framing framing;
   std::string chunk;
   while (is_heard) {
     while (auto frame = framing.next()) {

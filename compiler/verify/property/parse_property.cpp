@@ -6,7 +6,7 @@
 #include <unordered_map>
 
 #include "compiler/model/operators.hpp"
-#include "compiler/verify/property/property.hpp"
+#include "compiler/verify/property/expression.hpp"
 #include "compiler/base/ascii.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -45,6 +45,14 @@ class PropertyParser {
  public:
   PropertyParser(const std::string& text, const System& system) : text_(text), system_(system) {
     property_.text = text;
+  }
+
+  Result<Property> run_expression() {
+    property_.root = parse_expression(1, 0);
+    skip_blanks();
+    if (problem_.empty() && at_ != text_.size()) set_problem("this does not belong to the expression");
+    if (!problem_.empty()) return Failure{problem_};
+    return std::move(property_);
   }
 
   Result<Property> run() {
@@ -321,6 +329,10 @@ Result<Property> parse_property(const std::string& text, const System& system) {
 
 Result<Property> parse_value(const std::string& text, const System& system) {
   return PropertyParser(text, system).run_value();
+}
+
+Result<Property> parse_expression(const std::string& text, const System& system) {
+  return PropertyParser(text, system).run_expression();
 }
 
 }  // namespace bip::verify

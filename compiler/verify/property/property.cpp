@@ -1,5 +1,5 @@
 // Evaluates a property in a state of the core, encodes it as a circuit, and prints it for certificates.
-#include "compiler/verify/property/property.hpp"
+#include "compiler/verify/property/expression.hpp"
 
 #include <algorithm>
 
@@ -7,6 +7,7 @@
 
 #include "compiler/model/fold.hpp"
 #include "compiler/verify/symbolic/symbolic_code.hpp"
+#include "runtime/core/text.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -102,6 +103,27 @@ bool is_condition(const Property& expression) { return expression.nodes[expressi
 double value_in(const Property& expression, const rt::Core& core) {
   const Number value = evaluate(expression, expression.root, core);
   return expression.nodes[expression.root].type == Type::Float ? value.f : static_cast<double>(value.i);
+}
+
+bool is_true(const Property& expression, const rt::Core& core) {
+  return evaluate(expression, expression.root, core).i != 0;
+}
+
+std::string value_text(const Property& expression, const rt::Core& core) {
+  const PropertyNode& root = expression.nodes[expression.root];
+  const Number value = evaluate(expression, expression.root, core);
+  if (root.type == Type::Bool) return value.i != 0 ? "true" : "false";
+  rt::Cell cell{};
+  if (root.type == Type::Float) cell.f = value.f;
+  else cell.i = static_cast<std::int32_t>(value.i);
+  // A string that is in no state has no row.
+  if (root.type == Type::String && cell.i < 0) return "a string that the model does not have";
+  std::string text;
+  const rt::CellType type = root.type == Type::Float    ? rt::CellType::Float
+                            : root.type == Type::String ? rt::CellType::String
+                                                        : rt::CellType::Int;
+  rt::append_value(text, core.image(), type, cell);
+  return text;
 }
 
 bool is_broken(const Property& property, const rt::Core& core) {

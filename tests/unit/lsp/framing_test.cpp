@@ -1,11 +1,13 @@
 // Framing and positions: the two places where the server meets bytes that it did not choose.
 #include <catch2/catch.hpp>
 
-#include "tools/lsp/framing.hpp"
+#include "compiler/base/framing.hpp"
 #include "tools/lsp/document_text.hpp"
 #include "tools/lsp/uri.hpp"
 
 using namespace bip::lsp;
+using bip::framed;
+using bip::Framing;
 
 namespace {
 

@@ -1,5 +1,5 @@
 // See framing.hpp. Cost: linear in the bytes; a body is copied once.
-#include "tools/lsp/framing.hpp"
+#include "compiler/base/framing.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 
 #include "runtime/include/bip/assert.hpp"
 
-namespace bip::lsp {
+namespace bip {
 namespace {
 
 constexpr std::string_view kField = "content-length:";
@@ -130,4 +130,4 @@ std::string framed(std::string_view body) {
   return "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + std::string(body);
 }
 
-}  // namespace bip::lsp
+}  // namespace bip

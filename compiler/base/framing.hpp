@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace bip::lsp {
+namespace bip {
 
 class Framing {
  public:
@@ -41,4 +41,4 @@ class Framing {
 
 [[nodiscard]] std::string framed(std::string_view body);
 
-}  // namespace bip::lsp
+}  // namespace bip

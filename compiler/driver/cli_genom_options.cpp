@@ -1,0 +1,101 @@
+// The options of the commands that translate robot modules: `genom` and `rules`.
+#include "compiler/driver/cli_options.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+// How modules become BIP.
+void add_generation(CLI::App* command, GenomArguments& a) {
+  command->add_option("-o,--output", a.output, "output file, a .bip file (default: standard output)")
+      ->type_name("FILE");
+  command
+      ->add_option("--package", a.package,
+                   "name of the package (default: name of the output file, or of the first module)")
+      ->type_name("NAME");
+  command
+      ->add_option("--yields", a.side_file,
+                   "file with additional facts: results of codels, waiting triggers, readers of posters")
+      ->type_name("FILE");
+  command
+      ->add_option("--flavour", a.flavour,
+                   "model of codels: any result is possible (verification, default), or C++ functions of the same "
+                   "names are called (execution)")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return text == "verification" || text == "execution" ? "" : not_one_of(text, "verification|execution");
+          },
+          ""))
+      ->type_name("verification|execution");
+  auto* executive = command->add_flag("--executive", a.executive,
+                                      "use the execution flavour and take requests from the C++ functions "
+                                      "executive_request, executive_answer and executive_reply");
+  command
+      ->add_flag("--served", a.served,
+                 "use the execution flavour in real time and take requests from clients of `bipc serve`")
+      ->excludes(executive);
+  command->add_flag("--skeleton", a.skeleton,
+                    "use the execution flavour and write empty C++ codels beside the output; existing files are kept");
+  command
+      ->add_option("--instances", a.instances,
+                   "activities of a service that may run at the same time (default: 1; one more for a service that "
+                   "interrupts itself)")
+      ->check(CLI::Range(1, 16))
+      ->type_name("N");
+  command
+      ->add_option("--lock", a.lock,
+                   "mutual exclusion of codels: one lock per module, or by the data that each codel uses (default: as "
+                   "the GenoM version prescribes)")
+      ->check(CLI::Validator(
+          [](std::string& text) { return text == "module" || text == "codel" ? "" : not_one_of(text, "module|codel"); },
+          ""))
+      ->type_name("module|codel");
+  command->add_option("--tick", a.tick_ms, "length of a tick in milliseconds (default: clock period of the module)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("MS");
+  command->add_option("--control-period", a.control_period, "ticks between two reads of the message box (default: 1)")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("TICKS");
+  command->add_option("--poster-period", a.poster_period, "ticks between two increments of PosterAge (default: 1)")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("TICKS");
+  command->add_option("--oldest", a.oldest, "greatest value of PosterAge (default: 100)")
+      ->check(CLI::Range(1, 1000000))
+      ->type_name("N");
+  command->add_option("-I", a.compile.folders, "search DIR for headers, after the folder of the file; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("DIR");
+  command->add_option("-D", a.defines, "define a preprocessor macro; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME[=VALUE]");
+  add_diagnostics(*command, a.compile);
+}
+
+}  // namespace
+
+void add_genom(CLI::App& app, GenomArguments& a) {
+  CLI::App* command = app.add_subcommand("genom", "translate descriptions of robot modules (GenoM 2 and 3) to BIP");
+  command->add_option("FILE", a.files, "module descriptions (.gen); all files together form one functional level")
+      ->required()
+      ->type_name("");
+  add_generation(command, a);
+  command->footer("Example:\n  bipc genom demo.gen -o demo.bip && bipc verify demo.bip");
+}
+
+void add_rules(CLI::App& app, GenomArguments& a) {
+  CLI::App* command =
+      app.add_subcommand("rules", "translate safety rules over robot modules to a functional level that enforces them");
+  command->add_option("FILE", a.files, "rules file (.rules), which names the module descriptions")
+      ->required()
+      ->expected(1)
+      ->type_name("");
+  command->add_flag("--prove", a.prove,
+                    "first search for services that the rules never admit, and name the rules responsible");
+  command->add_option("--timeout", a.timeout, "time limit of --prove in seconds (default: 60)")
+      ->check(CLI::Range(1, 100000000))
+      ->type_name("S");
+  add_generation(command, a);
+  command->footer("Example:\n  bipc rules --prove rover.rules -o rover.bip && bipc verify rover.bip");
+}
+
+}  // namespace bip::driver
