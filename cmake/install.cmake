@@ -5,7 +5,8 @@
 #   lib/bipc/        the JIT plug-in and the runtime that `bipc build` links
 #   share/bipc/      runtime (sources for `bipc emit`), stdlib, models
 #   share/doc/bipc/  documents and licence; man pages and completions are where programs look for them
-#   include/bip/, lib*/   component dev: headers and libbip_runtime.a; component libs: libbip_runtime.so.0
+#   include/bip/, lib*/   component dev: headers and libbip_runtime.a; component libs: libbip_runtime.so.0; components compiler and compiler_dev:
+#                    libbip_compiler.so.0
 include(GNUInstallDirs)
 set(bipc_share ${CMAKE_INSTALL_DATADIR}/bipc)
 # Not lib/<triplet>: the program looks for it at ../lib/bipc.
@@ -37,6 +38,14 @@ install(DIRECTORY runtime/include/bip DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} CO
 install(TARGETS bip_runtime ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
 if(TARGET bip_runtime_shared)
   install(TARGETS bip_runtime_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libs NAMELINK_COMPONENT dev)
+endif()
+
+# The compiler as a library.
+if(TARGET bip_compiler)
+  install(DIRECTORY compiler/library/include/bip DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT compiler_dev FILES_MATCHING PATTERN *.hpp)
+  set_target_properties(bip_compiler PROPERTIES INSTALL_RPATH "$ORIGIN")
+  target_link_options(bip_compiler PRIVATE -Wl,--disable-new-dtags)
+  install(TARGETS bip_compiler LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT compiler NAMELINK_COMPONENT compiler_dev)
 endif()
 
 # find_package(bip) and pkg-config.

@@ -8,7 +8,7 @@
 
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 
 namespace bip::driver {

@@ -12,7 +12,7 @@
 #include "compiler/pipeline/compiler_errors.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/driver/emit_stage.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "compiler/driver/cli_options.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 
 namespace bip::driver {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "compiler/diag/explain.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/report.hpp"
 
 namespace bip::driver {

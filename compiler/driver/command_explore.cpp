@@ -14,7 +14,7 @@
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/pipeline/executor.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"

@@ -9,8 +9,9 @@
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/read_question.hpp"
+#include "compiler/library/decide.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
@@ -100,7 +101,8 @@ int command_export(const ExportArguments& arguments) {
   }
   std::string text;
   if (compile(c, arguments.file, Stage::Image) && check_outputs(c, {arguments.output})) {
-    const std::optional<verify::Question> question = read_question("export", arguments.property, *c.system);
+    const std::optional<verify::Question> question =
+        read_question("export", arguments.property, library::read_question(arguments.property, *c.system));
     if (!question) return kUsage;
     Result<std::string> made = exported(c, arguments, *question);
     if (!made) {

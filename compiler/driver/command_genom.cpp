@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/genom_files.hpp"
 #include "compiler/driver/report.hpp"
 

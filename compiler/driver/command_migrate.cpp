@@ -8,7 +8,7 @@
 #include "compiler/base/stage_scope.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/syntax/deprecated.hpp"
 

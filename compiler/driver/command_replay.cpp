@@ -14,7 +14,7 @@
 #include "compiler/base/read_file.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/executor.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/system/uses_time.hpp"

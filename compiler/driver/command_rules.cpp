@@ -5,7 +5,7 @@
 
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/contradictions.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/genom_files.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/genom/names.hpp"

@@ -15,7 +15,7 @@
 #include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/pipeline/executor.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/profile_text.hpp"
 #include "compiler/driver/report.hpp"
 #include "runtime/trace/trace_formats.hpp"

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/pipeline/jit_loader.hpp"
 #include "compiler/pipeline/load_packages.hpp"

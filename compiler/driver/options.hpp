@@ -6,6 +6,7 @@
 
 #include "bip/run.hpp"
 #include "compiler/graph/graph.hpp"
+#include "compiler/library/decide.hpp"
 #include "compiler/pipeline/options.hpp"
 #include "runtime/engine/simulate.hpp"
 #include "runtime/debug/session.hpp"
@@ -59,20 +60,12 @@ struct BuildArguments {
   std::string output;
   Optimisation optimisation = Optimisation::Auto;
 };
-struct VerifyArguments {
+struct VerifyArguments : library::VerifyRequest {
   CompileOptions compile;
   std::string file;
-  Backend backend = Backend::Auto;
-  std::uint64_t timeout = 60;      // seconds
-  std::uint64_t megabytes = 2048;  // of the states that a search keeps
-  std::string certificate;         // empty: none is written
-  std::string property;            // empty: deadlock-freedom
-  std::string trace_path;          // of the run that violates it; empty: none is written
-  bool partial = false;            // local deadlocks
+  std::string certificate;  // empty: none is written
+  std::string trace_path;   // of the run that violates the property; empty: none is written
   bool json = false;
-  bool why = false;
-  bool stats = false;
-  bool reuses = true;  // proofs from earlier runs, and leaves its own
 };
 struct ExploreArguments {
   CompileOptions compile;

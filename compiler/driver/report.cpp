@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "compiler/diag/explain.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 
 namespace bip::driver {
 namespace {

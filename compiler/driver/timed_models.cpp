@@ -9,26 +9,18 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/base/write_file.hpp"
-#include "compiler/pipeline/error_sources.hpp"
-#include "compiler/pipeline/executor.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
-#include "compiler/driver/verify_text.hpp"
-#include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
-#include "compiler/verify/timed/prove_time.hpp"
-#include "compiler/verify/evidence/counterexample_text.hpp"
 #include "runtime/explore/counterexample.hpp"
 
 namespace bip::driver {
 
 namespace {
 
-// Of the time: the rest is the whole zone graph's.
-constexpr double kShareOfParts = 3;
 constexpr const char* kNotReplayed = "the core could not take the way to what was found\n";
 
 // Of what was found: the error before the deadlock before the time lock, as exit codes have it.
@@ -79,92 +71,6 @@ int exit_code_of(const rt::ZoneReport& found) {
   if (found.has_error) return kModelErrors;
   if (found.has_deadlock || found.has_time_lock) return kViolated;
   return found.end == rt::ExploreEnd::Complete && found.inexact.empty() ? kOk : kUnknown;
-}
-
-std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation) {
-  if (!found.inexact.empty()) return found.inexact + ", which zones cannot follow";
-  switch (found.end) {
-    case rt::ExploreEnd::Time: return "the time is over";
-    case rt::ExploreEnd::Memory: return "the memory does not suffice";
-    case rt::ExploreEnd::Stopped: return cancellation.is_cancelled() ? "interrupted" : "the time is over";
-    case rt::ExploreEnd::Complete:
-    case rt::ExploreEnd::States: break;
-  }
-  return "the limit of zones is reached";
-}
-
-// What has no answer yet is said. False: it was.
-bool is_answerable(const VerifyArguments& a, Compilation& c, const verify::Question& question) {
-  const char* refused = nullptr;
-  if (question.what == verify::QuestionKind::NoLocalDeadlock) refused = "`--partial` for a model with time";
-  else if (!a.certificate.empty()) refused = "a certificate for a model with time";
-  if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
-  return refused == nullptr;
-}
-
-// What a location offers depends on the instant.
-void ask(const verify::Property& property, rt::ExploreOptions& options) {
-  options.predicate = [&property](const rt::Core& core) { return verify::is_broken(property, core); };
-  for (const verify::PropertyNode& node : property.nodes) {
-    if (node.kind == verify::PropertyKind::CanConnector) options.predicate_connectors.push_back(node.owner);
-    if (node.kind == verify::PropertyKind::CanPort) options.predicate_atoms.push_back(node.owner);
-  }
-}
-
-// Describes the state at the end of the path.
-std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
-  rt::Core core(image);
-  bool is_sound = core.initialize();
-  for (const rt::TimedStep& step : path.steps) {
-    is_sound = is_sound && rt::let_time_pass(core, step.at) && step.choice < core.candidate_count() &&
-               core.time().take(core.position(step.choice));
-  }
-  return is_sound && rt::let_time_pass(core, path.end) ? verify::broken_state(core, property, path.steps.size())
-                                                       : std::string();
-}
-
-// Parts are small and seen once: the interpreter, whatever back end the model has.
-rt::PartReport explore_system(const System& part, const rt::ExploreOptions& options, const rt::PartQuestion& question) {
-  const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(part, "part");
-  const interp::Interpreter interpreter(*lowered);
-  return rt::explore_part(lowered->image, options, question);
-}
-
-std::string neighbourhoods_text(const verify::TimeProof& proof) {
-  return rt::counted(proof.neighbourhoods, "neighbourhood") + " of at most " + rt::counted(proof.largest, "component");
-}
-
-std::string proof_text(const verify::TimeProof& proof, const verify::Question& question) {
-  const std::string invariants = rt::counted(proof.invariants, "invariant");
-  if (question.what == verify::QuestionKind::State)
-    return fmt::format("holds: `{}`: by {} and the zones of {}\n", question.property.text, invariants,
-                       neighbourhoods_text(proof));
-  if (proof.neighbourhoods == 0)
-    return "deadlock-free: no deadlock, by " + invariants + ", and no time lock, for nothing holds time up\n";
-  return "deadlock-free: no deadlock and no time lock, by " + invariants + " and the zones of " +
-         neighbourhoods_text(proof) + '\n';
-}
-
-// Of the proof by parts.
-std::string stats_text(const verify::TimeProof& proof) {
-  const std::string graphs = rt::counted(proof.explored, "zone graph") + " of " + rt::counted(proof.zones, "zone") +
-                             ", " + rt::counted(proof.invariants, "invariant");
-  return "by parts: " + (proof.is_proved ? "proved" : "not proved, " + proof.reason) + "; " +
-         (proof.neighbourhoods == 0 ? "" : neighbourhoods_text(proof) + ", ") + graphs + '\n';
-}
-
-nlohmann::ordered_json parts_json(const verify::TimeProof& proof) {
-  nlohmann::ordered_json json{{"proved", proof.is_proved}, {"neighbourhoods", proof.neighbourhoods},
-                              {"largest", proof.largest},  {"graphs", proof.explored},
-                              {"zones", proof.zones},      {"invariants", proof.invariants}};
-  if (!proof.is_proved) json["reason"] = proof.reason;
-  return json;
-}
-
-int write_verdict(const VerifyArguments& a, const nlohmann::ordered_json& json, const std::string& text,
-                  int exit_code) {
-  write_now(stdout, a.json ? json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : text);
-  return exit_code;
 }
 
 }  // namespace
@@ -224,108 +130,6 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
                                   found.depth, found.seconds));
   }
   return exit_code_of(found);
-}
-
-int verify_timed(const VerifyArguments& arguments, Compilation& c, const verify::Question& question,
-                 const std::string& note) {
-  if (!is_answerable(arguments, c, question)) return report(c);
-  if (!c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) {
-    const std::string reason = "zones cannot follow what the model's C++ computes";
-    const nlohmann::ordered_json json{{"format", "bipc-verdict"},
-                                      {"version", 1},
-                                      {"verdict", "unknown"},
-                                      {"reason", reason},
-                                      {"text", "unknown: " + reason + '\n'}};
-    return write_verdict(arguments, json, "unknown: " + reason + '\n', kUnknown);
-  }
-  const InterruptCancellation interrupt;
-  const verify::CancellationToken cancellation = interrupt.token().within(static_cast<double>(arguments.timeout));
-  nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
-  std::string stats;
-  const bool asks_state = question.what == verify::QuestionKind::State;
-  if (asks_state) json["property"] = question.property.text;
-  if (asks_state || question.what == verify::QuestionKind::DeadlockFreedom) {
-    const verify::CancellationToken soon = cancellation.within(static_cast<double>(arguments.timeout) / kShareOfParts);
-    const verify::TimeProof proof =
-        asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
-                   : verify::prove_time(*c.system, explore_system, soon);
-    if (arguments.stats) {
-      stats = stats_text(proof);
-      json["parts"] = parts_json(proof);
-    }
-    if (proof.is_proved) {
-      std::string text = proof_text(proof, question);
-      if (can_end_in_error(*c.system)) text += kErrorsNotAsked;
-      text += note;
-      json["verdict"] = asks_state ? "holds" : "deadlock-free";
-      json["method"] = "parts";
-      json["text"] = text;
-      return write_verdict(arguments, json, text + stats, kOk);
-    }
-  }
-  Executor executor(MachineCode::Fresh);
-  const bool may_start = executor.prepare(c, arguments.backend, Optimisation::Auto);
-  if (const int code = report(c); code != 0 || !may_start) return code;
-  const rt::Image& image = c.lowered->image;
-  rt::ZoneReport found;
-  {
-    rt::ExploreOptions options;
-    options.bytes = arguments.megabytes * kMega;
-    options.is_stopped = [&] { return cancellation.is_over(); };
-    options.unread_cells = verify::find_unread_cells(
-        *c.system, image, asks_state ? verify::data_of(question.property) : std::vector<DataRef>());
-    if (asks_state) ask(question.property, options);
-    found = rt::explore_zones(image, options);
-  }
-  const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
-  const bool is_violated = asks_errors  ? found.has_error
-                           : asks_state ? found.has_match
-                                        : found.has_deadlock || found.has_time_lock;
-  const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
-  const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
-  if (asks_errors) json["property"] = "errors";
-  json["zones"] = found.zones;
-  std::string text;
-  int exit_code = kUnknown;
-  if (is_violated && found.are_paths_known) {
-    const Found first = asks_errors  ? Found{rt::CounterexampleEnd::Error, &found.error}
-                        : asks_state ? Found{rt::CounterexampleEnd::State, &found.match}
-                                     : first_of(found);
-    rt::CounterexampleText described =
-        rt::describe_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, kStepsShown);
-    if (asks_state) described.steps += broken_text(image, question.property, *first.path);
-    json["verdict"] = asks_state                                     ? "violated"
-                      : first.end == rt::CounterexampleEnd::Error    ? "error"
-                      : first.end == rt::CounterexampleEnd::TimeLock ? "time lock"
-                                                                     : "deadlock";
-    json["steps"] = first.path->steps.size();
-    text = described.steps + described.error;
-    exit_code = kViolated;
-    if (!arguments.trace_path.empty()) {
-      const std::string trace =
-          rt::trace_of_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, rt::TraceFormat::Json);
-      if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {
-        c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
-        return report(c);
-      }
-    }
-  } else if (is_complete && !is_violated) {
-    const std::string name = asks_errors ? "error-free" : asks_state ? "holds" : "deadlock-free";
-    json["verdict"] = name;
-    json["method"] = "exhaustive";
-    text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size)
-                      : name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
-    if (found.has_error) text += "note: this holds, but a run can end with an error: `--property errors` shows it\n";
-    exit_code = kOk;
-  } else {
-    const std::string reason =
-        is_violated ? "the core could not take the way that was found" : limit_text(found, cancellation);
-    json["reason"] = reason;
-    text = "unknown: " + reason + ", after " + size + '\n';
-  }
-  text += note;
-  json["text"] = text;
-  return write_verdict(arguments, json, text + stats, exit_code);
 }
 
 }  // namespace bip::driver

@@ -1,6 +1,8 @@
 // Finds and runs the host's C++ compiler, finds the runtime's sources, and manages temporary files. POSIX only.
 #include "compiler/pipeline/host_compiler.hpp"
 
+#include "compiler/pipeline/parts.hpp"
+
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/stat.h>
@@ -133,15 +135,13 @@ int signal_during_program() { return forwarded_signal.load(); }
 RuntimeLocation find_runtime() {
   RuntimeLocation found;
   std::error_code ignored;
-  const fs::path folder = fs::path(program_path()).parent_path();
   // In a build tree CMake leaves a link `runtime` to the sources beside the program.
-  for (const fs::path& candidate :
-       {folder / "runtime", folder.parent_path() / "share/bipc/runtime", folder.parent_path() / "runtime"}) {
+  for (const fs::path& candidate : places_of_part("runtime")) {
     found.tried.push_back(candidate.string());
     if (!fs::exists(candidate / "include/bip/run.hpp", ignored)) continue;
     found.directory = candidate.string();
 #ifdef BIPC_PREBUILT_RUNTIME
-    for (const fs::path& library : {folder / "libbip_runtime.a", folder.parent_path() / "lib/bipc/libbip_runtime.a"}) {
+    for (const fs::path& library : places_of_part("libbip_runtime.a")) {
       if (found.library.empty() && fs::exists(library, ignored)) found.library = library.string();
     }
 #endif

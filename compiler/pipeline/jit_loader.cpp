@@ -5,6 +5,8 @@
 
 #include <filesystem>
 
+#include "compiler/pipeline/parts.hpp"
+
 namespace bip::pipeline {
 namespace {
 
@@ -12,10 +14,7 @@ constexpr const char* kFileName = "libbipc_jit.so";
 
 std::filesystem::path find_plugin() {
   std::error_code error;
-  const std::filesystem::path executable = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return {};
-  const std::filesystem::path folder = executable.parent_path();
-  for (const std::filesystem::path& path : {folder / kFileName, folder.parent_path() / "lib" / "bipc" / kFileName})
+  for (const std::filesystem::path& path : places_of_part(kFileName))
     if (std::filesystem::exists(path, error)) return path;
   return {};
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "compiler/pipeline/parts.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::pipeline {
@@ -220,10 +221,8 @@ bool load_packages(Compilation& c) {
 
 std::string find_stdlib() {
   std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
   // In a build tree CMake leaves a link `stdlib` to the sources beside the program.
-  for (const fs::path& candidate :
-       {folder / "stdlib", folder.parent_path() / "share/bipc/stdlib", folder.parent_path() / "stdlib"}) {
+  for (const fs::path& candidate : places_of_part("stdlib")) {
     if (fs::is_directory(candidate / "std", ignored)) return candidate.string();
   }
   return {};

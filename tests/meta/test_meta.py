@@ -37,6 +37,7 @@ MAY_INCLUDE = {
     "emit_cpp": LOWER | {"emit_cpp"}, "steps": LOWER | {"analysis", "steps"}, "graph": ANALYSIS | {"graph"}, "verify": LOWER | {"analysis", "verify"},
     "genom": DIAG | SYNTAX | {"parse", "genom"}, "rules": DIAG | SYNTAX | {"genom", "rules"},
     "exchange": ANALYSIS | {"exchange", "verify"},
+    "library": LOWER | {"graph", "interp", "verify", "pipeline", "library"},
     "pipeline": LOWER | {"parse", "steps", "interp", "jit", "emit_cpp", "verify", "pipeline"},
     "debug": LOWER | {"analysis", "verify", "debug"}, "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
     "runtime": {"runtime"},
@@ -289,7 +290,7 @@ def check_paths_in_documents_exist():
     problems = []
     for document in DOCUMENTS:
         text = re.sub(r"^```.*?^```", "", document.read_text(encoding="utf-8"), flags=re.M | re.S)
-        bases = (ROOT, document.parent, ROOT / "compiler", ROOT / "runtime", ROOT / "runtime/include", ROOT / "tests")
+        bases = (ROOT, document.parent, ROOT / "compiler", ROOT / "runtime", ROOT / "runtime/include", ROOT / "compiler/library/include", ROOT / "tests")
         for word in re.findall(r"`([\w.*-]+(?:/[\w.*-]+)*)/?`", text):
             parts = word.split("/")
             is_ours = CODE_FILE.match(parts[-1]) or (len(parts) > 1 and parts[0] in TOP_FOLDERS)

@@ -34,7 +34,7 @@ class Installation:
 
     def __init__(self, work):
         first = work / "first"
-        for component in ("bipc", "libs", "dev"):
+        for component in ("bipc", "libs", "dev", "compiler", "compiler_dev"):
             run("cmake", "--install", BUILD, "--prefix", first, "--component", component)
         self.prefix = work / "second" / "bip c"
         self.prefix.parent.mkdir()
@@ -113,6 +113,18 @@ def test_models_inside_other_programs(at):
     if shutil.which("pkg-config"):
         flags = run("pkg-config", "--cflags", "--libs", "bip-runtime", PKG_CONFIG_PATH=str(description.parent))
         assert "-lbip_runtime" in flags and "second" in flags, flags
+
+
+def test_compiler_inside_another_program(at):
+    """bip::compiler of the installation finds the JIT, the standard library and its own runtime."""
+    if not list(at.prefix.glob("lib*/**/libbip_compiler.so.0")):
+        print("skipped: libbip_compiler.so was not built: there is no shared ANTLR library")
+        return
+    build = at.work / "compiler"
+    run("cmake", "-S", at.prefix / "share/bipc/models/embedding", "-B", build, f"-DCMAKE_PREFIX_PATH={at.prefix}", "-DCMAKE_BUILD_TYPE=Debug")
+    run("cmake", "--build", build, "--target", "compile_here")
+    said = run(build / "compile_here", at.prefix / PHILOSOPHERS)
+    assert "deadlock" in said, said
 
 
 def commands_and_options():

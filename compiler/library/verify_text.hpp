@@ -1,12 +1,13 @@
-// Prints what `bipc verify` answers: the verdict in words and as JSON.
+// A verdict in words and as JSON.
 #pragma once
 #include <string>
 
-#include "compiler/driver/options.hpp"
 #include "compiler/pipeline/pipeline.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
 
-namespace bip::driver {
+namespace bip::library {
+
+using namespace pipeline;
 
 struct VerdictText {
   int exit_code = 0;
@@ -38,4 +39,4 @@ struct VerifyStats {
 /// Returns two lines: time and candidates, reuse of proofs.
 [[nodiscard]] std::string stats_text(const VerifyStats& stats);
 
-}  // namespace bip::driver
+}  // namespace bip::library

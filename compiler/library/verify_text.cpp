@@ -1,18 +1,18 @@
 // See verify_text.hpp.
-#include "compiler/driver/verify_text.hpp"
+#include "compiler/library/verify_text.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/driver/exit_codes.hpp"
-#include "compiler/driver/terminal.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/limits.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "runtime/include/bip/assert.hpp"
 
-namespace bip::driver {
+namespace bip::library {
 
 namespace {
 
@@ -200,4 +200,4 @@ std::string stats_text(const VerifyStats& stats) {
   return text + fmt::format("; {} kept\n", count_of(n.stored, "file"));
 }
 
-}  // namespace bip::driver
+}  // namespace bip::library

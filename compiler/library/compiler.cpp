@@ -1,0 +1,366 @@
+// See bip/compiler.hpp: a Compilation, its executor, and what the answers look like as plain data.
+#include "compiler/library/include/bip/compiler.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "compiler/graph/graph.hpp"
+#include "compiler/interp/interp.hpp"
+#include "compiler/library/decide.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/limits.hpp"
+#include "compiler/pipeline/machine.hpp"
+#include "compiler/system/bsys.hpp"
+#include "compiler/system/uses_time.hpp"
+#include "compiler/verify/net/unread_data.hpp"
+#include "runtime/explore/counterexample.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::compiler {
+
+namespace {
+
+pipeline::Backend backend_of(Backend backend) {
+  switch (backend) {
+    case Backend::Auto: return pipeline::Backend::Auto;
+    case Backend::Jit: return pipeline::Backend::Jit;
+    case Backend::Interpreter: return pipeline::Backend::Interp;
+  }
+  BIP_UNREACHABLE("a back end");
+}
+
+rt::StateReduction reduction_of(Reduction reduction) {
+  switch (reduction) {
+    case Reduction::None: return rt::StateReduction::None;
+    case Reduction::PartialOrder: return rt::StateReduction::Por;
+    case Reduction::Symmetry: return rt::StateReduction::Symmetry;
+  }
+  BIP_UNREACHABLE("a reduction");
+}
+
+pipeline::CompileOptions internal(const CompileOptions& options) {
+  pipeline::CompileOptions all;
+  all.root = options.root;
+  all.folders = options.folders;
+  all.refuses_cpp = !options.allows_cpp;
+  all.cache.is_off = !options.uses_cache;
+  all.max_instances = options.max_instances;
+  return all;
+}
+
+Diagnostic plain(const bip::Diagnostic& d, const SourceMap& sources) {
+  Diagnostic out;
+  out.code = info(d.kind).code;
+  out.severity = d.severity == bip::Severity::Error ? Severity::Error : Severity::Warning;
+  out.message = d.message;
+  out.label = d.label;
+  out.notes = d.notes;
+  for (const Help& help : d.helps) out.help.push_back(help.text);
+  if (!d.range.is_valid()) return out;
+  const Loc begin = sources.loc(d.range.file, d.range.begin), end = sources.loc(d.range.file, d.range.end);
+  out.file = sources.name(d.range.file);
+  out.line = begin.line;
+  out.column = begin.column;
+  out.end_line = end.line;
+  out.end_column = end.column;
+  return out;
+}
+
+std::vector<Diagnostic> plain(const pipeline::Compilation& c) {
+  std::vector<Diagnostic> all;
+  for (const bip::Diagnostic* d : c.diags.sorted()) all.push_back(plain(*d, c.sources));
+  return all;
+}
+
+const char* name_of(rt::CounterexampleEnd end) {
+  switch (end) {
+    case rt::CounterexampleEnd::Deadlock: return "deadlock";
+    case rt::CounterexampleEnd::Error: return "error";
+    case rt::CounterexampleEnd::TimeLock: return "time lock";
+    case rt::CounterexampleEnd::State: return "state";
+  }
+  BIP_UNREACHABLE("an end");
+}
+
+// The names of a path's steps, by a core that takes them. The image has its code.
+Counterexample replayed(const rt::Image& image, rt::MaximalProgress maximal, rt::CounterexampleEnd end,
+                        const rt::TimedPath& path) {
+  Counterexample out;
+  out.end = name_of(end);
+  rt::Core core(image, {.progress = maximal});
+  bool is_sound = core.initialize();
+  for (const rt::TimedStep& step : path.steps) {
+    if (!is_sound || (core.is_timed() && !rt::let_time_pass(core, step.at)) || step.choice >= core.candidate_count())
+      break;
+    const rt::EnabledSet::Position at = core.position(step.choice);
+    CounterexampleStep row{core.is_timed() ? core.now() : 0, step.choice, {}};
+    rt::append_candidate(row.interaction, core, core.candidate(at));
+    out.steps.push_back(std::move(row));
+    is_sound = core.is_timed() ? core.time().take(at) : core.take(at);
+  }
+  return out;
+}
+
+rt::TimedPath timed(const rt::Path& path) {
+  rt::TimedPath out;
+  for (const rt::u64 choice : path) out.steps.push_back({0, choice});
+  return out;
+}
+
+}  // namespace
+
+struct Model::Impl {
+  explicit Impl(const CompileOptions& o) : options(o), compilation(internal(o)) {}
+  CompileOptions options;
+  pipeline::Compilation compilation;
+  std::unique_ptr<pipeline::Executor> executor;  // ends before the compilation
+  bool is_ready = false;
+};
+
+/// Makes models, for the functions below.
+class ModelAccess {
+ public:
+  static std::unique_ptr<Model> make(std::unique_ptr<Model::Impl> impl) {
+    std::unique_ptr<Model> model(new Model);
+    model->impl_ = std::move(impl);
+    return model;
+  }
+  using Impl = Model::Impl;
+};
+
+Model::Model() = default;
+Model::~Model() = default;
+
+const std::string& Model::root() const { return impl_->compilation.root_name; }
+const std::string& Model::path() const { return impl_->compilation.path; }
+
+std::vector<std::string> Model::components() const {
+  std::vector<std::string> paths;
+  const rt::Image& image = impl_->compilation.lowered->image;
+  for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) paths.push_back(image.atoms[atom].path());
+  return paths;
+}
+
+std::vector<std::string> Model::variables(const std::string& component) const {
+  std::vector<std::string> paths;
+  const rt::Image& image = impl_->compilation.lowered->image;
+  for (rt::u32 atom = 0; atom < image.atoms.size; ++atom) {
+    const rt::Atom row = image.atoms[atom];
+    if (row.path() != component) continue;
+    const rt::AtomType& type = image.atom_types[row.type];
+    for (rt::u32 k = 0; k < type.variables.size; ++k) paths.push_back(component + "." + type.variables[k].name);
+    break;
+  }
+  return paths;
+}
+
+std::vector<Diagnostic> Model::prepare() {
+  if (impl_->is_ready) return {};
+  pipeline::Compilation& c = impl_->compilation;
+  const std::size_t known = plain(c).size();
+  if (!impl_->executor) {
+    impl_->executor = std::make_unique<pipeline::Executor>();
+    impl_->is_ready = impl_->executor->prepare(c, backend_of(impl_->options.backend), pipeline::Optimisation::Auto);
+  }
+  std::vector<Diagnostic> all = plain(c);
+  if (impl_->is_ready) return {};
+  BIP_ASSERT(known <= all.size(), "{} diagnostics became {}", known, all.size());
+  std::erase_if(all, [](const Diagnostic& d) { return d.severity != Severity::Error; });
+  return all;
+}
+
+const rt::Image* Model::image() { return prepare().empty() ? &impl_->compilation.lowered->image : nullptr; }
+
+Execution Model::start(const ExecutionOptions& options) {
+  const rt::Image* code = image();
+  BIP_ENSURE(code != nullptr, "`{}` has no code", path());
+  return Execution(*code, options);
+}
+
+Exploration Model::explore(const ExploreOptions& options) {
+  Exploration out;
+  pipeline::Compilation& c = impl_->compilation;
+  const CodeTable& code = c.system->code;
+  rt::ExploreOptions wanted;
+  wanted.progress = options.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off;
+  wanted.reduction = reduction_of(options.reduction);
+  wanted.limit = options.max_states;
+  wanted.seconds = options.seconds;
+  wanted.bytes = options.megabytes == 0 ? pipeline::available_memory() / 4 * 3 : options.megabytes * pipeline::kMega;
+  wanted.threads = options.threads == 0 ? pipeline::processors() : std::min(options.threads, 256u);
+  wanted.is_stopped = [&options] { return options.stop.stop_requested(); };
+  Diagnostics refused;
+  if (!options.trusts_cpp && library::calls_cpp(*c.system)) {
+    refused.report(Diag::kB5041, {}, code.functions.empty() ? code.ffi_types[0].name : code.functions[0].name);
+  } else if (const std::string problem = rt::reduction_problem(c.lowered->image, wanted); !problem.empty()) {
+    refused.report(Diag::kB5040, {}, options.reduction == Reduction::PartialOrder ? "partial-order" : "symmetry",
+                   problem);
+  }
+  for (const bip::Diagnostic* d : refused.sorted()) out.diagnostics.push_back(plain(*d, c.sources));
+  if (out.diagnostics.empty()) out.diagnostics = prepare();
+  if (!out.diagnostics.empty()) return out;
+  out.is_answered = true;
+  const rt::Image& image = c.lowered->image;
+  wanted.unread_cells = verify::find_unread_cells(*c.system, image);
+  const auto found_run = [&](rt::CounterexampleEnd end, const rt::TimedPath& path, const rt::CounterexampleText& text) {
+    Counterexample run = replayed(image, wanted.progress, end, path);
+    run.text = text.steps + text.error;
+    return run;
+  };
+  const auto described = [&](rt::CounterexampleEnd end, const auto& path) {
+    return rt::describe_counterexample(image, wanted.progress, end, path, pipeline::kStepsShown);
+  };
+  using enum rt::CounterexampleEnd;
+  if (system::is_timed(*c.system)) {
+    const rt::ZoneReport found = rt::explore_zones(image, wanted);
+    out.end = found.inexact.empty() ? rt::name_of(found.end) : "inexact";
+    out.states = found.zones;
+    out.steps = found.steps;
+    out.deadlocks = found.deadlocks;
+    out.time_locks = found.time_locks;
+    out.errors = found.errors;
+    out.depth = found.depth;
+    out.seconds = found.seconds;
+    out.bytes = found.bytes;
+    out.text = rt::summary_line(found);
+    if (!found.are_paths_known) return out;
+    if (found.has_deadlock) out.deadlock = found_run(Deadlock, found.deadlock, described(Deadlock, found.deadlock));
+    if (found.has_time_lock) out.time_lock = found_run(TimeLock, found.time_lock, described(TimeLock, found.time_lock));
+    if (found.has_error) out.error = found_run(Error, found.error, described(Error, found.error));
+    return out;
+  }
+  const rt::ExploreReport found = rt::explore_states(image, wanted);
+  out.end = rt::name_of(found.end);
+  out.states = found.states;
+  out.steps = found.steps;
+  out.deadlocks = found.deadlocks;
+  out.errors = found.errors;
+  out.depth = found.depth;
+  out.seconds = found.seconds;
+  out.bytes = found.bytes;
+  out.text = rt::summary_line(found);
+  if (!found.are_paths_known) return out;
+  if (found.has_deadlock)
+    out.deadlock = found_run(Deadlock, timed(found.deadlock), described(Deadlock, found.deadlock));
+  if (found.has_error) out.error = found_run(Error, timed(found.error), described(Error, found.error));
+  return out;
+}
+
+Verdict Model::verify(const VerifyOptions& options) const {
+  const pipeline::Compilation& own = impl_->compilation;
+  // The texts as they were read, whatever the files say by now.
+  pipeline::Compilation c(own.options);
+  c.open_texts = own.open_texts;
+  for (const auto& [file, path] : own.paths) c.open_texts[path] = std::string(own.sources.text(file));
+  Verdict out;
+  if (!pipeline::compile(c, own.path, pipeline::Stage::Image)) {
+    out.diagnostics = plain(c);
+    return out;
+  }
+  library::VerifyRequest request;
+  request.backend = backend_of(impl_->options.backend);
+  request.timeout = options.timeout;
+  request.megabytes = options.megabytes;
+  request.property = options.property;
+  request.partial = options.partial;
+  request.why = options.explains;
+  request.reuses = impl_->options.uses_cache;
+  request.wants_certificate = options.wants_certificate;
+  const Result<verify::Question> question = library::read_question(request, *c.system);
+  if (!question) {
+    out.problem = question.error();
+    return out;
+  }
+  const bool may_simplify = library::calls_cpp(*c.system) && !request.wants_certificate;
+  const std::string note = may_simplify ? library::remove_unread_cpp(c, *question) : std::string();
+  std::optional<library::Verdict> verdict = library::decide_initial_fault(c, *question);
+  if (!verdict) {
+    verify::CancellationSource source;
+    const std::stop_callback on_stop(options.stop, [&source] { source.cancel(); });
+    verdict = library::decide(request, c, *question, note, verify::CancellationToken(source),
+                              [](const char*, std::uint64_t, const char*) {});
+  }
+  out.diagnostics = plain(c);
+  out.is_answered = verdict->is_answered;
+  if (!out.is_answered) return out;
+  out.outcome = verdict->exit_code == pipeline::kOk        ? Outcome::Holds
+                : verdict->exit_code == pipeline::kUnknown ? Outcome::Unknown
+                                                           : Outcome::Violated;
+  out.text = std::move(verdict->text);
+  out.json = std::move(verdict->json);
+  out.certificate = std::move(verdict->certificate);
+  const nlohmann::json json = nlohmann::json::parse(out.json);
+  out.name = json.value("verdict", "");
+  out.property = json.value("property", "");
+  out.method = json.value("method", "");
+  out.reason = json.value("reason", "");
+  out.states = json.value("states", json.value("zones", std::uint64_t{0}));
+  out.invariants = json.value("invariants", std::uint64_t{0});
+  out.lemmas = json.value("lemmas", std::uint64_t{0});
+  if (verdict->counterexample) {
+    // Small and seen once: the interpreter.
+    const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(*c.system, c.root_name);
+    const interp::Interpreter interpreter(*lowered);
+    out.counterexample =
+        replayed(lowered->image, rt::MaximalProgress::On, verdict->counterexample->end, verdict->counterexample->path);
+    out.counterexample->text = out.text;
+  }
+  return out;
+}
+
+std::string Model::graph(GraphFormat format, GraphPart part) const {
+  const graph::Show show = part == GraphPart::All         ? graph::Show::All
+                           : part == GraphPart::Structure ? graph::Show::Structure
+                                                          : graph::Show::Automata;
+  const System& system = *impl_->compilation.system;
+  return format == GraphFormat::Dot ? graph::dot(system, show) : graph::json(system, show);
+}
+
+std::string Model::system_text() const { return system::print(*impl_->compilation.system); }
+
+namespace {
+
+CompileResult compiled(std::unique_ptr<ModelAccess::Impl> impl, const std::string& path) {
+  pipeline::Compilation& c = impl->compilation;
+  const bool is_sound = pipeline::compile(c, path, pipeline::Stage::Image) && !c.diags.has_errors();
+  CompileResult result;
+  result.diagnostics = plain(c);
+  result.text = render(c.diags, c.sources, RenderOptions{});
+  if (is_sound) result.model = ModelAccess::make(std::move(impl));
+  return result;
+}
+
+CheckResult checked(pipeline::Compilation& c, const std::string& path) {
+  const bool is_sound = pipeline::check(c, path);
+  return {plain(c), render(c.diags, c.sources, RenderOptions{}), !is_sound || c.diags.has_errors()};
+}
+
+}  // namespace
+
+CompileResult compile_file(const std::string& path, const CompileOptions& options) {
+  return compiled(std::make_unique<ModelAccess::Impl>(options), path);
+}
+
+CompileResult compile_text(const std::string& text, const CompileOptions& options, const std::string& path) {
+  auto impl = std::make_unique<ModelAccess::Impl>(options);
+  impl->compilation.open_texts[path] = text;
+  return compiled(std::move(impl), path);
+}
+
+CheckResult check_file(const std::string& path, const CompileOptions& options) {
+  pipeline::Compilation c(internal(options));
+  return checked(c, path);
+}
+
+CheckResult check_text(const std::string& text, const CompileOptions& options, const std::string& path) {
+  pipeline::Compilation c(internal(options));
+  c.open_texts[path] = text;
+  return checked(c, path);
+}
+
+const char* version() { return BIPC_VERSION; }
+
+}  // namespace bip::compiler

@@ -1,0 +1,169 @@
+// See decide.hpp. The engines are those of compiler/verify/portfolio; this is what surrounds them: code, caches, texts.
+#include "compiler/library/decide.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "compiler/base/content_cache.hpp"
+#include "compiler/library/verify_text.hpp"
+#include "compiler/pipeline/cache_folder.hpp"
+#include "compiler/pipeline/error_sources.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/initial_fault.hpp"
+#include "compiler/pipeline/machine.hpp"
+#include "compiler/system/uses_time.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
+#include "compiler/verify/evidence/proof_cache.hpp"
+#include "compiler/verify/net/unread_cpp.hpp"
+#include "compiler/verify/portfolio/search_bad_state.hpp"
+
+namespace bip::library {
+
+namespace {
+
+// Processor time for the question about errors, which the user did not ask, in seconds.
+constexpr double kErrorSeconds = 0.5;
+
+// The note of a verdict that holds: whether a run can end in an error. The same engines decide it, within
+// kErrorSeconds.
+std::string error_remark(const Compilation& c, const verify::Question& question, const verify::Decision& decision,
+                         verify::Portfolio& portfolio, const verify::PortfolioLimits& limits) {
+  const bool asked_else =
+      question.what == verify::QuestionKind::DeadlockFreedom || question.what == verify::QuestionKind::State;
+  // Who visited all states has met the errors.
+  if (!asked_else || decision.outcome != verify::Outcome::Holds || verify::is_exhaustive(decision.evidence) ||
+      !decision.fault.empty() || !can_end_in_error(*c.system))
+    return {};
+  verify::Question errors;
+  errors.what = verify::QuestionKind::NoErrors;
+  verify::PortfolioLimits few;
+  few.cancellation = limits.cancellation.within(kErrorSeconds);
+  few.threads = limits.threads;
+  few.megabytes = limits.megabytes;
+  portfolio.use_cache(nullptr);
+  const verify::Decision found = portfolio.decide(errors, few);
+  switch (found.outcome) {
+    case verify::Outcome::Holds: return {};
+    case verify::Outcome::Violated:
+      return error_note(verify::fault_of(c.lowered->image, found.counterexample()->choices));
+    case verify::Outcome::Unknown: return kErrorsNotAsked;
+  }
+  BIP_UNREACHABLE("an outcome");
+}
+
+rt::CounterexampleEnd end_of(verify::QuestionKind asked) {
+  switch (asked) {
+    case verify::QuestionKind::NoErrors: return rt::CounterexampleEnd::Error;
+    case verify::QuestionKind::State: return rt::CounterexampleEnd::State;
+    case verify::QuestionKind::DeadlockFreedom:
+    case verify::QuestionKind::NoLocalDeadlock: break;
+  }
+  return rt::CounterexampleEnd::Deadlock;
+}
+
+}  // namespace
+
+Result<verify::Question> read_question(const std::string& text, const System& system) {
+  verify::Question question;
+  if (text.empty() || text == "deadlock") return question;
+  if (text == "errors") {
+    question.what = verify::QuestionKind::NoErrors;
+    return question;
+  }
+  Result<verify::Property> property = verify::parse_property(text, system);
+  if (!property) return Failure{property.error()};
+  question.what = verify::QuestionKind::State;
+  question.property = std::move(*property);
+  return question;
+}
+
+Result<verify::Question> read_question(const VerifyRequest& request, const System& system) {
+  if (!request.partial) return read_question(request.property, system);
+  verify::Question question;
+  question.what = verify::QuestionKind::NoLocalDeadlock;
+  return question;
+}
+
+bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.ffi_types.empty(); }
+
+std::string remove_unread_cpp(Compilation& c, const verify::Question& question) {
+  const bool asks_state = question.what == verify::QuestionKind::State;
+  std::optional<System> simple =
+      verify::without_unread_cpp(*c.system, asks_state ? verify::data_of(question.property) : std::vector<DataRef>());
+  if (!simple) return {};
+  c.lowered.reset();
+  c.system = std::move(*simple);
+  c.lowered = lower::lower(*c.system, c.root_name);
+  return "note: the model's C++ is taken to return; nothing that it computes decides about a state\n";
+}
+
+Verdict plain_verdict(const verify::Question& question, int exit_code, const std::string& name,
+                      const std::string& text) {
+  verify::Decision none;
+  none.outcome = verify::Outcome::Violated;
+  Verdict verdict;
+  verdict.is_answered = true;
+  verdict.exit_code = exit_code;
+  verdict.text = text;
+  verdict.json = verdict_json({exit_code, name, text}, question, none, nullptr);
+  return verdict;
+}
+
+std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::Question& question) {
+  if (calls_cpp(*c.system) || question.what == verify::QuestionKind::NoErrors) return std::nullopt;
+  const std::string fault = initial_fault(*c.system);
+  if (fault.empty()) return std::nullopt;
+  return plain_verdict(question, kModelErrors, "no-state", fmt::format("no run reaches a state: {}\n", fault));
+}
+
+Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Question& question, const std::string& note,
+               const verify::CancellationToken& token, const verify::Report& report) {
+  if (system::is_timed(*c.system)) return decide_timed(request, c, question, note, token);
+  verify::PortfolioLimits limits;
+  limits.cancellation = token.within(request.timeout);
+  limits.threads = processors();
+  limits.megabytes = static_cast<std::size_t>(request.megabytes);
+  limits.wants_certificate = request.wants_certificate;
+  limits.wants_minimal_proof = limits.wants_certificate || request.why;
+  Executor executor(MachineCode::Fresh);
+  bool is_ready = true;
+  const auto prepare = [&] {
+    is_ready = executor.prepare(c, request.backend, Optimisation::Auto);
+    return is_ready;
+  };
+  const CacheOptions& kept = c.options.cache;
+  ContentCache cache(KeptKind::Proof, cache_folder(kept).string(), kept.megabytes << 20);
+  verify::ProofCache proofs(cache, cache_version());
+  const verify::StateAccess access =
+      calls_cpp(*c.system) ? verify::StateAccess::CallsCpp : verify::StateAccess::Searchable;
+  verify::Portfolio portfolio(*c.system, c.lowered->image, access, prepare, report);
+  if (request.reuses && cache.is_on()) portfolio.use_cache(&proofs);
+  const verify::ProcessClock::time_point start = verify::ProcessClock::now();
+  const verify::Decision decision = portfolio.decide(question, limits);
+  const double seconds = std::chrono::duration<double>(verify::ProcessClock::now() - start).count();
+  Verdict verdict;
+  if (!is_ready) return verdict;
+  verdict.is_answered = true;
+  VerdictText said =
+      verdict_text(c, question, decision, portfolio, request.why ? Explanation::Evidence : Explanation::None);
+  said.text += note;
+  if (request.wants_certificate && decision.outcome == verify::Outcome::Holds)
+    verdict.certificate = verify::certificate(portfolio, question, decision, *c.system, c.root_name);
+  said.text += error_remark(c, question, decision, portfolio, limits);
+  const VerifyStats stats{seconds, decision.candidates(), request.reuses && cache.is_on() ? &proofs : nullptr};
+  const VerifyStats* shown = request.stats ? &stats : nullptr;
+  verdict.exit_code = said.exit_code;
+  verdict.json = verdict_json(said, question, decision, shown);
+  verdict.text = said.text + (shown != nullptr ? stats_text(stats) : "");
+  if (const verify::Counterexample* found = decision.counterexample()) {
+    FoundRun run{end_of(question.what), {}};
+    for (const std::uint64_t choice : found->choices) run.path.steps.push_back({0, choice});
+    verdict.counterexample = std::move(run);
+  }
+  return verdict;
+}
+
+}  // namespace bip::library

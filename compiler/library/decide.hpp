@@ -1,0 +1,67 @@
+// Decides whether a compiled model has a deadlock, ends with an error or violates a property, and says so as data, in
+// words and as JSON. What `bipc verify` and `bip::compiler` answer; nothing is printed and no signal is handled here.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "compiler/pipeline/pipeline.hpp"
+#include "compiler/verify/portfolio/portfolio.hpp"
+#include "runtime/explore/counterexample.hpp"
+
+namespace bip::library {
+
+using namespace pipeline;
+
+struct VerifyRequest {
+  Backend backend = Backend::Auto;
+  double timeout = 60;             // seconds
+  std::uint64_t megabytes = 2048;  // of the states that a search keeps
+  std::string property;            // empty: deadlock-freedom
+  bool partial = false;            // local deadlocks
+  bool why = false;                // the invariants of the proof are part of the text
+  bool stats = false;
+  bool reuses = true;  // proofs from earlier runs, and leaves its own
+  bool wants_certificate = false;
+};
+
+/// A run that breaks what was asked; the core has taken it.
+struct FoundRun {
+  rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
+  rt::TimedPath path;
+};
+struct Verdict {
+  bool is_answered = false;  // false: the compilation's diagnostics say why there is none
+  int exit_code = 0;         // of `bipc verify`
+  std::string text, json;
+  std::string certificate;  // if it was wanted and the answer has one
+  std::optional<FoundRun> counterexample;
+};
+
+/// Returns the question that the text asks: `deadlock` (also the empty text), `errors`, or a property of states; else
+/// what is wrong with it.
+[[nodiscard]] Result<verify::Question> read_question(const std::string& text, const System& system);
+[[nodiscard]] Result<verify::Question> read_question(const VerifyRequest& request, const System& system);
+
+/// What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
+[[nodiscard]] bool calls_cpp(const System& system);
+
+/// Models with C++: takes out what decides about no state, so that they can be searched. Returns a note, empty if the
+/// system is as before.
+[[nodiscard]] std::string remove_unread_cpp(Compilation& c, const verify::Question& question);
+
+/// The verdict if the initialization ends with an error, so that no run reaches a state that is asked about.
+[[nodiscard]] std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::Question& question);
+
+/// Answers the question until the token or the request's time is over; `note` ends the text. Requires an image.
+[[nodiscard]] Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                             const std::string& note, const verify::CancellationToken& token,
+                             const verify::Report& report);
+/// The same for a model with time, which `decide` calls: by parts, else by the zone graph.
+[[nodiscard]] Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                                   const std::string& note, const verify::CancellationToken& token);
+
+/// A verdict that needed no proof.
+[[nodiscard]] Verdict plain_verdict(const verify::Question& question, int exit_code, const std::string& name,
+                                    const std::string& text);
+
+}  // namespace bip::library
