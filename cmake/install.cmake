@@ -6,7 +6,7 @@
 #   share/bipc/      runtime (sources for `bipc emit`), stdlib, models
 #   share/doc/bipc/  documents and licence; man pages and completions are where programs look for them
 #   include/bip/, lib*/   component dev: headers and libbip_runtime.a; component libs: libbip_runtime.so.0; components compiler and compiler_dev:
-#                    libbip_compiler.so.0
+#                    libbip_compiler.so.0; component python: the package bipc
 include(GNUInstallDirs)
 set(bipc_share ${CMAKE_INSTALL_DATADIR}/bipc)
 # Not lib/<triplet>: the program looks for it at ../lib/bipc.
@@ -40,13 +40,20 @@ if(TARGET bip_runtime_shared)
   install(TARGETS bip_runtime_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libs NAMELINK_COMPONENT dev)
 endif()
 
-# The compiler as a library.
+# The compiler as a library, and Python's module over it.
 if(TARGET bip_compiler)
   install(DIRECTORY compiler/library/include/bip DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT compiler_dev FILES_MATCHING PATTERN *.hpp)
   set_target_properties(bip_compiler PROPERTIES INSTALL_RPATH "$ORIGIN")
   target_link_options(bip_compiler PRIVATE -Wl,--disable-new-dtags)
   install(TARGETS bip_compiler LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT compiler NAMELINK_COMPONENT compiler_dev)
 endif()
+if(TARGET bipc_python)
+  set(bipc_python_folder lib/python3/dist-packages/bipc CACHE STRING "Where the Python package is installed, below the prefix")
+  install(DIRECTORY tools/python/bipc/ DESTINATION ${bipc_python_folder} COMPONENT python FILES_MATCHING PATTERN *.py PATTERN *.pyi PATTERN py.typed PATTERN __pycache__ EXCLUDE)
+  install(TARGETS bipc_python LIBRARY DESTINATION ${bipc_python_folder} COMPONENT python)
+endif()
+# models/dala talks to a served model.
+install(FILES tools/python/bipc/serve.py DESTINATION ${bipc_share}/tools RENAME serve_client.py COMPONENT bipc)
 
 # find_package(bip) and pkg-config.
 include(CMakePackageConfigHelpers)

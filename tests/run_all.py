@@ -125,6 +125,7 @@ def groups(options):
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
         # A sanitized build cannot be installed.
         *([("package", [script("package", "tests/package/test_package.py", weight=25)])] if not is_sanitized() else []),
+        ("python", [script("python", "tests/python/test_python.py", alone=True)]),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("dap", [script("dap", "tests/dap/test_dap.py", weight=20)]),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),

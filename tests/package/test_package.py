@@ -34,7 +34,7 @@ class Installation:
 
     def __init__(self, work):
         first = work / "first"
-        for component in ("bipc", "libs", "dev", "compiler", "compiler_dev"):
+        for component in ("bipc", "libs", "dev", "compiler", "compiler_dev", "python"):
             run("cmake", "--install", BUILD, "--prefix", first, "--component", component)
         self.prefix = work / "second" / "bip c"
         self.prefix.parent.mkdir()
@@ -116,7 +116,7 @@ def test_models_inside_other_programs(at):
 
 
 def test_compiler_inside_another_program(at):
-    """bip::compiler of the installation finds the JIT, the standard library and its own runtime."""
+    """bip::compiler of the installation finds the JIT, the standard library and its own runtime; the Python package finds all of these."""
     if not list(at.prefix.glob("lib*/**/libbip_compiler.so.0")):
         print("skipped: libbip_compiler.so was not built: there is no shared ANTLR library")
         return
@@ -125,6 +125,18 @@ def test_compiler_inside_another_program(at):
     run("cmake", "--build", build, "--target", "compile_here")
     said = run(build / "compile_here", at.prefix / PHILOSOPHERS)
     assert "deadlock" in said, said
+    module = list(at.prefix.glob("lib/python3/dist-packages/bipc/_bipc*.so"))
+    if not module:
+        print("skipped: the Python package is not installed: it was not built (pybind11-dev, python3-dev)")
+        return
+    libraries = next(at.prefix.glob("lib*/**/libbip_compiler.so.0")).parent
+    program = "import bipc, sys; m = bipc.load(sys.argv[1], 'Table(4)', backend=sys.argv[2]); print(m.start(seed=4).trace(3)[0].interaction)"
+    jit = "jit" in json.loads(run(at.bipc, "version", "--json"))["back_ends"]
+    for backend in ("interp", *(["jit"] if jit else [])):
+        said = run("/usr/bin/python3", "-c", program, at.prefix / PHILOSOPHERS, backend, PYTHONPATH=str(module[0].parent.parent), LD_LIBRARY_PATH=str(libraries))
+        assert said.startswith("ROOT."), said
+    uses = "import bipc; bipc.check('package uses\\n  use std.arbiters\\n  compound type Root()\\n    component Mutex mutex()\\n  end\\nend\\n')"
+    run("/usr/bin/python3", "-c", uses, PYTHONPATH=str(module[0].parent.parent), LD_LIBRARY_PATH=str(libraries))
 
 
 def commands_and_options():
