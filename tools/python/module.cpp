@@ -29,6 +29,7 @@ const char* name_of(bip::Outcome outcome) {
     case bip::Outcome::Deadlock: return "deadlock";
     case bip::Outcome::Fault: return "fault";
     case bip::Outcome::Stopped: return "stopped";
+    case bip::Outcome::Final: return "final";
   }
   return "";
 }

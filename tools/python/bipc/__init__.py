@@ -181,7 +181,7 @@ class System:
         self.stop = started.stop
         self.go_on = started.go_on
 
-    outcome = property(lambda self: self._system.outcome, doc='How the last call ended: "stepped", "deadlock", "fault" or "stopped".')
+    outcome = property(lambda self: self._system.outcome, doc='How the last call ended: "stepped", "deadlock", "final", "fault" or "stopped".')
     steps = property(lambda self: self._system.steps, doc="The number of steps since the start.")
     now = property(lambda self: self._system.now, doc="The model's instant in ns; 0 in a model without clocks.")
     fault = property(lambda self: self._system.fault, doc="The text of the run-time error, or an empty text.")
