@@ -9,7 +9,7 @@
 #include "compiler/base/framing.hpp"
 #include "compiler/debug/dap_server.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/load_moves.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "runtime/engine/policies.hpp"

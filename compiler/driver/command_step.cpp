@@ -8,7 +8,7 @@
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/executor.hpp"
-#include "compiler/driver/exit_codes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/load_moves.hpp"
 #include "compiler/driver/report.hpp"
 #include "runtime/engine/interrupt.hpp"
