@@ -58,8 +58,7 @@ inline TimedScheduler::Next TimedScheduler::look(Core& core) {
     choice_ = scheduler_.choose(core);
     return Next::Step;
   }
-  // Without candidates invariants alone bound the time.
-  const i64 last = has_candidates ? core.time().wait_limit(ends_) : std::max(core.time().last_instant(), at_);
+  const i64 last = core.time().wait_limit(ends_);
   if (has_candidates && plan(core, last)) return Next::Step;
   const i64 next = core.time().next_change();
   BIP_ASSERT(next > core.now() && last >= core.now(), "the next change is at {}, time may pass until {}", next, last);

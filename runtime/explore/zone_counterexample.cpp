@@ -146,9 +146,11 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
                                     : 0;
   for (u32 clock = 1; clock < point.size(); ++clock) point[clock] += farther;
   for (const ZoneBound& bound : locations_.all_bounds(last)) {
-    instants.demand(left, side_of(bound, point));
-    const bool is_reached = point[bound.i] - point[bound.j] == bound.limit;
-    if (is_reached) instants.demand(left, {bound.j, bound.i, -bound.limit});
+    const ZoneBound side = side_of(bound, point);
+    instants.demand(left, side);
+    const ZoneBound& end = target.is_bound ? side : bound;
+    const bool is_reached = point[end.i] - point[end.j] == end.limit;
+    if (is_reached) instants.demand(left, {end.j, end.i, -end.limit});
   }
   const std::vector<i64> when = instants.earliest();
   if (when.empty()) return;

@@ -6,14 +6,28 @@
 
 namespace bip::rt {
 
-// rest: where the node has no candidate.
-void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest) {
+namespace {
+
+// The points of both. False: there are none.
+bool meet_all(Zone& zone, const Zone& other) {
+  for (u32 i = 0; i < zone.size(); ++i) {
+    for (u32 j = 0; j < zone.size(); ++j) {
+      if (i != j && other.at(i, j) != Zone::kInf && !zone.meet({i, j, other.at(i, j)})) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+// rest: where the node has no candidate; ends: where time has to stop because of an open bound.
+void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, const std::vector<Zone>& ends) {
   BIP_ASSERT(part_ == nullptr, "a part of a system has no deadlocks of its own");
   const Location& at = locations_[nodes_[node].location];
   bool has_deadlock = false, has_lock = false, has_end = false;
-  const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far) {
+  const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far, bool is_bound = false) {
     has = true;
-    if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far, false};
+    if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far, false, is_bound};
   };
   const bool is_inside_now = is_inside(at, nodes_[node].zone);
   for (const Zone& part : rest) {
@@ -24,6 +38,10 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest) {
     for (const ZoneBound& bound : at.invariants) {
       Zone end = part;
       if (bound.j == 0 && end.meet({0, bound.i, -bound.limit})) note(time_lock_, has_lock, end.least_point(), false);
+    }
+    for (const Zone& end : ends) {
+      Zone common = part;
+      if (meet_all(common, end)) note(time_lock_, has_lock, common.least_point(), false, true);
     }
     if (!part.is_unbounded()) continue;
     if (at.is_final) has_end = true;
@@ -44,7 +62,7 @@ bool ZoneSearch::find_match(u32 node) {
   for (const Zone& part : cut(nodes_[node].zone, at.asked)) {
     const std::vector<i64> point = part.least_point();
     if (!enter_core(at, point) || !options_.predicate(core_)) continue;
-    match_ = {node, point, false, false, 0, 0, false, true};
+    match_ = {node, point, false, false, 0, 0, false, true, false};
     return true;
   }
   return false;

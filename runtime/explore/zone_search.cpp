@@ -188,7 +188,8 @@ void ZoneSearch::insert(ZoneNode&& node) {
 void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, ErrorIn where, u32 interaction, u32 config) {
   if (!is_node_faulty_) ++report_.errors;
   is_node_faulty_ = report_.has_error = true;
-  if (error_.node == kNone) error_ = {node, point, true, where == ErrorIn::Step, interaction, config, false, false};
+  if (error_.node == kNone)
+    error_ = {node, point, true, where == ErrorIn::Step, interaction, config, false, false, false};
 }
 
 // Takes a candidate from a cell of the node. False: the search has to end.
@@ -311,22 +312,44 @@ Bounds ZoneSearch::deadlines(const Location& at, const std::vector<i64>& point) 
   return out;
 }
 
-// Into the neighbour cells, a tick further, unless a deadline or an invariant is in the way.
-void ZoneSearch::pass_time(u32 node) {
-  BIP_ASSERT(!nodes_[node].is_still, "time passes in node {}", node);
+// The points of the neighbour cells that are reached after a tick, unless a deadline or an invariant is in the way.
+std::vector<Zone> ZoneSearch::cells_ahead(u32 node) {
+  std::vector<Zone> ahead;
   const u32 row = nodes_[node].location;
-  if (locations_[row].cells.empty()) return;
+  if (nodes_[node].is_still || locations_[row].cells.empty()) return ahead;
   Zone next = nodes_[node].zone;
   const Bounds ends = deadlines(locations_[row], next.least_point());
   next.shift(1);
   for (const Bounds* bounds : {&ends, static_cast<const Bounds*>(&locations_[row].invariants)}) {
     for (const ZoneBound& bound : *bounds) {
-      if (!next.meet(bound)) return;
+      if (!next.meet(bound)) return ahead;
     }
   }
   for (Zone& cell : cut(next, locations_[row].cells)) {
     Zone same = cell;
-    if (agree(same, nodes_[node].zone, locations_[row].cells)) continue;
+    if (!agree(same, nodes_[node].zone, locations_[row].cells)) ahead.push_back(std::move(cell));
+  }
+  return ahead;
+}
+
+// Takes out of `ahead` the cells that an eager candidate with an open bound closes; returns the points of the node, a
+// tick before, at which time has to stop. A part of a system lets time pass: another component may be missing.
+std::vector<Zone> ZoneSearch::take_closed(u32 node, std::vector<Zone>& ahead) {
+  std::vector<Zone> ends;
+  const Location& at = locations_[nodes_[node].location];
+  if (part_ != nullptr || !at.has_urgent || !core_.time().has_open_eager()) return ends;
+  std::erase_if(ahead, [&](const Zone& cell) {
+    if (!enter_core(at, cell.least_point()) || core_.time().opened_eager() == core_.candidate_count()) return false;
+    ends.push_back(cell);
+    ends.back().shift(-1);
+    return true;
+  });
+  return ends;
+}
+
+void ZoneSearch::pass_time(u32 node, std::vector<Zone>& ahead) {
+  const u32 row = nodes_[node].location;
+  for (Zone& cell : ahead) {
     enter(row, std::move(cell),
           {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::Time, .origin = {}, .zone = Zone(0)});
   }
@@ -375,13 +398,15 @@ void ZoneSearch::expand(u32 node) {
     const InteractionCondition condition = locations_[nodes_[node].location].interactions[k];
     if (!step_from(node, condition, rest)) return;
   }
+  std::vector<Zone> ahead = cells_ahead(node);
+  const std::vector<Zone> ends = take_closed(node, ahead);
   if (part_ == nullptr) {
-    classify_dead_points(node, rest);
+    classify_dead_points(node, rest, ends);
   } else if (is_held_up(locations_[nodes_[node].location], rest)) {
     open_ = nodes_[node].location;
     return;
   }
-  if (!nodes_[node].is_still) pass_time(node);
+  pass_time(node, ahead);
 }
 
 bool ZoneSearch::is_over() {

@@ -43,6 +43,7 @@ class ZoneSearch {
     u32 interaction = 0, config = 0;
     bool is_far = false;    // deadlock: however long time passes
     bool is_state = false;  // it is enough to be there
+    bool is_bound = false;  // just there: at an open bound
   };
   // zone_search.cpp
   bool begin();
@@ -52,7 +53,9 @@ class ZoneSearch {
   void insert(ZoneNode&& node);
   bool step_from(u32 node, const InteractionCondition& condition, std::vector<Zone>& rest);
   bool fire(u32 node, const Zone& cell, const std::vector<i64>& point, u64 k);
-  void pass_time(u32 node);
+  [[nodiscard]] std::vector<Zone> cells_ahead(u32 node);
+  [[nodiscard]] std::vector<Zone> take_closed(u32 node, std::vector<Zone>& ahead);
+  void pass_time(u32 node, std::vector<Zone>& ahead);
   void go_on(u32 node);
   enum class ErrorIn : std::uint8_t { Step, State };  // while firing, or already when the core looks at the state
   void note_error(u32 node, const std::vector<i64>& point, ErrorIn where, u32 interaction, u32 config);
@@ -69,7 +72,7 @@ class ZoneSearch {
 
   // zone_predicate.cpp
   [[nodiscard]] bool find_match(u32 node);
-  void classify_dead_points(u32 node, const std::vector<Zone>& rest);
+  void classify_dead_points(u32 node, const std::vector<Zone>& rest, const std::vector<Zone>& ends);
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
   [[nodiscard]] bool is_asked_for(u32 node);

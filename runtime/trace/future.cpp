@@ -22,7 +22,7 @@ Last last_instant(Core& core) {
     else if (time.urgency == Urgency::Delayable && time.interval.high < last.at)
       last = {time.interval.high, time.interval.high_open};
   }
-  if (last.at < core.now()) last = {core.now(), false};
+  if (last.at < core.now() || (last.at > core.now() && core.time().is_before_eager())) last = {core.now(), false};
   return last;
 }
 

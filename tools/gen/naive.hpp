@@ -88,6 +88,7 @@ class NaiveEngine {
   }
   [[nodiscard]] static bool holds_at(const AtomState& state, const std::vector<ClockBound>& when, std::int64_t instant);
   [[nodiscard]] bool invariants_hold_at(std::int64_t instant) const;
+  [[nodiscard]] bool is_before_eager();
   void set_clocks(AtomState& state, const Transition& t);
   void finish(std::size_t atom, const Transition& t);
   void begin_resume(std::size_t atom, const Transition& t);

@@ -185,7 +185,35 @@ std::int64_t NaiveEngine::limit(const std::vector<Choice>& choices, std::vector<
     if (is_delayable) last = std::min(last, ends[k]);
   }
   BIP_ASSERT(last >= now_, "the last instant {} is before {}", last, now_);
+  if (!is_eager && last > now_ && is_before_eager()) return now_;
   return is_eager ? now_ : last;
+}
+
+// A tick later, an eager candidate that `<` or `>` has excluded up to now.
+bool NaiveEngine::is_before_eager() {
+  for (const WorldAtom& atom : world_.atoms) {
+    for (const Transition& t : atom.type->transitions) {
+      if (t.is_async) return false;
+    }
+  }
+  NaiveEngine later = *this;
+  later.advance(now_ + 1);
+  if (later.trouble_ != Trouble::None) return false;
+  const std::vector<Choice> choices = later.candidates();
+  if (later.trouble_ == Trouble::Sure) return false;
+  return std::any_of(choices.begin(), choices.end(), [&](const Choice& choice) {
+    Leaves leaves = choice.leaves;
+    if (leaves.empty()) leaves.insert({choice.atom, choice.port});
+    bool is_eager = false, is_open = false, is_free = true;
+    for (const auto& [row, port] : leaves) {
+      const AtomState& state = later.states_[static_cast<std::size_t>(row)];
+      const Transition& t = *state.enabled.at(port);
+      is_free &= state.busy_until <= now_;
+      is_eager |= t.urgency == "eager";
+      for (const ClockBound& b : t.when) is_open |= (b.op == "<" || b.op == ">") && !holds_at(state, {b}, now_);
+    }
+    return is_free && is_eager && is_open;
+  });
 }
 
 }  // namespace bip::gen

@@ -370,11 +370,29 @@ class TimeProver {
 
 }  // namespace
 
+// In a part, an eager step may be possible that others hinder in the whole, so parts cannot tell where it stops time.
+std::string open_eager_bound(const System& system) {
+  bool has_strict = false;
+  for (const AtomType& type : system.atom_types) {
+    for (const Transition& t : type.transitions) {
+      for (const Bound& bound : t.when.bounds) has_strict |= bound.op == BoundOp::Gt || bound.op == BoundOp::Lt;
+    }
+  }
+  for (const AtomType& type : system.atom_types) {
+    for (const Transition& t : type.transitions) {
+      if (has_strict && t.urgency == Urgency::Eager)
+        return fmt::format("an eager step of `{}` may begin after an open bound, where time stops", type.name);
+    }
+  }
+  return "";
+}
+
 TimeProof prove_time(const System& system, const ExplorePart& explore, const CancellationToken& cancellation,
                      const PartLimits& limits) {
   TimeProof proof;
   proof.reason = obstacle_to_time_divergent_limit(system);
   if (proof.reason.empty()) proof.reason = system::first_inner_priority(system);
+  if (proof.reason.empty()) proof.reason = open_eager_bound(system);
   if (!proof.reason.empty()) return proof;
   return TimeProver(system, {}, explore, cancellation, limits).prove();
 }

@@ -54,6 +54,20 @@ TypeTime time_of_type(const AtomType& type, const Image& image) {
   return out;
 }
 
+// May an eager candidate have an interval without a first instant? The bound may be another participant's.
+bool may_open_eagerly(const Image& image) {
+  bool is_eager = false, is_strict = false, is_async = false;
+  for (const AtomType& type : image.atom_types) {
+    for (u32 row = 0; type.time != nullptr && row < type.transitions.size; ++row) {
+      const TransitionTime& transition = type.time->transitions[row];
+      is_eager |= transition.urgency == Urgency::Eager;
+      is_async |= transition.async.present;
+      for (const Bound& bound : transition.when.bounds) is_strict |= bound.op == BoundOp::Lt || bound.op == BoundOp::Gt;
+    }
+  }
+  return is_eager && is_strict && !is_async;
+}
+
 }  // namespace
 
 bool has_time(const Image& image) {
@@ -83,6 +97,7 @@ void Clocks::link() {
   core_.actions.link();
   for (const AtomType& type : image.atom_types) types_.push_back(time_of_type(type, image));
   for (const ConnectorType& type : image.connector_types) has_sync_ |= type.resume_sync;
+  has_open_eager_ = may_open_eagerly(image);
 }
 
 void Clocks::reset() {
@@ -327,7 +342,9 @@ bool Clocks::look_at_time(u32 atom) {
                interval.high);
     ++possible;
     if (interval.low > now_) {
-      next = std::min(next, interval.low);
+      // Time may have to stop at an open bound itself.
+      const bool is_bound_ahead = has_open_eager_ && interval.low_open && interval.low - 1 > now_;
+      next = std::min(next, is_bound_ahead ? interval.low - 1 : interval.low);
       coming = {row, timing.urgency, interval};
       continue;
     }
@@ -474,7 +491,34 @@ i64 Clocks::wait_limit(std::vector<i64>& ends) {
     else if (time.urgency == Urgency::Delayable) last = std::min(last, time.interval.high);
   }
   BIP_ASSERT(ends.size() == core_.enabled.total(), "{} of {} candidates", ends.size(), core_.enabled.total());
+  if (last > now() && is_before_eager()) return now();
   return std::max(last, now());
+}
+
+u64 Clocks::opened_eager() {
+  const u64 count = core_.enabled.total();
+  for (u64 k = 0; k < count; ++k) {
+    const Candidate candidate = core_.candidate(core_.enabled.select(k));
+    const CandidateTime time = time_of(candidate);
+    if (time.urgency != Urgency::Eager || time.interval.low != now_ || !time.interval.low_open) continue;
+    // Who has just resumed had no transition before.
+    core_.firing.participants(candidate, participant_scratch_);
+    if (std::none_of(participant_scratch_.begin(), participant_scratch_.end(),
+                     [this](const Participant& p) { return now_ != 0 && busy_until_[p.atom] == now_; }))
+      return k;
+  }
+  return count;
+}
+
+bool Clocks::is_before_eager() {
+  if (!has_open_eager_ || next_change() != now_ + 1) return false;
+  const State here = core_.snapshot();
+  const std::vector<u32> order = core_.keeps_list ? core_.enabled.list_order() : std::vector<u32>{};
+  const bool is_before = advance(now_ + 1) && opened_eager() != core_.enabled.total();
+  [[maybe_unused]] const bool is_back = core_.restore(here);
+  BIP_ASSERT(is_back, "a state that was reached cannot be restored");
+  if (core_.keeps_list) core_.enabled.list(order, static_cast<u32>(core_.tables.interactions.size()));
+  return is_before;
 }
 
 bool Clocks::fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value) {
@@ -519,8 +563,39 @@ bool Clocks::fail_late(const Candidate& candidate, i64 last, i64 actual) {
   return false;
 }
 
+// Names the atom whose port would be eager from the next tick on.
+void Clocks::describe_open_bound() {
+  const i64 end = now_;
+  const State here = core_.snapshot();
+  if (!advance(end + 1)) return;
+  core_.firing.participants(core_.candidate(core_.enabled.select(opened_eager())), participant_scratch_);
+  Participant eager = participant_scratch_.front();
+  for (const Participant& participant : participant_scratch_) {
+    const PortTime& port = ports_[core_.tables.instance(participant.atom, participant.port)];
+    if (port.interval.low == now_ && port.interval.low_open) eager = participant;
+  }
+  const LinkedTransition& transition =
+      core_.tables.transitions[core_.ports.port(core_.tables.instance(eager.atom, eager.port)).transition];
+  if (!core_.restore(here)) return;
+  core_.fault = {};
+  core_.fault.code = FaultCode::TimeLock;
+  core_.fault.atom = eager.atom;
+  core_.fault.loc = transition.source->loc;
+  core_.fault.places = places_of(core_, eager.atom);
+  core_.fault.data = data_of(core_, eager.atom);
+  core_.fault.what = "time lock at ";
+  append_time(core_.fault.what, end);
+  core_.fault.what +=
+      std::string(": no step is possible, and an eager one is at every later instant, because of an open bound of `") +
+      core_.image().atoms[eager.atom].path() + '.' + core_.tables.atom_type(eager.atom).ports[eager.port].name + '`';
+}
+
 // No step, and no time either.
 bool Clocks::fail_time_lock() {
+  if (last_instant() > now_ && is_before_eager()) {
+    describe_open_bound();
+    return false;
+  }
   const u32 atom = ends_.first_row();
   const i64 end = std::max(ends_.first_key(), now_);
   BIP_ASSERT(core_.enabled.total() == 0, "{} steps are possible", core_.enabled.total());

@@ -83,12 +83,21 @@ class Clocks {
   /// The last instant that the invariants allow.
   [[nodiscard]] i64 last_instant() const { return ends_.first_key(); }
   /// Returns the last instant to which time may pass in this state, candidates' urgency and invariants considered; of
-  /// each candidate the last instant of its interval. O(candidates).
+  /// each candidate the last instant of its interval. O(candidates); at an open bound, two restored states.
   i64 wait_limit(std::vector<i64>& ends);
   /// Of a candidate of this instant.
   CandidateTime time_of(const Candidate& candidate);
   /// Takes the step at this instant. False: a fault.
   bool take(EnabledSet::Position at);
+  /// May time not pass this instant because an eager candidate begins right after it (`x > 5` at x = 5)? Such a
+  /// candidate has no first instant, and would let no time pass at any of its instants. Looks at the next tick and
+  /// comes back if a port changes there; the state stays as it is.
+  [[nodiscard]] bool is_before_eager();
+  /// Of an instant reached by time alone, a tick after the one before: is it the first of an eager candidate with an
+  /// open bound? Returns the candidate's number, or their count.
+  [[nodiscard]] u64 opened_eager();
+  /// Can that be, in this model? Models with `@async` are left out: their actions are not executed twice.
+  [[nodiscard]] bool has_open_eager() const { return has_open_eager_; }
   /// Makes a fault of a state in which neither a step nor time can go on. Always false.
   bool fail_time_lock();
   /// Real time: says of a step that it was planned for now, could start until `last`, and starts at `actual`.
@@ -138,11 +147,13 @@ class Clocks {
   bool look_at_invariants(u32 atom);
   void enable_coming(u32 atom);
   bool begin_timed(u32 instance);
+  void describe_open_bound();
   bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);
 
   CoreParts& core_;
   bool is_timed_ = false;
-  bool has_sync_ = false;  // of some connector the ports resume together
+  bool has_sync_ = false;        // of some connector the ports resume together
+  bool has_open_eager_ = false;  // an eager transition, and a bound with `<` or `>`
   i64 now_ = 0;
   i64 unit_ = 0;
   std::vector<u32> clock_base_;  // by atom, and the total

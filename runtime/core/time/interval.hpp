@@ -96,7 +96,7 @@ inline Interval at_most(i64 now, Int128 missing, i64 speed) {
     const bool is_strict = op == BoundOp::Lt;
     Interval part = interval::at_most(now, missing - (is_strict ? 1 : 0), speed);
     if (part.empty()) return part;
-    part.low_open = is_strict && part.low > now;
+    part.low_open = is_strict && (part.low > now || (speed < 0 && value + std::max<i64>(-(speed >> 32), 1) >= limit));
     part.high_open = is_strict && part.high != kForever;
     all.meet(part);
   }

@@ -1,0 +1,319 @@
+#!/usr/bin/env python3
+"""Random timed systems: `bipc explore` and `bipc verify` against an oracle that lets time pass tick by tick.
+
+    tests/verify/test_timed.py [COUNT] [FROM]     COUNT systems (default 60) from seed FROM (default 1)
+
+The systems have clocks in ns with small constants, bounds that are open or closed, limits from data, invariants, all urgencies,
+`resume`, triggers, guards, transfers, and divisions by zero in guards, limits and actions. The oracle is written from
+compiler/docs/semantics.md and shares nothing with bipc: it visits every state at every ns, clocks cut off above all constants, and
+says whether a deadlock, a time lock and an error are reachable. Prints the text of a system with another answer. BIPC names the
+program, JOBS the number of processes. Python's library only. To see it go red: let `may_pass` ignore one of its rules.
+"""
+import collections
+import concurrent.futures
+import json
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = pathlib.Path(os.environ.get("BUILD") or os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
+BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+MOST_STATES = 6000
+MOST = 6  # no constant is larger
+
+# A bound is (operator, limit), the limit a number or "v"; a guard over data is (kind, number).
+Transition = collections.namedtuple("Transition", "port source target guard bounds urgency resets change resume")
+Atom = collections.namedtuple("Atom", "places transitions invariant first")  # invariant: (place, operator, limit)
+Connector = collections.namedtuple("Connector", "leaves trigger guard moves")  # leaves: rows of atoms and ports
+# Of one atom; `waits`: row of the transition whose `resume` it waits for, or None. `fresh`: it went on at this instant.
+State = collections.namedtuple("State", "place value clock waits")
+
+
+class Fault(Exception):
+    """A run ends in an error."""
+
+
+def divide(a, b):
+    if b == 0:
+        raise Fault
+    return abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
+
+
+# ---- the systems
+def guard_text(guard, name):
+    kind, k = guard
+    return {"<": f"{name} < {k}", "!=": f"{name} != {k}", "/": f"6 / ({name} - {k}) > 0"}[kind]
+
+
+def guard_holds(guard, value):
+    kind, k = guard
+    if kind == "/":
+        return divide(6, value - k) > 0
+    return value < k if kind == "<" else value != k
+
+
+CHANGES = {"more": "v = (v + 1) % 3;", "zero": "v = 0;", "divide": "v = (4 / (v - 1)) % 4;"}
+
+
+def changed(change, value):
+    if change == "more":
+        return (value + 1) % 3
+    if change == "zero":
+        return 0
+    quotient = divide(4, value - 1)
+    return quotient - divide(quotient, 4) * 4
+
+
+def make_bounds(r, most):
+    return tuple((r.choice(["<", "<=", ">", ">", ">=", ">=", "=="]), "v" if r.random() < 0.08 else r.randint(0, MOST))
+                 for _ in range(r.randint(0, most)))
+
+
+def make_atom(r):
+    places = r.randint(1, 3)
+    transitions = []
+    for port in range(r.randint(1, 2)):
+        for source in r.sample(range(places), r.randint(1, places)):
+            guard = (r.choice(["<", "!=", "!=", "/"]), r.randint(0, 2)) if r.random() < 0.3 else None
+            resume = None
+            if r.random() < 0.15:
+                resume = tuple((r.choice([">", ">=", "<", "<="]), r.randint(0, MOST)) for _ in range(r.randint(1, 2)))
+            transitions.append(Transition(port, source, r.randrange(places), guard, make_bounds(r, 2),
+                                          r.choice(["lazy", "lazy", "delayable", "eager", "eager"]), r.random() < 0.6,
+                                          r.choice([None, None, "more", "zero", "divide"]), resume))
+    invariant = None
+    if r.random() < 0.4:
+        invariant = (r.randrange(places), r.choice(["<", "<=", "<="]), r.randint(1, MOST))
+    return Atom(places, transitions, invariant, r.randint(0, 2))
+
+
+def make_system(r):
+    atoms = [make_atom(r) for _ in range(r.choice([1, 2, 2, 2, 3]))]
+    ports = [(a, p) for a, atom in enumerate(atoms) for p in sorted({t.port for t in atom.transitions})]
+    connectors = []
+    for _ in range(r.randint(1, 3)):
+        first = r.choice(ports)
+        others = [p for p in ports if p[0] != first[0]]
+        leaves = [first] + ([r.choice(others)] if others and r.random() < 0.6 else [])
+        trigger = len(leaves) == 2 and r.random() < 0.3
+        guard = (r.choice(["!=", "/"]), r.randint(0, 2)) if r.random() < 0.25 and not trigger else None
+        moves = len(leaves) == 2 and not trigger and r.random() < 0.3
+        connectors.append(Connector(tuple(leaves), trigger, guard, moves))
+    return atoms, connectors
+
+
+def bounds_text(bounds):
+    return " && ".join(f"x {op} {limit}" for op, limit in bounds)
+
+
+def text_of(atoms, connectors):
+    out = ["package m", "  port type P(int v)"]
+    for row, c in enumerate(connectors):
+        both = len(c.leaves) == 2
+        out.append(f"  connector type C{row}(P p{', P q' if both else ''})\n    define p{chr(39) if c.trigger else ''}{' q' if both else ''}")
+        if c.guard or c.moves:
+            provided = f" provided ({guard_text(c.guard, 'p.v')})" if c.guard else ""
+            out.append(f"    on p{' q' if both else ''}{provided}{' down { q.v = p.v; }' if c.moves else ''}")
+        out.append("  end")
+    for row, atom in enumerate(atoms):
+        ports = sorted({t.port for t in atom.transitions})
+        out.append(f"  atom type A{row}()\n    clock x unit nanosecond\n    data int v = {atom.first}")
+        out += [f"    export port P p{port}(v)" for port in ports]
+        out.append("    place " + ", ".join(f"s{k}" for k in range(atom.places)) + "\n    initial to s0 do { x = 0; }")
+        for t in atom.transitions:
+            condition = " && ".join(([f"({guard_text(t.guard, 'v')})"] if t.guard else []) + ([bounds_text(t.bounds)] if t.bounds else []))
+            action = (CHANGES[t.change] if t.change else "") + (" x = 0;" if t.resets else "")
+            out.append(f"    on p{t.port} from s{t.source} to s{t.target}{f' provided ({condition})' if condition else ''} {t.urgency}"
+                       f"{f' do {{ {action} }}' if action else ''}{f' resume ({bounds_text(t.resume)})' if t.resume else ''}")
+        if atom.invariant:
+            place, op, limit = atom.invariant
+            out.append(f"    invariant i at s{place} provided (x {op} {limit})")
+        out.append("  end")
+    out.append("  compound type Root()")
+    out += [f"    component A{row} a{row}()" for row in range(len(atoms))]
+    out += [f"    connector C{row} c{row}(" + ", ".join(f"a{a}.p{p}" for a, p in c.leaves) + ")" for row, c in enumerate(connectors)]
+    return "\n".join(out + ["  end", "end", ""])
+
+
+# ---- the oracle
+def compare(clock, op, limit):
+    return {"<": clock < limit, "<=": clock <= limit, ">": clock > limit, ">=": clock >= limit, "==": clock == limit}[op]
+
+
+def holds(bounds, clock, value=0):
+    return all(compare(clock, op, value if limit == "v" else limit) for op, limit in bounds)
+
+
+class Oracle:
+    def __init__(self, atoms, connectors):
+        self.atoms, self.connectors = atoms, connectors
+        self.deadlock = self.lock = self.error = self.has_no_state = False
+
+    def settle(self, state):
+        """Atoms whose `resume` holds go on."""
+        return tuple(s._replace(waits=None) if s.waits is not None and holds(self.atoms[a].transitions[s.waits].resume, s.clock) else s
+                     for a, s in enumerate(state))
+
+    def enabled(self, state):
+        """By atom and port the transition that is possible now. The guard of a marked transition is evaluated at any instant."""
+        found = {}
+        for a, s in enumerate(state):
+            for t in self.atoms[a].transitions if s.waits is None else ():
+                if t.source != s.place or (t.guard and not guard_holds(t.guard, s.value)):
+                    continue
+                if holds(t.bounds, s.clock, s.value):
+                    found[a, t.port] = t
+        return found
+
+    def candidates(self, state):
+        """Each is a list of (atom, transition), and its connector."""
+        enabled = self.enabled(state)
+        found = []
+        for c in self.connectors:
+            possible = [leaf for leaf in c.leaves if leaf in enabled]
+            if c.leaves[0] not in possible or (not c.trigger and len(possible) < len(c.leaves)):
+                continue
+            if c.guard and not guard_holds(c.guard, state[c.leaves[0][0]].value):
+                continue
+            found.append(([(a, enabled[a, p]) for a, p in possible], c))
+        return found
+
+    def fire(self, state, candidate):
+        taken, c = candidate
+        after = list(state)
+        if c.moves:
+            after[taken[1][0]] = after[taken[1][0]]._replace(value=after[taken[0][0]].value)
+        for a, t in taken:
+            s = after[a]
+            value = changed(t.change, s.value) if t.change else s.value
+            after[a] = State(t.target, value, 0 if t.resets else s.clock,
+                             self.atoms[a].transitions.index(t) if t.resume is not None else None)
+        return self.settle(tuple(after))
+
+    def invariants_hold(self, state):
+        return all(atom.invariant is None or atom.invariant[0] != s.place or compare(s.clock, *atom.invariant[1:])
+                   for atom, s in zip(self.atoms, state))
+
+    def may_pass(self, state, candidates):
+        """To the next ns, from a state with these candidates."""
+        later = tuple(s._replace(clock=min(s.clock + 1, MOST + 1)) for s in state)
+        if not self.invariants_hold(state) or not self.invariants_hold(later):
+            return None
+        for taken, _ in candidates:
+            urgencies = {t.urgency for _, t in taken}
+            if "eager" in urgencies:
+                return None
+            if "delayable" in urgencies and not all(holds(t.bounds, later[a].clock, state[a].value) for a, t in taken):
+                return None
+        later = self.settle(later)
+        try:
+            opened = self.candidates(later)
+        except Fault:
+            return later
+        for taken, _ in opened:
+            if any(t.urgency == "eager" for _, t in taken) and all(state[a].waits is None for a, _ in taken) and any(
+                    op in "<>" and not holds([(op, limit)], state[a].clock, state[a].value) for a, t in taken for op, limit in t.bounds):
+                return None
+        return later
+
+    def run(self):
+        """False: too many states."""
+        first = self.settle(tuple(State(0, atom.first, 0, None) for atom in self.atoms))
+        known, todo = {first}, [first]
+        while todo:
+            state = todo.pop()
+            try:
+                candidates = self.candidates(state)
+            except Fault:
+                self.error = True
+                self.has_no_state |= state == first
+                continue
+            following = []
+            later = self.may_pass(state, candidates)
+            if later is not None:
+                following.append(later)
+            if not candidates:
+                self.lock |= later is None
+                self.deadlock |= later == state
+            for candidate in candidates:
+                try:
+                    following.append(self.fire(state, candidate))
+                except Fault:
+                    self.error = True
+            for new in following:
+                if new not in known:
+                    known.add(new)
+                    todo.append(new)
+            if len(known) > MOST_STATES:
+                return False
+        return True
+
+
+# ---- the comparison
+def ask(path, *words):
+    done = subprocess.run([BIPC, *words, "--backend=interp", "--json", path], capture_output=True, text=True, timeout=120)
+    try:
+        return json.loads(done.stdout), done.stderr
+    except ValueError:
+        return None, done.stderr
+
+
+def check(seed):
+    """(what was found, a difference or "")"""
+    atoms, connectors = make_system(random.Random(seed))
+    oracle = Oracle(atoms, connectors)
+    if not oracle.run():
+        return "large", ""
+    text = text_of(atoms, connectors)
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "m.bip")
+        pathlib.Path(path).write_text(text)
+        explored, problem = ask(path, "explore")
+        if explored is None:
+            return "refused", f"seed {seed}: explore: {problem}\n{text}"
+        verdict, _ = ask(path, "verify")
+        errors, _ = ask(path, "verify", "--property", "errors")
+    expected = (oracle.deadlock, oracle.lock, oracle.error)
+    found = (explored["deadlocks"] > 0, explored["time_locks"] > 0, explored["errors"] > 0)
+    words = "deadlock %s, time lock %s, error %s"
+    difference = ""
+    if explored["end"] != "complete" or found != expected:
+        difference = f"explore: {words % found} ({explored['end']})"
+    if oracle.has_no_state:
+        allowed = {"no-state"}
+    else:
+        allowed = {kind for kind, is_reached in (("deadlock", oracle.deadlock), ("time lock", oracle.lock)) if is_reached} or {"deadlock-free"}
+    if verdict is None or verdict["verdict"] not in allowed:
+        difference += f"\nverify: {verdict and verdict['verdict']}"
+    if errors is None or errors["verdict"] != ("error" if oracle.error else "error-free"):
+        difference += f"\nverify --property errors: {errors and errors['verdict']}"
+    kind = "+".join(k for k, v in zip(("deadlock", "time lock", "error"), expected) if v) or "free"
+    return kind, f"seed {seed}: oracle: {words % expected}; {difference}\n{text}" if difference else ""
+
+
+def main():
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    first = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    kinds, bad = collections.Counter(), 0
+    with concurrent.futures.ProcessPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+        for kind, difference in pool.map(check, range(first, first + count), chunksize=8):
+            kinds[kind] += 1
+            if difference:
+                bad += 1
+                print(difference)
+    print(", ".join(f"{kind}: {n}" for kind, n in sorted(kinds.items())))
+    compared = count - kinds["large"] - kinds["refused"]
+    # What decides nothing is no test.
+    if count >= 60 and (compared < count // 2 or any(kinds[k] == 0 for k in ("free", "deadlock", "time lock"))):
+        bad += 1
+        print("too few systems of some kind")
+    print(f"timed: {compared - bad if compared > bad else 0} passed, {bad} failed")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
