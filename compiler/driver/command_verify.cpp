@@ -93,10 +93,7 @@ void remove_certificate(Compilation& c, const std::string& path) {
 // The run that violates the property, if one was found and a file was asked for.
 void write_counterexample(const VerifyArguments& arguments, Compilation& c, const library::Verdict& verdict) {
   if (arguments.trace_path.empty() || !verdict.counterexample) return;
-  const std::string trace =
-      rt::trace_of_counterexample(c.lowered->image, rt::MaximalProgress::On, verdict.counterexample->end,
-                                  verdict.counterexample->path, rt::TraceFormat::Json);
-  if (const Result<bool> written = write_file(arguments.trace_path, trace); !written)
+  if (const Result<bool> written = write_file(arguments.trace_path, verdict.counterexample->trace); !written)
     c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
 }
 
@@ -112,6 +109,7 @@ int command_verify(const VerifyArguments& arguments) {
     return report(c);
   library::VerifyRequest request = arguments;
   request.wants_certificate = !arguments.certificate.empty();
+  request.wants_trace = !arguments.trace_path.empty();
   const std::optional<verify::Question> asked =
       read_question("verify", arguments.property, library::read_question(request, *c.system));
   if (!asked) return kUsage;

@@ -22,12 +22,14 @@ struct VerifyRequest {
   bool stats = false;
   bool reuses = true;  // proofs from earlier runs, and leaves its own
   bool wants_certificate = false;
+  bool wants_trace = false;  // of a run that breaks what was asked
 };
 
 /// A run that breaks what was asked; the core has taken it.
 struct FoundRun {
   rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
   rt::TimedPath path;
+  std::string trace;  // JSON lines, if they were wanted
 };
 struct Verdict {
   bool is_answered = false;  // false: the compilation's diagnostics say why there is none

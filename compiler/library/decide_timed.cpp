@@ -204,7 +204,10 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     json["steps"] = first.path->steps.size();
     text = described.steps + described.error;
     exit_code = kViolated;
-    run = FoundRun{first.end, *first.path};
+    run = FoundRun{first.end, *first.path, {}};
+    if (request.wants_trace)
+      run->trace =
+          rt::trace_of_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, rt::TraceFormat::Json);
   } else if (is_complete && !is_violated) {
     const std::string name = asks_errors ? "error-free" : asks_state ? "holds" : "deadlock-free";
     json["verdict"] = name;
