@@ -156,7 +156,7 @@ def test_python_goes_on_while_it_works():
 
 def test_interrupt_ends_work():
     """Ctrl-C: KeyboardInterrupt soon, in an exploration, a proof and a run; the objects can be used afterwards."""
-    model = bipc.load(SAFE, "Table(14)")
+    model = bipc.load(SAFE, "Table(24)")
     system = model.start()
     for work in (lambda: model.explore(threads=1), lambda: system.run(2**60)):
         timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))

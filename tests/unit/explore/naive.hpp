@@ -8,7 +8,7 @@
 namespace bip::rt::testing {
 
 struct Naive {
-  std::uint64_t states = 0, steps = 0, deadlocks = 0, errors = 0;
+  std::uint64_t states = 0, steps = 0, deadlocks = 0, finals = 0, errors = 0;
   std::uint32_t depth = 0;
   bool is_complete = true, initial_fault = false;
   std::vector<std::uint64_t> deadlock, error;  // the ways to the first ones
@@ -22,6 +22,18 @@ struct Naive {
     return way;
   }
 };
+
+inline bool has_only_final_marks(const Core& core) {
+  for (u32 atom = 0; atom < core.image().atoms.size; ++atom) {
+    const AtomType& type = core.image().atom_types[core.image().atoms[atom].type];
+    for (u32 place = 0; place < type.places.size; ++place) {
+      bool is_listed = false;
+      for (const u32 final : type.final_places) is_listed = is_listed || final == place;
+      if (core.is_marked(atom, place) && !is_listed) return false;
+    }
+  }
+  return true;
+}
 
 inline Naive explore_naively(const Image& image, MaximalProgress progress, std::uint64_t limit) {
   using Key = std::tuple<std::vector<u32>, std::vector<u64>, std::vector<u64>>;
@@ -50,7 +62,9 @@ inline Naive explore_naively(const Image& image, MaximalProgress progress, std::
     (void)core.restore(found.all[row]);
     found.depth = depths[row];
     const std::uint64_t count = core.candidate_count();
-    if (count == 0 && found.deadlocks++ == 0) found.deadlock = found.way_to(row);
+    const bool is_final = count == 0 && has_only_final_marks(core);
+    found.finals += is_final ? 1 : 0;
+    if (count == 0 && !is_final && found.deadlocks++ == 0) found.deadlock = found.way_to(row);
     bool has_error = false;
     for (std::uint64_t k = 0; k < count && found.is_complete; ++k) {
       if (k != 0) (void)core.restore(found.all[row]);

@@ -156,6 +156,7 @@ void compare(const std::vector<std::string>& texts, rt::MaximalProgress progress
     CHECK(found.states == naive.states);
     CHECK(found.steps == naive.steps);
     CHECK(found.deadlocks == naive.deadlocks);
+    CHECK(found.finals == naive.finals);
     if (naive.deadlocks != 0) CHECK(found.deadlock == naive.deadlock);
     return;
   }
@@ -167,6 +168,7 @@ void compare(const std::vector<std::string>& texts, rt::MaximalProgress progress
     CHECK(found.states == naive.states);
     CHECK(found.steps == naive.steps);
     CHECK(found.deadlocks == naive.deadlocks);
+    CHECK(found.finals == naive.finals);
     CHECK(found.errors == naive.errors);
     CHECK(found.depth == naive.depth);
     CHECK(found.are_paths_known);
