@@ -95,10 +95,14 @@ void CompiledSteps::link() {
   const Image& image = *core_.tables.image;
   runs_.clear();
   run_of_ = {};
-  first_entry_.assign(std::size_t{image.step_fns.size} + 1, 0);
-  for (const StepEntry& entry : image.step_entries) ++first_entry_[entry.shape + 1];
-  for (u32 shape = 0; shape < image.step_fns.size; ++shape) first_entry_[shape + 1] += first_entry_[shape];
   if (image.step_fns.size == 0 || core_.options.progress == MaximalProgress::Off || core_.search.is_weighted()) return;
+  // Steps may have been derived for which there is no code yet: then there are no functions, but entries.
+  first_entry_.assign(std::size_t{image.step_fns.size} + 1, 0);
+  for (const StepEntry& entry : image.step_entries) {
+    BIP_ASSERT(entry.shape < image.step_fns.size, "shape {} of {}", entry.shape, image.step_fns.size);
+    ++first_entry_[entry.shape + 1];
+  }
+  for (u32 shape = 0; shape < image.step_fns.size; ++shape) first_entry_[shape + 1] += first_entry_[shape];
   std::vector<u32> rows(core_.tables.interactions.size(), kNone);
   u32 most = 0;
   for (u32 row = 0; row < image.step_runs.size; ++row) {
