@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/debug/why_not.hpp"
+#include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/future.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -28,10 +28,6 @@ std::string_view without_blanks(std::string_view text) {
 bool read_number(std::string_view text, std::uint64_t& number) {
   const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
   return read.ec == std::errc() && read.ptr == text.data() + text.size();
-}
-
-std::string counted(std::uint64_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -126,15 +122,8 @@ void Console::print_where() {
     text += ", instant ";
     rt::append_time(text, session_.core().now());
   }
-  if (!session_.is_at_fault()) text += ", " + counted(session_.core().candidate_count(), "candidate");
+  if (!session_.is_at_fault()) text += ", " + rt::counted(session_.core().candidate_count(), "candidate");
   output_.print(text + "\n");
-}
-
-// Of a state without candidates: the end of the run, if all components may stay where they are, or a deadlock.
-void Console::print_end() {
-  const rt::Core& core = session_.core();
-  output_.print(rt::is_final_state(core) ? rt::final_line(session_.position(), seed_)
-                                         : rt::deadlock_story(core, session_.position(), seed_));
 }
 
 void Console::print_displays() {
@@ -163,7 +152,7 @@ void Console::tell(rt::Halt halt, Lines lines) {
                                      : fmt::format("breakpoint {}: {}\n", b.number, b.text));
       }
       break;
-    case rt::Halt::Deadlock: print_end(); break;
+    case rt::Halt::Deadlock: output_.print(rt::end_story(session_.core(), session_.position(), seed_)); break;
     case rt::Halt::Fault: output_.print(session_.fault()); break;
     case rt::Halt::Begin: output_.print("this is the initial state\n"); break;
     case rt::Halt::Interrupted: output_.print("interrupted\n"); break;
@@ -181,10 +170,7 @@ void Console::print_state() { tell(session_.is_at_fault() ? rt::Halt::Fault : rt
 
 // -- Movement --
 
-void Console::step(std::string_view rest) {
-  std::uint64_t count = 0;
-  if (!read_count(rest, 1, count)) return;
-  session_.mark();
+void Console::take_steps(std::uint64_t count) {
   session_.track(count <= kMostStepLines ? rt::Tracking::Every : rt::Tracking::OnRequest);
   rt::Halt halt = rt::Halt::Done;
   for (std::uint64_t k = 0; k < count && halt == rt::Halt::Done; ++k) {
@@ -196,20 +182,19 @@ void Console::step(std::string_view rest) {
   tell(halt, Lines::None);
 }
 
+void Console::step(std::string_view rest) {
+  std::uint64_t count = 0;
+  if (!read_count(rest, 1, count)) return;
+  session_.mark();
+  take_steps(count);
+}
+
 void Console::walk(std::string_view rest) {
   std::uint64_t count = 0;
   if (!read_count(rest, 1, count)) return;
   session_.mark();
   session_.branch();
-  session_.track(count <= kMostStepLines ? rt::Tracking::Every : rt::Tracking::OnRequest);
-  rt::Halt halt = rt::Halt::Done;
-  for (std::uint64_t k = 0; k < count && halt == rt::Halt::Done; ++k) {
-    const std::uint64_t before = session_.position();
-    halt = session_.step();
-    if (session_.position() != before && count <= kMostStepLines) print_last_move();
-  }
-  session_.track(rt::Tracking::OnRequest);
-  tell(halt, Lines::None);
+  take_steps(count);
 }
 
 void Console::back(std::string_view rest) {
@@ -410,7 +395,7 @@ void Console::why(std::string_view rest) {
   if (rest.empty()) {
     if (core.candidate_count() != 0)
       return refuse("this is no deadlock", "`y CONNECTOR` or `y COMPONENT.PORT` explains one");
-    print_end();
+    output_.print(rt::end_story(session_.core(), session_.position(), seed_));
     return;
   }
   const std::optional<Named> named = model_.find(rest);
@@ -440,7 +425,7 @@ void Console::display(std::string_view rest) {
 void Console::set_breakpoint(std::string_view rest) {
   if (rest.empty()) {
     for (const rt::Breakpoint& b : session_.breakpoints())
-      output_.print(fmt::format("  {}: {} ({})\n", b.number, b.text, counted(b.hits, "hit")));
+      output_.print(fmt::format("  {}: {} ({})\n", b.number, b.text, rt::counted(b.hits, "hit")));
     if (session_.breakpoints().empty()) output_.print("no breakpoints\n");
     return;
   }
@@ -465,7 +450,7 @@ void Console::save(std::string_view rest) {
   if (!session_.append_trace(text, rt::TraceFormat::Json)) return refuse(session_.problem());
   if (const std::string problem = output_.write(std::string(rest), text); !problem.empty())
     return refuse(fmt::format("cannot write `{}`: {}", rest, problem));
-  output_.print(fmt::format("{} written to {}\n", counted(session_.position(), "move"), rest));
+  output_.print(fmt::format("{} written to {}\n", rt::counted(session_.position(), "move"), rest));
 }
 
 void Console::help(std::string_view) {

@@ -1,7 +1,8 @@
 // The console of a debugging session (`bipc step`, compiler/docs/step.md): commands of one letter, their answers as
 // text.
 //
-// Answers go to one function, refusals to another; nothing here reads input. Lists are cut off at limits that are told.
+// The class reads no input: its owner passes it lines. It writes answers and error messages through ConsoleOutput. It
+// cuts long lists and prints how many rows are left out.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -75,7 +76,7 @@ class Console {
   void tell(rt::Halt halt, Lines lines);
   void print_last_move();
   void print_where();
-  void print_end();
+  void take_steps(std::uint64_t count);
   void print_displays();
   void add_temporary(rt::Breakpoint breakpoint);
   void remove_temporary();

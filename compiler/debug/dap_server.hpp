@@ -47,7 +47,7 @@ class DapServer {
   std::function<bool()> has_input;
   /// Answers one message.
   void handle(std::string_view body);
-  /// Was the model told to run? Then run() continues it.
+  /// Returns whether a request to run the model (`continue`, a step) is not finished: the caller then calls run().
   [[nodiscard]] bool is_running() const { return running_ != Running::No; }
   void run();
   [[nodiscard]] bool is_finished() const { return is_finished_; }

@@ -253,6 +253,20 @@ void add_check(CLI::App& app, CheckArguments& a) {
   command->footer("Example:\n  bipc check --diagnostics=short model.bip");
 }
 
+// A seed without which one is drawn.
+void add_seed(CLI::App& command, std::uint64_t& seed, bool& is_given, const std::string& help) {
+  command
+      .add_option_function<std::uint64_t>(
+          "--seed",
+          [&seed, &is_given](const std::uint64_t& value) {
+            seed = value;
+            is_given = true;
+          },
+          help)
+      ->check(is_number())
+      ->type_name("N");
+}
+
 void add_run(CLI::App& app, RunArguments& a) {
   CLI::App* command = app.add_subcommand("run", "run a model and print its steps");
   command
@@ -261,16 +275,7 @@ void add_run(CLI::App& app, RunArguments& a) {
           "model file (.bip or .bsys), or a folder with a program `run`, which is started with --seed and --speed")
       ->required()
       ->type_name("");
-  command
-      ->add_option_function<std::uint64_t>(
-          "--seed",
-          [&a](const std::uint64_t& seed) {
-            a.run.seed = seed;
-            a.run.has_seed = true;
-          },
-          "seed of the random choices (default: drawn at random and printed)")
-      ->check(is_number())
-      ->type_name("N");
+  add_seed(*command, a.run.seed, a.run.has_seed, "seed of the random choices (default: drawn at random and printed)");
   command->add_option("-l,--limit", a.run.limit, "stop the run after N steps (default: no limit)")
       ->check(is_number())
       ->type_name("N");
@@ -455,16 +460,8 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
                    "make so many runs that a probability is known within E, with confidence 95% (instead of --runs)")
       ->check(CLI::Range(0.0001, 0.5))
       ->type_name("E");
-  command
-      ->add_option_function<std::uint64_t>(
-          "--seed",
-          [&a](const std::uint64_t& seed) {
-            a.simulate.seed = seed;
-            a.has_seed = true;
-          },
-          "seed of the first run; each later run has the next number (default: drawn at random and printed)")
-      ->check(is_number())
-      ->type_name("N");
+  add_seed(*command, a.simulate.seed, a.has_seed,
+           "seed of the first run; each later run has the next number (default: drawn at random and printed)");
   command->add_option("-l,--limit", a.simulate.limit, "steps of a run (default: 1000)")
       ->check(is_number())
       ->type_name("N");

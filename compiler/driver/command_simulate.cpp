@@ -214,7 +214,8 @@ bool refuse(const char* option, const std::string& why) {
   return false;
 }
 
-// The words of the command line with the model's names. False: told.
+// Parses the observers and the stop condition, and resolves their names in the system. Returns false after it has
+// printed an error.
 bool read_questions(const SimulateArguments& a, const System& system, rt::SimulateOptions& options) {
   for (const std::string& text : a.observers) {
     Result<rt::Observer> observer = read_observer(text, system);

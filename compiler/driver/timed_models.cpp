@@ -23,18 +23,6 @@ namespace {
 
 constexpr const char* kNotReplayed = "the core could not take the way to what was found\n";
 
-// Of what was found: the error before the deadlock before the time lock, as exit codes have it.
-struct Found {
-  rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
-  const rt::TimedPath* path = nullptr;  // null: no violation was found
-};
-Found first_of(const rt::ZoneReport& found) {
-  if (found.has_deadlock) return {rt::CounterexampleEnd::Deadlock, &found.deadlock};
-  if (found.has_time_lock) return {rt::CounterexampleEnd::TimeLock, &found.time_lock};
-  if (found.has_error) return {rt::CounterexampleEnd::Error, &found.error};
-  return {};
-}
-
 const char* end_of(const rt::ZoneReport& found) { return found.inexact.empty() ? name_of(found.end) : "inexact"; }
 
 nlohmann::ordered_json path_json(const rt::TimedPath& path, const rt::CounterexampleText& described) {
@@ -99,7 +87,7 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
     if (found.has_error)
       texts.error = rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Error, found.error, kStepsShown);
   }
-  if (const Found first = first_of(found);
+  if (const rt::FoundPath first = rt::first_of(found);
       !arguments.trace_path.empty() && first.path != nullptr && found.are_paths_known) {
     const std::string trace = rt::trace_of_counterexample(image, maximal, first.end, *first.path, arguments.format);
     if (const Result<bool> written = write_file(arguments.trace_path, trace); !written) {

@@ -104,10 +104,17 @@ Counterexample replayed(const rt::Image& image, rt::MaximalProgress maximal, rt:
   return out;
 }
 
-rt::TimedPath timed(const rt::Path& path) {
-  rt::TimedPath out;
-  for (const rt::u64 choice : path) out.steps.push_back({0, choice});
-  return out;
+// What the two kinds of reports have in common.
+template <class Report>
+void fill(Exploration& out, const Report& found) {
+  out.end = rt::name_of(found.end);
+  out.steps = found.steps;
+  out.deadlocks = found.deadlocks;
+  out.errors = found.errors;
+  out.depth = found.depth;
+  out.seconds = found.seconds;
+  out.bytes = found.bytes;
+  out.text = rt::summary_line(found);
 }
 
 }  // namespace
@@ -205,47 +212,32 @@ Exploration Model::explore(const ExploreOptions& options) {
   out.is_answered = true;
   const rt::Image& image = c.lowered->image;
   wanted.unread_cells = verify::find_unread_cells(*c.system, image);
-  const auto found_run = [&](rt::CounterexampleEnd end, const rt::TimedPath& path, const rt::CounterexampleText& text) {
+  const auto found_run = [&](rt::CounterexampleEnd end, const rt::TimedPath& path) {
     Counterexample run = replayed(image, wanted.progress, end, path);
+    const rt::CounterexampleText text =
+        rt::describe_counterexample(image, wanted.progress, end, path, pipeline::kStepsShown);
     run.text = text.steps + text.error;
     return run;
-  };
-  const auto described = [&](rt::CounterexampleEnd end, const auto& path) {
-    return rt::describe_counterexample(image, wanted.progress, end, path, pipeline::kStepsShown);
   };
   using enum rt::CounterexampleEnd;
   if (system::is_timed(*c.system)) {
     const rt::ZoneReport found = rt::explore_zones(image, wanted);
-    out.end = found.inexact.empty() ? rt::name_of(found.end) : "inexact";
+    fill(out, found);
+    if (!found.inexact.empty()) out.end = "inexact";
     out.states = found.zones;
-    out.steps = found.steps;
-    out.deadlocks = found.deadlocks;
     out.time_locks = found.time_locks;
-    out.errors = found.errors;
-    out.depth = found.depth;
-    out.seconds = found.seconds;
-    out.bytes = found.bytes;
-    out.text = rt::summary_line(found);
     if (!found.are_paths_known) return out;
-    if (found.has_deadlock) out.deadlock = found_run(Deadlock, found.deadlock, described(Deadlock, found.deadlock));
-    if (found.has_time_lock) out.time_lock = found_run(TimeLock, found.time_lock, described(TimeLock, found.time_lock));
-    if (found.has_error) out.error = found_run(Error, found.error, described(Error, found.error));
+    if (found.has_deadlock) out.deadlock = found_run(Deadlock, found.deadlock);
+    if (found.has_time_lock) out.time_lock = found_run(TimeLock, found.time_lock);
+    if (found.has_error) out.error = found_run(Error, found.error);
     return out;
   }
   const rt::ExploreReport found = rt::explore_states(image, wanted);
-  out.end = rt::name_of(found.end);
+  fill(out, found);
   out.states = found.states;
-  out.steps = found.steps;
-  out.deadlocks = found.deadlocks;
-  out.errors = found.errors;
-  out.depth = found.depth;
-  out.seconds = found.seconds;
-  out.bytes = found.bytes;
-  out.text = rt::summary_line(found);
   if (!found.are_paths_known) return out;
-  if (found.has_deadlock)
-    out.deadlock = found_run(Deadlock, timed(found.deadlock), described(Deadlock, found.deadlock));
-  if (found.has_error) out.error = found_run(Error, timed(found.error), described(Error, found.error));
+  if (found.has_deadlock) out.deadlock = found_run(Deadlock, rt::at_once(found.deadlock));
+  if (found.has_error) out.error = found_run(Error, rt::at_once(found.error));
   return out;
 }
 

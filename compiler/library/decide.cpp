@@ -159,8 +159,7 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   verdict.json = verdict_json(said, question, decision, shown);
   verdict.text = said.text + (shown != nullptr ? stats_text(stats) : "");
   if (const verify::Counterexample* found = decision.counterexample()) {
-    FoundRun run{end_of(question.what), {}, {}};
-    for (const std::uint64_t choice : found->choices) run.path.steps.push_back({0, choice});
+    FoundRun run{end_of(question.what), rt::at_once(found->choices), {}};
     // While the image has its code.
     if (request.wants_trace)
       run.trace =

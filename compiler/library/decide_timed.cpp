@@ -27,18 +27,6 @@ namespace {
 // Of the time: the rest is the whole zone graph's.
 constexpr double kShareOfParts = 3;
 
-// Of what was found: the error before the deadlock before the time lock, as exit codes have it.
-struct Found {
-  rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
-  const rt::TimedPath* path = nullptr;  // null: no violation was found
-};
-Found first_of(const rt::ZoneReport& found) {
-  if (found.has_deadlock) return {rt::CounterexampleEnd::Deadlock, &found.deadlock};
-  if (found.has_time_lock) return {rt::CounterexampleEnd::TimeLock, &found.time_lock};
-  if (found.has_error) return {rt::CounterexampleEnd::Error, &found.error};
-  return {};
-}
-
 std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation) {
   if (!found.inexact.empty()) return found.inexact + ", which zones cannot follow";
   switch (found.end) {
@@ -191,9 +179,9 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   int exit_code = kUnknown;
   std::optional<FoundRun> run;
   if (is_violated && found.are_paths_known) {
-    const Found first = asks_errors  ? Found{rt::CounterexampleEnd::Error, &found.error}
-                        : asks_state ? Found{rt::CounterexampleEnd::State, &found.match}
-                                     : first_of(found);
+    const rt::FoundPath first = asks_errors  ? rt::FoundPath{rt::CounterexampleEnd::Error, &found.error}
+                                : asks_state ? rt::FoundPath{rt::CounterexampleEnd::State, &found.match}
+                                             : rt::first_of(found);
     rt::CounterexampleText described =
         rt::describe_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, kStepsShown);
     if (asks_state) described.steps += broken_text(image, question.property, *first.path);

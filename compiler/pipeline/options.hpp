@@ -20,7 +20,7 @@ enum class Backend : std::uint8_t { Auto, Jit, Interp };
 /// code, else -O0, so that the start takes about 0.1 s either way.
 enum class Optimisation : std::uint8_t { Auto, O0, O1, O2 };
 
-/// What is kept for the next time: machine code, proofs.
+/// Options of the cache on disk, which holds machine code and proofs.
 struct CacheOptions {
   bool is_off = false;
   std::string folder;             // empty: the user's cache folder

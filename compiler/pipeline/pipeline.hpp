@@ -38,7 +38,7 @@ struct Compilation {
   std::map<std::string, std::string> open_texts;  // by path: what an editor holds, read instead of the files
   std::map<FileId, std::string> paths;            // where each file was read; messages may call it otherwise
   std::vector<PassTime> times;
-  std::string printed;  // products that --print-after names, for whoever prints
+  std::string printed;  // text of the products that --print-after names; the command prints it
 
   // Products, in the order of the stages. A .bsys file has no syntax and no model.
   std::string path;

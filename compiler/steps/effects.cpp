@@ -194,7 +194,7 @@ bool Deriver::add_star_transfers(const rt::InteractionInfo& info, const std::vec
   return true;
 }
 
-// Whoever is ready takes part. Those who are sure to be fire as in a rendezvous.
+// A step of a star: each port that is enabled takes part. Ports that are always enabled fire as those of a rendezvous.
 bool Deriver::add_star(u32 fired, const rt::InteractionInfo& info, Instance& out) {
   const std::vector<bool> is_sure = find_sure(fired);
   if (!add_star_transfers(info, is_sure, out)) return false;
@@ -209,8 +209,8 @@ bool Deriver::add_star(u32 fired, const rt::InteractionInfo& info, Instance& out
   return last_changed == kNone || effects == out.ops.size() || out.refs[out.ops[effects].first_ref] > last_changed;
 }
 
-// Each parameter by itself: whoever is at the place from which its port can fire takes part. last_changed: the last
-// interaction that may enter or leave.
+// Adds the other ports one by one: a port takes part if its atom is at the place that the port's transition leaves.
+// last_changed: the greatest interaction that may enter or leave the list.
 bool Deriver::add_ready(const std::vector<u32>& ports, Instance& out, u32& last_changed) {
   Instance each;
   for (const u32 port : ports) {

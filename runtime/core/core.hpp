@@ -42,8 +42,8 @@ class Core {
   void keep_ordered_list() {
     if (!parts_.enabled.keeps_order()) parts_.keep_ordered_list();
   }
-  /// Puts the list into an order that it had in this state. Nothing if no list is kept, or one whose own order nobody
-  /// sees.
+  /// Restores the order that the list had in this state. Has no effect if no list is kept, or if the list is kept in
+  /// interaction order.
   void set_list_order(const std::vector<u32>& order) {
     if (parts_.keeps_list && !parts_.enabled.keeps_order())
       parts_.enabled.list(order, static_cast<u32>(tables().interactions.size()));

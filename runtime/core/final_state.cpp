@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::rt {
@@ -29,6 +30,10 @@ bool is_final_state(const Core& core) {
     if (!is_at_final_places(core, atom)) return false;
   }
   return true;
+}
+
+std::string end_story(const Core& core, std::uint64_t steps, std::uint64_t seed) {
+  return is_final_state(core) ? final_line(steps, seed) : deadlock_story(core, steps, seed);
 }
 
 std::string final_line(std::uint64_t steps, std::uint64_t seed) {

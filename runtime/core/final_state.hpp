@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "bip/run.hpp"
 #include "runtime/core/core.hpp"
 
 namespace bip::rt {
@@ -17,6 +18,13 @@ namespace bip::rt {
 
 /// Returns whether the state, of an image without time, has no candidate and is not final.
 [[nodiscard]] inline bool is_deadlock(const Core& core) { return core.candidate_count() == 0 && !is_final_state(core); }
+
+/// Returns how a run ends in a state that no step leaves: Final or Deadlock.
+[[nodiscard]] inline End end_without_step(const Core& core) {
+  return is_final_state(core) ? End::Final : End::Deadlock;
+}
+/// The text of that end: final_line or deadlock_story.
+[[nodiscard]] std::string end_story(const Core& core, std::uint64_t steps, std::uint64_t seed);
 
 /// One line: `final: each component is at a final place   (5 steps, seed 4)`.
 [[nodiscard]] std::string final_line(std::uint64_t steps, std::uint64_t seed);

@@ -485,7 +485,7 @@ bool DebugSession::append_trace(std::string& out, TraceFormat format) {
     (void)forward(Track::No);
   }
   const bool is_end = core_.candidate_count() == 0 && !core_.is_timed();
-  sink->end(out, core_, !is_end ? End::Limit : is_final_state(core_) ? End::Final : End::Deadlock, steps);
+  sink->end(out, core_, is_end ? end_without_step(core_) : End::Limit, steps);
   return true;
 }
 

@@ -341,8 +341,7 @@ std::string Execution::fault() const {
 
 std::string Execution::story() const {
   if (impl_->outcome == Outcome::Fault || impl_->core.candidate_count() != 0) return {};
-  return rt::is_final_state(impl_->core) ? rt::final_line(impl_->steps, impl_->seed)
-                                         : rt::deadlock_story(impl_->core, impl_->steps, impl_->seed);
+  return rt::end_story(impl_->core, impl_->steps, impl_->seed);
 }
 
 }  // namespace bip

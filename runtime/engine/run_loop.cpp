@@ -159,7 +159,7 @@ void RunLoop::advance() {
     case Due::Event: return;
     case Due::Fault: return end_with(End::Fault);
     case Due::Stopped: return end_with(End::Interrupted);
-    case Due::Deadlock: return end_with(is_final_state(core_) ? End::Final : End::Deadlock);
+    case Due::Deadlock: return end_with(end_without_step(core_));
     case Due::Step: return take_steps();
   }
 }

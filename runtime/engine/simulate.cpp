@@ -48,6 +48,8 @@ class Simulator {
     initial_ = core_.snapshot();
     order_ = core_.enabled().list_order();
     if (image.ffi != nullptr) image.ffi->pin();
+    counts_ = std::any_of(options.observers.begin(), options.observers.end(),
+                          [](const Observer& o) { return o.kind == ObserverKind::Count; });
     const bool watches_steps = std::any_of(options.observers.begin(), options.observers.end(),
                                            [](const Observer& o) { return o.kind != ObserverKind::Last; });
     is_compiled_ = !watches_steps && !options.stop && options.policy == Policy::Uniform && !core_.is_timed() &&
@@ -137,11 +139,12 @@ class Simulator {
 
   // Before the step is taken.
   void count(EnabledSet::Position at) {
+    if (!counts_) return;
+    const Candidate candidate = core_.candidate(at);
     bool has_participants = false;
     for (std::size_t k = 0; k < seen_.size(); ++k) {
       const Observer& observer = options_.observers[k];
       if (observer.kind != ObserverKind::Count) continue;
-      const Candidate candidate = core_.candidate(at);
       bool is_meant = candidate.connector == observer.connector && observer.connector != kNone;
       if (observer.atom != kNone) {
         if (!has_participants) core_.participants(candidate, participants_);
@@ -215,7 +218,7 @@ class Simulator {
   std::vector<Participant> participants_;
   std::uint64_t steps_ = 0;
   double since_ = 0;  // the instant of the state that was looked at last
-  bool is_sound_ = false, is_compiled_ = false, is_seeding_cpp_ = false;
+  bool is_sound_ = false, is_compiled_ = false, is_seeding_cpp_ = false, counts_ = false;
 };
 
 }  // namespace

@@ -75,7 +75,7 @@ class ThreadedRun {
     } else if (steps_ == options_.limit) {
       result.end = End::Limit;
     } else {
-      result.end = core_.candidate_count() != 0 ? End::Interrupted : is_final_state(core_) ? End::Final : End::Deadlock;
+      result.end = core_.candidate_count() != 0 ? End::Interrupted : end_without_step(core_);
     }
     return result;
   }

@@ -32,13 +32,6 @@ const char* beginning_of(ExploreEnd end) {
   return "";
 }
 
-// A path without time, as one whose steps are all taken at once.
-TimedPath at_once(const Path& path) {
-  TimedPath timed;
-  for (const u64 choice : path) timed.steps.push_back({0, choice});
-  return timed;
-}
-
 bool take(Core& core, u64 k) { return core.is_timed() ? core.time().take(core.position(k)) : core.fire(k); }
 
 // The published engine writes `0 error`.
@@ -63,6 +56,19 @@ std::string published_line(const ExploreReport& report) {
   if (report.end == ExploreEnd::Stopped) text += " (interrupted)";
   else if (report.end != ExploreEnd::Complete) text += " (limit reached)";
   return text + "\n";
+}
+
+TimedPath at_once(const Path& path) {
+  TimedPath timed;
+  for (const u64 choice : path) timed.steps.push_back({0, choice});
+  return timed;
+}
+
+FoundPath first_of(const ZoneReport& found) {
+  if (found.has_deadlock) return {CounterexampleEnd::Deadlock, &found.deadlock};
+  if (found.has_time_lock) return {CounterexampleEnd::TimeLock, &found.time_lock};
+  if (found.has_error) return {CounterexampleEnd::Error, &found.error};
+  return {};
 }
 
 std::string counted(u64 n, const char* what) {
@@ -151,10 +157,7 @@ std::string trace_of_counterexample(const Image& image, MaximalProgress progress
   }
   if (is_sound) (void)let_time_pass(core, path.end);
   if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.time().fail_time_lock();
-  const End ended = core.fault()                  ? End::Fault
-                    : core.candidate_count() != 0 ? End::Limit
-                    : is_final_state(core)        ? End::Final
-                                                  : End::Deadlock;
+  const End ended = core.fault() ? End::Fault : core.candidate_count() != 0 ? End::Limit : end_without_step(core);
   sink->end(text, core, ended, taken);
   return text;
 }

@@ -27,6 +27,16 @@ inline constexpr u64 kStatesPerDot = 1000;
 [[nodiscard]] std::string summary_line(const ZoneReport& report);
 
 enum class CounterexampleEnd : std::uint8_t { Deadlock, Error, TimeLock, State };
+/// A path of a report, which owns it, and how it ends.
+struct FoundPath {
+  CounterexampleEnd end = CounterexampleEnd::Deadlock;
+  const TimedPath* path = nullptr;  // null: no violation was found
+};
+/// Returns the deadlock that was found, else the time lock, else the error.
+[[nodiscard]] FoundPath first_of(const ZoneReport& found);
+/// Returns a path without time as one whose steps are all taken at once.
+[[nodiscard]] TimedPath at_once(const Path& path);
+
 struct CounterexampleText {
   std::string names;  // of the candidates taken, "ROOT.a, ROOT.b"
   std::string steps;  // a line a step; Deadlock: then who waits for whom

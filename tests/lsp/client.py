@@ -1,64 +1,23 @@
 """A language client for the tests: starts bipc-lsp, sends and receives. Python's library only."""
 import bisect
-import json
-import os
 import pathlib
-import queue
-import subprocess
-import threading
+import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
-BIPC = pathlib.Path(os.environ.get("BIPC") or BUILD / "bipc")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from framed import BIPC, BUILD, ROOT, TIMEOUT, FramedProcess, Gone  # noqa: E402, F401
+
 SERVER = BIPC.parent / "bipc-lsp"
-TIMEOUT = 60
 
 
-class Gone(Exception):
-    """The server ended, or did not answer in time."""
-
-
-class Client:
+class Client(FramedProcess):
     def __init__(self):
-        self.process = subprocess.Popen([str(SERVER), "--stdio"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        self.inbox = queue.Queue()
+        super().__init__([SERVER, "--stdio"])
         self.pending = []
         self.next_id = 0
         self.checked = 0  # diagnostics that were looked at
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self):
-        out = self.process.stdout
-        while True:
-            length = None
-            while True:
-                line = out.readline()
-                if not line:
-                    self.inbox.put(None)
-                    return
-                if line == b"\r\n":
-                    break
-                key, _, value = line.decode().partition(":")
-                if key.lower() == "content-length":
-                    length = int(value)
-            self.inbox.put(json.loads(out.read(length)))
-
-    def raw(self, data):
-        self.process.stdin.write(data)
-        self.process.stdin.flush()
 
     def send(self, message):
-        body = json.dumps(message).encode()
-        self.raw(b"Content-Length: %d\r\n\r\n" % len(body) + body)
-
-    def receive(self):
-        try:
-            message = self.inbox.get(timeout=TIMEOUT)
-        except queue.Empty:
-            raise Gone("no answer in time") from None
-        if message is None:
-            raise Gone(f"the server ended with {self.process.wait()}")
-        return message
+        self.send_message(message)
 
     def notify(self, method, params):
         self.send({"jsonrpc": "2.0", "method": method, "params": params})

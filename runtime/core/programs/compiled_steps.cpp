@@ -23,7 +23,7 @@ struct Unwatched {
   void end_step(u32) const {}
 };
 
-// ---- who chooses: copied into the loop, where nobody else can change it
+// ---- the choice of the next interaction, a parameter of the loop; the loop has a copy, so that it stays in registers
 // Uniformly.
 struct Drawn {
   static constexpr bool kTakesMany = true;  // by the image's function for many steps

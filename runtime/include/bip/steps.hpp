@@ -1,9 +1,9 @@
 // Compiled steps: a whole interaction as one function. The compiler makes one for each shape of interaction (what runs,
 // what moves, whose being enabled changes) and lists, for runs of interactions that share a shape, where in the core's
 // arrays the pieces are: each place, row or interaction is an affine function of the number in the run, so tables grow
-// with types, not with instances. The core calls them in runs that nobody looks at (CompiledSteps::run); emitted
-// C++ and the JIT give the functions. No fault, no allocation, no call but of code that is inlined. A program that is
-// compiled with its tables may also give a function that takes step after step (step_loop.hpp).
+// with types, not with instances. The core calls them in runs without a trace or a callback (CompiledSteps::run);
+// emitted C++ and the JIT provide the functions. No fault, no allocation, no call but of code that is inlined. A
+// program that is compiled with its tables may also give a function that takes step after step (step_loop.hpp).
 #pragma once
 #include <cstdint>
 

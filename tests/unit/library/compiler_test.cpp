@@ -40,7 +40,7 @@ constexpr const char* kTable =
     "end\n"
     "end\n";
 
-// A clock that must be served between 2 and 3 s; nobody else is there.
+// One component, whose port must fire when its clock is between 2 and 3 s.
 constexpr const char* kBeat =
     "package beat\n"
     "port type Sync()\n"
@@ -121,7 +121,7 @@ TEST_CASE("a deadlock is found by exploration and by proof, with the steps that 
   CHECK(system.candidate_count() == 0);
 }
 
-TEST_CASE("properties: what holds has a certificate, what is none is told", "[library]") {
+TEST_CASE("a property that holds has a certificate, and a text that is no property is an error", "[library]") {
   const bc::CompileResult result = interpreted(kTable);
   REQUIRE(result.model != nullptr);
   const bc::Verdict holds =
