@@ -112,6 +112,7 @@ def groups(options):
         ("snippets", [script("snippets", "tests/meta/test_snippets.py", weight=10)]),
         ("meta", [script("meta", "tests/meta/test_meta.py", weight=5)]),
         ("odd_inputs", [script("odd_inputs", "tests/meta/test_odd_inputs.py", weight=20)]),
+        ("mistakes", [script("mistakes", "tests/mistakes/test_mistakes.py", weight=8)]),
         ("slips", [script("slips", "tests/slips/test_slips.py", weight=5)]),
         ("fmt", [script("fmt", "tests/fmt/test_fmt.py", weight=10)]),
         ("models", [script("models", "tests/models/test_models.py", weight=57),

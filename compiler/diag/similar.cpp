@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <numeric>
+#include <tuple>
 
 #include "compiler/diag/diagnostics.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -40,6 +41,7 @@ std::vector<std::string> similar_names(std::string_view wrong, const std::vector
   constexpr std::size_t kLongestCompared = 80;
   struct Candidate {
     std::size_t distance;
+    std::size_t gap;  // of the lengths: among names at one distance, one of the same length is likelier
     const std::string* name;
   };
   std::vector<Candidate> candidates;
@@ -52,10 +54,10 @@ std::vector<std::string> similar_names(std::string_view wrong, const std::vector
     const std::size_t gap = longer - std::min(wrong.size(), name.size());
     if (2 * gap > allowed) continue;
     const std::size_t d = distance(wrong, name);
-    if (d <= allowed) candidates.push_back({d, &name});
+    if (d <= allowed) candidates.push_back({d, gap, &name});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return a.distance != b.distance ? a.distance < b.distance : *a.name < *b.name;
+    return std::tie(a.distance, a.gap, *a.name) < std::tie(b.distance, b.gap, *b.name);
   });
   std::vector<std::string> best;
   for (const Candidate& c : candidates) {

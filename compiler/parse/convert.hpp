@@ -74,6 +74,7 @@ class Converter {
   syntax::Block action(BipParser::ActionContext* ctx);
   std::span<const syntax::Stmt* const> stmts(BipParser::StmtsContext* ctx);
   const syntax::Stmt* simple(BipParser::SimpleContext* ctx);
+  bool chains(BipParser::SimpleContext* ctx);
   const syntax::Stmt* if_stmt(BipParser::IfStmtContext* ctx);
 
   // convert_names.cpp
@@ -113,6 +114,11 @@ class Converter {
   void open_body(const syntax::Decl& d, std::string_view what);
   void close_body(syntax::Decl& d, const Items& items);
   void check_body(const syntax::Decl& d, const Items& items);
+  void missing_places(const syntax::Decl& d, const Items& items);
+  void missing_initial(const syntax::Decl& d, const Items& items);
+  void missing_define(const syntax::Decl& d);
+  /// The end of line and the blanks with which a line begins that stands below the one at `offset`.
+  [[nodiscard]] std::string line_like(std::uint32_t offset) const;
   void misplaced(std::string_view what, SourceRange at);
 
   // convert_connector.cpp
@@ -133,6 +139,7 @@ class Converter {
   void atom_priority(BipParser::PriorityContext* ctx, Items& to);
   syntax::Invariant invariant(BipParser::InvariantContext* ctx);
   void missing_from_or_to(BipParser::TransitionContext* ctx, std::string_view word);
+  void check_from_of_state(BipParser::FromContext* from, const syntax::Name& state);
 
   // convert_compound.cpp
   bool compound_item(BipParser::BodyItemContext* ctx, syntax::Annotations annotations, Items& to);
@@ -150,8 +157,9 @@ class Converter {
   Arena& arena_;
   Diagnostics& diags_;
   Owner owner_;
-  SourceRange declaration_{};          // the one that is being converted
-  std::vector<std::uint32_t> broken_;  // where the parser found something wrong, sorted
+  std::pair<std::uint32_t, std::string_view> misplaced_{0, {}};  // where the declaration begins, what
+  SourceRange declaration_{};                                    // the one that is being converted
+  std::vector<std::uint32_t> broken_;                            // where the parser found something wrong, sorted
   bool has_broken_ = false;
 };
 

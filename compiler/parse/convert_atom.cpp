@@ -7,6 +7,24 @@ namespace bip::parse {
 
 using namespace syntax;
 
+namespace {
+
+constexpr std::string_view kUnits[] = {"nanosecond", "microsecond", "millisecond", "second", "minute", "hour", "day"};
+
+/// The unit that `word` abbreviates or misspells; empty if none.
+std::string meant_unit(std::string_view word) {
+  constexpr std::pair<std::string_view, std::string_view> kShort[] = {
+      {"ns", "nanosecond"}, {"us", "microsecond"}, {"ms", "millisecond"}, {"s", "second"},
+      {"sec", "second"},    {"min", "minute"},     {"h", "hour"},         {"d", "day"}};
+  for (const auto& [brief, unit] : kShort) {
+    if (word == brief) return std::string(unit);
+  }
+  const std::vector<std::string> similar = similar_names(word, {std::begin(kUnits), std::end(kUnits)});
+  return similar.empty() ? std::string() : similar.front();
+}
+
+}  // namespace
+
 void Converter::body_item(BipParser::BodyItemContext* ctx, Items& to) {
   const Annotations marks = annotations(ctx->annotation());
   if (compound_item(ctx, marks, to)) return;
@@ -43,11 +61,12 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
     if (clock->UNIT() != nullptr) {
       made.unit = name(ids.back());
       ids.pop_back();
-      constexpr std::string_view kUnits[] = {"nanosecond", "microsecond", "millisecond", "second",
-                                             "minute",     "hour",        "day"};
       if (std::find(std::begin(kUnits), std::end(kUnits), made.unit.text) == std::end(kUnits)) {
-        diags_.report(Diag::kB0021, made.unit.range, made.unit.text)
-            .note("units are `nanosecond`, `microsecond`, `millisecond`, `second`, `minute`, `hour` and `day`");
+        auto diagnostic =
+            diags_.report(Diag::kB0021, made.unit.range, made.unit.text)
+                .note("units are `nanosecond`, `microsecond`, `millisecond`, `second`, `minute`, `hour` and `day`");
+        if (const std::string unit = meant_unit(made.unit.text); !unit.empty())
+          diagnostic.help("write `" + unit + "`", made.unit.range, unit);
         made.unit = {};
       }
     }
@@ -201,6 +220,10 @@ void Converter::add_resets(BipParser::ClockResetContext* ctx, Block& action) {
 }
 
 void Converter::missing_from_or_to(BipParser::TransitionContext* ctx, std::string_view word) {
+  const SourceRange whole = range(ctx);
+  // What the parser found wrong earlier on the line may have been it.
+  const std::size_t line = text_.rfind('\n', whole.begin) + 1;  // the first line: npos + 1 = 0
+  if (is_broken({file_, static_cast<std::uint32_t>(line), whole.end})) return;
   std::string after = " after ";
   const antlr4::Token* next = nullptr;
   // The child that follows the port, or for `to` whatever follows `from …`.
@@ -217,11 +240,27 @@ void Converter::missing_from_or_to(BipParser::TransitionContext* ctx, std::strin
     if (last != nullptr && ctx->children.size() > at + 1)
       next = static_cast<antlr4::ParserRuleContext*>(ctx->children[at + 1])->start;
   }
-  const SourceRange whole = range(ctx);
   const SourceRange where = next != nullptr ? range(next) : SourceRange{file_, whole.begin, whole.end};
   const std::string found = next != nullptr ? "`" + std::string(text(where)) + "`" : "the next item";
-  diags_.report(Diag::kB0001, where, "`" + std::string(word) + "`", after + " in a transition of " + owner_.phrase,
-                found);
+  auto diagnostic = diags_.report(Diag::kB0001, where, "`" + std::string(word) + "`",
+                                  after + " in a transition of " + owner_.phrase, found);
+  if (word == "to" && !ctx->from().empty()) {
+    const SourceRange from = range(ctx->from(0));
+    const std::string stays = "to " + std::string(text(range(ctx->from(0)->idList())));
+    diagnostic.help("a transition that stays says `" + stays + "`", {file_, from.end, from.end}, " " + stays);
+  } else if (word == "from") {
+    diagnostic.help("write `from PLACE`, or put it into a `state`");
+  }
+}
+
+void Converter::check_from_of_state(BipParser::FromContext* from, const Name& state) {
+  const std::span<const Name> places = names(from->idList());
+  if (std::any_of(places.begin(), places.end(), [&](const Name& n) { return n.text == state.text; })) return;
+  const SourceRange at = range(from);
+  diags_.report(Diag::kB0023, at, text(at), state.text)
+      .label(state.range, "it belongs to this state")
+      .help("leave `" + std::string(text(at)) + "` out", at, "")
+      .help("move the transition to `state " + std::string(places.front().text) + "`");
 }
 
 void Converter::transition(BipParser::TransitionContext* ctx, Annotations marks, const Name* state, Items& to) {
@@ -239,6 +278,7 @@ void Converter::transition(BipParser::TransitionContext* ctx, Annotations marks,
   for (std::size_t i = 1; i < ctx->resume().size(); ++i) repeated("`resume`", kWhole, range(ctx->resume(i)));
   if (!ctx->from().empty()) {
     t.from = names(ctx->from(0)->idList());
+    if (state != nullptr) check_from_of_state(ctx->from(0), *state);
   } else if (state != nullptr) {
     t.from = arena_.list(std::vector<Name>{*state});
   } else {

@@ -94,8 +94,7 @@ const Decl* Converter::decl(BipParser::DeclContext* ctx) {
     d.params = params(n->params());
     owner_ = {"connector type `" + std::string(d.name.text) + "`", d.kind, Notation::Bip2, false};
     d.connector = connector_body(n->connectorPart());
-    if (d.connector->define == nullptr && !is_broken(d.range))
-      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`define`");
+    if (d.connector->define == nullptr && !is_broken(d.range)) missing_define(d);
   } else if (BipParser::AtomTypeContext* a = ctx->atomType()) {
     if (failed(a)) return nullptr;
     d.kind = DeclKind::AtomType;
@@ -167,7 +166,12 @@ bool Converter::is_broken(SourceRange declaration) {
 }
 
 void Converter::misplaced(std::string_view what, SourceRange at) {
-  if (!is_broken(declaration_)) diags_.report(Diag::kB0016, at, what, owner_.phrase);
+  if (is_broken(declaration_) || misplaced_ == std::pair(declaration_.begin, what)) return;
+  misplaced_ = {declaration_.begin, what};
+  diags_.report(Diag::kB0016, at, what, owner_.phrase)
+      .note(owner_.kind == DeclKind::AtomType
+                ? "an atom has data, ports, places and transitions; components and connectors are in compounds"
+                : "a compound has components and connectors; data, places and transitions are in atoms");
 }
 
 Decl Converter::body_decl(Decl d, std::string_view what, const std::vector<BipParser::BodyItemContext*>& list) {
@@ -200,17 +204,68 @@ void Converter::close_body(Decl& d, const Items& items) {
   d.exports = arena_.list(items.exports);
 }
 
+std::string Converter::line_like(std::uint32_t offset) const {
+  const std::size_t begin = text_.rfind('\n', offset) + 1;  // the first line: npos + 1 = 0
+  const std::size_t end = std::min(text_.find_first_not_of(" \t", begin), text_.size());
+  return "\n" + std::string(text_.substr(begin, end - begin));
+}
+
+void Converter::missing_define(const Decl& d) {
+  auto diagnostic = diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`define`")
+                        .note("`define` says which ports take part together");
+  if (d.params.empty()) return;
+  std::string line = "define";
+  for (const Param& p : d.params) line.append(" ").append(p.name.text);
+  const std::size_t header = text_.find(')', d.params.back().name.range.end) + 1;
+  const auto at = static_cast<std::uint32_t>(header);
+  diagnostic.help("all together: `" + line + "`", {file_, at, at}, line_like(d.range.begin) + "  " + line);
+}
+
+void Converter::missing_places(const Decl& d, const Items& items) {
+  const bool is_paper = d.notation == Notation::Paper;
+  auto diagnostic = diags_.report(Diag::kB0014, d.name.range, owner_.phrase, is_paper ? "state" : "`place` line");
+  std::vector<std::string_view> used;
+  const auto use = [&](std::span<const Name> names) {
+    for (const Name& n : names) {
+      if (std::find(used.begin(), used.end(), n.text) == used.end()) used.push_back(n.text);
+    }
+  };
+  use(items.initial.to);
+  for (const Transition& t : items.transitions) {
+    use(t.from);
+    use(t.to);
+  }
+  if (is_paper || used.empty()) {
+    diagnostic.help(is_paper ? "a behavior has at least one `state NAME`"
+                             : "an atom has at least one place: `place NAME`");
+    return;
+  }
+  std::string line = "place ";
+  for (const std::string_view name : used) line.append(line.size() > 6 ? ", " : "").append(name);
+  std::uint32_t before = items.initial.present ? items.initial.range.begin : items.transitions.front().range.begin;
+  for (const Transition& t : items.transitions) before = std::min(before, t.range.begin);
+  diagnostic.help("write `" + line + "`", {file_, before, before}, line + line_like(before));
+}
+
+void Converter::missing_initial(const Decl& d, const Items& items) {
+  const Name& last = items.places.back();
+  const std::string line = "initial to " + std::string(items.places.front().text);
+  auto diagnostic = diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`initial`");
+  if (d.notation == Notation::Paper || items.has_behavior) {
+    diagnostic.help("say where it begins: `behavior " + line + "`");
+    return;
+  }
+  diagnostic.help("say where it begins: `" + line + "`", {file_, last.range.end, last.range.end},
+                  line_like(last.range.begin) + line);
+}
+
 void Converter::check_body(const Decl& d, const Items& items) {
   if (diags_.has_errors()) return;
   if (d.kind == DeclKind::AtomType) {
     if (items.places.empty()) {
-      diags_.report(Diag::kB0014, d.name.range, owner_.phrase,
-                    d.notation == Notation::Paper ? "state" : "`place` line");
+      missing_places(d, items);
     } else if (!items.initial.present) {
-      const char* help = d.notation == Notation::Paper ? "say where it begins: `behavior initial to "
-                                                       : "say where it begins: `initial to ";
-      diags_.report(Diag::kB0014, d.name.range, owner_.phrase, "`initial`")
-          .help(help + std::string(items.places.front().text) + "`");
+      missing_initial(d, items);
     }
   } else if (items.items.empty()) {
     diags_.report(Diag::kB0014, d.name.range, owner_.phrase,

@@ -68,10 +68,25 @@ const Stmt* Converter::simple(BipParser::SimpleContext* ctx) {
       diags_.report(Diag::kB0001, range(less), "`=` or `<-`", " in a statement", "`<`");
     }
   }
+  if (chains(ctx)) return nullptr;
   stmt.target = path(ctx->path());
   stmt.clock_speed = ctx->PRIME() != nullptr;
   stmt.value = expr(ctx->expr());
   return stmt.value == nullptr ? nullptr : arena_.make(stmt);
+}
+
+// `a = b = 0`, as in C.
+bool Converter::chains(BipParser::SimpleContext* ctx) {
+  BipParser::ExprContext* value = ctx->expr();
+  if (failed(value) || value->ASSIGN() == nullptr || failed(value->expr(0))) return false;
+  BipParser::PrimaryContext* first = value->expr(0)->primary();
+  if (first == nullptr || first->path() == nullptr || first->LPAREN() != nullptr) return false;
+  const std::string inner(text(range(value->expr(0))));
+  const std::string two =
+      std::string(text(range(value))) + "; " + std::string(text(range(ctx->path()))) + " = " + inner;
+  diags_.report(Diag::kB0011, range(value->ASSIGN()->getSymbol()), "an expression")
+      .help("write two assignments: `" + two + "`", range(ctx), two);
+  return true;
 }
 
 const Stmt* Converter::if_stmt(BipParser::IfStmtContext* ctx) {

@@ -264,6 +264,8 @@ std::string describe_expected(const IntervalSet& expected) {
     drop(types, kLateWords);
     std::erase_if(types, [](std::size_t t) { return t == BipParser::ID || t == BipParser::NATIVE; });
   }
+  // The `<` of a `<-` that is written apart.
+  if (has(types, BipParser::ARROW)) std::erase(types, BipParser::LT);
   const bool operators = has(types, BipParser::SLASH) && has(types, BipParser::PIPE);
   if (operators) drop(types, kBinarySigns);
   const bool items = has(types, BipParser::ON) && has(types, BipParser::DATA) && has(types, BipParser::EXPORT);

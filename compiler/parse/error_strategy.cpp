@@ -6,6 +6,8 @@
 
 #include "BipParser.h"
 #include "compiler/parse/describe_tokens.hpp"
+#include "compiler/parse/habits.hpp"
+#include "compiler/parse/token_list.hpp"
 
 namespace bip::parse {
 namespace {
@@ -60,6 +62,14 @@ bool begins_late_item(antlr4::TokenStream* input) {
   return before == nullptr || before->getLine() != input->LT(1)->getLine();
 }
 
+/// `end`, or an item of an atom or a compound.
+bool may_begin_item(const IntervalSet& expected) {
+  return expected.contains(static_cast<ssize_t>(BipParser::END)) &&
+         expected.contains(static_cast<ssize_t>(BipParser::ON)) &&
+         expected.contains(static_cast<ssize_t>(BipParser::DATA)) &&
+         expected.contains(static_cast<ssize_t>(BipParser::PLACE));
+}
+
 bool begins_use_or_declaration(std::size_t type) {
   return begins_declaration(type) || type == BipParser::USE || type == BipParser::CONST;
 }
@@ -95,6 +105,20 @@ bool has_both(const antlr4::RuleContext* file) {
     has_decl |= dynamic_cast<const BipParser::DeclContext*>(child) != nullptr;
   }
   return has_package && has_decl;
+}
+
+/// Text of several lines as one, shortened.
+std::string in_one_line(std::string_view text) {
+  constexpr std::size_t kLongest = 72;
+  std::string out;
+  for (const char c : text) {
+    const bool is_blank = c == ' ' || c == '\n' || c == '\t' || c == '\r';
+    if (!is_blank || (!out.empty() && out.back() != ' ')) out += is_blank ? ' ' : c;
+  }
+  if (out.size() <= kLongest) return out;
+  std::size_t end = kLongest;
+  while ((static_cast<unsigned char>(out[end]) & 0xC0u) == 0x80u) --end;
+  return out.substr(0, end) + " …";
 }
 
 IntervalSet expected_by(antlr4::Parser* parser, const antlr4::RecognitionException& e) {
@@ -193,36 +217,88 @@ bool ReportingStrategy::is_like_named_port(antlr4::Parser* parser, const antlr4:
 
 void ReportingStrategy::report_unexpected(antlr4::Parser* parser, const antlr4::Token* found,
                                           const IntervalSet& expected) {
-  std::string place;
   const std::size_t index = found->getTokenIndex();
-  if (index > 0) {
-    const antlr4::Token* before = parser->getTokenStream()->get(index - 1);
-    place = " after " + found_phrase(before);
-  }
-  place += describe_place(parser->getContext(), text_);
   // A new item while the one before is not complete: its rest is missing where it stops.
   const bool is_complete = expected.contains(static_cast<ssize_t>(BipParser::END)) ||
                            expected.contains(static_cast<ssize_t>(antlr4::Token::EOF));
   const bool is_cut_short = !is_complete && begins_item(found->getType());
-  auto diagnostic = diags_.report(Diag::kB0001, is_cut_short ? missing_before(parser, found) : range(found),
-                                  describe_expected(expected), place, found_phrase(found));
+  std::string place;
+  if (index > 0) place = " after " + found_phrase(parser->getTokenStream()->get(index - 1));
+  // A new line where an item may end: what could have continued the line before was hardly meant.
+  const bool is_new_item = index > 0 && is_first_of_line(parser, found) && may_begin_item(expected);
+  place += is_new_item ? " in " + find_owner(parser->getContext(), text_).phrase
+                       : describe_place(parser->getContext(), text_);
+  auto diagnostic =
+      diags_.report(Diag::kB0001, is_cut_short ? missing_before(parser, found) : range(found),
+                    is_new_item ? "`end` or another item" : describe_expected(expected), place, found_phrase(found));
   const SourceRange at = range(found);
   const std::string word(text_.substr(at.begin, at.end - at.begin));
-  if (names_class_of_function(parser, found))
+  if (names_class_of_function(parser, found)) {
     diagnostic.note("a class before a function's name is for Java; C++ functions of BIP are in no class")
         .help("declare it under one name, and call the class's function in C++ that `@cpp` names");
-  if (found->getType() == BipParser::ID) {
-    const std::vector<std::string> similar = similar_names(word, words_of(expected));
-    if (!similar.empty()) diagnostic.help("there is a word `" + similar.front() + "`", at, similar.front());
-  } else if (!word.empty() && word.front() >= 'a' && word.front() <= 'z' &&
+  } else if (add_habit(parser, found, diagnostic) || add_missing_fi(parser, found, diagnostic)) {
+    return;
+  } else if (const std::vector<std::string> similar =
+                 is_name(found->getType()) ? similar_names(word, words_of(expected)) : std::vector<std::string>();
+             !similar.empty()) {
+    diagnostic.help("there is a word `" + similar.front() + "`", at, similar.front());
+  } else if (found->getType() != BipParser::ID && !word.empty() && word.front() >= 'a' && word.front() <= 'z' &&
              (expected.contains(static_cast<ssize_t>(BipParser::ID)) || is_like_named_port(parser, found))) {
     diagnostic.note("`" + word + "` is a reserved word");
   }
 }
 
+bool ReportingStrategy::add_habit(antlr4::Parser* parser, const antlr4::Token* found, DiagnosticBuilder diagnostic) {
+  const std::optional<Habit> habit = find_habit(*parser->getTokenStream(), parser->getContext(), *found, text_);
+  if (!habit) return add_line_comment(found, diagnostic);
+  if (!habit->note.empty()) diagnostic.note(std::string(habit->note));
+  if (!habit->has_edit) return true;
+  const SourceRange replaced{file_, static_cast<std::uint32_t>(habit->begin), static_cast<std::uint32_t>(habit->end)};
+  const std::string text(text_.substr(replaced.begin, replaced.end - replaced.begin));
+  const std::string help =
+      habit->with.empty() ? "leave `" + in_one_line(text) + "` out" : "write `" + in_one_line(habit->with) + "`";
+  diagnostic.help(help, replaced, habit->with);
+  return true;
+}
+
+// `-- text`, as in SQL, Ada and Lua.
+bool ReportingStrategy::add_line_comment(const antlr4::Token* found, DiagnosticBuilder diagnostic) {
+  const std::size_t begin = text_.rfind('\n', found->getStartIndex()) + 1;  // the first line: npos + 1 = 0
+  const std::size_t sign = text_.find("--", begin);
+  if (sign == std::string_view::npos || sign > found->getStartIndex()) return false;
+  if (sign > begin && text_[sign - 1] != ' ') return false;
+  const SourceRange at{file_, static_cast<std::uint32_t>(sign), static_cast<std::uint32_t>(sign + 2)};
+  diagnostic.help("comments begin with `//`", at, "//");
+  return true;
+}
+
+// The `if` that is open where a `}` or the end of the atom was found: its `fi` is missing.
+bool ReportingStrategy::add_missing_fi(antlr4::Parser* parser, const antlr4::Token* found,
+                                       DiagnosticBuilder diagnostic) {
+  if (found->getType() != BipParser::RBRACE && found->getType() != BipParser::END) return false;
+  const antlr4::RuleContext* context = parser->getContext();
+  while (context != nullptr && context->getRuleIndex() != BipParser::RuleIfStmt)
+    context = static_cast<const antlr4::RuleContext*>(context->parent);
+  if (context == nullptr || found->getTokenIndex() == 0) return false;
+  const antlr4::Token* opener = static_cast<const antlr4::ParserRuleContext*>(context)->start;
+  diagnostic.label(range(opener), "this `if` has no `fi`");
+  if (found->getType() == BipParser::END) {
+    diagnostic.help("an `if` ends with `fi`", range(found), "fi");
+    return true;
+  }
+  const SourceRange last = range(parser->getTokenStream()->get(found->getTokenIndex() - 1));
+  const bool is_one_line = opener->getLine() == found->getLine();
+  const std::string with = is_one_line ? " fi" : "\n" + std::string(column(opener), ' ') + "fi";
+  diagnostic.help("write `fi` before `" + std::string(spelling(found->getType())) + "`", {file_, last.end, last.end},
+                  with);
+  return true;
+}
+
 bool ReportingStrategy::report_missing_closer(antlr4::Parser* parser, std::size_t closer) {
   antlr4::TokenStream* input = parser->getTokenStream();
   const antlr4::Token* found = input->LT(1);
+  // What is a habit of another language lacks no closer.
+  if (find_habit(*input, parser->getContext(), *found, text_)) return false;
   const antlr4::Token* opener = nullptr;
   int closed = 0;
   for (std::size_t i = found->getTokenIndex(); i-- > 0 && opener == nullptr;) {
@@ -255,10 +331,19 @@ antlr4::Token* ReportingStrategy::conjure(antlr4::Parser* parser, std::size_t ty
   return conjured_.back().get();
 }
 
+// `endatom` was told.
+bool ReportingStrategy::is_misspelled_end(antlr4::Parser* parser, const antlr4::Token* found) const {
+  if (found->getTokenIndex() == 0) return false;
+  const antlr4::Token* last = parser->getTokenStream()->get(found->getTokenIndex() - 1);
+  return told_lines_.contains(last->getLine()) && is_first_of_line(parser, last) &&
+         text_.substr(last->getStartIndex(), 3) == "end";
+}
+
 // An `end` in the column of the outer declaration was the outer one's: then the inner one has none.
 void ReportingStrategy::report_missing_end(antlr4::Parser* parser, const antlr4::Token* found) {
   Owner owner = find_owner(parser->getContext(), text_);
   if (owner.opener == nullptr || (is_end_lost_ && found->getType() == antlr4::Token::EOF)) return;
+  if (is_misspelled_end(parser, found)) return;
   SourceRange at = missing_before(parser, found);
   const antlr4::Token* last =
       found->getTokenIndex() == 0 ? nullptr : parser->getTokenStream()->get(found->getTokenIndex() - 1);

@@ -28,6 +28,11 @@ class ReportingStrategy final : public antlr4::DefaultErrorStrategy {
   [[nodiscard]] static bool is_like_named_port(antlr4::Parser* parser, const antlr4::Token* found);
   [[nodiscard]] bool names_class_of_function(antlr4::Parser* parser, const antlr4::Token* found) const;
   void report_unexpected(antlr4::Parser* parser, const antlr4::Token* found, const antlr4::misc::IntervalSet& expected);
+  /// Adds what a person may have meant; false if nothing is known.
+  bool add_habit(antlr4::Parser* parser, const antlr4::Token* found, DiagnosticBuilder diagnostic);
+  bool add_line_comment(const antlr4::Token* found, DiagnosticBuilder diagnostic);
+  bool add_missing_fi(antlr4::Parser* parser, const antlr4::Token* found, DiagnosticBuilder diagnostic);
+  [[nodiscard]] bool is_misspelled_end(antlr4::Parser* parser, const antlr4::Token* found) const;
   bool report_missing_closer(antlr4::Parser* parser, std::size_t closer);
   /// In the list of a declaration's items: reports what begins none of them and skips to one that does.
   bool skip_stray_words(antlr4::Parser* parser, const antlr4::misc::IntervalSet& expected);

@@ -26,14 +26,18 @@ std::vector<std::uint32_t> code_point_offsets(std::string_view text) {
   return offsets;
 }
 
-void report_stray(std::string_view sign, SourceRange range, Diagnostics& diags) {
+void report_stray(std::string_view sign, std::string_view after, SourceRange range, Diagnostics& diags) {
   const auto code = static_cast<unsigned char>(sign.empty() ? '\0' : sign.front());
   if (code < 0x20 || code == 0x7F) {
     diags.report(Diag::kB0002, range, fmt::format("\\x{:02x}", code)).label("a control character");
     return;
   }
   auto diagnostic = diags.report(Diag::kB0002, range, sign);
-  if (sign == "#") diagnostic.help("comments begin with `//`");
+  if (sign == "#" && after.starts_with("include"))
+    diagnostic.note("files are no part of a text: packages are used by `use NAME`, first in the package");
+  else if (sign == "#") diagnostic.help("comments begin with `//`", range, "//");
+  if (sign == "?")
+    diagnostic.note("ports have no direction, and there is no `a ? b : c`: an `if` of an action chooses");
   if (sign == "$") diagnostic.help("names consist of letters, digits and `_`");
 }
 
@@ -146,7 +150,7 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
         list.rows.push_back(row);
         list.rows.back().type = BipLexer::STRING;
         break;
-      case BipLexer::STRAY: report_stray(sources.text(range), range, diags); break;
+      case BipLexer::STRAY: report_stray(sources.text(range), sources.text(file).substr(row.end), range, diags); break;
       default: list.rows.push_back(row);
     }
   }
