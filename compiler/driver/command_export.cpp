@@ -102,7 +102,7 @@ int command_export(const ExportArguments& arguments) {
   std::string text;
   if (compile(c, arguments.file, Stage::Image) && check_outputs(c, {arguments.output})) {
     const std::optional<verify::Question> question =
-        read_question("export", arguments.property, library::read_question(arguments.property, *c.system));
+        read_question("export", arguments.property, library::read_question(arguments.property, *c.system), *c.system);
     if (!question) return kUsage;
     Result<std::string> made = exported(c, arguments, *question);
     if (!made) {

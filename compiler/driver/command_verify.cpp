@@ -111,7 +111,7 @@ int command_verify(const VerifyArguments& arguments) {
   request.wants_certificate = !arguments.certificate.empty();
   request.wants_trace = !arguments.trace_path.empty();
   const std::optional<verify::Question> asked =
-      read_question("verify", arguments.property, library::read_question(request, *c.system));
+      read_question("verify", arguments.property, library::read_question(request, *c.system), *c.system);
   if (!asked) return kUsage;
   const verify::Question& question = *asked;
   const bool may_simplify = library::calls_cpp(*c.system) && !request.wants_certificate;

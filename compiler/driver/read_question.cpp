@@ -6,12 +6,19 @@
 #include <cstdio>
 #include <utility>
 
+#include "compiler/library/suggest_property.hpp"
+
 namespace bip::driver {
 
 std::optional<verify::Question> read_question(const char* command, const std::string& text,
-                                              Result<verify::Question> read) {
+                                              Result<verify::Question> read, const System& system) {
   if (read) return std::move(*read);
   std::fputs(fmt::format("bipc {}: --property, {}\n  {}\n", command, read.error(), text).c_str(), stderr);
+  if (const std::optional<library::PropertySuggestion> meant = library::suggest_property(text, system)) {
+    if (!meant->note.empty()) std::fputs(fmt::format("  = note: {}\n", meant->note).c_str(), stderr);
+    if (!meant->property.empty())
+      std::fputs(fmt::format("  = help: --property '{}'\n", meant->property).c_str(), stderr);
+  }
   return std::nullopt;
 }
 

@@ -143,8 +143,8 @@ def judge(mistake):
         arguments = [a.replace("$FILE", mistake.model) for a in shlex.split(mistake.command)]
         code, answer = run(folder, mistake, arguments)
         answer += f"exit {code}\n"
-        if not any(a in ("check", "run", "verify", "explore") for a in arguments[:1]) or code == 2:
-            return answer, "none"
+        if code == 2:
+            return answer, judge_usage(folder, mistake, arguments, answer)
         # Also where the edits of the command are: its options become files of the same name.
         texts = dict(files)
         for i, argument in enumerate(arguments):
@@ -163,6 +163,23 @@ def judge(mistake):
         left = diagnostics(run(folder, mistake, [*arguments, "--diagnostics=json"])[1])
         codes = [d["code"] for d in left]
         return answer, "leaves " + " ".join(codes) if codes else "mends it"
+
+
+def judge_usage(folder, mistake, arguments, answer):
+    """What is left of a wrong command line after its help: another property, option or command line."""
+    shown = re.search(r"^  = help: --property '(.*)'$", answer, re.M)
+    if shown:
+        arguments[arguments.index("--property") + 1] = shown.group(1)
+    elif shown := re.search(r"^  = help: there is `(.*)`$", answer, re.M):
+        wrong = re.search(r"^bipc: .*`(.*?)`", answer, re.M).group(1)
+        arguments[arguments.index(wrong)] = shown.group(1)
+    elif shown := re.search(r"^  = help: `bipc (.*)`$", answer, re.M):
+        if "--help" in shown.group(1):
+            return "none"
+        arguments = shlex.split(shown.group(1))
+    else:
+        return "none"
+    return "mends it" if run(folder, mistake, arguments)[0] in (0, 3, 4) else "leaves an error"
 
 
 def main():
