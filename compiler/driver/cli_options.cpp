@@ -29,7 +29,8 @@ const Names<EmitKind> kEmits{{"tokens", EmitKind::Tokens}, {"syntax", EmitKind::
                              {"cpp", EmitKind::Cpp},       {"dot", EmitKind::Dot},       {"json", EmitKind::Json}};
 const Names<PrintAfter> kPrintAfter{
     {"parse", PrintAfter::Parse}, {"build-model", PrintAfter::BuildModel}, {"instantiate", PrintAfter::Instantiate}};
-const Names<EmitKind> kGraphFormats{{"dot", EmitKind::Dot}, {"json", EmitKind::Json}};
+const Names<GraphFormat> kGraphFormats{
+    {"dot", GraphFormat::Dot}, {"json", GraphFormat::Json}, {"svg", GraphFormat::Svg}, {"png", GraphFormat::Png}};
 const Names<graph::Show> kShows{
     {"all", graph::Show::All}, {"structure", graph::Show::Structure}, {"automata", graph::Show::Automata}};
 const Names<Shell> kShells{{"bash", Shell::Bash}, {"zsh", Shell::Zsh}, {"fish", Shell::Fish}};
@@ -644,15 +645,34 @@ void add_emit(CLI::App& app, EmitArguments& a) {
 }
 
 void add_graph(CLI::App& app, GraphArguments& a) {
-  CLI::App* command = app.add_subcommand("graph", "print a picture of a system for Graphviz, or the system as JSON");
+  CLI::App* command =
+      app.add_subcommand("graph", "draw a system: components, ports, connectors, automata; or print it as DOT or JSON");
   command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
-  add_choice(*command, "--format", a.format, kGraphFormats, "dot|json",
-             "output format: dot for Graphviz (default) or json");
-  add_choice(*command, "--show", a.show, kShows, "all|structure|automata",
+  command->add_option("-o,--output", a.output, "write the picture to FILE; its suffix says the format")
+      ->type_name("FILE");
+  add_choice(*command, "--format", a.format, kGraphFormats, "svg|png|dot|json",
+             "output format: svg (a picture), png (the same, by the program rsvg-convert), dot for Graphviz (default "
+             "without -o) or json");
+  add_choice(*command, "--show", a.picture.show, kShows, "all|structure|automata",
              "what to show: instances and connectors (structure), the automaton of each atom type (automata), or both "
              "(all, default)");
+  command
+      ->add_option("--fold", a.picture.fold,
+                   "draw arrays of more than N components as one box in svg and png (default: 8)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      ->add_option("--depth", a.picture.depth,
+                   "draw compounds N levels below the root as closed boxes in svg and png (default: none)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      ->add_option("--open", a.picture.open,
+                   "draw the array or compound PATH open all the same, `phil` or `line.before`; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("PATH");
   add_compile(*command, a.compile);
-  command->footer("Example:\n  bipc graph --show structure model.bip | dot -Tsvg -o model.svg");
+  command->footer("Example:\n  bipc graph model.bip -o model.svg");
 }
 
 void add_export(CLI::App& app, ExportArguments& a) {

@@ -1,20 +1,73 @@
-// `bipc graph`: prints the System as a picture or as JSON.
+// `bipc graph`: draws the System, or prints it as DOT or JSON.
+#include <array>
 #include <cstdio>
+#include <filesystem>
+#include <optional>
 
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/svg_to_png.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
 
 namespace bip::driver {
 
+namespace {
+
+// Nothing, after a message: the name of the file does not say it.
+std::optional<GraphFormat> format_of(const GraphArguments& arguments) {
+  if (arguments.format != GraphFormat::BySuffix) return arguments.format;
+  if (arguments.output.empty()) return GraphFormat::Dot;
+  const std::string suffix = std::filesystem::path(arguments.output).extension().string();
+  constexpr std::array<std::pair<std::string_view, GraphFormat>, 5> kSuffixes{{{".svg", GraphFormat::Svg},
+                                                                               {".png", GraphFormat::Png},
+                                                                               {".dot", GraphFormat::Dot},
+                                                                               {".gv", GraphFormat::Dot},
+                                                                               {".json", GraphFormat::Json}}};
+  for (const auto& [name, format] : kSuffixes)
+    if (suffix == name) return format;
+  std::fprintf(stderr,
+               "bipc: the suffix of `%s` says no format: .svg, .png, .dot or .json\n"
+               "  = help: `--format` says it for any name\n",
+               arguments.output.c_str());
+  return std::nullopt;
+}
+
+}  // namespace
+
 int command_graph(const GraphArguments& arguments) {
+  const std::optional<GraphFormat> format = format_of(arguments);
+  if (!format) return kUsage;
   Compilation c(arguments.compile);
   if (c.options.emit != EmitKind::None) {
     emit_stage(c, arguments.file, Optimisation::Auto);
-  } else if (compile(c, arguments.file, Stage::System)) {
-    const std::string text = arguments.format == EmitKind::Json ? graph::json(*c.system, arguments.show)
-                                                                : graph::dot(*c.system, arguments.show);
-    std::fwrite(text.data(), 1, text.size(), stdout);
+    return report(c);
+  }
+  std::string text;
+  if (compile(c, arguments.file, Stage::System) && check_outputs(c, {arguments.output})) {
+    switch (*format) {
+      case GraphFormat::BySuffix:
+      case GraphFormat::Dot: text = graph::dot(*c.system, arguments.picture.show); break;
+      case GraphFormat::Json: text = graph::json(*c.system, arguments.picture.show); break;
+      case GraphFormat::Svg:
+      case GraphFormat::Png: text = graph::svg(*c.system, arguments.picture); break;
+    }
+    if (*format == GraphFormat::Png) {
+      Result<std::string> image = svg_to_png(text);
+      if (!image) {
+        (void)report(c);
+        std::fprintf(stderr, "bipc: %s\n", image.error().c_str());
+        return kUsage;
+      }
+      text = std::move(*image);
+    }
+    if (arguments.output.empty()) {
+      std::fwrite(text.data(), 1, text.size(), stdout);
+    } else if (const auto written = write_file(arguments.output, text); !written) {
+      c.diags.report(Diag::kB5004, {}, arguments.output, written.error());
+    }
   }
   return report(c);
 }

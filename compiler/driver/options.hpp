@@ -109,11 +109,13 @@ struct EmitArguments {
   Optimisation optimisation = Optimisation::O2;
   bool has_no_main = false;  // of the C++ in the directory
 };
+enum class GraphFormat : std::uint8_t { BySuffix, Dot, Json, Svg, Png };
 struct GraphArguments {
   CompileOptions compile;
   std::string file;
-  EmitKind format = EmitKind::Dot;
-  graph::Show show = graph::Show::All;
+  std::string output;  // empty: standard output
+  GraphFormat format = GraphFormat::BySuffix;
+  graph::PictureOptions picture;
 };
 enum class ExportFormat : std::uint8_t { Promela, Pnml, Aiger, Net };
 struct ExportArguments {

@@ -35,39 +35,7 @@ published engine's, too. Random choices with the same seed differ from the publi
 """
 
 
-GRAPH = r"""
-In the picture a record is an atom with its exported ports, a rounded box a connector with its `define` and its guards, a diamond a
-merged port, a cluster a compound. Where a line meets a port, a dot is a synchron, a triangle a trigger. Dashed arrows are priorities, from
-low to high; dotted ones are data that a connector reads. In an automaton circles are places, dashed arrows internal transitions; a bar is a
-transition with several places on a side. Long code is cut, with `...`.
-
-The JSON is one object with `"format": "bipc-graph"`, `"version": 1`, `files`, and a list for each table: `atom_types` (data, clocks, ports, places, `initial`,
-`transitions`, priorities, invariants), `connector_types` (parameters, `define`, one of `interactions` for each `on`), `compounds`, `atoms`, `merged_ports`, `connectors`,
-`priorities`. Instances are named by their paths; `type_row` is the row in `connector_types`, since connectors of a `for` may have types of one name;
-`merged_port` is a row, too. Code is BIP in one line. `at` is `file:line:column`.
-
-```console
-$ bipc graph --show structure models/tutorial/step1_rendezvous.bip
-// bipc graph: `dot -Tsvg` draws it.
-digraph bip {
-  rankdir=LR;
-  fontname="Helvetica"; fontsize=11;
-  node [fontname="Helvetica", fontsize=10];
-  edge [fontname="Helvetica", fontsize=9];
-  subgraph cluster_c0 {
-    label="ROOT : Room";
-    a0 [shape=record, label="finger : Finger|<p0> push"];
-    a1 [shape=record, label="lamp : Lamp|<p0> on_switch|<p1> off_switch"];
-    k0 [shape=box, style=rounded, label="turn_on\na b"];
-    k1 [shape=box, style=rounded, label="turn_off\na b"];
-  }
-  a0:p0 -> k0 [dir=back, arrowtail=dot];
-  a1:p0 -> k0 [dir=back, arrowtail=dot];
-  a0:p0 -> k1 [dir=back, arrowtail=dot];
-  a1:p1 -> k1 [dir=back, arrowtail=dot];
-}
-```
-"""
+GRAPH = "\n[graph.md](graph.md) says what is drawn, and describes DOT and JSON.\n"
 
 
 def bipc():

@@ -1,0 +1,390 @@
+// Draws the automaton or Petri net of an atom type: places, and per transition its port, its guard and its action
+// beside the line. Transitions between the same places share a line. Layout: layers.hpp.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "compiler/graph/code_text.hpp"
+#include "compiler/graph/dot.hpp"
+#include "compiler/graph/layers.hpp"
+#include "compiler/graph/picture.hpp"
+#include "compiler/source/utf8.hpp"
+
+namespace bip::graph {
+namespace {
+
+constexpr double kText = 10, kLine = 12, kPlaceHeight = 28, kSheetPad = 14, kLoop = 24, kBar = 14;
+constexpr std::size_t kColumns = 44, kMostLines = 3;
+
+struct LabelLine {
+  std::string text;
+  const char* classes = "";
+};
+
+Weight weight_of(const LabelLine& line) {
+  return std::string_view(line.classes) == "bold" ? Weight::Bold : Weight::Plain;
+}
+
+/// Breaks a line of code at blanks into at most kMostLines; the rest is dropped, with a sign.
+void add_broken(std::vector<LabelLine>& out, std::string text, const char* classes) {
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    if (text.size() <= kColumns) {
+      out.push_back({text, classes});
+      return;
+    }
+    std::size_t cut = text.rfind(' ', kColumns);
+    if (cut == std::string::npos || cut < kColumns / 3) {
+      cut = kColumns;
+      while (cut > 1 && (static_cast<unsigned char>(text[cut]) & 0xc0) == 0x80) --cut;
+    }
+    std::string part = text.substr(0, cut);
+    text.erase(0, text[cut] == ' ' ? cut + 1 : cut);
+    if (line == kMostLines) {
+      out.push_back({part + " …", classes});
+      return;
+    }
+    out.push_back({std::move(part), classes});
+  }
+}
+
+class AutomatonDrawing {
+ public:
+  AutomatonDrawing(const System& system, AtomTypeId id)
+      : code_(system.code), type_(system.atom_types[id]), names_(names_of(type_)) {}
+
+  Picture run() {
+    make_nodes();
+    const LayerSize size = lay_out_layers(nodes_, edges_);
+    restore_edges();
+    spread_ends();
+    const double head = draw_heading();
+    shift_ = {kSheetPad, head};
+    for (std::size_t k = 0; k < labels_.size(); ++k) draw_transition(k);
+    draw_initial();
+    for (std::size_t p = 0; p < type_.places.size(); ++p) draw_place(p);
+    Picture out;
+    out.width = std::max(size.width, heading_width_) + 2 * kSheetPad;
+    out.height = head + size.height + kSheetPad;
+    Shapes sheet;
+    sheet.begin_group("automaton", fmt::format(" data-type=\"{}\"", escaped_markup(type_.name)));
+    sheet.box(0, 0, out.width, out.height, 8, "sheet");
+    out.elements = sheet.elements() + shapes_.elements() + "</g>\n";
+    return out;
+  }
+
+ private:
+  using Row = std::uint32_t;
+  /// Transitions with the same places on both sides.
+  struct Label {
+    std::vector<Row> transitions, from, to;
+    std::vector<LabelLine> lines;
+    Row node = 0;
+    std::vector<Row> edges;
+    bool is_internal = true, is_back = false;
+    [[nodiscard]] bool is_loop() const { return from.size() == 1 && from == to; }
+    [[nodiscard]] bool is_bar() const { return from.size() > 1 || to.size() > 1; }
+    [[nodiscard]] double width() const {
+      double width = 0;
+      for (const LabelLine& line : lines) width = std::max(width, text_width(line.text, kText, weight_of(line)));
+      return width;
+    }
+    [[nodiscard]] double height() const { return kLine * static_cast<double>(lines.size()) + 4; }
+  };
+
+  static std::string in_brackets(const std::string& text) { return text.empty() ? "" : "[" + text + "]"; }
+  [[nodiscard]] std::string resume_text(const Resume& r) const {
+    return r.present ? "resume " + in_brackets(condition_of(code_, type_, r.guard, r.when)) : "";
+  }
+
+  [[nodiscard]] double place_width(std::size_t p) const {
+    return std::max(40.0, std::ceil(text_width(type_.places[p], 11)) + 24);
+  }
+
+  void make_nodes() {
+    std::map<std::pair<std::vector<Row>, std::vector<Row>>, std::size_t> of_places;
+    for (Row t = 0; t < type_.transitions.size(); ++t) {
+      const Transition& row = type_.transitions[t];
+      const auto [found, is_new] = of_places.try_emplace({row.from, row.to}, labels_.size());
+      if (is_new) labels_.push_back({.transitions = {}, .from = row.from, .to = row.to, .lines = {}, .edges = {}});
+      add_lines(labels_[found->second], t);
+    }
+    nodes_.push_back({5, 5, 10});
+    for (std::size_t p = 0; p < type_.places.size(); ++p)
+      nodes_.push_back({place_width(p) / 2, place_width(p) / 2, kPlaceHeight});
+    for (const Row p : type_.initial) edges_.push_back({0, p + 1, {}});
+    std::vector<LabelLine> begin;
+    add_broken(begin, text_of(code_, type_.initial_action, names_), "action");
+    add_broken(begin, resume_text(type_.initial_resume), "dim");
+    begin_ = std::move(begin);
+    for (const LabelLine& line : begin_) nodes_[0].right = std::max(nodes_[0].right, 14 + text_width(line.text, kText));
+    nodes_[0].height = std::max(10.0, kLine * static_cast<double>(begin_.size()) + 4);
+    const std::vector<bool> leads_back = find_back_labels();
+    for (Label& label : labels_) {
+      if (label.is_loop()) {
+        LayerNode& place = nodes_[label.from[0] + 1];
+        label.node = label.from[0] + 1;
+        place.right += kLoop + 6 + label.width();
+        place.height = std::max(kPlaceHeight, label.height());
+        continue;
+      }
+      label.node = static_cast<Row>(nodes_.size());
+      const double beside = label.is_bar() ? kBar : 4;
+      nodes_.push_back({beside, beside + 6 + label.width(), std::max(label.height(), 16.0)});
+      label.is_back = leads_back[static_cast<std::size_t>(&label - labels_.data())];
+      for (const Row p : label.from) add_edge(label, p + 1, label.node);
+      for (const Row p : label.to) add_edge(label, label.node, p + 1);
+    }
+  }
+  /// An edge of a transition that leads back is laid out the other way round, so that its label is between its places.
+  void add_edge(Label& label, Row from, Row to) {
+    label.edges.push_back(static_cast<Row>(edges_.size()));
+    if (label.is_back) edges_.push_back({to, from, {}});
+    else edges_.push_back({from, to, {}});
+  }
+  void restore_edges() {
+    for (const Label& label : labels_) {
+      if (!label.is_back) continue;
+      for (const Row e : label.edges) {
+        std::swap(edges_[e].from, edges_[e].to);
+        std::reverse(edges_[e].points.begin(), edges_[e].points.end());
+      }
+    }
+  }
+  /// The transitions of one place to one place that close a cycle in a depth-first search from the initial places.
+  [[nodiscard]] std::vector<bool> find_back_labels() const {
+    std::vector<bool> leads_back(labels_.size(), false);
+    std::vector<std::vector<std::size_t>> out(type_.places.size());
+    for (std::size_t k = 0; k < labels_.size(); ++k)
+      if (!labels_[k].is_loop() && !labels_[k].is_bar()) out[labels_[k].from[0]].push_back(k);
+    enum class Visit : std::uint8_t { No, Open, Done };
+    std::vector<Visit> visits(type_.places.size(), Visit::No);
+    std::vector<Row> roots = type_.initial;
+    for (Row p = 0; p < type_.places.size(); ++p) roots.push_back(p);
+    for (const Row root : roots) {
+      if (visits[root] != Visit::No) continue;
+      std::vector<std::pair<Row, std::size_t>> open{{root, 0}};
+      visits[root] = Visit::Open;
+      while (!open.empty()) {
+        auto& [place, next] = open.back();
+        if (next == out[place].size()) {
+          visits[place] = Visit::Done;
+          open.pop_back();
+          continue;
+        }
+        const std::size_t label = out[place][next++];
+        const Row to = labels_[label].to[0];
+        leads_back[label] = visits[to] == Visit::Open;
+        if (visits[to] != Visit::No) continue;
+        visits[to] = Visit::Open;
+        open.push_back({to, 0});
+      }
+    }
+    return leads_back;
+  }
+
+  void add_lines(Label& label, Row t) {
+    const Transition& row = type_.transitions[t];
+    label.transitions.push_back(t);
+    const bool is_internal = row.port == Transition::kInternal;
+    label.is_internal = label.is_internal && is_internal;
+    add_broken(label.lines, is_internal ? "internal" : type_.ports[row.port].name, is_internal ? "dim" : "bold");
+    add_broken(label.lines, in_brackets(condition_of(code_, type_, row.guard, row.when)), "guard");
+    if (row.urgency != Urgency::Lazy) label.lines.push_back({name_of(row.urgency), "dim"});
+    add_broken(label.lines, text_of(code_, row.action, names_), "action");
+    if (row.async.present) label.lines.push_back({"async", "dim"});
+    add_broken(label.lines, resume_text(row.resume), "dim");
+  }
+
+  /// Lines that meet a place on the same side get places beside each other.
+  void spread_ends() {
+    struct End {
+      Row edge;
+      bool is_start;
+      double toward;
+    };
+    std::map<std::pair<Row, bool>, std::vector<End>> sides;
+    for (Row e = 0; e < edges_.size(); ++e) {
+      const std::vector<Point>& points = edges_[e].points;
+      const auto add = [&](Row node, bool is_start, Point end, Point next, Point far) {
+        if (node == 0 || node > type_.places.size()) return;
+        sides[{node, end.y < next.y || (end.y == next.y && end.y < far.y)}].push_back({e, is_start, far.x});
+      };
+      const std::size_t n = points.size();
+      add(edges_[e].from, true, points[0], points[1], points[2]);
+      add(edges_[e].to, false, points[n - 1], points[n - 2], points[n - 3]);
+    }
+    for (auto& [where, ends] : sides) {
+      std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.toward < b.toward; });
+      const double room = place_width(where.first - 1) - 20, count = static_cast<double>(ends.size());
+      const double step = count < 2 ? 0 : std::min(16.0, room / (count - 1));
+      for (std::size_t k = 0; k < ends.size(); ++k) {
+        std::vector<Point>& points = edges_[ends[k].edge].points;
+        const double away = (static_cast<double>(k) - (count - 1) / 2) * step;
+        const std::size_t last = points.size() - 1;
+        points[ends[k].is_start ? 0 : last].x += away;
+        points[ends[k].is_start ? 1 : last - 1].x += away;
+        // A place whose loops need more height is as high as the others.
+        const double rest = (nodes_[where.first].height - kPlaceHeight) / 2;
+        points[ends[k].is_start ? 0 : last].y += where.second ? -rest : rest;
+      }
+    }
+  }
+
+  // -- Drawing --
+
+  /// The name of the type, its data and what restricts its transitions; returns where the rest begins.
+  double draw_heading() {
+    std::string params, data, clocks;
+    for (std::size_t k = 0; k < type_.visible_variables(); ++k) {
+      const DataVariable& variable = type_.variables[k];
+      std::string& list = variable.is_param ? params : data;
+      list += (list.empty() ? "" : ", ") + code_.type_name(variable.type) + " " + variable.name;
+    }
+    for (const Clock& clock : type_.clocks) clocks += (clocks.empty() ? "clock " : ", ") + clock.name;
+    std::vector<LabelLine> lines;
+    add_broken(lines, type_.name + "(" + params + ")", "bold");
+    add_broken(lines, data, "dim");
+    add_broken(lines, clocks, "dim");
+    for (const AtomPriority& rule : type_.priorities) {
+      const auto side = [this](std::uint32_t port) {
+        return port == AtomPriority::kAnyPort ? std::string("*") : type_.ports[port].name;
+      };
+      add_broken(lines,
+                 "priority " + side(rule.low) + " < " + side(rule.high) + " " +
+                     in_brackets(text_of(code_, rule.guard, names_)),
+                 "dim");
+    }
+    for (const Invariant& invariant : type_.invariants) {
+      const std::string where = list_of(invariant.places, type_.places);
+      const std::string scope = invariant.scope == InvariantScope::Always ? ""
+                                : invariant.scope == InvariantScope::At   ? "at " + where + " "
+                                                                          : "from " + where + " ";
+      add_broken(lines,
+                 "invariant " + scope + in_brackets(condition_of(code_, type_, invariant.condition, invariant.when)),
+                 "dim");
+    }
+    double y = kSheetPad;
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const double size = k == 0 ? 13 : 11;
+      shapes_.text({kSheetPad, y + 11}, lines[k].text, size, Align::Left, lines[k].classes);
+      heading_width_ = std::max(heading_width_, text_width(lines[k].text, size, weight_of(lines[k])));
+      y += k == 0 ? 18 : 14;
+    }
+    return y + 8;
+  }
+
+  [[nodiscard]] Point shown(Point p) const { return {p.x + shift_.x, p.y + shift_.y}; }
+
+  [[nodiscard]] std::string curve(const std::vector<Point>& points) const {
+    const auto pair = [](Point p) { return coordinate(p.x) + " " + coordinate(p.y); };
+    std::string out = "M" + pair(shown(points[0]));
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      const Point p = shown(points[k]), before = shown(points[k - 1]);
+      if (k % 2 == 1) {
+        if (p.y != before.y || p.x != before.x) out += "L" + pair(p);
+      } else {
+        const double middle = (before.y + p.y) / 2;
+        out += "C" + coordinate(before.x) + " " + coordinate(middle) + " " + coordinate(p.x) + " " +
+               coordinate(middle) + " " + pair(p);
+      }
+    }
+    return out;
+  }
+
+  void head(Point at, double down) {
+    shapes_.path(fmt::format("M{} {}l-4 {}h8Z", coordinate(at.x), coordinate(at.y), coordinate(-8 * down)), "head");
+  }
+  void arrow(const LayerEdge& edge, bool has_head) {
+    shapes_.path(curve(edge.points), "arrow");
+    if (!has_head) return;
+    const std::vector<Point>& points = edge.points;
+    const Point end = points.back();
+    Point before = points[points.size() - 2];
+    if (before.y == end.y) before = points[points.size() - 3];
+    head(shown(end), before.y < end.y ? 1 : -1);
+  }
+
+  void draw_lines(const std::vector<LabelLine>& lines, double x, double top) {
+    for (const LabelLine& line : lines) {
+      shapes_.text({x, top + 10}, line.text, kText, Align::Left, line.classes);
+      top += kLine;
+    }
+  }
+
+  void draw_transition(std::size_t k) {
+    const Label& label = labels_[k];
+    std::string rows;
+    for (const Row t : label.transitions) rows += (rows.empty() ? "" : " ") + std::to_string(t);
+    shapes_.begin_group(label.is_internal ? "transition internal" : "transition",
+                        fmt::format(" data-transition=\"{}\"", rows));
+    std::string title;
+    for (const Row t : label.transitions) {
+      const Transition& row = type_.transitions[t];
+      title += (title.empty() ? "" : "\n") +
+               (row.port == Transition::kInternal ? std::string("internal") : type_.ports[row.port].name) + ": " +
+               list_of(row.from, type_.places) + " -> " + list_of(row.to, type_.places) + " " +
+               in_brackets(condition_of(code_, type_, row.guard, row.when)) + " " + text_of(code_, row.action, names_);
+    }
+    shapes_.title(title);
+    const LayerNode& node = nodes_[label.node];
+    const Point at = shown({node.x, node.y});
+    if (label.is_loop()) {
+      const double edge = at.x + place_width(label.from[0]) / 2, middle = at.y + node.height / 2;
+      shapes_.path(fmt::format("M{0} {1}C{2} {3} {2} {4} {0} {5}", coordinate(edge - 4), coordinate(middle - 6),
+                               coordinate(edge + kLoop), coordinate(middle - 18), coordinate(middle + 18),
+                               coordinate(middle + 6)),
+                   "arrow");
+      shapes_.path(fmt::format("M{} {}l8 -1l-2 7Z", coordinate(edge - 3), coordinate(middle + 5)), "head");
+      draw_lines(label.lines, edge + kLoop, middle - label.height() / 2 + 1);
+    } else {
+      for (const Row e : label.edges) arrow(edges_[e], edges_[e].to != label.node);
+      const double height = node.height, beside = label.is_bar() ? kBar : 4;
+      shapes_.path(fmt::format("M{} {}v{}", coordinate(at.x), coordinate(at.y), coordinate(height)), "arrow");
+      if (label.is_bar()) shapes_.box(at.x - kBar, at.y + height / 2 - 2, 2 * kBar, 4, 1, "bar");
+      draw_lines(label.lines, at.x + beside + 4, at.y + (height - label.height()) / 2 + 1);
+    }
+    shapes_.end_group();
+  }
+
+  void draw_initial() {
+    shapes_.begin_group("initial");
+    const LayerNode& node = nodes_[0];
+    const Point at = shown({node.x, node.y + node.height - 5});
+    shapes_.circle(at, 4, "dot");
+    draw_lines(begin_, at.x + 10, shown({0, node.y}).y);
+    for (std::size_t k = 0; k < type_.initial.size(); ++k) arrow(edges_[k], true);
+    shapes_.end_group();
+  }
+
+  void draw_place(std::size_t p) {
+    const LayerNode& node = nodes_[p + 1];
+    const double width = place_width(p);
+    const Point at = shown({node.x - width / 2, node.y + (node.height - kPlaceHeight) / 2});
+    shapes_.begin_group("state", fmt::format(" data-place=\"{}\"", p));
+    shapes_.box(at.x, at.y, width, kPlaceHeight, kPlaceHeight / 2, "place");
+    if (std::binary_search(type_.final_places.begin(), type_.final_places.end(), static_cast<Row>(p)))
+      shapes_.box(at.x + 3, at.y + 3, width - 6, kPlaceHeight - 6, kPlaceHeight / 2 - 3, "final");
+    shapes_.text({at.x + width / 2, at.y + kPlaceHeight / 2 + 4}, type_.places[p], 11, Align::Middle, "");
+    shapes_.end_group();
+  }
+
+  const CodeTable& code_;
+  const AtomType& type_;
+  CodeNames names_;
+  std::vector<Label> labels_;
+  std::vector<LayerNode> nodes_;  // the initial dot, places, transitions
+  std::vector<LayerEdge> edges_;  // those of the initial dot first
+  std::vector<LabelLine> begin_;
+  double heading_width_ = 0;
+  Point shift_;
+  Shapes shapes_;
+};
+
+}  // namespace
+
+Picture automaton_picture(const System& system, AtomTypeId type) { return AutomatonDrawing(system, type).run(); }
+
+}  // namespace bip::graph
