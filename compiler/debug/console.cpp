@@ -8,7 +8,7 @@
 
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
-#include "runtime/debug/why_not.hpp"
+#include "runtime/core/why_not.hpp"
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/future.hpp"
 #include "runtime/trace/trace.hpp"

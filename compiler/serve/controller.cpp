@@ -38,7 +38,52 @@ void Controller::ask(Command command) {
   changed_.notify_all();
 }
 
+// Before a step that a client asked for. The oldest states go first.
+void Controller::note_state() {
+  undo_.push_back(system_.snapshot());
+  undo_bytes_ += undo_.back().bytes();
+  while (undo_.size() > kMostUndone || (undo_bytes_ > kMostUndoneBytes && undo_.size() > 1)) {
+    undo_bytes_ -= undo_.front().bytes();
+    undo_.pop_front();
+  }
+}
+
+// The state before a step that was not taken.
+void Controller::drop_state() {
+  undo_bytes_ -= undo_.back().bytes();
+  undo_.pop_back();
+}
+
+void Controller::forget_states() {
+  undo_.clear();
+  undo_bytes_ = 0;
+}
+
+std::string Controller::fire(std::uint64_t k) {
+  if (has_ended_) return "the run has ended";
+  if (!is_paused_) return "the model is not paused";
+  if (k >= system_.candidate_count())
+    return "there is no candidate " + std::to_string(k) + ": there are " + std::to_string(system_.candidate_count());
+  note_state();
+  note_outcome(system_.fire(k));
+  return {};
+}
+
+std::string Controller::back(std::uint64_t count) {
+  if (!is_paused_ && !has_ended_) return "the model is not paused";
+  if (image_.ffi != nullptr) return "the model calls C++, whose own state cannot be restored";
+  if (count > undo_.size()) return "only " + std::to_string(undo_.size()) + " steps can be undone";
+  for (; count > 0; --count) {
+    if (count == 1) system_.restore(undo_.back());
+    drop_state();
+  }
+  has_ended_ = false;
+  is_paused_ = true;
+  return {};
+}
+
 void Controller::resume(std::uint64_t steps) {
+  if (steps == 0) forget_states();
   if (is_paused_) system_.restart_clock();
   is_paused_ = false;
   steps_left_ = steps;
@@ -54,8 +99,13 @@ bool Controller::save(std::size_t& number) {
 bool Controller::restore(std::size_t number) {
   if (number >= snapshots_.size()) return false;
   system_.restore(snapshots_[number]);
+  forget_states();
   has_ended_ = false;
   return true;
+}
+
+void Controller::note_outcome(Outcome outcome) {
+  if (outcome == Outcome::Deadlock || outcome == Outcome::Final || outcome == Outcome::Fault) end(outcome);
 }
 
 void Controller::end(Outcome outcome) {
@@ -82,9 +132,11 @@ void Controller::run() {
     commands.clear();
     if (is_paused_ || has_ended_) continue;
     BIP_ASSERT(commands.empty(), "{} commands were not carried out", commands.size());
+    if (steps_left_ != 0) note_state();
     const Outcome outcome = system_.step();
+    if (outcome != Outcome::Stepped && steps_left_ != 0) drop_state();
     if (outcome == Outcome::Stepped && steps_left_ != 0 && --steps_left_ == 0) is_paused_ = true;
-    if (outcome == Outcome::Deadlock || outcome == Outcome::Final || outcome == Outcome::Fault) end(outcome);
+    note_outcome(outcome);
   }
 }
 

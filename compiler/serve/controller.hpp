@@ -53,14 +53,27 @@ class Controller {
   /// The number to restore it by; false if there are too many.
   [[nodiscard]] bool save(std::size_t& number);
   [[nodiscard]] bool restore(std::size_t number);
+  /// Takes candidate k of this instant; while paused only. Returns an empty text, or why not.
+  [[nodiscard]] std::string fire(std::uint64_t k);
+  /// Undoes steps that fire() took, or resume() with a number of steps, since the model last ran freely: at most 1,000,
+  /// and as many as fit in 64 MiB. Returns an empty text, or why not.
+  [[nodiscard]] std::string back(std::uint64_t count);
 
  private:
   void run();
+  void note_outcome(Outcome outcome);
   void end(Outcome outcome);
+  void note_state();
+  void drop_state();
+  void forget_states();
 
+  static constexpr std::size_t kMostUndone = 1000, kMostUndoneBytes = std::size_t{64} << 20;
   const rt::Image& image_;
   Execution system_;
   std::vector<Execution::Snapshot> snapshots_;
+  std::deque<Execution::Snapshot> undo_;  // before each of the last steps that a client asked for
+  std::size_t undo_bytes_ = 0;
+  std::function<bool(const Step&)> breaks_;
   bool is_paused_;
   bool has_ended_ = false;
   std::uint64_t steps_left_ = 0;  // 0: no end

@@ -53,7 +53,7 @@ struct Client {
   std::size_t waiting_bytes = 0;
   std::size_t asked = 0;  // requests without an answer so far
   std::uint64_t dropped = 0;
-  bool is_subscribed = false;
+  bool is_subscribed = false, has_breakpoint = false;
   bool reads = false, writes = false, has_finished = false, is_closing = false;
   Origin origin = Origin::Stdio;
   bool is_known = false;    // its requests are executed; a client of TCP is by its token
@@ -235,12 +235,21 @@ class Server {
 
   // On the engine's thread: a step that nobody wants costs no line.
   void note(const Step& step, std::int64_t now) {
-    std::vector<std::uint64_t> receivers;
+    std::vector<std::uint64_t> receivers, breakers;
     {
       const std::lock_guard<std::mutex> hold(subscriptions_lock_);
       for (const auto& [number, subscription] : subscriptions_) {
         if (subscription.wants(step)) receivers.push_back(number);
       }
+      for (const auto& [number, steps] : breakpoints_) {
+        if (steps.wants(step)) breakers.push_back(number);
+      }
+    }
+    if (!breakers.empty()) {
+      controller_.pause();
+      net::post(io_, [this, to = std::move(breakers), line = step_line(step, now, "break")] {
+        for (const std::uint64_t number : to) send(number, line);
+      });
     }
     if (receivers.empty()) return;
     if (notes_.fetch_add(1) >= kMaxNotes) {
@@ -255,11 +264,11 @@ class Server {
     });
   }
 
-  // To some subscribers, or (null) to all.
+  // To some subscribers, or (null: the end) to all and to those who wait at a breakpoint.
   void broadcast(const std::vector<std::uint64_t>* to, const std::string& line) {
     const std::uint64_t lost = lost_.exchange(0);
     for (auto& [number, client] : clients_) {
-      if (!client->is_subscribed) continue;
+      if (!client->is_subscribed && !(to == nullptr && client->has_breakpoint)) continue;
       client->dropped += lost;
       if (to != nullptr && std::find(to->begin(), to->end(), number) == to->end()) continue;
       if (client->waiting_bytes + line.size() > options_.max_waiting) {
@@ -387,6 +396,12 @@ class Server {
       const std::lock_guard<std::mutex> hold(subscriptions_lock_);
       if (subscription.is_on) subscriptions_[number] = subscription;
     };
+    reply.break_at = [this, number](const Subscription& steps) {
+      clients_.at(number)->has_breakpoint = steps.is_on;
+      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
+      breakpoints_.erase(number);
+      if (steps.is_on) breakpoints_[number] = steps;
+    };
     // After the answers to all requests that the engine has before this one.
     reply.shut_down = [this] { controller_.ask([this](Controller&) { net::post(io_, [this] { begin_end(); }); }); };
     handle_line(controller_, line, std::move(reply));
@@ -410,7 +425,11 @@ class Server {
   }
 
   void close(std::uint64_t number, Client& client) {
-    if (client.is_subscribed) forget(number);
+    forget(number);
+    {
+      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
+      breakpoints_.erase(number);
+    }
     client.is_subscribed = false;
     client.is_closing = true;
     std::error_code ignored;
@@ -460,7 +479,7 @@ class Server {
   std::map<std::uint64_t, std::unique_ptr<Client>> clients_;
   std::uint64_t next_ = 0;
   std::mutex subscriptions_lock_;
-  std::map<std::uint64_t, Subscription> subscriptions_;  // read on the engine's thread
+  std::map<std::uint64_t, Subscription> subscriptions_, breakpoints_;  // read on the engine's thread
   std::atomic<int> notes_{0};
   std::atomic<std::uint64_t> lost_{0};
   bool ends_ = false;

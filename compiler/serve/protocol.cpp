@@ -11,7 +11,7 @@ namespace bip::serve {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::size_t kMaxAtoms = 1000;
+constexpr std::size_t kMaxAtoms = 1000, kMaxCandidates = 1000;
 
 // Text from a model or a client may be no UTF-8.
 std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
@@ -67,8 +67,11 @@ bool value_of(const Json& json, rt::CellType type, EventValue& out, std::string&
   return wrong.empty();
 }
 
+/// "ROOT." may be left out.
+std::string whole_path(const std::string& path) { return path.starts_with("ROOT.") ? path : "ROOT." + path; }
+
 const rt::PortType* type_of_port(const rt::Image& image, const std::string& port) {
-  const std::string wanted = (port.starts_with("ROOT.") ? "" : "ROOT.") + port;
+  const std::string wanted = whole_path(port);
   for (const rt::Atom& atom : image.atoms) {
     if (!wanted.starts_with(atom.path())) continue;
     const rt::AtomType& type = image.atom_types[atom.type];
@@ -106,10 +109,15 @@ std::string post(Controller& controller, const Json& request) {
   return {};
 }
 
-Json state_of(const Controller& controller, const std::set<std::string>& wanted) {
+// Of these atoms, or (none) of the first kMaxAtoms. Returns an empty text, or what is wrong.
+std::string state_of(const Controller& controller, const std::set<std::string>& names, Json& atoms) {
   const rt::Image& image = controller.image();
   const Execution& system = controller.system();
-  Json atoms = Json::object();
+  std::set<std::string> wanted;
+  for (const std::string& name : names) {
+    wanted.insert(whole_path(name));
+    if (system.place(whole_path(name)).empty()) return "there is no atom `" + name + "`";
+  }
   for (const rt::Atom& atom : image.atoms) {
     if (!wanted.empty() && !wanted.contains(atom.path())) continue;
     if (atoms.size() == kMaxAtoms) break;
@@ -130,7 +138,15 @@ Json state_of(const Controller& controller, const std::set<std::string>& wanted)
     }
     atoms[atom.path()] = {{"place", system.place(atom.path())}, {"data", std::move(data)}};
   }
-  return atoms;
+  return {};
+}
+
+Json candidates_of(const Execution& system) {
+  const std::uint64_t count = std::min<std::uint64_t>(system.candidate_count(), kMaxCandidates);
+  Json list = Json::array();
+  for (std::uint64_t k = 0; k < count; ++k)
+    list.push_back({{"candidate", k}, {"interaction", system.candidate(k)}, {"ports", system.candidate_ports(k)}});
+  return list;
 }
 
 // A set of strings; false if it is something else.
@@ -218,11 +234,16 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     answer["ports"] = ports_of(controller.image());
     return reply.send(line_of(answer));
   }
-  if (what == "subscribe" || what == "unsubscribe") {
+  if (what == "subscribe" || what == "unsubscribe" || what == "break") {
     std::set<std::string> ports;
     if (!texts_of(request, "interactions", names)) return refuse("`interactions` is an array of names");
     if (!texts_of(request, "ports", ports)) return refuse("`ports` is an array of ends of paths");
-    reply.subscribe({what == "subscribe", std::move(names), {ports.begin(), ports.end()}});
+    const bool names_steps = !names.empty() || !ports.empty();
+    std::set<std::string> interactions;
+    for (const std::string& name : names) interactions.insert(whole_path(name));
+    const Subscription steps{
+        what == "break" ? names_steps : what == "subscribe", std::move(interactions), {ports.begin(), ports.end()}};
+    what == "break" ? reply.break_at(steps) : reply.subscribe(steps);
     return reply.send(line_of(answer_to(id)));
   }
   if (what == "state") {
@@ -233,9 +254,34 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
       answer["late"] = c.system().late_steps();
       answer["paused"] = c.is_paused();
       answer["ended"] = c.has_ended();
-      answer["atoms"] = state_of(c, names);
+      answer["atoms"] = Json::object();
+      return state_of(c, names, answer["atoms"]);
+    });
+  }
+  if (what == "candidates") {
+    return ask(controller, reply, id, [](Controller& c, Json& answer) {
+      answer["count"] = c.system().candidate_count();
+      answer["candidates"] = candidates_of(c.system());
       return std::string();
     });
+  }
+  if (what == "why") {
+    const auto path = request.find("path");
+    if (path == request.end() || !path->is_string()) return refuse("`path` is the path of an interaction or a port");
+    return ask(controller, reply, id, [name = path->get<std::string>()](Controller& c, Json& answer) {
+      if (c.system().outcome() == Outcome::Fault) return std::string("the run has ended by an error");
+      const std::string why = c.system().why(name);
+      answer["why"] = why;
+      return why.empty() ? "there is no interaction or port `" + name + "`" : std::string();
+    });
+  }
+  if (what == "fire") {
+    if (!count_of(request, "candidate", ~0ull, count)) return refuse("`candidate` is a number that `candidates` gave");
+    return ask(controller, reply, id, [count](Controller& c, Json&) { return c.fire(count); });
+  }
+  if (what == "back") {
+    if (!count_of(request, "count", 1, count) || count == 0) return refuse("`count` is a whole number from 1 on");
+    return ask(controller, reply, id, [count](Controller& c, Json&) { return c.back(count); });
   }
   if (what == "pause" || what == "resume") {
     return ask(controller, reply, id, [pauses = what == "pause"](Controller& c, Json&) {
@@ -284,9 +330,9 @@ bool Subscription::wants(const Step& step) const {
   return false;
 }
 
-std::string step_line(const Step& step, std::int64_t now) {
+std::string step_line(const Step& step, std::int64_t now, const char* note) {
   Json line = {
-      {"note", "step"}, {"step", step.number}, {"time", now}, {"interaction", step.interaction}, {"ports", step.ports}};
+      {"note", note}, {"step", step.number}, {"time", now}, {"interaction", step.interaction}, {"ports", step.ports}};
   for (const StepValue& v : step.values) {
     std::visit([&](const auto& value) { line["values"][step.ports[v.port]][v.name] = value; }, v.value);
   }

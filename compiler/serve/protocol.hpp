@@ -14,7 +14,7 @@
 
 namespace bip::serve {
 
-/// What one client is told of without asking.
+/// The steps that one client is told of without asking, or after which the model pauses for it.
 struct Subscription {
   bool is_on = false;
   std::set<std::string> interactions;
@@ -27,6 +27,7 @@ struct Reply {
   /// With its newline; from any thread, once or later.
   std::function<void(std::string line)> send;
   std::function<void(const Subscription&)> subscribe;
+  std::function<void(const Subscription&)> break_at;
   std::function<void()> shut_down;
 };
 
@@ -40,8 +41,8 @@ enum class LineKind : std::uint8_t { Object, NoObject };
 /// Does what the line says.
 void handle_line(Controller& controller, const std::string& line, Reply reply);
 
-/// `{"note":"step",…}` and `{"note":"end",…}` with a newline.
-[[nodiscard]] std::string step_line(const Step& step, std::int64_t now);
+/// `{"note":"step",…}`, with "break" the note of a pause, and `{"note":"end",…}` with a newline.
+[[nodiscard]] std::string step_line(const Step& step, std::int64_t now, const char* note = "step");
 [[nodiscard]] std::string end_line(Outcome outcome, const std::string& text);
 [[nodiscard]] std::string error_line(const std::string& what);
 

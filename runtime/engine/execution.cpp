@@ -8,6 +8,7 @@
 #include "bip/bip.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
+#include "runtime/core/why_not.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/output.hpp"
@@ -70,6 +71,10 @@ struct Execution::Impl {
     BIP_ASSERT(by_path.size() == image.atoms.size, "{} of {} paths are sorted", by_path.size(), image.atoms.size);
     return at != by_path.end() && image.atoms[*at].path() == path ? *at : rt::kNone;
   }
+  [[nodiscard]] std::string path_of(const rt::Participant& participant) const {
+    return core.image().atoms[participant.atom].path() + "." +
+           core.tables().atom_type(participant.atom).ports[participant.port].name;
+  }
   [[nodiscard]] const rt::Cell* find_cell(const std::string& path, rt::CellType type) const {
     const std::size_t dot = path.rfind('.');
     if (dot == std::string::npos) return nullptr;
@@ -103,7 +108,7 @@ struct Execution::Impl {
       core.participants(candidate, participants);
       for (const rt::Participant& p : participants) {
         const rt::Port& port = core.tables().atom_type(p.atom).ports[p.port];
-        step.ports.push_back(core.image().atoms[p.atom].path() + "." + port.name);
+        step.ports.push_back(path_of(p));
         const rt::PortType& type = core.image().port_types[port.type];
         for (rt::u32 i = 0; i < port.variables.size; ++i) {
           step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name,
@@ -253,6 +258,15 @@ std::string Execution::candidate(std::uint64_t k) const {
   return name;
 }
 
+std::vector<std::string> Execution::candidate_ports(std::uint64_t k) const {
+  std::vector<rt::Participant> participants;
+  impl_->core.participants(impl_->core.candidate(k), participants);
+  std::vector<std::string> paths;
+  paths.reserve(participants.size());
+  for (const rt::Participant& p : participants) paths.push_back(impl_->path_of(p));
+  return paths;
+}
+
 Outcome Execution::fire(std::uint64_t k) {
   if (impl_->outcome == Outcome::Fault) return Outcome::Fault;
   if (k >= impl_->core.candidate_count())
@@ -342,6 +356,31 @@ std::string Execution::fault() const {
 std::string Execution::story() const {
   if (impl_->outcome == Outcome::Fault || impl_->core.candidate_count() != 0) return {};
   return rt::end_story(impl_->core, impl_->steps, impl_->seed);
+}
+
+std::size_t Execution::Snapshot::bytes() const {
+  const rt::State& state = impl_->state;
+  return sizeof(Impl) + (state.places.size() + impl_->order.size()) * sizeof(rt::u32) +
+         (state.marks.size() + state.data.size() + state.time.size()) * sizeof(rt::u64) +
+         state.objects.size() * sizeof(rt::FfiValue);
+}
+
+std::string Execution::why(const std::string& given) const {
+  if (impl_->outcome == Outcome::Fault) return {};
+  const std::string path = given.starts_with("ROOT.") ? given : "ROOT." + given;
+  const rt::Image& image = impl_->core.image();
+  for (rt::u32 connector = 0; connector < image.connectors.size; ++connector) {
+    if (image.connectors[connector].path() == path) return rt::why_not_connector(impl_->core, connector);
+  }
+  const std::size_t dot = path.rfind('.');
+  const rt::u32 atom = impl_->find_atom(path.substr(0, dot));
+  if (atom == rt::kNone) return {};
+  const rt::Span<rt::Port>& ports = impl_->core.tables().atom_type(atom).ports;
+  for (rt::u32 port = 0; port < ports.size; ++port) {
+    if (path.compare(dot + 1, std::string::npos, ports[port].name) == 0)
+      return rt::why_not_port(impl_->core, atom, port);
+  }
+  return {};
 }
 
 }  // namespace bip

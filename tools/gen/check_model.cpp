@@ -110,6 +110,9 @@ std::string check_model(const Description& model, std::uint64_t seed, const Chec
     std::string failure = check_naive(model, image, seed, options.steps, counts.oracle);
     if (!failure.empty()) return failure;
     traces = all_traces(image, seed, options.steps);
+    for (const std::string& trace : traces) {
+      if (trace.starts_with(kSessionDiffers)) return trace;
+    }
     failure = check_bsys(c, traces, seed, options.steps);
     if (failure.empty()) failure = check_formatted(c);
     if (failure.empty()) failure = engine_runs(image, seed, 1, options.steps, counts.engines);

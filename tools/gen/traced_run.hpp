@@ -15,6 +15,7 @@
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/engine/scheduler.hpp"
+#include "tools/gen/session_run.hpp"
 
 namespace bip::gen {
 
@@ -25,13 +26,21 @@ struct RunSpec {
   rt::TraceFormat format = rt::TraceFormat::Bip2;
   bool maximal_progress = true;
   bool silent = false;
+  bool session = false;  // a debugging session beside the run
 };
-/// What every executor runs: three policies, one of them with the JSON trace, and steps that nobody watches.
+/// What every executor runs: three policies, one of them with the JSON trace, steps that nobody watches, and a session.
 inline RunSpec run_spec(int number, std::uint64_t seed, std::uint64_t steps) {
   switch (number) {
     case 0: return {.seed = seed, .steps = steps, .policy = rt::Policy::Uniform, .format = rt::TraceFormat::Bip2};
     case 1: return {.seed = seed + 1, .steps = steps, .policy = rt::Policy::First, .format = rt::TraceFormat::Steps};
     case 4: return {.seed = seed + 4, .steps = steps, .silent = true};
+    case 5:
+      return {.seed = seed + 5,
+              .steps = steps,
+              .policy = seed % 3 == 0 ? rt::Policy::Fair : rt::Policy::Uniform,
+              .format = rt::TraceFormat::Steps,
+              .maximal_progress = seed % 4 != 0,
+              .session = true};
     default: break;
   }
   return {.seed = seed + 2,
@@ -40,7 +49,7 @@ inline RunSpec run_spec(int number, std::uint64_t seed, std::uint64_t steps) {
           .format = rt::TraceFormat::Bip2,
           .maximal_progress = number != 3};
 }
-inline constexpr int kRunSpecs = 5;
+inline constexpr int kRunSpecs = 6;
 
 /// The values of all data. A string is its text: its row says only in which order strings were made. NaN has neither
 /// sign nor payload: IEEE 754 leaves both open, and compilers differ.
@@ -190,6 +199,16 @@ inline std::string traced_run(const rt::Image& image, const RunSpec& spec) {
     std::fclose(nowhere);
     if (text_of(again) != trace) all += "the record gives another run: " + text_of(record) + text_of(again);
     close(again);
+  }
+  if (spec.session) {
+    const rt::SessionOptions how{
+        .seed = spec.seed,
+        .policy = spec.policy,
+        .progress = spec.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off,
+        .trusts_cpp = true,
+        .snapshot_bytes = std::size_t{1} << (8 + spec.seed % 8)};  // the stride grows within few steps
+    const std::string said = session_run(image, how, options.events_path, options.limit, trace);
+    all = said.starts_with(kSessionDiffers) ? said : all + said;
   }
   for (const int file : {json, given, record}) {
     if (file >= 0) close(file);

@@ -100,6 +100,8 @@ class Execution {
   [[nodiscard]] std::uint64_t candidate_count() const;
   /// Returns the name of candidate k, as in Step::interaction. Requires k < candidate_count().
   [[nodiscard]] std::string candidate(std::uint64_t k) const;
+  /// Returns the ports that take part in candidate k, as in Step::ports. Requires k < candidate_count().
+  [[nodiscard]] std::vector<std::string> candidate_ports(std::uint64_t k) const;
   /// Takes candidate k instead of asking the policy. Deadlock if there is no candidate k.
   Outcome fire(std::uint64_t k);
 
@@ -128,6 +130,8 @@ class Execution {
     ~Snapshot();
     Snapshot(Snapshot&&) noexcept;
     Snapshot& operator=(Snapshot&&) noexcept;
+    /// Returns about how much memory it takes; objects of C++ types count as pointers.
+    [[nodiscard]] std::size_t bytes() const;
 
    private:
     friend class Execution;
@@ -143,6 +147,9 @@ class Execution {
   [[nodiscard]] std::string fault() const;
   /// Returns the explanation of a deadlock (which component waits for which); empty if the state is not a deadlock.
   [[nodiscard]] std::string story() const;
+  /// Returns why an interaction or a port, "ROOT.k" or "ROOT.a.p" with or without "ROOT.", is not possible now: lines,
+  /// of which the first says whether it is. Empty if there is none of this name, and after a fault.
+  [[nodiscard]] std::string why(const std::string& path) const;
 
  private:
   struct Impl;

@@ -1,5 +1,5 @@
 // See why_not.hpp. Guards are evaluated on a copy of their atom's variables; nothing else runs code of the model.
-#include "runtime/debug/why_not.hpp"
+#include "runtime/core/why_not.hpp"
 
 #include <algorithm>
 #include <vector>
