@@ -113,7 +113,9 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
     if (s.kind != ServiceKind::Execution) continue;
     write_activity(out, plan, s.activity, plan.services[i].activity, &s,
                    fmt::format("The activity of {}: its codels, one after the other.", s.name.text));
-    if (plan.services[i].activity.has_async) write_work(out, plan, i);
+    if (plan.services[i].activity.has_async)
+      write_work(out, plan, plan.module->services[i].activity, plan.services[i].activity, plan.services[i].work_type,
+                 plan.module->services[i].name.text);
     write_service(out, plan, i, tick_us);
   }
   for (std::size_t i = 0; i < m.tasks.size(); ++i) {
@@ -121,6 +123,8 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
     if (!t.activity.states.empty())
       write_activity(out, plan, t.activity, plan.tasks[i].permanent, nullptr,
                      fmt::format("The codels of task {} itself.", t.name.text));
+    if (plan.tasks[i].permanent.has_async)
+      write_work(out, plan, t.activity, plan.tasks[i].permanent, plan.tasks[i].work_type, "task " + t.name.text);
     write_scheduler(out, plan, i);
     write_task(out, plan, i, tick_us);
   }

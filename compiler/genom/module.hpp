@@ -4,6 +4,7 @@
 // The two front ends fill it with names; `resolve` (resolve_module.hpp) checks the names and fills the indices. Rows
 // keep the order of the file, which is the order of request numbers and of activities.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -115,12 +116,14 @@ struct Module {
     return false;
   }
   [[nodiscard]] bool has_async() const {
-    for (const Service& s : services) {
-      for (const State& state : s.activity.states) {
+    const auto runs_beside = [](const auto& owner) {
+      for (const State& state : owner.activity.states) {
         if (state.codel.is_async) return true;
       }
-    }
-    return false;
+      return false;
+    };
+    return std::any_of(services.begin(), services.end(), runs_beside) ||
+           std::any_of(tasks.begin(), tasks.end(), runs_beside);
   }
 };
 

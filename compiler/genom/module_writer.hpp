@@ -55,6 +55,8 @@ class ModuleWriter {
   void turns_of_permanent(std::size_t task);
   void turns(std::size_t task, std::size_t activity);
   void beside(std::size_t task, std::size_t activity);
+  void returns(const Activity& activity, const ActivityPlan& a, std::size_t task, const std::string& port,
+               const std::string& name, std::size_t thread);
   void ends(std::size_t task, std::size_t activity);
   void time();
   void priorities();

@@ -12,8 +12,9 @@ enum class Headers : std::uint8_t { Found, Missing };
 /// GenoM 2: `module … request … poster … exec_task …`.
 [[nodiscard]] Module parse_genom2(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags);
 
-/// GenoM 3: `component … { … }`, after or among IDL declarations. A file of several components gives the first.
-[[nodiscard]] Module parse_genom3(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags);
+/// GenoM 3: `component … { … }`, after or among IDL declarations and interfaces. The module is the component of `file`,
+/// with what the interfaces declare that it provides or extends; components of included files are interfaces.
+[[nodiscard]] Module parse_genom3(const std::vector<Token>& tokens, FileId file, Headers headers, Diagnostics& diags);
 
 /// Which of the two it is: GenoM 3 if a `component` or `interface` stands at the top level.
 [[nodiscard]] bool is_genom3(const std::vector<Token>& tokens);

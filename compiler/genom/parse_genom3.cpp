@@ -2,7 +2,9 @@
 // declares, not for layouts. Words of GenoM may be names, so a word counts by where it stands.
 #include "compiler/genom/parse_genom3.hpp"
 
+#include <algorithm>
 #include <deque>
+#include <utility>
 
 #include "compiler/genom/condition.hpp"
 #include "compiler/genom/parse_genom.hpp"
@@ -12,6 +14,13 @@ namespace {
 
 using v3::ParsedCodel;
 
+/// Those of the interface `genom`, which every component provides.
+const std::set<std::string_view> kStandardExceptions{
+    "unkown_error",   "syserr",          "bad_cpu_usage",    "too_many_activities", "disallowed",
+    "interrupted",    "bad_transition",  "no_such_data",     "no_such_task",        "no_such_service",
+    "no_such_inport", "no_such_outport", "no_such_activity", "unknown_error",       "serialization",
+    "port_io",        "not_running"};
+
 bool is_one_of(const Token& token, std::initializer_list<std::string_view> words) {
   for (const std::string_view w : words) {
     if (token.is(w)) return true;
@@ -19,35 +28,82 @@ bool is_one_of(const Token& token, std::initializer_list<std::string_view> words
   return false;
 }
 
+/// As written: whether it is complete is checked when it is known to be of the module.
+struct ParsedTask {
+  Task task;
+  std::vector<ParsedCodel> codels;
+  std::set<std::string> locals;
+};
+struct ParsedService {
+  Service service;
+  std::string kind;
+  std::vector<ParsedCodel> codels;
+  std::set<std::string> locals;
+};
+/// A component or an interface.
+struct Unit {
+  Name name;
+  std::vector<ParsedTask> tasks;
+  std::vector<ParsedService> services;
+  std::vector<Poster> posters;
+  std::set<std::string> members, ports;
+  std::vector<Name> inherited;  // what it provides and extends
+  std::vector<Name> used;
+};
+
 class Genom3Parser {
  public:
-  Genom3Parser(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags)
-      : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
+  Genom3Parser(const std::vector<Token>& tokens, FileId file, Headers headers, Diagnostics& diags)
+      : in_(tokens, diags), diags_(diags), first_(tokens.front().range), file_(file) {
     module_.is_open = headers == Headers::Missing;
     module_.generation = 3;
   }
 
   Module run() {
     while (!in_.at_end()) {
-      const bool is_component = is_one_of(in_.peek(), {"component", "interface"});
-      if (is_component && !module_.name.is_set()) {
-        if (!component()) in_.skip_past_semicolon();
-      } else if (is_component) {
-        in_.skip_past_semicolon();
+      const bool is_unit = is_one_of(in_.peek(), {"component", "interface"});
+      if (is_unit) {
+        if (!declaration()) in_.skip_past_semicolon();
       } else if (!idl()) {
         if (in_.at("}")) in_.take();
         in_.skip_past_semicolon();
       }
     }
-    if (!module_.name.is_set() && !diags_.has_errors()) diags_.report(Diag::kB6014, first_, "component");
+    if (component_) {
+      finish_module(*component_);
+    } else if (!diags_.has_errors()) {
+      diags_.report(Diag::kB6014, first_, "component");
+    }
     v3::settle_uses(module_, scopes_, diags_);
     return std::move(module_);
   }
 
  private:
-  bool component() {
+  // The component of the description itself is the module. An interface, or a component of an included file, is what
+  // it provides, extends or uses.
+  bool declaration() {
+    const bool is_module = in_.peek().is("component") && in_.peek().range.file == file_;
     in_.take();
-    if (!in_.name(module_.name, "the name of a component")) return false;
+    unit_ = {};
+    if (!in_.name(unit_.name, "the name of a component")) return false;
+    const std::string outer = std::exchange(scope_, scope_ + unit_.name.text + "::");
+    const bool is_declared_only = in_.at(";");
+    const bool is_sound = unit_body();
+    scope_ = outer;
+    if (is_declared_only) return is_sound;
+    if (is_module && component_) {
+      diags_.report(Diag::kB6025, unit_.name.range, component_->name.text, unit_.name.text)
+          .label(component_->name.range, "the first one");
+    } else if (is_module) {
+      component_ = std::move(unit_);
+    } else {
+      const std::string name = unit_.name.text;
+      units_.insert_or_assign(name, std::move(unit_));
+    }
+    return is_sound;
+  }
+
+  bool unit_body() {
     if (in_.accept("{")) {
       while (!in_.at("}") && !in_.at_end()) {
         if (!item()) in_.skip_past_semicolon();
@@ -58,6 +114,66 @@ class Genom3Parser {
     return true;
   }
 
+  const Unit* unit_of(const Name& name) {
+    const auto found = units_.find(name.text);
+    if (found != units_.end()) return &found->second;
+    if (!module_.is_open) diags_.report(Diag::kB6008, name.range, "interface", name.text);
+    return nullptr;
+  }
+
+  template <class Row>
+  static const Name& name_of(const Row& row) {
+    if constexpr (requires { row.task.name; }) return row.task.name;
+    else if constexpr (requires { row.service.name; }) return row.service.name;
+    else return row.name;
+  }
+  // What the component declares itself goes before what an interface declares.
+  template <class Row>
+  static void add_missing(std::vector<Row>& rows, const std::vector<Row>& more) {
+    for (const Row& row : more) {
+      const bool is_known = std::any_of(rows.begin(), rows.end(),
+                                        [&](const Row& known) { return name_of(known).text == name_of(row).text; });
+      if (!is_known) rows.push_back(row);
+    }
+  }
+
+  // Linear in what is inherited; an interface that comes twice is taken once.
+  void inherit(Unit& unit) {
+    std::set<std::string> done{unit.name.text};
+    std::vector<Name> todo = unit.inherited;
+    for (std::size_t i = 0; i < todo.size(); ++i) {
+      const Name name = todo[i];
+      const Unit* const from = unit_of(name);
+      if (from == nullptr || !done.insert(name.text).second) continue;
+      add_missing(unit.tasks, from->tasks);
+      add_missing(unit.services, from->services);
+      add_missing(unit.posters, from->posters);
+      unit.members.insert(from->members.begin(), from->members.end());
+      unit.ports.insert(from->ports.begin(), from->ports.end());
+      todo.insert(todo.end(), from->inherited.begin(), from->inherited.end());
+    }
+    for (const Name& name : unit.used) (void)unit_of(name);
+  }
+
+  void finish_module(Unit& unit) {
+    inherit(unit);
+    module_.name = unit.name;
+    module_.posters = std::move(unit.posters);
+    scopes_.members = std::move(unit.members);
+    scopes_.ports = std::move(unit.ports);
+    for (ParsedTask& parsed : unit.tasks) {
+      Task& task = parsed.task;
+      if (!parsed.codels.empty()) task.activity = v3::make_activity(parsed.codels, task.name, "task", diags_);
+      scopes_.task_locals.push_back(std::move(parsed.locals));
+      module_.tasks.push_back(std::move(task));
+    }
+    for (ParsedService& parsed : unit.services) {
+      finish(parsed.service, parsed.kind, parsed.codels);
+      scopes_.service_locals.push_back(std::move(parsed.locals));
+      module_.services.push_back(std::move(parsed.service));
+    }
+  }
+
   bool item() {
     const Token& word = in_.peek();
     if (word.is("ids") && in_.peek(1).is("{")) return ids();
@@ -66,14 +182,20 @@ class Genom3Parser {
     if (word.is("attribute")) return service("attribute");
     if (word.is("function")) return service("function");
     if (word.is("activity")) return service("activity");
+    if (is_one_of(word, {"provide", "provides", "extend", "extends"})) return interfaces(unit_.inherited);
+    if (is_one_of(word, {"use", "uses"})) return interfaces(unit_.used);
     if (is_property(word)) return skip_property();
     return idl();
   }
 
+  bool interfaces(std::vector<Name>& into) {
+    in_.take();
+    return in_.names(into, "the name of an interface") && in_.expect(";");
+  }
+
   static bool is_property(const Token& word) {
-    return is_one_of(
-        word, {"doc", "version", "lang", "email", "require", "requires", "codels", "clock", "provide", "provides",
-               "use", "uses", "extend", "extends", "stack", "throw", "throws", "scheduling", "size"});
+    return is_one_of(word, {"doc", "version", "lang", "email", "require", "requires", "codels", "clock", "stack",
+                            "throw", "throws", "scheduling", "size"});
   }
 
   bool skip_property() {
@@ -89,11 +211,8 @@ class Genom3Parser {
       in_.take();
       return false;
     }
-    if (in_.at("module") && in_.peek(2).is("{")) {
-      in_.take();
-      in_.take();
-      return in_.skip_group() && (in_.accept(";"), true);
-    }
+    if (in_.at("module") && in_.peek(2).is("{")) return idl_module();
+    if (in_.at("exception")) exceptions_.insert(std::string(in_.peek(1).text));
     static const std::set<std::string_view> kBegins{"typedef",   "struct",   "union",  "enum",      "native",
                                                     "exception", "sequence", "string", "interface", "component"};
     if (!kBegins.contains(in_.peek().text)) {
@@ -110,6 +229,19 @@ class Genom3Parser {
     return in_.expect(";");
   }
 
+  bool idl_module() {
+    in_.take();
+    const std::string outer = std::exchange(scope_, scope_ + std::string(in_.take().text) + "::");
+    in_.take();
+    while (!in_.at("}") && !in_.at_end()) {
+      if (!idl()) in_.skip_past_semicolon();
+    }
+    scope_ = outer;
+    if (!in_.expect("}")) return false;
+    in_.accept(";");
+    return true;
+  }
+
   // const TYPE name = expression;
   bool constant() {
     std::string name;
@@ -120,25 +252,37 @@ class Genom3Parser {
     if (const std::optional<std::int64_t> value = constant_value(with_constants(tokens))) {
       values_.push_back(std::to_string(*value));
       constants_[name] = values_.back();
+      constants_[scope_ + name] = values_.back();
     }
     return in_.expect(";");
   }
 
-  [[nodiscard]] std::vector<Token> with_constants(std::vector<Token> tokens) const {
-    for (Token& t : tokens) {
-      const auto known = t.kind == TokenKind::Word ? constants_.find(t.text) : constants_.end();
-      if (known == constants_.end()) continue;
-      t.kind = TokenKind::Number;
-      t.text = known->second;
+  // Names of constants, `max` or `robot::max`, replaced by their values.
+  [[nodiscard]] std::vector<Token> with_constants(const std::vector<Token>& tokens) const {
+    std::vector<Token> replaced;
+    for (std::size_t i = 0; i < tokens.size(); ++i) {
+      Token token = tokens[i];
+      if (token.kind == TokenKind::Word) {
+        std::string path(token.text);
+        for (; i + 2 < tokens.size() && tokens[i + 1].is("::") && tokens[i + 2].kind == TokenKind::Word; i += 2)
+          path += "::" + std::string(tokens[i + 2].text);
+        const auto inner = constants_.find(scope_ + path);
+        const auto known = inner != constants_.end() ? inner : constants_.find(path);
+        if (known != constants_.end()) {
+          token.kind = TokenKind::Number;
+          token.text = known->second;
+        }
+      }
+      replaced.push_back(token);
     }
-    return tokens;
+    return replaced;
   }
 
   bool ids() {
     in_.take();
     in_.take();
     while (!in_.at("}") && !in_.at_end()) {
-      if (!v3::parse_declared_names(in_, scopes_.members) || !in_.expect(";")) return false;
+      if (!v3::parse_declared_names(in_, unit_.members) || !in_.expect(";")) return false;
     }
     if (!in_.expect("}")) return false;
     in_.accept(";");
@@ -157,8 +301,8 @@ class Genom3Parser {
     const SourceRange range = in_.peek().range;
     if (!v3::parse_declared_names(in_, names)) return false;
     for (const std::string& name : names) {
-      scopes_.ports.insert(name);
-      if (is_out) module_.posters.push_back({{name, range}, {}, 0, false});
+      unit_.ports.insert(name);
+      if (is_out) unit_.posters.push_back({{name, range}, {}, 0, false});
     }
     if (in_.at("{") && !in_.skip_group()) return false;
     return in_.expect(";");
@@ -166,19 +310,15 @@ class Genom3Parser {
 
   bool task() {
     in_.take();
-    Task task;
-    if (!in_.name(task.name, "the name of a task")) return false;
-    std::vector<ParsedCodel> codels;
-    std::set<std::string> locals;
+    ParsedTask parsed;
+    if (!in_.name(parsed.task.name, "the name of a task")) return false;
     if (in_.accept("{")) {
       while (!in_.at("}") && !in_.at_end()) {
-        if (!task_property(task, codels, locals)) in_.skip_past_semicolon();
+        if (!task_property(parsed.task, parsed.codels, parsed.locals)) in_.skip_past_semicolon();
       }
       if (!in_.expect("}")) return false;
     }
-    if (!codels.empty()) task.activity = v3::make_activity(codels, task.name, "task", diags_);
-    scopes_.task_locals.push_back(std::move(locals));
-    module_.tasks.push_back(std::move(task));
+    unit_.tasks.push_back(std::move(parsed));
     return in_.expect(";");
   }
 
@@ -195,11 +335,24 @@ class Genom3Parser {
     return false;
   }
 
+  // `1ms` is one word: a number, then its unit.
+  static void split_unit(std::vector<Token>& tokens) {
+    if (tokens.empty() || tokens.back().kind != TokenKind::Number || tokens.back().text.starts_with("0x")) return;
+    const std::size_t digits = tokens.back().text.find_last_of("0123456789.") + 1;
+    Token unit = tokens.back();
+    unit.kind = TokenKind::Word;
+    unit.text.remove_prefix(digits);
+    if (!is_one_of(unit, {"s", "sec", "ms", "us"})) return;
+    tokens.back().text = tokens.back().text.substr(0, digits);
+    tokens.push_back(unit);
+  }
+
   // EXPRESSION [s|ms|us], in microseconds.
   bool duration(std::int64_t& into) {
     std::vector<Token> tokens;
     const SourceRange range = in_.peek().range;
     while (!in_.at_end() && !in_.at(";") && !in_.at("}")) tokens.push_back(in_.take());
+    split_unit(tokens);
     std::int64_t unit = 1'000'000;
     if (!tokens.empty() && is_one_of(tokens.back(), {"s", "sec", "ms", "us"})) {
       unit = tokens.back().text == "ms" ? 1000 : tokens.back().text == "us" ? 1 : 1'000'000;
@@ -241,26 +394,36 @@ class Genom3Parser {
 
   bool service(const std::string& kind) {
     in_.take();
-    Service s;
+    ParsedService parsed{.service = {}, .kind = kind, .codels = {}, .locals = {}};
+    Service& s = parsed.service;
     if (!in_.name(s.name, fmt::format("the name of a {}", kind))) return false;
     s.kind = kind == "activity" ? ServiceKind::Execution : ServiceKind::Control;
-    std::set<std::string> locals;
     std::vector<DataUse> uses;
-    if (!v3::parse_parameters(in_, kind == "attribute" ? v3::ParametersOf::Attribute : v3::ParametersOf::Codel, locals,
-                              uses))
+    if (!v3::parse_parameters(in_, kind == "attribute" ? v3::ParametersOf::Attribute : v3::ParametersOf::Codel,
+                              parsed.locals, uses))
       return false;
     if (kind == "attribute") s.body.push_back({{}, std::move(uses)});
-    std::vector<ParsedCodel> codels;
     if (in_.accept("{")) {
       while (!in_.at("}") && !in_.at_end()) {
-        if (!service_property(s, kind, codels, locals)) in_.skip_past_semicolon();
+        if (!service_property(s, kind, parsed.codels, parsed.locals)) in_.skip_past_semicolon();
       }
       if (!in_.expect("}")) return false;
     }
-    finish(s, kind, codels);
-    scopes_.service_locals.push_back(std::move(locals));
-    module_.services.push_back(std::move(s));
+    unit_.services.push_back(std::move(parsed));
     return in_.expect(";");
+  }
+
+  // Of `robot::e_rate` the last name counts.
+  bool exceptions(std::vector<Name>& into) {
+    do {
+      Name name;
+      if (!in_.name(name, "the name of an exception")) return false;
+      while (in_.accept("::")) {
+        if (!in_.name(name, "the name of an exception")) return false;
+      }
+      into.push_back(std::move(name));
+    } while (in_.accept(","));
+    return true;
   }
 
   bool service_property(Service& s, const std::string& kind, std::vector<ParsedCodel>& codels,
@@ -281,7 +444,7 @@ class Genom3Parser {
     }
     if (is_one_of(word, {"throw", "throws"})) {
       in_.take();
-      return in_.names(s.reports, "the name of an exception") && in_.expect(";");
+      return exceptions(s.reports) && in_.expect(";");
     }
     if (word.is("validate")) {
       in_.take();
@@ -297,6 +460,10 @@ class Genom3Parser {
 
   void finish(Service& s, const std::string& kind, std::vector<ParsedCodel>& codels) {
     const std::string owner = fmt::format("{} `{}`", kind, s.name.text);
+    for (const Name& report : s.reports) {
+      if (!module_.is_open && !exceptions_.contains(report.text) && !kStandardExceptions.contains(report.text))
+        diags_.report(Diag::kB6008, report.range, "exception", report.text);
+    }
     s.validate_fails = !s.reports.empty();
     s.body_fails = !s.reports.empty();
     if (s.kind == ServiceKind::Execution) {
@@ -308,6 +475,9 @@ class Genom3Parser {
     for (ParsedCodel& c : codels) {
       if (!c.states.empty())
         diags_.report(Diag::kB6020, c.states.front().range, owner).help("an `activity` has states");
+      if (c.codel.is_async)
+        diags_.report(Diag::kB6024, c.codel.name.range, c.codel.name.text,
+                      "which only codels of activities and tasks can be");
       s.body.push_back(std::move(c.codel));
     }
     if (kind == "attribute") s.body_fails = false;
@@ -316,16 +486,22 @@ class Genom3Parser {
   Cursor in_;
   Diagnostics& diags_;
   SourceRange first_;
+  FileId file_;
   Module module_;
   v3::Scopes scopes_;
+  Unit unit_;  // that is read now
+  std::optional<Unit> component_;
+  std::map<std::string, Unit> units_;  // interfaces, and components of included files
+  std::set<std::string> exceptions_;
+  std::string scope_;  // "robot::" inside of interface or module robot
   std::map<std::string, std::string, std::less<>> constants_;
   std::deque<std::string> values_;  // texts of constants: tokens are views
 };
 
 }  // namespace
 
-Module parse_genom3(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags) {
-  return Genom3Parser(tokens, headers, diags).run();
+Module parse_genom3(const std::vector<Token>& tokens, FileId file, Headers headers, Diagnostics& diags) {
+  return Genom3Parser(tokens, file, headers, diags).run();
 }
 
 bool is_genom3(const std::vector<Token>& tokens) {

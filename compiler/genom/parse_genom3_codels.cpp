@@ -65,6 +65,18 @@ bool parse_wcet(Cursor& in, Codel& into) {
   return us.has_value();
 }
 
+// From `<` until after its `>`: the bounds of sequences and strings, with their commas.
+bool skip_angles(Cursor& in) {
+  std::size_t depth = 0;
+  do {
+    if (in.at("<")) ++depth;
+    if (in.at(">")) --depth;
+    if (in.at_end() || in.at(";")) return in.expect(">");
+    in.take();
+  } while (depth > 0);
+  return true;
+}
+
 std::size_t find_state(const Activity& activity, std::string_view name) {
   for (std::size_t i = 0; i < activity.states.size(); ++i) {
     if (activity.states[i].name.text == name) return i;
@@ -143,6 +155,10 @@ bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& loc
     while (!in.at_end() && !in.at(",") && !in.at(")") && !in.at(";")) {
       if (in.at("{") || in.at("(") || in.at("[")) {
         if (!in.skip_group()) return false;
+        continue;
+      }
+      if (in.at("<") && in_declarator) {
+        if (!skip_angles(in)) return false;
         continue;
       }
       const Token& token = in.take();

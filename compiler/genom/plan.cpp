@@ -32,6 +32,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
   for (const State& s : activity.states) a.places.push_back(scope.claim(upper(s.name.text), "state"));
   a.used.assign(activity.states.size(), false);
   a.async.assign(activity.states.size(), false);
+  a.holds.assign(activity.states.size(), false);
   std::vector<std::size_t> todo{activity.start};
   if (can_be_stopped) todo.push_back(activity.stop);
   while (!todo.empty()) {
@@ -42,7 +43,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
     a.used[row] = true;
     const State& state = activity.states[row];
     const bool is_stop = can_be_stopped && row == activity.stop;
-    a.async[row] = can_be_stopped && state.codel.is_async;
+    a.async[row] = state.codel.is_async;
     a.has_async = a.has_async || a.async[row];
     bool ends = false;
     for (const Yield& y : state.yields) {
@@ -133,6 +134,7 @@ class Planner {
     plan.scheduler = types_.claim(plan.type + "Scheduler", "Atom");
     if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, {}, module_.generation);
     plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
+    if (plan.permanent.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
       const Service& s = plan_.service_of(k);
       if (s.kind == ServiceKind::Execution && s.task_index == i) plan.activities.push_back(k);
@@ -141,38 +143,75 @@ class Planner {
     plan_.tasks.push_back(std::move(plan));
   }
 
-  // Data that codels of two threads use, one of them writing. A thread is the control task (0) or a task (1 + its
-  // index).
-  void locks() {
-    struct Users {
-      std::set<std::size_t> threads;
-      std::size_t codels = 0;
-      bool written = false;
-    };
-    std::map<std::string, Users> all;
-    std::vector<std::string> order;
-    const auto add = [&](const Codel& codel, std::size_t thread) {
-      for (const DataUse& use : uses_of(module_, codel)) {
-        Users& users = all[use.data];
-        if (users.codels++ == 0) order.push_back(use.data);
-        users.threads.insert(thread);
-        users.written = users.written || use.writes;
+  static constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+  struct Use {
+    std::size_t thread;  // Plan::thread_of_task and its like
+    std::size_t actor;   // whose codels run one after the other whatever their threads: an activity, a task's own
+    bool writes;
+  };
+
+  static bool may_meet(const Use& a, const Use& b) {
+    return a.thread != b.thread && (a.actor != b.actor || a.actor == kNobody) && (a.writes || b.writes);
+  }
+
+  // Calls f(codel, thread, actor) for each codel of the module and each thread that may run it.
+  template <class F>
+  void for_each_codel(F f) const {
+    for (std::size_t i = 0; i < module_.services.size(); ++i) {
+      const Service& s = module_.services[i];
+      f(s.validate, 0, kNobody);
+      for (const Codel& c : s.body) f(c, 0, kNobody);
+      for (const State& state : s.activity.states) {
+        for (const std::size_t activity : plan_.services[i].activities)
+          f(state.codel,
+            state.codel.is_async ? plan_.thread_beside_activity(activity) : Plan::thread_of_task(s.task_index),
+            activity);
       }
-    };
-    for (const Service& s : module_.services) {
-      add(s.validate, 0);
-      for (const Codel& c : s.body) add(c, 0);
-      for (const State& state : s.activity.states) add(state.codel, 1 + s.task_index);
     }
     for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
-      if (module_.tasks[i].permanent.is_set()) add({module_.tasks[i].permanent, {}}, 1 + i);
-      for (const State& state : module_.tasks[i].activity.states) add(state.codel, 1 + i);
+      const std::size_t actor = plan_.activities.size() + i;
+      if (module_.tasks[i].permanent.is_set()) f({module_.tasks[i].permanent, {}}, Plan::thread_of_task(i), actor);
+      for (const State& state : module_.tasks[i].activity.states)
+        f(state.codel, state.codel.is_async ? plan_.thread_beside_task(i) : Plan::thread_of_task(i), actor);
     }
+  }
+
+  // Data that two codels use that may run at once, one of them writing.
+  void locks() {
+    std::map<std::string, std::vector<Use>> all;
+    std::vector<std::string> order;
+    for_each_codel([&](const Codel& codel, std::size_t thread, std::size_t actor) {
+      for (const DataUse& use : uses_of(module_, codel)) {
+        std::vector<Use>& uses = all[use.data];
+        if (uses.empty()) order.push_back(use.data);
+        uses.push_back({thread, actor, use.writes});
+      }
+    });
+    std::set<std::string> locked;
     for (const std::string& data : order) {
-      const Users& users = all[data];
-      if (users.threads.size() > 1 && users.written)
-        plan_.locks.push_back(
-            {data, scope_.claim("lock_" + bip_name(data), "data"), {users.threads.begin(), users.threads.end()}});
+      const std::vector<Use>& uses = all[data];
+      const bool meets = std::any_of(uses.begin(), uses.end(), [&](const Use& a) {
+        return std::any_of(uses.begin(), uses.end(), [&](const Use& b) { return may_meet(a, b); });
+      });
+      if (!meets) continue;
+      std::set<std::size_t> threads;
+      for (const Use& use : uses) threads.insert(use.thread);
+      locked.insert(data);
+      plan_.locks.push_back({data, scope_.claim("lock_" + bip_name(data), "data"), {threads.begin(), threads.end()}});
+    }
+    const auto holds = [&](const Activity& activity, ActivityPlan& a) {
+      for (std::size_t i = 0; i < activity.states.size(); ++i) {
+        const std::vector<DataUse> uses = uses_of(module_, activity.states[i].codel);
+        a.holds[i] = a.async[i] && std::any_of(uses.begin(), uses.end(),
+                                               [&](const DataUse& use) { return locked.contains(use.data); });
+      }
+    };
+    for (std::size_t i = 0; i < module_.services.size(); ++i) {
+      if (module_.services[i].kind == ServiceKind::Execution)
+        holds(module_.services[i].activity, plan_.services[i].activity);
+    }
+    for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
+      if (!module_.tasks[i].activity.states.empty()) holds(module_.tasks[i].activity, plan_.tasks[i].permanent);
     }
   }
 
@@ -218,10 +257,9 @@ bool Plan::may_suspend(std::size_t task) const {
 }
 
 std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {
-  // It has no data but its own (resolve_module.cpp, B6024).
-  if (codel.is_async) return {};
   if (module.generation == 3) return codel.uses;
-  return codel.name.is_set() ? std::vector<DataUse>{{"ids", true}} : std::vector<DataUse>{};
+  // One that runs beside its task cannot be kept away from everything: what it touches is for its author to see.
+  return codel.name.is_set() && !codel.is_async ? std::vector<DataUse>{{"ids", true}} : std::vector<DataUse>{};
 }
 
 int answer_code(const Yield& answer) {

@@ -16,6 +16,7 @@ struct ActivityPlan {
   std::vector<std::string> places;  // by state
   std::vector<bool> used;           // by state
   std::vector<bool> async;          // by state: used, and its codel runs beside the task
+  std::vector<bool> holds;          // by state: async, and locks are held until its codel has returned
   bool has_async = false;
   bool has_sleep = false, has_zombie = false, has_bad = false;
   bool goes_on = false;       // yields a state
@@ -24,6 +25,15 @@ struct ActivityPlan {
   bool ends_not_ok = false;   // with a report of its own
   bool ends_stopped = false;  // after `stop`
   bool rests = false;         // has places in which it needs no turn
+  /// Has it a codel that its task waits for?
+  [[nodiscard]] bool steps() const {
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      if (used[i] && !async[i]) return true;
+    }
+    return false;
+  }
+  /// Its turn may be left out.
+  [[nodiscard]] bool skips() const { return rests || has_async; }
   // Its ports for answers that go on, that pause, and for its own reports; and what each is merged as.
   std::vector<std::string> to, pause, report;
   [[nodiscard]] std::string went_on() const { return to.size() == 1 ? to[0] : "went_on"; }
@@ -50,10 +60,10 @@ struct ServicePlan {
 struct TaskPlan {
   std::string component, type, scheduler;
   ActivityPlan permanent;               // GenoM 3
+  std::string work_type;                // of the atom that runs its own codels beside it, if there are such
   std::vector<std::size_t> activities;  // its activities, in activity order
 };
-/// Data that codels of several threads share, if one of them writes it (codel granularity). Thread 0 is the control
-/// task, thread 1 + i task i.
+/// Data that codels of several threads share, if one of them writes it (codel granularity): see Plan::thread_of.
 struct LockPlan {
   std::string data, component;
   std::vector<std::size_t> threads;  // sorted
@@ -89,6 +99,15 @@ struct Plan {
   /// GenoM 2 refuses requests by the state of the whole module.
   [[nodiscard]] bool has_checks() const { return module->generation == 2; }
   [[nodiscard]] bool may_suspend(std::size_t task) const;
+  /// Threads of LockPlan: 0 the control task, then the tasks, then for what runs beside them the activities, then the
+  /// tasks again.
+  [[nodiscard]] static std::size_t thread_of_task(std::size_t task) { return 1 + task; }
+  [[nodiscard]] std::size_t thread_beside_activity(std::size_t activity) const {
+    return 1 + module->tasks.size() + activity;
+  }
+  [[nodiscard]] std::size_t thread_beside_task(std::size_t task) const {
+    return 1 + module->tasks.size() + activities.size() + task;
+  }
 };
 
 /// `types`: names of types that the package has already; those of the module are added.
@@ -99,11 +118,14 @@ struct Plan {
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
                     const Service* service, const std::string& comment);
 void write_service(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
-/// The atom in which codels run beside the task, and what binds it to activity and controller, inside the service's
-/// compound.
-void write_work(std::string& out, const Plan& plan, std::size_t service);
+/// The atom in which codels run beside the task, of a service or of a task (`owner` as in "Goto" or "task motion").
+void write_work(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
+                const std::string& type, const std::string& owner);
+/// What binds it to activity and controller inside the service's compound.
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
 void write_work_exports(std::string& out, const ServicePlan& p);
+/// The same inside of a task's compound.
+void write_task_work(std::string& out, const Plan& plan, std::size_t task);
 void write_scheduler(std::string& out, const Plan& plan, std::size_t task);
 void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64_t tick_us);
 /// A poster that holds values.

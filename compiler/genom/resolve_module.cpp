@@ -47,7 +47,6 @@ class Resolver {
       if (p.task.is_set()) p.task_index = task(p.task);
     }
     for (SideLine& line : side_) apply(line);
-    check_async();
     if (flavour_ == Flavour::Execution) free_answers();
     for (Service& s : module_.services) {
       for (State& state : s.activity.states) states_of(s.activity, state);
@@ -89,7 +88,9 @@ class Resolver {
     for (const Name& name : s.interrupts) {
       const std::size_t found = find(module_.services, name.text);
       if (found == module_.services.size()) {
-        auto d = diags_.report(Diag::kB6006, name.range, name.text);
+        // genom3 refuses such a description.
+        auto d = module_.generation == 3 ? diags_.report(Diag::kB6008, name.range, "service", name.text)
+                                         : diags_.report(Diag::kB6006, name.range, name.text);
         for (const std::string& similar : similar_names(name.text, names_of(module_.services)))
           d.help(fmt::format("there is `{}`", similar), name.range, similar);
       } else if (module_.services[found].kind == ServiceKind::Execution &&
@@ -219,7 +220,8 @@ class Resolver {
   }
 
   void waited_for(SideLine& line) {
-    diags_.report(Diag::kB6024, line.subject.range, line.subject.text, "which only codels of activities can be");
+    diags_.report(Diag::kB6024, line.subject.range, line.subject.text,
+                  "which only codels of activities and GenoM 3's tasks can be");
     line.used = true;
   }
 
@@ -234,64 +236,6 @@ class Resolver {
     if (digits == 0 || us == 0 || (unit != "us" && unit != "ms" && unit != "s")) return false;
     us *= unit == "s" ? 1'000'000 : unit == "ms" ? 1000 : 1;
     return us <= 1'000'000'000'000;
-  }
-
-  struct Use {
-    const Codel* codel;
-    const DataUse* use;
-    std::size_t owner;  // a service, then the tasks, then the control task
-  };
-
-  // Reports data that an `async` codel shares with another codel: it holds no lock (GenoM 3). GenoM 2 descriptions do
-  // not say which data a codel accesses.
-  void check_async() {
-    std::vector<Use> uses;
-    const auto add = [&](const Codel& codel, std::size_t owner) {
-      for (const DataUse& use : codel.uses) uses.push_back({&codel, &use, owner});
-    };
-    for (std::size_t i = 0; i < module_.services.size(); ++i) {
-      // A control service, and what looks at parameters, belong to the control task.
-      add(module_.services[i].validate, module_.services.size() + module_.tasks.size());
-      for (const Codel& c : module_.services[i].body) add(c, module_.services.size() + module_.tasks.size());
-      for (const State& state : module_.services[i].activity.states) add(state.codel, i);
-    }
-    for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
-      const std::vector<State>& states = module_.tasks[i].activity.states;
-      for (const State& state : states) {
-        add(state.codel, module_.services.size() + i);
-        if (state.codel.is_async && is_first(states, state))
-          diags_.report(Diag::kB6024, state.codel.name.range, state.codel.name.text,
-                        "which only codels of activities can be");
-      }
-    }
-    for (std::size_t i = 0; i < module_.services.size(); ++i) {
-      for (const State& state : module_.services[i].activity.states) {
-        if (state.codel.is_async && is_first(module_.services[i].activity.states, state))
-          check_shares(state.codel, i, uses);
-      }
-    }
-  }
-
-  void check_shares(const Codel& codel, std::size_t owner, const std::vector<Use>& uses) {
-    for (const DataUse& use : codel.uses) {
-      const auto other = std::find_if(uses.begin(), uses.end(), [&](const Use& u) {
-        return u.owner != owner && u.use->data == use.data && (use.writes || u.use->writes);
-      });
-      if (other == uses.end()) continue;
-      const bool is_codel = other->codel->name.is_set();
-      auto d = diags_.report(Diag::kB6024, codel.name.range, codel.name.text,
-                             fmt::format("and shares `{}` with {}", use.data.substr(use.data.find('_') + 1),
-                                         is_codel ? "codel `" + other->codel->name.text + "`" : "an attribute"));
-      if (is_codel) d.label(other->codel->name.range, "here");
-      return;
-    }
-  }
-
-  // One codel may serve several states.
-  static bool is_first(const std::vector<State>& states, const State& state) {
-    return &*std::find_if(states.begin(), states.end(), [&](const State& s) {
-      return s.codel.name.range.begin == state.codel.name.range.begin;
-    }) == &state;
   }
 
   // Only what the state permits, in its order; OTHER comes on top.

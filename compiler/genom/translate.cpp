@@ -44,7 +44,8 @@ Module read_module(SourceMap& sources, const Description& description, const Pre
                    Diagnostics& diags) {
   const Preprocessed text = preprocess(sources, description.path, description.file, options, diags);
   const Headers headers = text.header_missing ? Headers::Missing : Headers::Found;
-  return is_genom3(text.tokens) ? parse_genom3(text.tokens, headers, diags) : parse_genom2(text.tokens, headers, diags);
+  return is_genom3(text.tokens) ? parse_genom3(text.tokens, description.file, headers, diags)
+                                : parse_genom2(text.tokens, headers, diags);
 }
 
 std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files,
@@ -57,6 +58,9 @@ std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::v
   check_module_names(modules, diags);
   check_reads(modules, diags);
   if (diags.has_errors()) return std::nullopt;
+  for (const Module& m : modules) {
+    if (m.services.empty()) diags.report(Diag::kB6026, m.name.range, m.name.text);
+  }
   return modules;
 }
 

@@ -52,6 +52,8 @@ class ActivityWriter {
   [[nodiscard]] std::string ended(std::size_t i) const { return places_[i] + (leaves(i) ? "_ENDS" : "_RUNS"); }
   // Is what happens between its turn and its answer seen by others?
   [[nodiscard]] bool leaves(std::size_t i) const { return plan_.by_codel || activity_plan_.async[i]; }
+  // A task waits for its own codels, however long they take.
+  [[nodiscard]] bool is_given_up() const { return stoppable() && activity_plan_.has_async; }
   [[nodiscard]] bool remembers() const { return stoppable() && (plan_.by_codel || activity_plan_.has_async); }
 
   void data() {
@@ -99,8 +101,10 @@ class ActivityWriter {
                             plan_.calls ? "next, report" : "");
       else if (plan_.by_codel) port("done_" + places_[i]);
     }
-    if (activity_plan_.has_async) {
-      for (const char* name : {"wait", "lost", "found"}) port(name);
+    if (activity_plan_.has_async) port("wait");
+    if (is_given_up()) {
+      port("lost");
+      port("found");
     }
     if (is_3_ && (stoppable() || activity_plan_.pauses)) port("resume");
     merged(activity_plan_.to, "Signal", activity_plan_.went_on());
@@ -126,7 +130,7 @@ class ActivityWriter {
     }
     if (activity_plan_.has_sleep) list += ", SLEEP";
     if (activity_plan_.has_zombie) list += ", ZOMBIE";
-    if (activity_plan_.has_async) list += ", LOST";
+    if (is_given_up()) list += ", LOST";
     out_ += "\n    place " + list + "\n";
   }
 
@@ -194,7 +198,7 @@ class ActivityWriter {
         on((activity_plan_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
       if (!activity_plan_.async[i]) continue;
       on("wait", places_[i] + "_RUNS", places_[i] + "_RUNS");
-      on("lost", places_[i] + "_RUNS", "LOST", "stopping = false");
+      if (is_given_up()) on("lost", places_[i] + "_RUNS", "LOST", "stopping = false");
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (activity_plan_.used[i] && has_paused(i)) on("resume", places_[i] + "_PAUSED", places_[i]);
@@ -258,7 +262,7 @@ class ActivityWriter {
       if (activity_plan_.used[i] && has_paused(i)) on("rest", places_[i] + "_PAUSED", places_[i] + "_PAUSED");
     }
     if (activity_plan_.has_sleep) on("rest", "SLEEP", "SLEEP");
-    if (activity_plan_.has_async) {
+    if (is_given_up()) {
       on("rest", "LOST", "LOST");
       on("found", "LOST", "ETHER");
     }

@@ -99,6 +99,15 @@ void ModuleWriter::turns_of_permanent(std::size_t i) {
   for (std::size_t s = 0; s < activity.states.size(); ++s) {
     if (!a.used[s]) continue;
     const State& state = activity.states[s];
+    if (a.async[s]) {
+      std::vector<std::string> sent{of_task(i, "sent_permanent"), of_task(i, "permanent_run_" + a.places[s])};
+      add_locks(sent, {&state.codel}, plan_.thread_beside_task(i), "take");
+      wire({.name = codel_label(state), .ports = sent});
+      std::vector<std::string> back{of_task(i, "back_permanent"), of_task(i, "permanent_back_" + a.places[s])};
+      add_ports(back, state.codel);
+      wire({.name = "back_" + codel_label(state), .ports = back});
+      continue;
+    }
     std::vector<std::string> run{of_task(i, "step_permanent"), of_task(i, "permanent_run_" + a.places[s])};
     add_locks(run, {&state.codel}, 1 + i, "take");
     add_ports(run, state.codel);
@@ -122,6 +131,9 @@ void ModuleWriter::turns_of_permanent(std::size_t i) {
   }
   if (a.ends)
     wire({.name = "ended_permanent_" + name, .ports = {of_task(i, "ran_permanent"), of_task(i, "permanent_ok")}});
+  if (!a.has_async) return;
+  wire({.name = "wait_permanent_" + name, .ports = {of_task(i, "skip_permanent"), of_task(i, "permanent_wait")}});
+  returns(activity, a, i, of_task(i, "permanent_returned"), "permanent_" + name, plan_.thread_beside_task(i));
 }
 
 void ModuleWriter::turns(std::size_t i, std::size_t instance) {
@@ -134,7 +146,9 @@ void ModuleWriter::turns(std::size_t i, std::size_t instance) {
     // The same codel may serve several states.
     const std::string label = fmt::format("{}_{}_{}", name, a.places[s], codel_label(state));
     if (a.async[s]) {
-      wire({.name = label, .ports = {of_task(i, "sent_" + name), of_activity(instance, "run_" + a.places[s])}});
+      std::vector<std::string> sent{of_task(i, "sent_" + name), of_activity(instance, "run_" + a.places[s])};
+      add_locks(sent, {&state.codel}, plan_.thread_beside_activity(instance), "take");
+      wire({.name = label, .ports = sent});
       std::vector<std::string> back{of_task(i, "back_" + name), of_activity(instance, "back_" + a.places[s])};
       add_ports(back, state.codel);
       wire({.name = "back_" + label, .ports = back});
@@ -158,17 +172,34 @@ void ModuleWriter::turns(std::size_t i, std::size_t instance) {
 void ModuleWriter::beside(std::size_t i, std::size_t activity) {
   const std::string& name = plan_.activities[activity].component;
   wire({.name = "wait_" + name, .ports = {of_task(i, "skip_" + name), of_activity(activity, "wait")}});
-  std::vector<std::string> returned{of_activity(activity, "returned")};
-  if (module_.tasks[i].period_us == 0) returned.push_back(of_task(i, "wake"));
   std::vector<std::string> lost{of_activity(activity, "lost"), of_task(i, "remove")};
   std::vector<std::string> found{of_activity(activity, "found")};
   if (plan_.has_checks()) {
     lost.push_back(plan_.ids + ".add_zombie");
     found.push_back(plan_.ids + ".remove_zombie");
   }
-  wire({.name = "returned_" + name, .ports = returned});
+  const ActivityPlan& a = plan_.services[plan_.activities[activity].service].activity;
+  returns(plan_.service_of(activity).activity, a, i, of_activity(activity, "returned"), name,
+          plan_.thread_beside_activity(activity));
   wire({.name = "lost_" + name, .ports = lost});
   wire({.name = "found_" + name, .ports = found});
+}
+
+// It has come back, at `port` or with locks to give back at `port`_STATE.
+void ModuleWriter::returns(const Activity& activity, const ActivityPlan& a, std::size_t task, const std::string& port,
+                           const std::string& name, std::size_t thread) {
+  const auto returned = [&](const std::string& suffix, const Codel* held) {
+    std::vector<std::string> ports{port + suffix};
+    if (held != nullptr) add_locks(ports, {held}, thread, "give");
+    if (module_.tasks[task].period_us == 0) ports.push_back(of_task(task, "wake"));
+    wire({.name = "returned_" + name + suffix, .ports = ports});
+  };
+  bool is_plain = false;
+  for (std::size_t s = 0; s < a.places.size(); ++s) {
+    if (a.holds[s]) returned("_" + a.places[s], &activity.states[s].codel);
+    is_plain = is_plain || (a.async[s] && !a.holds[s]);
+  }
+  if (is_plain) returned("", nullptr);
 }
 
 // GenoM 3: a codel writes the ports out that it names.

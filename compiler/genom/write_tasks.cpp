@@ -26,6 +26,11 @@ const ActivityPlan& activity_of(const Plan& plan, std::size_t task, std::size_t 
   return plan.services[plan.activities[plan.tasks[task].activities[turn - (has_permanent ? 1 : 0)]].service].activity;
 }
 
+// Codels of a task may go on for ever; then it never says that it has paused or ended.
+bool has_ran(const Plan& plan, std::size_t task, const ActivityPlan& a) {
+  return &a != &plan.tasks[task].permanent || a.pauses || a.ends;
+}
+
 std::string begin_port(const Task& t) { return t.permanent.is_set() ? "permanentexec" : "begin"; }
 
 void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const std::vector<std::string>& turns) {
@@ -36,14 +41,14 @@ void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const
   if (t.permanent.is_set()) port(out, "permanentdone");
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
-    port(out, "step_" + turns[i]);
-    if (a.rests) port(out, "skip_" + turns[i]);
-    if (plan.by_codel) port(out, "done_" + turns[i]);
+    if (a.steps()) port(out, "step_" + turns[i]);
+    if (a.skips()) port(out, "skip_" + turns[i]);
+    if (plan.by_codel && a.steps()) port(out, "done_" + turns[i]);
     if (a.has_async) {
       port(out, "sent_" + turns[i]);
       port(out, "back_" + turns[i]);
     }
-    port(out, "ran_" + turns[i]);
+    if (has_ran(plan, task, a)) port(out, "ran_" + turns[i]);
     if (plan.module->generation == 3 && a.goes_on) port(out, "more_" + turns[i]);
   }
   if (plan.may_suspend(task)) port(out, "suspend");
@@ -77,8 +82,11 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
 
   std::string places = t.has_permanent() ? "idle, perm" : "idle, perm, stpd";
   if (t.permanent.is_set()) places += ", exec";
-  for (const std::string& turn : turns)
-    places += fmt::format(", at_{0}, run_{0}{1}", turn, plan.by_codel ? ", end_" + turn : "");
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    places += ", at_" + turns[i];
+    if (!plan.by_codel || activity_of(plan, task, i).steps()) places += ", run_" + turns[i];
+    if (plan.by_codel) places += ", end_" + turns[i];
+  }
   places += ", over";
   if (plan.may_suspend(task)) places += ", susp";
   out += fmt::format("\n    place {}\n\n    initial to idle\n\n", places);
@@ -93,13 +101,13 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
     const std::string& turn = turns[i];
     const std::string next = i + 1 < turns.size() ? "at_" + turns[i + 1] : "over";
     const std::string last = (plan.by_codel ? "end_" : "run_") + turn;
-    out += fmt::format("\n    on step_{0} from at_{0} to run_{0}\n", turn);
-    if (a.rests) out += fmt::format("    on skip_{0} from at_{0} to {1}\n", turn, next);
+    out += a.steps() ? fmt::format("\n    on step_{0} from at_{0} to run_{0}\n", turn) : "\n";
+    if (a.skips()) out += fmt::format("    on skip_{0} from at_{0} to {1}\n", turn, next);
     // A codel that runs beside the task: its turn is over at once, and its answer is heard at a later one.
     if (a.has_async)
       out += fmt::format("    on sent_{0} from at_{0} to {1}\n    on back_{0} from at_{0} to {2}\n", turn, next, last);
-    if (plan.by_codel) out += fmt::format("    on done_{0} from run_{0} to end_{0}\n", turn);
-    out += fmt::format("    on ran_{} from {} to {}\n", turn, last, next);
+    if (plan.by_codel && a.steps()) out += fmt::format("    on done_{0} from run_{0} to end_{0}\n", turn);
+    if (has_ran(plan, task, a)) out += fmt::format("    on ran_{} from {} to {}\n", turn, last, next);
     if (is_3 && a.goes_on) out += fmt::format("    on more_{} from {} to {} do {{ more = true; }}\n", turn, last, next);
     if (a.has_bad) out += fmt::format("    on suspend from {} to susp\n", last);
   }
@@ -136,6 +144,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   }
   if (t.permanent.is_set()) out += "    @SuppressWarning(unboundcomponentport)\n    component Permanent permanent()\n";
   if (!t.activity.states.empty()) out += fmt::format("    component {} permanent()\n", p.permanent.type);
+  if (p.permanent.has_async) out += fmt::format("    component {} work()\n", p.work_type);
 
   write_wire(out, {.name = "wake_up", .ports = {"scheduler.trigger", "timer.trigger"}});
   if (!t.has_permanent()) write_wire(out, {.name = "stop", .ports = {"scheduler.stop", "controller.stop"}});
@@ -171,24 +180,25 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     const std::string& turn = turns[i];
-    write_export(out, "scheduler.step_" + turn, "step_" + turn);
-    if (a.rests) write_export(out, "scheduler.skip_" + turn, "skip_" + turn);
+    if (a.steps()) write_export(out, "scheduler.step_" + turn, "step_" + turn);
+    if (a.skips()) write_export(out, "scheduler.skip_" + turn, "skip_" + turn);
     if (a.has_async) {
       write_export(out, "scheduler.sent_" + turn, "sent_" + turn);
       write_export(out, "scheduler.back_" + turn, "back_" + turn);
     }
-    if (plan.by_codel) write_export(out, "scheduler.done_" + turn, "done_" + turn);
-    write_export(out, "scheduler.ran_" + turn, "ran_" + turn);
+    if (plan.by_codel && a.steps()) write_export(out, "scheduler.done_" + turn, "done_" + turn);
+    if (has_ran(plan, task, a)) write_export(out, "scheduler.ran_" + turn, "ran_" + turn);
     if (plan.module->generation == 3 && a.goes_on) write_export(out, "scheduler.more_" + turn, "more_" + turn);
   }
   if (!t.activity.states.empty()) {
     const ActivityPlan& a = p.permanent;
     for (std::size_t i = 0; i < t.activity.states.size(); ++i) {
-      if (!a.used[i]) continue;
+      if (!a.used[i] || a.async[i]) continue;
       const std::string& place = a.places[i];
       write_export(out, "permanent.run_" + place, "permanent_run_" + place);
       if (plan.by_codel) write_export(out, "permanent.done_" + place, "permanent_done_" + place);
     }
+    if (a.has_async) write_task_work(out, plan, task);
     if (a.goes_on) write_export(out, "permanent." + a.went_on(), "permanent_went_on");
     if (a.pauses) write_export(out, "permanent." + a.paused(), "permanent_paused");
     if (a.pauses) write_export(out, "permanent.resume", "permanent_resume");

@@ -1,9 +1,10 @@
 // Codels that run beside their task (`async`): the atom that runs them, and how it is bound inside the service's
 // compound.
 //
-//   HERE -begin_STATE-> AWAY   its turn came; the task goes on. Execution flavour: the call is an action with `@async`,
-//   so that the atom
-//                              is at work, and offers nothing, until the C++ function has returned
+//   HERE -begin_STATE-> AWAY   (AWAY_STATE if it holds locks, which are given back when it returns) its turn came; the
+//   task
+//                              goes on. Execution flavour: the call is an action with `@async`, so that the atom is
+//                              at work, and offers nothing, until the C++ function has returned
 //   AWAY -returned-> BACK      it has returned; in verification whenever it likes
 //   BACK -take-> HERE          its answer is heard at the next turn, or thrown away if it came too late
 //
@@ -29,31 +30,59 @@ std::int64_t budget_ticks(std::int64_t us, std::int64_t tick_us) {
   return us == 0 ? -1 : (us + tick_us - 1) / tick_us + 1;
 }
 
+// Has it a codel that holds no lock while it is away?
+bool returns_plainly(const ActivityPlan& a) {
+  for (std::size_t i = 0; i < a.places.size(); ++i) {
+    if (a.async[i] && !a.holds[i]) return true;
+  }
+  return false;
+}
+
+// What was handed over, and its answer.
+void write_back(std::string& out, const Plan& plan, const std::string& back, const std::string& work,
+                const std::string& place) {
+  write_wire(
+      out,
+      {.name = "back_" + place,
+       .ports = {back, work + ".take"},
+       .action = plan.calls ? fmt::format("{0}.next <- {1}.take.next; {0}.report <- {1}.take.report", back, work) : "",
+       .exported = true});
+}
+
 }  // namespace
 
-void write_work(std::string& out, const Plan& plan, std::size_t service) {
-  const Service& s = plan.module->services[service];
-  const ActivityPlan& a = plan.services[service].activity;
-  out += fmt::format("\n  // Codels of {} that run beside their task.\n  atom type {}()\n", s.name.text,
-                     plan.services[service].work_type);
+void write_work(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
+                const std::string& type, const std::string& owner) {
+  out += fmt::format("\n  // Codels of {} that run beside {} task.\n  atom type {}()\n", owner,
+                     owner.starts_with("task ") ? "the" : "their", type);
   if (plan.calls) out += "    data int next = 0, report = 0\n";
+  std::string places = "HERE";
+  if (returns_plainly(a)) places += ", AWAY";
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (a.async[i]) out += fmt::format("    export port Signal begin_{}()\n", a.places[i]);
+    if (a.holds[i]) places += ", AWAY_" + a.places[i];
   }
-  out += fmt::format(
-      "    export port Signal returned()\n    export port {}\n\n    place HERE, AWAY, BACK\n\n    initial to HERE\n\n",
-      plan.calls ? "Outcome take(next, report)" : "Signal take()");
+  if (returns_plainly(a)) out += "    export port Signal returned()\n";
+  for (std::size_t i = 0; i < a.places.size(); ++i) {
+    if (a.holds[i]) out += fmt::format("    export port Signal returned_{}()\n", a.places[i]);
+  }
+  out += fmt::format("    export port {}\n\n    place {}, BACK\n\n    initial to HERE\n\n",
+                     plan.calls ? "Outcome take(next, report)" : "Signal take()", places);
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (!a.async[i]) continue;
-    const Codel& codel = s.activity.states[i].codel;
+    const Codel& codel = activity.states[i].codel;
     if (plan.calls)
       out += codel.budget_us == 0 ? std::string("    @async\n")
                                   : fmt::format("    @async(budget=\"{}\")\n", budget_text(codel.budget_us));
     out += fmt::format(
-        "    on begin_{} from HERE to AWAY{}\n", a.places[i],
+        "    on begin_{0} from HERE to AWAY{1}{2}\n", a.places[i], a.holds[i] ? "_" + a.places[i] : "",
         plan.calls ? fmt::format(" do {{ report = 0; next = {}(report); }}", bip_name(codel.name.text)) : "");
   }
-  out += "    on returned from AWAY to BACK\n    on take from BACK to HERE\n  end\n";
+  if (returns_plainly(a)) out += "    on returned from AWAY to BACK\n";
+  for (std::size_t i = 0; i < a.places.size(); ++i) {
+    if (a.holds[i]) out += fmt::format("    on returned_{0} from AWAY_{0} to BACK\n", a.places[i]);
+  }
+  out += "    on take from BACK to HERE\n  end\n";
 }
 
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us) {
@@ -62,21 +91,19 @@ void write_work_wires(std::string& out, const Plan& plan, std::size_t service, s
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (!a.async[i]) continue;
     const std::string& place = a.places[i];
-    const std::string back = "activity.back_" + place;
     write_wire(out, {.name = "send_" + place,
                      .ports = {"activity.run_" + place, "work.begin_" + place, "watch.start"},
                      .action = fmt::format("watch.start.left <- {}",
                                            budget_ticks(s.activity.states[i].codel.budget_us, tick_us)),
                      .exported = true});
-    write_wire(
-        out,
-        {.name = "back_" + place,
-         .ports = {back, "work.take"},
-         .action = plan.calls ? fmt::format("{0}.next <- work.take.next; {0}.report <- work.take.report", back) : "",
-         .exported = true});
+    write_back(out, plan, "activity.back_" + place, "work", place);
+    if (a.holds[i])
+      write_wire(
+          out, {.name = "returned_" + place, .ports = {"work.returned_" + place, "watch.returned"}, .exported = true});
   }
   write_wire(out, {.name = "wait", .ports = {"activity.wait", "watch.away"}, .exported = true});
-  write_wire(out, {.name = "returned", .ports = {"work.returned", "watch.returned"}, .exported = true});
+  if (returns_plainly(a))
+    write_wire(out, {.name = "returned", .ports = {"work.returned", "watch.returned"}, .exported = true});
   write_wire(out, {.name = "lost", .ports = {"controller.fail", "activity.lost", "watch.over"}, .exported = true});
   write_wire(out, {.name = "found", .ports = {"controller.bury", "activity.found", "work.take"}, .exported = true});
 }
@@ -87,9 +114,28 @@ void write_work_exports(std::string& out, const ServicePlan& p) {
     const std::string& place = p.activity.places[i];
     write_export(out, "send_" + place + ".out", "run_" + place);
     write_export(out, "back_" + place + ".out", "back_" + place);
+    if (p.activity.holds[i]) write_export(out, "returned_" + place + ".out", "returned_" + place);
   }
-  for (const char* name : {"wait", "returned", "lost", "found"}) write_export(out, std::string(name) + ".out", name);
+  if (returns_plainly(p.activity)) write_export(out, "returned.out", "returned");
+  for (const char* name : {"wait", "lost", "found"}) write_export(out, std::string(name) + ".out", name);
   write_export(out, "watch.tick", "watch_tick");
+}
+
+// A task waits for its own codels however long they take: there is nobody to whom a final reply could go.
+void write_task_work(std::string& out, const Plan& plan, std::size_t task) {
+  const ActivityPlan& a = plan.tasks[task].permanent;
+  for (std::size_t i = 0; i < a.places.size(); ++i) {
+    if (!a.async[i]) continue;
+    const std::string& place = a.places[i];
+    write_wire(out,
+               {.name = "send_" + place, .ports = {"permanent.run_" + place, "work.begin_" + place}, .exported = true});
+    write_back(out, plan, "permanent.back_" + place, "work", place);
+    write_export(out, "send_" + place + ".out", "permanent_run_" + place);
+    write_export(out, "back_" + place + ".out", "permanent_back_" + place);
+    if (a.holds[i]) write_export(out, "work.returned_" + place, "permanent_returned_" + place);
+  }
+  if (returns_plainly(a)) write_export(out, "work.returned", "permanent_returned");
+  write_export(out, "permanent.wait", "permanent_wait");
 }
 
 }  // namespace bip::genom
