@@ -353,9 +353,18 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   CLI::App* command = app.add_subcommand("verify", "prove that a model never deadlocks, or show a run that does");
   command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
   command
-      ->add_option("--property", a.property,
-                   "property to decide: deadlock (default), errors, 'never EXPR' or 'always EXPR'")
+      ->add_option(
+          "--property", a.property,
+          "property to decide: deadlock (default), errors, 'never EXPR', 'always EXPR', or of runs: 'eventually "
+          "EXPR', 'EXPR leads to EXPR', 'EXPR until EXPR' …")
       ->type_name("WHAT");
+  command
+      ->add_option_function<std::string>(
+          "--fair", [&a](const std::string& name) { a.fairness = *verify::read_fairness(name); },
+          "runs that count for a property of runs: all (none, default), those in which whatever stays possible happens "
+          "(weak), or whatever is possible again and again (strong); for each interaction, or for each component")
+      ->check(CLI::IsMember({"none", "weak", "strong", "weak:atoms", "strong:atoms"}))
+      ->type_name("none|weak|strong|weak:atoms|strong:atoms");
   command->add_option("--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)")
       ->check(is_number())
       ->type_name("SECONDS");
@@ -395,10 +404,13 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   add_compile(*command, a.compile);
   command->footer(
       "EXPR is a condition on stable states: a@PLACE, a.data, can connector, can a.port, and the operators of guards.\n"
+      "A property of runs has always, never, eventually, next before and leads to, until, unless, implies between its "
+      "parts,\nand happens connector, happens a.port for the step that is taken.\n"
       "Exit code: 0 the property holds, 3 it is violated (a run is printed), 4 unknown. Ctrl-C prints what is known "
       "and ends with 4.\n"
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
       "  bipc verify --property 'never phil[0]@EATS && phil[1]@EATS' model.bip\n"
+      "  bipc verify --property 'phil[0]@HUNGRY leads to phil[0]@EATS' --fair=weak model.bip\n"
       "  bipc verify --property errors model.bip");
 }
 

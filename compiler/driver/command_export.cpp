@@ -42,7 +42,8 @@ verify::Signal bad_states(const Compilation& c, const verify::Question& question
     case verify::QuestionKind::DeadlockFreedom: return made.stuck;
     case verify::QuestionKind::NoErrors: return made.error;
     case verify::QuestionKind::State: return verify::broken_signal(question.property, made, c.lowered->image);
-    case verify::QuestionKind::NoLocalDeadlock: break;
+    case verify::QuestionKind::NoLocalDeadlock:
+    case verify::QuestionKind::Runs: break;
   }
   BIP_UNREACHABLE("a question that no property asks");
 }

@@ -59,7 +59,8 @@ rt::CounterexampleEnd end_of(verify::QuestionKind asked) {
     case verify::QuestionKind::NoErrors: return rt::CounterexampleEnd::Error;
     case verify::QuestionKind::State: return rt::CounterexampleEnd::State;
     case verify::QuestionKind::DeadlockFreedom:
-    case verify::QuestionKind::NoLocalDeadlock: break;
+    case verify::QuestionKind::NoLocalDeadlock:
+    case verify::QuestionKind::Runs: break;
   }
   return rt::CounterexampleEnd::Deadlock;
 }
@@ -73,10 +74,11 @@ Result<verify::Question> read_question(const std::string& text, const System& sy
     question.what = verify::QuestionKind::NoErrors;
     return question;
   }
-  Result<verify::Property> property = verify::parse_property(text, system);
-  if (!property) return Failure{property.error()};
-  question.what = verify::QuestionKind::State;
-  question.property = std::move(*property);
+  Result<verify::ParsedProperty> parsed = verify::parse_any_property(text, system);
+  if (!parsed) return Failure{parsed.error()};
+  question.what = parsed->is_formula ? verify::QuestionKind::Runs : verify::QuestionKind::State;
+  question.property = std::move(parsed->state);
+  question.formula = std::move(parsed->formula);
   return question;
 }
 
@@ -87,12 +89,21 @@ Result<verify::Question> read_question(const VerifyRequest& request, const Syste
   return question;
 }
 
+std::vector<DataRef> data_of(const verify::Question& question) {
+  if (question.what == verify::QuestionKind::State) return verify::data_of(question.property);
+  std::vector<DataRef> data;
+  if (question.what != verify::QuestionKind::Runs) return data;
+  for (const verify::Property& condition : question.formula.states) {
+    const std::vector<DataRef> own = verify::data_of(condition);
+    data.insert(data.end(), own.begin(), own.end());
+  }
+  return data;
+}
+
 bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.ffi_types.empty(); }
 
 std::string remove_unread_cpp(Compilation& c, const verify::Question& question) {
-  const bool asks_state = question.what == verify::QuestionKind::State;
-  std::optional<System> simple =
-      verify::without_unread_cpp(*c.system, asks_state ? verify::data_of(question.property) : std::vector<DataRef>());
+  std::optional<System> simple = verify::without_unread_cpp(*c.system, data_of(question));
   if (!simple) return {};
   c.lowered.reset();
   c.system = std::move(*simple);
@@ -121,6 +132,7 @@ std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::
 
 Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Question& question, const std::string& note,
                const verify::CancellationToken& token, const verify::Report& report) {
+  if (question.what == verify::QuestionKind::Runs) return decide_liveness(request, c, question, note, token, report);
   if (system::is_timed(*c.system)) return decide_timed(request, c, question, note, token);
   verify::PortfolioLimits limits;
   limits.cancellation = token.within(request.timeout);

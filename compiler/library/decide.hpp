@@ -5,6 +5,7 @@
 #include <string>
 
 #include "compiler/pipeline/pipeline.hpp"
+#include "compiler/verify/liveness/fairness.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
 #include "runtime/explore/counterexample.hpp"
 
@@ -17,6 +18,7 @@ struct VerifyRequest {
   double timeout = 60;             // seconds
   std::uint64_t megabytes = 2048;  // of the states that a search keeps
   std::string property;            // empty: deadlock-freedom
+  verify::Fairness fairness;       // of properties of runs
   bool partial = false;            // local deadlocks
   bool why = false;                // the invariants of the proof are part of the text
   bool stats = false;
@@ -30,6 +32,8 @@ struct FoundRun {
   rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
   rt::TimedPath path;
   std::string trace;  // JSON lines, if they were wanted
+  // Properties of runs: the steps from here on repeat for ever; the path's length: it ends, and its last state repeats.
+  std::optional<std::size_t> cycle = std::nullopt;
 };
 struct Verdict {
   bool is_answered = false;  // false: the compilation's diagnostics say why there is none
@@ -39,10 +43,13 @@ struct Verdict {
   std::optional<FoundRun> counterexample;
 };
 
-/// Returns the question that the text asks: `deadlock` (also the empty text), `errors`, or a property of states; else
-/// what is wrong with it.
+/// Returns the question that the text asks: `deadlock` (also the empty text), `errors`, or a property of states or of
+/// runs; else what is wrong with it.
 [[nodiscard]] Result<verify::Question> read_question(const std::string& text, const System& system);
 [[nodiscard]] Result<verify::Question> read_question(const VerifyRequest& request, const System& system);
+
+/// The data that the question's property reads.
+[[nodiscard]] std::vector<DataRef> data_of(const verify::Question& question);
 
 /// What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
 [[nodiscard]] bool calls_cpp(const System& system);
@@ -61,6 +68,11 @@ struct Verdict {
 /// The same for a model with time, which `decide` calls: by parts, else by the zone graph.
 [[nodiscard]] Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                    const std::string& note, const verify::CancellationToken& token);
+
+/// The same for a property of runs, on the graph of all reachable states.
+[[nodiscard]] Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                                      const std::string& note, const verify::CancellationToken& token,
+                                      const verify::Report& report);
 
 /// A verdict that needed no proof.
 [[nodiscard]] Verdict plain_verdict(const verify::Question& question, int exit_code, const std::string& name,

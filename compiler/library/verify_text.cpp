@@ -27,7 +27,8 @@ const char* name_of(verify::QuestionKind asked, bool holds) {
     case verify::QuestionKind::DeadlockFreedom: return holds ? "deadlock-free" : "deadlock";
     case verify::QuestionKind::NoErrors: return holds ? "error-free" : "error";
     case verify::QuestionKind::NoLocalDeadlock: return holds ? "free of local deadlocks" : "local deadlock";
-    case verify::QuestionKind::State: return holds ? "holds" : "violated";
+    case verify::QuestionKind::State:
+    case verify::QuestionKind::Runs: return holds ? "holds" : "violated";
   }
   BIP_UNREACHABLE("a question of no kind");
 }
@@ -38,6 +39,7 @@ const char* found_by_visit(verify::QuestionKind asked) {
     case verify::QuestionKind::NoErrors: return "no error among";
     case verify::QuestionKind::NoLocalDeadlock: return "no component waits for ever in";
     case verify::QuestionKind::State: return "true in";
+    case verify::QuestionKind::Runs: break;
   }
   BIP_UNREACHABLE("a question of no kind");
 }
@@ -143,6 +145,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
                          const VerifyStats* stats) {
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
   if (question.what == verify::QuestionKind::State) json["property"] = question.property.text;
+  if (question.what == verify::QuestionKind::Runs) json["property"] = question.formula.text;
   if (question.what == verify::QuestionKind::NoErrors) json["property"] = "errors";
   if (question.what == verify::QuestionKind::NoLocalDeadlock) json["property"] = "partial";
   std::visit(verify::EvidenceVisitor{

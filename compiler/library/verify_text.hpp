@@ -20,6 +20,9 @@ enum class Explanation : std::uint8_t { None, Evidence };
 /// What a verdict that holds says of errors that it was not about.
 inline constexpr const char* kErrorsNotAsked =
     "note: errors were not asked for: `--property errors` shows whether a run can end with one\n";
+/// What a verdict that holds of runs says of those that end with an error.
+inline constexpr const char* kEndsInError =
+    "note: this holds, but a run can end with an error: `--property errors` shows it\n";
 [[nodiscard]] std::string error_note(const std::string& fault);
 
 /// Says the verdict, with the counterexample's steps or the reason of an unknown. The image has its code if the

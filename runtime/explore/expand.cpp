@@ -9,7 +9,7 @@
 
 namespace bip::rt {
 
-void Expander::put(const u64* state, Outbox& out) {
+void Expander::put(const u64* state, u32 label, Outbox& out) {
   const u32 words = space_.layout.words();
   if (space_.symmetry != nullptr) {
     std::vector<u64>& copy = canonical_;
@@ -17,6 +17,7 @@ void Expander::put(const u64* state, Outbox& out) {
     space_.symmetry->normalize(copy.data(), space_.layout, symmetry_scratch_);
     state = copy.data();
   }
+  if (space_.labels != nullptr) out.labels.push_back(label);
   std::vector<u64>& list = out.words[owners_ == 1 ? 0 : owner_of(state)];
   if (words == 1) list.push_back(*state);
   else list.insert(list.end(), state, state + words);
@@ -40,7 +41,7 @@ void Expander::emit(u32 interaction, u32 row, const u64* state, Outbox& out, Res
       continue;
     }
     ++result.steps;
-    put(next_.data(), out);
+    put(next_.data(), effect.label, out);
   }
 }
 
@@ -48,7 +49,7 @@ void Expander::emit(u32 interaction, u32 row, const u64* state, Outbox& out, Res
 Expander::Result Expander::expand_moves(u64 state, Outbox& out) {
   BIP_ASSERT(space_.layout.words() == 1 && moves_.size() == tables_.size(), "{} moves", moves_.size());
   Result result;
-  if (owners_ == 1) {
+  if (owners_ == 1 && space_.labels == nullptr) {
     std::vector<u64>& list = out.words[0];
     const std::size_t before = list.size();
     list.resize(before + moves_.size());
@@ -64,7 +65,8 @@ Expander::Result Expander::expand_moves(u64 state, Outbox& out) {
     for (const Move& move : moves_) {
       if ((state & move.mask) != move.value) continue;
       const u64 next = state ^ move.change;
-      out.words[owner_of(&next)].push_back(next);
+      out.words[owners_ == 1 ? 0 : owner_of(&next)].push_back(next);
+      if (space_.labels != nullptr) out.labels.push_back(move.label);
       ++result.steps;
     }
   }
@@ -92,6 +94,7 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
       emit(interaction, row, state, out, result);
       continue;
     }
+    const u32 label = space_.labels == nullptr ? kNone : space_.labels->of(*core_, core_->candidate(k));
     if (!core_->fire(k)) {
       result.has_error = true;
     } else {
@@ -105,7 +108,7 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
         space_.layout.set(next_.data(), atom, number);
       }
       ++result.steps;
-      put(next_.data(), out);
+      put(next_.data(), label, out);
     }
     if (k + 1 < count && !enter(*core_, state)) return result;
   }

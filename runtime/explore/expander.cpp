@@ -88,12 +88,18 @@ void Expander::add_moves(u32 interaction, InteractionTable& table) {
   table.part_count = static_cast<u32>(parts_.size()) - table.first_part;
   table.outcome = static_cast<u32>(outcomes_.size());
   outcomes_.push_back({static_cast<u32>(effects_.size()), 1});
-  effects_.push_back({first_piece, table.part_count, false});
+  u32 label = kNone;
+  if (space_.labels != nullptr) {
+    const Tables& tables = core_->tables();
+    const u32 connector = interaction < tables.connector_interactions ? tables.connector_of(interaction) : kNone;
+    label = space_.labels->of(interaction, connector, space_.shapes.leaves_of(interaction));
+  }
+  effects_.push_back({first_piece, table.part_count, label, false});
   kept_ = table.outcome;
   BIP_ASSERT(table.part_count == pieces_.size() - first_piece, "{} parts", table.part_count);
   BIP_ASSERT(pieces_.size() == first_piece + table.part_count, "{} pieces of {} parts", pieces_.size() - first_piece,
              table.part_count);
-  if (only_moves_) moves_.push_back({parts_.back().mask, parts_.back().value, pieces_.back().change});
+  if (only_moves_) moves_.push_back({parts_.back().mask, parts_.back().value, pieces_.back().change, label});
 }
 
 std::size_t Expander::bytes() const {
@@ -195,8 +201,8 @@ bool Expander::pack(const Core& core, u64* out) {
 }
 
 // After a step of the interaction: how its atoms differ from the state's, as an effect.
-bool Expander::read_effect(Core& core, u32 interaction, const u64* state) {
-  Effect effect{static_cast<u32>(pieces_.size()), 0, false};
+bool Expander::read_effect(Core& core, u32 interaction, u32 label, const u64* state) {
+  Effect effect{static_cast<u32>(pieces_.size()), 0, label, false};
   for (const u32 atom : space_.shapes.atoms_of(interaction)) {
     const u32 number = space_.locals->number(atom, core);
     if (!space_.layout.fits(atom, number)) {
@@ -249,7 +255,7 @@ u32 Expander::learn(u32 interaction, const u64* state) {
   Outcome outcome = before;
   bool is_kept = true;
   if (!enter_plain(state)) {
-    effects_.push_back({0, 0, true});
+    effects_.push_back({0, 0, kNone, true});
     outcome.count = 1;
     is_kept = false;
   } else {
@@ -257,11 +263,12 @@ u32 Expander::learn(u32 interaction, const u64* state) {
     for (u64 k = first; k < end; ++k) {
       if (k != first && !enter_plain(state)) break;
       entered_.clear();
+      const u32 label = space_.labels == nullptr ? kNone : space_.labels->of(*plain_, plain_->candidate(k));
       if (!plain_->fire(k)) {
-        effects_.push_back({0, 0, true});
+        effects_.push_back({0, 0, kNone, true});
         // Whether the fault is the interaction's own or that of a neighbour that looks at the new state is not known.
         is_kept = false;
-      } else if (!read_effect(*plain_, interaction, state)) {
+      } else if (!read_effect(*plain_, interaction, label, state)) {
         return kUnknown;
       }
       ++outcome.count;

@@ -10,6 +10,7 @@
 
 #include "runtime/explore/locals.hpp"
 #include "runtime/explore/shapes.hpp"
+#include "runtime/explore/step_labels.hpp"
 #include "runtime/explore/stubborn.hpp"
 #include "runtime/explore/symmetry.hpp"
 
@@ -25,13 +26,16 @@ struct StateSpace {
   State initial;                       // with the parameters of all atoms
   const Stubborn* stubborn = nullptr;  // null: no partial-order reduction
   const Symmetry* symmetry = nullptr;  // null: none
+  StepLabels* labels = nullptr;        // null: steps have no labels; else one thread expands
 };
 
 /// Successors by the owner of their state: a word list each.
 struct Outbox {
   std::vector<std::vector<u64>> words;
+  std::vector<u32> labels;  // of the successors, if the space has labels
   void clear() {
     for (auto& list : words) list.clear();
+    labels.clear();
   }
   [[nodiscard]] std::size_t size() const {
     std::size_t sum = 0;
@@ -81,6 +85,7 @@ class Expander {
   /// One candidate of an interaction: pieces [first, first + count).
   struct Effect {
     u32 first = 0, count = 0;
+    u32 label = kNone;  // if the space has labels
     bool is_fault = false;
   };
   /// Effects [first, first + count).
@@ -104,6 +109,7 @@ class Expander {
   };
   struct Move {  // Moves in a state of one word
     u64 mask, value, change;
+    u32 label;
   };
 
   void add_moves(u32 interaction, InteractionTable& table);
@@ -116,9 +122,9 @@ class Expander {
   void keep(u32 interaction, const u64* state, u32 row);
   void remember(u32 interaction, const u64* state, u32 outcome);
   bool enter_plain(const u64* state);
-  bool read_effect(Core& core, u32 interaction, const u64* state);
+  bool read_effect(Core& core, u32 interaction, u32 label, const u64* state);
   bool is_sound(u32 interaction, const u64* state);
-  void put(const u64* state, Outbox& out);
+  void put(const u64* state, u32 label, Outbox& out);
   void emit(u32 interaction, u32 outcome, const u64* state, Outbox& out, Result& result);
   Result find_successors(const u64* state, Outbox& out);
   [[nodiscard]] bool is_final(const u64* state);

@@ -59,7 +59,7 @@ bool StateStore::fold(const u64* state, u64& root) {
   return true;
 }
 
-bool StateStore::add(const u64* states, std::size_t count, std::uint8_t* is_new) {
+bool StateStore::add(const u64* states, std::size_t count, std::uint8_t* is_new, u32* rows) {
   WordSet& root = sets_.back();
   roots_.resize(2 * kRootsPerPiece);
   u64* hashes = roots_.data() + kRootsPerPiece;
@@ -84,22 +84,23 @@ bool StateStore::add(const u64* states, std::size_t count, std::uint8_t* is_new)
       if (found.row == WordSet::kFull) return false;
       BIP_ASSERT(is_row(found.row, states + (first + i) * words_), "row {} is another state", found.row);
       if (is_new != nullptr) is_new[first + i] = found.is_new ? 1 : 0;
+      if (rows != nullptr) rows[first + i] = found.row;
     }
   }
   return true;
 }
 
-bool StateStore::contains(const u64* state) const {
-  if (words_ == 1) return sets_[0].find(state[0]) != WordSet::kFull;
+u32 StateStore::find(const u64* state) const {
+  if (words_ == 1) return sets_[0].find(state[0]);
   std::vector<u64> value(words_ + nodes_.size());
   for (u32 node = 0; node < value.size(); ++node) {
     const u64 word =
         node < words_ ? state[node] : value[nodes_[node - words_].left] << 32 | value[nodes_[node - words_].right];
     const u32 row = sets_[node].find(word);
-    if (row == WordSet::kFull) return false;
+    if (row == WordSet::kFull) return WordSet::kFull;
     value[node] = row;
   }
-  return true;
+  return static_cast<u32>(value.back());
 }
 
 bool StateStore::is_row(u32 row, const u64* state) const {

@@ -20,9 +20,11 @@ class StateStore {
   StateStore(u32 words, std::size_t limit);
 
   /// Adds `count` states of `words()` words each. True unless memory is short; then those before are added. New ones
-  /// are numbered in order; `is_new` (may be null) has a byte a state.
-  bool add(const u64* states, std::size_t count, std::uint8_t* is_new = nullptr);
-  [[nodiscard]] bool contains(const u64* state) const;
+  /// are numbered in order; `is_new` (may be null) has a byte a state, `rows` (may be null) gets the number of each.
+  bool add(const u64* states, std::size_t count, std::uint8_t* is_new = nullptr, u32* rows = nullptr);
+  /// The number of a state; WordSet::kFull: it is not there.
+  [[nodiscard]] u32 find(const u64* state) const;
+  [[nodiscard]] bool contains(const u64* state) const { return find(state) != WordSet::kFull; }
   /// scratch: of the caller's thread.
   void read(u32 row, u64* out, std::vector<u64>& scratch) const;
 

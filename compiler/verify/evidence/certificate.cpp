@@ -136,7 +136,8 @@ std::string certificate(const Portfolio& portfolio, const Question& question, co
     case QuestionKind::DeadlockFreedom: out += "deadlock-free"; break;
     case QuestionKind::NoErrors: out += "error-free"; break;
     case QuestionKind::State: out += "never " + certificate_text(question.property, system); break;
-    case QuestionKind::NoLocalDeadlock: BIP_UNREACHABLE("freedom of local deadlocks has no certificate");
+    case QuestionKind::NoLocalDeadlock:
+    case QuestionKind::Runs: BIP_UNREACHABLE("local deadlocks and properties of runs have no certificate");
   }
   out += '\n';
   const auto add_facts = [&] {

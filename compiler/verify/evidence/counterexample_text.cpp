@@ -87,7 +87,8 @@ std::string counterexample_text(const rt::Image& image, const Question& question
     case QuestionKind::NoLocalDeadlock: return out + stuck_text(core, found.deadlocked_atoms, choices.size());
     case QuestionKind::State: return out + broken_state(core, question.property, choices.size());
     case QuestionKind::DeadlockFreedom:
-    case QuestionKind::NoErrors: break;
+    case QuestionKind::NoErrors:
+    case QuestionKind::Runs: break;
   }
   std::string story = rt::deadlock_story(core, choices.size(), 0);
   drop_seed(story);

@@ -59,7 +59,8 @@ class Induction {
       case QuestionKind::DeadlockFreedom: return machine_.stuck;
       case QuestionKind::NoErrors: return machine_.error;
       case QuestionKind::State: return broken_signal(context_.question.property, machine_, image_);
-      case QuestionKind::NoLocalDeadlock: break;
+      case QuestionKind::NoLocalDeadlock:
+      case QuestionKind::Runs: break;
     }
     BIP_UNREACHABLE("no set of states is a local deadlock");
   }

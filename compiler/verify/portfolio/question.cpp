@@ -11,7 +11,8 @@ SearchGoal goal_of(const Question& question) {
     case QuestionKind::State:
       goal.state = [&question](const rt::Core& core) { return is_broken(question.property, core); };
       break;
-    case QuestionKind::NoLocalDeadlock: break;
+    case QuestionKind::NoLocalDeadlock:
+    case QuestionKind::Runs: break;
   }
   return goal;
 }

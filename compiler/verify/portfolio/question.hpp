@@ -5,16 +5,19 @@
 #include <functional>
 
 #include "compiler/verify/portfolio/search_bad_state.hpp"
+#include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "compiler/verify/solver/cancellation.hpp"
 
 namespace bip::verify {
 
-/// NoLocalDeadlock: no component waits for ever while others move.
-enum class QuestionKind : std::uint8_t { DeadlockFreedom, NoErrors, State, NoLocalDeadlock };
+/// NoLocalDeadlock: no component waits for ever while others move. Runs: no question of a portfolio, whose engines
+/// reach bad states; compiler/verify/liveness decides it.
+enum class QuestionKind : std::uint8_t { DeadlockFreedom, NoErrors, State, NoLocalDeadlock, Runs };
 struct Question {
   QuestionKind what = QuestionKind::DeadlockFreedom;
   Property property;  // State
+  Formula formula;    // Runs
 };
 
 enum class Outcome : std::uint8_t { Holds, Violated, Unknown };

@@ -5,9 +5,10 @@
 #include <charconv>
 #include <unordered_map>
 
+#include "compiler/base/ascii.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/verify/property/expression.hpp"
-#include "compiler/base/ascii.hpp"
+#include "compiler/verify/property/make_formula.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -41,6 +42,26 @@ const std::vector<BinaryOperator>& binary_operators() {
 
 bool begins_name(char c) { return is_letter(c) || c == '_'; }
 
+struct TemporalWord {
+  std::string_view word;
+  TemporalOperator meaning;
+};
+constexpr TemporalWord kPrefixes[] = {{"always", TemporalOperator::Always},
+                                      {"never", TemporalOperator::Never},
+                                      {"eventually", TemporalOperator::Eventually},
+                                      {"next", TemporalOperator::Next}};
+// `implies` is one of C's operators in other words.
+constexpr TemporalWord kConnectives[] = {
+    {"leads to", TemporalOperator::LeadsTo}, {"until", TemporalOperator::Until}, {"unless", TemporalOperator::Unless}};
+// How others write it, and how it is written here.
+struct OtherSign {
+  std::string_view sign, word;
+};
+constexpr OtherSign kOtherPrefixes[] = {
+    {"[]", "always"}, {"<>", "eventually"}, {"G", "always"}, {"F", "eventually"}, {"X", "next"}};
+constexpr OtherSign kOtherConnectives[] = {
+    {"->", "implies"}, {"=>", "implies"}, {"~>", "leads to"}, {"U", "until"}, {"W", "unless"}};
+
 class PropertyParser {
  public:
   PropertyParser(const std::string& text, const System& system) : text_(text), system_(system) {
@@ -53,6 +74,42 @@ class PropertyParser {
     if (problem_.empty() && at_ != text_.size()) set_problem("this does not belong to the expression");
     if (!problem_.empty()) return Failure{problem_};
     return std::move(property_);
+  }
+
+  Result<ParsedProperty> run_formula() {
+    accepts_formulas_ = true;
+    property_.root = parse_formula(0);
+    skip_blanks();
+    if (problem_.empty() && at_ != text_.size()) set_problem("this does not belong to the property");
+    if (problem_.empty() && type(property_.root) != Type::Bool) {
+      at_ = 0;
+      set_problem("a property is true or false, this is " + std::string(name_of(type(property_.root))));
+    }
+    if (problem_.empty() && !is_temporal(property_.root)) {
+      at_ = 0;
+      set_problem(
+          "a property says `never`, `always`, `eventually`, `leads to`, `until` or `unless`; this is a condition on "
+          "one "
+          "state");
+    }
+    if (!problem_.empty()) return Failure{problem_};
+    const PropertyNode& root = property_.nodes[property_.root];
+    const bool is_invariant = root.kind == PropertyKind::Temporal && !is_temporal(root.a) &&
+                              (root.temporal == TemporalOperator::Always || root.temporal == TemporalOperator::Never);
+    ParsedProperty parsed;
+    if (is_invariant) {
+      property_.is_never = root.temporal == TemporalOperator::Never;
+      property_.root = root.a;
+      // Its operator is the last row.
+      property_.nodes.pop_back();
+      parsed.state = std::move(property_);
+      return parsed;
+    }
+    Result<Formula> formula = make_formula(property_);
+    if (!formula) return Failure{formula.error()};
+    parsed.is_formula = true;
+    parsed.formula = std::move(*formula);
+    return parsed;
   }
 
   Result<Property> run() {
@@ -125,6 +182,12 @@ class PropertyParser {
                "an operator before its operands");
     if (property_.nodes.size() == kMaxPropertyNodes)
       set_problem("the property has more than " + std::to_string(kMaxPropertyNodes) + " values and operators");
+    const bool joins = node.kind == PropertyKind::Operator && problem_.empty();
+    is_temporal_.push_back(node.kind == PropertyKind::HappensConnector || node.kind == PropertyKind::HappensPort ||
+                                   node.kind == PropertyKind::Temporal ||
+                                   (joins && (is_temporal(node.a) || is_temporal(node.b)))
+                               ? 1
+                               : 0);
     property_.nodes.push_back(node);
     return static_cast<std::uint32_t>(property_.nodes.size() - 1);
   }
@@ -175,6 +238,9 @@ class PropertyParser {
     }
     const std::size_t dot = name.rfind('.');
     const std::uint32_t atom = dot == std::string::npos ? kNotFound : find_atom(name.substr(0, dot));
+    // The first word of all.
+    if (accepts_formulas_ && start == 0 && dot == std::string::npos)
+      return wrong("a property starts with `never`, `always`, `eventually` or a condition, not with `" + name + "`");
     if (atom == kNotFound) return wrong("`" + name + "` is no data: COMPONENT.DATA, or COMPONENT@PLACE");
     const std::uint32_t variable = find_row(type_of(atom).variables, name.substr(dot + 1));
     if (variable == kNotFound)
@@ -183,12 +249,12 @@ class PropertyParser {
     if (is_ffi(cell_type)) return wrong("`" + name + "` is a C++ object");
     return add({.kind = PropertyKind::Data, .type = cell_type, .owner = atom, .row = variable});
   }
-  std::uint32_t parse_can(std::size_t start) {
+  // `can` or `happens`.
+  std::uint32_t parse_offer(std::size_t start, PropertyKind of_connector, PropertyKind of_port) {
     const std::string name = parse_path();
     const std::uint32_t connector = find_path(connectors_, name);
     if (connector != kNotFound) {
-      if (system_.is_top(ConnectorId(std::size_t{connector})))
-        return add({.kind = PropertyKind::CanConnector, .owner = connector});
+      if (system_.is_top(ConnectorId(std::size_t{connector}))) return add({.kind = of_connector, .owner = connector});
       at_ = start;
       set_problem("connector `" + name + "` exports a port: it is a part of others");
       return 0;
@@ -196,7 +262,7 @@ class PropertyParser {
     const std::size_t dot = name.rfind('.');
     const std::uint32_t atom = dot == std::string::npos ? kNotFound : find_atom(name.substr(0, dot));
     const std::uint32_t port = atom == kNotFound ? kNotFound : find_row(type_of(atom).ports, name.substr(dot + 1));
-    if (port != kNotFound) return add({.kind = PropertyKind::CanPort, .owner = atom, .row = port});
+    if (port != kNotFound) return add({.kind = of_port, .owner = atom, .row = port});
     at_ = start;
     set_problem("there is no connector and no port `" + name + "`");
     return 0;
@@ -256,7 +322,7 @@ class PropertyParser {
     skip_blanks();
     const std::size_t start = at_;
     if (take_sign("(")) {
-      const std::uint32_t inside = parse_expression(1, depth + 1);
+      const std::uint32_t inside = accepts_formulas_ ? parse_formula(depth + 1) : parse_expression(1, depth + 1);
       if (!take_sign(")")) set_problem("a `)` is missing");
       return inside;
     }
@@ -264,9 +330,12 @@ class PropertyParser {
     if (take_sign("-")) return make_unary(Op::Neg, parse_operand(depth + 1), start);
     if (take_sign("\"")) return parse_string();
     if (is_at_number()) return parse_number();
+    if (accepts_formulas_ && is_misplaced()) return 0;
     const std::string name = parse_path();
     if (name == "true" || name == "false") return add({.int_value = name == "true" ? 1 : 0});
-    if (name == "can") return parse_can(start);
+    if (name == "can") return parse_offer(start, PropertyKind::CanConnector, PropertyKind::CanPort);
+    if (accepts_formulas_ && name == "happens" && !is_next('@'))
+      return parse_offer(start, PropertyKind::HappensConnector, PropertyKind::HappensPort);
     if (name.empty()) {
       set_problem(at_ == text_.size() ? "the property ends too early" : "a value was expected here");
       return 0;
@@ -286,6 +355,8 @@ class PropertyParser {
     while (problem_.empty()) {
       skip_blanks();
       const std::size_t start = at_;
+      // No subtraction of what is greater.
+      if (accepts_formulas_ && text_.compare(at_, 2, "->") == 0) return left;
       const BinaryOperator* found = nullptr;
       for (const BinaryOperator& binary : binary_operators()) {
         if (found == nullptr && text_.compare(at_, binary.sign.size(), binary.sign) == 0) found = &binary;
@@ -301,6 +372,10 @@ class PropertyParser {
   std::uint32_t make_binary(const BinaryOperator& binary, std::uint32_t a, std::uint32_t b, std::size_t start) {
     const bool numbers = is_numeric(type(a)) && is_numeric(type(b));
     const OperandTypes operands = info_of(binary.op).operands;
+    if (problem_.empty() && binary.op != Op::And && binary.op != Op::Or && (is_temporal(a) || is_temporal(b))) {
+      at_ = start;
+      set_problem("`" + std::string(binary.sign) + "` compares values of one state, not what happens in a run");
+    }
     const bool fits = operands == OperandTypes::Native ? numbers || type(a) == type(b)
                                                        : takes(operands, type(a)) && takes(operands, type(b));
     const bool is_float = type(a) == Type::Float || type(b) == Type::Float;
@@ -312,11 +387,159 @@ class PropertyParser {
     return add({.kind = PropertyKind::Operator, .type = result, .op = binary.op, .a = a, .b = b});
   }
 
+  // Is it about a run, not about one state?
+  [[nodiscard]] bool is_temporal(std::uint32_t row) const {
+    return row < is_temporal_.size() && is_temporal_[row] != 0;
+  }
+  [[nodiscard]] bool is_next(char c) {
+    skip_blanks();
+    return at_ < text_.size() && text_[at_] == c;
+  }
+  // Takes the words if they stand here: `leads to`, and no `leads.to`, `leads@to`, `leadsto`.
+  bool take_words(std::string_view words) {
+    const std::size_t start = at_;
+    for (std::size_t from = 0; from <= words.size();) {
+      const std::size_t end = std::min(words.find(' ', from), words.size());
+      if (parse_path() != words.substr(from, end - from) || is_next('@')) {
+        at_ = start;
+        return false;
+      }
+      from = end + 1;
+    }
+    return true;
+  }
+  // A sign of another notation or a word of time where a value was expected: said. False: none is here.
+  bool is_misplaced() {
+    const std::size_t start = at_;
+    for (const OtherSign& other : kOtherPrefixes) {
+      const bool is_word = begins_name(other.sign.front());
+      if (is_word ? !take_words(other.sign) : !take_sign(other.sign)) continue;
+      at_ = start;
+      set_problem("`" + std::string(other.sign) + "` is written `" + std::string(other.word) + "`");
+      return true;
+    }
+    at_ = start;
+    for (const TemporalWord& prefix : kPrefixes) {
+      if (!take_words(prefix.word)) continue;
+      at_ = start;
+      set_problem("`" + std::string(prefix.word) + "` inside of an expression needs parentheses: `(" +
+                  std::string(prefix.word) + " …)`");
+      return true;
+    }
+    return false;
+  }
+
+  std::uint32_t add_temporal(TemporalOperator op, std::uint32_t a, std::uint32_t b) {
+    return add({.kind = PropertyKind::Temporal, .temporal = op, .a = a, .b = b});
+  }
+  bool check_condition(std::uint32_t row, std::size_t start) {
+    if (problem_.empty() && type(row) != Type::Bool) {
+      skip_blanks();
+      const bool goes_on = at_ < text_.size() && !begins_name(text_[at_]) && text_[at_] != ')';
+      if (goes_on) {
+        set_problem("this does not belong to the property");
+        return false;
+      }
+      at_ = start;
+      set_problem("a condition was expected, this is " + std::string(name_of(type(row))));
+    }
+    return problem_.empty();
+  }
+
+  // What words before it and C's operators make; `has_prefix`: it begins with a word.
+  std::uint32_t parse_prefixed(int depth, bool& has_prefix) {
+    if (depth > kMaxPropertyDepth) {
+      set_problem("nested too deeply");
+      return 0;
+    }
+    skip_blanks();
+    const std::size_t start = at_;
+    for (const TemporalWord& prefix : kPrefixes) {
+      if (!take_words(prefix.word)) continue;
+      has_prefix = true;
+      skip_blanks();
+      const std::size_t operand = at_;
+      const bool has_parentheses = is_next('(');
+      bool is_prefixed = false;
+      const std::uint32_t a = parse_prefixed(depth + 1, is_prefixed);
+      if (!check_condition(a, operand)) return 0;
+      // `eventually (always a) && b`: of the whole, or of the first part? A pair of parentheses around the whole leaves
+      // an operator whose row is older than the closing sign.
+      const PropertyNode& node = property_.nodes[a];
+      if (has_parentheses && !is_prefixed && node.kind == PropertyKind::Operator && node.op != Op::Not &&
+          is_temporal(a) && !closes_at_end(operand)) {
+        at_ = start;
+        set_problem("does `" + std::string(prefix.word) + "` reach to the end? Write `" + std::string(prefix.word) +
+                    " (… " + std::string(symbol_of(node.op)) + " …)` or `(" + std::string(prefix.word) + " …) " +
+                    std::string(symbol_of(node.op)) + " …`");
+        return 0;
+      }
+      return add_temporal(prefix.meaning, a, a);
+    }
+    return parse_expression(1, depth);
+  }
+  // Is the text from `start` to here one pair of parentheses?
+  [[nodiscard]] bool closes_at_end(std::size_t start) const {
+    int open = 0;
+    for (std::size_t at = start; at < at_; ++at) {
+      if (text_[at] == '(') ++open;
+      if (text_[at] == ')' && --open == 0) return text_.find_first_not_of(" \t\n", at + 1) >= at_;
+    }
+    return false;
+  }
+  std::uint32_t parse_formula(int depth) {
+    skip_blanks();
+    const std::size_t start = at_;
+    bool has_prefix = false;
+    const std::uint32_t left = parse_prefixed(depth, has_prefix);
+    if (!problem_.empty()) return 0;
+    skip_blanks();
+    const std::size_t middle = at_;
+    for (const OtherSign& other : kOtherConnectives) {
+      if (begins_name(other.sign.front()) ? !take_words(other.sign) : !take_sign(other.sign)) continue;
+      at_ = middle;
+      set_problem("`" + std::string(other.sign) + "` is written `" + std::string(other.word) + "`");
+      return 0;
+    }
+    const TemporalWord* found = nullptr;
+    for (const TemporalWord& word : kConnectives) {
+      if (found == nullptr && take_words(word.word)) found = &word;
+    }
+    const bool is_implication = found == nullptr && take_words("implies");
+    if (found == nullptr && !is_implication) return left;
+    const std::string word(is_implication ? "implies" : found->word);
+    if (has_prefix) {
+      const std::string first = text_.substr(start, text_.find_first_of(" \t\n", start) - start);
+      at_ = middle;
+      set_problem("does `" + first + "` reach over `" + word + "`? Write `" + first + " (… " + word + " …)` or `(" +
+                  first + " …) " + word + " …`");
+      return 0;
+    }
+    skip_blanks();
+    const std::size_t behind = at_;
+    bool is_prefixed = false;
+    const std::uint32_t right = parse_prefixed(depth + 1, is_prefixed);
+    if (!check_condition(left, start) || !check_condition(right, behind)) return 0;
+    skip_blanks();
+    const std::size_t end = at_;
+    for (const std::string_view next : {"leads to", "until", "unless", "implies"}) {
+      if (!take_words(next)) continue;
+      at_ = end;
+      set_problem("`" + word + "` and `" + std::string(next) + "` need parentheses: which comes first?");
+      return 0;
+    }
+    if (!is_implication) return add_temporal(found->meaning, left, right);
+    const std::uint32_t negated = add({.kind = PropertyKind::Operator, .op = Op::Not, .a = left, .b = left});
+    return add({.kind = PropertyKind::Operator, .op = Op::Or, .a = negated, .b = right});
+  }
+
   static constexpr std::uint32_t kNotFound = 0xffffffffu;
   const std::string& text_;
   const System& system_;
   const RowsByPath atoms_ = rows_by_path(system_.atoms), connectors_ = rows_by_path(system_.connectors);
   Property property_;
+  std::vector<std::uint8_t> is_temporal_;  // by node
+  bool accepts_formulas_ = false;
   std::string problem_;
   std::size_t at_ = 0;
 };
@@ -325,6 +548,10 @@ class PropertyParser {
 
 Result<Property> parse_property(const std::string& text, const System& system) {
   return PropertyParser(text, system).run();
+}
+
+Result<ParsedProperty> parse_any_property(const std::string& text, const System& system) {
+  return PropertyParser(text, system).run_formula();
 }
 
 Result<Property> parse_value(const std::string& text, const System& system) {

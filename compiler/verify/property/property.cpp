@@ -37,6 +37,9 @@ Number evaluate(const Property& property, std::uint32_t row, const rt::Core& cor
       }
       return of(0);
     case PropertyKind::CanPort: return of(core.enabled_transition(node.owner, node.row) != rt::kNone ? 1 : 0);
+    case PropertyKind::HappensConnector:
+    case PropertyKind::HappensPort:
+    case PropertyKind::Temporal: BIP_UNREACHABLE("a property of runs");
     case PropertyKind::Operator: break;
   }
   const Number a = evaluate(property, node.a, core), b = is_unary(node) ? a : evaluate(property, node.b, core);
@@ -58,6 +61,9 @@ Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m,
     case PropertyKind::Data: return m.words[image.atoms[node.owner].first_cell + node.row];
     case PropertyKind::CanConnector: return word_of_bool(m.connector_can[node.owner]);
     case PropertyKind::CanPort: return word_of_bool(m.port_is_on[port_base[node.owner] + node.row]);
+    case PropertyKind::HappensConnector:
+    case PropertyKind::HappensPort:
+    case PropertyKind::Temporal: BIP_UNREACHABLE("a property of runs");
     case PropertyKind::Operator: break;
   }
   const Word a = signal_of(property, node.a, m, image, port_base);
@@ -89,6 +95,9 @@ std::string node_text(const Property& property, std::uint32_t row, const System&
     case PropertyKind::CanConnector:
       return "(can " + system.connectors[ConnectorId(std::size_t{node.owner})].path + ')';
     case PropertyKind::CanPort: return "(can-port " + path() + ' ' + type_of().ports[node.row].name + ')';
+    case PropertyKind::HappensConnector:
+    case PropertyKind::HappensPort:
+    case PropertyKind::Temporal: BIP_UNREACHABLE("a property of runs");
     case PropertyKind::Operator: break;
   }
   std::string text = '(' + std::string(name_of(node.op)) + ' ' + node_text(property, node.a, system);

@@ -5,7 +5,8 @@
 //              strings, true, false
 //
 // `can c` is true if connector c has an enabled interaction that nothing hides, `can a.p` if port p of a is enabled.
-// Paths are those of traces, without ROOT. There is no division: a property must not fail itself.
+// Paths are those of traces, without ROOT. There is no division: a property must not fail itself. Properties of runs:
+// formula.hpp.
 #pragma once
 #include <string>
 #include <vector>
@@ -17,11 +18,24 @@
 
 namespace bip::verify {
 
-enum class PropertyKind : std::uint8_t { Constant, At, Data, CanConnector, CanPort, Operator };
+/// The last three are met while a property of runs is parsed (formula.hpp); no Property that is handed out has them.
+enum class PropertyKind : std::uint8_t {
+  Constant,
+  At,
+  Data,
+  CanConnector,
+  CanPort,
+  Operator,
+  HappensConnector,
+  HappensPort,
+  Temporal
+};
+enum class TemporalOperator : std::uint8_t { Always, Never, Eventually, Next, LeadsTo, Until, Unless };
 struct PropertyNode {
   PropertyKind kind = PropertyKind::Constant;
   Type type = Type::Bool;
-  Op op = Op::And;             // Operator; a unary one has no b
+  Op op = Op::And;  // Operator; a unary one has no b
+  TemporalOperator temporal = TemporalOperator::Always;
   std::uint32_t a = 0, b = 0;  // rows of nodes
   std::int32_t int_value = 0;  // Constant; a string: row, or -1 if the system has no such string
   double float_value = 0;

@@ -1,0 +1,166 @@
+// Verdicts about properties of runs: see decide.hpp. What the graph of states cannot treat is refused by name or
+// unknown with the reason.
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compiler/library/decide.hpp"
+#include "compiler/library/verify_text.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/limits.hpp"
+#include "compiler/system/uses_time.hpp"
+#include "compiler/verify/liveness/liveness.hpp"
+#include "compiler/verify/net/unread_data.hpp"
+#include "runtime/explore/counterexample.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::library {
+
+namespace {
+
+// What has no answer yet is said. False: it was.
+bool is_decided_by_graph(const VerifyRequest& request, Compilation& c) {
+  if (request.wants_certificate) {
+    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property of runs")
+        .help("without `--certificate` the property is decided on all reachable states");
+    return false;
+  }
+  if (const std::string what = system::first_timed(*c.system); !what.empty()) {
+    c.diags.report(Diag::kB1900, c.root_range, "a property of runs (`eventually`, `leads to` …) for a model with time")
+        .note(what)
+        .help("a component with a clock can wait for the end of a period: `never` and `always` ask about its places");
+    return false;
+  }
+  return true;
+}
+
+std::string fairness_text(const verify::Fairness& fairness) {
+  const std::string unit = fairness.unit == verify::FairnessUnit::Atoms ? "components" : "interactions";
+  switch (fairness.kind) {
+    case verify::FairnessKind::None: return "no fairness is assumed";
+    case verify::FairnessKind::Weak: return "weak fairness of " + unit;
+    case verify::FairnessKind::Strong: return "strong fairness of " + unit;
+  }
+  return {};
+}
+
+std::string ordinal_steps(std::size_t first, std::size_t last) {
+  return first == last ? fmt::format("step #{} repeats for ever", first)
+                       : fmt::format("the steps #{} to #{} repeat for ever", first, last);
+}
+
+// The steps, then what repeats.
+std::string steps_text(const rt::Image& image, const verify::LivenessResult& found, std::size_t max_lines) {
+  rt::Core core(image);
+  std::string text;
+  rt::StepWriter writer;
+  bool is_sound = core.initialize();
+  const std::size_t size = found.choices.size();
+  std::size_t hidden = 0;
+  for (std::size_t at = 0; at < size && is_sound; ++at) {
+    // Of a long stem the first steps, of a long cycle, too.
+    const bool is_shown = at < max_lines || (at >= found.cycle && at < found.cycle + max_lines);
+    if (hidden != 0 && (is_shown || at == found.cycle)) {
+      text += "… and " + rt::counted(hidden, "more step") + '\n';
+      hidden = 0;
+    }
+    if (at == found.cycle) text += ordinal_steps(at, size - 1) + ":\n";
+    if (is_shown) writer.step(text, core, core.candidate(found.choices[at]), at);
+    else ++hidden;
+    is_sound = core.fire(found.choices[at]);
+  }
+  if (hidden != 0) text += "… and " + rt::counted(hidden, "more step") + '\n';
+  if (found.cycle == size) text += "no step is possible any more: the last state repeats for ever\n";
+  return text;
+}
+
+std::string violated_text(const rt::Image& image, const verify::Question& question, const VerifyRequest& request,
+                          const verify::LivenessResult& found) {
+  std::string text = steps_text(image, found, kStepsShown);
+  text += fmt::format("violated[V0005]: `{}`   ({}; {})\n", question.formula.text,
+                      rt::counted(found.choices.size(), "step"), fairness_text(request.fairness));
+  if (found.holds_under)
+    text += fmt::format("note: it holds under {} (`--fair={}`)\n", fairness_text(*found.holds_under),
+                        verify::name_of(*found.holds_under));
+  return text;
+}
+
+}  // namespace
+
+Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                        const std::string& note, const verify::CancellationToken& token, const verify::Report& report) {
+  Verdict verdict;
+  if (!is_decided_by_graph(request, c)) return verdict;
+  verify::LivenessResult found;
+  Executor executor(MachineCode::Fresh);
+  if (calls_cpp(*c.system)) {
+    found.reason = "what the model's C++ remembers is part of no state, so no cycle of states is known";
+  } else {
+    if (!executor.prepare(c, request.backend, Optimisation::Auto)) return verdict;
+    verify::LivenessOptions options;
+    options.fairness = request.fairness;
+    options.megabytes = static_cast<std::size_t>(request.megabytes);
+    options.cancellation = token.within(request.timeout);
+    options.unread_cells = verify::find_unread_cells(*c.system, c.lowered->image, data_of(question));
+    options.report = report;
+    found = verify::decide_liveness(question.formula, c.lowered->image, options);
+  }
+  nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}};
+  const std::string states = rt::counted(found.states, "reachable state");
+  switch (found.outcome) {
+    case verify::Outcome::Holds:
+      verdict.exit_code = kOk;
+      verdict.text = found.states == 0
+                         ? fmt::format("holds: `{}`: true of any run of any model\n", question.formula.text)
+                         : fmt::format("holds: `{}`: true of all runs through {} ({})\n", question.formula.text, states,
+                                       fairness_text(request.fairness));
+      if (found.has_errors) verdict.text += kEndsInError;
+      json["verdict"] = "holds";
+      break;
+    case verify::Outcome::Violated:
+      verdict.exit_code = kViolated;
+      verdict.text = violated_text(c.lowered->image, question, request, found);
+      json["verdict"] = "violated";
+      break;
+    case verify::Outcome::Unknown:
+      verdict.exit_code = kUnknown;
+      verdict.text = "unknown: " + found.reason + '\n';
+      if (found.states != 0) verdict.text += "no violation among the runs through " + states + '\n';
+      json["verdict"] = "unknown";
+      break;
+  }
+  verdict.text += note;
+  json["property"] = question.formula.text;
+  json["fairness"] = verify::name_of(request.fairness);
+  if (found.outcome == verify::Outcome::Holds) json["method"] = "runs";
+  if (found.states != 0) json["states"] = found.states;
+  if (found.outcome == verify::Outcome::Violated) {
+    json["steps"] = found.choices.size();
+    json["choices"] = found.choices;
+    json["cycle"] = found.cycle;
+    if (found.holds_under) json["holds_under"] = verify::name_of(*found.holds_under);
+    FoundRun run{rt::CounterexampleEnd::State, rt::at_once(found.choices), {}, found.cycle};
+    // While the image has its code.
+    if (request.wants_trace)
+      run.trace =
+          rt::trace_of_counterexample(c.lowered->image, rt::MaximalProgress::On, found.choices, rt::TraceFormat::Json);
+    verdict.counterexample = std::move(run);
+  }
+  if (found.outcome == verify::Outcome::Unknown) json["reason"] = found.reason;
+  json["text"] = verdict.text;
+  if (request.stats) {
+    verdict.text += fmt::format("{}, {}; automaton of {}, product of {}\n", rt::counted(found.states, "state"),
+                                rt::counted(found.steps, "step"), rt::counted(found.automaton_states, "state"),
+                                rt::counted(found.nodes, "node"));
+    json["graph"] = {{"states", found.states}, {"steps", found.steps}};
+    json["automaton"] = found.automaton_states;
+    json["product"] = found.nodes;
+  }
+  verdict.json = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  verdict.is_answered = true;
+  return verdict;
+}
+
+}  // namespace bip::library

@@ -1,0 +1,239 @@
+// See liveness.hpp.
+#include "compiler/verify/liveness/liveness.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "compiler/verify/liveness/automaton.hpp"
+#include "compiler/verify/liveness/components.hpp"
+#include "compiler/verify/liveness/lasso.hpp"
+#include "compiler/verify/liveness/product.hpp"
+#include "compiler/verify/property/expression.hpp"
+#include "runtime/explore/state_graph.hpp"
+#include "runtime/include/bip/assert.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+constexpr std::uint64_t kFirstRound = 4096, kGrowth = 8, kMostStates = 0xffffffffu;
+constexpr std::size_t kMegabyte = 1'000'000;
+// For the remark that fairness would help.
+constexpr std::uint32_t kStatesOfRemark = 200'000;
+constexpr double kSecondsOfRemark = 2;
+
+std::vector<rt::GraphPredicate> predicates_of(const Formula& formula) {
+  std::vector<rt::GraphPredicate> predicates;
+  for (const Property& condition : formula.states) {
+    rt::GraphPredicate& predicate = predicates.emplace_back();
+    predicate.holds = [&condition](const rt::Core& core) { return is_true(condition, core); };
+    predicate.connectors = connectors_of(condition);
+    predicate.atoms = atoms_of(condition);
+  }
+  return predicates;
+}
+
+// A run as the core takes it: a position has a state and the step that leaves it.
+class LassoReplay {
+ public:
+  LassoReplay(const Formula& formula, const rt::Image& image, rt::StateGraph& graph)
+      : formula_(formula), graph_(graph), core_(image) {}
+
+  /// Takes the run. False: a step is not possible, or the cycle does not close.
+  bool run(const Lasso& lasso) {
+    if (!core_.initialize()) return false;
+    for (const LassoStep& step : lasso.stem) {
+      if (!take(step)) return false;
+    }
+    cycle_ = choices_.size();
+    for (const LassoStep& step : lasso.cycle) {
+      note_possible();
+      if (!take(step)) return false;
+    }
+    if (!lasso.cycle.empty()) {
+      const std::uint32_t begin = lasso.stem.empty() ? 0 : lasso.stem.back().state;
+      return lasso.cycle.back().state == begin;
+    }
+    note_position(0);
+    return core_.candidate_count() == 0;
+  }
+  [[nodiscard]] bool violates() const { return !holds_on_lasso(formula_, states_, steps_, cycle_); }
+  [[nodiscard]] bool is_fair(const Fairness& fairness) const {
+    if (fairness.kind == FairnessKind::None) return true;
+    const FairUnits units(graph_.labels(), fairness.unit);
+    std::set<std::uint32_t> taken;
+    for (std::size_t at = cycle_; at < labels_.size(); ++at)
+      taken.insert(units.of(labels_[at]).begin(), units.of(labels_[at]).end());
+    std::vector<std::size_t> possible(units.size(), 0);
+    for (const std::set<std::uint32_t>& labels : possible_) {
+      std::set<std::uint32_t> here;
+      for (const std::uint32_t label : labels) here.insert(units.of(label).begin(), units.of(label).end());
+      for (const std::uint32_t unit : here) ++possible[unit];
+    }
+    for (std::uint32_t unit = 0; unit < units.size(); ++unit) {
+      const bool is_due =
+          fairness.kind == FairnessKind::Weak ? possible[unit] == possible_.size() : possible[unit] != 0;
+      if (!possible_.empty() && is_due && taken.count(unit) == 0) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] const std::vector<std::uint64_t>& choices() const { return choices_; }
+  [[nodiscard]] std::size_t cycle() const { return cycle_; }
+
+ private:
+  void note_position(std::uint64_t steps) {
+    std::uint64_t holds = 0;
+    for (std::size_t k = 0; k < formula_.states.size(); ++k) {
+      if (is_true(formula_.states[k], core_)) holds |= std::uint64_t{1} << k;
+    }
+    states_.push_back(holds);
+    steps_.push_back(steps);
+  }
+  bool take(const LassoStep& step) {
+    const rt::State before = core_.snapshot();
+    const std::uint64_t count = core_.candidate_count();
+    for (std::uint64_t k = 0; k < count; ++k) {
+      if (graph_.label_of(core_, core_.candidate(k)) != step.label) continue;
+      if (core_.fire(k) && graph_.find(core_) == step.state) {
+        // The position is that of the state before.
+        const rt::State after = core_.snapshot();
+        if (!core_.restore(before)) return false;
+        note_position(happens(formula_, graph_.labels(), step.label));
+        choices_.push_back(k);
+        labels_.push_back(step.label);
+        return core_.restore(after);
+      }
+      if (!core_.restore(before)) return false;
+    }
+    return false;
+  }
+  // The labels of the state's steps that end in no error.
+  void note_possible() {
+    std::set<std::uint32_t>& labels = possible_.emplace_back();
+    const rt::State before = core_.snapshot();
+    const std::uint64_t count = core_.candidate_count();
+    for (std::uint64_t k = 0; k < count; ++k) {
+      const std::uint32_t label = graph_.label_of(core_, core_.candidate(k));
+      if (core_.fire(k)) labels.insert(label);
+      (void)core_.restore(before);
+    }
+  }
+
+  const Formula& formula_;
+  rt::StateGraph& graph_;
+  rt::Core core_;
+  std::vector<std::uint64_t> choices_, states_, steps_;
+  std::vector<std::uint32_t> labels_;              // of the choices
+  std::vector<std::set<std::uint32_t>> possible_;  // by position of the cycle
+  std::size_t cycle_ = 0;
+};
+
+class LivenessDecision {
+ public:
+  LivenessDecision(const Formula& formula, const rt::Image& image, const LivenessOptions& options)
+      : formula_(formula),
+        image_(image),
+        options_(options),
+        graph_(image, {.bytes = options.megabytes * kMegabyte,
+                       .is_stopped = [this] { return is_stopped(); },
+                       .unread_cells = options.unread_cells,
+                       .predicates = predicates_of(formula)}) {}
+
+  LivenessResult run() {
+    Result<Automaton> automaton = make_automaton(formula_, true);
+    if (!automaton) return unknown(automaton.error());
+    automaton_ = std::move(*automaton);
+    result_.automaton_states = static_cast<std::uint32_t>(automaton_.edges.size());
+    if (!graph_.initialize()) return unknown("the initial state could not be entered");
+    // True of every run whatsoever.
+    if (automaton_.is_empty()) {
+      result_.outcome = Outcome::Holds;
+      return std::move(result_);
+    }
+    for (std::uint64_t wanted = kFirstRound;; wanted *= kGrowth) {
+      const rt::ExploreEnd end = graph_.grow(static_cast<std::uint32_t>(std::min(wanted, kMostStates)));
+      count();
+      if (!has_room()) return unknown("the memory does not suffice");
+      const Product product(graph_, automaton_, formula_);
+      const AcceptingComponent found = find_accepting_component(product, options_.fairness, options_.cancellation);
+      result_.nodes = found.visited;
+      if (found.end == AcceptingComponent::End::Stopped) return unknown(reason_of(rt::ExploreEnd::Stopped));
+      if (found.end == AcceptingComponent::End::Found) return violated(find_lasso(product, found, options_.fairness));
+      if (end != rt::ExploreEnd::Complete) return unknown(reason_of(end));
+      if (graph_.is_complete()) break;
+    }
+    result_.outcome = Outcome::Holds;
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] bool is_stopped() const {
+    if (options_.report) options_.report("exploring", graph_.states(), "states");
+    return options_.cancellation.is_over() || soon_.is_over();
+  }
+  void count() {
+    result_.states = graph_.states();
+    result_.steps = graph_.steps();
+    result_.has_errors = graph_.errors() != 0;
+  }
+  [[nodiscard]] bool has_room() const {
+    const std::size_t nodes = std::size_t{graph_.states()} * automaton_.edges.size();
+    return Product::fits(graph_.states(), automaton_) &&
+           graph_.bytes() + nodes * AcceptingComponent::kBytesPerNode <= options_.megabytes * kMegabyte;
+  }
+  [[nodiscard]] std::string reason_of(rt::ExploreEnd end) const {
+    if (end == rt::ExploreEnd::Memory) return "the memory does not suffice";
+    return options_.cancellation.is_cancelled() ? "interrupted" : "the time is over";
+  }
+  LivenessResult unknown(const std::string& reason) {
+    result_.outcome = Outcome::Unknown;
+    result_.reason = reason;
+    return std::move(result_);
+  }
+  LivenessResult violated(const Lasso& lasso) {
+    LassoReplay replay(formula_, image_, graph_);
+    if (!replay.run(lasso) || !replay.violates() || !replay.is_fair(options_.fairness))
+      return unknown("a run that was found could not be confirmed");
+    result_.outcome = Outcome::Violated;
+    result_.choices = replay.choices();
+    result_.cycle = replay.cycle();
+    find_helpful_fairness(lasso);
+    return std::move(result_);
+  }
+  // Does a stronger fairness make it true? Answered only if the graph is small or complete, and soon.
+  void find_helpful_fairness(const Lasso& lasso) {
+    // A run that ends is fair.
+    if (lasso.cycle.empty() || options_.fairness.kind == FairnessKind::Strong) return;
+    soon_ = options_.cancellation.within(kSecondsOfRemark);
+    if (!graph_.is_complete() && graph_.grow(kStatesOfRemark) != rt::ExploreEnd::Complete) return;
+    if (!graph_.is_complete() || !has_room()) return;
+    const Product product(graph_, automaton_, formula_);
+    Fairness stronger = options_.fairness;
+    while (stronger.kind != FairnessKind::Strong) {
+      stronger.kind = stronger.kind == FairnessKind::None ? FairnessKind::Weak : FairnessKind::Strong;
+      const AcceptingComponent found = find_accepting_component(product, stronger, soon_);
+      if (found.end == AcceptingComponent::End::Stopped) return;
+      if (found.end == AcceptingComponent::End::None) {
+        result_.holds_under = stronger;
+        return;
+      }
+    }
+  }
+
+  const Formula& formula_;
+  const rt::Image& image_;
+  const LivenessOptions& options_;
+  CancellationToken soon_;
+  rt::StateGraph graph_;
+  Automaton automaton_;
+  LivenessResult result_;
+};
+
+}  // namespace
+
+LivenessResult decide_liveness(const Formula& formula, const rt::Image& image, const LivenessOptions& options) {
+  return LivenessDecision(formula, image, options).run();
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,44 @@
+// Decides a property of runs on the graph of all reachable states: is there a fair run that violates it?
+//
+// The automaton of the negated formula runs beside the system (product.hpp); a strong component with an accepting and
+// fair cycle is a violation (components.hpp). The graph grows in rounds, so that a violation near the initial state is
+// found without the rest. A violating run is taken by a core from the initial state, the formula is evaluated on it
+// anew, without the automaton, and its fairness is checked by the core's candidates before it is reported.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/portfolio/question.hpp"
+#include "compiler/verify/property/formula.hpp"
+#include "compiler/verify/solver/cancellation.hpp"
+#include "runtime/include/bip/image.hpp"
+
+namespace bip::verify {
+
+struct LivenessOptions {
+  Fairness fairness;
+  std::size_t megabytes = 2048;
+  CancellationToken cancellation;
+  std::vector<std::uint32_t> unread_cells;  // rt::ExploreOptions
+  Report report;
+};
+struct LivenessResult {
+  Outcome outcome = Outcome::Unknown;
+  std::string reason;                              // Unknown
+  std::uint64_t states = 0, steps = 0, nodes = 0;  // of the graph so far, of the product
+  std::uint32_t automaton_states = 0;
+  bool has_errors = false;              // a step of the graph ends in a run-time error
+  std::vector<std::uint64_t> choices;   // Violated: numbers of candidates, each among those of its state
+  std::size_t cycle = 0;                // the choices from here on repeat; none: the run ends there
+  std::optional<Fairness> holds_under;  // Violated: it holds if runs are fair in this sense
+};
+
+/// Decides the formula for the runs of an image that has its code, without time and C++ and without a fault in the
+/// initialization.
+[[nodiscard]] LivenessResult decide_liveness(const Formula& formula, const rt::Image& image,
+                                             const LivenessOptions& options);
+
+}  // namespace bip::verify

@@ -1,0 +1,60 @@
+// Properties of runs: linear temporal logic (Pnueli 1977) over conditions on states and over the steps of a run.
+//
+//   formula  = 'always' formula | 'never' formula | 'eventually' formula | 'next' formula
+//            | formula ('leads to' | 'until' | 'unless' | 'implies') formula
+//            | C's `!`, `&&`, `||` over formulas | condition on a state (property.hpp)
+//            | 'happens' CONNECTOR | 'happens' COMPONENT.PORT
+//
+// A run is an infinite sequence of stable states, each with the step that leaves it; after a deadlock or a final state
+// the last state repeats for ever, and no step happens. `happens c` is true of a position if its step is an interaction
+// of c. `until` is strong: its right side must come. `unless` is weak. Words before a formula reach as far as C's
+// operators, which is what `never a && b` always meant; what could be read in two ways is an error.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compiler/base/result.hpp"
+#include "compiler/verify/property/property.hpp"
+
+namespace bip::verify {
+
+enum class FormulaKind : std::uint8_t { Constant, State, Step, Not, And, Or, Next, Until, Release };
+struct FormulaNode {
+  FormulaKind kind = FormulaKind::Constant;
+  bool value = false;          // Constant
+  std::uint32_t a = 0, b = 0;  // rows of nodes; Not and Next have no b
+  std::uint32_t row = 0;       // State: of states; Step: of steps
+};
+/// A step is an interaction of the connector, or one in which the atom's port takes part.
+struct StepCondition {
+  bool is_port = false;
+  std::uint32_t owner = 0;  // connector, or atom
+  std::uint32_t port = 0;
+};
+struct Formula {
+  std::vector<FormulaNode> nodes;  // operands before operators
+  std::uint32_t root = 0;
+  std::vector<Property> states;  // conditions, of type bool
+  std::vector<StepCondition> steps;
+  std::string text;
+};
+
+/// A property of `--property`: of states or of runs.
+struct ParsedProperty {
+  bool is_formula = false;
+  Property state;   // else
+  Formula formula;  // is_formula
+};
+
+/// Parses a property of states or of runs and resolves its names in `system`; errors and cost are those of
+/// parse_property. `always E` and `never E` of a condition E are properties of states.
+[[nodiscard]] Result<ParsedProperty> parse_any_property(const std::string& text, const System& system);
+
+/// Evaluates a formula on a run that is a stem and a cycle: positions 0 … states.size() - 1, after the last one comes
+/// `cycle`. `states`, `steps`: by position, bit k: condition k of the formula holds. Returns whether the run satisfies
+/// it. Linear in nodes and positions; independent of automata.
+[[nodiscard]] bool holds_on_lasso(const Formula& formula, const std::vector<std::uint64_t>& states,
+                                  const std::vector<std::uint64_t>& steps, std::size_t cycle);
+
+}  // namespace bip::verify

@@ -1,0 +1,491 @@
+#!/usr/bin/env python3
+"""Random systems and random properties of runs: `bipc verify` against an oracle that shares nothing with it.
+
+    tests/verify/test_liveness.py [COUNT] [FROM]     COUNT systems (default 150) from seed FROM (default 1)
+
+Each system is asked three properties, each with one kind of fairness. The oracle enumerates states by semantics of its own and
+decides by another method: positions of a run are (state, step, promises for the next position), truth comes from the promises
+(Lichtenstein, Pnueli 1985), and strong fairness by trying every set of interactions that are impossible from some point on. A
+violation that bipc reports is followed step by step: the cycle must close, be fair, and violate the property. Prints the text of
+a system with another answer. BIPC names the program, JOBS the number of processes. Python's library only. To see it go red: let
+`covers` in compiler/verify/liveness/automaton.cpp ignore `postponed`, or count no unit in `is_accepting` of components.cpp.
+"""
+import collections
+import concurrent.futures
+import itertools
+import json
+import os
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = pathlib.Path(os.environ.get("BUILD") or os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
+BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+MOST_STATES, MOST_NODES = 60, 6000
+PROPERTIES_OF_A_SYSTEM = 3
+
+Transition = collections.namedtuple("Transition", "port source target guard change")
+Atom = collections.namedtuple("Atom", "places transitions first")
+Connector = collections.namedtuple("Connector", "leaves trigger guard moves")
+# `label`: connector and ports that take part; None after the end of a run.
+Step = collections.namedtuple("Step", "label target")
+END = Step(None, None)
+
+
+class Fault(Exception):
+    """A step ends in an error."""
+
+
+# ---- the systems
+CHANGES = {"more": "v = (v + 1) % 3;", "zero": "v = 0;", "divide": "v = 2 / v;"}
+
+
+def changed(change, value):
+    if change == "divide":
+        if value == 0:
+            raise Fault
+        return 2 // value
+    return {"more": (value + 1) % 3, "zero": 0, None: value}[change]
+
+
+def make_system(r):
+    atoms = []
+    for _ in range(r.choice([1, 2, 2, 3])):
+        places = r.randint(1, 3)
+        transitions = [Transition(port, source, r.randrange(places), r.choice([None, None, None, 0, 1, 2]),
+                                  r.choice([None, None, "more", "more", "zero", "divide"]))
+                       for port in range(r.randint(1, 2)) for source in range(places) if r.random() < 0.75]
+        atoms.append(Atom(places, transitions, r.randint(0, 2)))
+    ports = [(a, p) for a in range(len(atoms)) for p in range(2)]
+    connectors = []
+    for _ in range(r.randint(1, 4)):
+        first = r.choice(ports)
+        others = [p for p in ports if p[0] != first[0]]
+        leaves = (first,) + ((r.choice(others),) if others and r.random() < 0.6 else ())
+        trigger = len(leaves) == 2 and r.random() < 0.35
+        connectors.append(Connector(leaves, trigger, r.randint(0, 2) if r.random() < 0.2 and not trigger else None,
+                                    len(leaves) == 2 and not trigger and r.random() < 0.3))
+    rule = (0, 1) if len(connectors) > 1 and r.random() < 0.3 else None  # the first waits for the second
+    return atoms, connectors, rule
+
+
+def text_of(atoms, connectors, rule):
+    out = ["package m", "  port type P(int v)"]
+    for row, c in enumerate(connectors):
+        names = "p q" if len(c.leaves) == 2 else "p"
+        out.append(f"  connector type C{row}(P {', P '.join(names.split())})\n    define {names.replace('p', 'p' + chr(39)) if c.trigger else names}")
+        if c.guard is not None or c.moves:
+            out.append(f"    on {names}" + (f" provided (p.v != {c.guard})" if c.guard is not None else "") + (" down { q.v = p.v; }" if c.moves else ""))
+        out.append("  end")
+    for row, atom in enumerate(atoms):
+        out.append(f"  atom type A{row}()\n    data int v = {atom.first}\n    export port P p0(v)\n    export port P p1(v)")
+        out.append("    place " + ", ".join(f"s{k}" for k in range(atom.places)) + "\n    initial to s0")
+        for t in atom.transitions:
+            out.append(f"    on p{t.port} from s{t.source} to s{t.target}" + (f" provided (v != {t.guard})" if t.guard is not None else "")
+                       + (f" do {{ {CHANGES[t.change]} }}" if t.change else ""))
+        out.append("  end")
+    out.append("  compound type Root()")
+    out += [f"    component A{row} a{row}()" for row in range(len(atoms))]
+    out += [f"    connector C{row} c{row}(" + ", ".join(f"a{a}.p{p}" for a, p in c.leaves) + ")" for row, c in enumerate(connectors)]
+    if rule:
+        out.append(f"    priority r c{rule[0]}:* < c{rule[1]}:*")
+    return "\n".join(out + ["  end", "end", ""])
+
+
+class Graph:
+    """All states; by state its candidates' labels and its steps, without those that end in an error."""
+
+    def __init__(self, atoms, connectors, rule):
+        self.atoms, self.connectors, self.rule = atoms, connectors, rule
+        self.states, self.steps, self.offers = [tuple((0, atom.first) for atom in atoms)], [], []
+        rows = {self.states[0]: 0}
+        for state in self.states:
+            found, offered = [], []
+            for row, taken in self.candidates(state):
+                label = (row, tuple(sorted((a, t.port) for a, t in taken)))
+                offered.append(label)
+                try:
+                    after = self.fire(state, self.connectors[row], taken)
+                except Fault:
+                    continue
+                if after not in rows:
+                    rows[after] = len(self.states)
+                    self.states.append(after)
+                found.append(Step(label, rows[after]))
+            self.steps.append(found if offered else [END])
+            self.offers.append(offered)
+            if len(self.states) > MOST_STATES:
+                return
+
+    def enabled(self, state, a, port):
+        place, value = state[a]
+        for t in self.atoms[a].transitions:
+            if t.port == port and t.source == place and (t.guard is None or value != t.guard):
+                return t
+        return None
+
+    def candidates(self, state):
+        found = []
+        for row, c in enumerate(self.connectors):
+            taken = [(a, self.enabled(state, a, p)) for a, p in c.leaves]
+            if taken[0][1] is None or (not c.trigger and any(t is None for _, t in taken)):
+                continue
+            if c.guard is not None and state[c.leaves[0][0]][1] == c.guard:
+                continue
+            found.append((row, [(a, t) for a, t in taken if t]))
+        if self.rule and any(row == self.rule[1] for row, _ in found):
+            found = [one for one in found if one[0] != self.rule[0]]
+        return found
+
+    @staticmethod
+    def fire(state, connector, taken):
+        after = list(state)
+        if connector.moves:
+            (p, _), (q, _) = connector.leaves
+            after[q] = (after[q][0], after[p][1])
+        for a, t in taken:
+            after[a] = (t.target, changed(t.change, after[a][1]))
+        return tuple(after)
+
+    def atom_holds(self, what, state, step):
+        kind, *args = what
+        if kind == "at":
+            return self.states[state][args[0]][0] == args[1]
+        if kind == "data":
+            return self.states[state][args[0]][1] == args[1]
+        if kind == "can":
+            return any(label[0] == args[0] for label in self.offers[state])
+        if kind == "happens":
+            return step.label is not None and step.label[0] == args[0]
+        return step.label is not None and tuple(args) in step.label[1]
+
+
+# ---- properties: nested tuples; a leaf is ("is", condition)
+def random_condition(r, atoms, connectors):
+    kind = r.choice(["at", "at", "at", "data", "can", "happens", "happens", "port"])
+    a = r.randrange(len(atoms))
+    if kind == "at":
+        return "at", a, r.randrange(atoms[a].places)
+    if kind == "data":
+        return "data", a, r.randint(0, 2)
+    if kind == "port":
+        return "port", a, r.randint(0, 1)
+    return kind, r.randrange(len(connectors))
+
+
+def random_formula(r, atoms, connectors, depth):
+    if depth == 0 or r.random() < 0.15:
+        return "is", random_condition(r, atoms, connectors)
+    def part():
+        return random_formula(r, atoms, connectors, depth - 1)
+    kind = r.choice(["!", "&&", "||", "implies", "next", "always", "eventually", "eventually", "always", "never", "until", "until", "unless", "leads to"])
+    return (kind, part()) if kind in ("!", "next", "always", "eventually", "never") else (kind, part(), part())
+
+
+def is_temporal(f):
+    return f[1][0] in ("happens", "port") if f[0] == "is" else f[0] not in ("!", "&&", "||", "implies") or any(map(is_temporal, f[1:]))
+
+
+def print_formula(f):
+    if f[0] == "is":
+        kind, *args = f[1]
+        return {"at": "a{}@s{}", "data": "a{}.v == {}", "can": "can c{}", "happens": "happens c{}", "port": "happens a{}.p{}"}[kind].format(*args)
+    parts = [f"({print_formula(part)})" for part in f[1:]]
+    return f"{f[0]} {parts[0]}" if len(parts) == 1 else f"{parts[0]} {f[0]} {parts[1]}"
+
+
+TRUE = ("true",)
+
+
+def core_of(f):
+    """The same by `!`, `&&`, `next` and `until` alone."""
+    if f[0] == "is":
+        return f
+    parts = [core_of(part) for part in f[1:]]
+    a, b = parts[0], parts[-1]
+    def no(x):
+        return "!", x
+    def either(x, y):
+        return no(("&&", no(x), no(y)))
+    def eventually(x):
+        return "until", TRUE, x
+    def always(x):
+        return no(eventually(no(x)))
+    return {"!": lambda: no(a), "&&": lambda: ("&&", a, b), "||": lambda: either(a, b), "implies": lambda: either(no(a), b), "next": lambda: ("next", a),
+            "always": lambda: always(a), "never": lambda: always(no(a)), "eventually": lambda: eventually(a), "until": lambda: ("until", a, b),
+            "unless": lambda: either(("until", a, b), always(a)), "leads to": lambda: always(either(no(a), eventually(b)))}[f[0]]()
+
+
+# ---- the oracle
+def parts_of(f, found):
+    for part in f[1:] if f[0] not in ("is", "true") else ():
+        parts_of(part, found)
+    if f not in found:
+        found.append(f)
+    return found
+
+
+def components(nodes, following):
+    """Strong components by Kosaraju's two passes."""
+    order, seen = [], set()
+    for root in nodes:
+        if root in seen:
+            continue
+        seen.add(root)
+        stack = [(root, iter(following[root]))]
+        while stack:
+            node, rest = stack[-1]
+            for to in rest:
+                if to in following and to not in seen:
+                    seen.add(to)
+                    stack.append((to, iter(following[to])))
+                    break
+            else:
+                stack.pop()
+                order.append(node)
+    before = {node: [] for node in nodes}
+    for node in nodes:
+        for to in following[node]:
+            if to in before:
+                before[to].append(node)
+    done, found = set(), []
+    for root in reversed(order):
+        if root in done:
+            continue
+        done.add(root)
+        own, todo = [root], [root]
+        while todo:
+            for to in before[todo.pop()]:
+                if to not in done:
+                    done.add(to)
+                    own.append(to)
+                    todo.append(to)
+        found.append(own)
+    return found
+
+
+def units_of(label, fairness):
+    if label is None:
+        return ()
+    return {a for a, _ in label[1]} if fairness.endswith("atoms") else (label,)
+
+
+def possible_units(graph, state, fairness):
+    return {unit for step in graph.steps[state] for unit in units_of(step.label, fairness)}
+
+
+def is_violated(graph, formula, fairness):
+    """Is there a fair run on which the formula is false? None: too large."""
+    parts = parts_of(core_of(formula), [])
+    promised = [f for f in parts if f[0] in ("next", "until")]
+    if sum(map(len, graph.steps)) << len(promised) > MOST_NODES:
+        return None
+    truth = {}
+    for state, steps in enumerate(graph.steps):
+        for number, step in enumerate(steps):
+            for bits in itertools.product((False, True), repeat=len(promised)):
+                later, value = dict(zip(promised, bits)), {}
+                for f in parts:
+                    if f[0] == "true":
+                        value[f] = True
+                    elif f[0] == "is":
+                        value[f] = graph.atom_holds(f[1], state, step)
+                    elif f[0] == "!":
+                        value[f] = not value[f[1]]
+                    elif f[0] == "&&":
+                        value[f] = value[f[1]] and value[f[2]]
+                    elif f[0] == "next":
+                        value[f] = later[f]
+                    else:
+                        value[f] = value[f[2]] or (value[f[1]] and later[f])
+                truth[state, number, bits] = value
+    at_state = collections.defaultdict(list)
+    for node in truth:
+        at_state[node[0]].append(node)
+    following = {}
+    for node, value in truth.items():
+        state, number, bits = node
+        step = graph.steps[state][number]
+        to = state if step.label is None else step.target
+        following[node] = [other for other in at_state[to]
+                           if all(bits[k] == truth[other][f[1] if f[0] == "next" else f] for k, f in enumerate(promised))]
+    root = parts[-1]
+    reached = {node for node in at_state[0] if not truth[node][root]}
+    todo = list(reached)
+    while todo:
+        for to in following[todo.pop()]:
+            if to not in reached:
+                reached.add(to)
+                todo.append(to)
+    possible = [possible_units(graph, state, fairness) for state in range(len(graph.steps))]
+    taken = {node: units_of(graph.steps[node[0]][node[1]].label, fairness) for node in reached}
+    everything = sorted({unit for units in possible for unit in units}, key=str)
+    kind = fairness.split(":")[0]
+    # Strong: which units are impossible from some point on? The others happen again and again.
+    choices = itertools.chain.from_iterable(itertools.combinations(everything, n) for n in range(len(everything) + 1)) if kind == "strong" else [()]
+    for impossible in map(set, choices):
+        nodes = [node for node in reached if not impossible & set(possible[node[0]])]
+        inside = set(nodes)
+        arrows = {node: [to for to in following[node] if to in inside] for node in nodes}
+        for own in components(nodes, arrows):
+            if len(own) == 1 and own[0] not in arrows[own[0]]:
+                continue
+            if not all(any(truth[node][f[2]] or not truth[node][f] for node in own) for f in promised if f[0] == "until"):
+                continue
+            done = {unit for node in own for unit in taken[node]}
+            if kind == "weak" and not all(unit in done or any(unit not in possible[node[0]] for node in own) for unit in everything):
+                continue
+            # A step of a component's node may leave it; each node has one step, and some successor of it is inside.
+            if kind == "strong" and not all(unit in done for unit in everything if unit not in impossible):
+                continue
+            return True
+    return False
+
+
+def value_on_lasso(graph, formula, states, steps, cycle):
+    """Truth at position 0, by positions that are followed for as long as anything can change."""
+    size = len(states)
+    def after(at):
+        return at + 1 if at + 1 < size else cycle
+    known = {}
+    def holds(f):
+        if f not in known:
+            if f[0] == "true":
+                known[f] = [True] * size
+            elif f[0] == "is":
+                known[f] = [graph.atom_holds(f[1], states[at], steps[at]) for at in range(size)]
+            elif f[0] == "!":
+                known[f] = [not v for v in holds(f[1])]
+            elif f[0] == "&&":
+                known[f] = [v and w for v, w in zip(holds(f[1]), holds(f[2]))]
+            elif f[0] == "next":
+                known[f] = [holds(f[1])[after(at)] for at in range(size)]
+            else:
+                left, right, row = holds(f[1]), holds(f[2]), []
+                for start in range(size):
+                    at, result = start, False
+                    for _ in range(2 * size):
+                        if right[at]:
+                            result = True
+                            break
+                        if not left[at]:
+                            break
+                        at = after(at)
+                    row.append(result)
+                known[f] = row
+        return known[f]
+    return holds(core_of(formula))[0]
+
+
+STEP_LINE = re.compile(r"^#(\d+)  ROOT\.c(\d+)  (.*)$", re.M)
+
+
+def follow(graph, formula, fairness, verdict):
+    """What is wrong with the run that a verdict reports; empty: nothing."""
+    lines = STEP_LINE.findall(verdict["text"])
+    if len(lines) != verdict["steps"] or [int(n) for n, _, _ in lines] != list(range(len(lines))):
+        return "its steps are not all printed"
+    labels = [(int(connector), tuple(sorted((int(a), int(p)) for a, p in re.findall(r"\ba(\d+)\.p(\d+)", ports)))) for _, connector, ports in lines]
+    stem, repeated = labels[:verdict["cycle"]], labels[verdict["cycle"]:]
+    state, states, steps, rounds = 0, [], [], {}
+    # Data that nothing reads may differ from round to round: round by round until a state comes again.
+    for part in itertools.chain([stem], itertools.repeat(repeated)):
+        for label in part:
+            found = [step for step in graph.steps[state] if step.label == label]
+            if not found:
+                return f"no step {label} in state {graph.states[state]}"
+            states.append(state)
+            steps.append(found[0])
+            state = found[0].target
+        if state in rounds or not repeated:
+            break
+        rounds[state] = len(states)
+    cycle = rounds.get(state, len(states))
+    if not repeated:
+        if graph.steps[state] != [END]:
+            return "the run goes on"
+        states.append(state)
+        steps.append(END)
+    if value_on_lasso(graph, formula, states, steps, cycle):
+        return "the run satisfies the property"
+    kind = fairness.split(":")[0]
+    done = {unit for step in steps[cycle:] for unit in units_of(step.label, fairness)}
+    possible = [possible_units(graph, at, fairness) for at in states[cycle:]]
+    due = {"none": set(), "weak": set.intersection(*possible), "strong": set.union(*possible)}[kind]
+    return "the run is not fair" if due - done else ""
+
+
+# ---- the comparison
+def check(seed):
+    """(what was found, a difference or "")"""
+    r = random.Random(seed)
+    atoms, connectors, rule = make_system(r)
+    text = text_of(atoms, connectors, rule)
+    graph = Graph(atoms, connectors, rule)
+    kinds, problems = [], []
+    if len(graph.states) > MOST_STATES:
+        return ["large"], ""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "m.bip")
+        pathlib.Path(path).write_text(text)
+        for _ in range(PROPERTIES_OF_A_SYSTEM):
+            formula = random_formula(r, atoms, connectors, r.choice([1, 2, 2, 3]))
+            if not is_temporal(formula):
+                formula = (r.choice(["eventually", "always"]), ("next", formula))
+            if formula[0] in ("always", "never") and not is_temporal(formula[1]):
+                formula = ("next", formula)  # else it is a property of states
+            fairness = r.choice(["none", "none", "weak", "strong", "weak:atoms", "strong:atoms"])
+            expected = is_violated(graph, formula, fairness)
+            if expected is None:
+                kinds.append("large")
+                continue
+            asked = print_formula(formula)
+            done = subprocess.run([BIPC, "verify", "--property", asked, "--fair", fairness, "--backend=interp", "--json", path],
+                                  capture_output=True, text=True, timeout=120)
+            try:
+                verdict = json.loads(done.stdout)
+            except ValueError:
+                kinds.append("refused")
+                problems.append(f"`{asked}` --fair={fairness}: {done.stderr}")
+                continue
+            kinds.append(f"{fairness.split(':')[0]} {verdict['verdict']}")
+            wanted = "violated" if expected else "holds"
+            difference = ""
+            if verdict["verdict"] != wanted:
+                difference = f"{verdict['verdict']}, the oracle says {wanted}"
+            elif expected:
+                difference = follow(graph, formula, fairness, verdict)
+                helpful = verdict.get("holds_under")
+                if not difference and helpful and is_violated(graph, formula, helpful):
+                    difference = f"it does not hold under {helpful}"
+            if difference:
+                problems.append(f"`{asked}` --fair={fairness}: {difference}\n{verdict['text']}")
+    return kinds, f"seed {seed}: " + "\n".join(problems) + f"\n{text}" if problems else ""
+
+
+def main():
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 150
+    first = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    kinds, bad = collections.Counter(), 0
+    with concurrent.futures.ProcessPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+        for found, difference in pool.map(check, range(first, first + count), chunksize=8):
+            kinds.update(found)
+            if difference:
+                bad += 1
+                print(difference)
+    print(", ".join(f"{kind}: {n}" for kind, n in sorted(kinds.items())))
+    # What decides nothing is no test.
+    needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong") for verdict in ("holds", "violated")]
+    if count >= 100 and (kinds["large"] > count or any(kinds[kind] < count // 20 for kind in needed)):
+        bad += 1
+        print("too few questions of some kind")
+    print(f"liveness: {count - bad} passed, {bad} failed")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
