@@ -134,8 +134,9 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
   out += "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n";
   if (options.executive == Executive::Served)
     out +=
-        "\n// The input of a request that a client posts, before the request is looked at.\nvoid request_input(const "
-        "char* service, const char* input);\n";
+        "\n// What a request of a client came with: when it is asked for, for codels that judge it; and, if it is "
+        "accepted, before its codels run.\nvoid request_asked(const char* service, const char* input);\n"
+        "void request_input(const char* service, const char* input);\n";
   if (options.executive == Executive::Cpp) {
     out +=
         "#include <string>\n\nstd::string executive_request();\n"
@@ -162,7 +163,9 @@ std::string codel_source(const std::vector<Module>& modules, const GenerateOptio
       "// Codels of {0}.bip, empty: each answers the first thing that it may.\n#include \"{0}_codels.hpp\"\n",
       options.package);
   if (options.executive == Executive::Served)
-    out += "\nvoid request_input(const char* /*service*/, const char* /*input*/) {}\n";
+    out +=
+        "\nvoid request_asked(const char* /*service*/, const char* /*input*/) {}\n"
+        "void request_input(const char* /*service*/, const char* /*input*/) {}\n";
   if (options.executive == Executive::Cpp) {
     out +=
         "\n// Never asks for anything.\nstd::string executive_request() { return {}; }\n"

@@ -140,7 +140,7 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
     options.oldest = std::max(options.oldest, oldest_for(c.condition, options, tick_us));
   std::string out = header(modules, options, tick_us);
   if (options.flavour == Flavour::Execution) out += codel_prototypes(modules, options.constraints);
-  if (options.executive != Executive::Anybody) out += executive_type(options.executive);
+  const std::size_t executive_at = out.size();
   std::vector<Plan> plans;
   Scope types;
   for (const char* own : kOwnTypes) types.claim(own, "");
@@ -159,7 +159,8 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
     }
     write_module(out, p, options);
   }
-  write_level(out, plans, options, tick_us);
+  const std::vector<std::string> requests = write_level(out, plans, options, tick_us);
+  if (options.executive != Executive::Anybody) out.insert(executive_at, executive_type(options.executive, requests));
   return out + "end\n";
 }
 

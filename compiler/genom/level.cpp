@@ -27,7 +27,8 @@ class LevelWriter {
         names_(level_scope()),
         conditions_(plans, options, parts_, tick_us) {}
 
-  void run() {
+  /// Returns what may be asked for, "MODULE.SERVICE(VALUE, ...)".
+  std::vector<std::string> run() {
     out_ += "\n  // All modules, the token for triggers, and the clock.\n  compound type FunctionalLevel()\n";
     for (const Plan& p : plans_) {
       out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p.type, p.component);
@@ -41,6 +42,7 @@ class LevelWriter {
                          : "    component MasterTimer masterTimer()\n";
     if (options_.executive != Executive::Anybody) {
       executive_ = names_.claim("executive", "part");
+      if (is_served()) out_ += "    @SuppressWarning(unboundcomponentport)\n";
       out_ += fmt::format("    component Executive {}({})\n", executive_,
                           is_served() ? std::to_string(100 + 2 * options_.control_period) : "");
     }
@@ -51,6 +53,7 @@ class LevelWriter {
     for (const auto& [low, high] : priorities_)
       out_ += fmt::format("    priority {} {}:* < {}:*\n", names_.claim("first_" + high, "rule"), low, high);
     out_ += "  end\n";
+    return std::move(requests_);
   }
 
  private:
@@ -170,7 +173,15 @@ class LevelWriter {
     for (std::size_t i = 0; i < constraints_.successes.size(); ++i) {
       if (constraints_.successes[i].since == s) trig.push_back(parts_.successes[i] + ".forget");
     }
-    wire({.name = plan(s).component + "_trig_" + id, .ports = trig});
+    // What a refused request came with, nobody gets.
+    std::string action;
+    if (is_served()) {
+      trig.push_back(executive_ + ".accepted");
+      action = fmt::format(
+          "if ({0}.accepted.asked != \"\") then request_input({0}.accepted.asked, {0}.accepted.asked_input); fi",
+          executive_);
+    }
+    wire({.name = plan(s).component + "_trig_" + id, .ports = trig, .action = action});
     if (plan(s).services[s.service].is_heard) successes(s);
     for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
       if (constraints_.rows[row].kind == ConstraintKind::Keep && constraints_.rows[row].subject == s) stop(row);
@@ -226,10 +237,14 @@ class LevelWriter {
   }
 
   // Only if the executive says so.
-  void asks(Wire& w, const std::string& request) const {
+  void asks(Wire& w, const std::string& request) {
     if (executive_.empty()) return;
+    requests_.push_back(request);
     w.ports.push_back(executive_ + ".ask");
     w.guard = fmt::format("{}.ask.wanted == \"{}\"", executive_, request);
+    if (is_served())
+      w.action +=
+          fmt::format("{0}request_asked({1}.ask.wanted, {1}.ask.input)", w.action.empty() ? "" : "; ", executive_);
   }
 
   // Either every rule allows it, or one rejects it; then what it interrupts is told.
@@ -319,10 +334,10 @@ class LevelWriter {
         continue;
       done.push_back(parts_.recoveries[row]);
       const Plan& p = plans_[m];
-      const std::string name =
-          wire({.name = fmt::format("{}_recover_{}", p.component, c.name),
-                .ports = {fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id), "semaphore.take",
-                          parts_.recoveries[row] + ".run"}});
+      std::vector<std::string> ports{fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id),
+                                     "semaphore.take", parts_.recoveries[row] + ".run"};
+      if (is_served()) ports.push_back(executive_ + ".recover");
+      const std::string name = wire({.name = fmt::format("{}_recover_{}", p.component, c.name), .ports = ports});
       for (const std::string& read : reads) priorities_.emplace_back(read, name);
     }
   }
@@ -381,6 +396,7 @@ class LevelWriter {
   std::int64_t tick_us_;
   LevelParts parts_;
   std::string executive_, sync_;
+  std::vector<std::string> requests_;
   Scope names_;
   ConditionWriter conditions_;
   std::map<std::string, std::string> posters_;
@@ -390,22 +406,38 @@ class LevelWriter {
 
 }  // namespace
 
-std::string executive_type(Executive executive) {
+std::string executive_type(Executive executive, const std::vector<std::string>& requests) {
   if (executive == Executive::Served) {
-    return "\n  // The input of a request, as its client wrote it: for codels.\n"
-           "  extern function request_input(string, string)\n"
-           "\n  port type Asks(string wanted)\n  port type Posts(string wanted, string input)\n  port type Told(string "
-           "rqst, string rep)\n"
-           "\n  // Requests of clients: \"MODULE.SERVICE(VALUE, ...)\", one at a time. What no module takes is lost "
-           "after `patience` ticks.\n"
-           "  atom type Executive(int patience)\n    data string wanted = \"\", input = \"\"\n    data int waited = 0\n"
-           "    extern port Posts request(wanted, input) remember\n"
-           "    export port Signal tick()\n    export port Asks ask(wanted)\n    port Asks lost(wanted)\n"
-           "\n    place NONE, DUE\n\n    initial to NONE\n\n"
-           "    on request from NONE to DUE eager do { request_input(wanted, input); waited = 0; }\n"
-           "    on ask from DUE to NONE\n    on lost from DUE to NONE provided (waited >= patience)\n"
-           "    on tick from NONE to NONE\n    on tick from DUE to DUE provided (waited < patience) do { waited = "
-           "waited + 1; }\n  end\n";
+    std::string known;
+    for (const std::string& request : requests)
+      known += fmt::format("{}\n        wanted == \"{}\"", known.empty() ? "" : " ||", request);
+    return fmt::format(
+        "\n  // What a request came with, as its client wrote it: when it is asked for, for codels that judge it; and "
+        "once it is accepted.\n"
+        "  extern function request_asked(string, string)\n"
+        "  extern function request_input(string, string)\n"
+        "\n  port type Asks(string wanted)\n  port type Posts(string wanted, string input)\n"
+        "  port type Accepted(string asked, string asked_input)\n  port type Told(string rqst, string rep)\n"
+        "\n  // Requests of clients: \"MODULE.SERVICE(VALUE, ...)\", one at a time. What there is not is lost at once, "
+        "what no module takes after `patience` ticks.\n"
+        "  atom type Executive(int patience)\n"
+        "    data string wanted = \"\", input = \"\", asked = \"\", asked_input = \"\"\n"
+        "    data int waited = 0\n    data bool known = false\n"
+        "    extern port Posts request(wanted, input) remember\n"
+        "    export port Signal tick()\n    export port Posts ask(wanted, input)\n"
+        "    export port Accepted accepted(asked, asked_input)\n    export port Signal recover()\n"
+        "    port Asks lost(wanted)\n"
+        "\n    place NONE, DUE\n\n    initial to NONE\n\n"
+        "    on request from NONE to DUE eager do {{\n      known ={};\n      waited = 0;\n    }}\n"
+        "    on ask from DUE to NONE do {{ asked = wanted; asked_input = input; }}\n"
+        "    on lost from DUE to NONE provided (!known || waited >= patience)\n"
+        "    on tick from NONE to NONE\n"
+        "    on tick from DUE to DUE provided (known && waited < patience) do {{ waited = waited + 1; }}\n"
+        "\n    // The next one may be here while this one is judged. A recovery was asked for by nobody.\n"
+        "    on accepted from NONE to NONE\n    on accepted from DUE to DUE\n"
+        "    on recover from NONE to NONE do {{ asked = \"\"; }}\n"
+        "    on recover from DUE to DUE do {{ asked = \"\"; }}\n  end\n",
+        known.empty() ? " false" : known);
   }
   return "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is "
          "none; final replies.\n"
@@ -428,9 +460,9 @@ Scope level_scope() {
   return names;
 }
 
-void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options,
-                 std::int64_t tick_us) {
-  LevelWriter(out, plans, options, tick_us).run();
+std::vector<std::string> write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options,
+                                     std::int64_t tick_us) {
+  return LevelWriter(out, plans, options, tick_us).run();
 }
 
 }  // namespace bip::genom

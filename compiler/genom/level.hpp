@@ -12,9 +12,11 @@ namespace bip::genom {
 
 /// The names that the functional level has of its own.
 [[nodiscard]] Scope level_scope();
-/// The atom through which C++ (or a client) asks for services, and the functions that it calls.
-[[nodiscard]] std::string executive_type(Executive executive);
-void write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options,
-                 std::int64_t tick_us);
+/// The atom through which C++ (or a client) asks for services, and the functions that it calls. `requests`: what may be
+/// asked for.
+[[nodiscard]] std::string executive_type(Executive executive, const std::vector<std::string>& requests);
+/// Returns what may be asked for.
+[[nodiscard]] std::vector<std::string> write_level(std::string& out, const std::vector<Plan>& plans,
+                                                   const GenerateOptions& options, std::int64_t tick_us);
 
 }  // namespace bip::genom

@@ -62,9 +62,8 @@ class Executive:
         asked = {f"ROOT.{self.bare(s.service)}" for steps in procedures.values() for s in steps if s.verb in ASKS}
         level.ask("subscribe", ports=["masterTimer.tick", "box.told", "controller.reply", "executive.lost"])
         # A control service has no final reply: it is an atom of its own.
-        state = level.ask("state", atoms=sorted(asked))
-        self.controls = {path.removeprefix("ROOT.") for path in state["atoms"]}
-        self.now = state["time"] / 1e9
+        self.controls = {path.removeprefix("ROOT.") for path in asked if level.ask("state", atoms=[path])["ok"]}
+        self.now = level.ask("state", atoms=["ROOT.executive"])["time"] / 1e9
 
     @staticmethod
     def bare(service):
