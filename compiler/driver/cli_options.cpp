@@ -518,6 +518,30 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
       "phil[0]@EATS' model.bip");
 }
 
+// How a debugging session's steps are chosen.
+void add_session(CLI::App& command, rt::SessionOptions& session, std::string& events_path, Backend& backend,
+                 CLI::Option* trace) {
+  command.add_option("--seed", session.seed, "seed of the random choices (default: 0)")
+      ->check(is_number())
+      ->type_name("N");
+  add_choice(command, "--policy", session.policy, kPolicies.names, kPolicies.shown,
+             "how the next step is chosen among the candidates (default: uniform)");
+  command.add_flag("-a,--asap", session.asap,
+                   "take each step at the earliest instant at which it is possible (for models with clocks)");
+  command
+      .add_option("--events", events_path, "read external events from PATH, one JSON object per line, ordered by time")
+      ->excludes(trace)
+      ->type_name("PATH");
+  command.add_flag("--trust-cpp", session.trusts_cpp,
+                   "assume that the model's C++ functions depend on their arguments only, so that the session can go "
+                   "back");
+  command.add_flag_callback(
+      "--disable-maximal-progress", [&session] { session.progress = rt::MaximalProgress::Off; },
+      "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
+  add_choice(command, "--backend", backend, kBackends, "jit|interp",
+             "executor of guards, actions and transfers (default: interp)");
+}
+
 void add_step(CLI::App& app, StepArguments& a) {
   CLI::App* command = app.add_subcommand(
       "step", "step through a model, forward and back, with breakpoints: commands are read from the terminal");
@@ -537,26 +561,7 @@ void add_step(CLI::App& app, StepArguments& a) {
       ->check(is_number())
       ->needs(trace)
       ->type_name("N");
-  command->add_option("--seed", a.session.seed, "seed of the random choices (default: 0)")
-      ->check(is_number())
-      ->type_name("N");
-  add_choice(*command, "--policy", a.session.policy, kPolicies.names, kPolicies.shown,
-             "how the next step is chosen among the candidates (default: uniform)");
-  command->add_flag("-a,--asap", a.session.asap,
-                    "take each step at the earliest instant at which it is possible (for models with clocks)");
-  command
-      ->add_option("--events", a.events_path,
-                   "read external events from PATH, one JSON object per line, ordered by time")
-      ->excludes(trace)
-      ->type_name("PATH");
-  command->add_flag("--trust-cpp", a.session.trusts_cpp,
-                    "assume that the model's C++ functions depend on their arguments only, so that the session can go "
-                    "back");
-  command->add_flag_callback(
-      "--disable-maximal-progress", [&a] { a.session.progress = rt::MaximalProgress::Off; },
-      "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
-  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
-             "executor of guards, actions and transfers (default: interp)");
+  add_session(*command, a.session, a.events_path, a.backend, trace);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);
   add_compile(*command, a.compile);
@@ -656,35 +661,63 @@ void add_emit(CLI::App& app, EmitArguments& a) {
       "model.bip -o generated");
 }
 
+// What a picture shows of a large system.
+void add_folding(CLI::App& command, graph::PictureOptions& picture) {
+  command.add_option("--fold", picture.fold, "draw arrays of more than N components as one box (default: 8)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      .add_option("--depth", picture.depth, "draw compounds N levels below the root as closed boxes (default: none)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      .add_option("--open", picture.open,
+                  "draw the array or compound PATH open all the same, `phil` or `line.before`; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("PATH");
+}
+
 void add_graph(CLI::App& app, GraphArguments& a) {
   CLI::App* command =
       app.add_subcommand("graph", "draw a system: components, ports, connectors, automata; or print it as DOT or JSON");
   command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
   command->add_option("-o,--output", a.output, "write the picture to FILE; its suffix says the format")
       ->type_name("FILE");
-  add_choice(*command, "--format", a.format, kGraphFormats, "svg|png|dot|json",
-             "output format: svg (a picture), png (the same, by the program rsvg-convert), dot for Graphviz (default "
-             "without -o) or json");
+  add_choice(*command, "--format", a.format, kGraphFormats, "svg|png|html|dot|json",
+             "output format: svg (a picture), png (the same, by the program rsvg-convert), html (a page to look around "
+             "in), dot for Graphviz (default without -o) or json");
   add_choice(*command, "--show", a.picture.show, kShows, "all|structure|automata",
              "what to show: instances and connectors (structure), the automaton of each atom type (automata), or both "
              "(all, default)");
-  command
-      ->add_option("--fold", a.picture.fold,
-                   "draw arrays of more than N components as one box in svg and png (default: 8)")
-      ->check(is_number())
-      ->type_name("N");
-  command
-      ->add_option("--depth", a.picture.depth,
-                   "draw compounds N levels below the root as closed boxes in svg and png (default: none)")
-      ->check(is_number())
-      ->type_name("N");
-  command
-      ->add_option("--open", a.picture.open,
-                   "draw the array or compound PATH open all the same, `phil` or `line.before`; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("PATH");
+  add_folding(*command, a.picture);
   add_compile(*command, a.compile);
   command->footer("Example:\n  bipc graph model.bip -o model.svg");
+}
+
+void add_view(CLI::App& app, ViewArguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "view", "write a page that shows a model and a run of it, step by step, in a browser: one file without requests");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  command->add_option("-o,--output", a.output, "page to write (default: the model's name with .html)")
+      ->type_name("PAGE");
+  CLI::Option* trace =
+      command->add_option("--trace", a.trace_path,
+                          "show the run in TRACE: a trace in JSON lines, binary or bip2, a "
+                          "counterexample of `bipc verify --trace`, or a record of `bipc run --record`");
+  trace->type_name("TRACE");
+  command
+      ->add_option("--steps", a.steps,
+                   "show a run of at most N steps (default: 200); more than 100000 make a page too large for browsers")
+      ->check(is_number())
+      ->excludes(trace)
+      ->type_name("N");
+  add_session(*command, a.session, a.events_path, a.backend, trace);
+  add_folding(*command, a.picture);
+  add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
+  add_compile(*command, a.compile);
+  command->footer(
+      "Example:\n  bipc verify --trace dead.json model.bip; bipc view --trace dead.json model.bip -o model.html");
 }
 
 void add_export(CLI::App& app, ExportArguments& a) {
@@ -852,6 +885,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_explore(app, arguments.explore);
   add_simulate(app, arguments.simulate);
   add_step(app, arguments.step);
+  add_view(app, arguments.view);
   add_dap(app);
   add_serve(app, arguments.serve);
   add_build(app, arguments.build);

@@ -11,6 +11,7 @@ struct Arguments {
   CheckArguments check;
   RunArguments run;
   StepArguments step;
+  ViewArguments view;
   ServeArguments serve;
   VerifyArguments verify;
   ExploreArguments explore;

@@ -9,8 +9,10 @@
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/page_title.hpp"
 #include "compiler/driver/svg_to_png.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/view/page.hpp"
 
 namespace bip::driver {
 
@@ -21,15 +23,16 @@ std::optional<GraphFormat> format_of(const GraphArguments& arguments) {
   if (arguments.format != GraphFormat::BySuffix) return arguments.format;
   if (arguments.output.empty()) return GraphFormat::Dot;
   const std::string suffix = std::filesystem::path(arguments.output).extension().string();
-  constexpr std::array<std::pair<std::string_view, GraphFormat>, 5> kSuffixes{{{".svg", GraphFormat::Svg},
+  constexpr std::array<std::pair<std::string_view, GraphFormat>, 6> kSuffixes{{{".svg", GraphFormat::Svg},
                                                                                {".png", GraphFormat::Png},
+                                                                               {".html", GraphFormat::Html},
                                                                                {".dot", GraphFormat::Dot},
                                                                                {".gv", GraphFormat::Dot},
                                                                                {".json", GraphFormat::Json}}};
   for (const auto& [name, format] : kSuffixes)
     if (suffix == name) return format;
   std::fprintf(stderr,
-               "bipc: the suffix of `%s` says no format: .svg, .png, .dot or .json\n"
+               "bipc: the suffix of `%s` says no format: .svg, .png, .html, .dot or .json\n"
                "  = help: `--format` says it for any name\n",
                arguments.output.c_str());
   return std::nullopt;
@@ -51,6 +54,9 @@ int command_graph(const GraphArguments& arguments) {
       case GraphFormat::BySuffix:
       case GraphFormat::Dot: text = graph::dot(*c.system, arguments.picture.show); break;
       case GraphFormat::Json: text = graph::json(*c.system, arguments.picture.show); break;
+      case GraphFormat::Html:
+        text = view::page(*c.system, page_title(*c.system, arguments.file), arguments.picture);
+        break;
       case GraphFormat::Svg:
       case GraphFormat::Png: text = graph::svg(*c.system, arguments.picture); break;
     }

@@ -16,6 +16,7 @@ namespace bip::driver {
 [[nodiscard]] int command_simulate(const SimulateArguments& arguments);
 /// Until the person quits or the input ends.
 [[nodiscard]] int command_step(const StepArguments& arguments);
+[[nodiscard]] int command_view(const ViewArguments& arguments);
 /// The debug adapter, until its client disconnects.
 [[nodiscard]] int command_dap();
 /// Until a client shuts it down or its input ends.

@@ -37,6 +37,18 @@ struct StepArguments {
   bool has_at = false;
   std::uint64_t at = 0;
 };
+/// A page with the pictures of a model and a run of it.
+struct ViewArguments {
+  CompileOptions compile;
+  std::string file;
+  std::string output;
+  Backend backend = Backend::Interp;
+  rt::SessionOptions session;
+  std::string trace_path;  // empty: `steps` steps that the policy chooses
+  std::string events_path;
+  std::uint64_t steps = 200;
+  graph::PictureOptions picture;
+};
 /// A model that clients talk to.
 struct ServeArguments {
   CompileOptions compile;
@@ -109,7 +121,7 @@ struct EmitArguments {
   Optimisation optimisation = Optimisation::O2;
   bool has_no_main = false;  // of the C++ in the directory
 };
-enum class GraphFormat : std::uint8_t { BySuffix, Dot, Json, Svg, Png };
+enum class GraphFormat : std::uint8_t { BySuffix, Dot, Json, Svg, Png, Html };
 struct GraphArguments {
   CompileOptions compile;
   std::string file;

@@ -206,7 +206,8 @@ class SceneBuilder {
       case PortRef::Kind::Connector: {
         const Connector& row = system_.connectors[ref.connector];
         const NetPlace inner = net_of_connector_[ref.connector.value];
-        const std::string& name = system_.connector_types[row.type].export_name;
+        // What connectors export often has one name for all; they have names of their own.
+        const std::string name = own_name(row.path, row.parent);
         if (inner.box == home) return {.net = inner.net};
         const u32 port = port_of(inner.box, key_in(inner.box, row.path), name);
         if (inner.net != kNoRow) scene_.boxes[inner.box].nets[inner.net].exit = port;
@@ -218,7 +219,7 @@ class SceneBuilder {
     if (is_new) {
       SceneNet net;
       net.kind = NetKind::Merged;
-      net.name = system_.choices[ref.choice].name;
+      net.name = key_in(home, system_.choices[ref.choice].name);
       for (const PortRef& port : system_.choices[ref.choice].ports) net.ends.push_back(resolve(port, home));
       found->second = add_net(home, std::move(net));
     }

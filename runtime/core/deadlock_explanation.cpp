@@ -356,6 +356,8 @@ class Story {
   };
 
   // Strongly connected components, then breadth first within the smallest.
+ public:
+  /// Atoms, each waits for the next one.
   std::vector<u32> shortest_cycle() {
     const u32 count = image_.atoms.size;
     WaitForGraph graph{tables_, wants_, std::vector<u32>(count, kNone), {}};
@@ -400,6 +402,7 @@ class Story {
     return best;
   }
 
+ private:
   const Core& core_;
   const Tables& tables_;
   const Image& image_;
@@ -422,5 +425,7 @@ class Story {
 std::string deadlock_story(const Core& core, std::uint64_t steps, std::uint64_t seed) {
   return Story(core).text(steps, seed);
 }
+
+std::vector<u32> deadlock_cycle(const Core& core) { return Story(core).shortest_cycle(); }
 
 }  // namespace bip::rt

@@ -1,6 +1,7 @@
 // Why a state is a deadlock, told to a person: who waits for whom, the shortest cycle if there is one.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "runtime/core/core.hpp"
 
@@ -8,5 +9,8 @@ namespace bip::rt {
 
 /// Several lines, the last with its newline. The state must have no candidate. Linear in the system.
 [[nodiscard]] std::string deadlock_story(const Core& core, std::uint64_t steps, std::uint64_t seed);
+
+/// Returns the atoms of a shortest cycle of that graph, each waits for the next one; empty if there is none.
+[[nodiscard]] std::vector<u32> deadlock_cycle(const Core& core);
 
 }  // namespace bip::rt

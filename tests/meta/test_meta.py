@@ -39,7 +39,7 @@ MAY_INCLUDE = {
     "exchange": ANALYSIS | {"exchange", "verify"},
     "library": LOWER | {"graph", "interp", "verify", "pipeline", "library"},
     "pipeline": LOWER | {"parse", "steps", "interp", "jit", "emit_cpp", "verify", "pipeline"},
-    "debug": LOWER | {"analysis", "verify", "debug"}, "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
+    "debug": LOWER | {"analysis", "verify", "debug"}, "view": LOWER | {"graph", "view"}, "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
     "runtime": {"runtime"},
 }
 VENDORS = {

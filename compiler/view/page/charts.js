@@ -1,0 +1,188 @@
+// What the run looks like over its steps: sequence chart, timeline of places, plot of data.
+"use strict";
+
+const SVG_NAMESPACE = "http://www.w3.org/2000/svg";
+
+function svgElement(name, attributes, text) {
+  const element = document.createElementNS(SVG_NAMESPACE, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  if (text !== undefined) element.textContent = text;
+  return element;
+}
+function clipped(text, most) {
+  return text.length > most ? text.slice(0, most - 1) + "…" : text;
+}
+
+/** Steps around the position: a column for each component, a line for each step. */
+function showSequence(panel, run, position, go) {
+  const rows = 40, first = Math.max(0, Math.min(position - rows / 2, run.length - rows)), last = Math.min(run.length, first + rows);
+  const atoms = [...new Set(run.steps.slice(first, last).flatMap((step) => step.parts.map(([atom]) => atom)))].sort((a, b) => a - b);
+  const left = 150, column = 110, row = 20, top = 26;
+  const svg = svgElement("svg", { class: "chart", width: left + column * atoms.length + 20, height: top + row * (last - first) + 10 });
+  const x = new Map(atoms.map((atom, k) => [atom, left + column * (k + 0.5)]));
+  for (const [atom, at] of x) {
+    svg.append(svgElement("text", { x: at, y: 14, "text-anchor": "middle", "font-weight": "bold" }, clipped(run.name(atom), 17)));
+    svg.append(svgElement("line", { class: "lifeline", x1: at, x2: at, y1: 20, y2: top + row * (last - first) }));
+  }
+  for (let k = first; k < last; ++k) {
+    const step = run.steps[k], y = top + row * (k - first) + row / 2, isNow = k + 1 === position;
+    const group = svgElement("g", { role: "button", "data-position": k + 1 });
+    group.append(svgElement("rect", { x: 0, y: y - row / 2, width: left + column * atoms.length + 20, height: row, fill: isNow ? "var(--mark)" : "transparent" }));
+    const name = step.connector < 0 ? step.text.split(" ")[0] : run.connectors[step.connector].replace(/^ROOT\./, "");
+    group.append(svgElement("text", { x: 4, y: y + 4 }, clipped("#" + k + " " + name, 24)));
+    const xs = step.parts.map(([atom]) => x.get(atom));
+    if (xs.length > 0) {
+      group.append(svgElement("line", { class: isNow ? "step-now" : "step", x1: Math.min(...xs), x2: Math.max(...xs), y1: y, y2: y }));
+      step.parts.forEach(([atom, port], part) => {
+        group.append(svgElement("circle", { cx: xs[part], cy: y, r: 4 }));
+        group.append(svgElement("text", { x: xs[part] + 7, y: y - 3, style: "font-size:9px" }, clipped(run.type(atom).ports[port], 16)));
+      });
+    }
+    group.addEventListener("click", () => go(k + 1));
+    svg.append(group);
+  }
+  panel.replaceChildren(svg);
+  svg.querySelector(`[data-position="${position}"]`)?.scrollIntoView({ block: "nearest" });
+}
+
+// Hues that differ for most eyes (after Okabe and Ito), lighter on dark screens.
+const PLACE_COLOURS = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#f0e442", "#0072b2", "#d55e00", "#999999"];
+
+/** A bar for each component: where it was when. Drawn on a canvas, so that thousands of stays are no burden. */
+class Timeline {
+  constructor(run, go) {
+    this.run = run;
+    this.go = go;
+    this.row = 18;
+    this.left = 150;
+  }
+  /** Steps, or time where the model has it. */
+  x(position) {
+    const whole = this.run.isTimed ? this.run.instant(this.run.length) : this.run.length;
+    const at = this.run.isTimed ? this.run.instant(position) : position;
+    return this.left + (whole === 0 ? 0 : (at / whole) * (this.width - this.left - 10));
+  }
+  show(panel, position, atoms) {
+    if (this.panel !== panel || !panel.contains(this.canvas) || this.width !== panel.clientWidth - 20 || this.atoms !== atoms.join()) this.draw(panel, atoms);
+    const line = this.cursor;
+    line.style.left = this.x(position) + 8 + "px";
+    line.setAttribute("aria-label", "position " + position);
+  }
+  draw(panel, atoms) {
+    this.panel = panel;
+    this.atoms = atoms.join();
+    this.width = Math.max(300, panel.clientWidth - 20);
+    const height = this.row * atoms.length + 22, ratio = devicePixelRatio || 1;
+    this.canvas = document.createElement("canvas");
+    this.canvas.width = this.width * ratio;
+    this.canvas.height = height * ratio;
+    this.canvas.style.cssText = `width:${this.width}px;height:${height}px;display:block;cursor:pointer`;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "places of " + atoms.length + " components over the run");
+    this.cursor = document.createElement("div");
+    this.cursor.style.cssText = `position:absolute;top:0;width:2px;height:${height}px;background:var(--now);pointer-events:none`;
+    const g = this.canvas.getContext("2d"), ink = getComputedStyle(document.body).color;
+    g.scale(ratio, ratio);
+    g.font = "11px Helvetica, Arial, sans-serif";
+    const stays = this.run.stays();
+    atoms.forEach((atom, k) => {
+      const y = this.row * k + 2, places = this.run.type(atom).places;
+      g.fillStyle = ink;
+      g.fillText(clipped(this.run.name(atom), 22), 2, y + 12);
+      stays[atom].forEach(([from, place], n) => {
+        const x0 = this.x(from), x1 = n + 1 < stays[atom].length ? this.x(stays[atom][n + 1][0]) : this.x(this.run.length);
+        if (x1 <= x0) return;
+        g.fillStyle = PLACE_COLOURS[Math.max(0, places.indexOf(place)) % PLACE_COLOURS.length];
+        g.fillRect(x0, y, Math.max(x1 - x0 - 0.5, 0.5), this.row - 4);
+        if (x1 - x0 > g.measureText(place).width + 6) {
+          g.fillStyle = "#111";
+          g.fillText(place, x0 + 3, y + 11);
+        }
+      });
+    });
+    g.fillStyle = ink;
+    for (let k = 0; k <= 4; ++k) {
+      const position = Math.round((this.run.length * k) / 4);
+      const text = this.run.isTimed ? timeText(this.run.instant(position)) : "#" + position;
+      g.fillText(text, Math.min(this.x(position), this.width - g.measureText(text).width), height - 6);
+    }
+    this.canvas.addEventListener("click", (event) => {
+      const x = event.clientX - this.canvas.getBoundingClientRect().left;
+      let low = 0, high = this.run.length;
+      while (low < high) {
+        const middle = (low + high) >> 1;
+        if (this.x(middle) < x) low = middle + 1;
+        else high = middle;
+      }
+      this.go(low);
+    });
+    panel.replaceChildren(this.canvas, this.cursor);
+  }
+}
+
+/** Numbers of the run as steps of a line; each variable has its own colour, all share the axes. */
+class Plot {
+  constructor(run) {
+    this.run = run;
+    this.chosen = null;
+  }
+  /** Variables with numbers that change: [atom, variable, name]. */
+  variables() {
+    if (this.found) return this.found;
+    const seen = new Set();
+    for (const step of this.run.steps) for (const [atom, , values] of step.changes) for (const [row, value] of values) if (!Number.isNaN(Number(value))) seen.add(atom + " " + row);
+    this.found = [...seen].map((key) => key.split(" ").map(Number)).sort((a, b) => a[0] - b[0] || a[1] - b[1])
+      .map(([atom, row]) => [atom, row, this.run.name(atom) + "." + this.run.type(atom).variables[row]]);
+    return this.found;
+  }
+  show(panel, position) {
+    const variables = this.variables();
+    if (variables.length === 0) return panel.replaceChildren("No number changes in this run.");
+    if (!this.chosen) this.chosen = new Set(variables.slice(0, 4).map((v) => v[2]));
+    const list = document.createElement("div");
+    for (const [, , name] of variables.slice(0, 200)) {
+      const label = document.createElement("label"), box = document.createElement("input");
+      box.type = "checkbox";
+      box.checked = this.chosen.has(name);
+      box.addEventListener("change", () => {
+        if (box.checked) this.chosen.add(name);
+        else this.chosen.delete(name);
+        this.show(panel, this.position);
+      });
+      const colour = PLACE_COLOURS[[...this.chosen].indexOf(name) % PLACE_COLOURS.length];
+      label.style.cssText = "margin-right:12px;white-space:nowrap;border-bottom:3px solid " + (box.checked ? colour : "transparent");
+      label.append(box, " " + name);
+      list.append(label);
+    }
+    list.style.cssText = "max-height:64px;overflow:auto";
+    this.position = position;
+    panel.replaceChildren(list, this.lines(panel, position, variables.filter((v) => this.chosen.has(v[2]))));
+  }
+  lines(panel, position, variables) {
+    const width = Math.max(300, panel.clientWidth - 24), height = Math.max(120, panel.clientHeight - 90), left = 60, bottom = 20;
+    const svg = svgElement("svg", { class: "chart", width, height, role: "img", "aria-label": "values of " + variables.map((v) => v[2]).join(", ") });
+    const series = variables.map(([atom, row]) => this.run.values(atom, row).map(([at, value]) => [at, Number(value)]).filter(([, value]) => Number.isFinite(value)));
+    let low = Infinity, high = -Infinity;
+    for (const points of series) for (const [, value] of points) (low = Math.min(low, value)), (high = Math.max(high, value));
+    if (low === Infinity) return svg;
+    if (low === high) high = low + 1;
+    const whole = this.run.isTimed ? this.run.instant(this.run.length) : this.run.length;
+    const x = (at) => left + ((this.run.isTimed ? this.run.instant(at) : at) / (whole || 1)) * (width - left - 10);
+    const y = (value) => height - bottom - ((value - low) / (high - low)) * (height - bottom - 12);
+    for (const part of [0, 0.5, 1]) {
+      const value = low + (high - low) * part;
+      svg.append(svgElement("line", { class: "axis", x1: left, x2: width - 10, y1: y(value), y2: y(value) }));
+      svg.append(svgElement("text", { x: left - 6, y: y(value) + 4, "text-anchor": "end" }, String(Number(value.toPrecision(6)))));
+      const at = Math.round(this.run.length * part);
+      svg.append(svgElement("text", { x: x(at), y: height - 5, "text-anchor": part === 0 ? "start" : part === 1 ? "end" : "middle" }, this.run.isTimed ? timeText(this.run.instant(at)) : "#" + at));
+    }
+    series.forEach((points, k) => {
+      if (points.length === 0) return;
+      let path = "";
+      points.forEach(([at, value], n) => (path += (n === 0 ? "M" + x(at) + " " + y(value) : "H" + x(at) + "V" + y(value))));
+      svg.append(svgElement("path", { d: path + "H" + x(this.run.length), fill: "none", "stroke-width": 2, stroke: PLACE_COLOURS[k % PLACE_COLOURS.length] }));
+    });
+    svg.append(svgElement("line", { class: "cursor", x1: x(position), x2: x(position), y1: 0, y2: height - bottom }));
+    return svg;
+  }
+}

@@ -1,0 +1,251 @@
+// The page: where in the run it is, which component is chosen, which panel is open.
+"use strict";
+
+const $ = (id) => document.getElementById(id);
+
+class Page {
+  constructor(data) {
+    this.data = data;
+    this.run = new Run(data);
+    this.position = 0;
+    this.atom = 0;
+    this.picture = new StructurePicture($("canvas"), this.run, (atom) => this.choose(atom));
+    this.timeline = new Timeline(this.run, (position) => this.go(position));
+    this.plot = new Plot(this.run);
+    this.filter = [];
+    $("model").textContent = data.title;
+    document.title = data.title + " – bipc";
+    this.panels = this.run.exists
+      ? [["State", (p) => this.showState(p)], ["Choices", (p) => this.showChoices(p)], ["Steps", (p) => this.showSteps(p)],
+         ["Sequence", (p) => showSequence(p, this.run, this.position, (k) => this.go(k))], ["Timeline", (p) => this.timeline.show(p, this.position, this.shownAtoms())],
+         ["Plot", (p) => this.plot.show(p, this.position)], ["End", (p) => this.showEnd(p)]]
+      : [["Components", (p) => this.showState(p)]];
+    this.open = 0;
+    this.makeTabs();
+    this.makeLevels();
+    this.bind();
+    // A run that ends badly is opened where it ends.
+    this.go(this.run.end && this.run.end.story ? this.run.length : 0);
+  }
+
+  makeTabs() {
+    this.panels.forEach(([name], k) => {
+      const tab = document.createElement("button");
+      tab.role = "tab";
+      tab.textContent = name;
+      tab.title = "(" + (k + 1) + ")";
+      tab.addEventListener("click", () => this.openPanel(k));
+      $("tabs").append(tab);
+    });
+  }
+  makeLevels() {
+    const levels = [...document.querySelectorAll("template[data-level]")];
+    levels.forEach((template, k) => $("levels").append(new Option(template.dataset.level, k)));
+    $("levels-label").hidden = levels.length < 2;
+    const show = (k) => {
+      this.picture.show(levels[k]);
+      if (this.state) this.render();
+    };
+    $("levels").addEventListener("change", () => show($("levels").value));
+    $("levels").value = this.data.level;
+    show(this.data.level);
+  }
+  bind() {
+    $("scrubber").max = this.run.length;
+    $("controls").hidden = !this.run.exists;
+    const on = (id, act) => $(id).addEventListener("click", act);
+    on("to-begin", () => this.go(0));
+    on("back", () => this.go(this.position - 1));
+    on("forward", () => this.go(this.position + 1));
+    on("to-end", () => this.go(this.run.length));
+    on("play", () => this.play());
+    on("to-choice", () => this.toChoice());
+    on("zoom-in", () => this.picture.zoom(1.3));
+    on("zoom-out", () => this.picture.zoom(1 / 1.3));
+    on("fit", () => this.picture.fit());
+    $("scrubber").addEventListener("input", () => this.go(Number($("scrubber").value)));
+    $("search").addEventListener("input", () => this.find($("search").value));
+    $("search").addEventListener("keydown", (event) => {
+      if (event.key === "Enter" && this.filter.length > 0) this.choose(this.filter[0]);
+      if (event.key === "Escape") {
+        $("search").value = "";
+        this.find("");
+        $("search").blur();
+      }
+    });
+    addEventListener("keydown", (event) => this.key(event));
+    addEventListener("resize", () => this.showPanel());
+  }
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.type === "search" || event.target.tagName === "SELECT") return;
+    const far = event.shiftKey ? 10 : 1;
+    const keys = {
+      ArrowLeft: () => this.go(this.position - far), ArrowRight: () => this.go(this.position + far), Home: () => this.go(0), End: () => this.go(this.run.length),
+      c: () => this.toChoice(), "/": () => $("search").focus(), "+": () => this.picture.zoom(1.3), "-": () => this.picture.zoom(1 / 1.3), 0: () => this.picture.fit(),
+    };
+    if (event.key === " " && event.target.tagName !== "BUTTON") keys[" "] = () => this.play();
+    this.panels.forEach((panel, k) => (keys[k + 1] = () => this.openPanel(k)));
+    if (!keys[event.key]) return;
+    event.preventDefault();
+    keys[event.key]();
+  }
+
+  go(position) {
+    this.position = Math.max(0, Math.min(this.run.length, position));
+    this.state = this.run.at(this.position);
+    this.render();
+  }
+  toChoice() {
+    const position = this.run.lastChoice(this.position);
+    if (position < 0) return;
+    this.openPanel(1);
+    this.go(position);
+  }
+  play() {
+    if (this.timer) {
+      clearInterval(this.timer);
+      this.timer = null;
+    } else {
+      if (this.position === this.run.length) this.go(0);
+      this.timer = setInterval(() => {
+        this.go(this.position + 1);
+        if (this.position === this.run.length) this.play();
+      }, 400);
+    }
+    $("play").setAttribute("aria-pressed", String(Boolean(this.timer)));
+  }
+  choose(atom) {
+    this.atom = atom;
+    this.render();
+    const box = this.picture.boxOfAtom.get(atom);
+    if (box) this.picture.reveal(box);
+  }
+  find(text) {
+    this.filter = this.picture.find(text);
+    this.isFiltered = text !== "";
+    $("found").textContent = text ? this.filter.length + " found" : "";
+    this.showPanel();
+  }
+  openPanel(k) {
+    this.open = k;
+    $("panel").replaceChildren();
+    $("panel").scrollTop = 0;
+    this.showPanel();
+  }
+  shownAtoms() {
+    return this.isFiltered ? this.filter : this.run.atoms.map((_, atom) => atom);
+  }
+
+  get step() {
+    return this.position > 0 ? this.run.steps[this.position - 1] : null;
+  }
+  get isAtEnd() {
+    return this.run.exists && this.position === this.run.length;
+  }
+  render() {
+    $("scrubber").value = this.position;
+    let where = "step " + this.position + " of " + this.run.length;
+    if (this.run.isTimed) where += ", " + timeText(this.run.instant(this.position));
+    $("where").textContent = where;
+    for (const id of ["to-begin", "back"]) $(id).disabled = this.position === 0;
+    for (const id of ["to-end", "forward"]) $(id).disabled = this.isAtEnd;
+    $("to-choice").disabled = this.run.lastChoice(this.position) < 0;
+    const cycle = this.isAtEnd && this.run.end ? this.run.end.cycle : [];
+    this.picture.mark(this.state, this.step, this.atom, cycle);
+    $("atom-name").textContent = this.run.name(this.atom) + " : " + this.run.type(this.atom).name;
+    showAutomaton($("automaton"), document.querySelector(`template[data-type="${this.run.atoms[this.atom][1]}"]`), this.run, this.atom, this.state, this.step);
+    this.showPanel();
+  }
+  showPanel() {
+    [...$("tabs").children].forEach((tab, k) => tab.setAttribute("aria-selected", String(k === this.open)));
+    this.panels[this.open][1]($("panel"));
+  }
+
+  // -- Panels --
+
+  /** A row for each component; what the last step changed is marked, with what it was. */
+  showState(panel) {
+    const before = this.position > 0 ? this.run.at(this.position - 1) : this.state;
+    const table = document.createElement("table");
+    table.innerHTML = "<thead><tr><th>component</th><th>type</th>" + (this.run.exists ? "<th>place</th><th>data</th>" : "") + "</tr></thead>";
+    const body = table.createTBody();
+    const value = (cell, text, old) => {
+      const span = document.createElement("span");
+      span.textContent = text;
+      cell.append(span);
+      if (text === old) return;
+      span.className = "changed";
+      const was = document.createElement("span");
+      was.className = "was";
+      was.textContent = " (" + old + ")";
+      cell.append(was);
+    };
+    for (const atom of this.shownAtoms().slice(0, 2000)) {
+      const row = body.insertRow(), type = this.run.type(atom);
+      row.classList.toggle("chosen", atom === this.atom);
+      const link = document.createElement("button");
+      link.className = "row-link";
+      link.textContent = this.run.name(atom);
+      link.addEventListener("click", () => this.choose(atom));
+      row.insertCell().append(link);
+      row.insertCell().textContent = type.name;
+      if (!this.run.exists) continue;
+      value(row.insertCell(), this.state.places[atom], before.places[atom]);
+      const data = row.insertCell();
+      this.state.data[atom].forEach((text, k) => {
+        if (k > 0) data.append(", ");
+        data.append(type.variables[k] + " = ");
+        value(data, text, before.data[atom][k]);
+      });
+    }
+    panel.replaceChildren(table);
+    panel.querySelector("tr.chosen")?.scrollIntoView({ block: "nearest" });
+  }
+  /** What is possible here; the one that the run takes leads on. */
+  showChoices(panel) {
+    const { texts, count } = this.run.choices(this.position), next = this.run.steps[this.position];
+    const list = document.createElement("div");
+    if (count === 0) list.textContent = "Nothing is possible here" + (next ? ": " + next.text : ".");
+    texts.forEach((text, k) => {
+      const line = document.createElement("div"), button = document.createElement("button");
+      button.className = "row-link";
+      button.textContent = "[" + k + "] " + text.replace(/\bROOT\./g, "");
+      const isTaken = next && next.text === text;
+      if (isTaken) button.classList.add("changed");
+      button.disabled = !isTaken;
+      button.title = isTaken ? "the run takes this one" : "another run: bipc step --trace TRACE --at " + this.position + ", then `c " + k + "`";
+      button.addEventListener("click", () => this.go(this.position + 1));
+      line.append(button);
+      list.append(line);
+    });
+    if (count > texts.length) list.append("… and " + (count - texts.length) + " more");
+    panel.replaceChildren(list);
+  }
+  showSteps(panel) {
+    const around = 200, first = Math.max(0, this.position - around), last = Math.min(this.run.length, this.position + around);
+    const table = document.createElement("table"), body = table.createTBody();
+    const add = (position, text) => {
+      const row = body.insertRow(), link = document.createElement("button");
+      row.classList.toggle("now", position === this.position);
+      link.className = "row-link";
+      link.textContent = text.replace(/\bROOT\./g, "");
+      link.addEventListener("click", () => this.go(position));
+      row.insertCell().textContent = position === 0 ? "" : "#" + (position - 1);
+      row.insertCell().append(link);
+      row.insertCell().textContent = position > 0 && this.run.isTimed ? timeText(this.run.instant(position)) : "";
+      row.insertCell().textContent = position > 0 ? this.run.steps[position - 1].line : "";
+      row.cells[3].className = "soft";
+    };
+    if (first === 0) add(0, "initial state");
+    for (let k = first; k < last; ++k) add(k + 1, this.run.steps[k].text);
+    panel.replaceChildren(table);
+    panel.querySelector("tr.now")?.scrollIntoView({ block: "nearest" });
+  }
+  showEnd(panel) {
+    const text = document.createElement("pre");
+    text.textContent = (this.run.end && this.run.end.story) || "The run was recorded up to here; it can go on.";
+    panel.replaceChildren(text);
+  }
+}
+
+addEventListener("DOMContentLoaded", () => (window.page = new Page(JSON.parse($("data").textContent))));

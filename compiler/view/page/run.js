@@ -1,0 +1,89 @@
+// The recorded run: its states, found by going on from the nearest kept one.
+"use strict";
+
+class Run {
+  static stride = 256;
+
+  constructor(data) {
+    this.atoms = data.atoms; // [path, type]
+    this.types = data.types;
+    this.connectors = data.connectors; // paths
+    const run = data.run;
+    this.steps = run ? run.steps.map(([connector, text, parts, changes, instant, line]) => ({ connector, text, parts, changes, instant, line })) : [];
+    this.candidates = run ? run.candidates : []; // by state: rows of names, or the number of all if there are more
+    this.names = run ? run.names : [];
+    this.end = run ? run.end : null;
+    this.isTimed = run ? run.timed : false;
+    this.exists = Boolean(run);
+    const first = { places: run ? run.places : data.atoms.map(() => ""), data: run ? run.data : data.atoms.map(() => []) };
+    this.kept = [first];
+    let state = this.copy(first);
+    this.steps.forEach((step, k) => {
+      this.apply(state, step);
+      if ((k + 1) % Run.stride === 0) this.kept.push(this.copy(state));
+    });
+  }
+
+  get length() {
+    return this.steps.length;
+  }
+  copy(state) {
+    return { places: state.places.slice(), data: state.data.map((row) => row.slice()) };
+  }
+  apply(state, step) {
+    for (const [atom, places, values] of step.changes) {
+      if (places !== null) state.places[atom] = places;
+      for (const [variable, value] of values) state.data[atom][variable] = value;
+    }
+  }
+  /** The state after so many steps. */
+  at(position) {
+    const kept = Math.floor(position / Run.stride);
+    const state = this.copy(this.kept[kept]);
+    for (let k = kept * Run.stride; k < position; ++k) this.apply(state, this.steps[k]);
+    return state;
+  }
+  type(atom) {
+    return this.types[this.atoms[atom][1]];
+  }
+  name(atom) {
+    return this.atoms[atom][0].replace(/^ROOT\./, "");
+  }
+  /** Texts of the state's candidates, and how many there are. */
+  choices(position) {
+    const entry = this.candidates[position] || { rows: [], count: 0 };
+    return { texts: entry.rows.map((row) => this.names[row]), count: entry.count };
+  }
+  /** The last state before here in which more than one thing could happen; -1: none. */
+  lastChoice(position) {
+    for (let k = Math.min(position, this.candidates.length) - 1; k >= 0; --k) if (this.candidates[k].count > 1) return k;
+    return -1;
+  }
+  /** For each atom: [first position, places] of each stay; made once. */
+  stays() {
+    if (this.madeStays) return this.madeStays;
+    const stays = this.kept[0].places.map((places) => [[0, places]]);
+    this.steps.forEach((step, k) => {
+      for (const [atom, places] of step.changes) if (places !== null) stays[atom].push([k + 1, places]);
+    });
+    return (this.madeStays = stays);
+  }
+  /** Values of a variable as [position, value]. */
+  values(atom, variable) {
+    const out = [[0, this.kept[0].data[atom][variable]]];
+    this.steps.forEach((step, k) => {
+      for (const [changed, , values] of step.changes)
+        if (changed === atom) for (const [row, value] of values) if (row === variable) out.push([k + 1, value]);
+    });
+    return out;
+  }
+  instant(position) {
+    return position === 0 ? 0 : this.steps[position - 1].instant;
+  }
+}
+
+/** "1.5ms" of nanoseconds, with six digits. */
+function timeText(ns) {
+  for (const [unit, size] of [["s", 1e9], ["ms", 1e6], ["us", 1e3]]) if (ns >= size) return Number((ns / size).toPrecision(6)) + unit;
+  return ns + "ns";
+}

@@ -1,0 +1,9 @@
+// The files of compiler/view/page, as the build has put them into the program (embed_page.cmake).
+#pragma once
+#include <string_view>
+
+namespace bip::view {
+
+extern const std::string_view k_page_html, k_page_css, k_run_js, k_picture_js, k_charts_js, k_page_js;
+
+}  // namespace bip::view

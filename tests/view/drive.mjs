@@ -1,0 +1,152 @@
+// Opens pages of `bipc view` in Chromium and uses them as a person does. Called by test_page.py:
+//     node drive.mjs CHROMIUM CASES.json FOLDER-OF-SCREENSHOTS
+// Prints a line for each case: "ok NAME" or "FAILED NAME: why".
+import { createRequire } from "node:module";
+import { readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const { chromium } = createRequire(pathToFileURL((process.env.NODE_PATH || "/usr/lib/node_modules").split(":")[0] + "/x.js"))("playwright-core");
+const [program, casesFile, screenshots] = process.argv.slice(2);
+const cases = JSON.parse(readFileSync(casesFile, "utf8"));
+const browser = await chromium.launch({ executablePath: program, args: ["--no-sandbox"] });
+
+function expect(is, what) {
+  if (!is) throw new Error(what);
+}
+const position = (page) => page.evaluate(() => window.page.position);
+const text = (page, selector) => page.textContent(selector);
+
+/** What holds on every page with a run: keys walk it, buttons and clicks do the same. */
+async function walk(page) {
+  const length = await page.evaluate(() => window.page.run.length);
+  expect(length > 0, "the run has no step");
+  await page.keyboard.press("Home");
+  expect((await position(page)) === 0, "Home does not go to the initial state");
+  expect((await page.locator("#back").isDisabled()), "there is no way back from the initial state");
+  await page.keyboard.press("ArrowRight");
+  expect((await position(page)) === 1, "the right arrow is no step");
+  expect((await page.locator(".fired").count()) > 0 || (await page.evaluate(() => window.page.step.connector < 0 || window.page.picture.nets.length === 0 || !window.page.picture.nets.some((n) => n.first <= window.page.step.connector && window.page.step.connector <= n.last))), "the step's connector is not marked");
+  await page.keyboard.press("ArrowLeft");
+  expect((await position(page)) === 0, "the left arrow is no step back");
+  const forward = await page.evaluate(() => {
+    // Each state that is reached forwards is reached backwards.
+    const p = window.page, seen = [], most = Math.min(p.run.length, 600);
+    for (let k = 0; k <= most; ++k) (p.go(k), seen.push(JSON.stringify(p.state)));
+    for (let k = most; k >= 0; --k) if ((p.go(k), JSON.stringify(p.state) !== seen[k])) return k;
+    return -1;
+  });
+  expect(forward === -1, "state " + forward + " is another one on the way back");
+  await page.keyboard.press("2");
+  const taken = page.locator("#panel button:not(:disabled)");
+  if ((await taken.count()) > 0) {
+    await taken.first().click();
+    expect((await position(page)) === 1, "a click on the candidate that the run takes does not take it");
+  }
+  for (const key of "1234567") {
+    await page.keyboard.press(key);
+    expect((await text(page, "#panel")) !== "" || (await page.locator("#panel canvas, #panel svg").count()) > 0, "panel " + key + " is empty");
+  }
+  await page.keyboard.press("5");
+  const bar = await page.locator("#panel canvas").boundingBox();
+  await page.mouse.click(bar.x + bar.width - 12, bar.y + 6);
+  expect((await position(page)) >= length - Math.max(2, length / 20), "a click on the timeline's end does not go there");
+  await page.keyboard.press("1");
+  await page.locator("#panel .row-link").nth(0).focus();
+  await page.keyboard.press("Enter");
+  expect((await page.evaluate(() => window.page.atom)) === 0, "Enter on a component does not choose it");
+  expect((await page.locator("#automaton [data-place]").count()) > 0, "no automaton is shown");
+  expect((await page.locator("#automaton .here").count()) > 0, "the automaton shows no current place");
+}
+
+/** Labels of the structure stay in their boxes with the browser's own fonts. */
+async function measure(page) {
+  const outside = await page.evaluate(() => {
+    const found = [];
+    for (const frame of document.querySelectorAll("#canvas .atom > .frame, #canvas .closed > .frame")) {
+      const box = frame.getBBox();
+      for (const label of frame.parentNode.querySelectorAll(":scope > text")) {
+        const b = label.getBBox();
+        if (b.x < box.x - 1 || b.x + b.width > box.x + box.width + 1) found.push(label.textContent);
+      }
+    }
+    return found;
+  });
+  expect(outside.length === 0, "labels outside of their boxes: " + outside.slice(0, 5).join(", "));
+}
+
+const actions = {
+  walk,
+  measure,
+  /** The deadlock of the philosophers, opened at its end and walked back to the last state with a choice. */
+  async deadlock(page) {
+    expect((await position(page)) === (await page.evaluate(() => window.page.run.length)), "the page does not open at the deadlock");
+    expect((await page.locator("#waits path.waits").count()) > 2, "the cycle is not drawn");
+    expect((await page.locator("#canvas .stuck").count()) > 2, "who waits is not marked");
+    await page.keyboard.press("7");
+    expect((await text(page, "#panel")).includes("cycle: "), "the story of the deadlock is missing");
+    await page.keyboard.press("c");
+    const here = await position(page);
+    expect(here < (await page.evaluate(() => window.page.run.length)), "c does not go back");
+    expect((await page.locator("#panel .row-link").count()) > 1, "there is no other choice where c leads");
+    expect((await page.locator("#panel .row-link:not(:disabled)").count()) === 1, "the choice of the run is not the only one to click");
+    expect((await page.locator("#waits path.waits").count()) === 0, "the cycle is still drawn");
+  },
+  async search(page, wanted) {
+    await page.keyboard.press("/");
+    await page.keyboard.type(wanted);
+    expect((await page.locator("#canvas .found").count()) > 0, "nothing is found");
+    await page.keyboard.press("Enter");
+    expect((await text(page, "#atom-name")).toLowerCase().includes(wanted), "Enter does not choose what was found");
+    await page.keyboard.press("Escape");
+  },
+  async plot(page) {
+    await page.keyboard.press("6");
+    expect((await page.locator("#panel svg path").count()) > 0, "nothing is plotted");
+  },
+  async levels(page) {
+    const count = await page.locator("#levels option").count();
+    expect(count > 1, "there is one level only");
+    const boxes = new Set();
+    for (let k = 0; k < count; ++k) {
+      await page.selectOption("#levels", String(k));
+      boxes.add(await page.locator("#canvas [data-path]").count());
+    }
+    expect(boxes.size > 1, "all levels show the same");
+    await page.selectOption("#levels", "0");
+  },
+  async key(page, wanted) {
+    await page.keyboard.press(wanted);
+  },
+};
+
+let failed = 0;
+for (const { name, file, dark, steps, most } of cases) {
+  const context = await browser.newContext({ viewport: { width: 1400, height: 900 }, colorScheme: dark ? "dark" : "light" });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("request", (request) => request.url().startsWith("file:") || complaints.push("asks for " + request.url()));
+  try {
+    await page.goto(pathToFileURL(file).href);
+    const paint = await page.evaluate(() => new Promise((done) => {
+      const wait = () => {
+        const paints = performance.getEntriesByName("first-contentful-paint");
+        paints.length > 0 && window.page ? done(paints[0].startTime) : setTimeout(wait, 20);
+      };
+      wait();
+    }));
+    expect(paint < most, "the first paint takes " + Math.round(paint) + " ms");
+    for (const [action, argument] of steps) await actions[action](page, argument);
+    await page.screenshot({ path: screenshots + "/" + name + ".png" });
+    expect(complaints.length === 0, complaints.join("; "));
+    console.log("ok " + name + " (first paint " + Math.round(paint) + " ms)");
+  } catch (error) {
+    ++failed;
+    console.log("FAILED " + name + ": " + String(error.message).split("\n").slice(0, 3).join(" "));
+    await page.screenshot({ path: screenshots + "/" + name + ".png" });
+  }
+  await context.close();
+}
+await browser.close();
+process.exit(failed ? 1 : 0);

@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Uses pages of `bipc view` in headless Chromium: keys, clicks, a deadlock walked back, the rover with its rules.
+
+    tests/view/test_page.py [part of a case's name ...]
+
+Needs a built bipc ($BIPC or build/bipc), chromium (Debian), node, and playwright-core of npm (`npm install
+playwright-core`; $NODE_PATH, else the global folder, has it). Without them the pages are only made, and the line
+`skipped: ...` says what is missing. Screenshots are left in the build folder, in `pages/`.
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from html.parser import HTMLParser
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
+BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+MODELS = ROOT / "models"
+DALA = MODELS / "dala"
+
+# (name, commands that make PAGE, what is done with it, ms until the first paint)
+CASES = [
+    ("philosophers_deadlock", ["verify --trace {dir}/dead.json {models}/classic/philosophers.bip", "view --trace {dir}/dead.json {models}/classic/philosophers.bip -o {page}"],
+     [["deadlock"], ["walk"], ["measure"], ["key", "End"], ["key", "7"]], 2000),
+    ("philosophers_folded", ["view --root Table(1000) --steps 100 {models}/classic/philosophers.bip -o {page}"], [["walk"], ["measure"], ["key", "5"]], 2000),
+    ("train_gate", ["view --steps 200 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["plot"], ["measure"], ["key", "5"]], 2000),
+    ("train_gate_dark", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["key", "4"]], 2000),
+    ("tutorial_compounds", ["view --steps 50 {models}/tutorial/step6_compounds.bip -o {page}"], [["walk"], ["search", "worker"], ["levels"], ["measure"], ["key", "1"]], 2000),
+    ("structure_alone", ["graph {models}/tutorial/step6_compounds.bip -o {page}"], [["search", "worker"], ["measure"]], 2000),
+    ("dala", ["rules {rules}", "view --steps 300 {dir}/dala.bip -o {page}"], [["walk"], ["search", "ndd"], ["levels"], ["key", "5"]], 2000),
+]
+
+
+def run(arguments, **names):
+    words = [word.format(**names) for word in arguments.split(" ")]
+    if words[0] == "rules":
+        words = ["rules", str(DALA / "dala.rules"), "--yields", str(DALA / "dala.yields"), "-o", f"{names['dir']}/dala.bip"]
+    return words, subprocess.run([BIPC, *words], capture_output=True, text=True, timeout=300)
+
+
+class Check(HTMLParser):
+    """What can be said of a page without a browser: it asks for nothing, and its scripts are as many as ours."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.problems, self.scripts, self.data = [], 0, None
+        self.is_data = False
+        self.feed(text)
+        if self.scripts != 5:
+            self.problems.append(f"{self.scripts} scripts instead of 5: something in the model became markup")
+
+    def handle_starttag(self, tag, attributes):
+        self.scripts += tag == "script"
+        self.is_data = ("id", "data") in attributes
+        for key, value in attributes:
+            if key in ("src", "href") or (value or "").startswith(("http:", "javascript:")) or key.startswith("on"):
+                self.problems.append(f"<{tag} {key}={value}>" if key != "xmlns" else "")
+        self.problems = [p for p in self.problems if p]
+
+    def handle_data(self, text):
+        if self.is_data and self.data is None:
+            self.data = json.loads(text)
+
+
+ODD = '''package odd
+  port type Signal()
+  atom type Lone()
+    data string text = "</script><script>alert(1)</script><!--"
+    export port Signal p()
+    place HERE
+    initial to HERE
+    on p from HERE to HERE do { text = "<img src=x onerror=alert(1)>"; }
+  end
+  connector type One(Signal a) define a end
+  compound type Root()
+    component Lone a()
+    connector One k(a.p)
+  end
+end
+'''
+
+
+def browser():
+    """(chromium, environment), or the reason why there is none."""
+    program = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
+    if program is None:
+        return None, "no chromium: pages are not opened (Debian: chromium)"
+    if shutil.which("node") is None:
+        return None, "no node: pages are not opened"
+    folder = os.environ.get("NODE_PATH") or subprocess.run(["npm", "root", "-g"], capture_output=True, text=True).stdout.strip()
+    if not (pathlib.Path(folder.split(":")[0] or "/nowhere") / "playwright-core").exists():
+        return None, "no playwright-core: pages are not opened (npm install playwright-core, and NODE_PATH)"
+    return program, {**os.environ, "NODE_PATH": folder}
+
+
+def main():
+    wanted = sys.argv[1:]
+    passed, failed, cases = 0, 0, []
+    screenshots = BUILD / "pages"
+    screenshots.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        odd = pathlib.Path(folder) / "odd.bip"
+        odd.write_text(ODD, encoding="utf-8")
+        made = [("odd", [f"view --steps 3 {odd} -o {{page}}"], [["walk"]], 2000)] + CASES
+        for name, commands, steps, most in made:
+            if wanted and not any(part in name for part in wanted):
+                continue
+            page = pathlib.Path(folder) / f"{name}.html"
+            problems = []
+            for command in commands:
+                words, done = run(command, dir=folder, models=MODELS, page=page, rules=DALA)
+                if done.returncode != (3 if words[0] == "verify" else 0):
+                    problems.append(f"bipc {' '.join(words)}: exit code {done.returncode}\n{done.stderr[-400:]}")
+            if page.exists():
+                text = page.read_text(encoding="utf-8")
+                problems += Check(text).problems
+                _, done = run(commands[-1], dir=folder, models=MODELS, page=page, rules=DALA)
+                if page.read_text(encoding="utf-8") != text:
+                    problems.append("the same run gives another page")
+            elif not problems:
+                problems.append("no page")
+            passed, failed = (passed, failed + 1) if problems else (passed + 1, failed)
+            for problem in problems:
+                print(f"FAILED {name}: {problem}")
+            cases.append({"name": name, "file": str(page), "dark": name.endswith("_dark"), "steps": steps, "most": most})
+        program, environment = browser()
+        if program is None:
+            print(f"skipped: {environment}")
+        elif cases and not failed:
+            listed = pathlib.Path(folder) / "cases.json"
+            listed.write_text(json.dumps(cases), encoding="utf-8")
+            done = subprocess.run(["node", str(HERE / "drive.mjs"), program, str(listed), str(screenshots)], env=environment, capture_output=True, text=True, timeout=600)
+            lines = re.findall(r"^(ok|FAILED) .*", done.stdout, re.M)
+            bad = sum(line == "FAILED" for line in lines) + (len(lines) != len(cases))
+            print(done.stdout.rstrip() + done.stderr[-2000:])
+            passed, failed = passed + sum(line == "ok" for line in lines), failed + bad
+    print(f"view: {passed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
