@@ -126,7 +126,7 @@ def groups(options):
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
         # A sanitized build cannot be installed.
         *([("package", [script("package", "tests/package/test_package.py", weight=25)])] if not is_sanitized() else []),
-        ("python", [script("python", "tests/python/test_python.py", alone=True)]),
+        ("python", [script("python", "tests/python/test_python.py", alone=True), script("notebooks", "tests/python/test_notebooks.py", alone=True)]),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("graph", [script("graph", "tests/graph/test_pictures.py", weight=5)]),
         ("view", [script("view", "tests/view/test_page.py", alone=True)]),

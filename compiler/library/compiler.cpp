@@ -308,7 +308,14 @@ std::string Model::graph(GraphFormat format, GraphPart part) const {
                            : part == GraphPart::Structure ? graph::Show::Structure
                                                           : graph::Show::Automata;
   const System& system = *impl_->compilation.system;
-  return format == GraphFormat::Dot ? graph::dot(system, show) : graph::json(system, show);
+  switch (format) {
+    case GraphFormat::Dot: return graph::dot(system, show);
+    case GraphFormat::Json: return graph::json(system, show);
+    case GraphFormat::Svg: break;
+  }
+  graph::PictureOptions options;
+  options.show = show;
+  return graph::svg(system, options);
 }
 
 std::string Model::system_text() const { return system::print(*impl_->compilation.system); }

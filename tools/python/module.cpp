@@ -405,11 +405,13 @@ PYBIND11_MODULE(_bipc, m) {
            })
       .def("_graph",
            [](PyModel& p, const std::string& format, const std::string& part) {
-             if (format != "dot" && format != "json")
-               throw py::value_error("format: dot or json, not `" + format + "`");
+             if (format != "dot" && format != "json" && format != "svg")
+               throw py::value_error("format: svg, dot or json, not `" + format + "`");
              if (part != "all" && part != "structure" && part != "automata")
                throw py::value_error("part: all, structure or automata, not `" + part + "`");
-             return p.model->graph(format == "dot" ? bc::GraphFormat::Dot : bc::GraphFormat::Json,
+             return p.model->graph(format == "dot"    ? bc::GraphFormat::Dot
+                                   : format == "json" ? bc::GraphFormat::Json
+                                                      : bc::GraphFormat::Svg,
                                    part == "all"         ? bc::GraphPart::All
                                    : part == "structure" ? bc::GraphPart::Structure
                                                          : bc::GraphPart::Automata);

@@ -157,5 +157,6 @@ TEST_CASE("pictures and the system's text", "[library]") {
   REQUIRE(result.model != nullptr);
   CHECK(result.model->graph().find("digraph bip") != std::string::npos);
   CHECK(result.model->graph(bc::GraphFormat::Json, bc::GraphPart::Structure).front() == '{');
+  CHECK(result.model->graph(bc::GraphFormat::Svg).starts_with("<svg "));
   CHECK(result.model->system_text().rfind("(bsys 1)", 0) == 0);
 }

@@ -11,8 +11,6 @@ Ctrl-C ends it. numpy and pandas are used where they are installed, and not need
 """
 import html
 import os
-import shutil
-import subprocess
 
 from . import _bipc
 from ._bipc import Counterexample, CounterexampleStep, Diagnostic, Exploration, Snapshot, Verdict, __version__
@@ -139,25 +137,15 @@ class Model:
         return self._model._verify(property, partial, timeout, megabytes, certificate, explain)
 
     def graph(self, format="dot", part="all"):
-        """The system as "dot" or "json"; part: "all", "structure" (components and connectors) or "automata"."""
+        """The system as "svg", "dot" or "json"; part: "all", "structure" (components and connectors) or "automata"."""
         return self._model._graph(format, part)
 
     def svg(self, part="all"):
-        """The picture as SVG, drawn by the program `dot` of Graphviz; None if it is not installed."""
-        program = shutil.which("dot")
-        if program is None:
-            return None
-        return subprocess.run([program, "-Tsvg"], input=self.graph("dot", part), capture_output=True, text=True, check=True).stdout
+        """The picture of `bipc graph -o x.svg`."""
+        return self.graph("svg", part)
 
     def _repr_svg_(self):
         return self.svg()
-
-    def _repr_html_(self):
-        if shutil.which("dot"):
-            return None  # the SVG is shown
-        rows = "".join(f"<li><code>{html.escape(path)}</code></li>" for path in self.components[:_SHOWN])
-        more = len(self.components) - _SHOWN
-        return f"<b>{html.escape(self.root)}</b><ul>{rows}</ul>" + (f"<p>… and {more} more</p>" if more > 0 else "")
 
     def __repr__(self):
         return f"<bipc.Model {self.root} of {self.path}, {len(self.components)} components>"

@@ -110,7 +110,7 @@ struct Verdict {
   std::vector<Diagnostic> diagnostics;
 };
 
-enum class GraphFormat : std::uint8_t { Dot, Json };
+enum class GraphFormat : std::uint8_t { Dot, Json, Svg };
 enum class GraphPart : std::uint8_t { All, Structure, Automata };
 
 /// A model that was compiled: its texts, its system and, once it is asked for, its code.
@@ -140,7 +140,7 @@ class Model {
   [[nodiscard]] Exploration explore(const ExploreOptions& options = {});
   /// Decides a property. Compiles the same texts anew, so that the model stays as it is.
   [[nodiscard]] Verdict verify(const VerifyOptions& options = {}) const;
-  /// Returns the system as a picture for Graphviz or as JSON.
+  /// Returns the system as text for Graphviz, as JSON, or as a picture.
   [[nodiscard]] std::string graph(GraphFormat format = GraphFormat::Dot, GraphPart part = GraphPart::All) const;
   /// Returns the system in its text form, .bsys, which certcheck reads beside a certificate.
   [[nodiscard]] std::string system_text() const;
