@@ -139,9 +139,7 @@ struct AtomBuilder {
         });
         if (clock != decl.clocks.end())
           b.diags.report(Diag::kB1610, var.range, port.name, var.text).label(clock->range, "declared here");
-        else
-          help_similar(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var.text, var.range,
-                       known);
+        else help_data(b.diags.report(Diag::kB2001, var.range, port.name, var.text, scope.owner), var, known);
         port.variables.push_back(0);
         sound = false;
         shown.push_back({std::string(var.text), Type::Int, {}});
@@ -166,6 +164,30 @@ struct AtomBuilder {
     out.ports.push_back(std::move(port));
   }
 
+  static void help_data(DiagnosticBuilder d, const syntax::Name& var, const std::vector<std::string>& known) {
+    help_similar(d, var.text, var.range, known);
+    std::string list;
+    for (const std::string& name : known) list += (list.empty() ? "`" : ", `") + name + "`";
+    if (!list.empty() && known.size() <= 8 && similar_names(var.text, known).empty()) d.note("its data: " + list);
+  }
+
+  // The atom's data whose types fit, in their order.
+  void help_variables(DiagnosticBuilder d, const PortType& wanted, const syntax::PortItem& item) {
+    std::string list;
+    std::size_t next = 0;
+    for (const Variable& variable : wanted.variables) {
+      while (next < out.variables.size() && (out.variables[next].is_param || out.variables[next].type != variable.type))
+        ++next;
+      if (next == out.variables.size()) return;
+      list += (list.empty() ? "" : ", ") + out.variables[next++].name;
+    }
+    const std::string_view text = b.model.sources->text(item.name.range.file);
+    std::uint32_t end = item.name.range.end;
+    if (item.has_vars) end = static_cast<std::uint32_t>(std::min(text.find(')', end), text.size() - 1) + 1);
+    d.help(fmt::format("name the data that it shows, such as `{}({})`", item.name.text, list),
+           {item.name.range.file, item.name.range.end, end}, "(" + list + ")");
+  }
+
   void check_variables(const Port& port, const std::vector<Variable>& given, const syntax::PortItem& item,
                        const syntax::TypeRef& type) {
     const PortType& wanted = b.model.port_types[port.type];
@@ -179,10 +201,11 @@ struct AtomBuilder {
           .help(fmt::format("declare `const` what the port shows: `port type {}(const …)`", b.text(type.name)));
     }
     if (wanted.variables.size() != given.size()) {
-      b.diags
-          .report(Diag::kB2003, item.name.range, port.name, counted(given.size(), "variable"), wanted.name,
-                  wanted.variables.size())
-          .label(b.declared(wanted.name), "declared here");
+      auto d = b.diags
+                   .report(Diag::kB2003, item.name.range, port.name, counted(given.size(), "variable"), wanted.name,
+                           wanted.variables.size())
+                   .label(b.declared(wanted.name), "declared here");
+      help_variables(d, wanted, item);
       return;
     }
     for (std::size_t i = 0; i < given.size(); ++i) {

@@ -89,8 +89,10 @@ void CompoundBuilder::pattern(const syntax::InteractionPattern& p, PatternPath& 
   if (it == connectors.end() || p.connector.parts.size() != 1) {
     std::vector<std::string> known;
     for (const auto& [name, family] : connectors) known.push_back(name);
-    help_similar(b.diags.report(Diag::kB3001, p.connector.range, b.text(p.connector), out.name), part.name.text,
-                 p.connector.range, known);
+    auto d = b.diags.report(Diag::kB3001, p.connector.range, b.text(p.connector), out.name);
+    help_similar(d, part.name.text, p.connector.range, known);
+    if (p.connector.parts.size() > 1 || components.contains(std::string(part.name.text)))
+      d.note("a priority of a compound orders connectors: `priority NAME c < d`, or their interactions: `c:a.p < d:*`");
     return;
   }
   row.connector.family = it->second;

@@ -194,7 +194,7 @@ struct BodyBuilder {
     }
     for (const std::uint32_t param : rows->second) {
       if (seen[param].is_valid()) {
-        b.diags.report(Diag::kB2006, e.range, key).label(seen[param], "here first");
+        b.diags.report(Diag::kB2006, e.range, key).label(seen[param], "here first").help("leave it out", e.range, "");
         return;
       }
       BIP_ASSERT(param < out.params.size() && parent < out.define.size(), "parameter {} below node {}", param, parent);
@@ -202,6 +202,15 @@ struct BodyBuilder {
       out.define[parent].children.push_back(static_cast<std::uint32_t>(out.define.size()));
       out.define.push_back({.is_leaf = true, .trigger = e.trigger, .param = param, .children = {}});
     }
+  }
+
+  // `up` becomes `down`; the word stands before the block.
+  void help_up(DiagnosticBuilder d, SourceRange block) {
+    const std::string_view before = b.model.sources->text(block.file).substr(0, block.begin);
+    const std::size_t end = before.find_last_not_of(" \t\n\r");
+    if (end == std::string_view::npos || end == 0 || before.substr(end - 1, 2) != "up") return;
+    const auto at = static_cast<std::uint32_t>(end);
+    d.help("write `down`, or export a port", {block.file, at - 1, at + 1}, "down");
   }
 
   void add_node(const syntax::PortExpr& e, std::uint32_t parent) {
@@ -230,7 +239,11 @@ struct BodyBuilder {
     }
     if (has_errors()) return;
     for (std::size_t p = 0; p < seen.size(); ++p) {
-      if (!seen[p].is_valid()) b.diags.report(Diag::kB2008, body.define->range, out.params[p].name);
+      if (seen[p].is_valid()) continue;
+      const SourceRange end{body.define->range.file, body.define->range.end, body.define->range.end};
+      b.diags.report(Diag::kB2008, body.define->range, out.params[p].name)
+          .help(fmt::format("add `{}`, or leave it out of the connector's ports", out.params[p].name), end,
+                " " + out.params[p].name);
     }
     if (body.resume.text == "sync") out.resume = ResumeMode::Sync;
     if (!body.resume.text.empty() && out.exports)
@@ -268,8 +281,13 @@ struct BodyBuilder {
       if (body.define != nullptr) d.label(body.define->range, "the interactions are given here");
       const bool has_triggers = std::any_of(out.define[0].children.begin(), out.define[0].children.end(),
                                             [&](std::uint32_t child) { return out.define[child].trigger; });
-      d.help(has_triggers ? "an interaction holds at least one trigger, marked `'`"
-                          : "without a trigger, marked `'`, all take part together");
+      if (has_triggers) {
+        d.help("an interaction holds at least one trigger, marked `'`");
+      } else {
+        std::string all;
+        for (const ConnectorParam& param : out.params) all += (all.empty() ? "" : ", ") + param.name;
+        d.help("without a trigger, marked `'`, all take part together", at, all);
+      }
       return;
     }
     const auto [first, is_new] = given.try_emplace(interaction_text(out, row.params), at);
@@ -278,8 +296,7 @@ struct BodyBuilder {
       return;
     }
     if (c.up.present && !out.exports && c.up.stmts.empty()) b.diags.report(Diag::kB2038, c.up.range);
-    else if (c.up.present && !out.exports)
-      b.diags.report(Diag::kB2012, c.up.range).help("write `down`, or export a port");
+    else if (c.up.present && !out.exports) help_up(b.diags.report(Diag::kB2012, c.up.range), c.up.range);
     if (c.action.present && out.exports)
       b.diags.report(Diag::kB2013, c.action.range)
           .help("write `up { … }` for what the exported port shows, `down { … }` for the transfer");
@@ -291,7 +308,7 @@ struct BodyBuilder {
     CodeBuilder guard(b.model, b.diags, guard_scope);
     guard.set_const_calls();
     row.guard = guard.guard(c.guard);
-    row.up = up.block(c.up.stmts);
+    if (out.exports) row.up = up.block(c.up.stmts);
     row.down = down.block(c.down.present ? c.down.stmts : c.action.stmts);
     // What exports no port has no `up`: nobody sees its data before `down`.
     if (out.exports) row.up = after_inits(row.up);

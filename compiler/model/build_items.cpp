@@ -2,20 +2,9 @@
 #include <algorithm>
 
 #include "compiler/model/compound_builder.hpp"
+#include "compiler/model/suggest.hpp"
 
 namespace bip::model {
-
-namespace {
-
-// Data that instances initialise are hidden parameters "initial x", parameters that actions assign "given x".
-std::string_view shown(std::string_view param) {
-  for (const std::string_view hidden : {"initial ", "given "}) {
-    if (param.starts_with(hidden)) return param.substr(hidden.size());
-  }
-  return param;
-}
-
-}  // namespace
 
 CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
   CompoundItem row{.range = i.range,
@@ -97,10 +86,10 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
       if (k >= params.size()) continue;
     } else {
       const std::string name(arg.name.text);
-      while (k < params.size() && shown(params[k]->name) != name) ++k;
+      while (k < params.size() && shown_name(params[k]->name) != name) ++k;
       if (k == params.size()) {
         std::vector<std::string> known;
-        for (const DataVariable* s : params) known.emplace_back(shown(s->name));
+        for (const DataVariable* s : params) known.emplace_back(shown_name(s->name));
         auto d = b.diags.report(Diag::kB1032, arg.name.range, what, name);
         if (!known.empty()) d.note(fmt::format("its parameters: {}", quoted_list(known)));
         help_similar(d, name, arg.name.range, known);
@@ -110,22 +99,28 @@ std::vector<ExprId> CompoundBuilder::arguments(const syntax::CompoundItem& i, co
       }
     }
     if (given[k].is_valid()) {
-      b.diags.report(Diag::kB1033, arg.value->range, shown(params[k]->name)).label(given[k], "given here");
+      b.diags.report(Diag::kB1033, arg.value->range, shown_name(params[k]->name)).label(given[k], "given here");
       sound = false;
     }
     given[k] = arg.value->range;
-    args[k] = code.expr_as(arg.value, params[k]->type, fmt::format("argument `{}`", shown(params[k]->name)));
+    args[k] = code.expr_as(arg.value, params[k]->type, fmt::format("argument `{}`", shown_name(params[k]->name)));
   }
   const std::size_t required = static_cast<std::size_t>(std::count_if(
       params.begin(), params.end(), [](const DataVariable* s) { return !s->name.starts_with("initial "); }));
   const bool all_given = std::all_of(args.begin(), args.begin() + static_cast<std::ptrdiff_t>(required),
                                      [](ExprId a) { return a.is_valid(); });
-  if (sound && (positional > params.size() || !all_given)) {
-    b.diags
-        .report(
-            Diag::kB1015, i.name.range, counted(i.args.size(), "argument"), what,
-            required == params.size() ? fmt::format("{}", required) : fmt::format("{} to {}", required, params.size()))
-        .label(b.declared(i.type.name), "declared here");
+  const bool is_known = family.atom.is_valid() || family.compound.is_valid();
+  if (sound && is_known && (positional > params.size() || !all_given)) {
+    std::vector<const DataVariable*> wanted(params.begin(), params.begin() + static_cast<std::ptrdiff_t>(required));
+    std::vector<SourceRange> ranges;
+    for (const syntax::NamedArg& arg : i.args) ranges.push_back(arg.value->range);
+    auto d = b.diags
+                 .report(Diag::kB1015, i.name.range, counted(i.args.size(), "argument"), what,
+                         required == params.size() ? fmt::format("{}", required)
+                                                   : fmt::format("{} to {}", required, params.size()))
+                 .label(b.declared(i.type.name), "declared here");
+    if (positional > params.size()) wanted = params;
+    if (positional == i.args.size() && i.index == nullptr) help_arguments(d, b.model, wanted, i.name.range, ranges);
   }
   for (std::size_t k = 0; k < args.size(); ++k) {
     if (!args[k].is_valid()) args[k] = b.initial_value(family, params[k]->name, params[k]->type);
@@ -191,8 +186,17 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
     const ConnectorType& type = b.model.connector_types[row.type];
     check_same_export(i, type, out.connectors[row.family]);
     if (!row.has_star && type.params.size() != i.ports.size()) {
-      b.diags.report(Diag::kB2022, i.name.range, counted(i.ports.size(), "port"), type.name, type.params.size())
-          .label(b.declared(type.name), "declared here");
+      auto d =
+          b.diags.report(Diag::kB2022, i.name.range, counted(i.ports.size(), "port"), type.name, type.params.size())
+              .label(b.declared(type.name), "declared here");
+      for (std::size_t k = i.ports.size(); k < type.params.size(); ++k)
+        d.note(fmt::format("`{}` is not bound; it is {}", type.params[k].name,
+                           port_type_text(b.model, type.params[k].type)));
+      if (i.ports.size() > type.params.size() && !type.params.empty()) {
+        const SourceRange surplus{i.name.range.file, i.ports[type.params.size() - 1].range.end,
+                                  i.ports.back().range.end};
+        d.help(fmt::format("leave `{}` out", b.model.sources->text(surplus)), surplus, "");
+      }
     } else if (!row.has_star && sound) {
       for (std::size_t k = 0; k < i.ports.size(); ++k) {
         const ConnectorParam& param = type.params[k];

@@ -8,6 +8,7 @@
 #include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/model/packages.hpp"
+#include "compiler/model/suggest.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
@@ -108,8 +109,10 @@ ExprId CodeBuilder::expr_as(const syntax::Expr* e, Type type, const std::string&
   if (!v) return poison(type);
   const Typed converted = convert(*v, type);
   if (converted.type != type) {
-    diags_.report(Diag::kB1010, e->range, what, model_.code.type_name(type), model_.code.type_name(converted.type))
-        .label(fmt::format("this is {}", model_.code.type_name(v->type)));
+    auto d =
+        diags_.report(Diag::kB1010, e->range, what, model_.code.type_name(type), model_.code.type_name(converted.type))
+            .label(fmt::format("this is {}", model_.code.type_name(v->type)));
+    help_wrong_type(d, *model_.sources, *e, type, v->type);
     return poison(type);
   }
   return converted.id;
@@ -185,8 +188,9 @@ const Binding* CodeBuilder::find(const syntax::Path& p, Lookup lookup) {
         return d.help(fmt::format("`{}` is a variable of a port", name), p.range, name), nullptr;
     }
   }
-  for (const std::string& name : similar_names(key, known))
-    d.help(fmt::format("`{}` has a similar name", name), p.range, name);
+  const std::vector<std::string> similar = similar_names(key, known);
+  for (const std::string& name : similar) d.help(fmt::format("`{}` has a similar name", name), p.range, name);
+  if (similar.empty()) help_unknown_name(d, model_, p, key, known);
   return nullptr;
 }
 
@@ -220,6 +224,16 @@ std::optional<Typed> CodeBuilder::type_error(const syntax::Expr* e, const syntax
   auto report = diags_.report(Diag::kB1013, at->range, op, wants, name_of(got));
   report.label(fmt::format("this is {}", name_of(got)));
   if (!help.empty()) report.help(std::string(help));
+  const std::string text(model_.sources->text(at->range));
+  const bool is_condition = got == Type::Bool && e->kind == ExprKind::Binary;
+  if (is_condition && (op == "&" || op == "|")) {
+    const std::string twice = std::string(op) + std::string(op);
+    report.help(fmt::format("conditions are joined by `{}`", twice), e->op_range, twice);
+  } else if (got == Type::Int && e->kind == ExprKind::Unary && op == "!") {
+    report.help(fmt::format("write `{} == 0`", text), e->range, text + " == 0");
+  } else if (got == Type::Int && (op == "&&" || op == "||") && at->kind == ExprKind::Path) {
+    report.help(fmt::format("write `{} != 0`", text), at->range, text + " != 0");
+  }
   return std::nullopt;
 }
 
@@ -366,8 +380,10 @@ std::optional<Typed> CodeBuilder::call(const syntax::Expr* e) {
     }
     std::sort(known.begin(), known.end());
     auto d = diags_.report(Diag::kB1005, e->path.range, name);
-    for (const std::string& s : similar_names(name, known))
-      d.help(fmt::format("`{}` has a similar name", s), e->path.range, s);
+    const std::vector<std::string> similar = similar_names(name, known);
+    for (const std::string& s : similar) d.help(fmt::format("`{}` has a similar name", s), e->path.range, s);
+    if (similar.empty())
+      d.note("functions are declared: `extern function` for those of C++, `function int f(int x) = x + 1` for others");
     return std::nullopt;
   }
   const syntax::Decl& function = **found;

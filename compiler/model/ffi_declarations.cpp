@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/model/packages.hpp"
+#include "compiler/model/suggest.hpp"
 
 namespace bip::model {
 
@@ -23,7 +24,13 @@ Type data_type(const Model& model, const syntax::TypeRef& type, Diagnostics& dia
   std::sort(known.begin(), known.end());
   const std::vector<std::string> similar = similar_names(name, known);
   for (const std::string& s : similar) d.help(fmt::format("`{}` has a similar name", s), type.name.range, s);
-  if (similar.empty()) d.help("the native types are `int`, `bool`, `float` and `string`");
+  if (!similar.empty()) return Type::Int;
+  if (const std::optional<Type> meant = meant_type(name)) {
+    d.help(fmt::format("write `{}`", name_of(*meant)), type.name.range, std::string(name_of(*meant)));
+    return *meant;
+  }
+  if (name == "clock") d.note("clocks are declared by `clock NAME`");
+  d.help("the native types are `int`, `bool`, `float` and `string`");
   return Type::Int;
 }
 

@@ -1,5 +1,6 @@
 // `a[i].p` inside a compound: which family, which element, which port or datum.
 #include "compiler/model/compound_builder.hpp"
+#include "compiler/model/suggest.hpp"
 
 namespace bip::model {
 
@@ -28,7 +29,8 @@ const std::string& type_name(const ModelBuilder& b, const ComponentFamily& famil
 bool CompoundBuilder::element(const syntax::PathPart& part, bool is_array, ElementRef& ref, const std::string& what) {
   if (is_array && part.index == nullptr && !part.star) {
     b.diags.report(Diag::kB4011, part.name.range, what)
-        .help(fmt::format("write `{}[0]`, or `{}[*]` for all", part.name.text, part.name.text));
+        .help(fmt::format("write `{}[0]`, or `{}[*]` for all", part.name.text, part.name.text), part.name.range,
+              std::string(part.name.text) + "[0]");
     return false;
   }
   if (!is_array && (part.index != nullptr || part.star)) {
@@ -98,7 +100,9 @@ bool CompoundBuilder::component_port(const syntax::Path& path, std::uint32_t row
       const MergedPort* merged = merged_with(atom, p);
       if (!ports[p].exported || merged != nullptr) {
         auto d = b.diags.report(Diag::kB2018, port.range, port.text, type_name(b, family));
-        if (merged == nullptr) d.help("declare it with `export port`");
+        const SourceRange at = port_declaration(b.model, type_name(b, family), port.text);
+        if (merged == nullptr && at.is_valid())
+          d.help("declare it with `export port`", {at.file, at.begin, at.begin}, "export ");
         else d.help(fmt::format("it is exported as `{}`", merged->name), port.range, merged->name);
         return false;
       }

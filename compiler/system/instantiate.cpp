@@ -232,7 +232,22 @@ std::optional<CompoundTypeId> find_root(const Model& model, const std::string& n
   auto d = diags.report(Diag::kB4005, at, name);
   std::vector<std::string> known;
   for (const CompoundType& t : model.compound_types) known.push_back(t.name);
-  for (const std::string& s : similar_names(name, known)) d.help(fmt::format("`{}` has a similar name", s));
+  if (type != nullptr && type->kind == TypeName::Kind::Atom)
+    d.note(fmt::format("`{}` is an atom type; a root is a compound, which joins components by connectors", name));
+  const std::vector<std::string> similar = similar_names(name, known);
+  const SourceRange named{at.file, at.begin, std::min(at.end, at.begin + static_cast<std::uint32_t>(name.size()))};
+  for (const std::string& s : similar) d.help(fmt::format("`{}` has a similar name", s), named, s);
+  if (similar.empty() && !known.empty()) {
+    std::string list;
+    for (std::size_t k = 0; k < std::min<std::size_t>(known.size(), 8); ++k)
+      list += (list.empty() ? "`" : ", `") + known[k] + "`";
+    d.note("the compound types are " + list + (known.size() > 8 ? " and others" : ""));
+    const std::vector<CompoundTypeId> roots = possible_roots(model);
+    if (!roots.empty()) {
+      const std::string& root = model.compound_types[roots.back()].name;
+      d.help(fmt::format("`--root '{}'`", root), at, root);
+    }
+  }
   return std::nullopt;
 }
 
@@ -254,8 +269,19 @@ std::optional<System> instantiate(Model& model, const std::string& root_type,
   if (!root) return std::nullopt;
   const CompoundType& type = model.compound_types[*root];
   if (args.size() != type.params.size()) {
-    diags.report(Diag::kB1015, root_range, model::counted(args.size(), "argument"),
-                 fmt::format("compound type `{}`", type.name), type.params.size());
+    std::string params, with;
+    for (const DataVariable& p : type.params) {
+      params += (params.empty() ? "" : ", ") + std::string(name_of(p.type)) + " " + p.name;
+      with += (with.empty() ? "" : ", ") + std::string(p.type == Type::Bool     ? "true"
+                                                       : p.type == Type::String ? "\"\""
+                                                                                : "1");
+    }
+    with = type.name + "(" + with + ")";
+    diags
+        .report(Diag::kB1015, root_range, model::counted(args.size(), "argument"),
+                fmt::format("compound type `{}`", type.name), type.params.size())
+        .note(fmt::format("it is declared `compound type {}({})`", type.name, params))
+        .help(fmt::format("write `--root '{}'`{}", with, type.params.empty() ? "" : ", for example"), root_range, with);
     return std::nullopt;
   }
   Instantiator unfold{model, diags, limits};
