@@ -3,6 +3,8 @@
 #   bipc             programs, JIT, runtime sources, standard library, models, documents
 #   libbip-runtime0  libbip_runtime.so.0, for programs that link it
 #   bipc-dev         headers and the static library
+#   libbip-compiler0, libbip-compiler-dev   the compiler as a library
+#   python3-bipc     the Python package bipc, if pybind11 is installed
 #   bipc-vscode      the extension as a .vsix, if tools/vscode/package made one
 set(CPACK_PACKAGE_NAME bipc)
 set(CPACK_PACKAGE_VENDOR "The bipc project")
@@ -53,6 +55,43 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libbip-runtime0 (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "runtime of BIP models, headers and static library
 For C++ and C programs that execute models which bipc compiled to C++.")
 
+set(packages bipc:bipc libs:libbip-runtime0 dev:bipc-dev vscode:bipc-vscode)
+if(TARGET bip_compiler)
+  list(APPEND CPACK_COMPONENTS_ALL compiler compiler_dev)
+  list(APPEND packages compiler:libbip-compiler0 compiler_dev:libbip-compiler-dev)
+  # The JIT, the standard library and the runtime that `bipc build` links are those of the package bipc.
+  set(CPACK_DEBIAN_COMPILER_PACKAGE_NAME libbip-compiler0)
+  set(CPACK_DEBIAN_COMPILER_PACKAGE_SECTION libs)
+  set(CPACK_DEBIAN_COMPILER_PACKAGE_DEPENDS "bipc (= ${PROJECT_VERSION}), libbip-runtime0 (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_COMPILER_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/triggers)
+  set(CPACK_COMPONENT_COMPILER_DESCRIPTION "compiler and verifier of BIP models, shared library
+Loads, checks, runs, explores and proves models inside a C++ program
+(bip/compiler.hpp).")
+  set(CPACK_DEBIAN_COMPILER_DEV_PACKAGE_NAME libbip-compiler-dev)
+  set(CPACK_DEBIAN_COMPILER_DEV_PACKAGE_SECTION libdevel)
+  set(CPACK_DEBIAN_COMPILER_DEV_PACKAGE_SHLIBDEPS OFF)
+  set(CPACK_DEBIAN_COMPILER_DEV_PACKAGE_DEPENDS "libbip-compiler0 (= ${PROJECT_VERSION}), bipc-dev (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_COMPILER_DEV_DESCRIPTION "compiler and verifier of BIP models, header
+For C++ programs that load, check, run, explore and prove BIP models.")
+endif()
+if(TARGET bipc_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  list(APPEND packages python:python3-bipc)
+  # A module of C++ belongs to one version of Python.
+  get_target_property(python_suffix bipc_python SUFFIX)
+  string(REGEX REPLACE "^\\.cpython-3([0-9]+).*" "\\1" python_minor "${python_suffix}")
+  math(EXPR python_after "${python_minor} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-bipc)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "libbip-compiler0 (= ${PROJECT_VERSION}), python3 (>= 3.${python_minor}), python3 (<< 3.${python_after})")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, python3-pandas")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "BIP models in Python
+Loads, checks, runs, explores and proves BIP models: import bipc.")
+endif()
+# Packages of one build depend on each other's libraries, which no package of the system has.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR})
+
 # Debian wants copyright and change log in each package's own folder.
 string(TIMESTAMP year "%Y" UTC)
 string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)
@@ -79,7 +118,7 @@ License: Apache-2.0 WITH LLVM-exception
 # Compressed when a package is made: the time stamp would change the file at each configuration.
 find_program(GZIP gzip REQUIRED)
 configure_file(cmake/debian_documents.cmake.in ${documents}/documents.cmake @ONLY)
-foreach(pair bipc:bipc libs:libbip-runtime0 dev:bipc-dev vscode:bipc-vscode)
+foreach(pair ${packages})
   string(REPLACE ":" ";" pair ${pair})
   list(GET pair 0 component)
   list(GET pair 1 package)
