@@ -257,6 +257,14 @@ Verdict Model::verify(const VerifyOptions& options) const {
   request.timeout = options.timeout;
   request.megabytes = options.megabytes;
   request.property = options.property;
+  if (!options.fairness.empty()) {
+    const std::optional<verify::Fairness> fairness = verify::read_fairness(options.fairness);
+    if (!fairness) {
+      out.problem = "`" + options.fairness + "` is no fairness: none, weak, strong, weak:atoms, strong:atoms";
+      return out;
+    }
+    request.fairness = *fairness;
+  }
   request.partial = options.partial;
   request.why = options.explains;
   request.reuses = impl_->options.uses_cache;
@@ -298,6 +306,7 @@ Verdict Model::verify(const VerifyOptions& options) const {
     const interp::Interpreter interpreter(*lowered);
     out.counterexample =
         replayed(lowered->image, rt::MaximalProgress::On, verdict->counterexample->end, verdict->counterexample->path);
+    out.counterexample->cycle = verdict->counterexample->cycle;
     out.counterexample->text = out.text;
   }
   return out;

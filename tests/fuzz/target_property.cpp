@@ -3,6 +3,7 @@
 #include "compiler/interp/interp.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/system/bsys.hpp"
+#include "compiler/verify/liveness/automaton.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -51,7 +52,16 @@ Verdict try_property(std::string_view input) {
   if (fixed.interpreter == nullptr) return {"property: the fixed system does not compile", false};
   const System& system = *fixed.compilation.system;
   const rt::Image& image = fixed.compilation.lowered->image;
-  const Result<verify::Property> property = verify::parse_property(std::string(input), system);
+  // The larger language first; what is a property of states there is one here.
+  Result<verify::ParsedProperty> any = verify::parse_any_property(std::string(input), system);
+  if (any && any->is_formula) {
+    const Result<verify::Automaton> automaton = verify::make_automaton(any->formula, true);
+    return {!automaton && automaton.error().empty() ? "property: no automaton, and no reason" : "", true};
+  }
+  Result<verify::Property> property = verify::parse_property(std::string(input), system);
+  if (!any && property) return {"property: a property of states that only the smaller language has", false};
+  // `always (a implies b)` is one, in words of the larger language.
+  if (any && !property) property = any->state;
   if (!property) return {property.error().starts_with("column ") ? "" : "property: an error without its column", false};
   rt::Core core(image);
   if (!core.initialize()) return {"property: the fixed system does not start", false};

@@ -8,8 +8,8 @@ Compared: the JSON trace, standard output, standard error, exit code. A header l
 arguments; several such lines give several runs. A model without a root of its own needs one, there or in a comment that
 says how to run it: (--root 'Ring(1000)'). `// run: none` marks a package that others use.
 
-Verdicts: `// verify: free|deadlock|unknown [options]`, as many as one likes, say how `bipc verify` must answer. Every
-system in VERDICTS needs one. Where the answer is a proof, certcheck must accept its certificate. Python's library only.
+Verdicts: `// verify: free|deadlock|holds|violated|unknown [options]`, as many as one likes, say how `bipc verify` must answer. Every
+system in VERDICTS needs one. Where the answer is `free`, certcheck must accept its certificate. Python's library only.
 """
 import argparse
 import concurrent.futures
@@ -33,8 +33,8 @@ CPP_SOURCES = re.compile(r'^@cpp\(.*src="([^"]*)"', re.M)
 RUN_LINE = re.compile(r"^// run:(.*)$", re.M)
 EMBED_LINE = re.compile(r"^// embed: (\S+)$", re.M)
 VERIFY_LINE = re.compile(r"^// verify:\s*(\S+)(.*)$", re.M)
-EXIT_OF_VERDICT = {"free": 0, "deadlock": 3, "unknown": 4}
-VERDICTS = ("models/classic/", "models/dala/")
+EXIT_OF_VERDICT = {"free": 0, "deadlock": 3, "holds": 0, "violated": 3, "unknown": 4}
+VERDICTS = ("models/classic/", "models/dala/", "models/liveness/")
 VERIFY_TIMEOUT = 300
 TIMEOUT = 120
 WITH_VALUE = ("--root", "--policy", "--limit", "--seed", "--trace-format")
@@ -126,7 +126,7 @@ def check_verdicts(model, text, name):
     good, problems = 0, []
     lines = VERIFY_LINE.findall(text)
     if not lines and name.startswith(VERDICTS):
-        problems.append(f"{name}: no line `// verify: free|deadlock|unknown`")
+        problems.append(f"{name}: no line `// verify: free|deadlock|holds|violated|unknown`")
     for verdict, arguments in lines:
         if verdict not in EXIT_OF_VERDICT:
             problems.append(f"{name}: `// verify: {verdict}` is no verdict")

@@ -251,6 +251,7 @@ PYBIND11_MODULE(_bipc, m) {
   py::class_<bc::Counterexample>(m, "Counterexample")
       .def_readonly("end", &bc::Counterexample::end)
       .def_readonly("steps", &bc::Counterexample::steps)
+      .def_readonly("cycle", &bc::Counterexample::cycle)
       .def_readonly("text", &bc::Counterexample::text)
       .def("__len__", [](const bc::Counterexample& run) { return run.steps.size(); })
       .def("__str__", [](const bc::Counterexample& run) { return run.text; });
@@ -385,8 +386,9 @@ PYBIND11_MODULE(_bipc, m) {
            })
       .def("_verify",
            [](PyModel& p, const std::string& property, bool partial, double timeout, std::uint64_t megabytes,
-              bool certificate, bool explains) {
+              bool certificate, bool explains, const std::string& fairness) {
              bc::VerifyOptions options{.property = property,
+                                       .fairness = fairness,
                                        .partial = partial,
                                        .timeout = timeout,
                                        .megabytes = megabytes,

@@ -68,6 +68,8 @@ struct CounterexampleStep {
 struct Counterexample {
   std::string end;  // "deadlock", "error", "time lock", "state"
   std::vector<CounterexampleStep> steps;
+  // Properties of runs: the steps from here on repeat for ever; steps.size(): none, the last state does.
+  std::optional<std::size_t> cycle = std::nullopt;
   std::string text;  // for people
 };
 
@@ -85,7 +87,10 @@ struct Exploration {
 };
 
 struct VerifyOptions {
-  std::string property;  // "deadlock" or empty, "errors", "never EXPR", "always EXPR"
+  // "deadlock" or empty, "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" …
+  std::string property;
+  // Properties of runs: which count. "none" or empty, "weak", "strong", "weak:atoms", "strong:atoms".
+  std::string fairness;
   bool partial = false;  // instead: does a component wait for ever while others move?
   double timeout = 60;   // seconds of the processor
   std::uint64_t megabytes = 2048;
