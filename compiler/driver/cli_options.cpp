@@ -671,6 +671,12 @@ void add_folding(CLI::App& command, graph::PictureOptions& picture) {
       ->check(is_number())
       ->type_name("N");
   command
+      .add_option("--bundle", picture.bundle,
+                  "in compounds with more than N connectors draw those that join the same closed boxes as one line "
+                  "(default: 60)")
+      ->check(is_number())
+      ->type_name("N");
+  command
       .add_option("--open", picture.open,
                   "draw the array or compound PATH open all the same, `phil` or `line.before`; may be repeated")
       ->allow_extra_args(false)

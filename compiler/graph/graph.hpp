@@ -24,7 +24,8 @@ struct PictureOptions {
   Show show = Show::All;
   std::uint64_t fold = 8;                   // arrays of more elements are one box
   std::uint64_t depth = ~std::uint64_t{0};  // compounds so many levels below the root are closed
-  std::vector<std::string> open;            // arrays and compounds that are drawn all the same, by path
+  std::uint64_t bundle = 60;      // in boxes with more connectors, those that join the same boxes are one line
+  std::vector<std::string> open;  // arrays and compounds that are drawn all the same, by path
 };
 
 /// Returns a whole SVG document, laid out here.

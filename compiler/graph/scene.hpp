@@ -37,7 +37,8 @@ struct SceneNet {
   u32 colour = 0;
   u32 first = kNoRow, last = kNoRow;  // Connector: rows of the system's connectors
   std::vector<SceneEnd> ends;
-  u32 exit = kNoRow;  // port of the box around it to which this leads
+  std::vector<std::pair<u32, u32>> bundled{};  // of a bundle: first and last of each
+  u32 exit = kNoRow;                           // port of the box around it to which this leads
 };
 
 struct ScenePort {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/graph/bundle.hpp"
 #include "compiler/graph/picture.hpp"
 #include "compiler/graph/scene.hpp"
 #include "compiler/graph/structure_layout.hpp"
@@ -113,6 +114,12 @@ class StructureDrawing {
     std::string attributes;
     if (!net.path.empty()) attributes += fmt::format(" data-path=\"{}\"", escaped_markup(net.path));
     if (net.first != kNoRow) attributes += fmt::format(" data-connector=\"{}\" data-last=\"{}\"", net.first, net.last);
+    if (!net.bundled.empty()) {
+      std::string rows;
+      for (const auto& [first, last] : net.bundled)
+        rows += fmt::format("{}{}-{}", rows.empty() ? "" : " ", first, last);
+      attributes += fmt::format(" data-bundled=\"{}\"", rows);
+    }
     shapes_.begin_group(is_plain ? "net plain" : fmt::format("net w{}", net.colour), attributes);
   }
 
@@ -121,7 +128,8 @@ class StructureDrawing {
     const SceneBox& box = scene_.boxes[row];
     for (std::size_t n = 0; n < box.nets.size(); ++n) {
       begin_net(box.nets[n]);
-      if (!box.nets[n].details.empty()) shapes_.title(box.nets[n].path + "\n" + box.nets[n].details);
+      if (!box.nets[n].details.empty())
+        shapes_.title((box.nets[n].path.empty() ? "" : box.nets[n].path + "\n") + box.nets[n].details);
       draw_lines_of(box.nets[n], placed_[row].nets[n], frame);
       shapes_.end_group();
     }
@@ -171,7 +179,8 @@ class StructureDrawing {
 }  // namespace
 
 Picture structure_picture(const System& system, const PictureOptions& options) {
-  const Scene scene = build_scene(system, options);
+  Scene scene = build_scene(system, options);
+  bundle_nets(scene, options.bundle);
   return StructureDrawing(scene).run();
 }
 

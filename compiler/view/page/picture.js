@@ -41,6 +41,9 @@ class StructurePicture {
       this.members.get(box).push(atom);
     }
     this.nets = [...this.svg.querySelectorAll("[data-connector]")].map((net) => ({ net, first: Number(net.dataset.connector), last: Number(net.dataset.last) }));
+    // A bundle is as many nets as it has connectors.
+    for (const net of this.svg.querySelectorAll("[data-bundled]"))
+      for (const rows of net.dataset.bundled.split(" ")) this.nets.push({ net, first: Number(rows.split("-")[0]), last: Number(rows.split("-")[1]) });
     for (const box of this.members.keys()) box.standing = [...box.querySelectorAll(":scope > text.dim")].pop();
     this.marked = [];
     this.fit();
