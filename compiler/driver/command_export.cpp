@@ -57,6 +57,8 @@ std::string imprecision(const verify::Imprecision& first, const System& system) 
 // What the transition system follows only approximately is refused: another tool's answer must hold of the model.
 Result<std::string> aiger(const Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
   if (const std::string what = system::first_timed(*c.system); !what.empty()) return Failure{what};
+  if (question.what == verify::QuestionKind::Runs)
+    return Failure{"a property of runs is no set of states, which the output of a circuit asks for"};
   if (!arguments.maximal_progress) return Failure{"the transition system has maximal progress"};
   const auto is_float = [](const verify::PropertyNode& node) { return node.type == Type::Float; };
   if (std::any_of(question.property.nodes.begin(), question.property.nodes.end(), is_float))
