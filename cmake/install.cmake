@@ -42,7 +42,7 @@ endif()
 
 # The compiler as a library, and Python's module over it.
 if(TARGET bip_compiler)
-  install(DIRECTORY compiler/library/include/bip DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT compiler_dev FILES_MATCHING PATTERN *.hpp)
+  install(DIRECTORY compiler/library/include/bip DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT compiler_dev FILES_MATCHING PATTERN *.hpp PATTERN *.h)
   set_target_properties(bip_compiler PROPERTIES INSTALL_RPATH "$ORIGIN")
   target_link_options(bip_compiler PRIVATE -Wl,--disable-new-dtags)
   install(TARGETS bip_compiler LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT compiler NAMELINK_COMPONENT compiler_dev)

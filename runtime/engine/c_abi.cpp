@@ -2,7 +2,10 @@
 #include "bip/bip.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <optional>
+#include <variant>
 
 #include "bip/bip.hpp"
 #include "runtime/engine/policies.hpp"
@@ -30,15 +33,54 @@ static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED &&
               static_cast<int>(bip::Outcome::Fault) == BIP_FAULT &&
               static_cast<int>(bip::Outcome::Stopped) == BIP_STOPPED);
 
+static_assert(static_cast<int>(bip::Outcome::Final) == BIP_FINAL);
+static_assert(static_cast<int>(bip::Posted::Taken) == BIP_TAKEN && static_cast<int>(bip::Posted::Full) == BIP_FULL &&
+              static_cast<int>(bip::Posted::NoSuchPort) == BIP_NO_SUCH_PORT &&
+              static_cast<int>(bip::Posted::BadValues) == BIP_BAD_VALUES);
+
+// Of a type that is none: nothing.
+std::optional<bip::EventValue> event_value(const bip_value& value) {
+  switch (value.type) {
+    case BIP_INT: return value.is.as_int;
+    case BIP_BOOL: return value.is.as_bool != 0;
+    case BIP_FLOAT: return value.is.as_float;
+    case BIP_STRING: return std::string(value.is.as_string == nullptr ? "" : value.is.as_string);
+    default: return std::nullopt;
+  }
+}
+// Text is borrowed.
+bip_value c_value(const bip::EventValue& value) {
+  bip_value out{};
+  if (const auto* whole = std::get_if<std::int32_t>(&value)) out.is.as_int = *whole;
+  if (const auto* truth = std::get_if<bool>(&value)) out = {BIP_BOOL, {.as_bool = *truth ? 1 : 0}};
+  if (const auto* real = std::get_if<double>(&value)) out = {BIP_FLOAT, {.as_float = *real}};
+  if (const auto* text = std::get_if<std::string>(&value)) out = {BIP_STRING, {.as_string = text->c_str()}};
+  return out;
+}
+
 }  // namespace
 
 extern "C" {
 
 bip_execution* bip_create(const bip_image* image, uint64_t seed, int policy) {
-  if (image == nullptr || policy < 0 || static_cast<std::size_t>(policy) >= bip::rt::policies().size()) return nullptr;
-  bip::ExecutionOptions options;
+  bip_options options{};
+  options.size = sizeof options;
   options.seed = seed;
-  options.policy = static_cast<bip::rt::Policy>(policy);
+  options.policy = policy;
+  return bip_create_with(image, &options);
+}
+bip_execution* bip_create_with(const bip_image* image, const bip_options* given) {
+  if (image == nullptr || given == nullptr || given->size != sizeof(bip_options)) return nullptr;
+  if (given->policy < 0 || static_cast<std::size_t>(given->policy) >= bip::rt::policies().size()) return nullptr;
+  if (!(given->speed >= 0) || std::isinf(given->speed)) return nullptr;
+  bip::ExecutionOptions options;
+  options.seed = given->seed;
+  options.policy = static_cast<bip::rt::Policy>(given->policy);
+  options.maximal_progress = given->no_maximal_progress == 0;
+  options.asap = given->asap != 0;
+  options.strict = given->strict != 0;
+  options.speed = given->speed;
+  if (given->event_capacity != 0) options.event_capacity = given->event_capacity;
   return std::make_unique<bip_execution>(
              bip_execution{bip::Execution(*reinterpret_cast<const bip::rt::Image*>(image), options)})
       .release();
@@ -59,6 +101,49 @@ size_t bip_candidate(const bip_execution* system, uint64_t k, char* buffer, size
   return copy_out(k < system->system.candidate_count() ? system->system.candidate(k) : std::string(), buffer, size);
 }
 int bip_fire(bip_execution* system, uint64_t k) { return code_of(system->system.fire(k)); }
+
+size_t bip_candidate_ports(const bip_execution* system, uint64_t k, char* buffer, size_t size) {
+  std::string text;
+  if (k < system->system.candidate_count()) {
+    for (const std::string& port : system->system.candidate_ports(k)) text += (text.empty() ? "" : "\n") + port;
+  }
+  return copy_out(text, buffer, size);
+}
+size_t bip_why(const bip_execution* system, const char* path, char* buffer, size_t size) {
+  return copy_out(system->system.why(path), buffer, size);
+}
+
+int64_t bip_now(const bip_execution* system) { return system->system.now(); }
+uint64_t bip_late_steps(const bip_execution* system) { return system->system.late_steps(); }
+void bip_restart_clock(bip_execution* system) { system->system.restart_clock(); }
+void bip_stop(bip_execution* system) { system->system.stop(); }
+void bip_go_on(bip_execution* system) { system->system.go_on(); }
+
+int bip_post(bip_execution* system, const char* port, const bip_value* values, size_t count) {
+  std::vector<bip::EventValue> given;
+  for (size_t k = 0; k < count; ++k) {
+    std::optional<bip::EventValue> value = event_value(values[k]);
+    if (!value) return BIP_BAD_VALUES;
+    given.push_back(std::move(*value));
+  }
+  return static_cast<int>(system->system.post(port, std::move(given)));
+}
+
+void bip_on_step_view(bip_execution* system, bip_step_callback callback, void* user) {
+  if (callback == nullptr) {
+    system->system.on_step(nullptr);
+    return;
+  }
+  system->system.on_step([callback, user, system](const bip::Step& step) {
+    std::vector<const char*> ports;
+    for (const std::string& port : step.ports) ports.push_back(port.c_str());
+    std::vector<bip_port_value> values;
+    for (const bip::StepValue& v : step.values) values.push_back({v.port, v.name, c_value(v.value)});
+    const bip_step_view view{step.number,   system->system.now(), step.interaction.c_str(), ports.size(), ports.data(),
+                             values.size(), values.data()};
+    callback(user, &view);
+  });
+}
 
 void bip_on_step(bip_execution* system, bip_callback callback, void* user) {
   if (callback == nullptr) {

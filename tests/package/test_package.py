@@ -122,7 +122,9 @@ def test_compiler_inside_another_program(at):
         return
     build = at.work / "compiler"
     run("cmake", "-S", at.prefix / "share/bipc/models/embedding", "-B", build, f"-DCMAKE_PREFIX_PATH={at.prefix}", "-DCMAKE_BUILD_TYPE=Debug")
-    run("cmake", "--build", build, "--target", "compile_here")
+    run("cmake", "--build", build, "--target", "compile_here", "compile_from_c")
+    said = run(build / "compile_from_c")
+    assert "model.bip:3:13: B" in said and "lamp.shine" in said and "violated" in said, said
     said = run(build / "compile_here", at.prefix / PHILOSOPHERS)
     assert "deadlock" in said, said
     module = list(at.prefix.glob("lib/python3/dist-packages/bipc/_bipc*.so"))
