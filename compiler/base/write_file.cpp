@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -119,6 +120,11 @@ Result<bool> NewFile::commit(Durability durability) {
 }
 
 Result<bool> write_file(const fs::path& path, std::string_view text, Durability durability) {
+  if (path == "-") {
+    std::fflush(stdout);
+    if (const int error = write_all(STDOUT_FILENO, text); error != 0) return failure_of(error);
+    return true;
+  }
   struct stat old {};
   const bool exists = ::stat(path.c_str(), &old) == 0;
   if (exists && S_ISDIR(old.st_mode)) return failure_of(EISDIR);

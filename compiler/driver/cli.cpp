@@ -46,6 +46,14 @@ std::string help_of(const CLI::App& app, int argc, char** argv) {
   return is_command(app, first) ? fmt::format("`bipc {} --help`", first) : "`bipc --help`";
 }
 
+// `bipc help [command]`, as git has it.
+int print_help(const CLI::App& app, int argc, char** argv) {
+  if (argc > 3) return usage_error(fmt::format("`{}` is one argument too many", argv[3]), "`bipc help COMMAND`");
+  if (argc == 3 && !is_command(app, argv[2])) return unknown_command(app, argv[2]);
+  std::fputs((argc == 3 ? app.get_subcommand(argv[2])->help("bipc") : app.help()).c_str(), stdout);
+  return kOk;
+}
+
 // An option that the command does not have, or one file too many.
 int unexpected_word(const CLI::App& app, const std::string& help) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
@@ -123,7 +131,9 @@ int run_command_line(int argc, char** argv, const char* commit) {
   CLI::App app{"bipc: compiler and runtime for BIP models", "bipc"};
   app.require_subcommand(0, 1);
   app.set_help_flag("-h,--help", "print this help");
-  app.footer("Example:\n  bipc run model.bip\nEach command has its own --help.");
+  app.footer(
+      "Example:\n  bipc run model.bip\n`bipc help COMMAND` prints the help of a command; FILE may be `-`, standard "
+      "input.");
   Arguments arguments;
   arguments.version.commit = commit;
   add_commands(app, arguments);
@@ -135,8 +145,10 @@ int run_command_line(int argc, char** argv, const char* commit) {
       option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     }
   }
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  if (first == "help") return print_help(app, argc, argv);
   if (argc > 1 && argv[1][0] != '-' && !is_command(app, argv[1])) return unknown_command(app, argv[1]);
-  if (argc > 1 && std::string_view(argv[1]) == "--version") return command_version({});
+  if (first == "--version" || first == "-V") return command_version({});
   try {
     // The published compiler's call has no command. Words come last first.
     if (argc > 1 && argv[1][0] == '-') {

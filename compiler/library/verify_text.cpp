@@ -44,6 +44,17 @@ const char* found_by_visit(verify::QuestionKind asked) {
   BIP_UNREACHABLE("a question of no kind");
 }
 
+const char* broken_by_state(verify::QuestionKind asked) {
+  switch (asked) {
+    case verify::QuestionKind::DeadlockFreedom: return "is a deadlock";
+    case verify::QuestionKind::NoErrors: return "leads to an error";
+    case verify::QuestionKind::NoLocalDeadlock: return "holds a component up for ever";
+    case verify::QuestionKind::State:
+    case verify::QuestionKind::Runs: return "violates it";
+  }
+  BIP_UNREACHABLE("a question of no kind");
+}
+
 // At most kInvariantsShown lines, and how many more there are.
 template <class Rows, class Line>
 void add_lines(std::string& text, const Rows& rows, const Line& line) {
@@ -61,7 +72,11 @@ std::string method_text(const Compilation& c, const verify::Question& question, 
   };
   return std::visit(
       verify::EvidenceVisitor{
-          [&](const verify::InvariantProof&) { return fmt::format(": proved with {} {}\n", invariants, size); },
+          [&](const verify::InvariantProof&) {
+            if (!d.invariants().empty()) return fmt::format(": proved with {} {}\n", invariants, size);
+            return fmt::format(": proved without invariants: no combination of the components' own states {} {}\n",
+                               broken_by_state(question.what), size);
+          },
           [&](const verify::InductiveProof& evidence) {
             const std::size_t equations = d.facts.affine.equations.size();
             return fmt::format(": proved by induction with {}{} and {} {}\n", invariants,

@@ -55,6 +55,7 @@ Result<std::string> read_all(int fd) {
 }
 
 Result<std::string> read_file(const std::string& path) {
+  if (path == "-") return read_all(STDIN_FILENO);
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) return errno == ENOENT ? Failure{"no such file"} : system_failure(errno);
   struct stat status {};
@@ -83,7 +84,8 @@ FileId SourceMap::add(std::string name, std::string text) {
 Result<FileId> SourceMap::load(const std::string& path, std::string name) {
   Result<std::string> text = read_file(path);
   if (!text) return Failure{text.error()};
-  return load_text(name.empty() ? path : std::move(name), std::move(*text));
+  if (name.empty()) name = path == "-" ? "standard input" : path;
+  return load_text(std::move(name), std::move(*text));
 }
 
 Result<FileId> SourceMap::load_text(std::string name, std::string text) {
