@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kMaxMarks = 32;
 constexpr std::size_t kMaxStates = 4096;
-constexpr std::size_t kMaxBranches = 200'000;  // of the tableau, all states together
+// Of the tableau, all states together: about a second.
+constexpr std::size_t kMaxBranches = 200'000, kMaxComparisons = 50'000'000;
 
 using FormulaRow = std::uint32_t;
 using ConditionMask = std::uint64_t;
@@ -162,8 +163,9 @@ class Tableau {
     for (FormulaRow state = 0; state < states_.size(); ++state) {
       const FormulaRows formulas = states_[state];
       expand(formulas);
-      if (states_.size() > kMaxStates || branches_ > kMaxBranches)
+      if (states_.size() > kMaxStates)
         return Failure{"the property needs an automaton with more than " + std::to_string(kMaxStates) + " states"};
+      if (is_too_large()) return Failure{"the property has too many alternatives"};
     }
     return std::move(made_);
   }
@@ -175,6 +177,8 @@ class Tableau {
     ConditionMask required = 0, forbidden = 0;
     std::uint32_t postponed = 0;  // untils whose right side does not come now
   };
+
+  [[nodiscard]] bool is_too_large() const { return branches_ > kMaxBranches || comparisons_ > kMaxComparisons; }
 
   FormulaRow state_of(const FormulaRows& formulas) {
     const auto [at, is_new] = row_of_state_.try_emplace(formulas, static_cast<FormulaRow>(states_.size()));
@@ -202,7 +206,7 @@ class Tableau {
   void expand(const FormulaRows& formulas) {
     std::vector<Branch> open(1), found;
     open[0].todo = formulas;
-    while (!open.empty() && branches_ <= kMaxBranches) {
+    while (!open.empty() && !is_too_large()) {
       Branch branch = std::move(open.back());
       open.pop_back();
       if (!take_apart(branch, open)) continue;
@@ -265,7 +269,8 @@ class Tableau {
     return (a.required & ~b.required) == 0 && (a.forbidden & ~b.forbidden) == 0 && (a.postponed & ~b.postponed) == 0 &&
            std::includes(b.next.begin(), b.next.end(), a.next.begin(), a.next.end());
   }
-  static void add_uncovered(std::vector<Branch>& found, const Branch& branch) {
+  void add_uncovered(std::vector<Branch>& found, const Branch& branch) {
+    comparisons_ += 2 * found.size();
     if (std::any_of(found.begin(), found.end(), [&](const Branch& other) { return covers(other, branch); })) return;
     std::erase_if(found, [&](const Branch& other) { return covers(branch, other); });
     found.push_back(branch);
@@ -276,7 +281,7 @@ class Tableau {
   std::map<FormulaRows, FormulaRow> row_of_state_;
   std::vector<FormulaRows> states_;
   Automaton made_;
-  std::size_t branches_ = 0;
+  std::size_t branches_ = 0, comparisons_ = 0;
 };
 
 // Strong components of the automaton, in reverse topological order.
