@@ -139,7 +139,7 @@ def test_pictures():
 
 def test_python_goes_on_while_it_works():
     """The GIL is free: another thread counts during a long exploration."""
-    model = bipc.load(SAFE, "Table(12)")
+    model = bipc.load(SAFE, "Table(24)")
     counted, end = [0], threading.Event()
 
     def count():
@@ -158,7 +158,9 @@ def test_interrupt_ends_work():
     """Ctrl-C: KeyboardInterrupt soon, in an exploration, a proof and a run; the objects can be used afterwards."""
     model = bipc.load(SAFE, "Table(24)")
     system = model.start()
-    for work in (lambda: model.explore(threads=1), lambda: system.run(2**60)):
+    # Who starts this in the background of a shell without job control has it ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for work in (lambda: model.explore(threads=1, seconds=60), lambda: system.run(2**40)):
         timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
         timer.start()
         begin = time.monotonic()
